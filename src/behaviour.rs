@@ -1,0 +1,117 @@
+//! Behaviours of outsiders: systems that a program composes with ours, switched on by the scene.
+//!
+//! A scene names them under `behaviours`, each with its own keys in RON:
+//!
+//! ```text
+//! behaviours: {"vibrating_wall": (amplitude: 0.002, frequency: 30.0)},
+//! ```
+//!
+//! A program registers the type that such keys make, and hands the registry to [`crate::cli::main_with`]:
+//!
+//! ```
+//! use serde::Deserialize;
+//! use siloflow::prelude::*;
+//!
+//! #[derive(Deserialize)]
+//! #[serde(deny_unknown_fields)]
+//! struct Wind {
+//!     /// Force on every grain, N.
+//!     force: f64,
+//! }
+//!
+//! impl Behaviour for Wind {
+//!     fn build(self: Box<Self>, app: &mut App) {
+//!         let force = self.force;
+//!         let blow = move |mut grains: Query<&mut Force, With<Grain>>| {
+//!             for mut total in &mut grains {
+//!                 total.0.x += force;
+//!             }
+//!         };
+//!         app.add_systems(Step, blow.in_set(ForceStage::Added));
+//!     }
+//! }
+//!
+//! let mut registry = Registry::default();
+//! registry.register::<Wind>("wind");
+//! ```
+
+use std::collections::BTreeMap;
+
+use bevy_app::App;
+use serde::de::DeserializeOwned;
+
+use crate::fault::Fault;
+use crate::scene::load::Loaded;
+use crate::scene::parse;
+
+/// What the keys of one behaviour make.
+pub trait Behaviour: 'static {
+    /// Checks the keys against the scene; the error says what is wrong and what to do.
+    ///
+    /// # Errors
+    /// If the behaviour cannot work in this scene.
+    fn check(&self, _scene: &Loaded) -> Result<(), String> {
+        Ok(())
+    }
+
+    /// Adds components, resources and systems. Systems go into the schedule [`crate::step::Step`].
+    fn build(self: Box<Self>, app: &mut App);
+}
+
+type Parse = fn(&Loaded, &str, &str) -> Result<Box<dyn Behaviour>, Fault>;
+
+/// The behaviours that a program knows, by name.
+#[derive(Default, Clone)]
+pub struct Registry(BTreeMap<&'static str, Parse>);
+
+impl Registry {
+    /// Makes `T` known as `name`.
+    pub fn register<T: Behaviour + DeserializeOwned>(&mut self, name: &'static str) -> &mut Self {
+        self.0.insert(name, parse_keys::<T>);
+        self
+    }
+
+    /// The behaviours that a scene asks for, in the order of their names.
+    ///
+    /// # Errors
+    /// If a name is unknown, or its keys are wrong; the fault points into the scene.
+    pub fn of_scene(&self, loaded: &Loaded) -> Result<Vec<(String, Box<dyn Behaviour>)>, Fault> {
+        loaded
+            .scene
+            .behaviours
+            .iter()
+            .map(|(name, keys)| {
+                let key = format!("behaviours.{name}");
+                let parse = self.0.get(name.as_str()).ok_or_else(|| self.unknown(loaded, name, &key))?;
+                let behaviour = parse(loaded, &key, keys.get_ron())?;
+                behaviour.check(loaded).map_err(|message| {
+                    loaded.fault("scene::behaviour", &key, message).help("see the documentation of the behaviour")
+                })?;
+                Ok((name.clone(), behaviour))
+            })
+            .collect()
+    }
+
+    fn unknown(&self, loaded: &Loaded, name: &str, key: &str) -> Fault {
+        let known: Vec<_> = self.0.keys().copied().collect();
+        let help = if known.is_empty() {
+            "this program knows none; a program of your own registers them (examples/vibrating_wall.rs)".to_owned()
+        } else {
+            format!("this program knows: {}", known.join(", "))
+        };
+        loaded.fault("scene::unknown_behaviour", key, format!("there is no behaviour `{name}`")).help(help)
+    }
+}
+
+fn parse_keys<T: Behaviour + DeserializeOwned>(
+    loaded: &Loaded,
+    key: &str,
+    ron: &str,
+) -> Result<Box<dyn Behaviour>, Fault> {
+    let (path, text) = loaded.source();
+    let offset = loaded.offset_of(key).unwrap_or(0);
+    match parse::ron_options().from_str::<T>(ron.trim()) {
+        Ok(behaviour) => Ok(Box::new(behaviour)),
+        Err(error) => Err(parse::explain(path, text, &error, offset)),
+    }
+}

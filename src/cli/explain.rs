@@ -1,0 +1,87 @@
+//! `siloflow explain`: what a scene will model, and at what cost, with the key that asks for each part.
+
+use std::fmt::Write as _;
+
+use bevy_ecs::prelude::*;
+
+use crate::behaviour::Registry;
+use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
+use crate::fault::Fault;
+use crate::particle::Grain;
+use crate::plugins::AskedBy;
+use crate::scene::load::Loaded;
+use crate::simulation::Simulation;
+use crate::step::Step;
+
+pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, Fault> {
+    let loaded = args.load()?;
+    let mut simulation = Simulation::new(&loaded, registry, ONE_THREAD)?;
+    // Step zero releases the first grain and touches no file: then the world shows what a grain is made of.
+    simulation.step();
+    let mut text = format!(
+        "{}\nintegrator {:?}, contact {:?},\nneighbours {:?}\n\n",
+        loaded.name,
+        loaded.scene.integrator,
+        loaded.scene.contact,
+        loaded.neighbours()
+    );
+    describe_grain(simulation.world_mut(), &mut text);
+    describe_systems(simulation.world(), &mut text);
+    describe_outputs(&loaded, &mut text);
+    say(&text);
+    Ok(Verdict::Done)
+}
+
+/// The components of the first grain. Writing to a string cannot fail.
+fn describe_grain(world: &mut World, text: &mut String) {
+    let first = world.query_filtered::<Entity, With<Grain>>().iter(world).next();
+    let Some(components) = first.and_then(|grain| world.inspect_entity(grain).ok()) else {
+        text.push_str("no grain at the start, so nothing to show of its components\n\n");
+        return;
+    };
+    let mut rows: Vec<_> = components
+        .map(|(_, info)| (short(&info.name().to_string()), info.layout().size()))
+        .collect();
+    rows.sort();
+    let total: usize = rows.iter().map(|(_, size)| size).sum();
+    let _ = writeln!(text, "components of a grain: {total} bytes");
+    for (name, size) in rows {
+        let _ = writeln!(text, "  {name:<24} {size:>3} B");
+    }
+    text.push('\n');
+}
+
+fn describe_systems(world: &World, text: &mut String) {
+    let (Some(schedules), Some(asked_by)) = (world.get_resource::<Schedules>(), world.get_resource::<AskedBy>()) else {
+        return;
+    };
+    let Some(Ok(systems)) = schedules.get(Step).map(bevy_ecs::schedule::Schedule::systems) else { return };
+    text.push_str("systems of a step, in order, and the key that asks for each:\n");
+    for (key, system) in systems {
+        // What no key asked for is the ECS's own: points where commands are applied, messages are aged.
+        if let Some(asked) = asked_by.0.get(&key) {
+            let _ = writeln!(text, "  {:<52} {asked}", short_path(&system.name().to_string()));
+        }
+    }
+}
+
+fn describe_outputs(loaded: &Loaded, text: &mut String) {
+    let scene = &loaded.scene;
+    let _ = write!(text, "\n`run` adds\n  a row of series.csv every {} s", scene.series.interval.get());
+    let _ = match &scene.pictures {
+        Some(pictures) => writeln!(text, "\n  a picture every {} s", pictures.interval.get()),
+        None => writeln!(text),
+    };
+}
+
+/// The last part of a path, generic arguments kept short too.
+fn short(name: &str) -> String {
+    name.rsplit("::").next().unwrap_or(name).to_owned()
+}
+
+/// A path without the crate's name, and without the paths of its generic arguments.
+fn short_path(name: &str) -> String {
+    let (path, arguments) = name.split_once('<').map_or((name, ""), |(path, arguments)| (path, arguments));
+    let path = path.strip_prefix("siloflow::").unwrap_or(path);
+    if arguments.is_empty() { path.to_owned() } else { format!("{path}<{}", short(arguments)) }
+}

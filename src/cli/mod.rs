@@ -1,0 +1,154 @@
+//! The command line. Results go to stdout, progress and messages to stderr.
+//!
+//! Exit status: 0 done; 1 the simulation failed; 2 the input or the call was wrong.
+
+mod check;
+mod explain;
+mod progress;
+mod render;
+mod run;
+
+use std::ffi::OsString;
+use std::io::IsTerminal as _;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::process::ExitCode;
+
+use clap::{Args, Parser, Subcommand};
+
+use crate::behaviour::Registry;
+use crate::fault::Fault;
+use crate::scene::load::{self, Loaded};
+
+/// Simulates grain in silos from one scene file, and leaves pictures, figures and data.
+#[derive(Parser, Debug)]
+#[command(
+    name = "siloflow",
+    version,
+    max_term_width = 100,
+    after_help = "Exit status: 0 done; 1 the simulation failed (unstable, grains lost, release blocked); 2 the input \
+                  or the call was wrong.\n\nStart with:  siloflow run scenes/silo1.ron\nPictures:    out/silo1/frames/, \
+                  figures: out/silo1/summary.json, series.csv"
+)]
+struct Cli {
+    #[command(subcommand)]
+    command: Command,
+    /// Say nothing but errors.
+    #[arg(long, short, global = true)]
+    quiet: bool,
+    /// Say more: -v events such as lost grains, -vv everything.
+    #[arg(long, short, global = true, action = clap::ArgAction::Count)]
+    verbose: u8,
+}
+
+#[derive(Subcommand, Debug)]
+enum Command {
+    /// Run a scene.
+    Run(run::RunArgs),
+    /// Look for bad input, an unstable step and leaky walls, before a run.
+    Check(check::CheckArgs),
+    /// Tell what a scene will model: components, bytes a grain, systems, and which key asks for each.
+    Explain(SceneArgs),
+    /// Turn snapshots (SVG) into PNGs beside them.
+    Render(render::RenderArgs),
+}
+
+/// A scene, and changes to it.
+#[derive(Args, Debug)]
+struct SceneArgs {
+    /// The scene, a RON file.
+    scene: PathBuf,
+    /// Change a key of the scene: `--set spawner.count=200`, `--set neighbours=AllPairs`. May be repeated.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = setting)]
+    set: Vec<(String, String)>,
+    /// Seed of all random numbers: short for `--set seed=N`.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
+}
+
+impl SceneArgs {
+    fn load(&self) -> Result<Loaded, Fault> {
+        let mut settings = self.set.clone();
+        settings.extend(self.seed.map(|seed| ("seed".to_owned(), seed.to_string())));
+        load::load(&self.scene, &settings)
+    }
+}
+
+fn setting(text: &str) -> Result<(String, String), String> {
+    let (path, value) = text.split_once('=').ok_or("expected PATH=VALUE, for example spawner.count=200")?;
+    Ok((path.trim().to_owned(), value.trim().to_owned()))
+}
+
+/// What a command came to.
+enum Verdict {
+    Done,
+    SimulationFailed,
+}
+
+/// The program with our own behaviours only.
+#[must_use]
+pub fn main() -> ExitCode {
+    main_with(&Registry::default())
+}
+
+/// The program with the behaviours in `registry`, on the arguments of the process: what a program that adds
+/// behaviours calls in its `main`.
+#[must_use]
+pub fn main_with(registry: &Registry) -> ExitCode {
+    run_with(registry, std::env::args_os())
+}
+
+/// The same on given arguments, the program's name first.
+#[must_use]
+pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    let cli = match Cli::try_parse_from(arguments) {
+        Ok(cli) => cli,
+        Err(error) => {
+            // clap's own: help and version go to stdout with 0, a wrong call to stderr with 2.
+            let _ = error.print();
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+        }
+    };
+    start_log(&cli);
+    let result = match &cli.command {
+        Command::Run(args) => run::run(args, registry, cli.quiet),
+        Command::Check(args) => check::check(args, registry),
+        Command::Explain(args) => explain::explain(args, registry),
+        Command::Render(args) => render::render(args),
+    };
+    match result {
+        Ok(Verdict::Done) => ExitCode::SUCCESS,
+        Ok(Verdict::SimulationFailed) => ExitCode::from(1),
+        Err(fault) => {
+            eprintln!("{:?}", miette::Report::new(fault));
+            ExitCode::from(2)
+        }
+    }
+}
+
+fn start_log(cli: &Cli) {
+    let level = match (cli.quiet, cli.verbose) {
+        (true, _) => tracing::Level::ERROR,
+        (_, 0) => tracing::Level::INFO,
+        (_, 1) => tracing::Level::DEBUG,
+        _ => tracing::Level::TRACE,
+    };
+    let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
+    // A program that has set up its own log keeps it.
+    let _ = tracing_subscriber::fmt()
+        .with_writer(std::io::stderr)
+        .with_max_level(level)
+        .with_target(false)
+        .without_time()
+        .with_ansi(colours)
+        .try_init();
+}
+
+/// Writes a result to stdout. A reader that has gone away is none of our business.
+fn say(text: &str) {
+    use std::io::Write as _;
+    let mut stdout = std::io::stdout().lock();
+    let _ = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+}
+
+const ONE_THREAD: NonZeroUsize = NonZeroUsize::MIN;

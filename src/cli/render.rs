@@ -1,0 +1,48 @@
+//! `siloflow render`: SVG snapshots to PNGs.
+
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::cli::{Verdict, say};
+use crate::fault::Fault;
+use crate::output::png;
+
+/// Arguments of `render`.
+#[derive(Args, Debug)]
+pub(super) struct RenderArgs {
+    /// SVG files, directories of them, or run directories.
+    #[arg(required = true)]
+    paths: Vec<PathBuf>,
+    /// Write PNG. It is the only format, so this changes nothing.
+    #[arg(long)]
+    png: bool,
+}
+
+pub(super) fn render(args: &RenderArgs) -> Result<Verdict, Fault> {
+    for path in &args.paths {
+        for svg in pictures(path)? {
+            say(&format!("{}\n", png::render_file(&svg)?.display()));
+        }
+    }
+    Ok(Verdict::Done)
+}
+
+/// The SVG files that a path names, in order.
+fn pictures(path: &Path) -> Result<Vec<PathBuf>, Fault> {
+    if !path.is_dir() {
+        return Ok(vec![path.to_owned()]);
+    }
+    let frames = path.join("frames");
+    let directory = if frames.is_dir() { frames } else { path.to_owned() };
+    let fault = |message: String| Fault::new("render::read", message).help("give SVG files, or run directories");
+    let entries = std::fs::read_dir(&directory)
+        .map_err(|error| fault(format!("could not read {}: {error}", directory.display())))?;
+    let mut files: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    files.retain(|file| file.extension().is_some_and(|ending| ending == "svg"));
+    files.sort();
+    if files.is_empty() {
+        return Err(fault(format!("there is no SVG file in {}", directory.display())));
+    }
+    Ok(files)
+}

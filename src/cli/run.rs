@@ -1,0 +1,142 @@
+//! `siloflow run`: steps a scene to its end and writes the run directory.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use clap::Args;
+
+use crate::behaviour::Registry;
+use crate::check;
+use crate::cli::progress::Progress;
+use crate::cli::{SceneArgs, Verdict, say};
+use crate::fault::Fault;
+use crate::outcome::End;
+use crate::output::frames::{FramesPlugin, Studio};
+use crate::output::run_directory::RunDirectory;
+use crate::output::series::SeriesPlugin;
+use crate::output::summary::{Cost, Summary, movable_grains};
+use crate::scene::load::Loaded;
+use crate::simulation::Simulation;
+
+/// Arguments of `run`.
+#[derive(Args, Debug)]
+pub(super) struct RunArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// The run directory. Default: out/<scene name>.
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Threads of the force pass. The result does not depend on it, to the last bit.
+    #[arg(long, value_name = "N", default_value = "1")]
+    threads: NonZeroUsize,
+    /// End at this simulated time, s, at the latest: short for `--set until=T`.
+    #[arg(long, value_name = "T")]
+    until: Option<f64>,
+    /// Write PNGs beside the SVG snapshots: short for `--set pictures.png=true`.
+    #[arg(long)]
+    png: bool,
+    /// Print the summary as JSON instead of in words.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+    let mut scene = SceneArgs { scene: args.scene.scene.clone(), set: args.scene.set.clone(), seed: args.scene.seed };
+    scene.set.extend(args.until.map(|until| ("until".to_owned(), format!("{until:?}"))));
+    if args.png {
+        scene.set.extend(pictures_with_png(&args.scene)?);
+    }
+    let loaded = scene.load()?;
+    for warning in check::warnings(&loaded) {
+        tracing::warn!("{warning}");
+    }
+    // Everything that can be wrong with the input is found before the first file is written.
+    Simulation::new(&loaded, registry, NonZeroUsize::MIN)?;
+    let path = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&loaded.name));
+    let directory = RunDirectory::prepare(&path, &loaded)?;
+    let mut simulation = build(&loaded, registry, args.threads, &directory)?;
+    let (end, cost) = drive(&mut simulation, &loaded, quiet);
+    let summary = Summary::of(simulation.world_mut(), &loaded, &end, cost);
+    directory.finish(simulation.world_mut(), &summary).map_err(|error| {
+        Fault::new("run::write", format!("could not write the results to {}: {error}", path.display()))
+            .help("is there space left?")
+    })?;
+    report(&summary, args, &directory);
+    Ok(if summary.is_done() { Verdict::Done } else { Verdict::SimulationFailed })
+}
+
+/// `pictures: (...)` may be missing from the scene: then it is added with the one key.
+fn pictures_with_png(scene: &SceneArgs) -> Result<Vec<(String, String)>, Fault> {
+    let loaded = scene.load()?;
+    let key = if loaded.offset_of("pictures").is_some() { ("pictures.png", "true") } else { ("pictures", "(png: true)") };
+    Ok(vec![(key.0.to_owned(), key.1.to_owned())])
+}
+
+fn build(
+    loaded: &Loaded,
+    registry: &Registry,
+    threads: NonZeroUsize,
+    directory: &RunDirectory,
+) -> Result<Simulation, Fault> {
+    let series = SeriesPlugin::create(loaded.scene.series, &directory.series()).map_err(|error| {
+        Fault::new("run::write", format!("could not write {}: {error}", directory.series().display()))
+            .help("is there space, and may you write there?")
+    })?;
+    Simulation::with(loaded, registry, threads, |app| {
+        app.add("series", series);
+        if let Some(studio) = Studio::of(loaded, directory.frames()) {
+            app.add("pictures", FramesPlugin(studio));
+        }
+    })
+}
+
+/// Steps to the end, with progress.
+fn drive(simulation: &mut Simulation, loaded: &Loaded, quiet: bool) -> (End, Cost) {
+    let mut progress = Progress::new(loaded.scene.until.get(), quiet);
+    let mut cost = Cost::default();
+    let start = Instant::now();
+    loop {
+        let end = simulation.step();
+        cost.particle_steps += movable_grains(simulation.world()) as u64;
+        if let Some(end) = end {
+            cost.wall_s = start.elapsed().as_secs_f64();
+            progress.finish();
+            return (end, cost);
+        }
+        progress.look(simulation.world_mut(), cost.particle_steps);
+    }
+}
+
+fn report(summary: &Summary, args: &RunArgs, directory: &RunDirectory) {
+    if let Some(failure) = &summary.failure {
+        tracing::error!("{failure}");
+    }
+    if args.json {
+        say(&(serde_json::to_string_pretty(summary).unwrap_or_default() + "\n"));
+        return;
+    }
+    let time = |name: &str, time: Option<f64>| time.map_or(String::new(), |t| format!("{name:<12} {t:.3} s\n"));
+    let grains = &summary.grains;
+    let mut text = format!(
+        "{:<12} {}, {} steps, {:.3} s simulated\n{:<12} {} released, {} inside, {} out, {} lost\n",
+        summary.scene, summary.status, summary.steps, summary.time_s, "grains", grains.released, grains.inside, grains.out, grains.lost
+    );
+    text += &time("at rest", summary.rest_time_s);
+    text += &time("door opened", summary.door_open_time_s);
+    text += &time("empty", summary.empty_time_s);
+    if let Some(bed) = summary.bed {
+        text += &format!("{:<12} height {:.3} m, packing fraction {:.4}\n", "bed", bed.fill_height_m, bed.packing_fraction);
+    }
+    if let Some(discharge) = summary.discharge {
+        text += &format!("{:<12} {:.2} s, {:.1} grains/s\n", "discharge", discharge.duration_s, discharge.rate_per_s);
+    }
+    let performance = &summary.performance;
+    text += &format!(
+        "{:<12} largest {:.4} of the radius\n{:<12} balance error {:.3e} J, {:.3e} J dissipated\n{:<12} {:.2} s, {:.1} ns a particle-step, {} threads\n",
+        "overlap", summary.max_overlap_ratio, "energy", summary.energy.balance_error, summary.energy.flows.dissipated,
+        "wall clock", performance.wall_s, 1e9 / performance.particle_steps_per_s, performance.threads
+    );
+    text += &format!("{:<12} {}\n{:<12} {}\n", "state hash", summary.state_hash, "written to", directory.path().display());
+    say(&text);
+}

@@ -1,0 +1,218 @@
+//! The columns: what the force pass reads and writes, packed in ascending order of [`GrainId`].
+//!
+//! Components are the live state and keep whatever order the ECS gives them; a behaviour may add components, which
+//! moves rows between tables. So a step copies positions and velocities into these columns, works here, and copies
+//! the forces back. The order by id makes every sum that runs over particles, contacts first of all, independent of
+//! table order, thread count and neighbour search: it *is* the order that the determinism of a run rests on.
+//!
+//! A particle's place is its [`Slot`]. Slots are dealt out anew at the end of [`Phase::Spawn`] when a particle was
+//! added, removed, fixed or freed, or a radius or mass changed. Until then a particle that vanished in the middle
+//! of a step keeps a ghost in its slot, and one that appeared has none.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::lifecycle::HookContext;
+use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
+
+use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Velocity};
+use crate::space::Vector;
+use crate::step::{ForceStage, Phase, Step};
+
+/// Index of a particle in the [`Columns`].
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Slot(u32);
+
+impl Default for Slot {
+    /// No place yet.
+    fn default() -> Self {
+        Self(u32::MAX)
+    }
+}
+
+impl Slot {
+    /// The index, out of range as long as the particle has no place.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// The packed state, one entry a particle, in ascending order of id. SI units.
+#[derive(Resource, Default)]
+pub struct Columns {
+    /// Names, ascending.
+    pub id: Vec<GrainId>,
+    /// Whose entry this is.
+    pub entity: Vec<Entity>,
+    /// Centres, m.
+    pub position: Vec<Vector>,
+    /// v(t+dt/2) while forces are evaluated, v(t) from the end of [`Phase::Kick`] on, m/s.
+    pub velocity: Vec<Vector>,
+    /// Radii, m.
+    pub radius: Vec<f64>,
+    /// Masses, kg; 0 for what has none.
+    pub mass: Vec<f64>,
+    /// Inverse masses as contacts see them, 1/kg: 0 for what is fixed.
+    pub inverse_mass: Vec<f64>,
+    /// Forces of contacts, walls and weight, N.
+    pub force: Vec<Vector>,
+    /// The part of `force` that dissipates, N.
+    pub drag: Vec<Vector>,
+    /// One past the last entry that is not fixed.
+    pub movable_end: usize,
+    /// Counts the renumberings; whoever caches indices compares it.
+    pub generation: u64,
+}
+
+impl Columns {
+    /// Number of particles.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.id.len()
+    }
+
+    /// Whether there is no particle.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.id.is_empty()
+    }
+
+    /// Whether entry `i` is not moved by forces.
+    #[must_use]
+    pub fn is_fixed(&self, i: usize) -> bool {
+        self.inverse_mass[i] == 0.0
+    }
+
+    /// Kinetic energy of entry `i`, J; nothing for what is fixed.
+    #[must_use]
+    pub fn kinetic_energy(&self, i: usize) -> f64 {
+        if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.velocity[i].length_squared() }
+    }
+
+    fn refill<'a>(&mut self, particles: impl Iterator<Item = ParticleItem<'a>>) {
+        let mut rows: Vec<_> = particles.collect();
+        rows.sort_unstable_by_key(|row| *row.1);
+        let inverse = |mass: Option<&Mass>, fixed: bool| mass.map_or(0.0, |m| if fixed { 0.0 } else { 1.0 / m.0 });
+        self.id = rows.iter().map(|row| *row.1).collect();
+        self.entity = rows.iter().map(|row| row.0).collect();
+        self.position = rows.iter().map(|row| row.2.0).collect();
+        self.velocity = rows.iter().map(|row| row.3.0).collect();
+        self.radius = rows.iter().map(|row| row.4.0).collect();
+        self.mass = rows.iter().map(|row| row.5.map_or(0.0, |mass| mass.0)).collect();
+        self.inverse_mass = rows.iter().map(|row| inverse(row.5, row.6)).collect();
+        self.force = vec![Vector::ZERO; rows.len()];
+        self.drag = vec![Vector::ZERO; rows.len()];
+        self.movable_end = self.inverse_mass.iter().rposition(|&w| w > 0.0).map_or(0, |last| last + 1);
+        self.generation += 1;
+    }
+}
+
+type ParticleItem<'a> =
+    (Entity, &'a GrainId, &'a Position, &'a Velocity, &'a Radius, Option<&'a Mass>, bool);
+
+/// Whether particles were added, removed, fixed or freed since slots were dealt out.
+#[derive(Resource, Default)]
+pub struct PopulationChanged(bool);
+
+/// Component hook: the population changed.
+pub(crate) fn population_changed(mut world: DeferredWorld, _: HookContext) {
+    if let Some(mut changed) = world.get_resource_mut::<PopulationChanged>() {
+        changed.0 = true;
+    }
+}
+
+/// Run condition: slots will be dealt out anew in this step.
+#[must_use]
+pub fn renumbering_due(
+    changed: Res<PopulationChanged>,
+    radii: Query<(), Changed<Radius>>,
+    masses: Query<(), Changed<Mass>>,
+) -> bool {
+    changed.0 || !radii.is_empty() || !masses.is_empty()
+}
+
+fn renumber(
+    mut columns: ResMut<Columns>,
+    mut changed: ResMut<PopulationChanged>,
+    particles: Query<(Entity, &GrainId, &Position, &Velocity, &Radius, Option<&Mass>, Has<Fixed>)>,
+    mut slots: Query<&mut Slot>,
+) {
+    columns.refill(particles.iter());
+    for (slot, &entity) in (0..).zip(&columns.entity) {
+        if let Ok(mut place) = slots.get_mut(entity) {
+            place.0 = slot;
+        }
+    }
+    changed.0 = false;
+}
+
+fn gather(mut columns: ResMut<Columns>, particles: Query<(&Slot, &Position, &Velocity)>) {
+    let Columns { position, velocity, .. } = &mut *columns;
+    for (slot, x, v) in &particles {
+        if let (Some(to_x), Some(to_v)) = (position.get_mut(slot.index()), velocity.get_mut(slot.index())) {
+            *to_x = x.0;
+            *to_v = v.0;
+        }
+    }
+}
+
+fn gather_velocities(mut columns: ResMut<Columns>, particles: Query<(&Slot, &Velocity)>) {
+    for (slot, v) in &particles {
+        if let Some(to) = columns.velocity.get_mut(slot.index()) {
+            *to = v.0;
+        }
+    }
+}
+
+fn clear_forces(mut columns: ResMut<Columns>) {
+    columns.force.fill(Vector::ZERO);
+    columns.drag.fill(Vector::ZERO);
+}
+
+fn write_forces(columns: Res<Columns>, mut particles: Query<(&Slot, &mut Force)>) {
+    for (slot, mut force) in &mut particles {
+        if let Some(from) = columns.force.get(slot.index()) {
+            force.bypass_change_detection().0 = *from;
+        }
+    }
+}
+
+/// What has to be booked before slots are dealt out anew (the columns still hold the old state) belongs here.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct BeforeRenumbering;
+
+/// The system that deals out slots; spawners run before it.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Renumbering;
+
+/// The columns hold x(t+dt), v(t+dt/2) after this set of [`Phase::Neighbours`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Gathered;
+
+/// The columns hold v(t+dt) after this set, at the end of [`Phase::Kick`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct GatheredVelocities;
+
+/// The columns and the passes that fill and empty them.
+pub struct ColumnsPlugin;
+
+impl Plugin for ColumnsPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Columns>().insert_resource(PopulationChanged(true));
+        app.edit_schedule(Step, |schedule| {
+            schedule.configure_sets(
+                (BeforeRenumbering, Renumbering).chain().run_if(renumbering_due).in_set(Phase::Spawn),
+            );
+        });
+        app.add_systems(
+            Step,
+            (
+                renumber.in_set(Renumbering),
+                gather.in_set(Phase::Neighbours).in_set(Gathered),
+                clear_forces.in_set(ForceStage::Contacts).before(crate::contact::ContactForces),
+                write_forces.in_set(ForceStage::Written),
+                gather_velocities.in_set(Phase::Kick).in_set(GatheredVelocities),
+            ),
+        );
+    }
+}

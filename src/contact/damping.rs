@@ -1,0 +1,144 @@
+//! How a contact's damping is given, and the closed forms of a damped linear bounce.
+//!
+//! With w0 = sqrt(k/m_eff), beta = c/(2 m_eff) and zeta = beta/w0, an overlap obeys
+//! `delta'' + 2 zeta w0 delta' + w0^2 delta = 0` from `delta = 0`, `delta' = v0` on.
+//!
+//! * Attraction allowed: the contact lasts t_c = pi/w with w = w0 sqrt(1 - zeta^2), and
+//!   e = exp(-pi zeta/sqrt(1 - zeta^2)). At zeta >= 1 it never ends, e = 0.
+//! * Attraction forbidden: it ends when k delta + c delta' = 0, with zeta = sin(phi) at t_c = (pi - 2 phi)/w, and
+//!   e = exp(-tan(phi) (pi - 2 phi)) (Schwager and Poeschel, Granular Matter 9, 465, 2007, in other symbols).
+//!   Beyond critical damping, with s = sqrt(zeta^2 - 1), t_c = 2 ln(zeta + s)/(s w0) and e = exp(-zeta w0 t_c).
+//!   No finite damping gives e = 0.
+
+use std::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+use crate::scene::values::{NonNegative, Restitution};
+
+/// The drag coefficient c of the normal force `k delta - c v_n`, in N s/m.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub enum Damping {
+    /// c = b, N s/m, the same for every pair.
+    B(NonNegative),
+    /// c = gamma_n m_eff, gamma_n in 1/s (as LAMMPS has it): the same decay for every pair.
+    PerMass(NonNegative),
+    /// The coefficient of restitution, the same for every pair: c = 2 zeta sqrt(k m_eff).
+    Restitution(Restitution),
+}
+
+/// May the normal force pull?
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize, Serialize)]
+pub enum Attraction {
+    /// A contact lasts as long as the overlap; near its end the drag pulls.
+    Allowed,
+    /// The normal force is cut at zero.
+    #[default]
+    Forbidden,
+}
+
+impl Attraction {
+    /// The lower bound of the normal force, N.
+    #[must_use]
+    pub fn floor(self) -> f64 {
+        match self {
+            Self::Allowed => f64::NEG_INFINITY,
+            Self::Forbidden => 0.0,
+        }
+    }
+
+    /// Restitution of a bounce with damping ratio `zeta`.
+    #[must_use]
+    pub fn restitution(self, zeta: f64) -> f64 {
+        match self {
+            Self::Allowed if zeta >= 1.0 => 0.0,
+            Self::Allowed => (-PI * zeta / (1.0 - zeta * zeta).sqrt()).exp(),
+            Self::Forbidden => restitution_forbidding(zeta),
+        }
+    }
+
+    /// Contact duration in units of 1/w0; infinite if the contact never ends.
+    #[must_use]
+    pub fn duration(self, zeta: f64) -> f64 {
+        let root = (1.0 - zeta * zeta).abs().sqrt();
+        match self {
+            Self::Allowed if zeta >= 1.0 => f64::INFINITY,
+            Self::Allowed => PI / root,
+            Self::Forbidden if root < 1e-6 => 2.0,
+            Self::Forbidden if zeta < 1.0 => (PI - 2.0 * zeta.asin()) / root,
+            Self::Forbidden => 2.0 * (zeta + root).ln() / root,
+        }
+    }
+
+    /// The damping ratio that gives restitution `e`.
+    #[must_use]
+    pub fn damping_ratio(self, e: Restitution) -> f64 {
+        let e = e.get();
+        match self {
+            Self::Allowed => -e.ln() / (PI * PI + e.ln().powi(2)).sqrt(),
+            Self::Forbidden if e >= 1.0 => 0.0,
+            Self::Forbidden => bisect(e),
+        }
+    }
+}
+
+/// e(zeta) when the force never pulls; falls from 1 through exp(-2) at zeta = 1 towards 0.
+fn restitution_forbidding(zeta: f64) -> f64 {
+    let root = (1.0 - zeta * zeta).abs().sqrt();
+    if root < 1e-6 {
+        return (-2.0f64).exp();
+    }
+    let exponent = if zeta < 1.0 {
+        zeta / root * (PI - 2.0 * zeta.asin())
+    } else {
+        2.0 * zeta / root * (zeta + root).ln()
+    };
+    (-exponent).exp()
+}
+
+/// The zeta whose restitution without attraction is `e`: e(zeta) falls monotonically, so it is halved into place.
+fn bisect(e: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    while restitution_forbidding(high) > e {
+        high *= 2.0;
+    }
+    for _ in 0..200 {
+        let middle = 0.5 * (low + high);
+        if restitution_forbidding(middle) > e { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_rules_invert_to_the_restitution_asked_for() {
+        for rule in [Attraction::Allowed, Attraction::Forbidden] {
+            for e in [1.0, 0.95, 0.9, 0.5, 0.2, 0.1353, 0.05, 1e-3] {
+                let zeta = rule.damping_ratio(Restitution::try_from(e).unwrap());
+                // Conditioning: d(ln e)/d(zeta) stays of order 10 here, so 1e-13 in zeta is 1e-12 in e.
+                assert!((rule.restitution(zeta) - e).abs() < 1e-12, "{rule:?} {e}: {zeta}");
+            }
+        }
+    }
+
+    #[test]
+    fn without_damping_both_rules_are_half_a_period() {
+        for rule in [Attraction::Allowed, Attraction::Forbidden] {
+            assert!((rule.duration(0.0) - PI).abs() < 1e-15);
+            assert!((rule.restitution(0.0) - 1.0).abs() < 1e-15);
+        }
+    }
+
+    #[test]
+    fn the_forbidding_forms_join_at_critical_damping() {
+        for rule in [Attraction::restitution, Attraction::duration] {
+            let (below, at, above) =
+                (rule(Attraction::Forbidden, 0.999), rule(Attraction::Forbidden, 1.0), rule(Attraction::Forbidden, 1.001));
+            // A smooth function: its second difference is of order 1e-6.
+            assert!((below - 2.0 * at + above).abs() < 1e-5, "{below} {at} {above}");
+        }
+    }
+}

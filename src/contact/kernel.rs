@@ -1,0 +1,156 @@
+//! The kernel: the sum of pair forces over the columns.
+//!
+//! Two loops give the same bits. On one thread each pair is evaluated once, walked i < j with both ascending, and
+//! added to both: grain i has then received its partners in ascending order. On several threads every particle
+//! sums its own partners in ascending order, so each pair is evaluated twice. Laws are odd under the exchange of i
+//! and j to the last bit, and only touching pairs add, so the candidates that a neighbour search offers beyond those
+//! leave no trace.
+
+use rayon::prelude::*;
+
+use crate::columns::Columns;
+use crate::contact::{Pair, PairLaw};
+use crate::particle::GrainId;
+use crate::space::Vector;
+
+/// Where candidates come from.
+pub trait Partners: Sync {
+    /// Every particle that may touch `i`, ascending: those above `i` for a half walk, all others (`i` itself may be
+    /// among them) for a full one. `scratch` is the caller's, to be used at will.
+    fn of<'a>(&'a self, columns: &Columns, i: usize, scratch: &'a mut Vec<u32>) -> &'a [u32];
+}
+
+/// The largest overlap of a pass, over the smaller radius of its pair.
+#[derive(Clone, Copy, Debug)]
+pub struct OverlapRatio {
+    overlap: f64,
+    radius: f64,
+}
+
+impl Default for OverlapRatio {
+    fn default() -> Self {
+        Self { overlap: 0.0, radius: 1.0 }
+    }
+}
+
+impl OverlapRatio {
+    /// Takes an overlap (m) into account; cross-multiplied, to save the division.
+    #[inline]
+    pub fn raise(&mut self, overlap: f64, radius: f64) {
+        if overlap * self.radius > self.overlap * radius {
+            *self = Self { overlap, radius };
+        }
+    }
+
+    /// Takes another pass into account.
+    pub fn merge(&mut self, other: Self) {
+        self.raise(other.overlap, other.radius);
+    }
+
+    /// Overlap over radius.
+    #[must_use]
+    pub fn get(self) -> f64 {
+        self.overlap / self.radius
+    }
+}
+
+/// The geometry of `i` and `j` if they touch and at least one can move.
+#[inline]
+#[must_use]
+pub fn touching(columns: &Columns, i: usize, j: usize) -> Option<Pair> {
+    let separation = columns.position[i] - columns.position[j];
+    let reach = columns.radius[i] + columns.radius[j];
+    let squared = separation.length_squared();
+    // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
+    if squared < reach * reach {
+        let inverse_mass = columns.inverse_mass[i] + columns.inverse_mass[j];
+        if inverse_mass == 0.0 {
+            return None;
+        }
+        let distance = squared.sqrt();
+        let normal = if distance > 0.0 { separation / distance } else { coincident(columns.id[i], columns.id[j]) };
+        Some(Pair {
+            normal,
+            overlap: reach - distance,
+            relative_velocity: columns.velocity[i] - columns.velocity[j],
+            reduced_mass: 1.0 / inverse_mass,
+        })
+    } else {
+        None
+    }
+}
+
+/// A normal for coincident centres: fixed by the two ids, odd under their swap.
+#[cold]
+fn coincident(i: GrainId, j: GrainId) -> Vector {
+    let (low, high) = if i < j { (i, j) } else { (j, i) };
+    let mixed = low.number().wrapping_mul(0x9E37_79B1) ^ high.number().wrapping_mul(0x85EB_CA77);
+    let direction = Vector::from_angle(f64::from(mixed));
+    if i < j { direction } else { -direction }
+}
+
+/// Adds all pair forces to `columns.force` and their dissipating part to `columns.drag`, each pair once.
+pub fn half<L: PairLaw>(law: &L, columns: &mut Columns, partners: &impl Partners) -> OverlapRatio {
+    let mut force = std::mem::take(&mut columns.force);
+    let mut drag = std::mem::take(&mut columns.drag);
+    let mut largest = OverlapRatio::default();
+    let mut scratch = Vec::new();
+    for i in 0..columns.movable_end {
+        let (mut force_i, mut drag_i) = (force[i], drag[i]);
+        for &j in partners.of(columns, i, &mut scratch) {
+            let j = j as usize;
+            if let Some(pair) = touching(columns, i, j) {
+                let on_i = law.force(&pair);
+                let sum = on_i.elastic + on_i.drag;
+                force_i += sum;
+                drag_i += on_i.drag;
+                force[j] -= sum;
+                drag[j] -= on_i.drag;
+                largest.raise(pair.overlap, columns.radius[i].min(columns.radius[j]));
+            }
+        }
+        force[i] = force_i;
+        drag[i] = drag_i;
+    }
+    columns.force = force;
+    columns.drag = drag;
+    largest
+}
+
+/// The same sums, each particle for itself, on the threads of the current rayon pool.
+pub fn full<L: PairLaw>(law: &L, columns: &mut Columns, partners: &impl Partners) -> OverlapRatio {
+    const CHUNK: usize = 256;
+    let mut force = std::mem::take(&mut columns.force);
+    let mut drag = std::mem::take(&mut columns.drag);
+    let view = &*columns;
+    let largest = force
+        .par_chunks_mut(CHUNK)
+        .zip(drag.par_chunks_mut(CHUNK))
+        .enumerate()
+        .map_init(Vec::new, |scratch, (chunk, (force, drag))| {
+            let mut largest = OverlapRatio::default();
+            for (offset, (force, drag)) in force.iter_mut().zip(drag).enumerate() {
+                let i = chunk * CHUNK + offset;
+                for &j in partners.of(view, i, scratch) {
+                    let j = j as usize;
+                    if i == j {
+                        continue;
+                    }
+                    if let Some(pair) = touching(view, i, j) {
+                        let on_i = law.force(&pair);
+                        *force += on_i.elastic + on_i.drag;
+                        *drag += on_i.drag;
+                        largest.raise(pair.overlap, view.radius[i].min(view.radius[j]));
+                    }
+                }
+            }
+            largest
+        })
+        .reduce(OverlapRatio::default, |mut a, b| {
+            a.merge(b);
+            a
+        });
+    columns.force = force;
+    columns.drag = drag;
+    largest
+}

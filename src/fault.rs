@@ -1,0 +1,108 @@
+//! A fault in the input: what is wrong, where, and what to do about it.
+
+use std::fmt;
+use std::ops::Range;
+
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+
+/// An error of the input, with a stable code, a help line and, where there is one, the place in a file.
+#[derive(Clone, Debug)]
+pub struct Fault(Box<Inner>);
+
+#[derive(Clone, Debug)]
+struct Inner {
+    code: &'static str,
+    message: String,
+    help: Option<String>,
+    key: Option<String>,
+    place: Option<Place>,
+}
+
+#[derive(Clone, Debug)]
+struct Place {
+    source: NamedSource<String>,
+    range: Range<usize>,
+}
+
+impl Fault {
+    /// A fault with the stable `code` (`area::what`).
+    #[must_use]
+    pub fn new(code: &'static str, message: impl Into<String>) -> Self {
+        Self(Box::new(Inner { code, message: message.into(), help: None, key: None, place: None }))
+    }
+
+    /// Adds what to do about it.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.0.help = Some(help.into());
+        self
+    }
+
+    /// Names the key of the scene that is at fault.
+    #[must_use]
+    pub fn key(mut self, key: impl Into<String>) -> Self {
+        self.0.key = Some(key.into());
+        self
+    }
+
+    /// Points at a byte range of `text`, the content of the file `name`.
+    #[must_use]
+    pub fn at(mut self, name: &str, text: &str, range: Range<usize>) -> Self {
+        let source = NamedSource::new(name, text.to_owned());
+        let end = range.end.min(text.len());
+        self.0.place = Some(Place { source, range: range.start.min(end)..end });
+        self
+    }
+
+    /// The stable code.
+    #[must_use]
+    pub fn code(&self) -> &'static str {
+        self.0.code
+    }
+
+    /// The key of the scene that is at fault, if one is.
+    #[must_use]
+    pub fn scene_key(&self) -> Option<&str> {
+        self.0.key.as_deref()
+    }
+
+    /// Line and column, both from 1, of the place that the fault points at.
+    #[must_use]
+    pub fn line_and_column(&self) -> Option<(usize, usize)> {
+        let place = self.0.place.as_ref()?;
+        let before = &place.source.inner()[..place.range.start];
+        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
+        Some((before.matches('\n').count() + 1, before[line_start..].chars().count() + 1))
+    }
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(key) = self.scene_key() {
+            write!(f, "{key}: ")?;
+        }
+        f.write_str(&self.0.message)
+    }
+}
+
+impl std::error::Error for Fault {}
+
+impl Diagnostic for Fault {
+    fn code<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        Some(Box::new(self.0.code))
+    }
+
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.0.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.0.place.as_ref().map(|place| &place.source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let place = self.0.place.as_ref()?;
+        let label = LabeledSpan::new_with_span(Some("here".to_owned()), place.range.clone());
+        Some(Box::new(std::iter::once(label)))
+    }
+}

@@ -1,0 +1,60 @@
+//! The finite-value check: an infinite or undefined number stops the run and is named, with the grain and the step.
+//!
+//! One pass over positions and velocities at the end of a step; a force that is not finite shows in the velocity
+//! of the same step.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use crate::columns::Columns;
+use crate::contact::AnyLaw;
+use crate::outcome::{Failure, Outcome};
+use crate::particle::Force;
+use crate::step::{Clock, Phase, Step};
+
+fn check(
+    clock: Res<Clock>,
+    columns: Res<Columns>,
+    law: Option<Res<AnyLaw>>,
+    forces: Query<&Force>,
+    mut outcome: ResMut<Outcome>,
+) {
+    // Zero times a finite number is zero; anything else makes the sum NaN. No branch in the loop.
+    let mut sum = 0.0;
+    for (x, v) in columns.position.iter().zip(&columns.velocity) {
+        sum += 0.0 * (x.x + x.y) + 0.0 * (v.x + v.y);
+    }
+    if sum == 0.0 {
+        return;
+    }
+    for i in 0..columns.len() {
+        let quantity = match (columns.velocity[i].is_finite(), columns.position[i].is_finite()) {
+            (_, false) => "position",
+            (false, _) => "velocity",
+            _ => continue,
+        };
+        let total = forces.get(columns.entity[i]).map_or(columns.force[i], |force| force.0);
+        let cause = if !columns.force[i].is_finite() {
+            let step = law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(1.0 / columns.inverse_mass[i]));
+            format!(
+                "the force of its contacts is not finite either: the step is probably unstable, w0 dt = {step:.2} for \
+                 this grain; lower `step` (`check` prints the limit)"
+            )
+        } else if !total.is_finite() {
+            "a behaviour has added a force that is not finite".to_owned()
+        } else {
+            "its forces are finite, so a behaviour or an input file has set it".to_owned()
+        };
+        outcome.fail(Failure::NotFinite { step: clock.steps, grain: columns.id[i], quantity, cause });
+        return;
+    }
+}
+
+/// The finite-value check of every step.
+pub struct FinitePlugin;
+
+impl Plugin for FinitePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Step, check.in_set(Phase::Control));
+    }
+}

@@ -1,0 +1,48 @@
+//! How a grain's mass follows from its radius.
+
+use std::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+use crate::scene::values::Positive;
+
+/// The scene's `mass`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub enum MassLaw {
+    /// m = rho R^2, rho in kg/m^2: the assignment's.
+    ArealSquare(Positive),
+    /// m = rho pi R^2, rho in kg/m^2: a disc.
+    Disc(Positive),
+    /// m = rho 4/3 pi R^3, rho in kg/m^3: a sphere.
+    Sphere(Positive),
+}
+
+impl MassLaw {
+    /// The mass, kg, of a grain of radius `radius`, m.
+    #[must_use]
+    pub fn of(self, radius: f64) -> f64 {
+        match self {
+            Self::ArealSquare(rho) => rho.get() * radius * radius,
+            Self::Disc(rho) => rho.get() * PI * radius * radius,
+            Self::Sphere(rho) => rho.get() * 4.0 / 3.0 * PI * radius.powi(3),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn masses_of_a_grain_of_4_cm() {
+        let rho = Positive::try_from(100.0).unwrap();
+        for (law, mass) in [
+            (MassLaw::ArealSquare(rho), 0.16),
+            (MassLaw::Disc(rho), 0.502_654_824_574_366_9),
+            (MassLaw::Sphere(rho), 0.026_808_257_310_632_903),
+        ] {
+            // A product of five rounded numbers.
+            assert!((law.of(0.04) / mass - 1.0).abs() < 5.0 * f64::EPSILON);
+        }
+    }
+}

@@ -1,0 +1,5 @@
+//! How grains get into a scene: from a file, or released one by one.
+
+pub mod file;
+pub mod mass;
+pub mod spawner;

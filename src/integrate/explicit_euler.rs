@@ -1,0 +1,26 @@
+//! Explicit Euler: x(t+dt) = x(t) + dt v(t), v(t+dt) = v(t) + dt a(t), with both on the right at time t.
+//!
+//! First order: after a time T of free fall it is g T dt/2 too high. It feeds energy into every spring,
+//! by a factor 1 + (w0 dt)^2 a step, so no step is stable for contacts. The control of the free-fall test, and no more.
+
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+
+use crate::particle::{Fixed, Force, Mass, Position, Velocity};
+use crate::step::{Clock, ClockAdvanced, Phase, Step};
+
+fn euler_step(
+    clock: Res<Clock>,
+    mut grains: Query<(&mut Position, &mut Velocity, &Force, &Mass), Without<Fixed>>,
+) {
+    let dt = clock.dt;
+    for (mut x, mut v, force, mass) in &mut grains {
+        let v = &mut v.bypass_change_detection().0;
+        x.bypass_change_detection().0 += dt * *v;
+        *v += dt / mass.0 * force.0;
+    }
+}
+
+pub(super) fn add(app: &mut App) {
+    app.add_systems(Step, euler_step.in_set(Phase::Drift).after(ClockAdvanced));
+}

@@ -1,0 +1,262 @@
+//! The ledger: every grain released is inside, out or lost; and the culler, which removes what has fallen far enough.
+//!
+//! * *Out*: its path crossed the orifice, the line between the two wall grains that flank the door, while the door
+//!   was open.
+//! * *Lost*: its path crossed the line of neighbouring wall grains anywhere else, or the closed door, or a flat
+//!   wall, or it left the walls' bounding box over the top; or it fell below `cull.below` by any way but the
+//!   orifice. Named by id, step, place and nearest wall grain.
+//!
+//! Paths are straight between two looks. A grain is looked at again when it has moved by a quarter of the smallest
+//! radius since the last look (or in one step, if it is faster), so that a bed at rest costs one comparison a grain.
+//! Limit: what happens to a door grain's line while the door slides is not followed; from the first step of opening
+//! the orifice is open.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::door::DoorState;
+use crate::messages::{GrainLost, GrainOut, GrainReleased};
+use crate::outcome::{Failure, Outcome};
+use crate::particle::{Fixed, Grain, GrainId, Position};
+use crate::scene::values::Finite;
+use crate::space::Vector;
+use crate::step::{Clock, Phase, Step};
+use crate::walls::outline::{Crossing, Outline};
+
+/// The scene's `cull`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cull {
+    /// Grains whose centre is below this height are removed, m.
+    pub below: Finite,
+}
+
+/// The scene's `on_loss`: what a lost grain does to the run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum OnLoss {
+    /// The run stops and has failed.
+    #[default]
+    Stop,
+    /// The run goes on; it has failed all the same when it ends.
+    Continue,
+}
+
+/// Where the ledger holds a grain to be.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Whereabouts {
+    state: State,
+    looked_at: Option<Vector>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum State {
+    #[default]
+    Inside,
+    Out,
+    Lost,
+}
+
+/// One lost grain.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LossRecord {
+    /// Its id.
+    pub grain: u32,
+    /// The step in which it was noticed.
+    pub step: u64,
+    /// Simulated time, s.
+    pub time_s: f64,
+    /// Where it was, m.
+    pub position_m: [f64; 2],
+    /// How it went.
+    pub way: String,
+    /// The nearest wall grain, by its number in the silo file.
+    pub nearest_wall_grain: Option<u32>,
+}
+
+/// The books.
+#[derive(Resource, Default, Debug)]
+pub struct Ledger {
+    /// Grains that have entered.
+    pub released: u32,
+    /// When each grain that is out crossed the orifice, s, in order.
+    pub out_times: Vec<f64>,
+    /// Who was lost, in order.
+    pub lost: Vec<LossRecord>,
+    /// Grains removed below the cull line, whether out or lost.
+    pub culled: u32,
+}
+
+impl Ledger {
+    /// Grains that are out.
+    #[must_use]
+    pub fn out(&self) -> u32 {
+        count(self.out_times.len())
+    }
+
+    /// Grains that are lost.
+    #[must_use]
+    pub fn lost(&self) -> u32 {
+        count(self.lost.len())
+    }
+
+    /// Grains that are inside: released, neither out nor lost.
+    #[must_use]
+    pub fn inside(&self) -> u32 {
+        self.released - self.out() - self.lost()
+    }
+}
+
+fn count(n: usize) -> u32 {
+    u32::try_from(n).expect("grain ids are 31 bits wide")
+}
+
+/// The lines that paths must not cross, and the scale of a look.
+#[derive(Resource, Debug)]
+pub struct Enclosure {
+    /// The lines.
+    pub outline: Outline,
+    /// Radius of the smallest grain, m.
+    pub smallest_radius: f64,
+}
+
+fn count_released(mut ledger: ResMut<Ledger>, mut released: MessageReader<GrainReleased>) {
+    ledger.released += count(released.read().count());
+}
+
+fn watch_paths(
+    enclosure: Res<Enclosure>,
+    door: Option<Res<DoorState>>,
+    mut out: MessageWriter<GrainOut>,
+    mut lost: MessageWriter<GrainLost>,
+    mut grains: Query<(&GrainId, &Position, &mut Whereabouts), With<Grain>>,
+    wall_grains: Query<(&GrainId, &Position), With<Fixed>>,
+) {
+    let patience = (0.25 * enclosure.smallest_radius).powi(2);
+    let door_is_closed = door.is_some_and(|door| !door.is_open());
+    for (&id, x, mut place) in &mut grains {
+        let place = place.bypass_change_detection();
+        let here = x.0;
+        let Some(before) = place.looked_at else {
+            place.looked_at = Some(here);
+            continue;
+        };
+        if place.state != State::Inside || here.distance_squared(before) < patience {
+            continue;
+        }
+        place.looked_at = Some(here);
+        let way = match enclosure.outline.crossing(before, here) {
+            Some(Crossing::Orifice) if !door_is_closed => {
+                place.state = State::Out;
+                out.write(GrainOut { id, position: here });
+                continue;
+            }
+            Some(Crossing::Orifice) => "through the closed door".to_owned(),
+            Some(Crossing::Wall(link)) => format!(
+                "through the wall between ({:.3}, {:.3}) and ({:.3}, {:.3}) m",
+                link.from.x, link.from.y, link.to.x, link.to.y
+            ),
+            Some(Crossing::HalfPlane) => "through a flat wall".to_owned(),
+            None => match enclosure.outline.beyond(here) {
+                Some(side) => side.to_owned(),
+                None => continue,
+            },
+        };
+        place.state = State::Lost;
+        lost.write(GrainLost { id, position: here, way, nearest: nearest(here, &wall_grains) });
+    }
+}
+
+fn nearest(x: Vector, wall_grains: &Query<(&GrainId, &Position), With<Fixed>>) -> Option<GrainId> {
+    let distances = wall_grains.iter().map(|(&id, wall)| (wall.0.distance_squared(x), id));
+    distances.min_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal)).map(|(_, id)| id)
+}
+
+fn cull(
+    mut commands: Commands,
+    line: Res<CullLine>,
+    mut ledger: ResMut<Ledger>,
+    mut lost: MessageWriter<GrainLost>,
+    grains: Query<(Entity, &GrainId, &Position, Option<&Whereabouts>), With<Grain>>,
+) {
+    for (entity, &id, x, place) in &grains {
+        if x.0.y < line.0 {
+            commands.entity(entity).despawn();
+            ledger.culled += 1;
+            if place.is_none_or(|place| place.state == State::Inside) {
+                let way = "below the cull line, without having crossed the orifice".to_owned();
+                lost.write(GrainLost { id, position: x.0, way, nearest: None });
+            }
+        }
+    }
+}
+
+fn keep_books(
+    clock: Res<Clock>,
+    on_loss: Res<OnLossSetting>,
+    mut ledger: ResMut<Ledger>,
+    mut out: MessageReader<GrainOut>,
+    mut lost: MessageReader<GrainLost>,
+    mut outcome: ResMut<Outcome>,
+) {
+    let (step, time_s) = (clock.steps, clock.time());
+    for _ in out.read() {
+        ledger.out_times.push(time_s);
+    }
+    for grain in lost.read() {
+        tracing::debug!("t = {time_s:.3} s: {} was lost {}", grain.id, grain.way);
+        ledger.lost.push(LossRecord {
+            grain: grain.id.number(),
+            step,
+            time_s,
+            position_m: grain.position.to_array(),
+            way: grain.way.clone(),
+            nearest_wall_grain: grain.nearest.map(GrainId::number),
+        });
+        if on_loss.0 == OnLoss::Stop {
+            let GrainLost { id, position, way, .. } = grain.clone();
+            outcome.fail(Failure::GrainLost { step, grain: id, position, way });
+        }
+    }
+}
+
+#[derive(Resource)]
+struct CullLine(f64);
+
+#[derive(Resource)]
+struct OnLossSetting(OnLoss);
+
+/// Systems of [`Phase::Cull`] that act on a settled ledger run after this set.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct BooksKept;
+
+/// The ledger, with what it watches: paths if there are walls, a line if there is a culler.
+pub struct LedgerPlugin {
+    /// The walls, if there are any.
+    pub outline: Option<Outline>,
+    /// Radius of the smallest grain, m.
+    pub smallest_radius: f64,
+    /// The cull line, if there is one.
+    pub cull: Option<Cull>,
+    /// What a loss does.
+    pub on_loss: OnLoss,
+}
+
+impl Plugin for LedgerPlugin {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Ledger>()
+            .insert_resource(OnLossSetting(self.on_loss))
+            .add_systems(Step, (count_released, keep_books).chain().in_set(Phase::Cull).in_set(BooksKept));
+        if let Some(outline) = &self.outline {
+            app.register_required_components::<Grain, Whereabouts>();
+            app.insert_resource(Enclosure { outline: outline.clone(), smallest_radius: self.smallest_radius })
+                .add_systems(Step, watch_paths.in_set(Phase::Cull).before(keep_books));
+        }
+        if let Some(line) = self.cull {
+            app.insert_resource(CullLine(line.below.get())).add_systems(
+                Step,
+                cull.in_set(Phase::Cull).after(count_released).after(watch_paths).before(keep_books),
+            );
+        }
+    }
+}

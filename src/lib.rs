@@ -1,0 +1,81 @@
+//! siloflow simulates grain in silos: discrete elements, from one scene file, as an entity-component-system app.
+//!
+//! The program is `siloflow run SCENE.ron`; this is the library below it, for whoever composes new behaviours.
+//!
+//! * Particles are entities: [`particle`]. One step is one run of one schedule with public phases: [`step`].
+//! * A scene says what is in the silo and thereby which plugins, components and systems exist: [`scene`], [`plugins`].
+//! * One behaviour, one file: [`grains::spawner`], [`rest`], [`door`], [`ledger`], [`energy`], [`gravity`], ...
+//! * Contact laws are [`contact::PairLaw`]s, summed by one kernel over the [`columns`], in ascending order of id,
+//!   with candidates from a search in [`neighbours`].
+//! * Behaviours of your own: [`behaviour`].
+//!
+//! ```
+//! use std::num::NonZeroUsize;
+//! use std::path::Path;
+//! use siloflow::prelude::*;
+//!
+//! let scene = r#"(
+//!     gravity: (0.0, -9.81),
+//!     contact: Linear(k: 1.0e5, damping: Restitution(0.8)),
+//!     mass: ArealSquare(100.0),
+//!     step: Fixed(1.0e-4),
+//!     walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))],
+//!     spawner: (point: (0.0, 1.0), velocity: (0.0, 0.0), interval: 1.0, count: 1, radius: Fixed(0.04)),
+//!     until: 0.4,
+//! )"#;
+//! let loaded = load::from_text("fall.ron", "fall", Path::new(""), scene.to_owned(), &[])?;
+//! let mut simulation = Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN)?;
+//! assert_eq!(simulation.run(), End::TimeReached);
+//! let world = simulation.world_mut();
+//! let x = world.query::<&Position>().single(world).unwrap().0;
+//! assert!((x.y - (1.0 - 0.5 * 9.81 * 0.4f64.powi(2))).abs() < 1e-12);
+//! # Ok::<(), siloflow::fault::Fault>(())
+//! ```
+
+pub mod behaviour;
+pub mod check;
+pub mod cli;
+pub mod columns;
+pub mod contact;
+pub mod door;
+pub mod ending;
+pub mod energy;
+pub mod fault;
+pub mod finite;
+pub mod grains;
+pub mod gravity;
+pub mod integrate;
+pub mod ledger;
+pub mod measure;
+pub mod messages;
+pub mod neighbours;
+pub mod outcome;
+pub mod output;
+pub mod particle;
+pub mod plugins;
+pub mod random;
+pub mod rest;
+pub mod scene;
+pub mod simulation;
+pub mod space;
+pub mod step;
+pub mod threads;
+pub mod walls;
+
+/// What a behaviour needs.
+pub mod prelude {
+    pub use bevy_app::{App, Plugin};
+    pub use bevy_ecs::prelude::*;
+
+    pub use crate::behaviour::{Behaviour, Registry};
+    pub use crate::contact::{Pair, PairForce, PairLaw};
+    pub use crate::ledger::Ledger;
+    pub use crate::measure::ObserveStage;
+    pub use crate::messages::{CameToRest, DoorOpened, GrainLost, GrainOut, GrainReleased};
+    pub use crate::outcome::{End, Failure, Outcome};
+    pub use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Species, Velocity};
+    pub use crate::scene::load::{self, Loaded};
+    pub use crate::simulation::Simulation;
+    pub use crate::space::Vector;
+    pub use crate::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
+}

@@ -1,0 +1,7 @@
+//! The program `siloflow`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    siloflow::cli::main()
+}

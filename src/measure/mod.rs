@@ -1,0 +1,71 @@
+//! Measurements: they look when they are due, and at the end of the run, and never write physics.
+
+pub mod bed;
+pub mod discharge;
+pub mod totals;
+
+use std::marker::PhantomData;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use crate::outcome::Outcome;
+use crate::step::{Clock, Phase, Step};
+
+/// The stages of [`Phase::Observe`], in this order.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ObserveStage {
+    /// Who is due?
+    Due,
+    /// What is needed is measured.
+    Measure,
+    /// Rows and pictures are written.
+    Write,
+}
+
+/// The clock of the observer `T`: due at time 0, after every interval, and in the last step of a run.
+#[derive(Resource)]
+pub struct Every<T> {
+    interval: f64,
+    looks: u64,
+    is_due: bool,
+    observer: PhantomData<T>,
+}
+
+#[expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "2^53 looks are out of reach, and time is not negative"
+)]
+fn tick<T: Send + Sync + 'static>(clock: Res<Clock>, outcome: Res<Outcome>, mut every: ResMut<Every<T>>) {
+    let is_time = clock.has_reached(every.looks as f64 * every.interval);
+    if is_time {
+        every.looks = ((clock.time() + 1e-3 * clock.dt) / every.interval).floor() as u64 + 1;
+    }
+    every.is_due = is_time || outcome.end().is_some();
+}
+
+/// Run condition: the observer `T` is due.
+#[must_use]
+pub fn due<T: Send + Sync + 'static>(every: Option<Res<Every<T>>>) -> bool {
+    every.is_some_and(|every| every.is_due)
+}
+
+/// Registers the clock of the observer `T` with an interval in s.
+pub fn observe_every<T: Send + Sync + 'static>(app: &mut App, interval: f64) {
+    app.insert_resource(Every::<T> { interval, looks: 0, is_due: false, observer: PhantomData })
+        .add_systems(Step, tick::<T>.in_set(ObserveStage::Due));
+}
+
+/// The stages.
+pub struct ObservePlugin;
+
+impl Plugin for ObservePlugin {
+    fn build(&self, app: &mut App) {
+        app.edit_schedule(Step, |schedule| {
+            let stages = (ObserveStage::Due, ObserveStage::Measure, ObserveStage::Write);
+            schedule.configure_sets(stages.chain().in_set(Phase::Observe));
+        });
+    }
+}

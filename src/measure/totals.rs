@@ -1,0 +1,83 @@
+//! Totals over all grains at one moment: energies, largest speed and overlap, coordination number.
+//!
+//! Kinetic energy is that of the full-step velocities; gravitational energy is -m g.x, zero at the origin; the
+//! coordination number is the mean number of contacts of a grain, with grains and walls alike. Sums run in
+//! ascending order of id.
+
+use bevy_ecs::prelude::*;
+use serde::Serialize;
+
+use crate::columns::Columns;
+use crate::contact::survey::{self, Partner};
+use crate::contact::{PairLaw, kernel::OverlapRatio};
+use crate::neighbours::Search;
+use crate::space::Vector;
+use crate::walls::surfaces::Surface;
+
+/// What is measured, SI.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct Totals {
+    /// Movable grains in the world.
+    pub grains: usize,
+    /// Kinetic energy, J.
+    pub kinetic: f64,
+    /// Gravitational energy, J.
+    pub potential: f64,
+    /// Elastic energy of contacts, J.
+    pub elastic: f64,
+    /// Largest speed, m/s.
+    pub largest_speed: f64,
+    /// Largest overlap over the smaller radius of its pair.
+    pub largest_overlap_ratio: f64,
+    /// Mean number of contacts of a grain.
+    pub coordination: f64,
+}
+
+impl Totals {
+    /// Measures the state in `columns`.
+    #[must_use]
+    pub fn measure(columns: &Columns, search: &Search, walls: &[Surface], law: &dyn PairLaw, gravity: Vector) -> Self {
+        let mut totals = Self::default();
+        for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
+            totals.grains += 1;
+            totals.kinetic += columns.kinetic_energy(i);
+            totals.potential -= columns.mass[i] * gravity.dot(columns.position[i]);
+            totals.largest_speed = totals.largest_speed.max(columns.velocity[i].length());
+        }
+        let (mut largest, mut ends) = (OverlapRatio::default(), 0u32);
+        survey::contacts(columns, search, walls, |i, partner, pair| {
+            totals.elastic += law.elastic_energy(pair.overlap);
+            let (radius, other_is_grain) = match partner {
+                Partner::Particle(j) => (columns.radius[i].min(columns.radius[j]), !columns.is_fixed(j)),
+                Partner::Wall(_) => (columns.radius[i], false),
+            };
+            largest.raise(pair.overlap, radius);
+            ends += u32::from(!columns.is_fixed(i)) + u32::from(other_is_grain);
+        });
+        totals.largest_overlap_ratio = largest.get();
+        #[expect(clippy::cast_precision_loss, reason = "fewer than 2^32 grains")]
+        let grains = totals.grains.max(1) as f64;
+        totals.coordination = f64::from(ends) / grains;
+        totals
+    }
+
+    /// Kinetic, gravitational and elastic energy together, J.
+    #[must_use]
+    pub fn energy(&self) -> f64 {
+        self.kinetic + self.potential + self.elastic
+    }
+}
+
+/// [`Totals`] of a world, whenever they are wanted.
+pub fn of_world(world: &mut World) -> Totals {
+    use crate::contact::AnyLaw;
+    use crate::gravity::Gravity;
+    use crate::walls::surfaces::Surfaces;
+    Totals::measure(
+        world.resource::<Columns>(),
+        world.resource::<Search>(),
+        &world.resource::<Surfaces>().0,
+        &*world.resource::<AnyLaw>().0,
+        world.resource::<Gravity>().0,
+    )
+}

@@ -1,0 +1,59 @@
+//! What happens in a silo, as ECS messages that any system may read.
+//!
+//! A message lives for two steps; a reader that runs every step misses none.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use crate::particle::GrainId;
+use crate::space::Vector;
+
+/// A grain entered.
+#[derive(Message, Clone, Copy, Debug)]
+pub struct GrainReleased {
+    /// Which.
+    pub id: GrainId,
+}
+
+/// A grain's path crossed the open orifice.
+#[derive(Message, Clone, Copy, Debug)]
+pub struct GrainOut {
+    /// Which.
+    pub id: GrainId,
+    /// Where it was at the end of that step, m.
+    pub position: Vector,
+}
+
+/// A grain left the silo by any other way.
+#[derive(Message, Clone, Debug)]
+pub struct GrainLost {
+    /// Which.
+    pub id: GrainId,
+    /// Where it was at the end of that step, m.
+    pub position: Vector,
+    /// In words: through which wall, or over which side.
+    pub way: String,
+    /// The nearest wall grain, if there is one.
+    pub nearest: Option<GrainId>,
+}
+
+/// All grains have been released and have come to rest.
+#[derive(Message, Clone, Copy, Debug)]
+pub struct CameToRest;
+
+/// The door began to open.
+#[derive(Message, Clone, Copy, Debug)]
+pub struct DoorOpened;
+
+/// Registers the messages.
+pub struct MessagesPlugin;
+
+impl Plugin for MessagesPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_message::<GrainReleased>()
+            .add_message::<GrainOut>()
+            .add_message::<GrainLost>()
+            .add_message::<CameToRest>()
+            .add_message::<DoorOpened>();
+    }
+}

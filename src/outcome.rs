@@ -1,0 +1,131 @@
+//! How a run ends: done, or failed with the reason. Whoever finds that it is over says so here; the runner stops
+//! after that step.
+
+use bevy_ecs::prelude::*;
+use serde::{Serialize, Serializer};
+use thiserror::Error;
+
+use crate::particle::GrainId;
+use crate::space::Vector;
+
+/// Why a run ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum End {
+    /// All grains have been released, and none is inside.
+    Empty,
+    /// The bed came to rest, and the scene asked for no more.
+    AtRest,
+    /// Simulated time reached the scene's `until`.
+    TimeReached,
+    /// It could not go on.
+    Failed(Failure),
+}
+
+/// What stopped a run.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum Failure {
+    /// A number is infinite or not a number.
+    #[error("step {step}: the {quantity} of {grain} is not finite; {cause}")]
+    NotFinite {
+        /// The step at whose end it was found.
+        step: u64,
+        /// Whose.
+        grain: GrainId,
+        /// Which quantity.
+        quantity: &'static str,
+        /// Where it comes from, and what to do.
+        cause: String,
+    },
+    /// A grain was lost and the scene says `on_loss: Stop`.
+    #[error("step {step}: {grain} was lost at ({:.4}, {:.4}) m: {way}; `on_loss: Continue` would go on", position.x, position.y)]
+    GrainLost {
+        /// In which step.
+        step: u64,
+        /// Which.
+        grain: GrainId,
+        /// Where, m.
+        position: Vector,
+        /// How.
+        way: String,
+    },
+    /// The release point stayed occupied.
+    #[error(
+        "step {step}: the release of {grain} has been blocked for {waited_s:.3} s by {blocker}; the silo may be full: \
+         release fewer grains, move the release point up, or raise `spawner.release_timeout`"
+    )]
+    ReleaseBlocked {
+        /// In which step patience ran out.
+        step: u64,
+        /// Which grain waits.
+        grain: GrainId,
+        /// For how long, s.
+        waited_s: f64,
+        /// Who is in the way.
+        blocker: String,
+    },
+    /// A particle outgrew the cells.
+    #[error(
+        "particles touch at up to {needed} m but cells have side {size} m, so that contacts would be missed: a grain \
+         looks one cell far; raise `neighbours.size`"
+    )]
+    CellsTooSmall {
+        /// Side of a cell, m.
+        size: f64,
+        /// Largest contact distance, m.
+        needed: f64,
+    },
+    /// A file could not be written.
+    #[error("could not write {path}: {reason}")]
+    Output {
+        /// Which file.
+        path: String,
+        /// What the system said.
+        reason: String,
+    },
+    /// A behaviour stopped the run.
+    #[error("{0}")]
+    Behaviour(String),
+}
+
+/// The end of a run, once there is one. The first word stands, but a failure outweighs a regular end.
+#[derive(Resource, Default, Debug)]
+pub struct Outcome(Option<End>);
+
+impl Outcome {
+    /// The end, if the run has come to it.
+    #[must_use]
+    pub fn end(&self) -> Option<&End> {
+        self.0.as_ref()
+    }
+
+    /// Ends the run regularly.
+    pub fn finish(&mut self, end: End) {
+        self.0.get_or_insert(end);
+    }
+
+    /// Ends the run with a failure.
+    pub fn fail(&mut self, failure: Failure) {
+        if !matches!(self.0, Some(End::Failed(_))) {
+            self.0 = Some(End::Failed(failure));
+        }
+    }
+}
+
+impl End {
+    /// The word for it in `summary.json`.
+    #[must_use]
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Empty => "empty",
+            Self::AtRest => "at_rest",
+            Self::TimeReached => "time_reached",
+            Self::Failed(_) => "failed",
+        }
+    }
+}
+
+impl Serialize for End {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.word())
+    }
+}

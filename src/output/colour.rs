@@ -1,0 +1,67 @@
+//! Colours: categories for species, and viridis, a perceptually uniform map, for numbers.
+
+/// Red, green, blue.
+pub type Rgb = [u8; 3];
+
+/// Fixed wall grains.
+pub const WALL: Rgb = [0xd0, 0x2b, 0x2b];
+/// Door grains.
+pub const DOOR: Rgb = [0x1f, 0x9d, 0x3a];
+
+/// Species, in order; they differ for colour-blind readers too (Okabe and Ito, without red and green).
+const SPECIES: [Rgb; 5] =
+    [[0x00, 0x72, 0xb2], [0xe6, 0x9f, 0x00], [0xcc, 0x79, 0xa7], [0x56, 0xb4, 0xe9], [0xf0, 0xe4, 0x42]];
+
+/// The colour of a species; they repeat after five.
+#[must_use]
+pub fn species(number: u8) -> Rgb {
+    SPECIES[usize::from(number) % SPECIES.len()]
+}
+
+/// Viridis (Smith and van der Walt, matplotlib, CC0) at eleven equally spaced values.
+const VIRIDIS: [Rgb; 11] = [
+    [68, 1, 84],
+    [72, 36, 117],
+    [65, 68, 135],
+    [53, 95, 141],
+    [42, 120, 142],
+    [33, 145, 140],
+    [34, 168, 132],
+    [68, 191, 112],
+    [122, 209, 81],
+    [189, 223, 38],
+    [253, 231, 37],
+];
+
+/// The colour of a share from 0 to 1; outside it is that of the nearer end, and so is anything undefined.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the table and to bytes")]
+pub fn viridis(share: f64) -> Rgb {
+    let place = share.clamp(0.0, 1.0) * 10.0;
+    let below = (place as usize).min(9);
+    let part = place - f64::from(below as u8);
+    std::array::from_fn(|channel| {
+        let (a, b) = (f64::from(VIRIDIS[below][channel]), f64::from(VIRIDIS[below + 1][channel]));
+        (a + part * (b - a)).round() as u8
+    })
+}
+
+/// As SVG writes it.
+#[must_use]
+pub fn hex([r, g, b]: Rgb) -> String {
+    format!("#{r:02x}{g:02x}{b:02x}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_map_meets_its_stops_and_its_ends() {
+        assert_eq!(viridis(0.0), VIRIDIS[0]);
+        assert_eq!(viridis(0.5), VIRIDIS[5]);
+        assert_eq!(viridis(7.0), VIRIDIS[10]);
+        assert_eq!(viridis(f64::NAN), viridis(0.0));
+        assert_eq!(hex(DOOR), "#1f9d3a");
+    }
+}

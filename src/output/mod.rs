@@ -1,0 +1,10 @@
+//! What a run leaves behind: rows, pictures, the final state and the summary, in one run directory.
+
+pub mod colour;
+pub mod frames;
+pub mod png;
+pub mod run_directory;
+pub mod series;
+pub mod state_hash;
+pub mod summary;
+pub mod svg;

@@ -1,0 +1,77 @@
+//! SVG to PNG, with the font brought along: labels come out on a machine that has none.
+
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, OnceLock};
+
+use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::usvg::{Options, Tree, fontdb};
+
+use crate::fault::Fault;
+
+fn options() -> &'static Options<'static> {
+    static OPTIONS: OnceLock<Options<'static>> = OnceLock::new();
+    OPTIONS.get_or_init(|| {
+        let mut fonts = fontdb::Database::new();
+        fonts.load_font_data(epaint_default_fonts::UBUNTU_LIGHT.to_vec());
+        let family = fonts.faces().next().and_then(|face| face.families.first()).map(|(name, _)| name.clone());
+        if let Some(family) = family {
+            fonts.set_sans_serif_family(family);
+        }
+        Options { fontdb: Arc::new(fonts), ..Options::default() }
+    })
+}
+
+/// The PNG of an SVG document, at the size it states.
+///
+/// # Errors
+/// If it is not a valid SVG document, or too large to draw.
+pub fn encode(svg: &str) -> Result<Vec<u8>, String> {
+    let tree = Tree::from_str(svg, options()).map_err(|error| error.to_string())?;
+    let size = tree.size().to_int_size();
+    let mut pixels = Pixmap::new(size.width(), size.height()).ok_or("the picture has no area or is too large")?;
+    resvg::render(&tree, Transform::identity(), &mut pixels.as_mut());
+    pixels.encode_png().map_err(|error| error.to_string())
+}
+
+/// Renders an SVG file to a PNG beside it and returns its path.
+///
+/// # Errors
+/// If the file cannot be read, is not SVG, or the PNG cannot be written.
+pub fn render_file(path: &Path) -> Result<PathBuf, Fault> {
+    let shown = path.display();
+    let svg = std::fs::read_to_string(path).map_err(|error| {
+        Fault::new("render::read", format!("could not read {shown}: {error}")).help("give SVG files, or run directories")
+    })?;
+    let png = encode(&svg).map_err(|error| {
+        Fault::new("render::svg", format!("could not draw {shown}: {error}")).help("is it an SVG document?")
+    })?;
+    let target = path.with_extension("png");
+    std::fs::write(&target, png).map_err(|error| {
+        Fault::new("render::write", format!("could not write {}: {error}", target.display()))
+            .help("is there space, and may you write there?")
+    })?;
+    Ok(target)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn dark_pixels(body: &str) -> usize {
+        let svg = format!(r#"<svg xmlns="http://www.w3.org/2000/svg" width="80" height="20">{body}</svg>"#);
+        let pixels = Pixmap::decode_png(&encode(&svg).unwrap()).unwrap();
+        pixels.pixels().iter().filter(|pixel| pixel.alpha() > 128).count()
+    }
+
+    #[test]
+    fn labels_come_out_without_fonts_of_the_machine() {
+        let label = r#"<text x="2" y="15" font-size="14" font-family="sans-serif">t = 1.0 s</text>"#;
+        assert!(dark_pixels(label) > 50, "{}", dark_pixels(label));
+        assert_eq!(dark_pixels(""), 0);
+    }
+
+    #[test]
+    fn what_is_not_svg_is_an_error() {
+        assert!(encode("hello").is_err());
+    }
+}

@@ -1,0 +1,104 @@
+//! The run directory: everything that a run leaves behind, and everything that is needed to repeat it.
+//!
+//! `scene.ron` (as resolved, with `--set` applied) and copies of the files that it names, `series.csv`, `frames/`,
+//! `state.csv` and `summary.json`. A directory that holds an earlier run is cleared of it first; one that holds
+//! anything else is refused.
+
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use bevy_ecs::prelude::*;
+
+use crate::fault::Fault;
+use crate::grains::file;
+use crate::output::summary::Summary;
+use crate::scene::load::Loaded;
+use crate::scene::places;
+
+/// A run directory.
+#[derive(Clone, Debug)]
+pub struct RunDirectory(PathBuf);
+
+const SCENE: &str = "scene.ron";
+const OWN_FILES: [&str; 4] = [SCENE, "series.csv", "state.csv", "summary.json"];
+
+impl RunDirectory {
+    /// Makes the directory ready for a run of `loaded` and writes `scene.ron` and the files that it names.
+    ///
+    /// # Errors
+    /// If it holds something else than a run, or cannot be written.
+    pub fn prepare(path: &Path, loaded: &Loaded) -> Result<Self, Fault> {
+        let directory = Self(path.to_owned());
+        let fault = |error: io::Error| {
+            Fault::new("run::directory", format!("could not prepare the run directory {}: {error}", path.display()))
+                .help("give another one with --out")
+        };
+        let is_empty = fs::read_dir(path).map(|mut entries| entries.next().is_none()).unwrap_or(true);
+        if !is_empty && !path.join(SCENE).exists() {
+            let message = format!("{} is not empty and holds no earlier run", path.display());
+            return Err(Fault::new("run::directory", message).help("give another directory with --out, or empty this one"));
+        }
+        directory.clear().map_err(fault)?;
+        fs::create_dir_all(directory.frames()).map_err(fault)?;
+        let mut text = loaded.text.clone();
+        for (key, path, content) in &loaded.files {
+            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+            fs::write(directory.0.join(&name), content).map_err(fault)?;
+            text = places::set(&text, key, &format!("{name:?}"))?;
+        }
+        fs::write(directory.0.join(SCENE), text).map_err(fault)?;
+        Ok(directory)
+    }
+
+    /// Removes what an earlier run left.
+    fn clear(&self) -> io::Result<()> {
+        let ignore_missing = |result: io::Result<()>| match result {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
+            _ => Ok(()),
+        };
+        for name in OWN_FILES {
+            ignore_missing(fs::remove_file(self.0.join(name)))?;
+        }
+        let Ok(frames) = fs::read_dir(self.frames()) else { return Ok(()) };
+        for frame in frames {
+            let path = frame?.path();
+            let is_picture = path.extension().is_some_and(|ending| ending == "svg" || ending == "png");
+            if is_picture {
+                ignore_missing(fs::remove_file(path))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Where it is.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.0
+    }
+
+    /// Where snapshots go.
+    #[must_use]
+    pub fn frames(&self) -> PathBuf {
+        self.0.join("frames")
+    }
+
+    /// Where the rows go.
+    #[must_use]
+    pub fn series(&self) -> PathBuf {
+        self.0.join("series.csv")
+    }
+
+    /// Writes the final state and the summary.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn finish(&self, world: &mut World, summary: &Summary) -> io::Result<()> {
+        fs::write(self.0.join("state.csv"), file::write(world))?;
+        let json = serde_json::to_string_pretty(summary).map_err(io::Error::other)?;
+        // Under its name only when it is whole.
+        let (half, whole) = (self.0.join("summary.json.part"), self.0.join("summary.json"));
+        fs::write(&half, json + "\n")?;
+        fs::rename(half, whole)
+    }
+}

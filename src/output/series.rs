@@ -1,0 +1,126 @@
+//! `series.csv`: one row every `series.interval` seconds, and one at the end. Each row is flushed, so that a run that
+//! dies leaves all of them.
+//!
+//! | column | unit | meaning |
+//! |---|---|---|
+//! | `time_s` | s | simulated time |
+//! | `released`, `inside`, `out`, `lost`, `culled` | grains | the ledger |
+//! | `outflow_per_s` | 1/s | grains out since the row before, over the time since then |
+//! | `kinetic_j`, `potential_j`, `elastic_j` | J | energies now; potential is 0 at the origin |
+//! | `released_j`, `wall_work_j`, `added_work_j`, `dissipated_j`, `removed_j` | J | flows since the start |
+//! | `balance_error_j` | J | energies now less what the flows leave |
+//! | `largest_speed_m_per_s` | m/s | of all grains |
+//! | `largest_overlap_ratio` | | now, over the smaller radius of the pair |
+//! | `coordination` | | contacts a grain |
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::columns::Columns;
+use crate::contact::AnyLaw;
+use crate::energy::EnergyFlows;
+use crate::gravity::Gravity;
+use crate::ledger::Ledger;
+use crate::measure::totals::Totals;
+use crate::measure::{ObserveStage, due, observe_every};
+use crate::neighbours::Search;
+use crate::outcome::{Failure, Outcome};
+use crate::scene::values::Positive;
+use crate::step::{Clock, Step};
+use crate::walls::surfaces::Surfaces;
+
+/// The scene's `series`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Series {
+    /// Time between rows, s.
+    pub interval: Positive,
+}
+
+impl Default for Series {
+    fn default() -> Self {
+        Self { interval: Positive::try_from(0.05).expect("positive") }
+    }
+}
+
+const HEADER: &str = "time_s,released,inside,out,lost,culled,outflow_per_s,kinetic_j,potential_j,elastic_j,\
+released_j,wall_work_j,added_work_j,dissipated_j,removed_j,balance_error_j,\
+largest_speed_m_per_s,largest_overlap_ratio,coordination";
+
+#[derive(Resource)]
+struct SeriesFile {
+    path: PathBuf,
+    file: BufWriter<File>,
+    last: Option<(f64, u32)>,
+}
+
+fn write_row(
+    (clock, columns, search, walls): (Res<Clock>, Res<Columns>, Res<Search>, Res<Surfaces>),
+    (law, gravity, flows, ledger): (Res<AnyLaw>, Res<Gravity>, Res<EnergyFlows>, Res<Ledger>),
+    mut series: ResMut<SeriesFile>,
+    mut outcome: ResMut<Outcome>,
+) {
+    let (time, out) = (clock.time(), ledger.out());
+    let now = Totals::measure(&columns, &search, &walls.0, &*law.0, gravity.0);
+    let outflow = match series.last.replace((time, out)) {
+        Some((before, out_before)) if time > before => f64::from(out - out_before) / (time - before),
+        _ => 0.0,
+    };
+    let row = writeln!(
+        series.file,
+        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:.6}",
+        ledger.released,
+        ledger.inside(),
+        ledger.lost(),
+        ledger.culled,
+        now.kinetic,
+        now.potential,
+        now.elastic,
+        flows.released,
+        flows.wall_work,
+        flows.added_work,
+        flows.dissipated,
+        flows.removed,
+        now.energy() - flows.expected(),
+        now.largest_speed,
+        now.largest_overlap_ratio,
+        now.coordination,
+    );
+    if let Err(error) = row.and_then(|()| series.file.flush()) {
+        outcome.fail(Failure::Output { path: series.path.display().to_string(), reason: error.to_string() });
+    }
+}
+
+/// Writes `series.csv`.
+pub struct SeriesPlugin {
+    config: Series,
+    path: PathBuf,
+    file: std::sync::Mutex<Option<File>>,
+}
+
+impl SeriesPlugin {
+    /// Creates the file at `path` with its header.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn create(config: Series, path: &Path) -> std::io::Result<Self> {
+        let mut file = File::create(path)?;
+        writeln!(file, "{HEADER}")?;
+        Ok(Self { config, path: path.to_owned(), file: std::sync::Mutex::new(Some(file)) })
+    }
+}
+
+impl Plugin for SeriesPlugin {
+    fn build(&self, app: &mut App) {
+        let file = self.file.lock().ok().and_then(|mut file| file.take());
+        let Some(file) = file else { return };
+        observe_every::<Series>(app, self.config.interval.get());
+        app.insert_resource(SeriesFile { path: self.path.clone(), file: BufWriter::new(file), last: None })
+            .add_systems(Step, write_row.in_set(ObserveStage::Write).run_if(due::<Series>));
+    }
+}

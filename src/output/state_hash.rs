@@ -1,0 +1,54 @@
+//! `state_hash`: one number for the state of a run, to compare runs to the last bit.
+//!
+//! FNV-1a, 64 bits, over the grains (not the walls) in ascending order of id; for each, in this order, the id as 4
+//! bytes and x, y, v_x, v_y, radius and mass as the 8 bytes of the double, all little-endian. Positions and
+//! velocities are those of the last full step.
+
+use bevy_ecs::prelude::*;
+
+use crate::particle::{Grain, GrainId, Mass, Position, Radius, Velocity};
+
+/// The hash of a world's grains.
+pub fn of_world(world: &mut World) -> u64 {
+    let mut grains = world.query_filtered::<(&GrainId, &Position, &Velocity, &Radius, &Mass), With<Grain>>();
+    let mut rows: Vec<_> = grains.iter(world).collect();
+    rows.sort_unstable_by_key(|row| *row.0);
+    let mut hash = Fnv::default();
+    for (id, x, v, radius, mass) in rows {
+        hash.eat(&id.number().to_le_bytes());
+        for number in [x.0.x, x.0.y, v.0.x, v.0.y, radius.0, mass.0] {
+            hash.eat(&number.to_le_bytes());
+        }
+    }
+    hash.0
+}
+
+struct Fnv(u64);
+
+impl Default for Fnv {
+    fn default() -> Self {
+        Self(0xcbf2_9ce4_8422_2325)
+    }
+}
+
+impl Fnv {
+    fn eat(&mut self, bytes: &[u8]) {
+        for &byte in bytes {
+            self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn fnv_1a_gives_its_published_values() {
+        for (text, expected) in [("", 0xcbf2_9ce4_8422_2325), ("a", 0xaf63_dc4c_8601_ec8c), ("foobar", 0x8594_4171_f739_67e8)] {
+            let mut hash = Fnv::default();
+            hash.eat(text.as_bytes());
+            assert_eq!(hash.0, expected);
+        }
+    }
+}

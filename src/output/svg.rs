@@ -1,0 +1,216 @@
+//! Draws a picture of discs and lines as SVG: metres to pixels with y up, a header with labels, a scale bar.
+//!
+//! All lengths on paper derive from the width in pixels, so a picture is the same at any size.
+
+use std::fmt::Write as _;
+
+use crate::output::colour::{Rgb, hex};
+use crate::space::Vector;
+
+/// What to draw.
+#[derive(Clone, Debug)]
+pub struct Picture {
+    /// Lower left corner of the view, m.
+    pub low: Vector,
+    /// Upper right corner of the view, m.
+    pub high: Vector,
+    /// Width, px.
+    pub width: f64,
+    /// Lines of the header.
+    pub header: Vec<String>,
+    /// The legend.
+    pub legend: Legend,
+    /// Discs: centre and radius in m, colour.
+    pub discs: Vec<(Vector, f64, Rgb)>,
+    /// Lines: ends in m.
+    pub lines: Vec<(Vector, Vector)>,
+}
+
+/// What the colours mean.
+#[derive(Clone, Debug, Default)]
+pub enum Legend {
+    /// Nothing to explain.
+    #[default]
+    None,
+    /// Categories.
+    Classes(Vec<(String, Rgb)>),
+    /// A scale from the first number to the second, with quantity and unit.
+    Scale {
+        /// The value at the lower end.
+        from: f64,
+        /// The value at the upper end.
+        to: f64,
+        /// Quantity and unit.
+        title: String,
+    },
+}
+
+/// Height of a line of text, and margins, as shares of the width.
+const TEXT: f64 = 0.028;
+
+struct Paper<'a> {
+    picture: &'a Picture,
+    scale: f64,
+    top: f64,
+    height: f64,
+    svg: String,
+}
+
+impl Picture {
+    /// The SVG document.
+    #[must_use]
+    pub fn to_svg(&self) -> String {
+        let size = self.high - self.low;
+        let scale = self.width / size.x;
+        let text = TEXT * self.width;
+        let legend_rows = match &self.legend {
+            Legend::None => 0,
+            Legend::Classes(classes) => classes.len(),
+            Legend::Scale { .. } => 2,
+        };
+        #[expect(clippy::cast_precision_loss, reason = "a few lines of text")]
+        let rows = self.header.len().max(legend_rows).max(1) as f64;
+        let top = (rows * 1.35 + 0.7) * text;
+        let height = top + size.y * scale;
+        let mut paper = Paper { picture: self, scale, top, height, svg: String::new() };
+        paper.frame();
+        paper.bodies();
+        paper.header(text);
+        paper.legend(text);
+        paper.scale_bar(text);
+        paper.svg.push_str("</svg>\n");
+        paper.svg
+    }
+}
+
+impl Paper<'_> {
+    /// Appends one element. Writing to a string cannot fail.
+    fn put(&mut self, element: std::fmt::Arguments<'_>) {
+        let _ = self.svg.write_fmt(element);
+        self.svg.push('\n');
+    }
+
+    fn at(&self, x: Vector) -> Vector {
+        Vector::new((x.x - self.picture.low.x) * self.scale, self.top + (self.picture.high.y - x.y) * self.scale)
+    }
+
+    fn frame(&mut self) {
+        let (width, height, top) = (self.picture.width, self.height, self.top);
+        self.put(format_args!(
+            r#"<svg xmlns="http://www.w3.org/2000/svg" width="{width:.0}" height="{height:.0}" viewBox="0 0 {width:.2} {height:.2}">"#
+        ));
+        self.put(format_args!(r##"<rect width="{width:.2}" height="{height:.2}" fill="#ffffff"/>"##));
+        self.put(format_args!(
+            r#"<clipPath id="view"><rect y="{top:.2}" width="{width:.2}" height="{:.2}"/></clipPath>"#,
+            height - top
+        ));
+    }
+
+    fn bodies(&mut self) {
+        self.put(format_args!(r#"<g clip-path="url(#view)">"#));
+        for &(from, to) in &self.picture.lines {
+            let (a, b) = (self.at(from), self.at(to));
+            let width = 0.004 * self.picture.width;
+            self.put(format_args!(
+                r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" stroke="{}" stroke-width="{width:.2}"/>"#,
+                a.x, a.y, b.x, b.y, hex(crate::output::colour::WALL)
+            ));
+        }
+        for &(centre, radius, colour) in &self.picture.discs {
+            let (c, r) = (self.at(centre), radius * self.scale);
+            self.put(format_args!(r#"<circle cx="{:.2}" cy="{:.2}" r="{r:.2}" fill="{}"/>"#, c.x, c.y, hex(colour)));
+        }
+        self.put(format_args!("</g>"));
+    }
+
+    fn text(&mut self, x: f64, y: f64, size: f64, anchor: &str, text: &str) {
+        let text = text.replace('&', "&amp;").replace('<', "&lt;");
+        self.put(format_args!(
+            r##"<text x="{x:.2}" y="{y:.2}" font-size="{size:.2}" font-family="sans-serif" text-anchor="{anchor}" fill="#222222">{text}</text>"##
+        ));
+    }
+
+    fn header(&mut self, text: f64) {
+        let mut y = 1.35 * text;
+        for line in &self.picture.header {
+            self.text(0.6 * text, y, text, "start", line);
+            y += 1.35 * text;
+        }
+    }
+
+    fn legend(&mut self, text: f64) {
+        let right = self.picture.width - 0.6 * text;
+        match &self.picture.legend {
+            Legend::None => {}
+            Legend::Classes(classes) => {
+                let mut y = 1.35 * text;
+                for (name, colour) in classes {
+                    self.text(right - 1.2 * text, y, text, "end", name);
+                    let (x, y_middle, r) = (right - 0.4 * text, y - 0.35 * text, 0.4 * text);
+                    self.put(format_args!(
+                        r#"<circle cx="{x:.2}" cy="{y_middle:.2}" r="{r:.2}" fill="{}"/>"#,
+                        hex(*colour)
+                    ));
+                    y += 1.35 * text;
+                }
+            }
+            Legend::Scale { from, to, title } => {
+                let width = 0.3 * self.picture.width;
+                self.text(right, 1.35 * text, text, "end", &format!("{title}: {from:.3} to {to:.3}"));
+                for step in 0..50u8 {
+                    let share = f64::from(step) / 50.0;
+                    let (x, y) = (right - width + share * width, 1.8 * text);
+                    let fill = hex(crate::output::colour::viridis(share + 0.01));
+                    // A little wider than a step, so that no seam shows between them.
+                    let (w, h) = (width / 50.0 + 0.02 * text, 0.8 * text);
+                    self.put(format_args!(r#"<rect x="{x:.2}" y="{y:.2}" width="{w:.2}" height="{h:.2}" fill="{fill}"/>"#));
+                }
+            }
+        }
+    }
+
+    /// A bar of 1, 2 or 5 times a power of ten of a metre, at most a quarter of the width.
+    fn scale_bar(&mut self, text: f64) {
+        let limit = 0.25 * self.picture.width / self.scale;
+        let power = 10f64.powf(limit.log10().floor());
+        let metres = [5.0, 2.0, 1.0].into_iter().map(|m| m * power).find(|&m| m <= limit).unwrap_or(power);
+        let (right, y) = (self.picture.width - text, self.height - 0.8 * text);
+        let left = right - metres * self.scale;
+        let width = 0.12 * text;
+        self.put(format_args!(
+            r##"<line x1="{left:.2}" y1="{y:.2}" x2="{right:.2}" y2="{y:.2}" stroke="#222222" stroke-width="{width:.2}"/>"##
+        ));
+        self.text(0.5 * (left + right), y - 0.4 * text, text, "middle", &format!("{} m", rounded(metres)));
+    }
+}
+
+/// A number of few digits without the noise of binary fractions.
+fn rounded(value: f64) -> String {
+    if value >= 1e-3 { format!("{}", (value * 1e6).round() / 1e6) } else { format!("{value:e}") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn picture(width: f64) -> Picture {
+        Picture {
+            low: Vector::ZERO,
+            high: Vector::new(2.0, 1.0),
+            width,
+            header: vec!["a < b & c".to_owned()],
+            legend: Legend::None,
+            discs: vec![(Vector::new(0.5, 0.25), 0.1, [255, 0, 0])],
+            lines: vec![],
+        }
+    }
+
+    #[test]
+    fn metres_become_pixels_with_y_up() {
+        let svg = picture(200.0).to_svg();
+        // Top: (1.35 + 0.7) lines of 5.6 px; the disc is 75 px below the top of a view of 100 px.
+        assert!(svg.contains(r##"<circle cx="50.00" cy="86.48" r="10.00" fill="#ff0000"/>"##), "{svg}");
+        assert!(svg.contains("a &lt; b &amp; c"));
+        assert!(svg.contains(">0.5 m<"));
+    }
+}

@@ -1,0 +1,161 @@
+//! The data structure: particles are entities, their properties are components.
+//!
+//! A *grain* moves; a *wall grain* is a disc that is part of the silo's wall or door and carries [`Fixed`].
+//! Both have the columns of [`Particle`]; a grain has also those of [`GrainBundle`]. The ECS keeps each component
+//! as one dense column, so a pass that needs positions reads nothing else.
+//!
+//! | component | unit | who has it |
+//! |---|---|---|
+//! | [`GrainId`] | | all |
+//! | [`Position`] | m | all |
+//! | [`Velocity`] | m/s | all (zero for a wall at rest) |
+//! | [`Force`] | N | all: contacts, weight and added forces; on wall grains, what the grains do to them |
+//! | [`Radius`] | m | all |
+//! | [`Mass`] | kg | grains |
+//! | [`Species`] | | grains |
+//! | [`Grain`] | marker | grains |
+//! | [`Fixed`] | marker | particles that no force moves |
+//! | [`Door`] | marker | wall grains that form the door |
+//!
+//! Other components come only with the plugin that needs them, so only in scenes that ask for it.
+
+use std::fmt;
+
+use bevy_ecs::prelude::*;
+
+use crate::columns::{Slot, population_changed};
+use crate::space::Vector;
+
+/// The name of a particle for its whole life; never reused. Forces are summed in ascending order of it.
+///
+/// Grains count from 0 or carry the ids of their file; wall grains and door grains follow after all grains.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[component(immutable, on_insert = population_changed, on_discard = population_changed)]
+#[require(Slot)]
+pub struct GrainId(u32);
+
+impl GrainId {
+    /// Ids from here on belong to wall and door grains.
+    const FIRST_WALL: u32 = 1 << 31;
+    /// The largest id that a grain can have.
+    pub const MAX_GRAIN: u32 = Self::FIRST_WALL - 1;
+
+    /// The id of grain `number`, if that is at most [`GrainId::MAX_GRAIN`].
+    #[must_use]
+    pub fn grain(number: u32) -> Option<Self> {
+        (number <= Self::MAX_GRAIN).then_some(Self(number))
+    }
+
+    /// The id of fixed disc `number`, counted from 1 in the order of the silo file (wall, then door) and then of
+    /// the scene's discs.
+    ///
+    /// # Panics
+    /// If there are 2^31 fixed discs.
+    #[must_use]
+    pub fn wall(number: usize) -> Self {
+        let number = u32::try_from(number).ok().and_then(|n| n.checked_add(Self::FIRST_WALL));
+        Self(number.expect("fewer than 2^31 wall grains"))
+    }
+
+    /// The number within its kind: grains as in their file, wall grains from 1.
+    #[must_use]
+    pub fn number(self) -> u32 {
+        self.0 & Self::MAX_GRAIN
+    }
+
+    /// Whether this names a wall or door grain.
+    #[must_use]
+    pub fn is_wall(self) -> bool {
+        self.0 >= Self::FIRST_WALL
+    }
+}
+
+impl fmt::Display for GrainId {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let kind = if self.is_wall() { "wall grain" } else { "grain" };
+        write!(f, "{kind} {}", self.number())
+    }
+}
+
+/// Centre, m.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct Position(pub Vector);
+
+/// Velocity of the centre, m/s. Between [`Phase::Drift`](crate::step::Phase::Drift) and
+/// [`Phase::Kick`](crate::step::Phase::Kick) it is v(t+dt/2), elsewhere v(t).
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Velocity(pub Vector);
+
+/// Sum of the forces, N, as of the last evaluation; the acceleration is this over [`Mass`].
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Force(pub Vector);
+
+/// Radius, m.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(summary_tick)]
+pub struct Radius(pub f64);
+
+/// Mass, kg.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(summary_tick)]
+pub struct Mass(pub f64);
+
+/// Which kind of grain: 0 for the first size of a mixture, 1 for the second.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Species(pub u8);
+
+/// Marks a particle that can move and that the ledger counts.
+#[derive(Component, Clone, Copy, Debug, Default)]
+pub struct Grain;
+
+/// Marks a particle that no force moves: a wall grain, or a grain that a behaviour holds. Who moves it sets its
+/// [`Position`] and its [`Velocity`].
+#[derive(Component, Clone, Copy, Debug, Default)]
+#[component(storage = "SparseSet", on_insert = population_changed, on_discard = population_changed)]
+pub struct Fixed;
+
+/// Marks a wall grain of the door.
+#[derive(Component, Clone, Copy, Debug, Default)]
+#[component(storage = "SparseSet")]
+pub struct Door;
+
+/// What every particle has.
+#[derive(Bundle, Clone, Copy, Debug)]
+pub struct Particle {
+    /// Its name.
+    pub id: GrainId,
+    /// Its centre, m.
+    pub position: Position,
+    /// Its velocity, m/s.
+    pub velocity: Velocity,
+    /// The force on it, N.
+    pub force: Force,
+    /// Its radius, m.
+    pub radius: Radius,
+}
+
+/// What every grain has.
+#[derive(Bundle, Clone, Copy, Debug)]
+pub struct GrainBundle {
+    /// What every particle has.
+    pub particle: Particle,
+    /// Its mass, kg.
+    pub mass: Mass,
+    /// Its kind.
+    pub species: Species,
+    /// That it is a grain.
+    pub grain: Grain,
+}
+
+/// Spawns one disc of a wall, at rest.
+#[must_use]
+pub fn wall_grain(id: GrainId, centre: Vector, radius: f64) -> impl Bundle {
+    let particle = Particle {
+        id,
+        position: Position(centre),
+        velocity: Velocity::default(),
+        force: Force::default(),
+        radius: Radius(radius),
+    };
+    (particle, Fixed)
+}

@@ -1,0 +1,97 @@
+//! The rest detector: has everything that was released come to rest?
+//!
+//! Every grain is slower than `speed` sqrt(g R), and the kinetic energy of all is below `energy` times the sum of
+//! m g R, for `hold` seconds without a break, with no grain still to come. In these units the thresholds do not
+//! change with the size of the grains: a grain of 4 cm on Earth at 2e-3 moves at 1.3 mm/s, and the kinetic energy
+//! 1e-6 m g R would lift it by 1e-6 of its radius. A single quiet step proves nothing: a grain thrown up is at rest
+//! at the top of its path, hence the hold.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::columns::Columns;
+use crate::grains::spawner::Pending;
+use crate::gravity::Gravity;
+use crate::messages::CameToRest;
+use crate::scene::values::{NonNegative, Positive};
+use crate::step::{Clock, Phase, Step};
+
+/// The scene's `rest`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Rest {
+    /// Threshold of the largest speed, in units of sqrt(g R).
+    pub speed: Positive,
+    /// Threshold of the kinetic energy per grain, in units of m g R.
+    pub energy: Positive,
+    /// How long both must hold, s.
+    pub hold: NonNegative,
+    /// Whether rest ends the run. Default false.
+    #[serde(default)]
+    pub stop: bool,
+}
+
+/// The rest detector's state.
+#[derive(Resource, Debug)]
+pub struct RestDetector {
+    thresholds: Rest,
+    quiet_since: Option<f64>,
+    /// When rest was found, s.
+    pub rest_time: Option<f64>,
+}
+
+/// Systems of [`Phase::Control`] that act on rest run after this set.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct RestDetection;
+
+fn detect(
+    clock: Res<Clock>,
+    gravity: Res<Gravity>,
+    columns: Res<Columns>,
+    mut detector: ResMut<RestDetector>,
+    mut at_rest: MessageWriter<CameToRest>,
+) {
+    if !is_quiet(&columns, &detector.thresholds, gravity.0.length()) {
+        detector.quiet_since = None;
+        return;
+    }
+    let since = *detector.quiet_since.get_or_insert(clock.time());
+    if clock.has_reached(since + detector.thresholds.hold.get()) {
+        detector.rest_time = Some(clock.time());
+        at_rest.write(CameToRest);
+    }
+}
+
+fn is_quiet(columns: &Columns, thresholds: &Rest, g: f64) -> bool {
+    let speed_limit = thresholds.speed.get().powi(2) * g;
+    let (mut kinetic, mut scale) = (0.0, 0.0);
+    for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
+        if columns.velocity[i].length_squared() > speed_limit * columns.radius[i] {
+            return false;
+        }
+        kinetic += columns.kinetic_energy(i);
+        scale += columns.mass[i] * g * columns.radius[i];
+    }
+    kinetic <= thresholds.energy.get() * scale
+}
+
+fn everything_is_released_and_moves(pending: Res<Pending>, detector: Res<RestDetector>) -> bool {
+    pending.0 == 0 && detector.rest_time.is_none()
+}
+
+/// Finds rest, once.
+pub struct RestPlugin(pub Rest);
+
+impl Plugin for RestPlugin {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(RestDetector { thresholds: self.0, quiet_since: None, rest_time: None }).add_systems(
+            Step,
+            detect
+                .in_set(Phase::Control)
+                .in_set(RestDetection)
+                .run_if(everything_is_released_and_moves)
+                .run_if(crate::step::time_moves),
+        );
+    }
+}

@@ -1,0 +1,110 @@
+//! The scene: one RON file that says what is in the silo.
+//!
+//! Every section's keys are documented where its behaviour lives; this file only lists the sections. All numbers
+//! are SI; a range that a number must keep is part of its type ([`values`]), rules across keys are in [`rules`],
+//! and the byte range of each key, for messages and for `--set`, comes from [`places`].
+
+pub mod load;
+pub mod parse;
+pub mod places;
+pub mod rules;
+pub mod values;
+
+use std::collections::BTreeMap;
+
+use ron::value::RawValue;
+use serde::{Deserialize, Serialize};
+
+use crate::contact::Contact;
+use crate::door::DoorControl;
+use crate::grains::file::GrainFile;
+use crate::grains::mass::MassLaw;
+use crate::grains::spawner::Spawner;
+use crate::integrate::Integrator;
+use crate::ledger::{Cull, OnLoss};
+use crate::measure::bed::Bed;
+use crate::neighbours::Neighbours;
+use crate::output::frames::Pictures;
+use crate::output::series::Series;
+use crate::rest::Rest;
+use crate::walls::silo_file::Silo;
+use crate::walls::surfaces::Wall;
+use values::{FiniteVector, Positive};
+
+/// A scene as its file says it.
+#[derive(Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Scene {
+    /// Shown in pictures.
+    #[serde(default)]
+    pub title: String,
+    /// Seed of all random numbers.
+    #[serde(default)]
+    pub seed: u64,
+    /// Acceleration of gravity (x, y), m/s^2.
+    pub gravity: FiniteVector,
+    /// Contact law.
+    pub contact: Contact,
+    /// How mass follows from radius, for grains that the spawner makes.
+    pub mass: Option<MassLaw>,
+    /// Integration scheme.
+    #[serde(default)]
+    pub integrator: Integrator,
+    /// Time step.
+    pub step: TimeStep,
+    /// Neighbour search. Default: a Verlet list with a skin of the smallest radius.
+    pub neighbours: Option<Neighbours>,
+    /// A silo file: wall grains and door grains.
+    pub silo: Option<Silo>,
+    /// Discs and flat walls besides.
+    #[serde(default)]
+    pub walls: Vec<Wall>,
+    /// A file with the grains of the start.
+    pub grains: Option<GrainFile>,
+    /// Releases grains one by one.
+    pub spawner: Option<Spawner>,
+    /// Detects rest.
+    pub rest: Option<Rest>,
+    /// Opens the door.
+    pub door: Option<DoorControl>,
+    /// Removes grains that have fallen far enough.
+    pub cull: Option<Cull>,
+    /// What a lost grain does to the run.
+    #[serde(default)]
+    pub on_loss: OnLoss,
+    /// When the run ends at the latest, s of simulated time.
+    pub until: Positive,
+    /// Measures fill height and packing fraction at rest.
+    pub bed: Option<Bed>,
+    /// The rows of `series.csv`.
+    #[serde(default)]
+    pub series: Series,
+    /// The snapshots; `None` for none.
+    #[serde(default = "default_pictures")]
+    pub pictures: Option<Pictures>,
+    /// Behaviours that a program registered, each with its own keys.
+    #[serde(default)]
+    pub behaviours: BTreeMap<String, Box<RawValue>>,
+}
+
+/// The scene's `step`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub enum TimeStep {
+    /// This time step, s.
+    Fixed(Positive),
+}
+
+impl TimeStep {
+    /// The step, s.
+    #[must_use]
+    pub fn seconds(self) -> f64 {
+        match self {
+            Self::Fixed(dt) => dt.get(),
+        }
+    }
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "the default of a field of this type")]
+fn default_pictures() -> Option<Pictures> {
+    Some(Pictures::default())
+}

@@ -1,0 +1,329 @@
+//! Where each key of a RON text stands, and replacement of a value by its key.
+//!
+//! A key path names a value as `spawner.radius`, `walls[1].normal`, `behaviours.shaker.amplitude`; the name of an
+//! enum's variant is no part of it, so the `k` of `contact: Assignment(k: 1.0)` is `contact.k`, and what a variant or
+//! tuple holds by position is `spawner.radius.0`. The scanner knows RON's brackets, strings and comments and
+//! nothing of types; on text that is not RON it returns what it understood.
+
+use std::ops::Range;
+
+use crate::fault::Fault;
+
+/// One value of the text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Place {
+    /// Its key path; empty for the whole scene.
+    pub path: String,
+    /// The byte range of the value.
+    pub value: Range<usize>,
+    /// The byte range from its key, where it has one, to the end of its value.
+    pub entry: Range<usize>,
+    /// For `(...)` and `{...}` with keys, where one more key could stand: behind the last one.
+    room: Option<Room>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Room {
+    at: usize,
+    is_first: bool,
+    is_map: bool,
+}
+
+/// All values of a text, outer before inner.
+#[derive(Clone, Debug)]
+pub struct Places(Vec<Place>);
+
+impl Places {
+    /// Scans a RON text.
+    #[must_use]
+    pub fn scan(text: &str) -> Self {
+        let mut scanner = Scanner { text, at: 0, places: Vec::new() };
+        scanner.skip_attributes();
+        scanner.value(String::new(), None);
+        Self(scanner.places)
+    }
+
+    /// The value with this path.
+    #[must_use]
+    pub fn get(&self, path: &str) -> Option<&Place> {
+        self.0.iter().find(|place| place.path == path)
+    }
+
+    /// The value with this path or, where it is not in the text, its nearest parent that is.
+    #[must_use]
+    pub fn nearest(&self, path: &str) -> Option<&Place> {
+        let mut path = path;
+        loop {
+            if let Some(place) = self.get(path) {
+                return Some(place);
+            }
+            path = &path[..path.rfind(['.', '['])?];
+        }
+    }
+
+    /// The innermost value whose entry contains this byte.
+    #[must_use]
+    pub fn innermost(&self, offset: usize) -> Option<&Place> {
+        let holds = |place: &&Place| place.entry.start <= offset && offset <= place.entry.end;
+        self.0.iter().filter(holds).min_by_key(|place| place.entry.len())
+    }
+}
+
+/// Replaces the value at `path` in a scene's text, or adds the key where its parent lacks it.
+///
+/// # Errors
+/// If neither the key nor its parent is there.
+pub fn set(text: &str, path: &str, value: &str) -> Result<String, Fault> {
+    let places = Places::scan(text);
+    let mut changed = text.to_owned();
+    if let Some(place) = places.get(path) {
+        changed.replace_range(place.value.clone(), value);
+        return Ok(changed);
+    }
+    let (parent, key) = path.rsplit_once('.').unwrap_or(("", path));
+    let is_name = |key: &str| !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || c == '_');
+    let Some(room) = places.get(parent).and_then(|place| place.room).filter(|_| is_name(key)) else {
+        return Err(Fault::new("call::set", format!("--set {path}={value}: the scene has no `{path}`"))
+            .help("name a key that the scene has, as `spawner.count`, or a new key of one of its sections"));
+    };
+    let comma = if room.is_first { "" } else { ", " };
+    let key = if room.is_map { format!("\"{key}\"") } else { key.to_owned() };
+    changed.insert_str(room.at, &format!("{comma}{key}: {value}"));
+    Ok(changed)
+}
+
+struct Scanner<'a> {
+    text: &'a str,
+    at: usize,
+    places: Vec<Place>,
+}
+
+impl Scanner<'_> {
+    fn peek(&self) -> Option<char> {
+        self.text[self.at..].chars().next()
+    }
+
+    fn rest(&self) -> &str {
+        &self.text[self.at..]
+    }
+
+    fn skip(&mut self, c: char) -> bool {
+        let found = self.peek() == Some(c);
+        if found {
+            self.at += c.len_utf8();
+        }
+        found
+    }
+
+    fn skip_while(&mut self, accepts: impl Fn(char) -> bool) {
+        let length = self.rest().find(|c| !accepts(c)).unwrap_or(self.rest().len());
+        self.at += length;
+    }
+
+    /// Blanks and comments.
+    fn skip_blanks(&mut self) {
+        loop {
+            self.skip_while(char::is_whitespace);
+            if self.rest().starts_with("//") {
+                self.skip_while(|c| c != '\n');
+            } else if self.rest().starts_with("/*") {
+                self.skip_block_comment();
+            } else {
+                return;
+            }
+        }
+    }
+
+    fn skip_block_comment(&mut self) {
+        let mut depth = 0;
+        while self.at < self.text.len() {
+            if self.rest().starts_with("/*") {
+                depth += 1;
+                self.at += 2;
+            } else if self.rest().starts_with("*/") {
+                depth -= 1;
+                self.at += 2;
+                if depth == 0 {
+                    return;
+                }
+            } else {
+                self.at += self.peek().map_or(1, char::len_utf8);
+            }
+        }
+    }
+
+    /// `#![enable(...)]` lines at the start.
+    fn skip_attributes(&mut self) {
+        self.skip_blanks();
+        while self.rest().starts_with("#!") {
+            self.skip_while(|c| c != ']');
+            self.skip(']');
+            self.skip_blanks();
+        }
+    }
+
+    fn skip_string(&mut self) {
+        if self.skip('r') {
+            let start = self.at;
+            self.skip_while(|c| c == '#');
+            let close = format!("\"{}", &self.text[start..self.at]);
+            self.skip('"');
+            self.at = self.rest().find(&close).map_or(self.text.len(), |end| self.at + end + close.len());
+            return;
+        }
+        self.skip('"');
+        while let Some(c) = self.peek() {
+            self.at += c.len_utf8();
+            match c {
+                '\\' => self.at += self.peek().map_or(0, char::len_utf8),
+                '"' => return,
+                _ => {}
+            }
+        }
+    }
+
+    fn is_string(&self) -> bool {
+        let rest = self.rest();
+        rest.starts_with('"') || rest.starts_with("r\"") || rest.starts_with("r#")
+    }
+
+    fn value(&mut self, path: String, entry_start: Option<usize>) {
+        self.skip_blanks();
+        let start = self.at;
+        let index = self.places.len();
+        let entry = entry_start.unwrap_or(start);
+        self.places.push(Place { path: path.clone(), value: start..start, entry: entry..start, room: None });
+        if self.is_string() {
+            self.skip_string();
+        } else {
+            self.skip_while(|c| !c.is_whitespace() && !"()[]{},:\"/".contains(c));
+            let name_end = self.at;
+            self.skip_blanks();
+            match self.peek() {
+                Some('(') => self.fields(&path, index, ')'),
+                Some('{') if name_end == start => self.fields(&path, index, '}'),
+                Some('[') if name_end == start => self.fields(&path, index, ']'),
+                _ => self.at = name_end,
+            }
+        }
+        self.places[index].value.end = self.at;
+        self.places[index].entry.end = self.at;
+    }
+
+    /// What stands between brackets: keys and values, or values.
+    fn fields(&mut self, path: &str, index: usize, close: char) {
+        self.at += 1;
+        let mut number = 0;
+        let mut room = Some(Room { at: self.at, is_first: true, is_map: close == '}' });
+        loop {
+            self.skip_blanks();
+            let here = self.at;
+            if self.peek().is_none() || self.peek() == Some(close) {
+                break;
+            }
+            if let Some(key) = self.key(close) {
+                let separator = if path.is_empty() { "" } else { "." };
+                self.value(format!("{path}{separator}{key}"), Some(here));
+                room = room.map(|room| Room { at: self.at, is_first: false, ..room });
+            } else {
+                room = None;
+                let child = if close == ']' { format!("{path}[{number}]") } else { format!("{path}.{number}") };
+                self.value(child, None);
+                number += 1;
+            }
+            self.skip_blanks();
+            if !self.skip(',') && self.at == here {
+                // Not RON: leave, rather than look at the same place for ever.
+                return;
+            }
+        }
+        self.places[index].room = room.filter(|_| close != ']');
+        self.skip(close);
+    }
+
+    /// A key and its colon, if that is what stands here.
+    fn key(&mut self, close: char) -> Option<String> {
+        if close == ']' {
+            return None;
+        }
+        let start = self.at;
+        let key = if self.is_string() {
+            self.skip_string();
+            self.text[start..self.at].trim_matches('"').to_owned()
+        } else {
+            self.skip_while(|c| c.is_alphanumeric() || c == '_');
+            self.text[start..self.at].to_owned()
+        };
+        self.skip_blanks();
+        if !key.is_empty() && self.skip(':') {
+            return Some(key);
+        }
+        self.at = start;
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const TEXT: &str = r#"#![enable(implicit_some)]
+// a scene (not: this)
+Scene(
+    title: "a (b): \"c\"", /* not, /* this */ : */
+    contact: Assignment(k: 1.0e4, b: 5),
+    radius: Fixed(0.04),
+    walls: [HalfPlane(point: (0, 1)), Disc(radius: 2)],
+    behaviours: {"shaker": (hz: 3)},
+    empty: (),
+)
+"#;
+
+    fn value<'a>(text: &'a str, path: &str) -> &'a str {
+        &text[Places::scan(text).get(path).unwrap_or_else(|| panic!("no {path}")).value.clone()]
+    }
+
+    #[test]
+    fn every_key_has_its_value() {
+        for (path, expected) in [
+            ("title", r#""a (b): \"c\"""#),
+            ("contact", "Assignment(k: 1.0e4, b: 5)"),
+            ("contact.k", "1.0e4"),
+            ("contact.b", "5"),
+            ("radius.0", "0.04"),
+            ("walls[0].point", "(0, 1)"),
+            ("walls[0].point.1", "1"),
+            ("walls[1].radius", "2"),
+            ("behaviours.shaker.hz", "3"),
+        ] {
+            assert_eq!(value(TEXT, path), expected);
+        }
+        let places = Places::scan(TEXT);
+        assert_eq!(places.innermost(TEXT.find("1.0e4").unwrap()).unwrap().path, "contact.k");
+        assert_eq!(places.nearest("contact.gone.deep").unwrap().path, "contact");
+    }
+
+    #[test]
+    fn setting_replaces_or_adds() {
+        let changed = set(TEXT, "contact.k", "7").unwrap();
+        assert_eq!(value(&changed, "contact"), "Assignment(k: 7, b: 5)");
+        for path in ["new", "contact.new", "behaviours.new", "behaviours.shaker.new", "empty.new", "walls[1].new"] {
+            let added = set(TEXT, path, "(1, 2)").unwrap();
+            assert_eq!(value(&added, path), "(1, 2)", "{added}");
+            assert_eq!(value(&added, "contact.b"), "5");
+        }
+        for path in ["gone.new", "walls.new", "radius.new", "contact.k.new", ""] {
+            assert!(path.is_empty() || set(TEXT, path, "1").is_err(), "{path}");
+        }
+        let commented = set("(a: 1 // one\n)", "b", "2").unwrap();
+        assert_eq!((value(&commented, "a"), value(&commented, "b")), ("1", "2"));
+    }
+
+    proptest! {
+        #[test]
+        fn any_text_is_scanned_to_an_end(text in "[a-z(){}\\[\\],:\"/*# \nr0-9é]{0,60}") {
+            let _ = Places::scan(&text);
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! How many threads share the force pass. One needs no pool and evaluates each pair once; several evaluate each pair
+//! from both sides, with the same bits ([`crate::contact::kernel`]).
+
+use std::num::NonZeroUsize;
+
+use bevy_ecs::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
+
+/// The threads of a run.
+#[derive(Resource)]
+pub struct Threads(Option<ThreadPool>);
+
+impl Threads {
+    /// `count` threads.
+    ///
+    /// # Errors
+    /// If the system refuses to start them.
+    pub fn new(count: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
+        if count.get() == 1 {
+            return Ok(Self(None));
+        }
+        ThreadPoolBuilder::new().num_threads(count.get()).build().map(|pool| Self(Some(pool)))
+    }
+
+    /// The pool, if there are several threads.
+    #[must_use]
+    pub fn pool(&self) -> Option<&ThreadPool> {
+        self.0.as_ref()
+    }
+
+    /// How many threads there are.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.0.as_ref().map_or(1, ThreadPool::current_num_threads)
+    }
+}

@@ -1,0 +1,5 @@
+//! What encloses the grains: discs of a silo file, discs and flat walls of the scene, and what counts as a way out.
+
+pub mod outline;
+pub mod silo_file;
+pub mod surfaces;

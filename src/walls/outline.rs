@@ -1,0 +1,243 @@
+//! The outline: which lines a grain's path must not cross, and which one is the orifice.
+//!
+//! * Two wall grains are linked if no grain fits between them and no third wall grain is closer to both than they
+//!   are to each other (the relative neighbourhood graph: neighbours, without the chords across corners).
+//! * Segments of the scene are links as they are; behind a half-plane is outside.
+//! * The orifice is the line between the two wall grains that flank the door: the ones nearest to the door's two
+//!   ends, on opposite sides of it.
+
+use std::collections::HashMap;
+
+use crate::space::Vector;
+use crate::walls::silo_file::Disc;
+use crate::walls::surfaces::Surface;
+
+/// A line that keeps grains in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Link {
+    /// One end, m.
+    pub from: Vector,
+    /// The other end, m.
+    pub to: Vector,
+}
+
+/// What a path crossed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Crossing {
+    /// The line between the flanks of the door.
+    Orifice,
+    /// A link.
+    Wall(Link),
+    /// The surface of a half-plane.
+    HalfPlane,
+}
+
+/// The lines of a scene's enclosure.
+#[derive(Clone, Debug, Default)]
+pub struct Outline {
+    links: Vec<Link>,
+    cell: f64,
+    near: HashMap<[i64; 2], Vec<usize>>,
+    half_planes: Vec<Surface>,
+    orifice: Option<Link>,
+    bounds: Option<[Vector; 2]>,
+}
+
+impl Outline {
+    /// The outline of `walls` (discs), `door` (discs) and flat walls, for grains of radius `smallest` (m) or more.
+    #[must_use]
+    pub fn new(walls: &[Disc], door: &[Disc], surfaces: &[Surface], smallest: f64) -> Self {
+        let mut links = disc_links(walls, smallest);
+        let mut corners: Vec<_> = walls.iter().map(|disc| disc.centre).collect();
+        for surface in surfaces {
+            if let Surface::Segment { from, to } = *surface {
+                links.push(Link { from, to });
+                corners.extend([from, to]);
+            }
+        }
+        let half_planes = surfaces.iter().filter(|s| matches!(s, Surface::HalfPlane { .. })).copied().collect();
+        let bounds = corners.iter().copied().reduce(Vector::min).zip(corners.iter().copied().reduce(Vector::max));
+        let longest = links.iter().map(|link| link.from.distance(link.to)).fold(smallest, f64::max);
+        let mut outline = Self {
+            links,
+            cell: longest,
+            near: HashMap::new(),
+            half_planes,
+            orifice: orifice(walls, door),
+            bounds: bounds.map(|(low, high)| [low, high]),
+        };
+        for (index, link) in outline.links.iter().enumerate() {
+            for key in cells(link.from, link.to, outline.cell) {
+                outline.near.entry(key).or_default().push(index);
+            }
+        }
+        outline
+    }
+
+    /// The line between the flanks of the door.
+    #[must_use]
+    pub fn orifice(&self) -> Option<Link> {
+        self.orifice
+    }
+
+    /// The links between wall grains, and the segments.
+    #[must_use]
+    pub fn links(&self) -> &[Link] {
+        &self.links
+    }
+
+    /// Lower left and upper right corner of all links, m.
+    #[must_use]
+    pub fn bounds(&self) -> Option<[Vector; 2]> {
+        self.bounds
+    }
+
+    /// The first line that the straight path crosses.
+    #[must_use]
+    pub fn crossing(&self, from: Vector, to: Vector) -> Option<Crossing> {
+        let mut first: Option<(f64, Crossing)> = None;
+        let mut consider = |share: Option<f64>, what: Crossing| {
+            if let Some(share) = share
+                && first.is_none_or(|(earliest, _)| share < earliest)
+            {
+                first = Some((share, what));
+            }
+        };
+        if let Some(orifice) = self.orifice {
+            consider(orifice.crossed_at(from, to), Crossing::Orifice);
+        }
+        // A path that spans many cells meets most of them: then all links are asked.
+        if (to - from).abs().max_element() > 8.0 * self.cell {
+            self.links.iter().for_each(|link| consider(link.crossed_at(from, to), Crossing::Wall(*link)));
+        } else {
+            for key in cells(from, to, self.cell) {
+                for link in self.near.get(&key).into_iter().flatten().map(|&index| self.links[index]) {
+                    consider(link.crossed_at(from, to), Crossing::Wall(link));
+                }
+            }
+        }
+        for plane in &self.half_planes {
+            let (before, after) = (plane.distance(from).0, plane.distance(to).0);
+            consider((before >= 0.0 && after < 0.0).then(|| before / (before - after)), Crossing::HalfPlane);
+        }
+        first.map(|(_, what)| what)
+    }
+
+    /// Which side of the bounding box a point is beyond, in words.
+    #[must_use]
+    pub fn beyond(&self, x: Vector) -> Option<&'static str> {
+        let [low, high] = self.bounds?;
+        // What is above the top can still fall back in; sideways of it, or under the silo, it cannot.
+        if x.x < low.x || x.x > high.x {
+            Some(if x.y >= high.y { "over the top" } else { "past the side of the walls" })
+        } else if x.y < low.y {
+            Some("past the lower end of the walls")
+        } else {
+            None
+        }
+    }
+}
+
+impl Link {
+    /// Where along the path (0 to 1) it crosses this line.
+    fn crossed_at(&self, from: Vector, to: Vector) -> Option<f64> {
+        let (path, line, offset) = (to - from, self.to - self.from, self.from - from);
+        let cross = path.perp_dot(line);
+        if cross == 0.0 {
+            return None;
+        }
+        let (along_path, along_line) = (offset.perp_dot(line) / cross, offset.perp_dot(path) / cross);
+        ((0.0..=1.0).contains(&along_path) && (0.0..=1.0).contains(&along_line)).then_some(along_path)
+    }
+}
+
+/// Cells of side `cell` that the box around a line overlaps.
+#[expect(clippy::cast_possible_truncation, reason = "callers bound the number of cells; casts saturate")]
+fn cells(from: Vector, to: Vector, cell: f64) -> impl Iterator<Item = [i64; 2]> {
+    let (low, high) = ((from.min(to) / cell).floor(), (from.max(to) / cell).floor());
+    (low.y as i64..=high.y as i64).flat_map(move |y| (low.x as i64..=high.x as i64).map(move |x| [x, y]))
+}
+
+fn disc_links(discs: &[Disc], smallest: f64) -> Vec<Link> {
+    let distance = |a: usize, b: usize| discs[a].centre.distance(discs[b].centre);
+    let tight = |a: usize, b: usize| distance(a, b) < discs[a].radius + discs[b].radius + 2.0 * smallest;
+    let neighbours: Vec<Vec<usize>> =
+        (0..discs.len()).map(|a| (0..discs.len()).filter(|&b| a != b && tight(a, b)).collect()).collect();
+    let mut links = Vec::new();
+    for a in 0..discs.len() {
+        for &b in neighbours[a].iter().filter(|&&b| b > a) {
+            let apart = distance(a, b);
+            let bridged = neighbours[a].iter().any(|&c| c != b && distance(a, c) < apart && distance(c, b) < apart);
+            if !bridged {
+                links.push(Link { from: discs[a].centre, to: discs[b].centre });
+            }
+        }
+    }
+    links
+}
+
+fn orifice(walls: &[Disc], door: &[Disc]) -> Option<Link> {
+    let (first, last) = ends(door)?;
+    let middle = 0.5 * (first + last);
+    let nearest = |to: Vector, admits: &dyn Fn(Vector) -> bool| {
+        let centres = walls.iter().map(|disc| disc.centre).filter(|&centre| admits(centre));
+        centres.min_by(|a, b| a.distance_squared(to).total_cmp(&b.distance_squared(to)))
+    };
+    let from = nearest(first, &|_| true)?;
+    let to = nearest(last, &|centre| (centre - middle).dot(from - middle) < 0.0)?;
+    Some(Link { from, to })
+}
+
+/// The two door grains that are farthest apart.
+fn ends(door: &[Disc]) -> Option<(Vector, Vector)> {
+    let pairs = door.iter().flat_map(|a| door.iter().map(move |b| (a.centre, b.centre)));
+    pairs.reduce(|best, pair| if pair.0.distance(pair.1) > best.0.distance(best.1) { pair } else { best })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn discs(centres: &[(f64, f64)]) -> Vec<Disc> {
+        centres.iter().map(|&(x, y)| Disc { centre: Vector::new(x, y), radius: 0.3 }).collect()
+    }
+
+    /// A square corner, a gap, and a far post; a door of two in the gap.
+    fn corner() -> Outline {
+        let walls = discs(&[(0.0, 2.0), (0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (4.0, 0.0), (5.0, 0.0)]);
+        Outline::new(&walls, &discs(&[(2.0, 0.0), (3.0, 0.0)]), &[], 0.5)
+    }
+
+    #[test]
+    fn neighbours_are_linked_and_chords_are_not() {
+        assert_eq!(corner().links().len(), 4);
+        let diagonal = Link { from: Vector::new(0.0, 1.0), to: Vector::new(1.0, 0.0) };
+        assert!(!corner().links().contains(&diagonal));
+    }
+
+    #[test]
+    fn the_orifice_lies_between_the_flanks_of_the_door() {
+        let orifice = corner().orifice().unwrap();
+        assert_eq!((orifice.from, orifice.to), (Vector::new(1.0, 0.0), Vector::new(4.0, 0.0)));
+        let one = Outline::new(&discs(&[(-1.0, 0.0), (-3.0, 0.0), (1.5, 0.0)]), &discs(&[(0.0, 0.0)]), &[], 0.1);
+        let orifice = one.orifice().unwrap();
+        assert_eq!((orifice.from, orifice.to), (Vector::new(-1.0, 0.0), Vector::new(1.5, 0.0)));
+    }
+
+    #[test]
+    fn a_path_crosses_what_it_meets_first() {
+        let outline = corner();
+        assert_eq!(outline.crossing(Vector::new(2.5, 0.1), Vector::new(2.5, -0.1)), Some(Crossing::Orifice));
+        let through = outline.crossing(Vector::new(0.5, 0.1), Vector::new(-100.0, -0.1));
+        assert!(matches!(through, Some(Crossing::Wall(link)) if link.from.x == 0.0 && link.to.x == 0.0), "{through:?}");
+        assert_eq!(outline.crossing(Vector::new(0.5, 0.5), Vector::new(0.2, 0.3)), None);
+    }
+
+    #[test]
+    fn leaving_the_box_sideways_or_downwards_is_noticed() {
+        let outline = corner();
+        assert_eq!(outline.beyond(Vector::new(1.0, 9.0)), None);
+        assert_eq!(outline.beyond(Vector::new(-0.1, 9.0)), Some("over the top"));
+        assert_eq!(outline.beyond(Vector::new(1.0, -0.1)), Some("past the lower end of the walls"));
+    }
+}

@@ -1,0 +1,205 @@
+//! Reader for the assignment's silo file.
+//!
+//! The first line holds two counts, of wall grains and of door grains. Then follows one line a grain, wall first,
+//! door after: x, y and radius, in the unit that the scene states (`unit`, the assignment's file is in cm).
+//!
+//! ```text
+//! 183 5
+//! -1.300e+02 4.000e+02 3.000e+00
+//! ...
+//! ```
+//!
+//! Blank lines at the end are ignored; anything else that is not such a line is an error that names its line and
+//! column.
+
+use std::ops::Range;
+use std::path::PathBuf;
+
+use serde::{Deserialize, Serialize};
+
+use crate::fault::Fault;
+use crate::space::Vector;
+
+/// The scene's `silo`.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Silo {
+    /// Path of the silo file, relative to the scene file.
+    pub file: PathBuf,
+    /// Unit of its numbers.
+    pub unit: LengthUnit,
+}
+
+/// A unit of length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub enum LengthUnit {
+    /// 1 m.
+    Metre,
+    /// 0.01 m.
+    Centimetre,
+    /// 0.001 m.
+    Millimetre,
+}
+
+impl LengthUnit {
+    /// How many of it make a metre: division by a whole number rounds once, as 400 cm to 4 m.
+    fn per_metre(self) -> f64 {
+        match self {
+            Self::Metre => 1.0,
+            Self::Centimetre => 100.0,
+            Self::Millimetre => 1000.0,
+        }
+    }
+}
+
+/// A disc at rest.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Disc {
+    /// Centre, m.
+    pub centre: Vector,
+    /// Radius, m.
+    pub radius: f64,
+}
+
+/// The geometry of a silo, SI.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SiloGeometry {
+    /// The wall, in the file's order.
+    pub wall: Vec<Disc>,
+    /// The door, in the file's order.
+    pub door: Vec<Disc>,
+}
+
+/// One blank-separated word of the file and where it stands.
+struct Word<'a> {
+    text: &'a str,
+    range: Range<usize>,
+}
+
+/// Parses the text of a silo file. `name` is the file's name in messages.
+///
+/// # Errors
+/// If the counts are wrong, a line is missing or one too many, a word is not a finite number, or a radius not
+/// positive; the fault points at the place.
+pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, Fault> {
+    let fault = |code, range: Range<usize>, message: String, help: &str| {
+        Err(Fault::new(code, message).help(help).at(name, text, range))
+    };
+    let mut lines = lines(text);
+    let (_, header) = lines.next().unwrap_or((0..text.len(), Vec::new()));
+    let &[ref walls, ref doors] = header.as_slice() else {
+        return fault(
+            "silo_file::header",
+            first_line(text),
+            format!("the first line must hold two counts, of wall grains and of door grains; it holds {}", header.len()),
+            "write for example `183 5`",
+        );
+    };
+    let mut counts = [0usize; 2];
+    for (count, word) in counts.iter_mut().zip([walls, doors]) {
+        match word.text.parse() {
+            Ok(number) => *count = number,
+            Err(_) => {
+                let message = format!("expected a whole number of grains, got `{}`", word.text);
+                return fault("silo_file::header", word.range.clone(), message, "counts are written like `183`");
+            }
+        }
+    }
+    let [walls, doors] = counts;
+    let expected = walls.saturating_add(doors);
+    let mut discs = Vec::new();
+    for (range, words) in lines {
+        if discs.len() == expected {
+            let message = format!("a line too many: the header announces {walls} + {doors} = {expected} grains");
+            return fault("silo_file::surplus_line", range, message, "remove the line, or raise a count in the first line");
+        }
+        let [x, y, radius] = words.as_slice() else {
+            let message = format!("expected three numbers (x, y, radius), got {}", words.len());
+            return fault("silo_file::columns", range, message, "one grain a line: x y radius");
+        };
+        let mut values = [0.0; 3];
+        for (value, word) in values.iter_mut().zip([x, y, radius]) {
+            match word.text.parse::<f64>() {
+                Ok(number) if number.is_finite() => *value = number / unit.per_metre(),
+                _ => {
+                    let message = format!("expected a finite number, got `{}`", word.text);
+                    return fault("silo_file::number", word.range.clone(), message, "numbers are written like `-1.300e+02`");
+                }
+            }
+        }
+        let [x, y, r] = values;
+        if r <= 0.0 {
+            let message = format!("expected a radius greater than 0, got {}", radius.text);
+            return fault("silo_file::radius", radius.range.clone(), message, "the third number of a line is the radius");
+        }
+        discs.push(Disc { centre: Vector::new(x, y), radius: r });
+    }
+    if discs.len() < expected {
+        let message = format!("{} lines are missing: the header announces {walls} + {doors} = {expected} grains, {} follow",
+            expected - discs.len(), discs.len());
+        let end = text.trim_end().len();
+        return fault("silo_file::missing_line", end..end, message, "add the lines, or lower a count in the first line");
+    }
+    let door = discs.split_off(walls);
+    Ok(SiloGeometry { wall: discs, door })
+}
+
+fn first_line(text: &str) -> Range<usize> {
+    0..text.find('\n').unwrap_or(text.len())
+}
+
+/// The lines up to the last one that is not blank: byte range and words.
+fn lines(text: &str) -> impl Iterator<Item = (Range<usize>, Vec<Word<'_>>)> {
+    let offset_of = move |part: &str| part.as_ptr() as usize - text.as_ptr() as usize;
+    text.trim_end().lines().map(move |line| {
+        let words = line.split_whitespace().map(|word| {
+            let start = offset_of(word);
+            Word { text: word, range: start..start + word.len() }
+        });
+        let start = offset_of(line);
+        (start..start + line.len(), words.collect())
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const GOOD: &str = "2 1\n-130 400 3\n1.3e2 4e2 3.0\n0 0 2.5\n\n";
+
+    #[test]
+    fn reads_centimetres_into_metres() {
+        let silo = parse("good.dat", GOOD, LengthUnit::Centimetre).unwrap();
+        assert_eq!(silo.wall[0], Disc { centre: Vector::new(-1.3, 4.0), radius: 0.03 });
+        assert_eq!(silo.wall.len(), 2);
+        assert_eq!(silo.door, [Disc { centre: Vector::ZERO, radius: 0.025 }]);
+    }
+
+    #[test]
+    fn names_the_place_of_what_is_wrong() {
+        let cases = [
+            ("2", "silo_file::header", (1, 1)),
+            ("", "silo_file::header", (1, 1)),
+            ("2 x\n", "silo_file::header", (1, 3)),
+            ("-2 1\n", "silo_file::header", (1, 1)),
+            ("1 0\n0 0\n", "silo_file::columns", (2, 1)),
+            ("1 0\n0 0 1 7\n", "silo_file::columns", (2, 1)),
+            ("1 0\n0 zero 1\n", "silo_file::number", (2, 3)),
+            ("1 0\n0 NaN 1\n", "silo_file::number", (2, 3)),
+            ("1 0\n0 0 -1\n", "silo_file::radius", (2, 5)),
+            ("1 1\n0 0 1\n", "silo_file::missing_line", (2, 6)),
+            ("1 0\n0 0 1\n1 1 1\n", "silo_file::surplus_line", (3, 1)),
+            ("2 0\n0 0 1\n\n1 1 1\n", "silo_file::columns", (3, 1)),
+        ];
+        for (text, code, place) in cases {
+            let fault = parse("bad.dat", text, LengthUnit::Metre).unwrap_err();
+            assert_eq!((fault.code(), fault.line_and_column()), (code, Some(place)), "{text:?}: {fault}");
+        }
+    }
+
+    #[test]
+    fn a_header_of_absurd_size_is_a_missing_line() {
+        let text = format!("{} {}\n", usize::MAX, usize::MAX);
+        assert_eq!(parse("x", &text, LengthUnit::Metre).unwrap_err().code(), "silo_file::missing_line");
+    }
+}
