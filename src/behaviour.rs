@@ -54,6 +54,13 @@ pub trait Behaviour: 'static {
         Ok(())
     }
 
+    /// Whether [`Behaviour::build`] adds the contact law, as [`crate::contact::ContactPlugin`] with a
+    /// [`crate::contact::PairLaw`] of its own (and [`crate::walls::surfaces::SurfacesPlugin`] for flat walls). Then
+    /// the scene's `contact` only serves the estimates of `check`.
+    fn brings_contact_law(&self) -> bool {
+        false
+    }
+
     /// Adds components, resources and systems. Systems go into the schedule [`crate::step::Step`].
     fn build(self: Box<Self>, app: &mut App);
 }

@@ -37,6 +37,30 @@ impl Slot {
     }
 }
 
+/// Why contiguous iteration cannot fail: every component of a particle's columns is stored in tables.
+pub(crate) const DENSE: &str = "table components are contiguous";
+
+/// What a contact needs to know of a particle, side by side because it is read at random.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    /// Centre, m.
+    pub position: Vector,
+    /// v(t+dt/2) while forces are evaluated, v(t) from the end of [`Phase::Kick`] on, m/s.
+    pub velocity: Vector,
+    /// Radius, m.
+    pub radius: f64,
+    /// Inverse mass as contacts see it, 1/kg: 0 for what is fixed.
+    pub inverse_mass: f64,
+}
+
+impl Body {
+    /// Whether no force moves it.
+    #[must_use]
+    pub fn is_fixed(&self) -> bool {
+        self.inverse_mass == 0.0
+    }
+}
+
 /// The packed state, one entry a particle, in ascending order of id. SI units.
 #[derive(Resource, Default)]
 pub struct Columns {
@@ -44,16 +68,10 @@ pub struct Columns {
     pub id: Vec<GrainId>,
     /// Whose entry this is.
     pub entity: Vec<Entity>,
-    /// Centres, m.
-    pub position: Vec<Vector>,
-    /// v(t+dt/2) while forces are evaluated, v(t) from the end of [`Phase::Kick`] on, m/s.
-    pub velocity: Vec<Vector>,
-    /// Radii, m.
-    pub radius: Vec<f64>,
+    /// Positions, velocities, radii, inverse masses.
+    pub body: Vec<Body>,
     /// Masses, kg; 0 for what has none.
     pub mass: Vec<f64>,
-    /// Inverse masses as contacts see them, 1/kg: 0 for what is fixed.
-    pub inverse_mass: Vec<f64>,
     /// Forces of contacts, walls and weight, N.
     pub force: Vec<Vector>,
     /// The part of `force` that dissipates, N.
@@ -80,13 +98,13 @@ impl Columns {
     /// Whether entry `i` is not moved by forces.
     #[must_use]
     pub fn is_fixed(&self, i: usize) -> bool {
-        self.inverse_mass[i] == 0.0
+        self.body[i].is_fixed()
     }
 
     /// Kinetic energy of entry `i`, J; nothing for what is fixed.
     #[must_use]
     pub fn kinetic_energy(&self, i: usize) -> f64 {
-        if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.velocity[i].length_squared() }
+        if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.body[i].velocity.length_squared() }
     }
 
     fn refill<'a>(&mut self, particles: impl Iterator<Item = ParticleItem<'a>>) {
@@ -95,14 +113,19 @@ impl Columns {
         let inverse = |mass: Option<&Mass>, fixed: bool| mass.map_or(0.0, |m| if fixed { 0.0 } else { 1.0 / m.0 });
         self.id = rows.iter().map(|row| *row.1).collect();
         self.entity = rows.iter().map(|row| row.0).collect();
-        self.position = rows.iter().map(|row| row.2.0).collect();
-        self.velocity = rows.iter().map(|row| row.3.0).collect();
-        self.radius = rows.iter().map(|row| row.4.0).collect();
+        self.body = rows
+            .iter()
+            .map(|&(_, _, x, v, radius, mass, fixed)| Body {
+                position: x.0,
+                velocity: v.0,
+                radius: radius.0,
+                inverse_mass: inverse(mass, fixed),
+            })
+            .collect();
         self.mass = rows.iter().map(|row| row.5.map_or(0.0, |mass| mass.0)).collect();
-        self.inverse_mass = rows.iter().map(|row| inverse(row.5, row.6)).collect();
         self.force = vec![Vector::ZERO; rows.len()];
         self.drag = vec![Vector::ZERO; rows.len()];
-        self.movable_end = self.inverse_mass.iter().rposition(|&w| w > 0.0).map_or(0, |last| last + 1);
+        self.movable_end = self.body.iter().rposition(|body| !body.is_fixed()).map_or(0, |last| last + 1);
         self.generation += 1;
     }
 }
@@ -147,19 +170,22 @@ fn renumber(
 }
 
 fn gather(mut columns: ResMut<Columns>, particles: Query<(&Slot, &Position, &Velocity)>) {
-    let Columns { position, velocity, .. } = &mut *columns;
-    for (slot, x, v) in &particles {
-        if let (Some(to_x), Some(to_v)) = (position.get_mut(slot.index()), velocity.get_mut(slot.index())) {
-            *to_x = x.0;
-            *to_v = v.0;
+    for (slots, xs, vs) in particles.contiguous_iter().expect(DENSE) {
+        for (slot, (x, v)) in slots.iter().zip(xs.iter().zip(vs.iter())) {
+            if let Some(body) = columns.body.get_mut(slot.index()) {
+                body.position = x.0;
+                body.velocity = v.0;
+            }
         }
     }
 }
 
 fn gather_velocities(mut columns: ResMut<Columns>, particles: Query<(&Slot, &Velocity)>) {
-    for (slot, v) in &particles {
-        if let Some(to) = columns.velocity.get_mut(slot.index()) {
-            *to = v.0;
+    for (slots, vs) in particles.contiguous_iter().expect(DENSE) {
+        for (slot, v) in slots.iter().zip(vs.iter()) {
+            if let Some(body) = columns.body.get_mut(slot.index()) {
+                body.velocity = v.0;
+            }
         }
     }
 }
@@ -170,9 +196,11 @@ fn clear_forces(mut columns: ResMut<Columns>) {
 }
 
 fn write_forces(columns: Res<Columns>, mut particles: Query<(&Slot, &mut Force)>) {
-    for (slot, mut force) in &mut particles {
-        if let Some(from) = columns.force.get(slot.index()) {
-            force.bypass_change_detection().0 = *from;
+    for (slots, mut forces) in particles.contiguous_iter_mut().expect(DENSE) {
+        for (slot, force) in slots.iter().zip(forces.bypass_change_detection()) {
+            if let Some(from) = columns.force.get(slot.index()) {
+                force.0 = *from;
+            }
         }
     }
 }

@@ -75,7 +75,7 @@ fn book_removed(
         return;
     }
     for i in (0..columns.movable_end).filter(|&i| gone[i] && !columns.is_fixed(i)) {
-        flows.removed += mechanical(columns.mass[i], columns.position[i], columns.velocity[i], gravity.0);
+        flows.removed += mechanical(columns.mass[i], columns.body[i].position, columns.body[i].velocity, gravity.0);
     }
     flows.removed += survey::elastic_energy(&columns, &search, &walls.0, &*law.0, |i, partner| {
         gone[i] || matches!(partner, survey::Partner::Particle(j) if gone[j])
@@ -112,11 +112,11 @@ fn book_contact_work(
     mut last: ResMut<Powers>,
 ) {
     let (mut dissipation, mut wall) = (0.0, 0.0);
-    for (drag, v) in columns.drag.iter().zip(&columns.velocity) {
-        dissipation -= drag.dot(*v);
+    for (drag, body) in columns.drag.iter().zip(&columns.body) {
+        dissipation -= drag.dot(body.velocity);
     }
     for i in (0..columns.len()).rev().take_while(|&i| columns.is_fixed(i)) {
-        wall -= columns.force[i].dot(columns.velocity[i]);
+        wall -= columns.force[i].dot(columns.body[i].velocity);
     }
     if !clock.is_step_zero() {
         flows.dissipated += 0.5 * clock.dt * (last.dissipation + dissipation);
@@ -135,7 +135,7 @@ fn book_added_work(
     let mut added = 0.0;
     for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
         if let Ok(total) = forces.get(columns.entity[i]) {
-            added += (total.0 - columns.force[i]).dot(columns.velocity[i]);
+            added += (total.0 - columns.force[i]).dot(columns.body[i].velocity);
         }
     }
     if !clock.is_step_zero() {

@@ -6,7 +6,7 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::Columns;
+use crate::columns::{Body, Columns};
 use crate::contact::AnyLaw;
 use crate::outcome::{Failure, Outcome};
 use crate::particle::Force;
@@ -21,21 +21,21 @@ fn check(
 ) {
     // Zero times a finite number is zero; anything else makes the sum NaN. No branch in the loop.
     let mut sum = 0.0;
-    for (x, v) in columns.position.iter().zip(&columns.velocity) {
+    for Body { position: x, velocity: v, .. } in &columns.body {
         sum += 0.0 * (x.x + x.y) + 0.0 * (v.x + v.y);
     }
     if sum == 0.0 {
         return;
     }
     for i in 0..columns.len() {
-        let quantity = match (columns.velocity[i].is_finite(), columns.position[i].is_finite()) {
+        let quantity = match (columns.body[i].velocity.is_finite(), columns.body[i].position.is_finite()) {
             (_, false) => "position",
             (false, _) => "velocity",
             _ => continue,
         };
         let total = forces.get(columns.entity[i]).map_or(columns.force[i], |force| force.0);
         let cause = if !columns.force[i].is_finite() {
-            let step = law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(1.0 / columns.inverse_mass[i]));
+            let step = law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(1.0 / columns.body[i].inverse_mass));
             format!(
                 "the force of its contacts is not finite either: the step is probably unstable, w0 dt = {step:.2} for \
                  this grain; lower `step` (`check` prints the limit)"

@@ -109,9 +109,9 @@ pub struct Species(pub u8);
 pub struct Grain;
 
 /// Marks a particle that no force moves: a wall grain, or a grain that a behaviour holds. Who moves it sets its
-/// [`Position`] and its [`Velocity`].
+/// [`Position`] and its [`Velocity`]. A table component, so that passes over grains run over contiguous columns.
 #[derive(Component, Clone, Copy, Debug, Default)]
-#[component(storage = "SparseSet", on_insert = population_changed, on_discard = population_changed)]
+#[component(on_insert = population_changed, on_discard = population_changed)]
 pub struct Fixed;
 
 /// Marks a wall grain of the door.

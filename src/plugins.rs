@@ -80,6 +80,7 @@ pub(crate) fn add_all(app: &mut Assembly, loaded: &Loaded, behaviours: Vec<(Stri
         .add("always", EnergyPlugin { added_forces: !behaviours.is_empty() })
         .add("always", ledger(loaded));
     match scene.contact {
+        _ if behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law()) => {}
         Contact::Assignment { k, b } => contacts(app, loaded, Assignment::new(k, b)),
         Contact::Linear { k, damping, attraction } => contacts(app, loaded, LinearNormal::new(k, damping, attraction)),
     }

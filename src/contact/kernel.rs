@@ -8,7 +8,7 @@
 
 use rayon::prelude::*;
 
-use crate::columns::Columns;
+use crate::columns::{Body, Columns};
 use crate::contact::{Pair, PairLaw};
 use crate::particle::GrainId;
 use crate::space::Vector;
@@ -54,16 +54,36 @@ impl OverlapRatio {
     }
 }
 
-/// The geometry of `i` and `j` if they touch and at least one can move.
+/// The candidates of `i` that overlap it, in their order, kept in `buffer`. Whether a candidate touches is hard to
+/// foresee, so this loop has no branch on it: each is written, and the end moves on if it counts.
 #[inline]
+fn filter<'a>(bodies: &[Body], i: usize, candidates: &[u32], buffer: &'a mut Vec<u32>) -> &'a [u32] {
+    let body = &bodies[i];
+    if buffer.len() < candidates.len() {
+        buffer.resize(candidates.len(), 0);
+    }
+    let mut count = 0;
+    for &j in candidates {
+        let other = &bodies[j as usize];
+        let reach = body.radius + other.radius;
+        buffer[count] = j;
+        count += usize::from(body.position.distance_squared(other.position) < reach * reach);
+    }
+    &buffer[..count]
+}
+
+/// The geometry of `i` and `j` if they touch and at least one can move.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "the body of the innermost loop: a call would double its cost")]
 #[must_use]
 pub fn touching(columns: &Columns, i: usize, j: usize) -> Option<Pair> {
-    let separation = columns.position[i] - columns.position[j];
-    let reach = columns.radius[i] + columns.radius[j];
+    let (a, b) = (&columns.body[i], &columns.body[j]);
+    let separation = a.position - b.position;
+    let reach = a.radius + b.radius;
     let squared = separation.length_squared();
     // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
     if squared < reach * reach {
-        let inverse_mass = columns.inverse_mass[i] + columns.inverse_mass[j];
+        let inverse_mass = a.inverse_mass + b.inverse_mass;
         if inverse_mass == 0.0 {
             return None;
         }
@@ -72,7 +92,7 @@ pub fn touching(columns: &Columns, i: usize, j: usize) -> Option<Pair> {
         Some(Pair {
             normal,
             overlap: reach - distance,
-            relative_velocity: columns.velocity[i] - columns.velocity[j],
+            relative_velocity: a.velocity - b.velocity,
             reduced_mass: 1.0 / inverse_mass,
         })
     } else {
@@ -94,10 +114,10 @@ pub fn half<L: PairLaw>(law: &L, columns: &mut Columns, partners: &impl Partners
     let mut force = std::mem::take(&mut columns.force);
     let mut drag = std::mem::take(&mut columns.drag);
     let mut largest = OverlapRatio::default();
-    let mut scratch = Vec::new();
+    let (mut scratch, mut buffer) = (Vec::new(), Vec::new());
     for i in 0..columns.movable_end {
         let (mut force_i, mut drag_i) = (force[i], drag[i]);
-        for &j in partners.of(columns, i, &mut scratch) {
+        for &j in filter(&columns.body, i, partners.of(columns, i, &mut scratch), &mut buffer) {
             let j = j as usize;
             if let Some(pair) = touching(columns, i, j) {
                 let on_i = law.force(&pair);
@@ -106,7 +126,7 @@ pub fn half<L: PairLaw>(law: &L, columns: &mut Columns, partners: &impl Partners
                 drag_i += on_i.drag;
                 force[j] -= sum;
                 drag[j] -= on_i.drag;
-                largest.raise(pair.overlap, columns.radius[i].min(columns.radius[j]));
+                largest.raise(pair.overlap, columns.body[i].radius.min(columns.body[j].radius));
             }
         }
         force[i] = force_i;
@@ -127,11 +147,11 @@ pub fn full<L: PairLaw>(law: &L, columns: &mut Columns, partners: &impl Partners
         .par_chunks_mut(CHUNK)
         .zip(drag.par_chunks_mut(CHUNK))
         .enumerate()
-        .map_init(Vec::new, |scratch, (chunk, (force, drag))| {
+        .map_init(<(Vec<u32>, Vec<u32>)>::default, |(scratch, buffer), (chunk, (force, drag))| {
             let mut largest = OverlapRatio::default();
             for (offset, (force, drag)) in force.iter_mut().zip(drag).enumerate() {
                 let i = chunk * CHUNK + offset;
-                for &j in partners.of(view, i, scratch) {
+                for &j in filter(&view.body, i, partners.of(view, i, scratch), buffer) {
                     let j = j as usize;
                     if i == j {
                         continue;
@@ -140,7 +160,7 @@ pub fn full<L: PairLaw>(law: &L, columns: &mut Columns, partners: &impl Partners
                         let on_i = law.force(&pair);
                         *force += on_i.elastic + on_i.drag;
                         *drag += on_i.drag;
-                        largest.raise(pair.overlap, view.radius[i].min(view.radius[j]));
+                        largest.raise(pair.overlap, view.body[i].radius.min(view.body[j].radius));
                     }
                 }
             }

@@ -14,7 +14,7 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::GatheredVelocities;
+use crate::columns::{DENSE, GatheredVelocities};
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::step::{Clock, ClockAdvanced, Phase, Step};
 
@@ -22,16 +22,21 @@ type Movable = Without<Fixed>;
 
 fn drift(clock: Res<Clock>, mut grains: Query<(&mut Position, &mut Velocity, &Force, &Mass), Movable>) {
     let dt = clock.dt;
-    for (mut x, mut v, force, mass) in &mut grains {
-        let v = &mut v.bypass_change_detection().0;
-        *v += 0.5 * dt / mass.0 * force.0;
-        x.bypass_change_detection().0 += dt * *v;
+    for (mut x, mut v, force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
+        let columns = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection());
+        for ((x, v), (force, mass)) in columns.zip(force.iter().zip(mass.iter())) {
+            v.0 += 0.5 * dt / mass.0 * force.0;
+            x.0 += dt * v.0;
+        }
     }
 }
 
 fn kick(clock: Res<Clock>, mut grains: Query<(&mut Velocity, &Force, &Mass), Movable>) {
-    for (mut v, force, mass) in &mut grains {
-        v.bypass_change_detection().0 += 0.5 * clock.dt / mass.0 * force.0;
+    let dt = clock.dt;
+    for (mut v, force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
+        for (v, (force, mass)) in v.bypass_change_detection().iter_mut().zip(force.iter().zip(mass.iter())) {
+            v.0 += 0.5 * dt / mass.0 * force.0;
+        }
     }
 }
 

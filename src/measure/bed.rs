@@ -46,7 +46,7 @@ fn measure(mut commands: Commands, window: Res<Window>, columns: Res<Columns>, m
     }
     let grains: Vec<_> = (0..columns.movable_end)
         .filter(|&i| !columns.is_fixed(i))
-        .map(|i| (columns.position[i], columns.radius[i]))
+        .map(|i| (columns.body[i].position, columns.body[i].radius))
         .collect();
     commands.insert_resource(BedFigures {
         fill_height_m: fill_height(&grains),

@@ -41,15 +41,15 @@ impl Totals {
         for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
             totals.grains += 1;
             totals.kinetic += columns.kinetic_energy(i);
-            totals.potential -= columns.mass[i] * gravity.dot(columns.position[i]);
-            totals.largest_speed = totals.largest_speed.max(columns.velocity[i].length());
+            totals.potential -= columns.mass[i] * gravity.dot(columns.body[i].position);
+            totals.largest_speed = totals.largest_speed.max(columns.body[i].velocity.length());
         }
         let (mut largest, mut ends) = (OverlapRatio::default(), 0u32);
         survey::contacts(columns, search, walls, |i, partner, pair| {
             totals.elastic += law.elastic_energy(pair.overlap);
             let (radius, other_is_grain) = match partner {
-                Partner::Particle(j) => (columns.radius[i].min(columns.radius[j]), !columns.is_fixed(j)),
-                Partner::Wall(_) => (columns.radius[i], false),
+                Partner::Particle(j) => (columns.body[i].radius.min(columns.body[j].radius), !columns.is_fixed(j)),
+                Partner::Wall(_) => (columns.body[i].radius, false),
             };
             largest.raise(pair.overlap, radius);
             ends += u32::from(!columns.is_fixed(i)) + u32::from(other_is_grain);

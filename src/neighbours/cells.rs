@@ -2,8 +2,9 @@
 //!
 //! A particle belongs to the cell (floor(x/L), floor(y/L)). Cells are kept in a hash table as the assignment's
 //! footnote suggests, but instead of chains its buckets are slices of one array, sorted by counting: filling is two
-//! passes over the particles, and a grain a kilometre away takes one entry like any other. Two cells may share a
-//! bucket, so an entry is taken only if its own cell is the one asked for.
+//! passes over the particles, and a grain a kilometre away takes one entry like any other. Cells of a row have
+//! adjacent buckets, so that a grain looks into three slices for its nine cells. Two cells may share a bucket, so an
+//! entry is taken only if its own cell is one that was asked for.
 //!
 //! A pair is found if its cells are the same or neighbours, so for certain if its centres are at most L apart:
 //! L must be at least the largest distance at which two particles touch, 2 R_max for grains.
@@ -36,10 +37,10 @@ impl Cells {
     }
 
     /// Sorts the particles at `positions` (m) into the cells.
-    pub(super) fn fill(&mut self, positions: &[Vector]) {
+    pub(super) fn fill(&mut self, positions: impl Iterator<Item = Vector>) {
         self.cell.clear();
-        self.cell.extend(positions.iter().map(|&x| cell_of(x, self.size)));
-        let buckets = (2 * positions.len()).next_power_of_two();
+        self.cell.extend(positions.map(|x| cell_of(x, self.size)));
+        let buckets = (2 * self.cell.len()).next_power_of_two();
         self.starts.clear();
         self.starts.resize(buckets + 1, 0);
         for &cell in &self.cell {
@@ -49,9 +50,9 @@ impl Cells {
             self.starts[b + 1] += self.starts[b];
         }
         self.entries.clear();
-        self.entries.resize(positions.len(), 0);
+        self.entries.resize(self.cell.len(), 0);
         // From the last to the first, each to the end of what is left of its bucket: buckets come out ascending.
-        let particles = u32::try_from(positions.len()).expect("fewer than 2^32 particles");
+        let particles = u32::try_from(self.cell.len()).expect("fewer than 2^32 particles");
         for i in (0..particles).rev() {
             let end = &mut self.starts[bucket(self.cell[i as usize], buckets) + 1];
             *end -= 1;
@@ -62,67 +63,86 @@ impl Cells {
         self.starts[buckets] = particles;
     }
 
-    /// Calls `visit` with every particle of the nine cells around particle `i`, itself included.
+    /// Calls `visit` with every particle in the cells at most `reach` cells away from that of particle `i`, itself
+    /// included.
     #[inline]
-    pub(super) fn around(&self, i: usize, mut visit: impl FnMut(u32)) {
+    pub(super) fn around(&self, i: usize, reach: i64, mut visit: impl FnMut(u32)) {
         let buckets = self.starts.len() - 1;
         let [x, y] = self.cell[i];
-        for dy in -1..=1 {
-            for dx in -1..=1 {
-                let wanted = [x.wrapping_add(dx), y.wrapping_add(dy)];
-                let b = bucket(wanted, buckets);
-                for &j in &self.entries[self.starts[b] as usize..self.starts[b + 1] as usize] {
-                    if self.cell[j as usize] == wanted {
+        for row in -reach..=reach {
+            let wanted = y.wrapping_add(row);
+            let mut take = |from: usize, to: usize| {
+                for &j in &self.entries[self.starts[from] as usize..self.starts[to] as usize] {
+                    let [at, line] = self.cell[j as usize];
+                    if line == wanted && at.wrapping_sub(x).wrapping_add(reach) as u64 <= 2 * reach as u64 {
                         visit(j);
                     }
                 }
+            };
+            // Cells of a row lie in adjacent buckets, around the end of the table if need be.
+            let first = bucket([x.wrapping_sub(reach), wanted], buckets);
+            let end = first + 2 * reach as usize + 1;
+            take(first, end.min(buckets));
+            if end > buckets {
+                take(0, (end - buckets).min(first));
             }
         }
-    }
-
-    /// Fills `near` with what `i` pairs with at a distance below R_i + R_j + `margin`, ascending.
-    pub(super) fn near(&self, columns: &Columns, i: usize, margin: f64, full: bool, near: &mut Vec<u32>) {
-        near.clear();
-        let (centre, radius, fixed) = (columns.position[i], columns.radius[i] + margin, columns.is_fixed(i));
-        self.around(i, |j| {
-            let other = j as usize;
-            let reach = radius + columns.radius[other];
-            let wanted = if full { other != i } else { other > i };
-            if wanted
-                && centre.distance_squared(columns.position[other]) < reach * reach
-                && !(fixed && columns.is_fixed(other))
-            {
-                near.push(j);
-            }
-        });
-        near.sort_unstable();
     }
 }
 
 impl Partners for Cells {
     #[inline]
     fn of<'a>(&'a self, columns: &Columns, i: usize, scratch: &'a mut Vec<u32>) -> &'a [u32] {
-        self.near(columns, i, 0.0, self.full, scratch);
+        scratch.clear();
+        let body = &columns.body[i];
+        self.around(i, 1, |j| {
+            let other = &columns.body[j as usize];
+            let wanted = if self.full { j as usize != i } else { j as usize > i };
+            let reach = body.radius + other.radius;
+            if wanted && body.position.distance_squared(other.position) < reach * reach {
+                scratch.push(j);
+            }
+        });
+        scratch.sort_unstable();
         scratch
     }
 }
 
-#[expect(clippy::cast_possible_truncation, reason = "saturates far outside any scene; NaN becomes 0 and touches nothing")]
 fn cell_of(x: Vector, size: f64) -> Cell {
-    [(x.x / size).floor() as i64, (x.y / size).floor() as i64]
+    [floor(x.x / size), floor(x.y / size)]
 }
 
+/// The floor as an integer. `f64::floor` is a function call on processors of the baseline.
+#[inline]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    reason = "saturates far outside any scene; NaN becomes 0 and touches nothing"
+)]
+fn floor(x: f64) -> i64 {
+    let towards_zero = x as i64;
+    towards_zero - i64::from((towards_zero as f64) > x)
+}
+
+/// Rows are scattered over the table; along a row, buckets follow each other.
 #[inline]
 #[expect(clippy::cast_sign_loss, clippy::cast_possible_truncation, reason = "a hash: any bits will do")]
 fn bucket([x, y]: Cell, buckets: usize) -> usize {
-    let mixed = (x as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) ^ (y as u64).wrapping_mul(0xC2B2_AE3D_27D4_EB4F);
-    (mixed >> 32) as usize & (buckets - 1)
+    let row = ((y as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize;
+    row.wrapping_add(x as usize) & (buckets - 1)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    #[test]
+    fn floor_is_the_floor() {
+        for (x, floored) in [(-1.5, -2), (-1.0, -1), (-0.0, 0), (0.5, 0), (3.0, 3), (f64::INFINITY, i64::MAX), (f64::NAN, 0)] {
+            assert_eq!(floor(x), floored);
+        }
+    }
 
     proptest! {
         #[test]
@@ -134,11 +154,11 @@ mod tests {
             points.push(Vector::new(far, -far));
             let size = 0.7;
             let mut cells = Cells::new(size, true);
-            cells.fill(&points);
+            cells.fill(points.iter().copied());
             prop_assert!(cells.entries.len() == points.len() && cells.starts.len() <= 4 * points.len() + 2);
             for i in 0..points.len() {
                 let mut found = Vec::new();
-                cells.around(i, |j| found.push(j as usize));
+                cells.around(i, 1, |j| found.push(j as usize));
                 let listed = found.len();
                 found.sort_unstable();
                 found.dedup();

@@ -22,7 +22,7 @@ use self::verlet_list::VerletList;
 use crate::columns::{Columns, Gathered};
 use crate::outcome::{Failure, Outcome};
 use crate::scene::values::Positive;
-use crate::step::{Phase, Step};
+use crate::step::{Clock, Phase, Step};
 use crate::threads::Threads;
 
 /// The scene's `neighbours`.
@@ -36,9 +36,9 @@ pub enum Neighbours {
         /// Side L of a cell, m: at least the largest distance at which two particles touch.
         size: Positive,
     },
-    /// A list of the pairs closer than touching plus `skin`, renewed when a particle has moved by half of it.
+    /// A list of the pairs that might touch soon, renewed when a particle has moved too far.
     VerletList {
-        /// Skin, m.
+        /// Skin, m: particles at rest are listed up to this distance of their surfaces.
         skin: Positive,
     },
 }
@@ -77,11 +77,11 @@ impl Search {
         Self { method, rebuilds: 0, full, generation: 0 }
     }
 
-    /// Makes the search valid for the positions in `columns`.
+    /// Makes the search valid for the positions in `columns`; `dt` is the time step, s.
     ///
     /// # Errors
     /// If particles touch at more than the cell size.
-    pub fn update(&mut self, columns: &Columns) -> Result<(), Failure> {
+    pub fn update(&mut self, columns: &Columns, dt: f64) -> Result<(), Failure> {
         let renumbered = self.generation != columns.generation;
         self.generation = columns.generation;
         let rebuilt = match &mut self.method {
@@ -93,13 +93,13 @@ impl Search {
                 if renumbered {
                     cells.check_range(columns)?;
                 }
-                cells.fill(&columns.position);
+                cells.fill(columns.body.iter().map(|body| body.position));
                 true
             }
             Method::VerletList(list) => {
                 let stale = renumbered || list.is_stale(columns);
                 if stale {
-                    list.renew(columns, self.full);
+                    list.renew(columns, self.full, dt);
                 }
                 stale
             }
@@ -117,14 +117,14 @@ impl Search {
 pub fn contact_range(columns: &Columns) -> f64 {
     let largest = |fixed: bool| {
         let of_kind = (0..columns.len()).filter(|&i| columns.is_fixed(i) == fixed);
-        of_kind.map(|i| columns.radius[i]).fold(0.0, f64::max)
+        of_kind.map(|i| columns.body[i].radius).fold(0.0, f64::max)
     };
     let movable = largest(false);
     movable + movable.max(largest(true))
 }
 
-fn update_search(columns: Res<Columns>, mut search: ResMut<Search>, mut outcome: ResMut<Outcome>) {
-    if let Err(failure) = search.update(&columns) {
+fn update_search(clock: Res<Clock>, columns: Res<Columns>, mut search: ResMut<Search>, mut outcome: ResMut<Outcome>) {
+    if let Err(failure) = search.update(&columns, clock.dt) {
         outcome.fail(failure);
     }
 }

@@ -1,21 +1,35 @@
-//! A Verlet list: the pairs closer than R_i + R_j + skin, kept until one of them might touch unlisted.
+//! A Verlet list: the pairs that might touch soon, kept until one that is not listed could.
 //!
-//! Two particles that were not listed can touch only after they have moved by `skin` between them, so the list
-//! holds while nobody has moved by skin/2 since it was made. It is renewed by a search through hashed cells of side
-//! (largest contact distance + skin), and holds each particle's partners in ascending order.
+//! Each particle has an allowance, a way that it may move before the list is renewed: half the skin, and for a grain
+//! on its way also what it does in the next [`HORIZON`] steps at its present speed. A pair is listed if it is closer
+//! than R_i + R_j + both allowances; it cannot touch unlisted before one of the two has used up its own. So the few
+//! grains that fall fast have long lists, and do not force the many that rest to renew theirs.
+//!
+//! The search goes through hashed cells that are wide enough for two slow particles; fast ones look farther. Each
+//! particle's partners are listed in ascending order.
 
-use crate::columns::Columns;
+use crate::columns::{Body, Columns};
 use crate::contact::kernel::Partners;
 use crate::neighbours::cells::Cells;
 use crate::neighbours::contact_range;
 use crate::space::Vector;
+
+/// For how many steps ahead the list provides at present speeds.
+const HORIZON: f64 = 25.0;
 
 /// The list, as compressed rows.
 pub struct VerletList {
     skin: f64,
     starts: Vec<u32>,
     partners: Vec<u32>,
-    made_at: Vec<Vector>,
+    made_at: Vec<Anchor>,
+}
+
+/// Where a particle was when the list was made, and how far it may go.
+#[derive(Clone, Copy)]
+struct Anchor {
+    position: Vector,
+    allowance: f64,
 }
 
 impl VerletList {
@@ -23,30 +37,89 @@ impl VerletList {
         Self { skin, starts: vec![0], partners: Vec::new(), made_at: Vec::new() }
     }
 
-    /// Whether somebody has moved by half the skin, or is nowhere.
+    /// Whether somebody has used up its allowance.
     pub(super) fn is_stale(&self, columns: &Columns) -> bool {
-        let limit = 0.25 * self.skin * self.skin;
-        let mut largest = 0.0f64;
-        for (now, then) in columns.position.iter().zip(&self.made_at) {
-            largest = largest.max(now.distance_squared(*then));
-        }
-        largest >= limit
+        let moved = |(body, anchor): (&Body, &Anchor)| {
+            body.position.distance_squared(anchor.position) >= anchor.allowance * anchor.allowance
+        };
+        columns.body.iter().zip(&self.made_at).any(moved)
     }
 
-    pub(super) fn renew(&mut self, columns: &Columns, full: bool) {
-        let mut cells = Cells::new((contact_range(columns) + self.skin).max(f64::MIN_POSITIVE), full);
-        cells.fill(&columns.position);
-        self.partners.clear();
-        self.starts.clear();
-        self.starts.push(0);
-        let mut near = Vec::new();
-        let rows = if full { columns.len() } else { columns.movable_end };
-        for i in 0..rows {
-            cells.near(columns, i, self.skin, full, &mut near);
-            self.partners.extend_from_slice(&near);
-            self.starts.push(u32::try_from(self.partners.len()).expect("fewer than 2^32 listed pairs"));
+    /// Makes the list anew for the positions in `columns`; `dt` is the time step, s.
+    pub(super) fn renew(&mut self, columns: &Columns, full: bool, dt: f64) {
+        let anchor = |body: &Body| Anchor {
+            position: body.position,
+            allowance: 0.5 * self.skin + HORIZON * dt * body.velocity.length(),
+        };
+        self.made_at = columns.body.iter().map(anchor).collect();
+        let pairs = self.pairs(columns);
+        self.list(&pairs, full);
+    }
+
+    fn is_fast(&self, i: usize) -> bool {
+        self.made_at[i].allowance > self.skin
+    }
+
+    /// All pairs (i, j), i < j, that belong on the list, each once, ascending in j except where i is fast.
+    fn pairs(&self, columns: &Columns) -> Vec<(u32, u32)> {
+        let widest = self.made_at.iter().map(|anchor| anchor.allowance).fold(0.0, f64::max);
+        let range = contact_range(columns);
+        let side = (range + 2.0 * self.skin).max(f64::MIN_POSITIVE);
+        let mut cells = Cells::new(side, false);
+        cells.fill(columns.body.iter().map(|body| body.position));
+        let mut pairs = Vec::with_capacity(self.partners.len());
+        for (i, row) in (0u32..).zip(0..columns.len()) {
+            let (body, allowance, fast) = (&columns.body[row], self.made_at[row].allowance, self.is_fast(row));
+            let mut consider = |j: u32| {
+                let (other, its_allowance) = (&columns.body[j as usize], self.made_at[j as usize].allowance);
+                let reach = body.radius + other.radius + allowance + its_allowance;
+                // A pair of one speed class is taken by its upper member, a mixed one by the fast member.
+                let mine = if fast == self.is_fast(j as usize) { j < i } else { fast };
+                if mine
+                    && body.position.distance_squared(other.position) < reach * reach
+                    && !(body.is_fixed() && other.is_fixed())
+                {
+                    pairs.push((i.min(j), i.max(j)));
+                }
+            };
+            // Beyond a few cells around it, asking everybody is not dearer.
+            let cells_to_go = ((range + allowance + widest) / side).ceil();
+            match (fast, cells_to_go) {
+                (false, _) => cells.around(row, 1, consider),
+                #[expect(clippy::cast_possible_truncation, reason = "at most eight")]
+                (true, n) if n <= 8.0 => cells.around(row, n as i64, consider),
+                (true, _) => (0u32..).take(columns.len()).for_each(&mut consider),
+            }
         }
-        self.made_at.clone_from(&columns.position);
+        pairs
+    }
+
+    /// Sorts pairs into rows by counting; a row is sorted itself where it did not come out ascending.
+    fn list(&mut self, pairs: &[(u32, u32)], full: bool) {
+        let both = |&(i, j): &(u32, u32)| [(i, j), (j, i)].into_iter().take(if full { 2 } else { 1 });
+        let particles = self.made_at.len();
+        self.starts.clear();
+        self.starts.resize(particles + 1, 0);
+        for (i, _) in pairs.iter().flat_map(both) {
+            self.starts[i as usize + 1] += 1;
+        }
+        for i in 0..particles {
+            self.starts[i + 1] += self.starts[i];
+        }
+        let mut next = self.starts.clone();
+        self.partners.clear();
+        self.partners.resize(self.starts[particles] as usize, 0);
+        for (i, j) in pairs.iter().flat_map(both) {
+            let place = &mut next[i as usize];
+            self.partners[*place as usize] = j;
+            *place += 1;
+        }
+        for i in 0..particles {
+            if !full && !self.is_fast(i) {
+                continue;
+            }
+            self.partners[self.starts[i] as usize..self.starts[i + 1] as usize].sort_unstable();
+        }
     }
 }
 

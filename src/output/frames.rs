@@ -140,7 +140,7 @@ fn pressures(columns: &Columns, search: &Search, walls: &[Surface], law: &AnyLaw
             sums[j] += force;
         }
     });
-    sums.iter().zip(&columns.radius).map(|(sum, radius)| sum / (2.0 * PI * radius)).collect()
+    sums.iter().zip(&columns.body).map(|(sum, body)| sum / (2.0 * PI * body.radius)).collect()
 }
 
 impl Studio {

@@ -31,7 +31,10 @@ pub fn explain(name: &str, text: &str, error: &SpannedError, offset: usize) -> F
     let end = offset + byte_of(&text[offset..], error.span.end.line, error.span.end.col);
     // The end of the span is the last character that was read; a value's own end says more.
     let last = end.saturating_sub(1).max(start);
-    let place = places.innermost(last).or_else(|| places.innermost(start));
+    let place = match &error.code {
+        Error::MissingStructField { .. } => places.innermost_section(last),
+        _ => places.innermost(last).or_else(|| places.innermost(start)),
+    };
     let here = place.map_or("", |place| &place.path);
     let (code, key, message, help) = describe(&error.code, here);
     let range = place.filter(|_| code != "scene::syntax").map_or(start..end, |place| {

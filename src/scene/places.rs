@@ -64,8 +64,17 @@ impl Places {
     /// The innermost value whose entry contains this byte.
     #[must_use]
     pub fn innermost(&self, offset: usize) -> Option<&Place> {
-        let holds = |place: &&Place| place.entry.start <= offset && offset <= place.entry.end;
-        self.0.iter().filter(holds).min_by_key(|place| place.entry.len())
+        self.around(offset).min_by_key(|place| place.entry.len())
+    }
+
+    /// The innermost of those that hold keys.
+    #[must_use]
+    pub fn innermost_section(&self, offset: usize) -> Option<&Place> {
+        self.around(offset).filter(|place| place.room.is_some()).min_by_key(|place| place.entry.len())
+    }
+
+    fn around(&self, offset: usize) -> impl Iterator<Item = &Place> {
+        self.0.iter().filter(move |place| place.entry.start <= offset && offset <= place.entry.end)
     }
 }
 

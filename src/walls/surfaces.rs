@@ -105,13 +105,13 @@ pub struct Surfaces(pub Vec<Surface>);
 #[inline]
 #[must_use]
 pub fn touching(columns: &Columns, i: usize, wall: &Surface) -> Option<Pair> {
-    let (distance, normal) = wall.distance(columns.position[i]);
-    let overlap = columns.radius[i] - distance;
+    let (distance, normal) = wall.distance(columns.body[i].position);
+    let overlap = columns.body[i].radius - distance;
     (overlap > 0.0).then(|| Pair {
         normal,
         overlap,
-        relative_velocity: columns.velocity[i],
-        reduced_mass: 1.0 / columns.inverse_mass[i],
+        relative_velocity: columns.body[i].velocity,
+        reduced_mass: 1.0 / columns.body[i].inverse_mass,
     })
 }
 
@@ -130,7 +130,7 @@ fn wall_forces<L: PairLaw>(
                 let on_i = law.0.force(&pair);
                 columns.force[i] += on_i.elastic + on_i.drag;
                 columns.drag[i] += on_i.drag;
-                largest.0.raise(pair.overlap, columns.radius[i]);
+                largest.0.raise(pair.overlap, columns.body[i].radius);
             }
         }
     }

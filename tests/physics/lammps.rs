@@ -1,0 +1,36 @@
+//! Another program: LAMMPS 29Sep2021, `pair_style gran/hooke`, 20 discs in a box under gravity, the same scheme.
+//!
+//! k_n = 1e5 N/m, gamma_n = 400 1/s on m_eff, attraction allowed, walls x = 0, x = 0.5 m and y = 0, dt = 1e-5 s; from
+//! `tests/data/A_initial.csv`, frames in `A_frames_dt1e-5.csv` (17 digits).
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use siloflow::prelude::*;
+
+use crate::state;
+
+#[test]
+fn twenty_discs_follow_lammps_within_a_nanometre() {
+    let keys = "(gravity: (0.0, -9.81), contact: Linear(k: 1.0e5, damping: PerMass(400.0), attraction: Allowed), \
+         walls: [HalfPlane(point: (0.0, 0.0), normal: (1.0, 0.0)), HalfPlane(point: (0.5, 0.0), normal: (-1.0, 0.0)), \
+         HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))], step: Fixed(1.0e-5), grains: (file: \"A_initial.csv\"), until: 0.2)";
+    let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
+    let loaded = load::from_text("a.ron", "a", &data, keys.to_owned(), &[]).unwrap();
+    let mut simulation = Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN).unwrap();
+    let frames = std::fs::read_to_string(data.join("A_frames_dt1e-5.csv")).unwrap();
+    let mut compared = 0;
+    for line in frames.lines().skip(1) {
+        let row: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let (time, id, x) = (row[0], row[1] as usize, Vector::new(row[2], row[3]));
+        if time > 0.2 + 1e-9 {
+            continue;
+        }
+        simulation.run_steps((time / 1e-5).round() as u64);
+        let ours = state(&mut simulation)[id - 1].0;
+        // Same scheme, other summation order: round-off, grown by collisions (Lyapunov) to below 1e-9 m by 0.2 s.
+        assert!(ours.distance(x) < 1e-9, "t = {time} s, grain {id}: {:e} m apart", ours.distance(x));
+        compared += 1;
+    }
+    assert!(compared >= 100, "only {compared} places compared");
+}

@@ -1,0 +1,205 @@
+//! The command line: what it writes, what it says where, how it exits.
+
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// Runs the program in `directory`.
+fn siloflow(directory: &Path, arguments: &[&str]) -> Output {
+    let program = env!("CARGO_BIN_EXE_siloflow");
+    Command::new(program).args(arguments).current_dir(directory).env_remove("NO_COLOR").output().unwrap()
+}
+
+fn path(name: &str) -> String {
+    crate::scene(name).display().to_string()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn summary(run: &Path) -> Value {
+    serde_json::from_str(&fs::read_to_string(run.join("summary.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn a_run_leaves_a_run_directory_that_can_be_run_again() {
+    let here = tempfile::tempdir().unwrap();
+    let output = siloflow(
+        here.path(),
+        &["run", &path("silo1.ron"), "--set", "spawner.count=12", "--seed", "5", "--until", "1.5", "--png", "--threads", "2"],
+    );
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let run = here.path().join("out/silo1");
+    let mut names: Vec<_> =
+        fs::read_dir(&run).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    assert_eq!(names, ["frames", "scene.ron", "series.csv", "silo1.dat", "state.csv", "summary.json"]);
+    // At 0 and 1 s, and at the end; each with its PNG.
+    for frame in ["00000", "00001", "00002"] {
+        assert!(fs::read_to_string(run.join(format!("frames/{frame}.svg"))).unwrap().ends_with("</svg>\n"));
+        assert!(fs::read(run.join(format!("frames/{frame}.png"))).unwrap().starts_with(b"\x89PNG"));
+    }
+    assert!(!run.join("frames/00003.svg").exists());
+    let first = summary(&run);
+    assert_eq!(first["status"], "time_reached");
+    assert_eq!(first["grains"]["released"], 12);
+    assert_eq!(first["performance"]["threads"], 2);
+    let keys = ["format", "scene", "status", "steps", "time_s", "grains", "rest_time_s", "door_open_time_s", "empty_time_s",
+        "max_overlap_ratio", "energy", "performance", "state_hash", "losses"];
+    for key in keys {
+        assert!(first.get(key).is_some(), "{key}");
+    }
+    for key in ["kinetic", "potential", "elastic", "dissipated", "released", "removed", "wall_work", "balance_error"] {
+        assert!(first["energy"][key].is_number(), "{key}");
+    }
+    for key in ["wall_s", "particle_steps", "particle_steps_per_s", "neighbour_rebuilds", "threads", "integrator", "contact_law"] {
+        assert!(!first["performance"][key].is_null(), "{key}");
+    }
+    // The directory holds all that is needed: run again from it, elsewhere.
+    let again = siloflow(here.path(), &["run", "out/silo1/scene.ron", "--out", "again", "--json", "--quiet"]);
+    let second: Value = serde_json::from_slice(&again.stdout).unwrap();
+    assert_eq!(second["state_hash"], first["state_hash"]);
+    assert!(again.stderr.is_empty(), "{}", text(&again.stderr));
+    // And into the directory of an earlier run: it is cleared first.
+    let shorter = siloflow(here.path(), &["run", &path("silo1.ron"), "--until", "0.1", "--out", "again", "--set", "pictures=None"]);
+    assert!(shorter.status.success());
+    assert_eq!(fs::read_dir(here.path().join("again/frames")).unwrap().count(), 0);
+}
+
+#[test]
+fn series_rows_carry_the_ledger_and_a_header() {
+    let here = tempfile::tempdir().unwrap();
+    siloflow(here.path(), &["run", &path("silo1.ron"), "--until", "1.0", "--out", "run", "--quiet"]);
+    let series = fs::read_to_string(here.path().join("run/series.csv")).unwrap();
+    let rows: Vec<Vec<&str>> = series.lines().map(|line| line.split(',').collect()).collect();
+    let column = |name: &str| rows[0].iter().position(|found| *found == name).unwrap_or_else(|| panic!("no {name}"));
+    // Every 0.05 s from 0 to 1 s.
+    assert_eq!(rows.len(), 1 + 21);
+    for (k, row) in rows[1..].iter().enumerate() {
+        assert_eq!(row.len(), rows[0].len());
+        let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
+        assert!((number("time_s") - 0.05 * k as f64).abs() < 1e-9);
+        assert_eq!(number("released"), number("inside") + number("out") + number("lost"));
+        assert_eq!(number("released"), k as f64 + 1.0);
+    }
+}
+
+#[test]
+fn bad_input_is_told_on_stderr_and_leaves_no_file() {
+    let here = tempfile::tempdir().unwrap();
+    for arguments in [
+        vec!["run", "no-such-scene.ron"],
+        vec!["run", &path("bad/negative-stiffness.ron")],
+        vec!["run", &path("bad/unknown-behaviour.ron")],
+        vec!["check", &path("bad/missing-comma.ron")],
+        vec!["explain", &path("bad/no-mass.ron")],
+        vec!["run", &path("silo1.ron"), "--set", "spawner.sise=3"],
+        vec!["run", &path("silo1.ron"), "--set", "nothing"],
+        vec!["run", &path("silo1.ron"), "--set", "gone.key=3"],
+        vec!["run", &path("silo1.ron"), "--until", "-3"],
+        vec!["run", &path("silo1.ron"), "--threads", "0"],
+        vec!["render", "no-such-picture.svg"],
+        vec!["fly"],
+        vec![],
+    ] {
+        let output = siloflow(here.path(), &arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
+        assert!(!text(&output.stderr).contains("panicked"), "{arguments:?}");
+    }
+    assert_eq!(fs::read_dir(here.path()).unwrap().count(), 0, "something was written");
+}
+
+#[test]
+fn the_message_of_a_wrong_setting_names_the_key() {
+    let here = tempfile::tempdir().unwrap();
+    let output = siloflow(here.path(), &["check", &path("silo1.ron"), "--set", "spawner.interval=-1.0"]);
+    let message = text(&output.stderr);
+    assert!(message.contains("spawner.interval") && message.contains("greater than 0, got -1"), "{message}");
+}
+
+#[test]
+fn a_failed_simulation_exits_with_1_and_leaves_its_results() {
+    let here = tempfile::tempdir().unwrap();
+    let output = siloflow(here.path(), &["run", &path("silo1-one-column.ron"), "--out", "run"]);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("blocked"), "{}", text(&output.stderr));
+    let summary = summary(&here.path().join("run"));
+    assert_eq!(summary["status"], "failed");
+    assert!(summary["failure"].as_str().unwrap().contains("spawner.release_timeout"));
+    assert!(here.path().join("run/state.csv").exists());
+}
+
+#[test]
+fn a_lost_grain_stops_the_run_unless_told_otherwise() {
+    let here = tempfile::tempdir().unwrap();
+    let literal = path("silo1-literal.ron");
+    let few = ["--set", "spawner.count=5", "--set", "pictures=None", "--out", "run", "--quiet"];
+    let stopped = siloflow(here.path(), &[&["run", &literal, "--set", "on_loss=Stop"], &few[..]].concat());
+    assert_eq!(stopped.status.code(), Some(1));
+    let first = summary(&here.path().join("run"));
+    assert_eq!((&first["status"], first["losses"].as_array().unwrap().len()), (&Value::from("failed"), 1));
+    let went_on = siloflow(here.path(), &[&["run", &literal], &few[..]].concat());
+    assert_eq!(went_on.status.code(), Some(1));
+    let second = summary(&here.path().join("run"));
+    assert_eq!((&second["status"], second["losses"].as_array().unwrap().len()), (&Value::from("grains_lost"), 5));
+}
+
+#[test]
+fn an_unstable_step_is_warned_of_and_named_when_it_blows_up() {
+    let here = tempfile::tempdir().unwrap();
+    let output = siloflow(
+        here.path(),
+        &["run", &path("silo1.ron"), "--out", "run", "--set", "contact.k=1.0e9", "--set", "on_loss=Continue", "--set",
+          "cull=None", "--until", "60", "--set", "pictures=None"],
+    );
+    let message = text(&output.stderr);
+    assert!(message.contains("check::unstable_step"), "{message}");
+    assert_eq!(output.status.code(), Some(1));
+}
+
+#[test]
+fn a_directory_that_is_not_a_run_is_refused() {
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("thesis.tex"), "years of work").unwrap();
+    let output = siloflow(here.path(), &["run", &path("free-fall.ron"), "--out", "."]);
+    assert_eq!(output.status.code(), Some(2));
+    assert_eq!(fs::read_dir(here.path()).unwrap().count(), 1);
+}
+
+#[test]
+fn render_makes_pngs_of_a_run() {
+    let here = tempfile::tempdir().unwrap();
+    siloflow(here.path(), &["run", &path("free-fall.ron"), "--out", "run", "--quiet"]);
+    let output = siloflow(here.path(), &["render", "run"]);
+    assert!(output.status.success());
+    let pngs: Vec<_> = text(&output.stdout).lines().map(str::to_owned).collect();
+    assert_eq!(pngs.len(), 11);
+    assert!(pngs.iter().all(|png| fs::read(here.path().join(png)).unwrap().starts_with(b"\x89PNG")));
+}
+
+#[test]
+fn explain_shows_what_is_modelled_and_nothing_else() {
+    let here = tempfile::tempdir().unwrap();
+    let silo = text(&siloflow(here.path(), &["explain", &path("silo1.ron")]).stdout);
+    for part in ["Position", "Velocity", "Whereabouts", "door::open", "rest::detect", "spawner::release"] {
+        assert!(silo.contains(part), "{part}\n{silo}");
+    }
+    let fall = text(&siloflow(here.path(), &["explain", &path("free-fall.ron")]).stdout);
+    for part in ["Whereabouts", "door::", "rest::", "spawner::", "surfaces::", "cull", "Spin", "Torque"] {
+        assert!(!fall.contains(part), "{part}\n{fall}");
+    }
+    assert_eq!(fs::read_dir(here.path()).unwrap().count(), 0, "explain writes nothing");
+}
+
+#[test]
+fn output_without_a_terminal_has_no_colour_codes() {
+    let here = tempfile::tempdir().unwrap();
+    for arguments in [vec!["run", &path("silo1-literal.ron"), "--until", "1"], vec!["check", &path("bad/no-mass.ron")]] {
+        let output = siloflow(here.path(), &arguments);
+        assert!(!output.stderr.contains(&0x1b) && !output.stdout.contains(&0x1b), "{}", text(&output.stderr));
+    }
+}

@@ -1,0 +1,39 @@
+//! The program as its users meet it: scenes, searches, threads, files, errors, exit statuses, behaviours.
+
+mod behaviours;
+mod command_line;
+mod scenes;
+mod searches;
+mod silo_file;
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use siloflow::output::state_hash;
+use siloflow::prelude::*;
+
+/// The repository.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A path in `scenes/`.
+pub fn scene(name: &str) -> PathBuf {
+    root().join("scenes").join(name)
+}
+
+/// Loads a scene with settings.
+pub fn load(name: &str, settings: &[(&str, &str)]) -> Loaded {
+    let settings: Vec<_> = settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    load::load(&scene(name), &settings).unwrap_or_else(|fault| panic!("{name}: {fault}"))
+}
+
+/// Builds a simulation of it.
+pub fn simulation(loaded: &Loaded, threads: usize) -> Simulation {
+    Simulation::new(loaded, &Registry::default(), NonZeroUsize::new(threads).unwrap()).unwrap()
+}
+
+/// The hash of its grains.
+pub fn hash(simulation: &mut Simulation) -> u64 {
+    state_hash::of_world(simulation.world_mut())
+}

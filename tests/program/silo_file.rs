@@ -1,0 +1,47 @@
+//! `assets/silo1.dat` is our own geometry: here it is made again from its description.
+
+use siloflow::space::Vector;
+use siloflow::walls::outline::Outline;
+use siloflow::walls::silo_file::{Disc, LengthUnit, parse};
+
+/// Two sides x = +-130 cm from y = 400 down to 200 every 5; slopes of 46 more each, ending at (+-15, 0); a roof of 9
+/// around its apex (0, 260), falling at 45 degrees, every 5; a door from x = -10 to 10 every 5 at y = 0. All of 3 cm.
+fn described() -> Vec<Vector> {
+    let mut centres = Vec::new();
+    for side in [-1.0, 1.0] {
+        centres.extend((0..41).map(|k| Vector::new(side * 130.0, 400.0 - 5.0 * f64::from(k))));
+        centres.extend((1..47).map(|k| f64::from(k) / 46.0).map(|t| Vector::new(side * (130.0 - 115.0 * t), 200.0 - 200.0 * t)));
+    }
+    let step = 5.0 / 2f64.sqrt();
+    centres.push(Vector::new(0.0, 260.0));
+    for side in [-1.0, 1.0] {
+        centres.extend((1..5).map(|k| f64::from(k) * step).map(|d| Vector::new(side * d, 260.0 - d)));
+    }
+    centres.extend((-2..3).map(|k| Vector::new(5.0 * f64::from(k), 0.0)));
+    centres
+}
+
+#[test]
+fn the_asset_is_what_its_description_says() {
+    let text = std::fs::read_to_string(crate::root().join("assets/silo1.dat")).unwrap();
+    let silo = parse("silo1.dat", &text, LengthUnit::Centimetre).unwrap();
+    assert_eq!((silo.wall.len(), silo.door.len()), (183, 5));
+    let discs: Vec<Disc> = silo.wall.iter().chain(&silo.door).copied().collect();
+    for (disc, centre) in discs.iter().zip(described()) {
+        // The file has four digits: half a unit of the last of them, 0.05 cm at 100 to 400 cm.
+        assert!((disc.centre - 0.01 * centre).abs().max_element() <= 0.000_501, "{disc:?} {centre}");
+        assert_eq!(disc.radius, 0.03);
+    }
+    assert!(text.starts_with("183 5\n-1.300e+02 4.000e+02 3.000e+00\n-1.300e+02 3.950e+02 3.000e+00\n-1.300e+02 3.900e+02 3.000e+00\n-1.300e+02 3.850e+02 3.000e+00\n"));
+}
+
+#[test]
+fn its_outline_is_two_chains_and_a_roof_with_one_orifice() {
+    let text = std::fs::read_to_string(crate::root().join("assets/silo1.dat")).unwrap();
+    let silo = parse("silo1.dat", &text, LengthUnit::Centimetre).unwrap();
+    let outline = Outline::new(&silo.wall, &silo.door, &[], 0.03);
+    // 87 discs a side and 9 in the roof: chains of 86, 86 and 8 links, without chords.
+    assert_eq!(outline.links().len(), 86 + 86 + 8);
+    let orifice = outline.orifice().unwrap();
+    assert_eq!((orifice.from.x.abs(), orifice.to.x, orifice.from.y, orifice.to.y), (0.15, -orifice.from.x, 0.0, 0.0));
+}
