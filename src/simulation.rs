@@ -99,11 +99,12 @@ impl Simulation {
     /// Steps until the clock shows `steps` steps, or to the end.
     pub fn run_steps(&mut self, steps: u64) -> Option<End> {
         loop {
+            let clock = self.world().resource::<Clock>();
+            if !clock.is_step_zero() && clock.steps >= steps {
+                return self.world().resource::<Outcome>().end().cloned();
+            }
             if let Some(end) = self.step() {
                 return Some(end);
-            }
-            if self.world().resource::<Clock>().steps >= steps {
-                return None;
             }
         }
     }

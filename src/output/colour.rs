@@ -37,7 +37,7 @@ const VIRIDIS: [Rgb; 11] = [
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the table and to bytes")]
 pub fn viridis(share: f64) -> Rgb {
-    let place = share.clamp(0.0, 1.0) * 10.0;
+    let place = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) * 10.0 };
     let below = (place as usize).min(9);
     let part = place - f64::from(below as u8);
     std::array::from_fn(|channel| {

@@ -7,12 +7,10 @@ use serde::de::DeserializeOwned;
 use crate::fault::Fault;
 use crate::scene::places::Places;
 
-/// Parses RON as scenes are written: optional keys need no `Some`, newtypes no name.
-///
-/// # Errors
-/// The parser's, with its place.
+/// How scenes are read: optional keys need no `Some`.
+#[must_use]
 pub fn ron_options() -> ron::Options {
-    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_NEWTYPES)
+    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
 }
 
 /// Parses `text`, the content of the file `name`.
@@ -36,7 +34,16 @@ pub fn explain(name: &str, text: &str, error: &SpannedError, offset: usize) -> F
         _ => places.innermost(last).or_else(|| places.innermost(start)),
     };
     let here = place.map_or("", |place| &place.path);
-    let (code, key, message, help) = describe(&error.code, here);
+    let (code, key, message, help) = match place.map(|place| (&text[place.value.clone()], place.value.start)) {
+        // ron reads `10.5` as 10, where a whole number is wanted, and then misses a comma.
+        Some((value, from)) if from < start && !value.contains(['(', '[', '{']) && misses_separator(&error.code) => (
+            "scene::wrong_type",
+            here.to_owned(),
+            format!("`{value}` is not of the type expected here"),
+            "give a value of the right type; counts are whole numbers".to_owned(),
+        ),
+        _ => describe(&error.code, here),
+    };
     let range = place.filter(|_| code != "scene::syntax").map_or(start..end, |place| {
         let whole = if code == "scene::unknown_key" { place.entry.clone() } else { place.value.clone() };
         // Of a long section only the beginning is marked.
@@ -110,6 +117,10 @@ fn describe(error: &Error, here: &str) -> (&'static str, String, String, String)
             "is a bracket, a comma or a quote missing before this place?".to_owned(),
         ),
     }
+}
+
+fn misses_separator(error: &Error) -> bool {
+    matches!(error, Error::ExpectedComma | Error::ExpectedStructLikeEnd | Error::ExpectedArrayEnd | Error::ExpectedMapEnd)
 }
 
 fn lower(text: &str) -> String {
