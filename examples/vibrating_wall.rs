@@ -62,10 +62,8 @@ impl Behaviour for VibratingWall {
     }
 
     fn build(self: Box<Self>, app: &mut App) {
-        app.insert_resource(Vibration(*self)).add_systems(
-            Step,
-            (remember_home.in_set(Phase::Spawn), vibrate.in_set(Phase::Drift).after(ClockAdvanced)),
-        );
+        app.insert_resource(Vibration(*self))
+            .add_systems(Step, (remember_home.in_set(Phase::Spawn), vibrate.in_set(Phase::Drift).after(ClockAdvanced)));
     }
 }
 

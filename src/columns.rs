@@ -130,8 +130,7 @@ impl Columns {
     }
 }
 
-type ParticleItem<'a> =
-    (Entity, &'a GrainId, &'a Position, &'a Velocity, &'a Radius, Option<&'a Mass>, bool);
+type ParticleItem<'a> = (Entity, &'a GrainId, &'a Position, &'a Velocity, &'a Radius, Option<&'a Mass>, bool);
 
 /// Whether particles were added, removed, fixed or freed since slots were dealt out.
 #[derive(Resource, Default)]
@@ -228,9 +227,8 @@ impl Plugin for ColumnsPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Columns>().insert_resource(PopulationChanged(true));
         app.edit_schedule(Step, |schedule| {
-            schedule.configure_sets(
-                (BeforeRenumbering, Renumbering).chain().run_if(renumbering_due).in_set(Phase::Spawn),
-            );
+            schedule
+                .configure_sets((BeforeRenumbering, Renumbering).chain().run_if(renumbering_due).in_set(Phase::Spawn));
         });
         app.add_systems(
             Step,

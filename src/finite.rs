@@ -35,7 +35,8 @@ fn check(
         };
         let total = forces.get(columns.entity[i]).map_or(columns.force[i], |force| force.0);
         let cause = if !columns.force[i].is_finite() {
-            let step = law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(1.0 / columns.body[i].inverse_mass));
+            let step =
+                law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(1.0 / columns.body[i].inverse_mass));
             format!(
                 "the force of its contacts is not finite either: the step is probably unstable, w0 dt = {step:.2} for \
                  this grain; lower `step` (`check` prints the limit)"

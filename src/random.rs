@@ -45,9 +45,14 @@ mod tests {
     fn numbers_depend_on_seed_name_and_counter_only() {
         let stream = Stream::new(7, "spawner.jitter");
         let [a, b] = stream.uniform(3);
-        assert_eq!(stream.uniform(3), [a, b]);
-        for other in [Stream::new(8, "spawner.jitter").uniform(3), Stream::new(7, "spawner.radius").uniform(3), stream.uniform(4)] {
-            assert_ne!(other, [a, b]);
+        let bits = |numbers: [f64; 2]| numbers.map(f64::to_bits);
+        assert_eq!(bits(stream.uniform(3)), bits([a, b]));
+        for other in [
+            Stream::new(8, "spawner.jitter").uniform(3),
+            Stream::new(7, "spawner.radius").uniform(3),
+            stream.uniform(4),
+        ] {
+            assert_ne!(bits(other), bits([a, b]));
         }
     }
 

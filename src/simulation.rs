@@ -43,7 +43,8 @@ impl Simulation {
     ) -> Result<Self, Fault> {
         let behaviours = registry.of_scene(loaded)?;
         let threads = Threads::new(threads).map_err(|error| {
-            Fault::new("call::threads", format!("could not start the threads: {error}")).help("ask for fewer with --threads")
+            Fault::new("call::threads", format!("could not start the threads: {error}"))
+                .help("ask for fewer with --threads")
         })?;
         let mut app = App::empty();
         app.insert_resource(threads)

@@ -141,13 +141,7 @@ impl Plugin for StepPlugin {
                     .chain(),
             );
             schedule.configure_sets(
-                (
-                    ForceStage::Contacts,
-                    ForceStage::Walls,
-                    ForceStage::Gravity,
-                    ForceStage::Written,
-                    ForceStage::Added,
-                )
+                (ForceStage::Contacts, ForceStage::Walls, ForceStage::Gravity, ForceStage::Written, ForceStage::Added)
                     .chain()
                     .in_set(Phase::Forces),
             );

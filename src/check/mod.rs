@@ -119,10 +119,16 @@ fn bed_pressure(loaded: &Loaded) -> f64 {
     let outline = Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.surfaces(), 0.0);
     let Some([low, high]) = outline.bounds().filter(|[low, high]| high.x > low.x) else { return 0.0 };
     let start: f64 = loaded.grains.iter().map(|grain| grain.mass).sum();
-    let released: f64 = loaded.scene.spawner.iter().zip(loaded.scene.mass).map(|(spawner, law)| {
-        let (smallest, largest) = spawner.radius.range();
-        f64::from(spawner.count) * 0.5 * (law.of(smallest) + law.of(largest))
-    }).sum();
+    let released: f64 = loaded
+        .scene
+        .spawner
+        .iter()
+        .zip(loaded.scene.mass)
+        .map(|(spawner, law)| {
+            let (smallest, largest) = spawner.radius.range();
+            f64::from(spawner.count) * 0.5 * (law.of(smallest) + law.of(largest))
+        })
+        .sum();
     (start + released) * loaded.scene.gravity.get().length() / (high.x - low.x)
 }
 
@@ -150,7 +156,10 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
         if way < 2.0 * largest && spawner.count > 1 {
             warnings.push(Warning {
                 code: "check::releases_wait",
-                message: format!("a grain moves {way:.3} m between releases and is up to {:.3} m wide: releases will wait", 2.0 * largest),
+                message: format!(
+                    "a grain moves {way:.3} m between releases and is up to {:.3} m wide: releases will wait",
+                    2.0 * largest
+                ),
                 help: "release less often, or faster grains".to_owned(),
             });
         }
@@ -168,7 +177,9 @@ fn step(estimates: &Estimates, warnings: &mut Vec<Warning>) {
         };
         warnings.push(Warning {
             code,
-            message: format!("the step of {dt:.3e} s is beyond the stability limit {what}, {limit:.3e} s: energy will grow"),
+            message: format!(
+                "the step of {dt:.3e} s is beyond the stability limit {what}, {limit:.3e} s: energy will grow"
+            ),
             help: format!("lower `step` below {bed_limit:.2e} s, or soften the contacts"),
         });
     }
@@ -182,15 +193,22 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
             code: "check::soft_walls",
             message: format!(
                 "a grain arrives with up to {carried:.2} J ({:.1} m/s), and {barrier:.2} J squeeze it between two wall \
-                 grains: grains will pass through the walls", estimates.impact_speed
+                 grains: grains will pass through the walls",
+                estimates.impact_speed
             ),
-            help: format!("raise the stiffness, now {stiffness} N/m, about {:.0} times; is its unit right?", (carried / barrier).ceil()),
+            help: format!(
+                "raise the stiffness, now {stiffness} N/m, about {:.0} times; is its unit right?",
+                (carried / barrier).ceil()
+            ),
         });
     }
     if estimates.static_overlap > 0.3 {
         warnings.push(Warning {
             code: "check::soft_bed",
-            message: format!("the weight of the grains presses those at the bottom together by {:.2} of their radius", estimates.static_overlap),
+            message: format!(
+                "the weight of the grains presses those at the bottom together by {:.2} of their radius",
+                estimates.static_overlap
+            ),
             help: "raise the stiffness: the contact law is meant for small overlaps".to_owned(),
         });
     }
@@ -199,7 +217,9 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
     if thickness.is_finite() && way > thickness {
         warnings.push(Warning {
             code: "check::fast_grains",
-            message: format!("a grain moves up to {way:.3} m in a step, and may pass a wall of {thickness:.3} m unseen"),
+            message: format!(
+                "a grain moves up to {way:.3} m in a step, and may pass a wall of {thickness:.3} m unseen"
+            ),
             help: "lower `step`".to_owned(),
         });
     }

@@ -47,11 +47,15 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<Verdict, Fa
     for warning in &warnings {
         let _ = write!(text, "warning {}\n  {}\n  {}\n", warning.code, warning.message, warning.help);
     }
-    let _ = writeln!(text, "{}", match warnings.len() {
-        0 => "no warnings".to_owned(),
-        1 => "1 warning".to_owned(),
-        n => format!("{n} warnings"),
-    });
+    let _ = writeln!(
+        text,
+        "{}",
+        match warnings.len() {
+            0 => "no warnings".to_owned(),
+            1 => "1 warning".to_owned(),
+            n => format!("{n} warnings"),
+        }
+    );
     say(&text);
     Ok(Verdict::Done)
 }

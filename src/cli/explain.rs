@@ -39,9 +39,8 @@ fn describe_grain(world: &mut World, text: &mut String) {
         text.push_str("no grain at the start, so nothing to show of its components\n\n");
         return;
     };
-    let mut rows: Vec<_> = components
-        .map(|(_, info)| (short(&info.name().to_string()), info.layout().size()))
-        .collect();
+    let mut rows: Vec<_> =
+        components.map(|(_, info)| (short(&info.name().to_string()), info.layout().size())).collect();
     rows.sort();
     let total: usize = rows.iter().map(|(_, size)| size).sum();
     let _ = writeln!(text, "components of a grain: {total} bytes");

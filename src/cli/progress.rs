@@ -56,7 +56,7 @@ impl Progress {
             eprintln!("{}", self.line(world, particle_steps, now));
             self.next = now + Duration::from_secs(5);
         } else {
-            self.next = now + Duration::from_secs(3600);
+            self.next = now + Duration::from_hours(1);
         }
         self.last = (now, particle_steps);
     }

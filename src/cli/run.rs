@@ -1,5 +1,6 @@
 //! `siloflow run`: steps a scene to its end and writes the run directory.
 
+use std::fmt::Write as _;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -15,7 +16,7 @@ use crate::outcome::End;
 use crate::output::frames::{FramesPlugin, Studio};
 use crate::output::run_directory::RunDirectory;
 use crate::output::series::SeriesPlugin;
-use crate::output::summary::{Cost, Summary, movable_grains};
+use crate::output::summary::{Cost, Energy, Summary, movable_grains};
 use crate::scene::load::Loaded;
 use crate::simulation::Simulation;
 
@@ -69,7 +70,8 @@ pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Ve
 /// `pictures: (...)` may be missing from the scene: then it is added with the one key.
 fn pictures_with_png(scene: &SceneArgs) -> Result<Vec<(String, String)>, Fault> {
     let loaded = scene.load()?;
-    let key = if loaded.offset_of("pictures").is_some() { ("pictures.png", "true") } else { ("pictures", "(png: true)") };
+    let key =
+        if loaded.offset_of("pictures").is_some() { ("pictures.png", "true") } else { ("pictures", "(png: true)") };
     Ok(vec![(key.0.to_owned(), key.1.to_owned())])
 }
 
@@ -116,27 +118,40 @@ fn report(summary: &Summary, args: &RunArgs, directory: &RunDirectory) {
         say(&(serde_json::to_string_pretty(summary).unwrap_or_default() + "\n"));
         return;
     }
-    let time = |name: &str, time: Option<f64>| time.map_or(String::new(), |t| format!("{name:<12} {t:.3} s\n"));
     let grains = &summary.grains;
-    let mut text = format!(
-        "{:<12} {}, {} steps, {:.3} s simulated\n{:<12} {} released, {} inside, {} out, {} lost\n",
-        summary.scene, summary.status, summary.steps, summary.time_s, "grains", grains.released, grains.inside, grains.out, grains.lost
-    );
-    text += &time("at rest", summary.rest_time_s);
-    text += &time("door opened", summary.door_open_time_s);
-    text += &time("empty", summary.empty_time_s);
-    if let Some(bed) = summary.bed {
-        text += &format!("{:<12} height {:.3} m, packing fraction {:.4}\n", "bed", bed.fill_height_m, bed.packing_fraction);
-    }
-    if let Some(discharge) = summary.discharge {
-        text += &format!("{:<12} {:.2} s, {:.1} grains/s\n", "discharge", discharge.duration_s, discharge.rate_per_s);
-    }
     let performance = &summary.performance;
-    text += &format!(
-        "{:<12} largest {:.4} of the radius\n{:<12} balance error {:.3e} J, {:.3e} J dissipated\n{:<12} {:.2} s, {:.1} ns a particle-step, {} threads\n",
-        "overlap", summary.max_overlap_ratio, "energy", summary.energy.balance_error, summary.energy.flows.dissipated,
-        "wall clock", performance.wall_s, 1e9 / performance.particle_steps_per_s, performance.threads
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name:<12} {value}");
+    };
+    line(&summary.scene, format!("{}, {} steps, {:.3} s simulated", summary.status, summary.steps, summary.time_s));
+    line(
+        "grains",
+        format!("{} released, {} inside, {} out, {} lost", grains.released, grains.inside, grains.out, grains.lost),
     );
-    text += &format!("{:<12} {}\n{:<12} {}\n", "state hash", summary.state_hash, "written to", directory.path().display());
+    let moments =
+        [("at rest", summary.rest_time_s), ("door opened", summary.door_open_time_s), ("empty", summary.empty_time_s)];
+    for (name, time) in moments {
+        if let Some(time) = time {
+            line(name, format!("{time:.3} s"));
+        }
+    }
+    if let Some(bed) = summary.bed {
+        line("bed", format!("height {:.3} m, packing fraction {:.4}", bed.fill_height_m, bed.packing_fraction));
+    }
+    if let Some(flow) = summary.discharge {
+        line("discharge", format!("{:.2} s, {:.1} grains/s", flow.duration_s, flow.rate_per_s));
+    }
+    line("overlap", format!("largest {:.4} of the radius", summary.max_overlap_ratio));
+    let Energy { balance_error, flows, .. } = &summary.energy;
+    line("energy", format!("{:.3e} J dissipated, balance error {balance_error:.3e} J", flows.dissipated));
+    let nanoseconds = 1e9 / performance.particle_steps_per_s;
+    line(
+        "wall clock",
+        format!("{:.2} s, {nanoseconds:.1} ns a particle-step, threads: {}", performance.wall_s, performance.threads),
+    );
+    line("state hash", summary.state_hash.clone());
+    line("written to", directory.path().display().to_string());
     say(&text);
 }

@@ -59,12 +59,8 @@ mod tests {
     #[test]
     fn pushes_apart_and_drags_along_the_whole_relative_velocity() {
         let law = Assignment::new(Positive::try_from(1e4).unwrap(), NonNegative::try_from(5.0).unwrap());
-        let pair = Pair {
-            normal: Vector::X,
-            overlap: 1e-3,
-            relative_velocity: Vector::new(-2.0, 3.0),
-            reduced_mass: 0.08,
-        };
+        let pair =
+            Pair { normal: Vector::X, overlap: 1e-3, relative_velocity: Vector::new(-2.0, 3.0), reduced_mass: 0.08 };
         let force = law.force(&pair);
         assert_eq!(force.elastic, Vector::new(10.0, 0.0));
         assert_eq!(force.drag, Vector::new(10.0, -15.0));

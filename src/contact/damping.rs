@@ -88,11 +88,8 @@ fn restitution_forbidding(zeta: f64) -> f64 {
     if root < 1e-6 {
         return (-2.0f64).exp();
     }
-    let exponent = if zeta < 1.0 {
-        zeta / root * (PI - 2.0 * zeta.asin())
-    } else {
-        2.0 * zeta / root * (zeta + root).ln()
-    };
+    let exponent =
+        if zeta < 1.0 { zeta / root * (PI - 2.0 * zeta.asin()) } else { 2.0 * zeta / root * (zeta + root).ln() };
     (-exponent).exp()
 }
 
@@ -135,8 +132,11 @@ mod tests {
     #[test]
     fn the_forbidding_forms_join_at_critical_damping() {
         for rule in [Attraction::restitution, Attraction::duration] {
-            let (below, at, above) =
-                (rule(Attraction::Forbidden, 0.999), rule(Attraction::Forbidden, 1.0), rule(Attraction::Forbidden, 1.001));
+            let (below, at, above) = (
+                rule(Attraction::Forbidden, 0.999),
+                rule(Attraction::Forbidden, 1.0),
+                rule(Attraction::Forbidden, 1.001),
+            );
             // A smooth function: its second difference is of order 1e-6.
             assert!((below - 2.0 * at + above).abs() < 1e-5, "{below} {at} {above}");
         }

@@ -40,7 +40,9 @@ fn pairs(columns: &Columns, partners: &impl Partners, visit: &mut impl FnMut(usi
         for &j in partners.of(columns, i, &mut scratch) {
             let j = j as usize;
             // A full search offers each pair from both sides.
-            if j > i && let Some(pair) = kernel::touching(columns, i, j) {
+            if j > i
+                && let Some(pair) = kernel::touching(columns, i, j)
+            {
                 visit(i, Partner::Particle(j), &pair);
             }
         }

@@ -79,7 +79,11 @@ pub fn parse(name: &str, text: &str) -> Result<Vec<GrainRow>, Fault> {
         let line = Line { name, text, header: &header, record: &record };
         let row = line.grain()?;
         if !seen.insert(row.id) {
-            return Err(line.fault("grain_file::duplicate_id", "id", format!("the id {} occurs twice", row.id.number())));
+            return Err(line.fault(
+                "grain_file::duplicate_id",
+                "id",
+                format!("the id {} occurs twice", row.id.number()),
+            ));
         }
         rows.push(row);
     }
@@ -104,7 +108,11 @@ fn check_header(name: &str, text: &str, header: &StringRecord) -> Result<(), Fau
 
 fn broken(name: &str, text: &str, error: &csv::Error) -> Fault {
     let at = error.position().and_then(|position| usize::try_from(position.byte()).ok()).unwrap_or(0);
-    Fault::new("grain_file::syntax", format!("this is not CSV: {error}")).help("separate values by commas").at(name, text, at..at)
+    Fault::new("grain_file::syntax", format!("this is not CSV: {error}")).help("separate values by commas").at(
+        name,
+        text,
+        at..at,
+    )
 }
 
 struct Line<'a> {
@@ -128,9 +136,11 @@ impl Line<'_> {
         let start: usize = line.split(',').take(index).map(|cell| cell.len() + 1).sum();
         let start = start.min(line.len());
         let length = line[start..].find(',').unwrap_or(line.len() - start);
-        Fault::new(code, format!("column `{column}`: {message}"))
-            .help("one grain a row; numbers in SI units")
-            .at(self.name, self.text, from + start..from + start + length)
+        Fault::new(code, format!("column `{column}`: {message}")).help("one grain a row; numbers in SI units").at(
+            self.name,
+            self.text,
+            from + start..from + start + length,
+        )
     }
 
     fn number(&self, column: &str, holds: impl Fn(f64) -> bool, expected: &str) -> Result<f64, Fault> {
@@ -180,11 +190,7 @@ pub fn write(world: &mut World) -> String {
     for (id, radius, mass, x, v, species) in rows {
         let (x, v) = (x.0, v.0);
         // Writing to a string cannot fail.
-        let _ = writeln!(
-            text,
-            "{},{},{},{},{},{},{},{}",
-            id.number(), radius.0, mass.0, x.x, x.y, v.x, v.y, species.0
-        );
+        let _ = writeln!(text, "{},{},{},{},{},{},{},{}", id.number(), radius.0, mass.0, x.x, x.y, v.x, v.y, species.0);
     }
     text
 }
@@ -195,7 +201,8 @@ mod tests {
 
     #[test]
     fn what_is_written_is_read_back_to_the_same_bits() {
-        let text = "id,radius,mass,x,y,vx,vy,species\n1,0.1,0.3,0.30000000000000004,-1e-300,5e-324,-0,0\n7,1,2,3,4,5,6,255\n";
+        let text =
+            "id,radius,mass,x,y,vx,vy,species\n1,0.1,0.3,0.30000000000000004,-1e-300,5e-324,-0,0\n7,1,2,3,4,5,6,255\n";
         let mut world = World::new();
         world.spawn_batch(parse("a.csv", text).unwrap().iter().rev().map(GrainRow::bundle).collect::<Vec<_>>());
         let again = parse("b.csv", &write(&mut world)).unwrap();

@@ -11,8 +11,8 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::BeforeRenumbering;
-use crate::gravity::Gravity;
 use crate::grains::mass::MassLaw;
+use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
 use crate::outcome::{Failure, Outcome};
 use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
@@ -85,7 +85,11 @@ impl RadiusLaw {
         let mut quotas: Vec<u32> = sizes
             .iter()
             .map(|(_, share)| {
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of a count is one")]
+                #[expect(
+                    clippy::cast_possible_truncation,
+                    clippy::cast_sign_loss,
+                    reason = "a share of a count is one"
+                )]
                 let quota = ((share.get() * f64::from(count)).round() as u32).min(left);
                 left -= quota;
                 quota
@@ -186,7 +190,11 @@ fn release(
     }
     if waited > clock.dt {
         if delays.delayed_releases == 0 {
-            tracing::warn!("t = {:.3} s: {} was released {waited:.3} s late, its place was taken", clock.time(), grain.id);
+            tracing::warn!(
+                "t = {:.3} s: {} was released {waited:.3} s late, its place was taken",
+                clock.time(),
+                grain.id
+            );
         }
         delays.delayed_releases += 1;
         delays.longest_delay_s = delays.longest_delay_s.max(waited);

@@ -9,10 +9,7 @@ use bevy_ecs::prelude::*;
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::step::{Clock, ClockAdvanced, Phase, Step};
 
-fn euler_step(
-    clock: Res<Clock>,
-    mut grains: Query<(&mut Position, &mut Velocity, &Force, &Mass), Without<Fixed>>,
-) {
+fn euler_step(clock: Res<Clock>, mut grains: Query<(&mut Position, &mut Velocity, &Force, &Mass), Without<Fixed>>) {
     let dt = clock.dt;
     for (mut x, mut v, force, mass) in &mut grains {
         let v = &mut v.bypass_change_detection().0;

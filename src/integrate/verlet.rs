@@ -41,5 +41,8 @@ fn kick(clock: Res<Clock>, mut grains: Query<(&mut Velocity, &Force, &Mass), Mov
 }
 
 pub(super) fn add(app: &mut App) {
-    app.add_systems(Step, (drift.in_set(Phase::Drift).after(ClockAdvanced), kick.in_set(Phase::Kick).before(GatheredVelocities)));
+    app.add_systems(
+        Step,
+        (drift.in_set(Phase::Drift).after(ClockAdvanced), kick.in_set(Phase::Kick).before(GatheredVelocities)),
+    );
 }

@@ -66,22 +66,23 @@ impl Cells {
     /// Calls `visit` with every particle in the cells at most `reach` cells away from that of particle `i`, itself
     /// included.
     #[inline]
-    pub(super) fn around(&self, i: usize, reach: i64, mut visit: impl FnMut(u32)) {
+    pub(super) fn around(&self, i: usize, reach: u8, mut visit: impl FnMut(u32)) {
         let buckets = self.starts.len() - 1;
         let [x, y] = self.cell[i];
-        for row in -reach..=reach {
+        let cells = usize::from(reach);
+        for row in -i64::from(reach)..=i64::from(reach) {
             let wanted = y.wrapping_add(row);
             let mut take = |from: usize, to: usize| {
                 for &j in &self.entries[self.starts[from] as usize..self.starts[to] as usize] {
                     let [at, line] = self.cell[j as usize];
-                    if line == wanted && at.wrapping_sub(x).wrapping_add(reach) as u64 <= 2 * reach as u64 {
+                    if line == wanted && at.wrapping_sub(x).unsigned_abs() <= u64::from(reach) {
                         visit(j);
                     }
                 }
             };
             // Cells of a row lie in adjacent buckets, around the end of the table if need be.
-            let first = bucket([x.wrapping_sub(reach), wanted], buckets);
-            let end = first + 2 * reach as usize + 1;
+            let first = bucket([x.wrapping_sub(i64::from(reach)), wanted], buckets);
+            let end = first + 2 * cells + 1;
             take(first, end.min(buckets));
             if end > buckets {
                 take(0, (end - buckets).min(first));
@@ -139,7 +140,9 @@ mod tests {
 
     #[test]
     fn floor_is_the_floor() {
-        for (x, floored) in [(-1.5, -2), (-1.0, -1), (-0.0, 0), (0.5, 0), (3.0, 3), (f64::INFINITY, i64::MAX), (f64::NAN, 0)] {
+        for (x, floored) in
+            [(-1.5, -2), (-1.0, -1), (-0.0, 0), (0.5, 0), (3.0, 3), (f64::INFINITY, i64::MAX), (f64::NAN, 0)]
+        {
             assert_eq!(floor(x), floored);
         }
     }

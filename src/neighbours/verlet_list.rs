@@ -86,8 +86,8 @@ impl VerletList {
             let cells_to_go = ((range + allowance + widest) / side).ceil();
             match (fast, cells_to_go) {
                 (false, _) => cells.around(row, 1, consider),
-                #[expect(clippy::cast_possible_truncation, reason = "at most eight")]
-                (true, n) if n <= 8.0 => cells.around(row, n as i64, consider),
+                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most eight")]
+                (true, n) if n <= 8.0 => cells.around(row, n as u8, consider),
                 (true, _) => (0u32..).take(columns.len()).for_each(&mut consider),
             }
         }

@@ -12,16 +12,16 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{Columns, Slot};
-use crate::contact::survey::{self, Partner};
 use crate::contact::AnyLaw;
+use crate::contact::survey::{self, Partner};
 use crate::grains::spawner::RadiusLaw;
 use crate::ledger::Ledger;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::neighbours::Search;
 use crate::outcome::{Failure, Outcome};
 use crate::output::colour::{self, Rgb};
-use crate::output::svg::{Legend, Picture};
 use crate::output::png;
+use crate::output::svg::{Legend, Picture};
 use crate::particle::{Door, Fixed, Grain, Position, Radius, Species, Velocity};
 use crate::scene::load::Loaded;
 use crate::scene::values::{FiniteVector, Positive};
@@ -83,8 +83,20 @@ pub struct Studio {
 #[derive(Resource, Default)]
 struct Taken(u32);
 
-type Bodies<'w, 's> =
-    Query<'w, 's, (&'static Slot, &'static Position, &'static Velocity, &'static Radius, Option<&'static Species>, Has<Fixed>, Has<Door>, Has<Grain>)>;
+type Bodies<'w, 's> = Query<
+    'w,
+    's,
+    (
+        &'static Slot,
+        &'static Position,
+        &'static Velocity,
+        &'static Radius,
+        Option<&'static Species>,
+        Has<Fixed>,
+        Has<Door>,
+        Has<Grain>,
+    ),
+>;
 
 fn take(
     (clock, ledger, columns, search): (Res<Clock>, Res<Ledger>, Res<Columns>, Res<Search>),
@@ -105,9 +117,7 @@ fn take(
             _ if !is_grain => colour::WALL,
             Colour::Species => colour::species(species.map_or(0, |species| species.0)),
             Colour::Speed(top) => colour::viridis(v.0.length() / top.get()),
-            Colour::Pressure(top) => {
-                colour::viridis(pressures.get(slot.index()).map_or(0.0, |p| p / top.get()))
-            }
+            Colour::Pressure(top) => colour::viridis(pressures.get(slot.index()).map_or(0.0, |p| p / top.get())),
         };
         (x.0, radius.0, colour)
     });
@@ -153,7 +163,9 @@ impl Studio {
         let species = match loaded.scene.spawner.as_ref().map(|spawner| &spawner.radius) {
             Some(RadiusLaw::Fixed(radius)) => vec![format!("R = {} m", radius.get())],
             Some(RadiusLaw::Uniform(low, high)) => vec![format!("R = {} to {} m", low.get(), high.get())],
-            Some(RadiusLaw::Mixture(sizes)) => sizes.iter().map(|(radius, _)| format!("R = {} m", radius.get())).collect(),
+            Some(RadiusLaw::Mixture(sizes)) => {
+                sizes.iter().map(|(radius, _)| format!("R = {} m", radius.get())).collect()
+            }
             None => Vec::new(),
         };
         Some(Self { pictures, directory, view, title, species })

@@ -40,7 +40,8 @@ pub fn encode(svg: &str) -> Result<Vec<u8>, String> {
 pub fn render_file(path: &Path) -> Result<PathBuf, Fault> {
     let shown = path.display();
     let svg = std::fs::read_to_string(path).map_err(|error| {
-        Fault::new("render::read", format!("could not read {shown}: {error}")).help("give SVG files, or run directories")
+        Fault::new("render::read", format!("could not read {shown}: {error}"))
+            .help("give SVG files, or run directories")
     })?;
     let png = encode(&svg).map_err(|error| {
         Fault::new("render::svg", format!("could not draw {shown}: {error}")).help("is it an SVG document?")

@@ -34,10 +34,12 @@ impl RunDirectory {
             Fault::new("run::directory", format!("could not prepare the run directory {}: {error}", path.display()))
                 .help("give another one with --out")
         };
-        let is_empty = fs::read_dir(path).map(|mut entries| entries.next().is_none()).unwrap_or(true);
+        let is_empty = fs::read_dir(path).map_or(true, |mut entries| entries.next().is_none());
         if !is_empty && !path.join(SCENE).exists() {
             let message = format!("{} is not empty and holds no earlier run", path.display());
-            return Err(Fault::new("run::directory", message).help("give another directory with --out, or empty this one"));
+            return Err(
+                Fault::new("run::directory", message).help("give another directory with --out, or empty this one")
+            );
         }
         directory.clear().map_err(fault)?;
         fs::create_dir_all(directory.frames()).map_err(fault)?;

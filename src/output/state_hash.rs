@@ -45,7 +45,9 @@ mod tests {
 
     #[test]
     fn fnv_1a_gives_its_published_values() {
-        for (text, expected) in [("", 0xcbf2_9ce4_8422_2325), ("a", 0xaf63_dc4c_8601_ec8c), ("foobar", 0x8594_4171_f739_67e8)] {
+        for (text, expected) in
+            [("", 0xcbf2_9ce4_8422_2325), ("a", 0xaf63_dc4c_8601_ec8c), ("foobar", 0x8594_4171_f739_67e8)]
+        {
             let mut hash = Fnv::default();
             hash.eat(text.as_bytes());
             assert_eq!(hash.0, expected);

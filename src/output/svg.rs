@@ -113,7 +113,11 @@ impl Paper<'_> {
             let width = 0.004 * self.picture.width;
             self.put(format_args!(
                 r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" stroke="{}" stroke-width="{width:.2}"/>"#,
-                a.x, a.y, b.x, b.y, hex(crate::output::colour::WALL)
+                a.x,
+                a.y,
+                b.x,
+                b.y,
+                hex(crate::output::colour::WALL)
             ));
         }
         for &(centre, radius, colour) in &self.picture.discs {
@@ -156,15 +160,18 @@ impl Paper<'_> {
             }
             Legend::Scale { from, to, title } => {
                 let width = 0.3 * self.picture.width;
-                self.text(right, 1.35 * text, text, "end", &format!("{title}: {from:.3} to {to:.3}"));
-                for step in 0..50u8 {
-                    let share = f64::from(step) / 50.0;
-                    let (x, y) = (right - width + share * width, 1.8 * text);
-                    let fill = hex(crate::output::colour::viridis(share + 0.01));
-                    // A little wider than a step, so that no seam shows between them.
-                    let (w, h) = (width / 50.0 + 0.02 * text, 0.8 * text);
-                    self.put(format_args!(r#"<rect x="{x:.2}" y="{y:.2}" width="{w:.2}" height="{h:.2}" fill="{fill}"/>"#));
+                self.text(right, 1.35 * text, text, "end", &format!("{title}: {} to {}", rounded(*from), rounded(*to)));
+                self.put(format_args!(r#"<linearGradient id="scale">"#));
+                for stop in 0..=20u8 {
+                    let share = f64::from(stop) / 20.0;
+                    let fill = hex(crate::output::colour::viridis(share));
+                    self.put(format_args!(r#"<stop offset="{share}" stop-color="{fill}"/>"#));
                 }
+                self.put(format_args!("</linearGradient>"));
+                let (x, y, height) = (right - width, 1.8 * text, 0.8 * text);
+                self.put(format_args!(
+                    r#"<rect x="{x:.2}" y="{y:.2}" width="{width:.2}" height="{height:.2}" fill="url(#scale)"/>"#
+                ));
             }
         }
     }
@@ -186,7 +193,7 @@ impl Paper<'_> {
 
 /// A number of few digits without the noise of binary fractions.
 fn rounded(value: f64) -> String {
-    if value >= 1e-3 { format!("{}", (value * 1e6).round() / 1e6) } else { format!("{value:e}") }
+    if value == 0.0 || value >= 1e-3 { format!("{}", (value * 1e6).round() / 1e6) } else { format!("{value:e}") }
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! From text to [`Scene`]: the one parse, and its errors as faults that point at key and value.
 
-use ron::extensions::Extensions;
 use ron::error::{Error, SpannedError};
+use ron::extensions::Extensions;
 use serde::de::DeserializeOwned;
 
 use crate::fault::Fault;
@@ -61,7 +61,11 @@ fn describe(error: &Error, here: &str) -> (&'static str, String, String, String)
     match error {
         Error::NoSuchStructField { expected, found, .. } => {
             // ron stops behind the unknown name: the place is the entry with that name, or its parent.
-            let key = if here == found || here.ends_with(&format!(".{found}")) { here.to_owned() } else { child(here, found) };
+            let key = if here == found || here.ends_with(&format!(".{found}")) {
+                here.to_owned()
+            } else {
+                child(here, found)
+            };
             let help = format!("the keys here are: {}", list(expected));
             ("scene::unknown_key", key, "there is no such key".to_owned(), help)
         }
@@ -104,12 +108,9 @@ fn describe(error: &Error, here: &str) -> (&'static str, String, String, String)
         | Error::ExpectedDifferentStructName { .. }
         | Error::ExpectedDifferentLength { .. }
         | Error::IntegerOutOfBounds
-        | Error::InvalidIntegerDigit { .. } => (
-            "scene::wrong_type",
-            here.to_owned(),
-            lower(&error.to_string()),
-            "give a value of that type".to_owned(),
-        ),
+        | Error::InvalidIntegerDigit { .. } => {
+            ("scene::wrong_type", here.to_owned(), lower(&error.to_string()), "give a value of that type".to_owned())
+        }
         other => (
             "scene::syntax",
             String::new(),
@@ -120,7 +121,10 @@ fn describe(error: &Error, here: &str) -> (&'static str, String, String, String)
 }
 
 fn misses_separator(error: &Error) -> bool {
-    matches!(error, Error::ExpectedComma | Error::ExpectedStructLikeEnd | Error::ExpectedArrayEnd | Error::ExpectedMapEnd)
+    matches!(
+        error,
+        Error::ExpectedComma | Error::ExpectedStructLikeEnd | Error::ExpectedArrayEnd | Error::ExpectedMapEnd
+    )
 }
 
 fn lower(text: &str) -> String {

@@ -29,7 +29,9 @@ fn walls(loaded: &Loaded) -> Result<(), Fault> {
             Wall::Segment { from, to } if from == to => ("to", "the segment has no length"),
             _ => continue,
         };
-        return Err(loaded.fault("scene::degenerate_wall", &format!("walls[{index}].{key}"), message).help("give two different points, or a normal other than (0, 0)"));
+        return Err(loaded
+            .fault("scene::degenerate_wall", &format!("walls[{index}].{key}"), message)
+            .help("give two different points, or a normal other than (0, 0)"));
     }
     Ok(())
 }
@@ -46,7 +48,9 @@ fn spawner(loaded: &Loaded) -> Result<(), Fault> {
             let sum: f64 = sizes.iter().map(|(_, share)| share.get()).sum();
             if (sum - 1.0).abs() > 1e-9 {
                 let message = format!("the shares of the mixture sum to {sum}, not to 1");
-                return Err(loaded.fault("scene::shares", "spawner.radius", message).help("write (radius in m, share) for each size"));
+                return Err(loaded
+                    .fault("scene::shares", "spawner.radius", message)
+                    .help("write (radius in m, share) for each size"));
             }
         }
         RadiusLaw::Uniform(low, high) if low > high => {

@@ -87,23 +87,24 @@ pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, F
     };
     let mut lines = lines(text);
     let (_, header) = lines.next().unwrap_or((0..text.len(), Vec::new()));
-    let &[ref walls, ref doors] = header.as_slice() else {
+    let [walls, doors] = header.as_slice() else {
         return fault(
             "silo_file::header",
             first_line(text),
-            format!("the first line must hold two counts, of wall grains and of door grains; it holds {}", header.len()),
+            format!(
+                "the first line must hold two counts, of wall grains and of door grains; it holds {}",
+                header.len()
+            ),
             "write for example `183 5`",
         );
     };
     let mut counts = [0usize; 2];
     for (count, word) in counts.iter_mut().zip([walls, doors]) {
-        match word.text.parse() {
-            Ok(number) => *count = number,
-            Err(_) => {
-                let message = format!("expected a whole number of grains, got `{}`", word.text);
-                return fault("silo_file::header", word.range.clone(), message, "counts are written like `183`");
-            }
-        }
+        let Ok(number) = word.text.parse() else {
+            let message = format!("expected a whole number of grains, got `{}`", word.text);
+            return fault("silo_file::header", word.range.clone(), message, "counts are written like `183`");
+        };
+        *count = number;
     }
     let [walls, doors] = counts;
     let expected = walls.saturating_add(doors);
@@ -111,7 +112,12 @@ pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, F
     for (range, words) in lines {
         if discs.len() == expected {
             let message = format!("a line too many: the header announces {walls} + {doors} = {expected} grains");
-            return fault("silo_file::surplus_line", range, message, "remove the line, or raise a count in the first line");
+            return fault(
+                "silo_file::surplus_line",
+                range,
+                message,
+                "remove the line, or raise a count in the first line",
+            );
         }
         let [x, y, radius] = words.as_slice() else {
             let message = format!("expected three numbers (x, y, radius), got {}", words.len());
@@ -123,22 +129,40 @@ pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, F
                 Ok(number) if number.is_finite() => *value = number / unit.per_metre(),
                 _ => {
                     let message = format!("expected a finite number, got `{}`", word.text);
-                    return fault("silo_file::number", word.range.clone(), message, "numbers are written like `-1.300e+02`");
+                    return fault(
+                        "silo_file::number",
+                        word.range.clone(),
+                        message,
+                        "numbers are written like `-1.300e+02`",
+                    );
                 }
             }
         }
         let [x, y, r] = values;
         if r <= 0.0 {
             let message = format!("expected a radius greater than 0, got {}", radius.text);
-            return fault("silo_file::radius", radius.range.clone(), message, "the third number of a line is the radius");
+            return fault(
+                "silo_file::radius",
+                radius.range.clone(),
+                message,
+                "the third number of a line is the radius",
+            );
         }
         discs.push(Disc { centre: Vector::new(x, y), radius: r });
     }
     if discs.len() < expected {
-        let message = format!("{} lines are missing: the header announces {walls} + {doors} = {expected} grains, {} follow",
-            expected - discs.len(), discs.len());
+        let message = format!(
+            "{} lines are missing: the header announces {walls} + {doors} = {expected} grains, {} follow",
+            expected - discs.len(),
+            discs.len()
+        );
         let end = text.trim_end().len();
-        return fault("silo_file::missing_line", end..end, message, "add the lines, or lower a count in the first line");
+        return fault(
+            "silo_file::missing_line",
+            end..end,
+            message,
+            "add the lines, or lower a count in the first line",
+        );
     }
     let door = discs.split_off(walls);
     Ok(SiloGeometry { wall: discs, door })

@@ -33,7 +33,8 @@ fn an_isolated_cloud_keeps_its_momentum_to_round_off() {
             grain.velocity += 3.0 * (middle - grain.position);
         }
         let masses: Vec<_> = grains.iter().map(|grain| grain.mass).collect();
-        let momentum = |rows: &[(Vector, Vector)]| -> Vector { rows.iter().zip(&masses).map(|((_, v), m)| *m * *v).sum() };
+        let momentum =
+            |rows: &[(Vector, Vector)]| -> Vector { rows.iter().zip(&masses).map(|((_, v), m)| *m * *v).sum() };
         let keys = format!("gravity: (0.0, 0.0), contact: {law}, step: Fixed(2.0e-4), until: 1.0");
         let mut simulation = simulation(&keys, grains);
         simulation.run_steps(0);

@@ -1,6 +1,19 @@
 //! Physical laws, each against something that is not siloflow: a closed form, a conserved quantity, an order of
 //! convergence, another program. Tolerances come from theory and stand beside their assertion.
 
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    clippy::float_cmp,
+    clippy::missing_panics_doc,
+    clippy::must_use_candidate,
+    clippy::unwrap_used,
+    clippy::similar_names,
+    missing_docs,
+    reason = "tests count in small numbers and compare exact values"
+)]
+
 mod bounce;
 mod column;
 mod conservation;

@@ -18,7 +18,11 @@ use vibrating_wall::VibratingWall;
 
 fn registry() -> Registry {
     let mut registry = Registry::default();
-    registry.register::<VibratingWall>("vibrating_wall").register::<Wind>("wind").register::<Clumsy>("clumsy").register::<Constant>("constant");
+    registry
+        .register::<VibratingWall>("vibrating_wall")
+        .register::<Wind>("wind")
+        .register::<Clumsy>("clumsy")
+        .register::<Constant>("constant");
     registry
 }
 
@@ -33,7 +37,8 @@ fn the_example_s_wall_vibrates_and_its_work_is_booked() {
     let mut run = Simulation::new(&loaded, &registry(), NonZeroUsize::MIN).unwrap();
     assert_eq!(run.run(), End::TimeReached);
     let world = run.world_mut();
-    let wall = world.query_filtered::<&Position, With<Fixed>>().iter(world).map(|x| x.0.x).fold(f64::INFINITY, f64::min);
+    let wall =
+        world.query_filtered::<&Position, With<Fixed>>().iter(world).map(|x| x.0.x).fold(f64::INFINITY, f64::min);
     let expected = -1.3 + 0.002 * (std::f64::consts::TAU * 20.0 * 6.0).sin();
     assert!((wall - expected).abs() < 1e-12, "{wall} {expected}");
     let flows = *world.resource::<EnergyFlows>();

@@ -29,7 +29,19 @@ fn a_run_leaves_a_run_directory_that_can_be_run_again() {
     let here = tempfile::tempdir().unwrap();
     let output = siloflow(
         here.path(),
-        &["run", &path("silo1.ron"), "--set", "spawner.count=12", "--seed", "5", "--until", "1.5", "--png", "--threads", "2"],
+        &[
+            "run",
+            &path("silo1.ron"),
+            "--set",
+            "spawner.count=12",
+            "--seed",
+            "5",
+            "--until",
+            "1.5",
+            "--png",
+            "--threads",
+            "2",
+        ],
     );
     assert!(output.status.success(), "{}", text(&output.stderr));
     let run = here.path().join("out/silo1");
@@ -47,15 +59,37 @@ fn a_run_leaves_a_run_directory_that_can_be_run_again() {
     assert_eq!(first["status"], "time_reached");
     assert_eq!(first["grains"]["released"], 12);
     assert_eq!(first["performance"]["threads"], 2);
-    let keys = ["format", "scene", "status", "steps", "time_s", "grains", "rest_time_s", "door_open_time_s", "empty_time_s",
-        "max_overlap_ratio", "energy", "performance", "state_hash", "losses"];
+    let keys = [
+        "format",
+        "scene",
+        "status",
+        "steps",
+        "time_s",
+        "grains",
+        "rest_time_s",
+        "door_open_time_s",
+        "empty_time_s",
+        "max_overlap_ratio",
+        "energy",
+        "performance",
+        "state_hash",
+        "losses",
+    ];
     for key in keys {
         assert!(first.get(key).is_some(), "{key}");
     }
     for key in ["kinetic", "potential", "elastic", "dissipated", "released", "removed", "wall_work", "balance_error"] {
         assert!(first["energy"][key].is_number(), "{key}");
     }
-    for key in ["wall_s", "particle_steps", "particle_steps_per_s", "neighbour_rebuilds", "threads", "integrator", "contact_law"] {
+    for key in [
+        "wall_s",
+        "particle_steps",
+        "particle_steps_per_s",
+        "neighbour_rebuilds",
+        "threads",
+        "integrator",
+        "contact_law",
+    ] {
         assert!(!first["performance"][key].is_null(), "{key}");
     }
     // The directory holds all that is needed: run again from it, elsewhere.
@@ -64,7 +98,10 @@ fn a_run_leaves_a_run_directory_that_can_be_run_again() {
     assert_eq!(second["state_hash"], first["state_hash"]);
     assert!(again.stderr.is_empty(), "{}", text(&again.stderr));
     // And into the directory of an earlier run: it is cleared first.
-    let shorter = siloflow(here.path(), &["run", &path("silo1.ron"), "--until", "0.1", "--out", "again", "--set", "pictures=None"]);
+    let shorter = siloflow(
+        here.path(),
+        &["run", &path("silo1.ron"), "--until", "0.1", "--out", "again", "--set", "pictures=None"],
+    );
     assert!(shorter.status.success());
     assert_eq!(fs::read_dir(here.path().join("again/frames")).unwrap().count(), 0);
 }
@@ -154,8 +191,22 @@ fn an_unstable_step_is_warned_of_and_named_when_it_blows_up() {
     let here = tempfile::tempdir().unwrap();
     let output = siloflow(
         here.path(),
-        &["run", &path("silo1.ron"), "--out", "run", "--set", "contact.k=1.0e9", "--set", "on_loss=Continue", "--set",
-          "cull=None", "--until", "60", "--set", "pictures=None"],
+        &[
+            "run",
+            &path("silo1.ron"),
+            "--out",
+            "run",
+            "--set",
+            "contact.k=1.0e9",
+            "--set",
+            "on_loss=Continue",
+            "--set",
+            "cull=None",
+            "--until",
+            "60",
+            "--set",
+            "pictures=None",
+        ],
     );
     let message = text(&output.stderr);
     assert!(message.contains("check::unstable_step"), "{message}");
@@ -199,7 +250,8 @@ fn explain_shows_what_is_modelled_and_nothing_else() {
 #[test]
 fn output_without_a_terminal_has_no_colour_codes() {
     let here = tempfile::tempdir().unwrap();
-    for arguments in [vec!["run", &path("silo1-literal.ron"), "--until", "1"], vec!["check", &path("bad/no-mass.ron")]] {
+    for arguments in [vec!["run", &path("silo1-literal.ron"), "--until", "1"], vec!["check", &path("bad/no-mass.ron")]]
+    {
         let output = siloflow(here.path(), &arguments);
         assert!(!output.stderr.contains(&0x1b) && !output.stdout.contains(&0x1b), "{}", text(&output.stderr));
     }

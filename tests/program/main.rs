@@ -1,5 +1,18 @@
 //! The program as its users meet it: scenes, searches, threads, files, errors, exit statuses, behaviours.
 
+#![allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_precision_loss,
+    clippy::cast_sign_loss,
+    clippy::float_cmp,
+    clippy::missing_panics_doc,
+    clippy::must_use_candidate,
+    clippy::unwrap_used,
+    clippy::similar_names,
+    missing_docs,
+    reason = "tests count in small numbers and compare exact values"
+)]
+
 mod behaviours;
 mod command_line;
 mod scenes;

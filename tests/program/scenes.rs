@@ -105,7 +105,8 @@ fn every_bad_scene_earns_its_error() {
             continue;
         }
         let text = fs::read_to_string(&path).unwrap();
-        let earns = text.lines().next().unwrap().strip_prefix("// earns: ").expect("a first line that says what it earns");
+        let earns =
+            text.lines().next().unwrap().strip_prefix("// earns: ").expect("a first line that says what it earns");
         let (code, key) = earns.split_once(" at ").map_or((earns, None), |(code, key)| (code, Some(key)));
         let fault = loading::load(&path, &[])
             .and_then(|loaded| Registry::default().of_scene(&loaded).map(|_| ()))

@@ -6,8 +6,13 @@ use siloflow::scene::places;
 
 /// Runs a small fill, rest and discharge to its end, or to 30 s, and hashes it on the way and at the end.
 fn hashes(name: &str, neighbours: &str, threads: usize) -> Vec<u64> {
-    let settings =
-        [("pictures", "None"), ("spawner.count", "150"), ("until", "30.0"), ("neighbours", neighbours), ("on_loss", "Continue")];
+    let settings = [
+        ("pictures", "None"),
+        ("spawner.count", "150"),
+        ("until", "30.0"),
+        ("neighbours", neighbours),
+        ("on_loss", "Continue"),
+    ];
     let mut run = simulation(&load(name, &settings), threads);
     let mut hashes = Vec::new();
     for steps in [4_000, 9_000, 12_000, u64::MAX] {
@@ -84,7 +89,8 @@ fn components_of_users_change_no_bit() {
             // Every third grain moves to another table, in an order of its own.
             let world = run.world_mut();
             let mut grains = world.query_filtered::<(Entity, &GrainId), With<Grain>>();
-            let chosen: Vec<_> = grains.iter(world).filter(|(_, id)| id.number() % 3 == 0).map(|(grain, _)| grain).collect();
+            let chosen: Vec<_> =
+                grains.iter(world).filter(|(_, id)| id.number() % 3 == 0).map(|(grain, _)| grain).collect();
             for (number, grain) in chosen.into_iter().rev().enumerate() {
                 world.entity_mut(grain).insert(Painted(number as u64));
             }
@@ -98,7 +104,8 @@ fn components_of_users_change_no_bit() {
 #[test]
 fn the_seed_decides_and_nothing_else() {
     let run = |seed: &str| {
-        let mut run = simulation(&load("silo1.ron", &[("pictures", "None"), ("seed", seed), ("spawner.count", "20")]), 1);
+        let mut run =
+            simulation(&load("silo1.ron", &[("pictures", "None"), ("seed", seed), ("spawner.count", "20")]), 1);
         run.run_steps(2500);
         hash(&mut run)
     };

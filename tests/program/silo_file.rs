@@ -10,7 +10,9 @@ fn described() -> Vec<Vector> {
     let mut centres = Vec::new();
     for side in [-1.0, 1.0] {
         centres.extend((0..41).map(|k| Vector::new(side * 130.0, 400.0 - 5.0 * f64::from(k))));
-        centres.extend((1..47).map(|k| f64::from(k) / 46.0).map(|t| Vector::new(side * (130.0 - 115.0 * t), 200.0 - 200.0 * t)));
+        centres.extend(
+            (1..47).map(|k| f64::from(k) / 46.0).map(|t| Vector::new(side * (130.0 - 115.0 * t), 200.0 - 200.0 * t)),
+        );
     }
     let step = 5.0 / 2f64.sqrt();
     centres.push(Vector::new(0.0, 260.0));
