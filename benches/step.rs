@@ -1,3 +1,4 @@
+#![allow(clippy::print_stdout, reason = "a benchmark prints")]
 //! Nanoseconds per particle-step of silo1's bed, for each neighbour search, and of the parts around the force pass.
 //!
 //! The bed is that of `scenes/silo1.ron` with its first 500 grains at rest, the door closed: everything that a

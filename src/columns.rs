@@ -61,6 +61,15 @@ impl Body {
     }
 }
 
+/// The force on a particle.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Load {
+    /// Of contacts, walls and weight together, N.
+    pub force: Vector,
+    /// The part of it that dissipates, N.
+    pub drag: Vector,
+}
+
 /// The packed state, one entry a particle, in ascending order of id. SI units.
 #[derive(Resource, Default)]
 pub struct Columns {
@@ -72,10 +81,8 @@ pub struct Columns {
     pub body: Vec<Body>,
     /// Masses, kg; 0 for what has none.
     pub mass: Vec<f64>,
-    /// Forces of contacts, walls and weight, N.
-    pub force: Vec<Vector>,
-    /// The part of `force` that dissipates, N.
-    pub drag: Vec<Vector>,
+    /// Forces.
+    pub load: Vec<Load>,
     /// One past the last entry that is not fixed.
     pub movable_end: usize,
     /// Counts the renumberings; whoever caches indices compares it.
@@ -123,8 +130,7 @@ impl Columns {
             })
             .collect();
         self.mass = rows.iter().map(|row| row.5.map_or(0.0, |mass| mass.0)).collect();
-        self.force = vec![Vector::ZERO; rows.len()];
-        self.drag = vec![Vector::ZERO; rows.len()];
+        self.load = vec![Load::default(); rows.len()];
         self.movable_end = self.body.iter().rposition(|body| !body.is_fixed()).map_or(0, |last| last + 1);
         self.generation += 1;
     }
@@ -190,15 +196,14 @@ fn gather_velocities(mut columns: ResMut<Columns>, particles: Query<(&Slot, &Vel
 }
 
 fn clear_forces(mut columns: ResMut<Columns>) {
-    columns.force.fill(Vector::ZERO);
-    columns.drag.fill(Vector::ZERO);
+    columns.load.fill(Load::default());
 }
 
 fn write_forces(columns: Res<Columns>, mut particles: Query<(&Slot, &mut Force)>) {
     for (slots, mut forces) in particles.contiguous_iter_mut().expect(DENSE) {
         for (slot, force) in slots.iter().zip(forces.bypass_change_detection()) {
-            if let Some(from) = columns.force.get(slot.index()) {
-                force.0 = *from;
+            if let Some(from) = columns.load.get(slot.index()) {
+                force.0 = from.force;
             }
         }
     }

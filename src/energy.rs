@@ -112,11 +112,11 @@ fn book_contact_work(
     mut last: ResMut<Powers>,
 ) {
     let (mut dissipation, mut wall) = (0.0, 0.0);
-    for (drag, body) in columns.drag.iter().zip(&columns.body) {
-        dissipation -= drag.dot(body.velocity);
+    for (load, body) in columns.load.iter().zip(&columns.body) {
+        dissipation -= load.drag.dot(body.velocity);
     }
     for i in (0..columns.len()).rev().take_while(|&i| columns.is_fixed(i)) {
-        wall -= columns.force[i].dot(columns.body[i].velocity);
+        wall -= columns.load[i].force.dot(columns.body[i].velocity);
     }
     if !clock.is_step_zero() {
         flows.dissipated += 0.5 * clock.dt * (last.dissipation + dissipation);
@@ -135,7 +135,7 @@ fn book_added_work(
     let mut added = 0.0;
     for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
         if let Ok(total) = forces.get(columns.entity[i]) {
-            added += (total.0 - columns.force[i]).dot(columns.body[i].velocity);
+            added += (total.0 - columns.load[i].force).dot(columns.body[i].velocity);
         }
     }
     if !clock.is_step_zero() {

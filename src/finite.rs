@@ -33,8 +33,8 @@ fn check(
             (false, _) => "velocity",
             _ => continue,
         };
-        let total = forces.get(columns.entity[i]).map_or(columns.force[i], |force| force.0);
-        let cause = if !columns.force[i].is_finite() {
+        let total = forces.get(columns.entity[i]).map_or(columns.load[i].force, |force| force.0);
+        let cause = if !columns.load[i].force.is_finite() {
             let step =
                 law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(1.0 / columns.body[i].inverse_mass));
             format!(

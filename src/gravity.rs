@@ -12,9 +12,9 @@ use crate::step::{ForceStage, Step};
 pub struct Gravity(pub Vector);
 
 fn weigh(gravity: Res<Gravity>, mut columns: ResMut<Columns>) {
-    let Columns { force, mass, .. } = &mut *columns;
-    for (force, &mass) in force.iter_mut().zip(mass.iter()) {
-        *force += mass * gravity.0;
+    let Columns { load, mass, .. } = &mut *columns;
+    for (load, &mass) in load.iter_mut().zip(mass.iter()) {
+        load.force += mass * gravity.0;
     }
 }
 

@@ -15,6 +15,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::columns::DENSE;
 use crate::door::DoorState;
 use crate::messages::{GrainLost, GrainOut, GrainReleased};
 use crate::outcome::{Failure, Outcome};
@@ -22,7 +23,7 @@ use crate::particle::{Fixed, Grain, GrainId, Position};
 use crate::scene::values::Finite;
 use crate::space::Vector;
 use crate::step::{Clock, Phase, Step};
-use crate::walls::outline::{Crossing, Outline};
+use crate::walls::outline::{Crossing, Link, Outline};
 
 /// The scene's `cull`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -134,37 +135,48 @@ fn watch_paths(
 ) {
     let patience = (0.25 * enclosure.smallest_radius).powi(2);
     let door_is_closed = door.is_some_and(|door| !door.is_open());
-    for (&id, x, mut place) in &mut grains {
-        let place = place.bypass_change_detection();
-        let here = x.0;
-        let Some(before) = place.looked_at else {
-            place.looked_at = Some(here);
-            continue;
-        };
-        if place.state != State::Inside || here.distance_squared(before) < patience {
-            continue;
-        }
-        place.looked_at = Some(here);
-        let way = match enclosure.outline.crossing(before, here) {
-            Some(Crossing::Orifice) if !door_is_closed => {
-                place.state = State::Out;
-                out.write(GrainOut { id, position: here });
+    for (ids, xs, mut places) in grains.contiguous_iter_mut().expect(DENSE) {
+        // Nothing watches whereabouts for changes.
+        let places = places.bypass_change_detection().iter_mut();
+        for ((&id, &Position(here)), place) in ids.iter().zip(xs.iter()).zip(places) {
+            let before = *place.looked_at.get_or_insert(here);
+            if here.distance_squared(before) < patience || place.state != State::Inside {
                 continue;
             }
-            Some(Crossing::Orifice) => "through the closed door".to_owned(),
-            Some(Crossing::Wall(link)) => format!(
-                "through the wall between ({:.3}, {:.3}) and ({:.3}, {:.3}) m",
-                link.from.x, link.from.y, link.to.x, link.to.y
-            ),
-            Some(Crossing::HalfPlane) => "through a flat wall".to_owned(),
-            None => match enclosure.outline.beyond(here) {
-                Some(side) => side.to_owned(),
-                None => continue,
-            },
-        };
-        place.state = State::Lost;
-        lost.write(GrainLost { id, position: here, way, nearest: nearest(here, &wall_grains) });
+            place.looked_at = Some(here);
+            match fate(&enclosure.outline, door_is_closed, before, here) {
+                None => {}
+                Some(Fate::Out) => {
+                    place.state = State::Out;
+                    out.write(GrainOut { id, position: here });
+                }
+                Some(Fate::Lost(way)) => {
+                    place.state = State::Lost;
+                    lost.write(GrainLost { id, position: here, way, nearest: nearest(here, &wall_grains) });
+                }
+            }
+        }
     }
+}
+
+/// How a grain left.
+enum Fate {
+    Out,
+    Lost(String),
+}
+
+/// What became of a grain that went from `before` to `here`, if it is not inside any more.
+fn fate(outline: &Outline, door_is_closed: bool, before: Vector, here: Vector) -> Option<Fate> {
+    let way = match outline.crossing(before, here) {
+        Some(Crossing::Orifice) if !door_is_closed => return Some(Fate::Out),
+        Some(Crossing::Orifice) => "through the closed door".to_owned(),
+        Some(Crossing::Wall(Link { from, to })) => {
+            format!("through the wall between ({:.3}, {:.3}) and ({:.3}, {:.3}) m", from.x, from.y, to.x, to.y)
+        }
+        Some(Crossing::HalfPlane) => "through a flat wall".to_owned(),
+        None => outline.beyond(here)?.to_owned(),
+    };
+    Some(Fate::Lost(way))
 }
 
 fn nearest(x: Vector, wall_grains: &Query<(&GrainId, &Position), With<Fixed>>) -> Option<GrainId> {
@@ -177,8 +189,13 @@ fn cull(
     line: Res<CullLine>,
     mut ledger: ResMut<Ledger>,
     mut lost: MessageWriter<GrainLost>,
+    heights: Query<&Position, With<Grain>>,
     grains: Query<(Entity, &GrainId, &Position, Option<&Whereabouts>), With<Grain>>,
 ) {
+    let mut tables = heights.contiguous_iter().expect(DENSE);
+    if !tables.any(|xs| xs.iter().any(|x| x.0.y < line.0)) {
+        return;
+    }
     for (entity, &id, x, place) in &grains {
         if x.0.y < line.0 {
             commands.entity(entity).despawn();

@@ -9,7 +9,7 @@
 use rayon::prelude::*;
 
 use crate::columns::{Body, Columns};
-use crate::contact::{Pair, PairLaw};
+use crate::contact::{Pair, PairForce, PairLaw};
 use crate::particle::GrainId;
 use crate::space::Vector;
 
@@ -109,57 +109,51 @@ fn coincident(i: GrainId, j: GrainId) -> Vector {
     if i < j { direction } else { -direction }
 }
 
-/// Adds all pair forces to `columns.force` and their dissipating part to `columns.drag`, each pair once.
+/// Adds all pair forces to the loads of `columns`, each pair once.
 pub fn half<L: PairLaw>(law: &L, columns: &mut Columns, partners: &impl Partners) -> OverlapRatio {
-    let mut force = std::mem::take(&mut columns.force);
-    let mut drag = std::mem::take(&mut columns.drag);
+    let mut loads = std::mem::take(&mut columns.load);
     let mut largest = OverlapRatio::default();
     let (mut scratch, mut buffer) = (Vec::new(), Vec::new());
     for i in 0..columns.movable_end {
-        let (mut force_i, mut drag_i) = (force[i], drag[i]);
+        let mut on_i = loads[i];
         for &j in filter(&columns.body, i, partners.of(columns, i, &mut scratch), &mut buffer) {
             let j = j as usize;
             if let Some(pair) = touching(columns, i, j) {
-                let on_i = law.force(&pair);
-                let sum = on_i.elastic + on_i.drag;
-                force_i += sum;
-                drag_i += on_i.drag;
-                force[j] -= sum;
-                drag[j] -= on_i.drag;
+                let PairForce { elastic, drag } = law.force(&pair);
+                let (sum, on_j) = (elastic + drag, &mut loads[j]);
+                on_i.force += sum;
+                on_i.drag += drag;
+                on_j.force -= sum;
+                on_j.drag -= drag;
                 largest.raise(pair.overlap, columns.body[i].radius.min(columns.body[j].radius));
             }
         }
-        force[i] = force_i;
-        drag[i] = drag_i;
+        loads[i] = on_i;
     }
-    columns.force = force;
-    columns.drag = drag;
+    columns.load = loads;
     largest
 }
 
 /// The same sums, each particle for itself, on the threads of the current rayon pool.
 pub fn full<L: PairLaw>(law: &L, columns: &mut Columns, partners: &impl Partners) -> OverlapRatio {
     const CHUNK: usize = 256;
-    let mut force = std::mem::take(&mut columns.force);
-    let mut drag = std::mem::take(&mut columns.drag);
+    let mut loads = std::mem::take(&mut columns.load);
     let view = &*columns;
-    let largest = force
+    let largest = loads
         .par_chunks_mut(CHUNK)
-        .zip(drag.par_chunks_mut(CHUNK))
         .enumerate()
-        .map_init(<(Vec<u32>, Vec<u32>)>::default, |(scratch, buffer), (chunk, (force, drag))| {
+        .map_init(<(Vec<u32>, Vec<u32>)>::default, |(scratch, buffer), (chunk, loads)| {
             let mut largest = OverlapRatio::default();
-            for (offset, (force, drag)) in force.iter_mut().zip(drag).enumerate() {
-                let i = chunk * CHUNK + offset;
+            for (i, load) in (chunk * CHUNK..).zip(loads) {
                 for &j in filter(&view.body, i, partners.of(view, i, scratch), buffer) {
                     let j = j as usize;
                     if i == j {
                         continue;
                     }
                     if let Some(pair) = touching(view, i, j) {
-                        let on_i = law.force(&pair);
-                        *force += on_i.elastic + on_i.drag;
-                        *drag += on_i.drag;
+                        let PairForce { elastic, drag } = law.force(&pair);
+                        load.force += elastic + drag;
+                        load.drag += drag;
                         largest.raise(pair.overlap, view.body[i].radius.min(view.body[j].radius));
                     }
                 }
@@ -170,7 +164,6 @@ pub fn full<L: PairLaw>(law: &L, columns: &mut Columns, partners: &impl Partners
             a.merge(b);
             a
         });
-    columns.force = force;
-    columns.drag = drag;
+    columns.load = loads;
     largest
 }

@@ -128,8 +128,8 @@ fn wall_forces<L: PairLaw>(
         for wall in &walls.0 {
             if let Some(pair) = touching(&columns, i, wall) {
                 let on_i = law.0.force(&pair);
-                columns.force[i] += on_i.elastic + on_i.drag;
-                columns.drag[i] += on_i.drag;
+                columns.load[i].force += on_i.elastic + on_i.drag;
+                columns.load[i].drag += on_i.drag;
                 largest.0.raise(pair.overlap, columns.body[i].radius);
             }
         }
