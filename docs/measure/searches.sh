@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Speed of the neighbour searches on beds at rest: against N at L = 0.25 m, and against L at N = 1000. R = 0.03 m.
+# Speed of the neighbour searches on beds at rest: against N at L = 0.25 m, and against L at N = 1000. R = 0.028 m.
 # Each figure is the median of three runs of STEPS steps, the searches in turn.
 #   docs/measure/searches.sh [STEPS]     (default 1000; about three minutes)
 set -euo pipefail
@@ -11,7 +11,7 @@ out=$(mktemp -d)
 trap 'rm -rf "$out"' EXIT
 
 bed() { # N: a bed of N grains at rest
-  $run run scenes/silo1.ron --quiet --out "$out/bed$1" --set spawner.count="$1" --set 'spawner.radius=Fixed(0.03)' \
+  $run run scenes/silo1.ron --quiet --out "$out/bed$1" --set spawner.count="$1" --set 'spawner.radius=Fixed(0.028)' \
     --set spawner.interval=0.04 --set rest.stop=true --set pictures=None >"$out/log"
 }
 ns() { # N, search: ns a particle-step, and a check that all searches end in the same state

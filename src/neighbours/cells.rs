@@ -63,10 +63,10 @@ impl Cells {
         self.starts[buckets] = particles;
     }
 
-    /// Calls `visit` with every particle in the cells at most `reach` cells away from that of particle `i`, itself
-    /// included.
+    /// Calls `visit` with every particle that `wants` accepts in the cells at most `reach` cells away from that of
+    /// particle `i`, itself included.
     #[inline]
-    pub(super) fn around(&self, i: usize, reach: u8, mut visit: impl FnMut(u32)) {
+    pub(super) fn around(&self, i: usize, reach: u8, wants: impl Fn(u32) -> bool, mut visit: impl FnMut(u32)) {
         let buckets = self.starts.len() - 1;
         let [x, y] = self.cell[i];
         let cells = usize::from(reach);
@@ -74,6 +74,10 @@ impl Cells {
             let wanted = y.wrapping_add(row);
             let mut take = |from: usize, to: usize| {
                 for &j in &self.entries[self.starts[from] as usize..self.starts[to] as usize] {
+                    // What is not wanted need not be looked up.
+                    if !wants(j) {
+                        continue;
+                    }
                     let [at, line] = self.cell[j as usize];
                     if line == wanted && at.wrapping_sub(x).unsigned_abs() <= u64::from(reach) {
                         visit(j);
@@ -96,11 +100,11 @@ impl Partners for Cells {
     fn of<'a>(&'a self, columns: &Columns, i: usize, scratch: &'a mut Vec<u32>) -> &'a [u32] {
         scratch.clear();
         let body = &columns.body[i];
-        self.around(i, 1, |j| {
+        let wants = |j: u32| if self.full { j as usize != i } else { j as usize > i };
+        self.around(i, 1, wants, |j| {
             let other = &columns.body[j as usize];
-            let wanted = if self.full { j as usize != i } else { j as usize > i };
             let reach = body.radius + other.radius;
-            if wanted && body.position.distance_squared(other.position) < reach * reach {
+            if body.position.distance_squared(other.position) < reach * reach {
                 scratch.push(j);
             }
         });
@@ -161,7 +165,7 @@ mod tests {
             prop_assert!(cells.entries.len() == points.len() && cells.starts.len() <= 4 * points.len() + 2);
             for i in 0..points.len() {
                 let mut found = Vec::new();
-                cells.around(i, 1, |j| found.push(j as usize));
+                cells.around(i, 1, |_| true, |j| found.push(j as usize));
                 let listed = found.len();
                 found.sort_unstable();
                 found.dedup();

@@ -85,9 +85,9 @@ impl VerletList {
             // Beyond a few cells around it, asking everybody is not dearer.
             let cells_to_go = ((range + allowance + widest) / side).ceil();
             match (fast, cells_to_go) {
-                (false, _) => cells.around(row, 1, consider),
+                (false, _) => cells.around(row, 1, |j| j < i, consider),
                 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most eight")]
-                (true, n) if n <= 8.0 => cells.around(row, n as u8, consider),
+                (true, n) if n <= 8.0 => cells.around(row, n as u8, |_| true, consider),
                 (true, _) => (0u32..).take(columns.len()).for_each(&mut consider),
             }
         }
