@@ -47,13 +47,13 @@ fn number(value: f64, is_log: bool) -> String {
 
 /// One panel as an SVG group, `left` px from the left edge.
 fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &[Curve]) {
-    let (l, t, r, b) = MARGIN;
-    let (width, height) = (SIZE.0 - l - r, SIZE.1 - t - b);
-    let at = |px: f64, py: f64| (left + l + x.share(px) * width, t + (1.0 - y.share(py)) * height);
-    text(svg, left + l, 26.0, "start", "", title);
+    let (margin, top, margin_right, bottom) = MARGIN;
+    let (width, height) = (SIZE.0 - margin - margin_right, SIZE.1 - top - bottom);
+    let at = |px: f64, py: f64| (left + margin + x.share(px) * width, top + (1.0 - y.share(py)) * height);
+    text(svg, left + margin, 26.0, "start", "", title);
     for &tick in &x.ticks {
         let (px, py) = at(tick, y.from);
-        let _ = writeln!(svg, r##"<path d="M{px:.1} {py:.1}V{t}" stroke="#e4e4e4"/>"##);
+        let _ = writeln!(svg, r##"<path d="M{px:.1} {py:.1}V{top}" stroke="#e4e4e4"/>"##);
         text(svg, px, py + 18.0, "middle", "", &number(tick, x.is_log));
     }
     for &tick in &y.ticks {
@@ -61,18 +61,18 @@ fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &
         let _ = writeln!(svg, r##"<path d="M{px:.1} {py:.1}h{width}" stroke="#e4e4e4"/>"##);
         text(svg, px - 6.0, py + 4.0, "end", "", &number(tick, y.is_log));
     }
-    let frame = left + l;
+    let frame = left + margin;
     let _ = writeln!(
         svg,
-        r##"<rect x="{frame}" y="{t}" width="{width}" height="{height}" fill="none" stroke="#222222"/>"##
+        r##"<rect x="{frame}" y="{top}" width="{width}" height="{height}" fill="none" stroke="#222222"/>"##
     );
     text(svg, frame + 0.5 * width, SIZE.1 - 14.0, "middle", "", x.label);
-    let (px, py) = (left + 18.0, t + 0.5 * height);
+    let (px, py) = (left + 18.0, top + 0.5 * height);
     text(svg, px, py, "middle", &format!(r#" transform="rotate(-90 {px} {py})""#), y.label);
     for (row, curve) in (0u8..).zip(curves) {
         let points: Vec<_> = curve.points.iter().map(|&(px, py)| at(px, py)).collect();
         let path: Vec<_> = points.iter().map(|(px, py)| format!("{px:.1},{py:.1}")).collect();
-        let (key_x, key_y) = (frame + 14.0, t + 18.0 + 18.0 * f64::from(row));
+        let (key_x, key_y) = (frame + 14.0, top + 18.0 + 18.0 * f64::from(row));
         if curve.has_line {
             let colour = curve.colour;
             let _ = writeln!(

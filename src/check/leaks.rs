@@ -12,8 +12,8 @@ use crate::space::Vector;
 use crate::walls::outline::Outline;
 use crate::walls::surfaces::Surface;
 
-/// Grid points that are looked at before giving up.
-const PATIENCE: usize = 4_000_000;
+/// Grid points beyond which it is not worth the wait: some seconds.
+const PATIENCE: f64 = 2e7;
 
 /// Where a grain gets out, m; `None` if it does not, or if there are no walls, no grains or too many points.
 #[must_use]
@@ -24,6 +24,11 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     let surfaces = loaded.surfaces();
     let [low, high] = Outline::new(&discs, &[], &surfaces, radius).bounds()?;
     let spacing = 0.25 * radius;
+    let points = |extent: Vector| (extent.x / spacing) * (extent.y / spacing);
+    let bodies = discs.iter().map(|disc| points(Vector::splat(2.0 * (disc.radius + radius)))).sum::<f64>();
+    if points(high - low) + bodies > PATIENCE {
+        return None;
+    }
     let mut blocked: HashSet<(i64, i64)> = HashSet::new();
     for disc in &discs {
         block(&mut blocked, disc.centre, disc.centre, spacing, disc.radius + radius, &|x| x.distance(disc.centre));
@@ -46,9 +51,6 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
         }
         if x.x <= low.x || x.x >= high.x || x.y <= low.y {
             return Some(x);
-        }
-        if seen.len() > PATIENCE {
-            return None;
         }
         for next in [(i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)] {
             if seen.insert(next) {

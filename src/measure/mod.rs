@@ -41,7 +41,7 @@ pub struct Every<T> {
 fn tick<T: Send + Sync + 'static>(clock: Res<Clock>, outcome: Res<Outcome>, mut every: ResMut<Every<T>>) {
     let is_time = clock.has_reached(every.looks as f64 * every.interval);
     if is_time {
-        every.looks = ((clock.time() + 1e-3 * clock.dt) / every.interval).floor() as u64 + 1;
+        every.looks = (((clock.time() + 1e-3 * clock.dt) / every.interval).floor() as u64).saturating_add(1);
     }
     every.is_due = is_time || outcome.end().is_some();
 }

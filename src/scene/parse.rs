@@ -1,4 +1,4 @@
-//! From text to [`Scene`]: the one parse, and its errors as faults that point at key and value.
+//! From text to [`Scene`](crate::scene::Scene): the one parse, and its errors as faults that point at key and value.
 
 use ron::error::{Error, SpannedError};
 use ron::extensions::Extensions;

@@ -37,7 +37,7 @@ impl Places {
     /// Scans a RON text.
     #[must_use]
     pub fn scan(text: &str) -> Self {
-        let mut scanner = Scanner { text, at: 0, places: Vec::new() };
+        let mut scanner = Scanner { text, at: 0, depth: 0, places: Vec::new() };
         scanner.skip_attributes();
         scanner.value(String::new(), None);
         Self(scanner.places)
@@ -101,9 +101,13 @@ pub fn set(text: &str, path: &str, value: &str) -> Result<String, Fault> {
     Ok(changed)
 }
 
+/// Brackets in brackets; ron itself refuses more.
+const DEEPEST: usize = 128;
+
 struct Scanner<'a> {
     text: &'a str,
     at: usize,
+    depth: usize,
     places: Vec<Place>,
 }
 
@@ -221,6 +225,11 @@ impl Scanner<'_> {
 
     /// What stands between brackets: keys and values, or values.
     fn fields(&mut self, path: &str, index: usize, close: char) {
+        if self.depth == DEEPEST {
+            self.at = self.text.len();
+            return;
+        }
+        self.depth += 1;
         self.at += 1;
         let mut number = 0;
         let mut room = Some(Room { at: self.at, is_first: true, is_map: close == '}' });
@@ -243,10 +252,11 @@ impl Scanner<'_> {
             self.skip_blanks();
             if !self.skip(',') && self.at == here {
                 // Not RON: leave, rather than look at the same place for ever.
-                return;
+                break;
             }
         }
         self.places[index].room = room.filter(|_| close != ']');
+        self.depth -= 1;
         self.skip(close);
     }
 
@@ -327,6 +337,12 @@ Scene(
         }
         let commented = set("(a: 1 // one\n)", "b", "2").unwrap();
         assert_eq!((value(&commented, "a"), value(&commented, "b")), ("1", "2"));
+    }
+
+    #[test]
+    fn a_hundred_thousand_brackets_are_no_trouble() {
+        let text = "(".repeat(100_000);
+        assert!(Places::scan(&text).0.len() <= 2 * DEEPEST);
     }
 
     proptest! {

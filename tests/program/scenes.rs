@@ -136,3 +136,27 @@ fn a_final_state_is_a_scene_s_grains() {
     assert_eq!(siloflow::grains::file::write(second.world_mut()), csv);
     assert_eq!(second.world().resource::<Ledger>().released, 30);
 }
+
+#[test]
+fn a_sliding_door_clears_the_orifice_and_its_work_is_booked() {
+    let settings = [
+        ("pictures", "None"),
+        ("spawner.count", "60"),
+        ("door", "(opens: At(6.0), how: Slide(0.5))"),
+        ("until", "60.0"),
+    ];
+    let mut simulation = simulation(&load("silo1.ron", &settings), 1);
+    assert_eq!(simulation.run(), End::Empty);
+    let world = simulation.world_mut();
+    assert_eq!((world.resource::<Ledger>().out(), world.resource::<DoorState>().open_time), (60, Some(6.0)));
+    let mut door = world.query_filtered::<(&Position, &Velocity), With<Door>>();
+    // 20 cm of its own and two gaps of 5 cm, at rest in the end; one step of 0.5 mm more or less.
+    let left = door.iter(world).map(|(x, _)| x.0.x).fold(f64::INFINITY, f64::min);
+    assert!((left - 0.2).abs() < 1e-3, "{left}");
+    assert!(door.iter(world).all(|(x, v)| x.0.y == 0.0 && v.0 == Vector::ZERO));
+    let flows = *world.resource::<EnergyFlows>();
+    assert!(flows.wall_work != 0.0);
+    let error = totals::of_world(world).energy() - flows.expected();
+    // As in the whole runs: (w0 dt)^2/6 of what is dissipated.
+    assert!(error.abs() < 1.0e4 / 0.08 * 1e-6 / 6.0 * flows.dissipated, "{error} of {flows:?}");
+}
