@@ -1,18 +1,20 @@
 //! The door controller: when the door opens, and how.
 //!
 //! The door is the grains marked [`Door`]. It opens when the bed has come to rest, at a time, or never; it is
-//! removed at once, or slides along its own line at a speed until it has cleared the orifice, pushing what it meets.
+//! removed at once, or slides along the orifice at a speed until it has cleared it, dragging what it meets.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::ledger::Enclosure;
 use crate::messages::{CameToRest, DoorOpened};
-use crate::particle::{Door, Fixed, Position, Velocity};
+use crate::particle::{Door, Fixed, Position, Radius, Velocity};
 use crate::rest::RestDetection;
 use crate::scene::values::{NonNegative, Positive};
 use crate::space::Vector;
 use crate::step::{Clock, ClockAdvanced, Phase, Step};
+use crate::walls::outline::Link;
 
 /// The scene's `door`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -75,7 +77,8 @@ fn open(
     mut state: ResMut<DoorState>,
     mut at_rest: MessageReader<CameToRest>,
     mut opened: MessageWriter<DoorOpened>,
-    mut door: Query<(Entity, &Position, &mut Velocity), With<Door>>,
+    enclosure: Option<Res<Enclosure>>,
+    mut door: Query<(Entity, &Position, &Radius, &mut Velocity), With<Door>>,
 ) {
     let due = match state.control.opens {
         DoorOpens::AtRest => at_rest.read().next().is_some(),
@@ -90,23 +93,25 @@ fn open(
     match state.control.how {
         DoorMotion::Remove => door.iter().for_each(|(grain, ..)| commands.entity(grain).despawn()),
         DoorMotion::Slide(speed) => {
-            let (direction, length) = line(door.iter().map(|(_, x, _)| x.0).collect());
+            let grains: Vec<_> = door.iter().map(|(_, x, radius, _)| (x.0, radius.0)).collect();
+            let Some(orifice) = enclosure.and_then(|walls| walls.outline.orifice()) else { return };
+            let (direction, way) = slide_of(&grains, &orifice);
             let velocity = speed.get() * direction;
-            door.iter_mut().for_each(|(_, _, mut v)| v.0 = velocity);
-            // Its own length and once more the gap to the next grain clear the orifice.
-            state.sliding = Some(Slide { velocity, until: clock.time() + length / speed.get() });
+            door.iter_mut().for_each(|(.., mut v)| v.0 = velocity);
+            state.sliding = Some(Slide { velocity, until: clock.time() + way / speed.get() });
         }
     }
 }
 
-/// Direction of the line through the door's grains, towards the right or upwards, and the way it has to slide, m.
-fn line(centres: Vec<Vector>) -> (Vector, f64) {
-    let by_x = |a: &&Vector, b: &&Vector| (a.x, a.y).partial_cmp(&(b.x, b.y)).unwrap_or(std::cmp::Ordering::Equal);
-    let (first, last) = (centres.iter().min_by(by_x), centres.iter().max_by(by_x));
-    let along = first.zip(last).map_or(Vector::ZERO, |(first, last)| *last - *first);
-    #[expect(clippy::cast_precision_loss, reason = "doors have few grains")]
-    let spacing = along.length() / (centres.len().max(2) - 1) as f64;
-    (along.try_normalize().unwrap_or(Vector::X), along.length() + 2.0 * spacing)
+/// Which way the door slides, rightwards or upwards along the orifice, and how far, m: until its last grain has gone
+/// behind the far flank.
+fn slide_of(grains: &[(Vector, f64)], orifice: &Link) -> (Vector, f64) {
+    let along = (orifice.to - orifice.from).try_normalize().unwrap_or(Vector::X);
+    let direction = if (along.x, along.y) < (0.0, 0.0) { -along } else { along };
+    let last = grains.iter().map(|(x, _)| x.dot(direction)).fold(f64::INFINITY, f64::min);
+    let flank = orifice.from.dot(direction).max(orifice.to.dot(direction));
+    let radius = grains.iter().map(|(_, radius)| *radius).fold(0.0, f64::max);
+    (direction, flank - last + radius)
 }
 
 /// Wall grains of the door; disjoint from all that forces move.
@@ -145,6 +150,24 @@ impl Plugin for DoorPlugin {
         }
         if matches!(self.0.how, DoorMotion::Slide(_)) {
             app.add_systems(Step, slide.in_set(Phase::Drift).after(ClockAdvanced).run_if(is_sliding));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_door_slides_until_its_last_grain_is_behind_the_far_flank() {
+        let orifice = Link { from: Vector::new(0.13, 0.0), to: Vector::new(-0.13, 0.0) };
+        for grains in
+            [vec![(Vector::ZERO, 0.03)], vec![(Vector::new(0.04, 0.0), 0.03), (Vector::new(-0.04, 0.0), 0.03)]]
+        {
+            let (direction, way) = slide_of(&grains, &orifice);
+            let last = grains.iter().map(|(x, _)| x.x).fold(f64::INFINITY, f64::min);
+            assert_eq!(direction, Vector::X);
+            assert!((last + way - 0.16).abs() < 1e-15, "{way}");
         }
     }
 }

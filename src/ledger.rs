@@ -8,14 +8,18 @@
 //!
 //! Paths are straight between two looks. A grain is looked at again when it has moved by a quarter of the smallest
 //! radius since the last look (or in one step, if it is faster), so that a bed at rest costs one comparison a grain.
+//! Who releases a grain writes `GrainReleased`, or the ledger does not know of it.
 //! Limit: what happens to a door grain's line while the door slides is not followed; from the first step of opening
 //! the orifice is open.
 
+use std::collections::HashSet;
+
 use bevy_app::{App, Plugin};
+use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::DENSE;
+use crate::columns::{BeforeRenumbering, Columns, DENSE};
 use crate::door::DoorState;
 use crate::messages::{GrainLost, GrainOut, GrainReleased};
 use crate::outcome::{Failure, Outcome};
@@ -86,7 +90,13 @@ pub struct Ledger {
     pub lost: Vec<LossRecord>,
     /// Grains removed below the cull line, whether out or lost.
     pub culled: u32,
+    /// Who is out or lost.
+    gone: HashSet<GrainId>,
 }
+
+/// Entities that the culler has removed, until the ECS reports them.
+#[derive(Resource, Default)]
+struct Culled(EntityHashSet);
 
 impl Ledger {
     /// Grains that are out.
@@ -104,7 +114,7 @@ impl Ledger {
     /// Grains that are inside: released, neither out nor lost.
     #[must_use]
     pub fn inside(&self) -> u32 {
-        self.released - self.out() - self.lost()
+        self.released.saturating_sub(self.out() + self.lost())
     }
 }
 
@@ -127,20 +137,22 @@ fn count_released(mut ledger: ResMut<Ledger>, mut released: MessageReader<GrainR
 
 fn watch_paths(
     enclosure: Res<Enclosure>,
-    door: Option<Res<DoorState>>,
+    (door, cull): (Option<Res<DoorState>>, Option<Res<CullLine>>),
     mut out: MessageWriter<GrainOut>,
     mut lost: MessageWriter<GrainLost>,
     mut grains: Query<(&GrainId, &Position, &mut Whereabouts), With<Grain>>,
     wall_grains: Query<(&GrainId, &Position), With<Fixed>>,
 ) {
     let patience = (0.25 * enclosure.smallest_radius).powi(2);
-    let door_is_closed = door.is_some_and(|door| !door.is_open());
+    let door_is_closed = door.is_none_or(|door| !door.is_open());
+    let last_chance = cull.map_or(f64::NEG_INFINITY, |line| line.0);
     for (ids, xs, mut places) in grains.contiguous_iter_mut().expect(DENSE) {
         // Nothing watches whereabouts for changes.
         let places = places.bypass_change_detection().iter_mut();
         for ((&id, &Position(here)), place) in ids.iter().zip(xs.iter()).zip(places) {
             let before = *place.looked_at.get_or_insert(here);
-            if here.distance_squared(before) < patience || place.state != State::Inside {
+            let may_wait = here.distance_squared(before) < patience && here.y >= last_chance;
+            if may_wait || place.state != State::Inside {
                 continue;
             }
             place.looked_at = Some(here);
@@ -174,7 +186,7 @@ fn fate(outline: &Outline, door_is_closed: bool, before: Vector, here: Vector) -
             format!("through the wall between ({:.3}, {:.3}) and ({:.3}, {:.3}) m", from.x, from.y, to.x, to.y)
         }
         Some(Crossing::HalfPlane) => "through a flat wall".to_owned(),
-        None => outline.beyond(here)?.to_owned(),
+        None => outline.beyond(before, here)?.to_owned(),
     };
     Some(Fate::Lost(way))
 }
@@ -188,6 +200,7 @@ fn cull(
     mut commands: Commands,
     line: Res<CullLine>,
     mut ledger: ResMut<Ledger>,
+    mut expected: ResMut<Culled>,
     mut lost: MessageWriter<GrainLost>,
     heights: Query<&Position, With<Grain>>,
     grains: Query<(Entity, &GrainId, &Position, Option<&Whereabouts>), With<Grain>>,
@@ -199,11 +212,32 @@ fn cull(
     for (entity, &id, x, place) in &grains {
         if x.0.y < line.0 {
             commands.entity(entity).despawn();
+            expected.0.insert(entity);
             ledger.culled += 1;
             if place.is_none_or(|place| place.state == State::Inside) {
                 let way = "below the cull line, without having crossed the orifice".to_owned();
                 lost.write(GrainLost { id, position: x.0, way, nearest: None });
             }
+        }
+    }
+}
+
+/// Grains that left the world by somebody else's hand are lost too; the columns still know their names.
+fn miss_vanished(
+    mut removed: RemovedComponents<Grain>,
+    mut expected: ResMut<Culled>,
+    columns: Res<Columns>,
+    mut lost: MessageWriter<GrainLost>,
+    ledger: Res<Ledger>,
+) {
+    for entity in removed.read() {
+        if expected.0.remove(&entity) {
+            continue;
+        }
+        let Some(i) = columns.entity.iter().position(|&known| known == entity) else { continue };
+        if !ledger.gone.contains(&columns.id[i]) {
+            let way = "out of the world, removed by a behaviour".to_owned();
+            lost.write(GrainLost { id: columns.id[i], position: columns.body[i].position, way, nearest: None });
         }
     }
 }
@@ -217,11 +251,13 @@ fn keep_books(
     mut outcome: ResMut<Outcome>,
 ) {
     let (step, time_s) = (clock.steps, clock.time());
-    for _ in out.read() {
+    for grain in out.read() {
+        ledger.gone.insert(grain.id);
         ledger.out_times.push(time_s);
     }
     for grain in lost.read() {
         tracing::debug!("t = {time_s:.3} s: {} was lost {}", grain.id, grain.way);
+        ledger.gone.insert(grain.id);
         ledger.lost.push(LossRecord {
             grain: grain.id.number(),
             step,
@@ -263,6 +299,8 @@ impl Plugin for LedgerPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Ledger>()
             .insert_resource(OnLossSetting(self.on_loss))
+            .init_resource::<Culled>()
+            .add_systems(Step, miss_vanished.in_set(BeforeRenumbering))
             .add_systems(Step, (count_released, keep_books).chain().in_set(Phase::Cull).in_set(BooksKept));
         if let Some(outline) = &self.outline {
             app.register_required_components::<Grain, Whereabouts>();

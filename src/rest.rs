@@ -4,7 +4,8 @@
 //! m g R, for `hold` seconds without a break, with no grain still to come. In these units the thresholds do not
 //! change with the size of the grains: a grain of 4 cm on Earth at 2e-3 moves at 1.3 mm/s, and the kinetic energy
 //! 1e-6 m g R would lift it by 1e-6 of its radius. A single quiet step proves nothing: a grain thrown up is at rest
-//! at the top of its path, hence the hold.
+//! at the top of its path, hence the hold. Limit: grains that are out or lost but not yet culled count as well; a
+//! scene that goes on after losses needs `cull` to come to rest.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;

@@ -24,9 +24,16 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     let surfaces = loaded.surfaces();
     let [low, high] = Outline::new(&discs, &[], &surfaces, radius).bounds()?;
     let spacing = 0.25 * radius;
-    let points = |extent: Vector| (extent.x / spacing) * (extent.y / spacing);
-    let bodies = discs.iter().map(|disc| points(Vector::splat(2.0 * (disc.radius + radius)))).sum::<f64>();
-    if points(high - low) + bodies > PATIENCE {
+    let points = |extent: Vector, reach: f64| {
+        let whole = extent.abs() + Vector::splat(2.0 * (reach + spacing));
+        whole.element_product() / (spacing * spacing)
+    };
+    let blocked_by_discs: f64 = discs.iter().map(|disc| points(Vector::ZERO, disc.radius + radius)).sum();
+    let blocked_by_segments = surfaces.iter().map(|surface| match *surface {
+        Surface::Segment { from, to } => points(to - from, radius),
+        Surface::HalfPlane { .. } => 0.0,
+    });
+    if points(high - low, radius) + blocked_by_discs + blocked_by_segments.sum::<f64>() > PATIENCE {
         return None;
     }
     let mut blocked: HashSet<(i64, i64)> = HashSet::new();

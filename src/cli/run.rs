@@ -67,12 +67,12 @@ pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Ve
     Ok(if summary.is_done() { Verdict::Done } else { Verdict::SimulationFailed })
 }
 
-/// `pictures: (...)` may be missing from the scene: then it is added with the one key.
+/// `pictures: (...)` may be missing from the scene, or `None`: then it is there with the one key.
 fn pictures_with_png(scene: &SceneArgs) -> Result<Vec<(String, String)>, Fault> {
     let loaded = scene.load()?;
-    let key =
-        if loaded.offset_of("pictures").is_some() { ("pictures.png", "true") } else { ("pictures", "(png: true)") };
-    Ok(vec![(key.0.to_owned(), key.1.to_owned())])
+    let has_section = loaded.scene.pictures.is_some() && loaded.offset_of("pictures").is_some();
+    let (key, value) = if has_section { ("pictures.png", "true") } else { ("pictures", "(png: true)") };
+    Ok(vec![(key.to_owned(), value.to_owned())])
 }
 
 fn build(

@@ -144,6 +144,7 @@ struct SpawnerState {
     quotas: Vec<u32>,
     next_id: u32,
     due: f64,
+    is_blocked: bool,
     waiting: Option<Candidate>,
 }
 
@@ -183,12 +184,13 @@ fn release(
     let Some(grain) = state.candidate() else { return };
     let waited = clock.time() - state.due;
     if let Some(blocker) = blocker(&grain, &particles, &walls) {
+        state.is_blocked = true;
         if waited > state.config.release_timeout.get() {
             outcome.fail(Failure::ReleaseBlocked { step: clock.steps, grain: grain.id, waited_s: waited, blocker });
         }
         return;
     }
-    if waited > clock.dt {
+    if state.is_blocked {
         if delays.delayed_releases == 0 {
             tracing::warn!(
                 "t = {:.3} s: {} was released {waited:.3} s late, its place was taken",
@@ -217,8 +219,9 @@ fn release(
     state.waiting = None;
     state.next_id += 1;
     // On time, the next moment is counted from this one's due time, so that moments do not drift by round-off.
-    let now = if waited > clock.dt { clock.time() } else { state.due };
+    let now = if state.is_blocked { clock.time() } else { state.due };
     state.due = now + state.config.interval.get();
+    state.is_blocked = false;
 }
 
 fn blocker(grain: &Candidate, particles: &Query<(&GrainId, &Position, &Radius)>, walls: &Surfaces) -> Option<String> {
@@ -258,6 +261,7 @@ impl Plugin for SpawnerPlugin {
                 quotas: self.config.radius.quotas(self.config.count),
                 next_id: self.first_id,
                 due: 0.0,
+                is_blocked: false,
                 waiting: None,
             })
             .add_systems(Step, release.in_set(Phase::Spawn).before(BeforeRenumbering).run_if(release_due));

@@ -126,7 +126,7 @@ fn cell_of(x: Vector, size: f64) -> Cell {
 )]
 fn floor(x: f64) -> i64 {
     let towards_zero = x as i64;
-    towards_zero - i64::from((towards_zero as f64) > x)
+    towards_zero.saturating_sub(i64::from((towards_zero as f64) > x))
 }
 
 /// Rows are scattered over the table; along a row, buckets follow each other.
@@ -144,9 +144,16 @@ mod tests {
 
     #[test]
     fn floor_is_the_floor() {
-        for (x, floored) in
-            [(-1.5, -2), (-1.0, -1), (-0.0, 0), (0.5, 0), (3.0, 3), (f64::INFINITY, i64::MAX), (f64::NAN, 0)]
-        {
+        for (x, floored) in [
+            (-1.5, -2),
+            (-1.0, -1),
+            (-0.0, 0),
+            (0.5, 0),
+            (3.0, 3),
+            (f64::INFINITY, i64::MAX),
+            (-1e300, i64::MIN),
+            (f64::NAN, 0),
+        ] {
             assert_eq!(floor(x), floored);
         }
     }

@@ -90,10 +90,11 @@ impl Search {
                 false
             }
             Method::Cells(cells) => {
+                // Filled first, so that what is left of a step that fails finds valid cells.
+                cells.fill(columns.body.iter().map(|body| body.position));
                 if renumbered {
                     cells.check_range(columns)?;
                 }
-                cells.fill(columns.body.iter().map(|body| body.position));
                 true
             }
             Method::VerletList(list) => {

@@ -175,7 +175,10 @@ impl Studio {
         let scale = |to: Positive, title: &str| Legend::Scale { from: 0.0, to: to.get(), title: title.to_owned() };
         match self.pictures.colour {
             Colour::Species => Legend::Classes(
-                (0u8..).zip(&self.species).map(|(number, name)| (name.clone(), colour::species(number))).collect(),
+                (0..=u8::MAX)
+                    .zip(&self.species)
+                    .map(|(number, name)| (name.clone(), colour::species(number)))
+                    .collect(),
             ),
             Colour::Speed(top) => scale(top, "speed, m/s"),
             Colour::Pressure(top) => scale(top, "pressure, N/m"),

@@ -2,7 +2,7 @@
 //!
 //! `scene.ron` (as resolved, with `--set` applied) and copies of the files that it names, `series.csv`, `frames/`,
 //! `state.csv` and `summary.json`. A directory that holds an earlier run is cleared of it first; one that holds
-//! anything else is refused.
+//! anything else is refused. Copies have names of their own, `input-...`, which no result has.
 
 use std::fs;
 use std::io;
@@ -21,7 +21,14 @@ use crate::scene::places;
 pub struct RunDirectory(PathBuf);
 
 const SCENE: &str = "scene.ron";
-const OWN_FILES: [&str; 4] = [SCENE, "series.csv", "state.csv", "summary.json"];
+const SERIES: &str = "series.csv";
+const FRAMES: &str = "frames";
+const OWN_FILES: [&str; 6] = [SCENE, SERIES, "state.csv", "summary.json", "input-silo.dat", "input-grains.csv"];
+
+/// The name of the copy of the file that a key of the scene names.
+fn copy_name(key: &str) -> &'static str {
+    if key == "silo.file" { "input-silo.dat" } else { "input-grains.csv" }
+}
 
 impl RunDirectory {
     /// Makes the directory ready for a run of `loaded` and writes `scene.ron` and the files that it names.
@@ -35,19 +42,21 @@ impl RunDirectory {
                 .help("give another one with --out")
         };
         let is_empty = fs::read_dir(path).map_or(true, |mut entries| entries.next().is_none());
-        if !is_empty && !path.join(SCENE).exists() {
+        let holds_a_run = [SCENE, SERIES, FRAMES].iter().all(|name| path.join(name).exists());
+        if !is_empty && !holds_a_run {
             let message = format!("{} is not empty and holds no earlier run", path.display());
             return Err(
                 Fault::new("run::directory", message).help("give another directory with --out, or empty this one")
             );
         }
+        let mut text = loaded.text.clone();
+        for (key, ..) in &loaded.files {
+            text = places::set(&text, key, &format!("{:?}", copy_name(key)))?;
+        }
         directory.clear().map_err(fault)?;
         fs::create_dir_all(directory.frames()).map_err(fault)?;
-        let mut text = loaded.text.clone();
-        for (key, path, content) in &loaded.files {
-            let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-            fs::write(directory.0.join(&name), content).map_err(fault)?;
-            text = places::set(&text, key, &format!("{name:?}"))?;
+        for (key, content) in &loaded.files {
+            fs::write(directory.0.join(copy_name(key)), content).map_err(fault)?;
         }
         fs::write(directory.0.join(SCENE), text).map_err(fault)?;
         Ok(directory)
@@ -82,13 +91,13 @@ impl RunDirectory {
     /// Where snapshots go.
     #[must_use]
     pub fn frames(&self) -> PathBuf {
-        self.0.join("frames")
+        self.0.join(FRAMES)
     }
 
     /// Where the rows go.
     #[must_use]
     pub fn series(&self) -> PathBuf {
-        self.0.join("series.csv")
+        self.0.join(SERIES)
     }
 
     /// Writes the final state and the summary.

@@ -1,7 +1,7 @@
 //! Loading: the scene's text with `--set` applied, its files read, its rules checked.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::fault::Fault;
 use crate::grains::file::{self, GrainRow};
@@ -24,7 +24,7 @@ pub struct Loaded {
     /// The grains of the start.
     pub grains: Vec<GrainRow>,
     /// The files that the scene names: key and content, to be kept with the run.
-    pub files: Vec<(&'static str, PathBuf, String)>,
+    pub files: Vec<(&'static str, String)>,
     /// The text as resolved.
     pub text: String,
     path: String,
@@ -75,12 +75,12 @@ pub fn from_text(
     if let Some(silo) = loaded.scene.silo.clone() {
         let (shown, text) = loaded.read_named(directory, &silo.file, "silo.file")?;
         loaded.silo = silo_file::parse(&shown, &text, silo.unit)?;
-        loaded.files.push(("silo.file", silo.file, text));
+        loaded.files.push(("silo.file", text));
     }
     if let Some(grains) = loaded.scene.grains.clone() {
         let (shown, text) = loaded.read_named(directory, &grains.file, "grains.file")?;
         loaded.grains = file::parse(&shown, &text)?;
-        loaded.files.push(("grains.file", grains.file, text));
+        loaded.files.push(("grains.file", text));
     }
     rules::check(&loaded)?;
     Ok(loaded)

@@ -203,6 +203,15 @@ impl Scanner<'_> {
     fn value(&mut self, path: String, entry_start: Option<usize>) {
         self.skip_blanks();
         let start = self.at;
+        if self.enters_some() {
+            // `Some(...)` is as good as what it holds.
+            self.depth += 1;
+            self.value(path, entry_start.or(Some(start)));
+            self.depth -= 1;
+            self.skip_blanks();
+            self.skip(')');
+            return;
+        }
         let index = self.places.len();
         let entry = entry_start.unwrap_or(start);
         self.places.push(Place { path: path.clone(), value: start..start, entry: entry..start, room: None });
@@ -221,6 +230,20 @@ impl Scanner<'_> {
         }
         self.places[index].value.end = self.at;
         self.places[index].entry.end = self.at;
+    }
+
+    /// Steps over `Some(`, if that is what stands here.
+    fn enters_some(&mut self) -> bool {
+        let start = self.at;
+        if self.depth < DEEPEST && self.rest().starts_with("Some") {
+            self.at += "Some".len();
+            self.skip_blanks();
+            if self.skip('(') {
+                return true;
+            }
+        }
+        self.at = start;
+        false
     }
 
     /// What stands between brackets: keys and values, or values.
@@ -335,6 +358,8 @@ Scene(
         for path in ["gone.new", "walls.new", "radius.new", "contact.k.new", ""] {
             assert!(path.is_empty() || set(TEXT, path, "1").is_err(), "{path}");
         }
+        let optional = set("(a: Some((b: 1)))", "a.b", "2").unwrap();
+        assert_eq!(optional, "(a: Some((b: 2)))");
         let commented = set("(a: 1 // one\n)", "b", "2").unwrap();
         assert_eq!((value(&commented, "a"), value(&commented, "b")), ("1", "2"));
     }

@@ -59,7 +59,7 @@ fn spawner(loaded: &Loaded) -> Result<(), Fault> {
         }
         _ => {}
     }
-    let room = GrainId::MAX_GRAIN - loaded.first_free_id();
+    let room = (GrainId::MAX_GRAIN + 1).saturating_sub(loaded.first_free_id());
     if spawner.count > room {
         let message = format!("{} grains are more than there are ids left, {room}", spawner.count);
         return Err(loaded.fault("scene::out_of_range", "spawner.count", message).help("release fewer grains"));

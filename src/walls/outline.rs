@@ -123,17 +123,19 @@ impl Outline {
         first.map(|(_, what)| what)
     }
 
-    /// Which side of the bounding box a point is beyond, in words.
+    /// Which side of the bounding box a grain has left by, in words; nothing if it was not inside before, or if there
+    /// are half-planes, which bound without a box.
     #[must_use]
-    pub fn beyond(&self, x: Vector) -> Option<&'static str> {
-        let [low, high] = self.bounds?;
+    pub fn beyond(&self, before: Vector, here: Vector) -> Option<&'static str> {
+        let [low, high] = self.bounds.filter(|_| self.half_planes.is_empty())?;
         // What is above the top can still fall back in; sideways of it, or under the silo, it cannot.
-        if x.x < low.x || x.x > high.x {
-            Some(if x.y >= high.y { "over the top" } else { "past the side of the walls" })
-        } else if x.y < low.y {
-            Some("past the lower end of the walls")
-        } else {
+        let is_beside = |x: Vector| x.x < low.x || x.x > high.x;
+        if is_beside(before) || before.y < low.y {
             None
+        } else if is_beside(here) {
+            Some(if here.y >= high.y { "over the top" } else { "past the side of the walls" })
+        } else {
+            (here.y < low.y).then_some("past the lower end of the walls")
         }
     }
 }
@@ -235,9 +237,13 @@ mod tests {
 
     #[test]
     fn leaving_the_box_sideways_or_downwards_is_noticed() {
-        let outline = corner();
-        assert_eq!(outline.beyond(Vector::new(1.0, 9.0)), None);
-        assert_eq!(outline.beyond(Vector::new(-0.1, 9.0)), Some("over the top"));
-        assert_eq!(outline.beyond(Vector::new(1.0, -0.1)), Some("past the lower end of the walls"));
+        let (outline, inside) = (corner(), Vector::new(1.0, 1.0));
+        assert_eq!(outline.beyond(inside, Vector::new(1.0, 9.0)), None);
+        assert_eq!(outline.beyond(inside, Vector::new(-0.1, 9.0)), Some("over the top"));
+        assert_eq!(outline.beyond(inside, Vector::new(1.0, -0.1)), Some("past the lower end of the walls"));
+        assert_eq!(outline.beyond(Vector::new(-1.0, 1.0), Vector::new(-2.0, 1.0)), None, "it never was inside");
+        let floor = Surface::HalfPlane { point: Vector::ZERO, normal: Vector::Y };
+        let open = Outline::new(&discs(&[(0.0, 2.0)]), &[], &[floor], 0.1);
+        assert_eq!(open.beyond(Vector::new(0.0, 3.0), Vector::new(1.0, 3.0)), None, "a floor has no sides");
     }
 }

@@ -22,7 +22,8 @@ fn registry() -> Registry {
         .register::<VibratingWall>("vibrating_wall")
         .register::<Wind>("wind")
         .register::<Clumsy>("clumsy")
-        .register::<Constant>("constant");
+        .register::<Constant>("constant")
+        .register::<Thief>("thief");
     registry
 }
 
@@ -189,4 +190,27 @@ fn a_law_of_an_outsider_drives_the_kernel() {
     let mut forces: Vec<_> = world.query::<&Force>().iter(world).map(|force| force.0.x).collect();
     forces.sort_by(f64::total_cmp);
     assert_eq!(forces, [-3.0, 3.0]);
+}
+
+/// Takes a grain out of the world in the third step.
+#[derive(Deserialize)]
+struct Thief();
+
+impl Behaviour for Thief {
+    fn build(self: Box<Self>, app: &mut App) {
+        fn steal(mut commands: Commands, clock: Res<Clock>, grains: Query<Entity, With<Grain>>) {
+            if clock.steps == 3 {
+                grains.iter().for_each(|grain| commands.entity(grain).despawn());
+            }
+        }
+        app.add_systems(Step, steal.in_set(Phase::Control));
+    }
+}
+
+#[test]
+fn a_grain_that_a_behaviour_removes_is_missed_by_name() {
+    let mut run = Simulation::new(&free("{\"thief\": ()}"), &registry(), NonZeroUsize::MIN).unwrap();
+    let End::Failed(Failure::GrainLost { grain, way, .. }) = run.run() else { panic!("nobody missed it") };
+    assert_eq!(grain.number(), 1);
+    assert!(way.contains("behaviour"), "{way}");
 }

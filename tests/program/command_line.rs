@@ -48,7 +48,7 @@ fn a_run_leaves_a_run_directory_that_can_be_run_again() {
     let mut names: Vec<_> =
         fs::read_dir(&run).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
     names.sort();
-    assert_eq!(names, ["frames", "scene.ron", "series.csv", "silo1.dat", "state.csv", "summary.json"]);
+    assert_eq!(names, ["frames", "input-silo.dat", "scene.ron", "series.csv", "state.csv", "summary.json"]);
     // At 0 and 1 s, and at the end; each with its PNG.
     for frame in ["00000", "00001", "00002"] {
         assert!(fs::read_to_string(run.join(format!("frames/{frame}.svg"))).unwrap().ends_with("</svg>\n"));

@@ -53,14 +53,14 @@ fn silo1_polydisperse_is_the_same_to_the_last_bit() {
     assert_same("silo1-polydisperse.ron");
 }
 
-/// A full bed, hit at 20 m/s by a grain that needs no jitter: the list has to follow what moves fast.
+/// A bed at rest whose topmost grain is hurled into it at 20 m/s, while others still fall: the list has to follow what
+/// moves fast among what does not.
 #[test]
 fn a_fast_grain_is_never_missed() {
     let run = |neighbours: &str| {
         let settings = [
             ("pictures", "None"),
             ("spawner.count", "60"),
-            ("spawner.velocity", "(3.0, -20.0)"),
             ("contact.k", "3.0e5"),
             ("step", "Fixed(2.0e-4)"),
             ("neighbours", neighbours),
@@ -68,6 +68,15 @@ fn a_fast_grain_is_never_missed() {
             ("until", "4.0"),
         ];
         let mut run = simulation(&load("silo1.ron", &settings), 1);
+        run.run_steps(15_000);
+        let world = run.world_mut();
+        let mut grains = world.query_filtered::<(&Position, &mut Velocity), With<Grain>>();
+        let highest = grains.iter(world).map(|(x, _)| x.0.y).fold(f64::NEG_INFINITY, f64::max);
+        for (x, mut v) in grains.iter_mut(world) {
+            if x.0.y == highest {
+                v.0 = Vector::new(2.0, -20.0);
+            }
+        }
         run.run();
         hash(&mut run)
     };
