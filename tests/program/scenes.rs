@@ -178,10 +178,12 @@ fn a_door_that_is_removed_takes_its_elastic_energy_along() {
         (totals::of_world(world).energy() - flows.expected(), flows.removed)
     };
     let ((before, nothing), (after, removed)) = (balance(8_999), balance(9_002));
-    // What the door held is booked, so the balance does not notice: in three steps of a bed that has just been let go
-    // at rest it changes by k v dt^2 v, v = g dt, nothing beside the energy of the door's overlaps.
+    // What the door held is booked, so the balance does not notice, but for one half-kick: the force F of the last
+    // evaluation, with the door in it, still acts for dt/2 and gives F^2 dt^2/(8 m) to the grain, against F^2/(2 k) held by
+    // the contact: k dt^2/(4 m) of it, 1.6 %, and as much again for the neighbours that it is pressed into.
     assert!(nothing == 0.0 && removed > 1e-3, "{removed} J");
-    assert!((after - before).abs() < 0.01 * removed, "{before} J, then {after} J, with {removed} J removed");
+    let share = 2.0 * 1.0e4 * 1.0e-6 / (4.0 * 0.16);
+    assert!((after - before).abs() < share * removed, "{before} J, then {after} J, with {removed} J removed");
 }
 
 #[test]
