@@ -146,10 +146,7 @@ fn book_added_work(
 }
 
 /// Keeps the energy balance.
-pub struct EnergyPlugin {
-    /// Whether behaviours may add forces, whose work is then booked too.
-    pub added_forces: bool,
-}
+pub struct EnergyPlugin;
 
 impl Plugin for EnergyPlugin {
     fn build(&self, app: &mut App) {
@@ -162,8 +159,14 @@ impl Plugin for EnergyPlugin {
                 book_initial_overlaps.in_set(Phase::Cull).run_if(is_step_zero),
             ),
         );
-        if self.added_forces {
-            app.add_systems(Step, book_added_work.in_set(Phase::Control).after(book_contact_work));
-        }
+    }
+}
+
+/// Books the work of forces that behaviours add.
+pub struct AddedWorkPlugin;
+
+impl Plugin for AddedWorkPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Step, book_added_work.in_set(Phase::Control).after(book_contact_work));
     }
 }

@@ -283,35 +283,41 @@ struct OnLossSetting(OnLoss);
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct BooksKept;
 
-/// The ledger, with what it watches: paths if there are walls, a line if there is a culler.
-pub struct LedgerPlugin {
-    /// The walls, if there are any.
-    pub outline: Option<Outline>,
-    /// Radius of the smallest grain, m.
-    pub smallest_radius: f64,
-    /// The cull line, if there is one.
-    pub cull: Option<Cull>,
-    /// What a loss does.
-    pub on_loss: OnLoss,
-}
+/// The ledger, with what a loss does.
+pub struct LedgerPlugin(pub OnLoss);
 
 impl Plugin for LedgerPlugin {
     fn build(&self, app: &mut App) {
         app.init_resource::<Ledger>()
-            .insert_resource(OnLossSetting(self.on_loss))
+            .insert_resource(OnLossSetting(self.0))
             .init_resource::<Culled>()
             .add_systems(Step, miss_vanished.in_set(BeforeRenumbering))
             .add_systems(Step, (count_released, keep_books).chain().in_set(Phase::Cull).in_set(BooksKept));
-        if let Some(outline) = &self.outline {
-            app.register_required_components::<Grain, Whereabouts>();
-            app.insert_resource(Enclosure { outline: outline.clone(), smallest_radius: self.smallest_radius })
-                .add_systems(Step, watch_paths.in_set(Phase::Cull).before(keep_books));
-        }
-        if let Some(line) = self.cull {
-            app.insert_resource(CullLine(line.below.get())).add_systems(
-                Step,
-                cull.in_set(Phase::Cull).after(count_released).after(watch_paths).before(keep_books),
-            );
-        }
+    }
+}
+
+/// Watches the paths of grains, where there are walls to cross.
+pub struct PathsPlugin {
+    /// The walls.
+    pub outline: Outline,
+    /// Radius of the smallest grain, m.
+    pub smallest_radius: f64,
+}
+
+impl Plugin for PathsPlugin {
+    fn build(&self, app: &mut App) {
+        app.register_required_components::<Grain, Whereabouts>();
+        app.insert_resource(Enclosure { outline: self.outline.clone(), smallest_radius: self.smallest_radius })
+            .add_systems(Step, watch_paths.in_set(Phase::Cull).before(keep_books));
+    }
+}
+
+/// Removes grains below the cull line.
+pub struct CullPlugin(pub Cull);
+
+impl Plugin for CullPlugin {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(CullLine(self.0.below.get()))
+            .add_systems(Step, cull.in_set(Phase::Cull).after(count_released).after(watch_paths).before(keep_books));
     }
 }

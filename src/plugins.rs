@@ -15,12 +15,12 @@ use crate::contact::linear::LinearNormal;
 use crate::contact::{Contact, ContactPlugin, PairLaw};
 use crate::door::DoorPlugin;
 use crate::ending::EndingPlugin;
-use crate::energy::EnergyPlugin;
+use crate::energy::{AddedWorkPlugin, EnergyPlugin};
 use crate::finite::FinitePlugin;
 use crate::grains::spawner::SpawnerPlugin;
 use crate::gravity::GravityPlugin;
 use crate::integrate::IntegratorPlugin;
-use crate::ledger::LedgerPlugin;
+use crate::ledger::{CullPlugin, LedgerPlugin, PathsPlugin};
 use crate::measure::ObservePlugin;
 use crate::measure::bed::BedPlugin;
 use crate::messages::MessagesPlugin;
@@ -77,8 +77,15 @@ pub(crate) fn add_all(app: &mut Assembly, loaded: &Loaded, behaviours: Vec<(Stri
         .add("integrator", IntegratorPlugin(scene.integrator))
         .add("until", EndingPlugin { until: scene.until.get(), at_rest: scene.rest.is_some_and(|rest| rest.stop) })
         .add("always", FinitePlugin)
-        .add("always", EnergyPlugin { added_forces: !behaviours.is_empty() })
-        .add("always", ledger(loaded));
+        .add("always", EnergyPlugin)
+        .add("always", LedgerPlugin(scene.on_loss));
+    paths(app, loaded);
+    if let Some(line) = scene.cull {
+        app.add("cull", CullPlugin(line));
+    }
+    if !behaviours.is_empty() {
+        app.add("behaviours", AddedWorkPlugin);
+    }
     match scene.contact {
         _ if behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law()) => {}
         Contact::Assignment { k, b } => contacts(app, loaded, Assignment::new(k, b)),
@@ -114,14 +121,14 @@ fn contacts<L: PairLaw>(app: &mut Assembly, loaded: &Loaded, law: L) {
     }
 }
 
-fn ledger(loaded: &Loaded) -> LedgerPlugin {
+/// The watch on paths, asked for by the silo file or else by the scene's walls.
+fn paths(app: &mut Assembly, loaded: &Loaded) {
     let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
     let (walls, surfaces) = (loaded.wall_discs(), loaded.surfaces());
-    let has_walls = !(walls.is_empty() && surfaces.is_empty());
-    LedgerPlugin {
-        outline: has_walls.then(|| Outline::new(&walls, &loaded.silo.door, &surfaces, smallest_radius)),
-        smallest_radius,
-        cull: loaded.scene.cull,
-        on_loss: loaded.scene.on_loss,
+    if walls.is_empty() && surfaces.is_empty() {
+        return;
     }
+    let outline = Outline::new(&walls, &loaded.silo.door, &surfaces, smallest_radius);
+    let key = if loaded.scene.silo.is_some() { "silo" } else { "walls" };
+    app.add(key, PathsPlugin { outline, smallest_radius });
 }

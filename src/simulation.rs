@@ -12,7 +12,7 @@ use crate::grains::file::GrainRow;
 use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
-use crate::outcome::{End, Failure, Outcome};
+use crate::outcome::{End, Outcome};
 use crate::particle::{Door, GrainId, wall_grain};
 use crate::plugins::{Assembly, add_all};
 use crate::scene::load::Loaded;
@@ -119,11 +119,6 @@ impl Simulation {
     /// Everything there is, to be changed; what is changed between steps counts from the next step on.
     pub fn world_mut(&mut self) -> &mut World {
         self.app.world_mut()
-    }
-
-    /// Ends the run as failed, for whoever drives it.
-    pub fn fail(&mut self, failure: Failure) {
-        self.app.world_mut().resource_mut::<Outcome>().fail(failure);
     }
 }
 

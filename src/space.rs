@@ -9,12 +9,3 @@ pub type Vector = glam::DVec2;
 
 /// Number of components of [`Vector`].
 pub const DIMENSION: usize = 2;
-
-/// The names of the components, in the order in which files list them.
-pub const AXES: [&str; DIMENSION] = ["x", "y"];
-
-/// `+0.0` for `-0.0`, anything else as it is: two states that compare equal then have the same bits.
-#[must_use]
-pub fn plain_zero(v: Vector) -> Vector {
-    v + Vector::ZERO
-}
