@@ -9,13 +9,16 @@
 //! added, removed, fixed or freed, or a radius or mass changed. Until then a particle that vanished in the middle
 //! of a step keeps a ghost in its slot, and one that appeared has none.
 
+use std::marker::PhantomData;
+
 use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 
-use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Velocity};
-use crate::space::Vector;
+use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Species, Velocity};
+use crate::periodic::Periodic;
+use crate::space::{Linear, Plane, Space};
 use crate::step::{ForceStage, Phase, Step};
 
 /// Index of a particle in the [`Columns`].
@@ -42,18 +45,18 @@ pub(crate) const DENSE: &str = "table components are contiguous";
 
 /// What a contact needs to know of a particle, side by side because it is read at random.
 #[derive(Clone, Copy, Debug)]
-pub struct Body {
+pub struct Body<V: Space = Plane> {
     /// Centre, m.
-    pub position: Vector,
+    pub position: V,
     /// v(t+dt/2) while forces are evaluated, v(t) from the end of [`Phase::Kick`] on, m/s.
-    pub velocity: Vector,
+    pub velocity: V,
     /// Radius, m.
     pub radius: f64,
     /// Inverse mass as contacts see it, 1/kg: 0 for what is fixed.
     pub inverse_mass: f64,
 }
 
-impl Body {
+impl<V: Space> Body<V> {
     /// Whether no force moves it.
     #[must_use]
     pub fn is_fixed(&self) -> bool {
@@ -63,33 +66,79 @@ impl Body {
 
 /// The force on a particle.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Load {
+pub struct Load<V: Space = Plane> {
     /// Of contacts, walls and weight together, N.
-    pub force: Vector,
-    /// The part of it that dissipates, N.
-    pub drag: Vector,
+    pub force: V,
+    /// The part of it that the normal damping makes, N.
+    pub drag: V,
+}
+
+/// What turns a particle, and what friction takes: only in scenes with spin.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Turn<V: Space = Plane> {
+    /// The torque of all contacts, N m.
+    pub torque: V::Spin,
+    /// The part of the force that the tangential dashpots make, N.
+    pub friction_drag: V,
+    /// The part of the torque that they make, N m.
+    pub friction_drag_torque: V::Spin,
+    /// The part of the torque that the dashpots of rolling resistance make, N m.
+    pub rolling_drag_torque: V::Spin,
+    /// What sliding took in this step at the contacts that are booked here, J.
+    pub lost_by_sliding: f64,
+    /// What rolling beyond its cap took, J.
+    pub lost_by_rolling: f64,
 }
 
 /// The packed state, one entry a particle, in ascending order of id. SI units.
-#[derive(Resource, Default)]
-pub struct Columns {
+#[derive(Resource)]
+pub struct Columns<V: Space = Plane> {
     /// Names, ascending.
     pub id: Vec<GrainId>,
     /// Whose entry this is.
     pub entity: Vec<Entity>,
     /// Positions, velocities, radii, inverse masses.
-    pub body: Vec<Body>,
+    pub body: Vec<Body<V>>,
     /// Masses, kg; 0 for what has none.
     pub mass: Vec<f64>,
+    /// Kinds.
+    pub species: Vec<Species>,
     /// Forces.
-    pub load: Vec<Load>,
+    pub load: Vec<Load<V>>,
+    /// Spins, rad/s, at the times of velocities; empty where nothing spins.
+    pub spin: Vec<V::Spin>,
+    /// Moments of inertia, kg m^2; empty where nothing spins.
+    pub inertia: Vec<f64>,
+    /// Torques and what belongs to them; empty where nothing spins.
+    pub turn: Vec<Turn<V>>,
+    /// The sides through which the scene repeats itself, if it does.
+    pub periodic: Option<Periodic<V>>,
     /// One past the last entry that is not fixed.
     pub movable_end: usize,
     /// Counts the renumberings; whoever caches indices compares it.
     pub generation: u64,
 }
 
-impl Columns {
+impl<V: Space> Default for Columns<V> {
+    fn default() -> Self {
+        Self {
+            id: Vec::new(),
+            entity: Vec::new(),
+            body: Vec::new(),
+            mass: Vec::new(),
+            species: Vec::new(),
+            load: Vec::new(),
+            spin: Vec::new(),
+            inertia: Vec::new(),
+            turn: Vec::new(),
+            periodic: None,
+            movable_end: 0,
+            generation: 0,
+        }
+    }
+}
+
+impl<V: Space> Columns<V> {
     /// Number of particles.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -108,13 +157,28 @@ impl Columns {
         self.body[i].is_fixed()
     }
 
-    /// Kinetic energy of entry `i`, J; nothing for what is fixed.
+    /// The vector from `b` to `a`, m: in a periodic scene the shortest one.
+    #[must_use]
+    pub fn separation(&self, a: V, b: V) -> V {
+        self.periodic.map_or(a - b, |periodic| periodic.shortest(a - b))
+    }
+
+    /// Kinetic energy of translation of entry `i`, J; nothing for what is fixed.
     #[must_use]
     pub fn kinetic_energy(&self, i: usize) -> f64 {
         if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.body[i].velocity.length_squared() }
     }
 
-    fn refill<'a>(&mut self, particles: impl Iterator<Item = ParticleItem<'a>>) {
+    /// Kinetic energy of rotation of entry `i`, J; nothing for what is fixed or does not spin.
+    #[must_use]
+    pub fn rotational_energy(&self, i: usize) -> f64 {
+        match self.spin.get(i) {
+            Some(spin) if !self.is_fixed(i) => 0.5 * self.inertia[i] * spin.length_squared(),
+            _ => 0.0,
+        }
+    }
+
+    fn refill<'a>(&mut self, particles: impl Iterator<Item = ParticleItem<'a, V>>) {
         let mut rows: Vec<_> = particles.collect();
         rows.sort_unstable_by_key(|row| *row.1);
         let inverse = |mass: Option<&Mass>, fixed: bool| mass.map_or(0.0, |m| if fixed { 0.0 } else { 1.0 / m.0 });
@@ -122,7 +186,7 @@ impl Columns {
         self.entity = rows.iter().map(|row| row.0).collect();
         self.body = rows
             .iter()
-            .map(|&(_, _, x, v, radius, mass, fixed)| Body {
+            .map(|&(_, _, x, v, radius, mass, _, fixed)| Body {
                 position: x.0,
                 velocity: v.0,
                 radius: radius.0,
@@ -130,13 +194,34 @@ impl Columns {
             })
             .collect();
         self.mass = rows.iter().map(|row| row.5.map_or(0.0, |mass| mass.0)).collect();
+        self.species = rows.iter().map(|row| row.6.copied().unwrap_or_default()).collect();
         self.load = vec![Load::default(); rows.len()];
         self.movable_end = self.body.iter().rposition(|body| !body.is_fixed()).map_or(0, |last| last + 1);
         self.generation += 1;
     }
 }
 
-type ParticleItem<'a> = (Entity, &'a GrainId, &'a Position, &'a Velocity, &'a Radius, Option<&'a Mass>, bool);
+type ParticleData<V> = (
+    Entity,
+    &'static GrainId,
+    &'static Position<V>,
+    &'static Velocity<V>,
+    &'static Radius,
+    Option<&'static Mass>,
+    Option<&'static Species>,
+    Has<Fixed>,
+);
+
+type ParticleItem<'a, V> = (
+    Entity,
+    &'a GrainId,
+    &'a Position<V>,
+    &'a Velocity<V>,
+    &'a Radius,
+    Option<&'a Mass>,
+    Option<&'a Species>,
+    bool,
+);
 
 /// Whether particles were added, removed, fixed or freed since slots were dealt out.
 #[derive(Resource, Default)]
@@ -159,10 +244,10 @@ pub fn renumbering_due(
     changed.0 || !radii.is_empty() || !masses.is_empty()
 }
 
-fn renumber(
-    mut columns: ResMut<Columns>,
+pub(crate) fn renumber<V: Space>(
+    mut columns: ResMut<Columns<V>>,
     mut changed: ResMut<PopulationChanged>,
-    particles: Query<(Entity, &GrainId, &Position, &Velocity, &Radius, Option<&Mass>, Has<Fixed>)>,
+    particles: Query<ParticleData<V>>,
     mut slots: Query<&mut Slot>,
 ) {
     columns.refill(particles.iter());
@@ -174,7 +259,7 @@ fn renumber(
     changed.0 = false;
 }
 
-fn gather(mut columns: ResMut<Columns>, particles: Query<(&Slot, &Position, &Velocity)>) {
+fn gather<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<(&Slot, &Position<V>, &Velocity<V>)>) {
     for (slots, xs, vs) in particles.contiguous_iter().expect(DENSE) {
         for (slot, (x, v)) in slots.iter().zip(xs.iter().zip(vs.iter())) {
             if let Some(body) = columns.body.get_mut(slot.index()) {
@@ -185,7 +270,7 @@ fn gather(mut columns: ResMut<Columns>, particles: Query<(&Slot, &Position, &Vel
     }
 }
 
-fn gather_velocities(mut columns: ResMut<Columns>, particles: Query<(&Slot, &Velocity)>) {
+fn gather_velocities<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<(&Slot, &Velocity<V>)>) {
     for (slots, vs) in particles.contiguous_iter().expect(DENSE) {
         for (slot, v) in slots.iter().zip(vs.iter()) {
             if let Some(body) = columns.body.get_mut(slot.index()) {
@@ -195,11 +280,11 @@ fn gather_velocities(mut columns: ResMut<Columns>, particles: Query<(&Slot, &Vel
     }
 }
 
-fn clear_forces(mut columns: ResMut<Columns>) {
+fn clear_forces<V: Space>(mut columns: ResMut<Columns<V>>) {
     columns.load.fill(Load::default());
 }
 
-fn write_forces(columns: Res<Columns>, mut particles: Query<(&Slot, &mut Force)>) {
+fn write_forces<V: Space>(columns: Res<Columns<V>>, mut particles: Query<(&Slot, &mut Force<V>)>) {
     for (slots, mut forces) in particles.contiguous_iter_mut().expect(DENSE) {
         for (slot, force) in slots.iter().zip(forces.bypass_change_detection()) {
             if let Some(from) = columns.load.get(slot.index()) {
@@ -226,11 +311,11 @@ pub struct Gathered;
 pub struct GatheredVelocities;
 
 /// The columns and the passes that fill and empty them.
-pub struct ColumnsPlugin;
+pub struct ColumnsPlugin<V: Space>(pub PhantomData<V>);
 
-impl Plugin for ColumnsPlugin {
+impl<V: Space> Plugin for ColumnsPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Columns>().insert_resource(PopulationChanged(true));
+        app.init_resource::<Columns<V>>().insert_resource(PopulationChanged(true));
         app.edit_schedule(Step, |schedule| {
             schedule
                 .configure_sets((BeforeRenumbering, Renumbering).chain().run_if(renumbering_due).in_set(Phase::Spawn));
@@ -238,11 +323,11 @@ impl Plugin for ColumnsPlugin {
         app.add_systems(
             Step,
             (
-                renumber.in_set(Renumbering),
-                gather.in_set(Phase::Neighbours).in_set(Gathered),
-                clear_forces.in_set(ForceStage::Contacts).before(crate::contact::ContactForces),
-                write_forces.in_set(ForceStage::Written),
-                gather_velocities.in_set(Phase::Kick).in_set(GatheredVelocities),
+                renumber::<V>.in_set(Renumbering),
+                gather::<V>.in_set(Phase::Neighbours).in_set(Gathered),
+                clear_forces::<V>.in_set(ForceStage::Contacts).before(crate::contact::ContactForces),
+                write_forces::<V>.in_set(ForceStage::Written),
+                gather_velocities::<V>.in_set(Phase::Kick).in_set(GatheredVelocities),
             ),
         );
     }

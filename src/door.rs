@@ -7,13 +7,12 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::ledger::Enclosure;
 use crate::messages::{CameToRest, DoorOpened};
 use crate::particle::{Door, Fixed, Position, Radius, Velocity};
 use crate::rest::RestDetection;
 use crate::scene::values::{NonNegative, Positive};
 use crate::space::Vector;
-use crate::step::{Clock, ClockAdvanced, Phase, Step};
+use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
 use crate::walls::outline::Link;
 
 /// The scene's `door`.
@@ -77,7 +76,7 @@ fn open(
     mut state: ResMut<DoorState>,
     mut at_rest: MessageReader<CameToRest>,
     mut opened: MessageWriter<DoorOpened>,
-    enclosure: Option<Res<Enclosure>>,
+    orifice: Option<Res<Orifice>>,
     mut door: Query<(Entity, &Position, &Radius, &mut Velocity), With<Door>>,
 ) {
     let due = match state.control.opens {
@@ -94,7 +93,7 @@ fn open(
         DoorMotion::Remove => door.iter().for_each(|(grain, ..)| commands.entity(grain).despawn()),
         DoorMotion::Slide(speed) => {
             let grains: Vec<_> = door.iter().map(|(_, x, radius, _)| (x.0, radius.0)).collect();
-            let Some(orifice) = enclosure.and_then(|walls| walls.outline.orifice()) else { return };
+            let Some(orifice) = orifice.map(|orifice| orifice.0) else { return };
             let (direction, way) = slide_of(&grains, &orifice);
             let velocity = speed.get() * direction;
             door.iter_mut().for_each(|(.., mut v)| v.0 = velocity);
@@ -139,6 +138,10 @@ fn is_sliding(state: Res<DoorState>) -> bool {
     state.sliding.is_some()
 }
 
+/// The line between the flanks of a door made of wall grains.
+#[derive(Resource, Clone, Copy, Debug)]
+pub struct Orifice(pub Link);
+
 /// Opens the door as the scene says.
 pub struct DoorPlugin(pub DoorControl);
 
@@ -149,7 +152,7 @@ impl Plugin for DoorPlugin {
             app.add_systems(Step, open.in_set(Phase::Control).after(RestDetection).run_if(is_closed));
         }
         if matches!(self.0.how, DoorMotion::Slide(_)) {
-            app.add_systems(Step, slide.in_set(Phase::Drift).after(ClockAdvanced).run_if(is_sliding));
+            app.add_systems(Step, slide.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced).run_if(is_sliding));
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The energy balance: kinetic + gravitational + elastic
+//! The energy balance: kinetic (of rotation too) + gravitational + elastic
 //! = released + work of moving walls + work of added forces - dissipated - removed + error, in J.
 //!
 //! *Released* is what grains bring with them, *removed* what goes with whatever leaves the world: culled grains with
@@ -10,19 +10,26 @@
 //! is evaluated at a velocity half a step old. What remains (`balance_error`) is the error of the elastic and
 //! gravitational part, plus k v^2 dt^2 or so for each contact that opens or closes within a step.
 //!
+//! Where grains spin, [`SpinEnergyPlugin`] books what friction takes, by channel: the work of the tangential and the
+//! rolling dashpots in the same way, and what sliding and rolling beyond their caps take out of the springs as
+//! [`crate::contact::spring`] says.
+//!
 //! Sums run over the columns, so in ascending order of id. Limit: a grain that a behaviour fixes or frees takes its
 //! kinetic energy out of or into the balance, which then shows as error.
+
+use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
 use crate::columns::{BeforeRenumbering, Columns, GatheredVelocities, Renumbering};
-use crate::contact::{AnyLaw, survey};
+use crate::contact::survey::{Partner, Scenery};
 use crate::gravity::Gravity;
-use crate::neighbours::Search;
+use crate::messages::DoorOpened;
 use crate::particle::{Force, Grain, GrainId, Mass, Position, Velocity};
-use crate::space::Vector;
+use crate::space::{Linear, Space};
+use crate::spin::{Inertia, Spin};
 use crate::step::{Clock, Phase, Step, is_step_zero};
 use crate::walls::surfaces::Surfaces;
 
@@ -57,17 +64,31 @@ struct Powers {
     dissipation: f64,
 }
 
-fn mechanical(mass: f64, x: Vector, v: Vector, gravity: Vector) -> f64 {
+/// What of `dissipated` went otherwise than by the damping of normal forces, in scenes with spin, J.
+#[derive(Resource, Clone, Copy, Debug, Default, Serialize)]
+pub struct Channels {
+    /// By friction: tangential dashpots, and sliding.
+    pub tangential: f64,
+    /// By rolling resistance.
+    pub rolling: f64,
+}
+
+/// Powers of the channels at the end of the last step, W.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+struct ChannelPowers {
+    tangential: f64,
+    rolling: f64,
+}
+
+fn mechanical<V: Space>(mass: f64, x: V, v: V, gravity: V) -> f64 {
     0.5 * mass * v.length_squared() - mass * gravity.dot(x)
 }
 
 /// Everything whose entity is gone takes its energy with it. The columns still hold the state it had.
-fn book_removed(
-    columns: Res<Columns>,
-    search: Res<Search>,
-    walls: Res<Surfaces>,
-    law: Res<AnyLaw>,
-    gravity: Res<Gravity>,
+fn book_removed<V: Space>(
+    columns: Res<Columns<V>>,
+    scenery: Scenery<V>,
+    gravity: Res<Gravity<V>>,
     present: Query<(), With<GrainId>>,
     mut flows: ResMut<EnergyFlows>,
 ) {
@@ -77,38 +98,56 @@ fn book_removed(
     }
     for i in (0..columns.movable_end).filter(|&i| gone[i] && !columns.is_fixed(i)) {
         flows.removed += mechanical(columns.mass[i], columns.body[i].position, columns.body[i].velocity, gravity.0);
+        flows.removed += columns.rotational_energy(i);
     }
-    flows.removed += survey::elastic_energy(&columns, &search, &walls.0, &*law.0, |i, partner| {
-        gone[i] || matches!(partner, survey::Partner::Particle(j) if gone[j])
-    });
+    flows.removed += scenery
+        .survey()
+        .elastic_energy(|i, partner| gone[i] || matches!(partner, Partner::Particle(j) if gone[j]));
 }
 
-fn book_released(
-    gravity: Res<Gravity>,
-    new: Query<(&GrainId, &Position, &Velocity, &Mass), Added<Grain>>,
+type Newcomer<V> = (
+    &'static GrainId,
+    &'static Position<V>,
+    &'static Velocity<V>,
+    &'static Mass,
+    Option<(&'static Spin<<V as Space>::Spin>, &'static Inertia)>,
+);
+
+fn book_released<V: Space>(
+    gravity: Res<Gravity<V>>,
+    new: Query<Newcomer<V>, Added<Grain>>,
     mut flows: ResMut<EnergyFlows>,
 ) {
     let mut new: Vec<_> = new.iter().collect();
     new.sort_unstable_by_key(|(id, ..)| **id);
-    for (_, x, v, mass) in new {
+    for (_, x, v, mass, rotation) in new {
         flows.released += mechanical(mass.0, x.0, v.0, gravity.0);
+        flows.released += rotation.map_or(0.0, |(spin, inertia)| 0.5 * inertia.0 * spin.0.length_squared());
     }
 }
 
 /// Grains that start in contact bring that elastic energy too.
-fn book_initial_overlaps(
-    columns: Res<Columns>,
-    search: Res<Search>,
-    walls: Res<Surfaces>,
-    law: Res<AnyLaw>,
-    mut flows: ResMut<EnergyFlows>,
-) {
-    flows.released += survey::elastic_energy(&columns, &search, &walls.0, &*law.0, |_, _| true);
+fn book_initial_overlaps<V: Space>(scenery: Scenery<V>, mut flows: ResMut<EnergyFlows>) {
+    flows.released += scenery.survey().elastic_energy(|_, _| true);
 }
 
-fn book_contact_work(
+/// A door of panels that is about to go takes its elastic energy with it.
+fn book_panel_door<V: Space>(
+    mut opened: MessageReader<DoorOpened>,
+    scenery: Scenery<V>,
+    walls: Res<Surfaces<V>>,
+    mut flows: ResMut<EnergyFlows>,
+) {
+    if opened.read().next().is_some() {
+        flows.removed +=
+            scenery.survey().elastic_energy(|_, partner| matches!(partner, Partner::Wall(w) if walls.0[w].is_door));
+    }
+}
+
+fn book_contact_work<V: Space>(
     clock: Res<Clock>,
-    columns: Res<Columns>,
+    columns: Res<Columns<V>>,
+    walls: Res<Surfaces<V>>,
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
@@ -119,6 +158,10 @@ fn book_contact_work(
     for i in (0..columns.len()).filter(|&i| columns.is_fixed(i)) {
         wall -= columns.load[i].force.dot(columns.body[i].velocity);
     }
+    for belt in &walls.0 {
+        dissipation -= belt.load.drag.dot(belt.velocity);
+        wall -= belt.load.force.dot(belt.velocity);
+    }
     if !clock.is_step_zero() {
         flows.dissipated += 0.5 * clock.dt * (last.dissipation + dissipation);
         flows.wall_work += 0.5 * clock.dt * (last.wall + wall);
@@ -126,10 +169,39 @@ fn book_contact_work(
     (last.dissipation, last.wall) = (dissipation, wall);
 }
 
-fn book_added_work(
+fn book_friction<V: Space>(
     clock: Res<Clock>,
-    columns: Res<Columns>,
-    forces: Query<&Force>,
+    columns: Res<Columns<V>>,
+    walls: Res<Surfaces<V>>,
+    mut flows: ResMut<EnergyFlows>,
+    mut channels: ResMut<Channels>,
+    mut last: ResMut<ChannelPowers>,
+) {
+    let (mut power, mut lost) = (ChannelPowers::default(), Channels::default());
+    for (turn, (body, &spin)) in columns.turn.iter().zip(columns.body.iter().zip(&columns.spin)) {
+        power.tangential -= turn.friction_drag.dot(body.velocity) + turn.friction_drag_torque.dot(spin);
+        power.rolling -= turn.rolling_drag_torque.dot(spin);
+        lost.tangential += turn.lost_by_sliding;
+        lost.rolling += turn.lost_by_rolling;
+    }
+    for belt in &walls.0 {
+        power.tangential -= belt.load.friction_drag.dot(belt.velocity);
+    }
+    if !clock.is_step_zero() {
+        let half = 0.5 * clock.dt;
+        lost.tangential += half * (last.tangential + power.tangential);
+        lost.rolling += half * (last.rolling + power.rolling);
+        channels.tangential += lost.tangential;
+        channels.rolling += lost.rolling;
+        flows.dissipated += lost.tangential + lost.rolling;
+    }
+    *last = power;
+}
+
+fn book_added_work<V: Space>(
+    clock: Res<Clock>,
+    columns: Res<Columns<V>>,
+    forces: Query<&Force<V>>,
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
@@ -146,27 +218,48 @@ fn book_added_work(
 }
 
 /// Keeps the energy balance.
-pub struct EnergyPlugin;
+pub struct EnergyPlugin<V: Space>(pub PhantomData<V>);
 
-impl Plugin for EnergyPlugin {
+impl<V: Space> Plugin for EnergyPlugin<V> {
     fn build(&self, app: &mut App) {
         app.init_resource::<EnergyFlows>().init_resource::<Powers>().add_systems(
             Step,
             (
-                book_removed.in_set(BeforeRenumbering),
-                book_released.in_set(Renumbering),
-                book_contact_work.in_set(Phase::Control).after(GatheredVelocities),
-                book_initial_overlaps.in_set(Phase::Cull).run_if(is_step_zero),
+                book_removed::<V>.in_set(BeforeRenumbering),
+                book_released::<V>.in_set(Renumbering),
+                book_contact_work::<V>.in_set(Phase::Control).after(GatheredVelocities),
+                book_initial_overlaps::<V>.in_set(Phase::Cull).run_if(is_step_zero),
             ),
         );
     }
 }
 
-/// Books the work of forces that behaviours add.
-pub struct AddedWorkPlugin;
+/// Books what friction and rolling resistance take, where grains spin.
+pub struct SpinEnergyPlugin<V: Space>(pub PhantomData<V>);
 
-impl Plugin for AddedWorkPlugin {
+impl<V: Space> Plugin for SpinEnergyPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, book_added_work.in_set(Phase::Control).after(book_contact_work));
+        app.init_resource::<Channels>().init_resource::<ChannelPowers>().add_systems(
+            Step,
+            book_friction::<V>.in_set(Phase::Control).after(GatheredVelocities).after(book_contact_work::<V>),
+        );
+    }
+}
+
+/// Books the elastic energy that a door of panels held.
+pub struct PanelDoorEnergyPlugin<V: Space>(pub PhantomData<V>);
+
+impl<V: Space> Plugin for PanelDoorEnergyPlugin<V> {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Step, book_panel_door::<V>.in_set(Phase::Spawn).before(BeforeRenumbering));
+    }
+}
+
+/// Books the work of forces that behaviours add.
+pub struct AddedWorkPlugin<V: Space>(pub PhantomData<V>);
+
+impl<V: Space> Plugin for AddedWorkPlugin<V> {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Step, book_added_work::<V>.in_set(Phase::Control).after(book_contact_work::<V>));
     }
 }

@@ -3,26 +3,32 @@
 //! One pass over positions and velocities at the end of a step; a force that is not finite shows in the velocity
 //! of the same step.
 
+use std::marker::PhantomData;
+
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::columns::{Body, Columns};
-use crate::contact::AnyLaw;
+use crate::contact::{AnyLaw, Bounce};
 use crate::outcome::{Failure, Outcome};
 use crate::particle::Force;
+use crate::space::{Linear, Space};
 use crate::step::{Clock, Phase, Step};
 
-fn check(
+fn check<V: Space>(
     clock: Res<Clock>,
-    columns: Res<Columns>,
-    law: Option<Res<AnyLaw>>,
-    forces: Query<&Force>,
+    columns: Res<Columns<V>>,
+    law: Option<Res<AnyLaw<V>>>,
+    forces: Query<&Force<V>>,
     mut outcome: ResMut<Outcome>,
 ) {
     // Zero times a finite number is zero; anything else makes the sum NaN. No branch in the loop.
     let mut sum = 0.0;
     for Body { position: x, velocity: v, .. } in &columns.body {
-        sum += 0.0 * (x.x + x.y) + 0.0 * (v.x + v.y);
+        sum += (*x + *v).dot(V::ZERO);
+    }
+    for spin in &columns.spin {
+        sum += spin.dot(V::Spin::ZERO);
     }
     if sum == 0.0 {
         return;
@@ -31,12 +37,14 @@ fn check(
         let quantity = match (columns.body[i].velocity.is_finite(), columns.body[i].position.is_finite()) {
             (_, false) => "position",
             (false, _) => "velocity",
+            _ if columns.spin.get(i).is_some_and(|spin| !spin.is_finite()) => "spin",
             _ => continue,
         };
         let total = forces.get(columns.entity[i]).map_or(columns.load[i].force, |force| force.0);
         let cause = if !columns.load[i].force.is_finite() {
-            let step =
-                law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(1.0 / columns.body[i].inverse_mass));
+            let (mass, radius) = (1.0 / columns.body[i].inverse_mass, columns.body[i].radius);
+            let bounce = Bounce { reduced_mass: mass, reduced_radius: radius, speed: 1.0 };
+            let step = law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(&bounce));
             format!(
                 "the force of its contacts is not finite either: the step is probably unstable, w0 dt = {step:.2} for \
                  this grain; lower `step` (`check` prints the limit)"
@@ -52,10 +60,10 @@ fn check(
 }
 
 /// The finite-value check of every step.
-pub struct FinitePlugin;
+pub struct FinitePlugin<V: Space>(pub PhantomData<V>);
 
-impl Plugin for FinitePlugin {
+impl<V: Space> Plugin for FinitePlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, check.in_set(Phase::Control));
+        app.add_systems(Step, check::<V>.in_set(Phase::Control));
     }
 }

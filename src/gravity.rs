@@ -1,28 +1,30 @@
 //! Weight: m g on every grain. Where it acts, the potential energy of a grain is -m g.x, zero at the origin.
 
+use std::marker::PhantomData;
+
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
-use crate::space::Vector;
+use crate::space::{Plane, Space};
 use crate::step::{ForceStage, Step};
 
 /// The acceleration of gravity, m/s^2; zero where the scene has none.
 #[derive(Resource, Clone, Copy, Debug, Default)]
-pub struct Gravity(pub Vector);
+pub struct Gravity<V: Space = Plane>(pub V);
 
-fn weigh(gravity: Res<Gravity>, mut columns: ResMut<Columns>) {
+fn weigh<V: Space>(gravity: Res<Gravity<V>>, mut columns: ResMut<Columns<V>>) {
     let Columns { load, mass, .. } = &mut *columns;
     for (load, &mass) in load.iter_mut().zip(mass.iter()) {
-        load.force += mass * gravity.0;
+        load.force += gravity.0 * mass;
     }
 }
 
 /// Weight in a field that is not zero.
-pub struct GravityPlugin;
+pub struct GravityPlugin<V: Space>(pub PhantomData<V>);
 
-impl Plugin for GravityPlugin {
+impl<V: Space> Plugin for GravityPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, weigh.in_set(ForceStage::Gravity));
+        app.add_systems(Step, weigh::<V>.in_set(ForceStage::Gravity));
     }
 }

@@ -13,6 +13,8 @@
 //! the orifice is open.
 
 use std::collections::HashSet;
+use std::marker::PhantomData;
+use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::entity::EntityHashSet;
@@ -25,9 +27,9 @@ use crate::messages::{GrainLost, GrainOut, GrainReleased};
 use crate::outcome::{Failure, Outcome};
 use crate::particle::{Fixed, Grain, GrainId, Position};
 use crate::scene::values::Finite;
-use crate::space::Vector;
+use crate::space::{Plane, Space};
 use crate::step::{Clock, Phase, Step};
-use crate::walls::outline::{Crossing, Link, Outline};
+use crate::walls::paths::{Crossing, Paths};
 
 /// The scene's `cull`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -49,9 +51,9 @@ pub enum OnLoss {
 
 /// Where the ledger holds a grain to be.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Whereabouts {
+pub struct Whereabouts<V: Space> {
     state: State,
-    looked_at: Option<Vector>,
+    looked_at: Option<V>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -72,7 +74,7 @@ pub struct LossRecord {
     /// Simulated time, s.
     pub time_s: f64,
     /// Where it was, m.
-    pub position_m: [f64; 2],
+    pub position_m: Vec<f64>,
     /// How it went.
     pub way: String,
     /// The nearest wall grain, by its number in the silo file.
@@ -123,10 +125,10 @@ fn count(n: usize) -> u32 {
 }
 
 /// The lines that paths must not cross, and the scale of a look.
-#[derive(Resource, Debug)]
-pub struct Enclosure {
+#[derive(Resource)]
+pub struct Enclosure<V: Space = Plane> {
     /// The lines.
-    pub outline: Outline,
+    pub paths: Arc<dyn Paths<V>>,
     /// Radius of the smallest grain, m.
     pub smallest_radius: f64,
 }
@@ -135,13 +137,13 @@ fn count_released(mut ledger: ResMut<Ledger>, mut released: MessageReader<GrainR
     ledger.released += count(released.read().count());
 }
 
-fn watch_paths(
-    enclosure: Res<Enclosure>,
+fn watch_paths<V: Space>(
+    (enclosure, columns): (Res<Enclosure<V>>, Res<Columns<V>>),
     (door, cull): (Option<Res<DoorState>>, Option<Res<CullLine>>),
-    mut out: MessageWriter<GrainOut>,
-    mut lost: MessageWriter<GrainLost>,
-    mut grains: Query<(&GrainId, &Position, &mut Whereabouts), With<Grain>>,
-    wall_grains: Query<(&GrainId, &Position), With<Fixed>>,
+    mut out: MessageWriter<GrainOut<V>>,
+    mut lost: MessageWriter<GrainLost<V>>,
+    mut grains: Query<(&GrainId, &Position<V>, &mut Whereabouts<V>), With<Grain>>,
+    wall_grains: Query<(&GrainId, &Position<V>), With<Fixed>>,
 ) {
     let patience = (0.25 * enclosure.smallest_radius).powi(2);
     let door_is_closed = door.is_none_or(|door| !door.is_open());
@@ -150,13 +152,14 @@ fn watch_paths(
         // Nothing watches whereabouts for changes.
         let places = places.bypass_change_detection().iter_mut();
         for ((&id, &Position(here)), place) in ids.iter().zip(xs.iter()).zip(places) {
-            let before = *place.looked_at.get_or_insert(here);
-            let may_wait = here.distance_squared(before) < patience && here.y >= last_chance;
+            // In a periodic scene, of where it was the image that is nearest to here.
+            let before = here - columns.separation(here, *place.looked_at.get_or_insert(here));
+            let may_wait = here.distance_squared(before) < patience && here.height() >= last_chance;
             if may_wait || place.state != State::Inside {
                 continue;
             }
             place.looked_at = Some(here);
-            match fate(&enclosure.outline, door_is_closed, before, here) {
+            match fate(&*enclosure.paths, door_is_closed, before, here) {
                 None => {}
                 Some(Fate::Out) => {
                     place.state = State::Out;
@@ -178,39 +181,43 @@ enum Fate {
 }
 
 /// What became of a grain that went from `before` to `here`, if it is not inside any more.
-fn fate(outline: &Outline, door_is_closed: bool, before: Vector, here: Vector) -> Option<Fate> {
-    let way = match outline.crossing(before, here) {
+fn fate<V: Space>(paths: &dyn Paths<V>, door_is_closed: bool, before: V, here: V) -> Option<Fate> {
+    let way = match paths.crossing(before, here) {
         Some(Crossing::Orifice) if !door_is_closed => return Some(Fate::Out),
         Some(Crossing::Orifice) => "through the closed door".to_owned(),
-        Some(Crossing::Wall(Link { from, to })) => {
-            format!("through the wall between ({:.3}, {:.3}) and ({:.3}, {:.3}) m", from.x, from.y, to.x, to.y)
-        }
-        Some(Crossing::HalfPlane) => "through a flat wall".to_owned(),
-        None => outline.beyond(before, here)?.to_owned(),
+        Some(Crossing::Wall { from, to }) => format!("through the wall between {} and {} m", shown(from), shown(to)),
+        Some(Crossing::FlatWall) => "through a flat wall".to_owned(),
+        None => paths.beyond(before, here)?.to_owned(),
     };
     Some(Fate::Lost(way))
 }
 
-fn nearest(x: Vector, wall_grains: &Query<(&GrainId, &Position), With<Fixed>>) -> Option<GrainId> {
+/// A place as messages show it, in m.
+fn shown<V: Space>(x: V) -> String {
+    let numbers: Vec<_> = x.components().iter().map(|x| format!("{x:.4}")).collect();
+    format!("({})", numbers.join(", "))
+}
+
+fn nearest<V: Space>(x: V, wall_grains: &Query<(&GrainId, &Position<V>), With<Fixed>>) -> Option<GrainId> {
     let distances = wall_grains.iter().map(|(&id, wall)| (wall.0.distance_squared(x), id));
     distances.min_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal)).map(|(_, id)| id)
 }
 
-fn cull(
+fn cull<V: Space>(
     mut commands: Commands,
     line: Res<CullLine>,
     mut ledger: ResMut<Ledger>,
     mut expected: ResMut<Culled>,
-    mut lost: MessageWriter<GrainLost>,
-    heights: Query<&Position, With<Grain>>,
-    grains: Query<(Entity, &GrainId, &Position, Option<&Whereabouts>), With<Grain>>,
+    mut lost: MessageWriter<GrainLost<V>>,
+    heights: Query<&Position<V>, With<Grain>>,
+    grains: Query<(Entity, &GrainId, &Position<V>, Option<&Whereabouts<V>>), With<Grain>>,
 ) {
     let mut tables = heights.contiguous_iter().expect(DENSE);
-    if !tables.any(|xs| xs.iter().any(|x| x.0.y < line.0)) {
+    if !tables.any(|xs| xs.iter().any(|x| x.0.height() < line.0)) {
         return;
     }
     for (entity, &id, x, place) in &grains {
-        if x.0.y < line.0 {
+        if x.0.height() < line.0 {
             commands.entity(entity).despawn();
             expected.0.insert(entity);
             ledger.culled += 1;
@@ -223,11 +230,11 @@ fn cull(
 }
 
 /// Grains that left the world by somebody else's hand are lost too; the columns still know their names.
-fn miss_vanished(
+fn miss_vanished<V: Space>(
     mut removed: RemovedComponents<Grain>,
     mut expected: ResMut<Culled>,
-    columns: Res<Columns>,
-    mut lost: MessageWriter<GrainLost>,
+    columns: Res<Columns<V>>,
+    mut lost: MessageWriter<GrainLost<V>>,
     ledger: Res<Ledger>,
 ) {
     for entity in removed.read() {
@@ -242,12 +249,12 @@ fn miss_vanished(
     }
 }
 
-fn keep_books(
+fn keep_books<V: Space>(
     clock: Res<Clock>,
     on_loss: Res<OnLossSetting>,
     mut ledger: ResMut<Ledger>,
-    mut out: MessageReader<GrainOut>,
-    mut lost: MessageReader<GrainLost>,
+    mut out: MessageReader<GrainOut<V>>,
+    mut lost: MessageReader<GrainLost<V>>,
     mut outcome: ResMut<Outcome>,
 ) {
     let (step, time_s) = (clock.steps, clock.time());
@@ -262,13 +269,13 @@ fn keep_books(
             grain: grain.id.number(),
             step,
             time_s,
-            position_m: grain.position.to_array(),
+            position_m: grain.position.components(),
             way: grain.way.clone(),
             nearest_wall_grain: grain.nearest.map(GrainId::number),
         });
         if on_loss.0 == OnLoss::Stop {
             let GrainLost { id, position, way, .. } = grain.clone();
-            outcome.fail(Failure::GrainLost { step, grain: id, position, way });
+            outcome.fail(Failure::GrainLost { step, grain: id, position: shown(position), way });
         }
     }
 }
@@ -284,40 +291,43 @@ struct OnLossSetting(OnLoss);
 pub struct BooksKept;
 
 /// The ledger, with what a loss does.
-pub struct LedgerPlugin(pub OnLoss);
+pub struct LedgerPlugin<V: Space>(pub OnLoss, pub PhantomData<V>);
 
-impl Plugin for LedgerPlugin {
+impl<V: Space> Plugin for LedgerPlugin<V> {
     fn build(&self, app: &mut App) {
         app.init_resource::<Ledger>()
             .insert_resource(OnLossSetting(self.0))
             .init_resource::<Culled>()
-            .add_systems(Step, miss_vanished.in_set(BeforeRenumbering))
-            .add_systems(Step, (count_released, keep_books).chain().in_set(Phase::Cull).in_set(BooksKept));
+            .add_systems(Step, miss_vanished::<V>.in_set(BeforeRenumbering))
+            .add_systems(Step, (count_released, keep_books::<V>).chain().in_set(Phase::Cull).in_set(BooksKept));
     }
 }
 
 /// Watches the paths of grains, where there are walls to cross.
-pub struct PathsPlugin {
+pub struct PathsPlugin<V: Space> {
     /// The walls.
-    pub outline: Outline,
+    pub paths: Arc<dyn Paths<V>>,
     /// Radius of the smallest grain, m.
     pub smallest_radius: f64,
 }
 
-impl Plugin for PathsPlugin {
+impl<V: Space> Plugin for PathsPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.register_required_components::<Grain, Whereabouts>();
-        app.insert_resource(Enclosure { outline: self.outline.clone(), smallest_radius: self.smallest_radius })
-            .add_systems(Step, watch_paths.in_set(Phase::Cull).before(keep_books));
+        app.register_required_components::<Grain, Whereabouts<V>>();
+        app.insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
+            .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(keep_books::<V>));
     }
 }
 
 /// Removes grains below the cull line.
-pub struct CullPlugin(pub Cull);
+pub struct CullPlugin<V: Space>(pub Cull, pub PhantomData<V>);
 
-impl Plugin for CullPlugin {
+impl<V: Space> Plugin for CullPlugin<V> {
     fn build(&self, app: &mut App) {
         app.insert_resource(CullLine(self.0.below.get()))
-            .add_systems(Step, cull.in_set(Phase::Cull).after(count_released).after(watch_paths).before(keep_books));
+            .add_systems(
+                Step,
+                cull::<V>.in_set(Phase::Cull).after(count_released).after(watch_paths::<V>).before(keep_books::<V>),
+            );
     }
 }

@@ -2,11 +2,13 @@
 //!
 //! A message lives for two steps; a reader that runs every step misses none.
 
+use std::marker::PhantomData;
+
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::particle::GrainId;
-use crate::space::Vector;
+use crate::space::{Plane, Space};
 
 /// A grain entered.
 #[derive(Message, Clone, Copy, Debug)]
@@ -17,20 +19,20 @@ pub struct GrainReleased {
 
 /// A grain's path crossed the open orifice.
 #[derive(Message, Clone, Copy, Debug)]
-pub struct GrainOut {
+pub struct GrainOut<V: Space = Plane> {
     /// Which.
     pub id: GrainId,
     /// Where it was at the end of that step, m.
-    pub position: Vector,
+    pub position: V,
 }
 
 /// A grain left the silo by any other way.
 #[derive(Message, Clone, Debug)]
-pub struct GrainLost {
+pub struct GrainLost<V: Space = Plane> {
     /// Which.
     pub id: GrainId,
     /// Where it was at the end of that step, m.
-    pub position: Vector,
+    pub position: V,
     /// In words: through which wall, or over which side.
     pub way: String,
     /// The nearest wall grain, if there is one.
@@ -46,13 +48,13 @@ pub struct CameToRest;
 pub struct DoorOpened;
 
 /// Registers the messages.
-pub struct MessagesPlugin;
+pub struct MessagesPlugin<V: Space>(pub PhantomData<V>);
 
-impl Plugin for MessagesPlugin {
+impl<V: Space> Plugin for MessagesPlugin<V> {
     fn build(&self, app: &mut App) {
         app.add_message::<GrainReleased>()
-            .add_message::<GrainOut>()
-            .add_message::<GrainLost>()
+            .add_message::<GrainOut<V>>()
+            .add_message::<GrainLost<V>>()
             .add_message::<CameToRest>()
             .add_message::<DoorOpened>();
     }

@@ -6,7 +6,6 @@ use serde::{Serialize, Serializer};
 use thiserror::Error;
 
 use crate::particle::GrainId;
-use crate::space::Vector;
 
 /// Why a run ended.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,14 +36,14 @@ pub enum Failure {
         cause: String,
     },
     /// A grain was lost and the scene says `on_loss: Stop`.
-    #[error("step {step}: {grain} was lost at ({:.4}, {:.4}) m: {way}; `on_loss: Continue` would go on", position.x, position.y)]
+    #[error("step {step}: {grain} was lost at {position} m: {way}; `on_loss: Continue` would go on")]
     GrainLost {
         /// In which step.
         step: u64,
         /// Which.
         grain: GrainId,
         /// Where, m.
-        position: Vector,
+        position: String,
         /// How.
         way: String,
     },

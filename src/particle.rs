@@ -12,19 +12,21 @@
 //! | [`Force`] | N | all: contacts, weight and added forces; on wall grains, what the grains do to them |
 //! | [`Radius`] | m | all |
 //! | [`Mass`] | kg | grains |
-//! | [`Species`] | | grains |
+//! | [`Species`] | | all |
 //! | [`Grain`] | marker | grains |
 //! | [`Fixed`] | marker | particles that no force moves |
 //! | [`Door`] | marker | wall grains that form the door |
 //!
-//! Other components come only with the plugin that needs them, so only in scenes that ask for it.
+//! Vectors are those of the scene's space: `Position` is `Position<Plane>`, a solid scene has `Position<Solid>`. Other
+//! components come only with the plugin that needs them, so only in scenes that ask for it: spin, torque and moment of
+//! inertia with a tangential force ([`crate::spin`]).
 
 use std::fmt;
 
 use bevy_ecs::prelude::*;
 
 use crate::columns::{Slot, population_changed};
-use crate::space::Vector;
+use crate::space::{Plane, Space};
 
 /// The name of a particle for its whole life; never reused. Forces are summed in ascending order of it.
 ///
@@ -79,16 +81,16 @@ impl fmt::Display for GrainId {
 
 /// Centre, m.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-pub struct Position(pub Vector);
+pub struct Position<V: Space = Plane>(pub V);
 
 /// Velocity of the centre, m/s. Between [`Phase::Drift`](crate::step::Phase::Drift) and
 /// [`Phase::Kick`](crate::step::Phase::Kick) it is v(t+dt/2), elsewhere v(t).
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Velocity(pub Vector);
+pub struct Velocity<V: Space = Plane>(pub V);
 
 /// Sum of the forces, N, as of the last evaluation; the acceleration is this over [`Mass`].
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Force(pub Vector);
+pub struct Force<V: Space = Plane>(pub V);
 
 /// Radius, m.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
@@ -100,7 +102,8 @@ pub struct Radius(pub f64);
 #[component(summary_tick)]
 pub struct Mass(pub f64);
 
-/// Which kind of grain: 0 for the first size of a mixture, 1 for the second.
+/// Which kind of grain or wall: 0 for the first size of a mixture, 1 for the second. Colours pictures and averages, and
+/// chooses among the materials of a scene that has several.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Species(pub u8);
 
@@ -121,24 +124,24 @@ pub struct Door;
 
 /// What every particle has.
 #[derive(Bundle, Clone, Copy, Debug)]
-pub struct Particle {
+pub struct Particle<V: Space = Plane> {
     /// Its name.
     pub id: GrainId,
     /// Its centre, m.
-    pub position: Position,
+    pub position: Position<V>,
     /// Its velocity, m/s.
-    pub velocity: Velocity,
+    pub velocity: Velocity<V>,
     /// The force on it, N.
-    pub force: Force,
+    pub force: Force<V>,
     /// Its radius, m.
     pub radius: Radius,
 }
 
 /// What every grain has.
 #[derive(Bundle, Clone, Copy, Debug)]
-pub struct GrainBundle {
+pub struct GrainBundle<V: Space = Plane> {
     /// What every particle has.
-    pub particle: Particle,
+    pub particle: Particle<V>,
     /// Its mass, kg.
     pub mass: Mass,
     /// Its kind.
@@ -147,15 +150,15 @@ pub struct GrainBundle {
     pub grain: Grain,
 }
 
-/// Spawns one disc of a wall, at rest.
+/// One disc or sphere of a wall; a `velocity` other than zero is kept up by [`crate::walls::conveyor`].
 #[must_use]
-pub fn wall_grain(id: GrainId, centre: Vector, radius: f64) -> impl Bundle {
+pub fn wall_grain<V: Space>(id: GrainId, centre: V, radius: f64, velocity: V, species: Species) -> impl Bundle {
     let particle = Particle {
         id,
         position: Position(centre),
-        velocity: Velocity::default(),
-        force: Force::default(),
+        velocity: Velocity(velocity),
+        force: Force(V::ZERO),
         radius: Radius(radius),
     };
-    (particle, Fixed)
+    (particle, species, Fixed)
 }

@@ -3,6 +3,8 @@
 //! Each is added together with the scene key that asks for it, so that `explain` can tell why a system is there.
 
 use std::collections::HashMap;
+use std::marker::PhantomData;
+use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -10,12 +12,11 @@ use bevy_ecs::schedule::SystemKey;
 
 use crate::behaviour::Behaviour;
 use crate::columns::ColumnsPlugin;
-use crate::contact::assignment::Assignment;
-use crate::contact::linear::LinearNormal;
-use crate::contact::{Contact, ContactPlugin, PairLaw};
-use crate::door::DoorPlugin;
+use crate::contact::config::LawVisitor;
+use crate::contact::{ContactPlugin, Demands, PairLaw};
+use crate::door::{DoorPlugin, Orifice};
 use crate::ending::EndingPlugin;
-use crate::energy::{AddedWorkPlugin, EnergyPlugin};
+use crate::energy::{AddedWorkPlugin, EnergyPlugin, PanelDoorEnergyPlugin, SpinEnergyPlugin};
 use crate::finite::FinitePlugin;
 use crate::grains::spawner::SpawnerPlugin;
 use crate::gravity::GravityPlugin;
@@ -25,11 +26,15 @@ use crate::measure::ObservePlugin;
 use crate::measure::bed::BedPlugin;
 use crate::messages::MessagesPlugin;
 use crate::neighbours::NeighboursPlugin;
+use crate::periodic::{Periodic, PeriodicPlugin};
 use crate::rest::RestPlugin;
 use crate::scene::load::Loaded;
-use crate::space::Vector;
+use crate::space::{Plane, Solid, Space};
+use crate::spin::{InertiaLaw, SpinPlugin};
 use crate::step::{Step, StepPlugin};
+use crate::walls::conveyor::ConveyorPlugin;
 use crate::walls::outline::Outline;
+use crate::walls::paths::FlatWalls;
 use crate::walls::surfaces::SurfacesPlugin;
 
 /// Which scene key asked for each system of the schedule [`Step`].
@@ -37,7 +42,7 @@ use crate::walls::surfaces::SurfacesPlugin;
 pub struct AskedBy(pub HashMap<SystemKey, String>);
 
 /// Adds plugins and notes who asked for their systems.
-pub(crate) struct Assembly<'a> {
+pub struct Assembly<'a> {
     app: &'a mut App,
     asked_by: HashMap<SystemKey, String>,
 }
@@ -51,6 +56,10 @@ impl<'a> Assembly<'a> {
         self.app.add_plugins(plugin);
         self.note(key);
         self
+    }
+
+    pub(crate) fn provide(&mut self, resource: impl Resource) {
+        self.app.insert_resource(resource);
     }
 
     fn note(&mut self, key: &str) {
@@ -67,41 +76,56 @@ impl<'a> Assembly<'a> {
 }
 
 /// Adds what the scene asks for to an app that has the resources of a run.
-pub(crate) fn add_all(app: &mut Assembly, loaded: &Loaded, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
-    let scene = &loaded.scene;
+pub(crate) fn add_all<V: Space>(app: &mut Assembly, loaded: &Loaded, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
+    let (scene, space) = (&loaded.scene, PhantomData::<V>);
+    let periodic = Periodic::<V>::new(&scene.periodic);
+    let largest_radius = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
     app.add("step", StepPlugin { dt: scene.step.seconds() })
-        .add("always", MessagesPlugin)
-        .add("always", ColumnsPlugin)
+        .add("always", MessagesPlugin(space))
+        .add("always", ColumnsPlugin(space))
         .add("always", ObservePlugin)
-        .add("neighbours", NeighboursPlugin(loaded.neighbours()))
-        .add("integrator", IntegratorPlugin(scene.integrator))
+        .add("neighbours", NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius })
+        .add("integrator", IntegratorPlugin(scene.integrator, space))
         .add("until", EndingPlugin { until: scene.until.get(), at_rest: scene.rest.is_some_and(|rest| rest.stop) })
-        .add("always", FinitePlugin)
-        .add("always", EnergyPlugin)
-        .add("always", LedgerPlugin(scene.on_loss));
-    paths(app, loaded);
+        .add("always", FinitePlugin(space))
+        .add("always", EnergyPlugin(space))
+        .add("always", LedgerPlugin(scene.on_loss, space));
+    if let Some(periodic) = periodic {
+        app.add("periodic", PeriodicPlugin(periodic));
+    }
+    V::paths(app, loaded);
     if let Some(line) = scene.cull {
-        app.add("cull", CullPlugin(line));
+        app.add("cull", CullPlugin(line, space));
     }
     if !behaviours.is_empty() {
-        app.add("behaviours", AddedWorkPlugin);
+        app.add("behaviours", AddedWorkPlugin(space));
     }
-    match scene.contact {
-        _ if behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law()) => {}
-        Contact::Assignment { k, b } => contacts(app, loaded, Assignment::new(k, b)),
-        Contact::Linear { k, damping, attraction } => contacts(app, loaded, LinearNormal::new(k, damping, attraction)),
+    if !behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law()) {
+        let has_walls = !loaded.surfaces::<V>().is_empty();
+        loaded.contacts().visit::<V, _>(AddContacts { app, has_walls });
     }
-    if scene.gravity.get() != Vector::ZERO {
-        app.add("gravity", GravityPlugin);
+    if scene.contact.spins() {
+        app.add("contact.tangential", SpinPlugin(scene.inertia.unwrap_or(InertiaLaw::usual(scene.space)), space))
+            .add("contact.tangential", SpinEnergyPlugin(space));
+    }
+    if loaded.fixed.iter().any(|grain| grain.velocity != Solid::ZERO) {
+        app.add("fill", ConveyorPlugin(space));
+    }
+    if scene.gravity.padded() != Solid::ZERO {
+        app.add("gravity", GravityPlugin(space));
     }
     if let (Some(config), Some(mass)) = (scene.spawner.clone(), scene.mass) {
-        app.add("spawner", SpawnerPlugin { config, mass, seed: scene.seed, first_id: loaded.first_free_id() });
+        let first_id = loaded.first_free_id();
+        app.add("spawner", SpawnerPlugin { config, mass, seed: scene.seed, first_id, space });
     }
     if let Some(rest) = scene.rest {
-        app.add("rest", RestPlugin(rest));
+        app.add("rest", RestPlugin(rest, space));
     }
     if let Some(door) = scene.door {
         app.add("door", DoorPlugin(door));
+        if loaded.surfaces::<V>().iter().any(|wall| wall.is_door) {
+            app.add("door", PanelDoorEnergyPlugin(space));
+        }
     }
     if let Some(bed) = scene.bed {
         app.add("bed", BedPlugin(bed));
@@ -112,23 +136,54 @@ pub(crate) fn add_all(app: &mut Assembly, loaded: &Loaded, behaviours: Vec<(Stri
     }
 }
 
-/// The law's kernel, and the same law on flat walls if the scene has any.
-fn contacts<L: PairLaw>(app: &mut Assembly, loaded: &Loaded, law: L) {
-    let law = std::sync::Arc::new(law);
-    app.add("contact", ContactPlugin(law.clone()));
-    if !loaded.surfaces().is_empty() {
-        app.add("walls", SurfacesPlugin(law));
+/// Adds the law's kernel, and the same law on flat walls if the scene has any.
+struct AddContacts<'a, 'b> {
+    app: &'a mut Assembly<'b>,
+    has_walls: bool,
+}
+
+impl<V: Space> LawVisitor<V> for AddContacts<'_, '_> {
+    type Output = ();
+
+    fn take<L: PairLaw<V> + Demands>(self, law: L) {
+        let law = Arc::new(law);
+        self.app.add("contact", ContactPlugin::<V, L>::new(law.clone()));
+        if self.has_walls {
+            self.app.add("walls", SurfacesPlugin::<V, L>::new(&law));
+        }
     }
 }
 
-/// The watch on paths, asked for by the silo file or else by the scene's walls.
-fn paths(app: &mut Assembly, loaded: &Loaded) {
-    let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
-    let (walls, surfaces) = (loaded.wall_discs(), loaded.surfaces());
-    if walls.is_empty() && surfaces.is_empty() {
-        return;
+/// The watch on paths, which looks for other things in the plane than in solid space.
+pub trait Watched {
+    /// Adds it, if there is something to watch.
+    #[doc(hidden)]
+    fn paths(app: &mut Assembly, loaded: &Loaded);
+}
+
+impl Watched for Plane {
+    /// Asked for by the silo file or else by the scene's walls.
+    fn paths(app: &mut Assembly, loaded: &Loaded) {
+        let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
+        let (walls, surfaces) = (loaded.wall_discs(), loaded.surfaces());
+        if walls.is_empty() && surfaces.is_empty() {
+            return;
+        }
+        let outline = Outline::new(&walls, &loaded.silo.door, &surfaces, smallest_radius);
+        if let Some(orifice) = outline.orifice() {
+            app.app.insert_resource(Orifice(orifice));
+        }
+        let key = if loaded.scene.silo.is_some() { "silo" } else { "walls" };
+        app.add(key, PathsPlugin { paths: Arc::new(outline), smallest_radius });
     }
-    let outline = Outline::new(&walls, &loaded.silo.door, &surfaces, smallest_radius);
-    let key = if loaded.scene.silo.is_some() { "silo" } else { "walls" };
-    app.add(key, PathsPlugin { outline, smallest_radius });
+}
+
+impl Watched for Solid {
+    fn paths(app: &mut Assembly, loaded: &Loaded) {
+        let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
+        let walls = loaded.surfaces();
+        if !walls.is_empty() {
+            app.add("walls", PathsPlugin { paths: Arc::new(FlatWalls(walls)), smallest_radius });
+        }
+    }
 }

@@ -7,6 +7,8 @@
 //! at the top of its path, hence the hold. Limit: grains that are out or lost but not yet culled count as well; a
 //! scene that goes on after losses needs `cull` to come to rest.
 
+use std::marker::PhantomData;
+
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -16,6 +18,7 @@ use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
 use crate::messages::CameToRest;
 use crate::scene::values::{NonNegative, Positive};
+use crate::space::{Space};
 use crate::step::{Clock, Phase, Step};
 
 /// The scene's `rest`.
@@ -46,10 +49,10 @@ pub struct RestDetector {
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct RestDetection;
 
-fn detect(
+fn detect<V: Space>(
     clock: Res<Clock>,
-    gravity: Res<Gravity>,
-    columns: Res<Columns>,
+    gravity: Res<Gravity<V>>,
+    columns: Res<Columns<V>>,
     mut detector: ResMut<RestDetector>,
     mut at_rest: MessageWriter<CameToRest>,
 ) {
@@ -64,14 +67,14 @@ fn detect(
     }
 }
 
-fn is_quiet(columns: &Columns, thresholds: &Rest, g: f64) -> bool {
+fn is_quiet<V: Space>(columns: &Columns<V>, thresholds: &Rest, g: f64) -> bool {
     let speed_limit = thresholds.speed.get().powi(2) * g;
     let (mut kinetic, mut scale) = (0.0, 0.0);
     for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
         if columns.body[i].velocity.length_squared() > speed_limit * columns.body[i].radius {
             return false;
         }
-        kinetic += columns.kinetic_energy(i);
+        kinetic += columns.kinetic_energy(i) + columns.rotational_energy(i);
         scale += columns.mass[i] * g * columns.body[i].radius;
     }
     kinetic <= thresholds.energy.get() * scale
@@ -82,13 +85,13 @@ fn everything_is_released_and_moves(pending: Res<Pending>, detector: Res<RestDet
 }
 
 /// Finds rest, once.
-pub struct RestPlugin(pub Rest);
+pub struct RestPlugin<V: Space>(pub Rest, pub PhantomData<V>);
 
-impl Plugin for RestPlugin {
+impl<V: Space> Plugin for RestPlugin<V> {
     fn build(&self, app: &mut App) {
         app.insert_resource(RestDetector { thresholds: self.0, quiet_since: None, rest_time: None }).add_systems(
             Step,
-            detect
+            detect::<V>
                 .in_set(Phase::Control)
                 .in_set(RestDetection)
                 .run_if(everything_is_released_and_moves)

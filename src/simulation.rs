@@ -6,19 +6,22 @@ use bevy_app::App;
 use bevy_ecs::message::message_update_system;
 use bevy_ecs::prelude::*;
 
-use crate::behaviour::Registry;
+use crate::behaviour::{Behaviour, Registry};
 use crate::fault::Fault;
-use crate::grains::file::GrainRow;
 use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
 use crate::outcome::{End, Outcome};
-use crate::particle::{Door, GrainId, wall_grain};
+use crate::particle::{Door, GrainId, Species, wall_grain};
 use crate::plugins::{Assembly, add_all};
 use crate::scene::load::Loaded;
+use crate::space::{Dimension, Linear, Plane, Solid, Space};
+use crate::spin::Spin;
 use crate::step::{Clock, Phase, Step};
 use crate::threads::Threads;
-use crate::walls::surfaces::Surfaces;
+use crate::walls::conveyor::Conveyed;
+use crate::walls::silo_file::Disc;
+use crate::walls::surfaces::{Surfaces, Wall};
 
 /// A run in progress.
 pub struct Simulation {
@@ -48,18 +51,22 @@ impl Simulation {
         })?;
         let mut app = App::empty();
         app.insert_resource(threads)
-            .insert_resource(Gravity(loaded.scene.gravity.get()))
-            .insert_resource(Surfaces(loaded.surfaces()))
             .init_resource::<Outcome>()
             .init_resource::<Pending>()
             // Several systems may end a run; whichever says so first in the step's fixed order is heard.
             .allow_ambiguous_resource::<Outcome>();
         let mut assembly = Assembly::new(&mut app);
-        add_all(&mut assembly, loaded, behaviours);
+        match loaded.scene.space {
+            Dimension::Plane => furnish::<Plane>(&mut assembly, loaded, behaviours),
+            Dimension::Solid => furnish::<Solid>(&mut assembly, loaded, behaviours),
+        }
         more(&mut assembly);
         assembly.finish();
         app.add_systems(Step, message_update_system.after(Phase::Observe));
-        populate(app.world_mut(), loaded);
+        match loaded.scene.space {
+            Dimension::Plane => populate::<Plane>(app.world_mut(), loaded),
+            Dimension::Solid => populate::<Solid>(app.world_mut(), loaded),
+        }
         let mut simulation = Self { app };
         simulation.initialize_schedule()?;
         Ok(simulation)
@@ -122,23 +129,45 @@ impl Simulation {
     }
 }
 
-fn populate(world: &mut World, loaded: &Loaded) {
+fn furnish<V: Space>(assembly: &mut Assembly, loaded: &Loaded, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
+    assembly.provide(Gravity(loaded.scene.gravity.get::<V>()));
+    assembly.provide(Surfaces(loaded.surfaces::<V>()));
+    add_all::<V>(assembly, loaded, behaviours);
+}
+
+fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
     let mut discs = 0;
     let mut next_id = || {
         discs += 1;
         GrainId::wall(discs)
     };
+    let at_rest = V::ZERO;
+    let silo = loaded.scene.silo.as_ref().map_or(Species(0), |silo| Species(silo.species));
+    let centre = |disc: &Disc| V::narrow(disc.centre.spread());
     for disc in &loaded.silo.wall {
-        world.spawn(wall_grain(next_id(), disc.centre, disc.radius));
+        world.spawn(wall_grain(next_id(), centre(disc), disc.radius, at_rest, silo));
     }
     for disc in &loaded.silo.door {
-        world.spawn((wall_grain(next_id(), disc.centre, disc.radius), Door));
+        world.spawn((wall_grain(next_id(), centre(disc), disc.radius, at_rest, silo), Door));
     }
-    for disc in &loaded.wall_discs()[loaded.silo.wall.len()..] {
-        world.spawn(wall_grain(next_id(), disc.centre, disc.radius));
+    for wall in &loaded.scene.walls {
+        if let Wall::Disc { centre, radius, species } = *wall {
+            world.spawn(wall_grain(next_id(), centre.get::<V>(), radius.get(), at_rest, Species(species)));
+        }
     }
-    world.spawn_batch(loaded.grains.iter().map(GrainRow::bundle).collect::<Vec<_>>());
+    for grain in &loaded.fixed {
+        let (x, v) = (V::narrow(grain.position), V::narrow(grain.velocity));
+        let mut spawned = world.spawn(wall_grain(next_id(), x, grain.radius, v, grain.species));
+        if v != V::ZERO {
+            spawned.insert(Conveyed);
+        }
+    }
+    let spins = loaded.scene.contact.spins();
     for grain in &loaded.grains {
+        let mut spawned = world.spawn(grain.bundle::<V>());
+        if spins {
+            spawned.insert(Spin(V::narrow_spin(grain.spin)));
+        }
         world.write_message(GrainReleased { id: grain.id });
     }
 }

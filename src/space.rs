@@ -1,11 +1,428 @@
-//! The space that grains live in.
+//! The space that grains live in: the plane or solid space, as a type parameter.
 //!
-//! Scenes are planar: every position, velocity and force is a [`Vector`] of two components, x to the right and
-//! y up, in SI units. Code elsewhere uses only dot products, lengths and sums of `Vector`s, so that another
-//! dimension needs another alias here and not another copy there.
+//! A space *is* the type of its vectors: [`Plane`] is a vector of two components, x to the right and y up; [`Solid`]
+//! one of three, x to the right, y into the depth and z up. Everything that moves is generic over [`Space`], compiled
+//! once for each, so that a planar scene stores and computes nothing of z. Generic types default to the plane:
+//! `Position` means `Position<Plane>`, and a system of a planar behaviour sees no generics.
+//!
+//! A spin (angular velocity, torque) has one component in the plane, counted positive counter-clockwise, and three in
+//! solid space. SI units; double precision, for the overlaps that carry a bed are 1e-4 of its size.
 
-/// A vector of the plane, in SI units. Double precision: the overlaps that carry a bed are 1e-4 of its size.
-pub type Vector = glam::DVec2;
+use std::fmt::Debug;
+use std::iter::Sum;
+use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
 
-/// Number of components of [`Vector`].
-pub const DIMENSION: usize = 2;
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::columns::Columns;
+use crate::plugins::Watched;
+
+/// The plane: (x, y), y is up.
+pub type Plane = glam::DVec2;
+
+/// Solid space: (x, y, z), z is up.
+pub type Solid = glam::DVec3;
+
+/// A vector of the plane, in SI units: what planar behaviours call their vectors.
+pub type Vector = Plane;
+
+/// The scene's `space`: which of the two a scene lives in.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum Dimension {
+    /// Two dimensions, discs.
+    #[default]
+    Plane,
+    /// Three dimensions, spheres.
+    Solid,
+}
+
+impl Dimension {
+    /// That of a world: for what does not know the type of its space.
+    #[must_use]
+    pub fn of_world(world: &World) -> Self {
+        if world.contains_resource::<Columns<Solid>>() { Self::Solid } else { Self::Plane }
+    }
+
+    /// Number of components of a vector.
+    #[must_use]
+    pub fn count(self) -> usize {
+        match self {
+            Self::Plane => Plane::COMPONENTS,
+            Self::Solid => Solid::COMPONENTS,
+        }
+    }
+}
+
+/// What vectors and spins have in common: sums, multiples, a scalar product.
+pub trait Linear:
+    Copy
+    + Debug
+    + Default
+    + PartialEq
+    + Send
+    + Sync
+    + 'static
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Neg<Output = Self>
+    + AddAssign
+    + SubAssign
+    + Mul<f64, Output = Self>
+    + Sum
+{
+    /// Nothing.
+    const ZERO: Self;
+
+    /// The scalar product.
+    #[must_use]
+    fn dot(self, other: Self) -> f64;
+
+    /// The components, padded with zeros; a planar spin is along z.
+    #[must_use]
+    fn spread(self) -> Solid;
+
+    /// Whether every component is finite.
+    #[must_use]
+    fn is_finite(self) -> bool;
+
+    /// The square of the length.
+    #[inline]
+    #[must_use]
+    fn length_squared(self) -> f64 {
+        self.dot(self)
+    }
+
+    /// The length.
+    #[inline]
+    #[must_use]
+    fn length(self) -> f64 {
+        self.length_squared().sqrt()
+    }
+}
+
+/// The plane or solid space, by the type of its vectors.
+pub trait Space: Linear + Div<f64, Output = Self> + Watched {
+    /// Number of components.
+    const COMPONENTS: usize;
+    /// Which it is.
+    const DIMENSION: Dimension;
+    /// Angular velocities and torques.
+    type Spin: Linear;
+    /// A cell of a grid, apart from its number along x.
+    type Row: Copy + Debug + PartialEq + Send + Sync + 'static;
+
+    /// The first components of a padded vector.
+    #[must_use]
+    fn narrow(padded: Solid) -> Self;
+
+    /// The spin of a padded vector: in the plane, its component along z.
+    #[must_use]
+    fn narrow_spin(padded: Solid) -> Self::Spin;
+
+    /// One component: 0 is x.
+    #[must_use]
+    fn axis(self, axis: usize) -> f64;
+
+    /// The same vector with another component.
+    #[must_use]
+    fn with_axis(self, axis: usize, value: f64) -> Self;
+
+    /// The component that points up: y in the plane, z in solid space.
+    #[inline]
+    #[must_use]
+    fn height(self) -> f64 {
+        self.axis(Self::COMPONENTS - 1)
+    }
+
+    /// Where it is drawn: the plane itself; of solid space x and z, seen along y.
+    #[must_use]
+    fn on_paper(self) -> Plane;
+
+    /// How far behind the paper it is.
+    #[must_use]
+    fn depth(self) -> f64;
+
+    /// self x other: a torque from an arm and a force.
+    #[must_use]
+    fn cross(self, other: Self) -> Self::Spin;
+
+    /// spin x self: the velocity of a point at self.
+    #[must_use]
+    fn turned_by(self, spin: Self::Spin) -> Self;
+
+    /// A unit vector that depends on `number` only.
+    #[must_use]
+    fn direction(number: u32) -> Self;
+
+    /// A unit vector at right angles to this one.
+    #[must_use]
+    fn any_perpendicular(self) -> Self;
+
+    /// The rows of cells from `-reach` to `reach` around nothing, in a fixed order.
+    fn rows(reach: i64) -> impl Iterator<Item = Self::Row>;
+
+    /// The row that a function of the axis (1 for y) and the entry of `from` gives, entry by entry.
+    #[must_use]
+    fn row(from: Self::Row, entry: impl FnMut(usize, i64) -> i64) -> Self::Row;
+
+    /// A row of zeros.
+    #[must_use]
+    fn origin_row() -> Self::Row;
+
+    /// A number that scatters rows over a hash table.
+    #[must_use]
+    fn scatter(row: Self::Row) -> u64;
+
+    /// The distance to another point.
+    #[inline]
+    #[must_use]
+    fn distance(self, other: Self) -> f64 {
+        (self - other).length()
+    }
+
+    /// Its square.
+    #[inline]
+    #[must_use]
+    fn distance_squared(self, other: Self) -> f64 {
+        (self - other).length_squared()
+    }
+
+    /// The components as a list.
+    #[must_use]
+    fn components(self) -> Vec<f64> {
+        (0..Self::COMPONENTS).map(|axis| self.axis(axis)).collect()
+    }
+
+    /// The unit vector along it; zero for zero.
+    #[must_use]
+    fn unit_or_zero(self) -> Self {
+        let length = self.length();
+        if length > 0.0 { self / length } else { Self::ZERO }
+    }
+}
+
+impl Linear for f64 {
+    const ZERO: Self = 0.0;
+
+    #[inline]
+    fn dot(self, other: Self) -> f64 {
+        self * other
+    }
+
+    fn spread(self) -> Solid {
+        Solid::new(0.0, 0.0, self)
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        f64::is_finite(self)
+    }
+}
+
+impl Linear for Plane {
+    const ZERO: Self = Self::ZERO;
+
+    #[inline]
+    fn dot(self, other: Self) -> f64 {
+        Self::dot(self, other)
+    }
+
+    fn spread(self) -> Solid {
+        self.extend(0.0)
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        Self::is_finite(self)
+    }
+}
+
+impl Linear for Solid {
+    const ZERO: Self = Self::ZERO;
+
+    #[inline]
+    fn dot(self, other: Self) -> f64 {
+        Self::dot(self, other)
+    }
+
+    fn spread(self) -> Solid {
+        self
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        Self::is_finite(self)
+    }
+}
+
+/// Scatters the number of a line of cells over the bits of a hash.
+fn mix(line: i64) -> u64 {
+    line.cast_unsigned().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32
+}
+
+impl Space for Plane {
+    const COMPONENTS: usize = 2;
+    const DIMENSION: Dimension = Dimension::Plane;
+    type Spin = f64;
+    type Row = [i64; 1];
+
+    fn narrow(padded: Solid) -> Self {
+        padded.truncate()
+    }
+
+    fn narrow_spin(padded: Solid) -> f64 {
+        padded.z
+    }
+
+    #[inline]
+    fn axis(self, axis: usize) -> f64 {
+        self[axis]
+    }
+
+    #[inline]
+    fn with_axis(mut self, axis: usize, value: f64) -> Self {
+        self[axis] = value;
+        self
+    }
+
+    fn on_paper(self) -> Plane {
+        self
+    }
+
+    fn depth(self) -> f64 {
+        0.0
+    }
+
+    #[inline]
+    fn cross(self, other: Self) -> f64 {
+        self.x * other.y - self.y * other.x
+    }
+
+    #[inline]
+    fn turned_by(self, spin: f64) -> Self {
+        Self::new(-(spin * self.y), spin * self.x)
+    }
+
+    fn direction(number: u32) -> Self {
+        Self::from_angle(f64::from(number))
+    }
+
+    fn any_perpendicular(self) -> Self {
+        self.perp()
+    }
+
+    fn rows(reach: i64) -> impl Iterator<Item = [i64; 1]> {
+        (-reach..=reach).map(|y| [y])
+    }
+
+    #[inline]
+    fn row(from: [i64; 1], mut entry: impl FnMut(usize, i64) -> i64) -> [i64; 1] {
+        [entry(1, from[0])]
+    }
+
+    fn origin_row() -> [i64; 1] {
+        [0]
+    }
+
+    #[inline]
+    fn scatter(row: [i64; 1]) -> u64 {
+        mix(row[0])
+    }
+}
+
+impl Space for Solid {
+    const COMPONENTS: usize = 3;
+    const DIMENSION: Dimension = Dimension::Solid;
+    type Spin = Self;
+    type Row = [i64; 2];
+
+    fn narrow(padded: Solid) -> Self {
+        padded
+    }
+
+    fn narrow_spin(padded: Solid) -> Self {
+        padded
+    }
+
+    #[inline]
+    fn axis(self, axis: usize) -> f64 {
+        self[axis]
+    }
+
+    #[inline]
+    fn with_axis(mut self, axis: usize, value: f64) -> Self {
+        self[axis] = value;
+        self
+    }
+
+    fn on_paper(self) -> Plane {
+        Plane::new(self.x, self.z)
+    }
+
+    fn depth(self) -> f64 {
+        self.y
+    }
+
+    #[inline]
+    fn cross(self, other: Self) -> Self {
+        Self::cross(self, other)
+    }
+
+    #[inline]
+    fn turned_by(self, spin: Self) -> Self {
+        Self::cross(spin, self)
+    }
+
+    fn direction(number: u32) -> Self {
+        // Angle and height of a point on the unit sphere, from the two halves of the number.
+        let height = 2.0 * f64::from(number >> 16) / 65_535.0 - 1.0;
+        let around = Plane::from_angle(f64::from(number & 0xFFFF)) * (1.0 - height * height).max(0.0).sqrt();
+        around.extend(height)
+    }
+
+    fn any_perpendicular(self) -> Self {
+        self.any_orthogonal_vector()
+    }
+
+    fn rows(reach: i64) -> impl Iterator<Item = [i64; 2]> {
+        (-reach..=reach).flat_map(move |z| (-reach..=reach).map(move |y| [y, z]))
+    }
+
+    #[inline]
+    fn row(from: [i64; 2], mut entry: impl FnMut(usize, i64) -> i64) -> [i64; 2] {
+        [entry(1, from[0]), entry(2, from[1])]
+    }
+
+    fn origin_row() -> [i64; 2] {
+        [0, 0]
+    }
+
+    #[inline]
+    fn scatter(row: [i64; 2]) -> u64 {
+        mix(row[0]).wrapping_add(mix(row[1].wrapping_mul(0x5851_F42D)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_plane_is_a_slice_of_solid_space() {
+        let (a, b, spin) = (Plane::new(0.3, -1.7), Plane::new(2.1, 0.4), 0.9);
+        assert_eq!(a.cross(b).spread(), Space::cross(a.spread(), b.spread()));
+        assert_eq!(a.turned_by(spin).spread(), a.spread().turned_by(spin.spread()));
+        assert_eq!(Linear::dot(a, b), Linear::dot(a.spread(), b.spread()));
+    }
+
+    #[test]
+    fn directions_are_unit_vectors() {
+        for number in [0, 1, 0xFFFF, 0x8000_1234, u32::MAX] {
+            assert!((Plane::direction(number).length() - 1.0).abs() < 1e-15);
+            assert!((Solid::direction(number).length() - 1.0).abs() < 1e-15);
+            let v = Solid::direction(number);
+            assert!(Linear::dot(v, v.any_perpendicular()).abs() < 1e-15);
+        }
+    }
+}

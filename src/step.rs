@@ -118,6 +118,10 @@ pub struct StepPlugin {
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ClockAdvanced;
 
+/// Systems that act on x(t+dt) within [`Phase::Drift`] run after this set.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Drifted;
+
 impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
         app.init_schedule(Step).insert_resource(Clock::new(self.dt));

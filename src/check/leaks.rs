@@ -8,7 +8,7 @@
 use std::collections::HashSet;
 
 use crate::scene::load::Loaded;
-use crate::space::Vector;
+use crate::space::{Dimension, Vector};
 use crate::walls::outline::Outline;
 use crate::walls::surfaces::Surface;
 
@@ -18,11 +18,15 @@ const PATIENCE: f64 = 2e7;
 /// Where a grain gets out, m; `None` if it does not, or if there are no walls, no grains or too many points.
 #[must_use]
 pub fn way_out(loaded: &Loaded) -> Option<Vector> {
+    // In solid space a grid would have too many points, and round a periodic side every way leads out of the box.
+    if loaded.scene.space != Dimension::Plane || !loaded.scene.periodic.is_open() {
+        return None;
+    }
     let (radius, _) = loaded.grain_radii()?;
     let mut discs = loaded.wall_discs();
     discs.extend(&loaded.silo.door);
-    let surfaces = loaded.surfaces();
-    let [low, high] = Outline::new(&discs, &[], &surfaces, radius).bounds()?;
+    let surfaces: Vec<Surface> = loaded.surfaces().into_iter().map(|wall| wall.surface).collect();
+    let [low, high] = Outline::new(&discs, &[], &loaded.surfaces(), radius).bounds()?;
     let spacing = 0.25 * radius;
     let points = |extent: Vector, reach: f64| {
         let whole = extent.abs() + Vector::splat(2.0 * (reach + spacing));
@@ -31,7 +35,7 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     let blocked_by_discs: f64 = discs.iter().map(|disc| points(Vector::ZERO, disc.radius + radius)).sum();
     let blocked_by_segments = surfaces.iter().map(|surface| match *surface {
         Surface::Segment { from, to } => points(to - from, radius),
-        Surface::HalfPlane { .. } => 0.0,
+        Surface::HalfPlane { .. } | Surface::Panel { .. } => 0.0,
     });
     if points(high - low, radius) + blocked_by_discs + blocked_by_segments.sum::<f64>() > PATIENCE {
         return None;
@@ -48,7 +52,7 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     let behind = |x: Vector| {
         surfaces.iter().any(|wall| matches!(wall, Surface::HalfPlane { .. }) && wall.distance(x).0 < radius)
     };
-    let starts = loaded.scene.spawner.iter().map(|s| s.point.get()).chain(loaded.grains.iter().map(|g| g.position));
+    let starts = loaded.scene.spawner.iter().map(|s| s.point.get()).chain(loaded.grains.iter().map(|g| g.position.truncate()));
     let mut stack: Vec<_> = starts.map(|x| grid(x, spacing)).collect();
     let mut seen: HashSet<_> = stack.iter().copied().collect();
     while let Some((i, j)) = stack.pop() {

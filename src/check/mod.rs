@@ -1,20 +1,27 @@
 //! What can be told before a run: estimates from the scene, and warnings where they promise trouble.
 //!
 //! * The step: for one contact, velocity Verlet with its drag half a step old is stable for
-//!   dt < (2/w0) (sqrt(1 + zeta^2) - zeta); in a bed, each grain with six equal neighbours,
-//!   w0^2 -> sum_j k (1/m_i + 1/m_j), so w0 and zeta grow by sqrt(6). The lightest grain decides.
+//!   dt < (2/w0) (sqrt(1 + zeta^2) - zeta); in a bed, each grain with six (in solid space twelve) equal neighbours,
+//!   w0^2 -> sum_j k (1/m_i + 1/m_j), so w0 and zeta grow by sqrt(6) (sqrt(12)). Along the tangent the spring is k_t and
+//!   rotation makes the mass lighter, 1/m -> 7/(2 m) for a sphere: where that is stiffer, it counts. The lightest grain
+//!   decides. Hertz's stiffness is that at the deepest point of the fastest impact.
 //! * The walls: a grain that fell all the way carries m v^2/2; to squeeze between two neighbouring wall grains takes
 //!   2 (k/2) (R + R_w - d/2)^2 at half their distance d. And is there a way out for a grain as if all were hard
 //!   ([`leaks`])?
-//! * The bed: its weight over its width is a pressure p (N/m); a contact that carries 2 R p is compressed by 2 R p/k.
+//! * The bed: its weight over its ground is a pressure p; a contact that carries 2 R p (4 R^2 p) is compressed by that
+//!   over k.
 //! * The path: faster than a wall is thick in one step, and a grain may pass unseen.
 
 pub mod leaks;
 
 use std::fmt;
 
+use crate::contact::Bounce;
 use crate::scene::load::Loaded;
+use crate::space::{Dimension, Plane};
+use crate::spin::InertiaLaw;
 use crate::walls::outline::Outline;
+use crate::walls::surfaces::Wall;
 
 /// A warning: what to expect, and what to do.
 #[derive(Clone, Debug, PartialEq)]
@@ -56,6 +63,8 @@ pub struct Estimates {
     pub impact_overlap: f64,
     /// Overlap over radius at the bottom of the bed, from its weight.
     pub static_overlap: f64,
+    /// Stiffness of a contact at that overlap, N/m.
+    pub stiffness: f64,
 }
 
 impl Estimates {
@@ -66,22 +75,29 @@ impl Estimates {
         let scene = &loaded.scene;
         let lightest = loaded.grains.iter().map(|grain| grain.mass).fold(f64::INFINITY, f64::min);
         let mass = scene.mass.map_or(f64::INFINITY, |law| law.of(radius)).min(lightest);
-        let law = scene.contact.law();
-        let reduced = 0.5 * mass;
-        let (w0, zeta) = (law.frequency(reduced), law.damping_ratio(reduced));
-        let six = 6f64.sqrt();
+        // Estimates ask for no directions: the law in the plane answers for both spaces.
+        let law = loaded.contacts().any::<Plane>().0;
         let impact_speed = impact_speed(loaded);
+        // Where nothing falls, something like the speed that a grain's own weight gives it.
+        let slow = 0.1 * (scene.gravity.padded().length() * radius).sqrt();
+        let speed = impact_speed.max(slow).max(1e-6);
+        let bounce = Bounce { reduced_mass: 0.5 * mass, reduced_radius: 0.5 * radius, speed };
+        let inertia = scene.inertia.unwrap_or(InertiaLaw::usual(scene.space)).factor();
+        let sideways = law.sideways(inertia, &bounce).sqrt();
+        let (w0, zeta) = (sideways * law.frequency(&bounce), sideways * law.damping_ratio(&bounce));
+        let crowd = f64::from(neighbours(scene.space)).sqrt();
         Some(Self {
             dt: scene.step.seconds(),
             radius,
             mass,
-            contact_duration: law.contact_duration(reduced),
-            restitution: law.restitution(reduced),
+            contact_duration: law.contact_duration(&bounce),
+            restitution: law.restitution(&bounce),
             pair_limit: verlet_limit(w0, zeta),
-            bed_limit: verlet_limit(six * w0, six * zeta),
+            bed_limit: verlet_limit(crowd * w0, crowd * zeta),
             impact_speed,
-            impact_overlap: impact_speed / w0 / radius,
-            static_overlap: 2.0 * bed_pressure(loaded) / law.stiffness(),
+            impact_overlap: law.deepest(&Bounce { speed: impact_speed, ..bounce }) / radius,
+            static_overlap: carried_at_the_bottom(loaded, radius) / law.stiffness(&bounce) / radius,
+            stiffness: law.stiffness(&bounce),
         })
     }
 }
@@ -95,29 +111,50 @@ pub fn verlet_limit(w0: f64, zeta: f64) -> f64 {
 /// Speed at the lowest point of the walls, after a fall from where grains start, m/s.
 fn impact_speed(loaded: &Loaded) -> f64 {
     let floor = lowest_point(loaded);
-    let g = loaded.scene.gravity.get().length();
+    let g = loaded.scene.gravity.padded().length();
+    let up = loaded.scene.space.count() - 1;
     let fall = |height: f64, speed: f64| (speed * speed + 2.0 * g * (height - floor).max(0.0)).sqrt();
-    let start = loaded.grains.iter().map(|grain| fall(grain.position.y, grain.velocity.length()));
-    let released = loaded.scene.spawner.iter().map(|s| fall(s.point.get().y, s.velocity.get().length()));
+    let start = loaded.grains.iter().map(|grain| fall(grain.position[up], grain.velocity.length()));
+    let released = loaded.scene.spawner.iter().map(|s| fall(s.point.padded()[up], s.velocity.padded().length()));
     start.chain(released).fold(0.0, f64::max)
 }
 
 fn lowest_point(loaded: &Loaded) -> f64 {
-    use crate::walls::surfaces::Surface;
     let discs = loaded.wall_discs().into_iter().map(|disc| disc.centre.y);
-    let surfaces = loaded.surfaces().into_iter().map(|surface| match surface {
-        Surface::HalfPlane { point, .. } => point.y,
-        Surface::Segment { from, to } => from.y.min(to.y),
+    let up = loaded.scene.space.count() - 1;
+    let surfaces = loaded.scene.walls.iter().filter_map(|wall| match wall {
+        Wall::HalfPlane { point, .. } => Some(point.padded()[up]),
+        Wall::Segment { from, to, .. } => Some(from.padded()[up].min(to.padded()[up])),
+        Wall::Panel { corner, along, across, .. } => {
+            Some(corner.padded()[up] + along.padded()[up].min(0.0) + across.padded()[up].min(0.0))
+        }
+        Wall::Disc { .. } => None,
     });
     let lowest = discs.chain(surfaces).fold(f64::INFINITY, f64::min);
-    let grains = loaded.grains.iter().map(|grain| grain.position.y).fold(f64::INFINITY, f64::min);
+    let grains = loaded.grains.iter().map(|grain| grain.position[up]).fold(f64::INFINITY, f64::min);
     if lowest.is_finite() { lowest } else { grains.min(loaded.scene.cull.map_or(0.0, |cull| cull.below.get())) }
 }
 
-/// Weight of all grains over the width of the walls, N/m; 0 without walls that have a width.
-fn bed_pressure(loaded: &Loaded) -> f64 {
-    let outline = Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.surfaces(), 0.0);
-    let Some([low, high]) = outline.bounds().filter(|[low, high]| high.x > low.x) else { return 0.0 };
+/// Neighbours of a grain in a dense bed of equal ones.
+fn neighbours(space: Dimension) -> u32 {
+    match space {
+        Dimension::Plane => 6,
+        Dimension::Solid => 12,
+    }
+}
+
+/// What a contact at the bottom of the bed carries, N: the weight of all grains over the ground that they stand on, times
+/// the ground of one grain; 0 where that is not known.
+fn carried_at_the_bottom(loaded: &Loaded, radius: f64) -> f64 {
+    let ground: Option<f64> = match loaded.scene.space {
+        Dimension::Plane => {
+            let outline = Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.surfaces(), 0.0);
+            outline.bounds().map(|[low, high]| high.x - low.x).or_else(|| extent(loaded, 0))
+        }
+        Dimension::Solid => extent(loaded, 0).zip(extent(loaded, 1)).map(|(x, y)| x * y),
+    };
+    let axes = i32::try_from(loaded.scene.space.count()).unwrap_or(2) - 1;
+    let Some(ground) = ground.filter(|&ground| ground > 0.0) else { return 0.0 };
     let start: f64 = loaded.grains.iter().map(|grain| grain.mass).sum();
     let released: f64 = loaded
         .scene
@@ -129,7 +166,17 @@ fn bed_pressure(loaded: &Loaded) -> f64 {
             f64::from(spawner.count) * 0.5 * (law.of(smallest) + law.of(largest))
         })
         .sum();
-    (start + released) * loaded.scene.gravity.get().length() / (high.x - low.x)
+    (start + released) * loaded.scene.gravity.padded().length() / ground * (2.0 * radius).powi(axes)
+}
+
+/// How far the scene reaches along a horizontal axis, m: the periodic side, or from the first to the last grain of the
+/// start.
+fn extent(loaded: &Loaded, axis: usize) -> Option<f64> {
+    if let Some((low, high)) = loaded.scene.periodic.axes()[axis] {
+        return Some(high - low);
+    }
+    let ends = loaded.grains.iter().map(|g| (g.position[axis] - g.radius, g.position[axis] + g.radius));
+    ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).map(|(low, high)| high - low)
 }
 
 /// What to expect of this scene that its author may not want.
@@ -137,7 +184,7 @@ fn bed_pressure(loaded: &Loaded) -> f64 {
 pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
     let Some(estimates) = Estimates::of(loaded) else { return Vec::new() };
     let mut warnings = Vec::new();
-    step(&estimates, &mut warnings);
+    step(loaded.scene.space, &estimates, &mut warnings);
     softness(loaded, &estimates, &mut warnings);
     if let Some(place) = leaks::way_out(loaded) {
         warnings.push(Warning {
@@ -150,8 +197,8 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
         });
     }
     if let Some(spawner) = &loaded.scene.spawner {
-        let (t, g) = (spawner.interval.get(), loaded.scene.gravity.get());
-        let way = (spawner.velocity.get() * t + 0.5 * t * t * g).length();
+        let (t, g) = (spawner.interval.get(), loaded.scene.gravity.padded());
+        let way = (spawner.velocity.padded() * t + 0.5 * t * t * g).length();
         let (_, largest) = spawner.radius.range();
         if way < 2.0 * largest && spawner.count > 1 {
             warnings.push(Warning {
@@ -167,13 +214,14 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
     warnings
 }
 
-fn step(estimates: &Estimates, warnings: &mut Vec<Warning>) {
+fn step(space: Dimension, estimates: &Estimates, warnings: &mut Vec<Warning>) {
     let Estimates { dt, pair_limit, bed_limit, .. } = *estimates;
     if dt >= bed_limit {
+        let bed = format!("of a dense bed, {} neighbours a grain", neighbours(space));
         let (code, what, limit) = if dt >= pair_limit {
             ("check::unstable_step", "of a single contact", pair_limit)
         } else {
-            ("check::unstable_bed", "of a dense bed, six neighbours a grain", bed_limit)
+            ("check::unstable_bed", bed.as_str(), bed_limit)
         };
         warnings.push(Warning {
             code,
@@ -186,7 +234,7 @@ fn step(estimates: &Estimates, warnings: &mut Vec<Warning>) {
 }
 
 fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>) {
-    let stiffness = loaded.scene.contact.law().stiffness();
+    let stiffness = estimates.stiffness;
     let carried = 0.5 * estimates.mass * estimates.impact_speed.powi(2);
     if let Some(barrier) = weakest_link(loaded, estimates.radius, stiffness).filter(|&barrier| barrier < carried) {
         warnings.push(Warning {

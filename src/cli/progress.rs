@@ -8,10 +8,17 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use crate::columns::Columns;
 use crate::ledger::Ledger;
+use crate::space::{Dimension, Plane, Solid, Space};
 use crate::step::Clock;
 
 /// Steps between two looks at the wall clock.
 const STRIDE: u32 = 64;
+
+/// Kinetic energy of translation, J.
+fn kinetic<V: Space>(world: &World) -> f64 {
+    let columns = world.resource::<Columns<V>>();
+    (0..columns.movable_end).map(|i| columns.kinetic_energy(i)).sum()
+}
 
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
@@ -63,9 +70,11 @@ impl Progress {
 
     #[expect(clippy::cast_precision_loss, reason = "figures for people")]
     fn line(&self, world: &World, particle_steps: u64, now: Instant) -> String {
-        let (time, ledger, columns) =
-            (world.resource::<Clock>().time(), world.resource::<Ledger>(), world.resource::<Columns>());
-        let kinetic: f64 = (0..columns.movable_end).map(|i| columns.kinetic_energy(i)).sum();
+        let (time, ledger) = (world.resource::<Clock>().time(), world.resource::<Ledger>());
+        let kinetic = match Dimension::of_world(world) {
+            Dimension::Plane => kinetic::<Plane>(world),
+            Dimension::Solid => kinetic::<Solid>(world),
+        };
         let seconds = now.duration_since(self.last.0).as_secs_f64().max(1e-9);
         let speed = (particle_steps - self.last.1) as f64 / seconds / 1e6;
         let left = now.duration_since(self.start).as_secs_f64() * (self.until - time) / time.max(1e-9);

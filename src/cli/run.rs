@@ -1,6 +1,7 @@
 //! `siloflow run`: steps a scene to its end and writes the run directory.
 
 use std::fmt::Write as _;
+use std::marker::PhantomData;
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -14,11 +15,14 @@ use crate::cli::{SceneArgs, Verdict, say};
 use crate::fault::Fault;
 use crate::outcome::End;
 use crate::output::frames::{FramesPlugin, Studio};
+use crate::output::profiles::ProfilesPlugin;
 use crate::output::run_directory::RunDirectory;
 use crate::output::series::SeriesPlugin;
 use crate::output::summary::{Cost, Energy, Summary, movable_grains};
+use crate::output::walls::WallForcesPlugin;
 use crate::scene::load::Loaded;
 use crate::simulation::Simulation;
+use crate::space::{Dimension, Plane, Solid, Space};
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]
@@ -81,16 +85,58 @@ fn build(
     threads: NonZeroUsize,
     directory: &RunDirectory,
 ) -> Result<Simulation, Fault> {
-    let series = SeriesPlugin::create(loaded.scene.series, &directory.series()).map_err(|error| {
-        Fault::new("run::write", format!("could not write {}: {error}", directory.series().display()))
+    match loaded.scene.space {
+        Dimension::Plane => build_in::<Plane>(loaded, registry, threads, directory),
+        Dimension::Solid => build_in::<Solid>(loaded, registry, threads, directory),
+    }
+}
+
+fn build_in<V: Space>(
+    loaded: &Loaded,
+    registry: &Registry,
+    threads: NonZeroUsize,
+    directory: &RunDirectory,
+) -> Result<Simulation, Fault> {
+    let outputs = Outputs::<V>::create(loaded, directory).map_err(|error| {
+        Fault::new("run::write", format!("could not write to {}: {error}", directory.path().display()))
             .help("is there space, and may you write there?")
     })?;
     Simulation::with(loaded, registry, threads, |app| {
-        app.add("series", series);
+        app.add("series", outputs.series);
+        if let Some(walls) = outputs.walls {
+            app.add("walls", walls);
+        }
+        if let Some(profiles) = outputs.profiles {
+            app.add("profiles", profiles);
+        }
         if let Some(studio) = Studio::of(loaded, directory.frames()) {
-            app.add("pictures", FramesPlugin(studio));
+            app.add("pictures", FramesPlugin::<V>(studio, PhantomData));
         }
     })
+}
+
+/// The files that grow while a scene runs.
+struct Outputs<V: Space> {
+    series: SeriesPlugin<V>,
+    walls: Option<WallForcesPlugin<V>>,
+    profiles: Option<ProfilesPlugin<V>>,
+}
+
+impl<V: Space> Outputs<V> {
+    fn create(loaded: &Loaded, directory: &RunDirectory) -> std::io::Result<Self> {
+        let has_walls = !loaded.surfaces::<V>().is_empty();
+        let profiles = loaded.profiles();
+        let species = u8::try_from(loaded.largest_species()).unwrap_or(u8::MAX);
+        Ok(Self {
+            series: SeriesPlugin::create(loaded.scene.series, &directory.series())?,
+            walls: if has_walls { Some(WallForcesPlugin::create(&directory.walls())?) } else { None },
+            profiles: if profiles.is_empty() {
+                None
+            } else {
+                Some(ProfilesPlugin::create(&profiles, species, &directory.profiles(), &directory.centres())?)
+            },
+        })
+    }
 }
 
 /// Steps to the end, with progress.

@@ -6,8 +6,9 @@
 //! the force "that i exerts on j" is the one on i.)
 
 use crate::contact::damping::Attraction;
-use crate::contact::{Pair, PairForce, PairLaw};
+use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
 use crate::scene::values::{NonNegative, Positive};
+use crate::space::Space;
 
 /// k delta n - b (v_i - v_j).
 #[derive(Clone, Copy, Debug)]
@@ -24,44 +25,51 @@ impl Assignment {
     }
 }
 
-impl PairLaw for Assignment {
+impl Demands for Assignment {}
+
+impl<V: Space> PairLaw<V> for Assignment {
     #[inline]
-    fn force(&self, pair: &Pair) -> PairForce {
-        PairForce { elastic: self.k * pair.overlap * pair.normal, drag: -self.b * pair.relative_velocity }
+    fn force(&self, pair: &Pair<V>, _: &mut Memory<V>) -> PairForce<V> {
+        PairForce::smooth(pair.normal * (self.k * pair.overlap), pair.relative_velocity * -self.b)
     }
 
-    fn elastic_energy(&self, overlap: f64) -> f64 {
-        0.5 * self.k * overlap * overlap
+    fn elastic_energy(&self, pair: &Pair<V>, _: &Memory<V>) -> f64 {
+        0.5 * self.k * pair.overlap * pair.overlap
     }
 
-    fn stiffness(&self) -> f64 {
+    fn stiffness(&self, _: &Bounce) -> f64 {
         self.k
     }
 
-    fn damping(&self, _: f64) -> f64 {
+    fn damping(&self, _: &Bounce) -> f64 {
         self.b
     }
 
-    fn contact_duration(&self, reduced_mass: f64) -> f64 {
-        Attraction::Allowed.duration(self.damping_ratio(reduced_mass)) / self.frequency(reduced_mass)
+    fn contact_duration(&self, bounce: &Bounce) -> f64 {
+        let law: &dyn PairLaw<V> = self;
+        Attraction::Allowed.duration(law.damping_ratio(bounce)) / law.frequency(bounce)
     }
 
-    fn restitution(&self, reduced_mass: f64) -> f64 {
-        Attraction::Allowed.restitution(self.damping_ratio(reduced_mass))
+    fn restitution(&self, bounce: &Bounce) -> f64 {
+        let law: &dyn PairLaw<V> = self;
+        Attraction::Allowed.restitution(law.damping_ratio(bounce))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::tests::pair;
     use crate::space::Vector;
+
+    fn law() -> Assignment {
+        Assignment::new(Positive::try_from(1e4).unwrap(), NonNegative::try_from(5.0).unwrap())
+    }
 
     #[test]
     fn pushes_apart_and_drags_along_the_whole_relative_velocity() {
-        let law = Assignment::new(Positive::try_from(1e4).unwrap(), NonNegative::try_from(5.0).unwrap());
-        let pair =
-            Pair { normal: Vector::X, overlap: 1e-3, relative_velocity: Vector::new(-2.0, 3.0), reduced_mass: 0.08 };
-        let force = law.force(&pair);
+        let pair = Pair { overlap: 1e-3, relative_velocity: Vector::new(-2.0, 3.0), ..pair() };
+        let force = law().force(&pair, &mut Memory::default());
         assert_eq!(force.elastic, Vector::new(10.0, 0.0));
         assert_eq!(force.drag, Vector::new(10.0, -15.0));
     }
@@ -69,7 +77,8 @@ mod tests {
     #[test]
     fn the_silo_s_grains_bounce_with_restitution_0_76() {
         // k = 1e4 N/m, b = 5 N s/m, m = 0.16 kg: exp(-pi zeta/sqrt(1 - zeta^2)) with zeta = 5/(2 sqrt(1e4 0.08)).
-        let law = Assignment::new(Positive::try_from(1e4).unwrap(), NonNegative::try_from(5.0).unwrap());
-        assert!((law.restitution(0.08) - 0.756_71).abs() < 5e-6, "{}", law.restitution(0.08));
+        let law: &dyn PairLaw = &law();
+        let e = law.restitution(&Bounce { reduced_mass: 0.08, reduced_radius: 0.02, speed: 1.0 });
+        assert!((e - 0.756_71).abs() < 5e-6, "{e}");
     }
 }

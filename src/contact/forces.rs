@@ -6,15 +6,18 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
-use crate::contact::kernel::{self, OverlapRatio, Partners};
-use crate::contact::{AnyLaw, PairLaw};
-use crate::neighbours::{Method, Search};
-use crate::step::{ForceStage, Step};
+use crate::contact::history::{CHUNK, History};
+use crate::contact::kernel::{OverlapRatio, Partners, Pass};
+use crate::contact::{AnyLaw, Demands, PairLaw};
+use crate::neighbours::Search;
+use crate::periodic::{Metric, Open};
+use crate::space::{Plane, Space};
+use crate::step::{Clock, ForceStage, Step};
 use crate::threads::Threads;
 
 /// The contact law that the kernel is compiled for.
 #[derive(Resource)]
-pub struct Law<L: PairLaw>(pub Arc<L>);
+pub struct Law<L>(pub Arc<L>);
 
 /// The largest overlap so far, of grains with grains and with walls.
 #[derive(Resource, Default)]
@@ -24,36 +27,73 @@ pub struct LargestOverlap(pub OverlapRatio);
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ContactForces;
 
-fn contact_forces<L: PairLaw>(
+/// By how much memories advance in this run of the schedule, s.
+pub(crate) fn memory_step(clock: &Clock) -> f64 {
+    if clock.is_step_zero() { 0.0 } else { clock.dt }
+}
+
+fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
     law: Res<Law<L>>,
-    search: Res<Search>,
+    clock: Res<Clock>,
+    search: Res<Search<V>>,
     threads: Res<Threads>,
-    mut columns: ResMut<Columns>,
+    mut columns: ResMut<Columns<V>>,
+    mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
 ) {
-    let pass = match &search.method {
-        Method::AllPairs(partners) => sum(&*law.0, &mut columns, &threads, partners),
-        Method::Cells(partners) => sum(&*law.0, &mut columns, &threads, partners),
-        Method::VerletList(partners) => sum(&*law.0, &mut columns, &threads, partners),
+    let (law, dt) = (&*law.0, memory_step(&clock));
+    if L::MEMORY {
+        let books = if threads.pool().is_some() { columns.len().div_ceil(CHUNK) } else { 1 };
+        history.follow(&columns.id, columns.generation, books);
+    }
+    let pass = match columns.periodic {
+        None => sum(&Pass { law, metric: Open, dt }, &mut columns, &threads, search.partners(), &mut history),
+        Some(metric) => sum(&Pass { law, metric, dt }, &mut columns, &threads, search.partners(), &mut history),
     };
     largest.0.merge(pass);
 }
 
-fn sum<L: PairLaw>(law: &L, columns: &mut Columns, threads: &Threads, partners: &impl Partners) -> OverlapRatio {
+fn sum<V: Space, L: PairLaw<V> + Demands, M: Metric<V>>(
+    pass: &Pass<L, M>,
+    columns: &mut Columns<V>,
+    threads: &Threads,
+    partners: &dyn Partners<V>,
+    history: &mut History<V>,
+) -> OverlapRatio {
     match threads.pool() {
-        None => kernel::half(law, columns, partners),
-        Some(pool) => pool.install(|| kernel::full(law, columns, partners)),
+        None => pass.half(columns, partners, &mut history.pairs[0]),
+        Some(pool) => pool.install(|| pass.full(columns, partners, history)),
     }
 }
 
-/// Contacts with the law `law`. Outsiders' laws enter here: `app.add_plugins(ContactPlugin(Arc::new(MyLaw)))`.
-pub struct ContactPlugin<L: PairLaw>(pub Arc<L>);
+/// Contacts with the law `law`. Outsiders' laws enter here: `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
+pub struct ContactPlugin<V: Space, L: PairLaw<V>> {
+    law: Arc<L>,
+    space: std::marker::PhantomData<V>,
+}
 
-impl<L: PairLaw> Plugin for ContactPlugin<L> {
+impl<V: Space, L: PairLaw<V>> ContactPlugin<V, L> {
+    /// The law in the space `V`.
+    #[must_use]
+    pub fn new(law: Arc<L>) -> Self {
+        Self { law, space: std::marker::PhantomData }
+    }
+}
+
+impl<L: PairLaw<Plane>> ContactPlugin<Plane, L> {
+    /// The law in the plane.
+    #[must_use]
+    pub fn plane(law: Arc<L>) -> Self {
+        Self::new(law)
+    }
+}
+
+impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(Law(self.0.clone()))
-            .insert_resource(AnyLaw(self.0.clone()))
+        app.insert_resource(Law(self.law.clone()))
+            .insert_resource(AnyLaw::<V>(self.law.clone()))
+            .init_resource::<History<V>>()
             .init_resource::<LargestOverlap>()
-            .add_systems(Step, contact_forces::<L>.in_set(ForceStage::Contacts).in_set(ContactForces));
+            .add_systems(Step, contact_forces::<V, L>.in_set(ForceStage::Contacts).in_set(ContactForces));
     }
 }

@@ -4,20 +4,22 @@
 //! added to both: grain i has then received its partners in ascending order. On several threads every particle
 //! sums its own partners in ascending order, so each pair is evaluated twice. Laws are odd under the exchange of i
 //! and j to the last bit, and only touching pairs add, so the candidates that a neighbour search offers beyond those
-//! leave no trace.
+//! leave no trace. What a law does not demand ([`Demands`]) is not compiled.
 
 use rayon::prelude::*;
 
-use crate::columns::{Body, Columns};
-use crate::contact::{Pair, PairForce, PairLaw};
-use crate::particle::GrainId;
-use crate::space::Vector;
+use crate::columns::{Body, Columns, Load, Turn};
+use crate::contact::history::{Book, CHUNK, History, Recall};
+use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw};
+use crate::particle::{GrainId, Species};
+use crate::periodic::Metric;
+use crate::space::{Linear, Space};
 
 /// Where candidates come from.
-pub trait Partners: Sync {
+pub trait Partners<V: Space>: Sync {
     /// Every particle that may touch `i`, ascending: those above `i` for a half walk, all others (`i` itself may be
     /// among them) for a full one. `scratch` is the caller's, to be used at will.
-    fn of<'a>(&'a self, columns: &Columns, i: usize, scratch: &'a mut Vec<u32>) -> &'a [u32];
+    fn of<'a>(&'a self, columns: &Columns<V>, i: usize, scratch: &'a mut Vec<u32>) -> &'a [u32];
 }
 
 /// The largest overlap of a pass, over the smaller radius of its pair.
@@ -57,7 +59,13 @@ impl OverlapRatio {
 /// The candidates of `i` that overlap it, in their order, kept in `buffer`. Whether a candidate touches is hard to
 /// foresee, so this loop has no branch on it: each is written, and the end moves on if it counts.
 #[inline]
-fn filter<'a>(bodies: &[Body], i: usize, candidates: &[u32], buffer: &'a mut Vec<u32>) -> &'a [u32] {
+fn filter<'a, V: Space>(
+    metric: &impl Metric<V>,
+    bodies: &[Body<V>],
+    i: usize,
+    candidates: &[u32],
+    buffer: &'a mut Vec<u32>,
+) -> &'a [u32] {
     let body = &bodies[i];
     if buffer.len() < candidates.len() {
         buffer.resize(candidates.len(), 0);
@@ -67,18 +75,25 @@ fn filter<'a>(bodies: &[Body], i: usize, candidates: &[u32], buffer: &'a mut Vec
         let other = &bodies[j as usize];
         let reach = body.radius + other.radius;
         buffer[count] = j;
-        count += usize::from(body.position.distance_squared(other.position) < reach * reach);
+        let squared = metric.separation(body.position, other.position).length_squared();
+        count += usize::from(squared < reach * reach);
     }
     &buffer[..count]
 }
 
-/// The geometry of `i` and `j` if they touch and at least one can move.
+/// The geometry of `i` and `j` if they touch and at least one can move; spins and species are left out.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "the body of the innermost loop: a call would double its cost")]
 #[must_use]
-pub fn touching(columns: &Columns, i: usize, j: usize) -> Option<Pair> {
+pub fn touching<V: Space>(
+    metric: &impl Metric<V>,
+    columns: &Columns<V>,
+    i: usize,
+    j: usize,
+    dt: f64,
+) -> Option<Pair<V>> {
     let (a, b) = (&columns.body[i], &columns.body[j]);
-    let separation = a.position - b.position;
+    let separation = metric.separation(a.position, b.position);
     let reach = a.radius + b.radius;
     let squared = separation.length_squared();
     // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
@@ -94,6 +109,10 @@ pub fn touching(columns: &Columns, i: usize, j: usize) -> Option<Pair> {
             overlap: reach - distance,
             relative_velocity: a.velocity - b.velocity,
             reduced_mass: 1.0 / inverse_mass,
+            radii: [a.radius, b.radius],
+            spins: [V::Spin::ZERO; 2],
+            species: [Species(0); 2],
+            dt,
         })
     } else {
         None
@@ -102,68 +121,229 @@ pub fn touching(columns: &Columns, i: usize, j: usize) -> Option<Pair> {
 
 /// A normal for coincident centres: fixed by the two ids, odd under their swap.
 #[cold]
-fn coincident(i: GrainId, j: GrainId) -> Vector {
+fn coincident<V: Space>(i: GrainId, j: GrainId) -> V {
     let (low, high) = if i < j { (i, j) } else { (j, i) };
     let mixed = low.number().wrapping_mul(0x9E37_79B1) ^ high.number().wrapping_mul(0x85EB_CA77);
-    let direction = Vector::from_angle(f64::from(mixed));
+    let direction = V::direction(mixed);
     if i < j { direction } else { -direction }
 }
 
-/// Adds all pair forces to the loads of `columns`, each pair once.
-pub fn half<L: PairLaw>(law: &L, columns: &mut Columns, partners: &impl Partners) -> OverlapRatio {
-    let mut loads = std::mem::take(&mut columns.load);
-    let mut largest = OverlapRatio::default();
-    let (mut scratch, mut buffer) = (Vec::new(), Vec::new());
-    for i in 0..columns.movable_end {
-        let mut on_i = loads[i];
-        for &j in filter(&columns.body, i, partners.of(columns, i, &mut scratch), &mut buffer) {
-            let j = j as usize;
-            if let Some(pair) = touching(columns, i, j) {
-                let PairForce { elastic, drag } = law.force(&pair);
-                let (sum, on_j) = (elastic + drag, &mut loads[j]);
-                on_i.force += sum;
-                on_i.drag += drag;
-                on_j.force -= sum;
-                on_j.drag -= drag;
-                largest.raise(pair.overlap, columns.body[i].radius.min(columns.body[j].radius));
-            }
-        }
-        loads[i] = on_i;
-    }
-    columns.load = loads;
-    largest
+/// What a pass needs besides the columns.
+pub struct Pass<'a, L, M> {
+    /// The contact law.
+    pub law: &'a L,
+    /// How separations are measured.
+    pub metric: M,
+    /// By how much memories advance, s.
+    pub dt: f64,
 }
 
-/// The same sums, each particle for itself, on the threads of the current rayon pool.
-pub fn full<L: PairLaw>(law: &L, columns: &mut Columns, partners: &impl Partners) -> OverlapRatio {
-    const CHUNK: usize = 256;
-    let mut loads = std::mem::take(&mut columns.load);
-    let view = &*columns;
-    let largest = loads
-        .par_chunks_mut(CHUNK)
-        .enumerate()
-        .map_init(<(Vec<u32>, Vec<u32>)>::default, |(scratch, buffer), (chunk, loads)| {
-            let mut largest = OverlapRatio::default();
-            for (i, load) in (chunk * CHUNK..).zip(loads) {
-                for &j in filter(&view.body, i, partners.of(view, i, scratch), buffer) {
-                    let j = j as usize;
-                    if i == j {
-                        continue;
+impl<L: Demands, M> Pass<'_, L, M> {
+    /// The pair and the force on `i`, if it touches `j`.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "the body of the innermost loop: a call would double its cost")]
+    fn meet<V: Space>(
+        &self,
+        columns: &Columns<V>,
+        i: usize,
+        j: usize,
+        recall: &mut Option<Recall<V>>,
+    ) -> Option<(Pair<V>, PairForce<V>, Memory<V>)>
+    where
+        L: PairLaw<V>,
+        M: Metric<V>,
+    {
+        let mut pair = touching(&self.metric, columns, i, j, self.dt)?;
+        if L::SPIN {
+            pair.spins = [columns.spin[i], columns.spin[j]];
+        }
+        if L::SPECIES {
+            pair.species = [columns.species[i], columns.species[j]];
+        }
+        #[expect(clippy::cast_possible_truncation, reason = "fewer than 2^32 particles")]
+        let mut memory = match recall {
+            Some(recall) if L::MEMORY => recall.of::<L>(j as u32),
+            _ => Memory::default(),
+        };
+        let force = self.law.force(&pair, &mut memory);
+        Some((pair, force, memory))
+    }
+
+    /// Adds all pair forces to the loads of `columns`, each pair once.
+    pub fn half<V: Space>(
+        &self,
+        columns: &mut Columns<V>,
+        partners: &dyn Partners<V>,
+        book: &mut Book<V>,
+    ) -> OverlapRatio
+    where
+        L: PairLaw<V>,
+        M: Metric<V>,
+    {
+        let (mut loads, mut turns) = (std::mem::take(&mut columns.load), std::mem::take(&mut columns.turn));
+        let (before, pages) = book.turn();
+        let mut largest = OverlapRatio::default();
+        let (mut scratch, mut buffer) = (Vec::new(), Vec::new());
+        for i in 0..columns.movable_end {
+            let mut on_i = loads[i];
+            let mut turn_i = if L::SPIN { turns[i] } else { Turn::default() };
+            let mut recall = L::MEMORY.then(|| Recall::new(before, i));
+            let candidates = partners.of(columns, i, &mut scratch);
+            for &partner in filter(&self.metric, &columns.body, i, candidates, &mut buffer) {
+                let j = partner as usize;
+                if let Some((pair, force, memory)) = self.meet(columns, i, j, &mut recall) {
+                    let (sum, on_j) = (total::<L, V>(&force), &mut loads[j]);
+                    on_i.force += sum;
+                    on_i.drag += force.drag;
+                    on_j.force -= sum;
+                    on_j.drag -= force.drag;
+                    if L::SPIN {
+                        turn::<L, V>(&mut turn_i, &pair, &force, 0);
+                        turn::<L, V>(&mut turns[j], &pair, &force, 1);
+                        book_losses::<L, V>(&mut turn_i, &force);
                     }
-                    if let Some(pair) = touching(view, i, j) {
-                        let PairForce { elastic, drag } = law.force(&pair);
-                        load.force += elastic + drag;
-                        load.drag += drag;
-                        largest.raise(pair.overlap, view.body[i].radius.min(view.body[j].radius));
+                    if L::MEMORY {
+                        pages.push::<L>(partner, &memory);
                     }
+                    largest.raise(pair.overlap, pair.radii[0].min(pair.radii[1]));
                 }
             }
-            largest
-        })
-        .reduce(OverlapRatio::default, |mut a, b| {
-            a.merge(b);
-            a
-        });
-    columns.load = loads;
-    largest
+            loads[i] = on_i;
+            if L::SPIN {
+                turns[i] = turn_i;
+            }
+            if L::MEMORY {
+                pages.end_row();
+            }
+        }
+        (columns.load, columns.turn) = (loads, turns);
+        largest
+    }
+
+    /// The same sums, each particle for itself, on the threads of the current rayon pool.
+    pub fn full<V: Space>(
+        &self,
+        columns: &mut Columns<V>,
+        partners: &dyn Partners<V>,
+        history: &mut History<V>,
+    ) -> OverlapRatio
+    where
+        L: PairLaw<V>,
+        M: Metric<V>,
+    {
+        let (mut loads, mut turns) = (std::mem::take(&mut columns.load), std::mem::take(&mut columns.turn));
+        let view = &*columns;
+        let mut turn_chunks = turns.chunks_mut(CHUNK);
+        let mut books = history.pairs.iter_mut();
+        let shares: Vec<Share<V>> = (0..)
+            .step_by(CHUNK)
+            .zip(loads.chunks_mut(CHUNK))
+            .map(|(first, loads)| Share {
+                first,
+                loads,
+                turns: turn_chunks.next().unwrap_or_default(),
+                book: if L::MEMORY { books.next() } else { None },
+            })
+            .collect();
+        let largest = shares
+            .into_par_iter()
+            .map_init(Default::default, |buffers, share| self.full_share(view, partners, share, buffers))
+            .reduce(OverlapRatio::default, |mut a, b| {
+                a.merge(b);
+                a
+            });
+        (columns.load, columns.turn) = (loads, turns);
+        largest
+    }
+
+    fn full_share<V: Space>(
+        &self,
+        view: &Columns<V>,
+        partners: &dyn Partners<V>,
+        share: Share<V>,
+        (scratch, buffer): &mut (Vec<u32>, Vec<u32>),
+    ) -> OverlapRatio
+    where
+        L: PairLaw<V>,
+        M: Metric<V>,
+    {
+        let mut largest = OverlapRatio::default();
+        let mut pages = share.book.map(Book::turn);
+        for (row, load) in share.loads.iter_mut().enumerate() {
+            let i = share.first + row;
+            let mut recall = pages.as_ref().map(|(before, _)| Recall::new(before, row));
+            let candidates = partners.of(view, i, scratch);
+            for &partner in filter(&self.metric, &view.body, i, candidates, buffer) {
+                let j = partner as usize;
+                if i == j {
+                    continue;
+                }
+                if let Some((pair, force, memory)) = self.meet(view, i, j, &mut recall) {
+                    load.force += total::<L, V>(&force);
+                    load.drag += force.drag;
+                    if L::SPIN {
+                        turn::<L, V>(&mut share.turns[row], &pair, &force, 0);
+                        if i < j {
+                            book_losses::<L, V>(&mut share.turns[row], &force);
+                        }
+                    }
+                    if let Some((_, pages)) = &mut pages {
+                        pages.push::<L>(partner, &memory);
+                    }
+                    largest.raise(pair.overlap, pair.radii[0].min(pair.radii[1]));
+                }
+            }
+            if let Some((_, pages)) = &mut pages {
+                pages.end_row();
+            }
+        }
+        largest
+    }
+}
+
+/// The rows that one thread sums at a time.
+struct Share<'a, V: Space> {
+    first: usize,
+    loads: &'a mut [Load<V>],
+    turns: &'a mut [Turn<V>],
+    book: Option<&'a mut Book<V>>,
+}
+
+/// The whole force on i.
+#[inline]
+pub(crate) fn total<L: Demands, V: Space>(force: &PairForce<V>) -> V {
+    let smooth = force.elastic + force.drag;
+    if L::SPIN { smooth + force.turning.friction } else { smooth }
+}
+
+/// Adds the torques of a contact on its first (`side` 0) or second member.
+#[inline]
+pub(crate) fn turn<L: Demands, V: Space>(turn: &mut Turn<V>, pair: &Pair<V>, force: &PairForce<V>, side: usize) {
+    let friction = &force.turning;
+    let arm = pair.normal * -friction.arms[side];
+    turn.torque += arm.cross(friction.friction);
+    turn.friction_drag_torque += arm.cross(friction.friction_drag);
+    if side == 0 {
+        turn.friction_drag += friction.friction_drag;
+    } else {
+        turn.friction_drag -= friction.friction_drag;
+    }
+    if L::ROLLING {
+        let (rolling, drag) = if side == 0 {
+            (friction.rolling, friction.rolling_drag)
+        } else {
+            (-friction.rolling, -friction.rolling_drag)
+        };
+        turn.torque += rolling;
+        turn.rolling_drag_torque += drag;
+    }
+}
+
+/// Books what sliding took at one of the two.
+#[inline]
+pub(crate) fn book_losses<L: Demands, V: Space>(turn: &mut Turn<V>, force: &PairForce<V>) {
+    turn.lost_by_sliding += force.turning.lost_by_sliding;
+    if L::ROLLING {
+        turn.lost_by_rolling += force.turning.lost_by_rolling;
+    }
 }

@@ -1,12 +1,14 @@
 //! The linear spring-dashpot along the normal.
 //!
 //! F on i = max(k delta - c v_n, floor) n with v_n = (v_i - v_j).n; k in N/m, c in N s/m by [`Damping`], floor 0 or
-//! -inf by [`Attraction`]. Grains are frictionless: no force along the tangent. Source: Cundall and Strack,
-//! Geotechnique 29, 47, 1979; the normal part of the soft-particle codes and of LAMMPS's `hooke`.
+//! -inf by [`Attraction`]. Source: Cundall and Strack, Geotechnique 29, 47, 1979; the normal part of the soft-particle
+//! codes and of LAMMPS's `hooke`.
 
+use crate::contact::composite::Normal;
 use crate::contact::damping::{Attraction, Damping};
-use crate::contact::{Pair, PairForce, PairLaw};
+use crate::contact::{Bounce, Pair};
 use crate::scene::values::Positive;
+use crate::space::Space;
 
 /// max(k delta - c v_n, floor) n.
 #[derive(Clone, Copy, Debug)]
@@ -40,27 +42,9 @@ impl LinearNormal {
         };
         Self { k, drag, attraction, floor: attraction.floor() }
     }
-}
-
-impl PairLaw for LinearNormal {
-    #[inline]
-    fn force(&self, pair: &Pair) -> PairForce {
-        let spring = self.k * pair.overlap;
-        let v_n = pair.relative_velocity.dot(pair.normal);
-        let total = (spring - self.damping(pair.reduced_mass) * v_n).max(self.floor);
-        PairForce { elastic: spring * pair.normal, drag: (total - spring) * pair.normal }
-    }
-
-    fn elastic_energy(&self, overlap: f64) -> f64 {
-        0.5 * self.k * overlap * overlap
-    }
-
-    fn stiffness(&self) -> f64 {
-        self.k
-    }
 
     #[inline]
-    fn damping(&self, reduced_mass: f64) -> f64 {
+    fn coefficient(&self, reduced_mass: f64) -> f64 {
         match self.drag {
             Drag::Constant(b) => b,
             Drag::PerMass(gamma) => gamma * reduced_mass,
@@ -68,26 +52,69 @@ impl PairLaw for LinearNormal {
         }
     }
 
-    fn contact_duration(&self, reduced_mass: f64) -> f64 {
-        self.attraction.duration(self.damping_ratio(reduced_mass)) / self.frequency(reduced_mass)
+    fn damping_ratio(&self, reduced_mass: f64) -> f64 {
+        self.coefficient(reduced_mass) / (2.0 * (self.k * reduced_mass).sqrt())
+    }
+}
+
+impl Normal for LinearNormal {
+    #[inline]
+    fn spring<V: Space>(&self, pair: &Pair<V>) -> f64 {
+        self.k * pair.overlap
     }
 
-    fn restitution(&self, reduced_mass: f64) -> f64 {
-        self.attraction.restitution(self.damping_ratio(reduced_mass))
+    #[inline]
+    fn drag<V: Space>(&self, pair: &Pair<V>) -> f64 {
+        self.coefficient(pair.reduced_mass)
+    }
+
+    #[inline]
+    fn floor(&self) -> f64 {
+        self.floor
+    }
+
+    fn energy<V: Space>(&self, pair: &Pair<V>) -> f64 {
+        0.5 * self.k * pair.overlap * pair.overlap
+    }
+
+    fn stiffness(&self, _: &Bounce) -> f64 {
+        self.k
+    }
+
+    fn damping(&self, bounce: &Bounce) -> f64 {
+        self.coefficient(bounce.reduced_mass)
+    }
+
+    fn deepest(&self, bounce: &Bounce) -> f64 {
+        bounce.speed * (bounce.reduced_mass / self.k).sqrt()
+    }
+
+    fn contact_duration(&self, bounce: &Bounce) -> f64 {
+        let m = bounce.reduced_mass;
+        self.attraction.duration(self.damping_ratio(m)) * (m / self.k).sqrt()
+    }
+
+    fn restitution(&self, bounce: &Bounce) -> f64 {
+        self.attraction.restitution(self.damping_ratio(bounce.reduced_mass))
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::composite::Composite;
+    use crate::contact::rolling::Free;
+    use crate::contact::tangential::Smooth;
+    use crate::contact::tests::pair;
+    use crate::contact::{Memory, PairForce, PairLaw};
     use crate::scene::values::NonNegative;
     use crate::space::Vector;
 
     fn parting(attraction: Attraction) -> PairForce {
         let damping = Damping::B(NonNegative::try_from(100.0).unwrap());
-        let law = LinearNormal::new(Positive::try_from(1e4).unwrap(), damping, attraction);
-        let relative_velocity = Vector::new(1.0, 7.0);
-        law.force(&Pair { normal: Vector::X, overlap: 1e-3, relative_velocity, reduced_mass: 0.1 })
+        let normal = LinearNormal::new(Positive::try_from(1e4).unwrap(), damping, attraction);
+        let law = Composite { normal, tangential: Smooth, rolling: Free };
+        law.force(&Pair { relative_velocity: Vector::new(1.0, 7.0), ..pair() }, &mut Memory::default())
     }
 
     #[test]
@@ -103,8 +130,9 @@ mod tests {
         let damping = Damping::Restitution(0.5.try_into().unwrap());
         for attraction in [Attraction::Allowed, Attraction::Forbidden] {
             let law = LinearNormal::new(Positive::try_from(1e4).unwrap(), damping, attraction);
-            for mass in [1e-6, 0.08, 40.0] {
-                assert!((law.restitution(mass) - 0.5).abs() < 1e-12);
+            for reduced_mass in [1e-6, 0.08, 40.0] {
+                let bounce = Bounce { reduced_mass, reduced_radius: 0.02, speed: 1.0 };
+                assert!((law.restitution(&bounce) - 0.5).abs() < 1e-12);
             }
         }
     }

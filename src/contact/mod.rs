@@ -1,114 +1,235 @@
-//! Contacts between discs: which pairs touch, what they do to each other, and who sums it.
+//! Contacts between grains, and between grains and walls: which pairs touch, what they do to each other, who sums it.
 //!
-//! Discs i and j touch when |x_ij| < R_i + R_j, with x_ij = x_i - x_j; their overlap is
-//! delta = R_i + R_j - |x_ij|, their normal n = x_ij/|x_ij|, from j to i. What force follows is a [`PairLaw`], one
-//! file a law; [`kernel`] walks the pairs, the same for every law and every neighbour search. Walls obey the same
-//! law with a partner of no curvature and infinite mass ([`crate::walls::surfaces`]).
+//! Grains i and j touch when |x_ij| < R_i + R_j, with x_ij = x_i - x_j; their overlap is
+//! delta = R_i + R_j - |x_ij|, their normal n = x_ij/|x_ij|, from j to i. What follows is a [`PairLaw`], made of
+//! terms with a file each: a normal force ([`assignment`], [`linear`], [`hertz`]), friction ([`tangential`]), rolling
+//! resistance ([`rolling`]), put together in [`composite`] with numbers for each pair of materials ([`table`]).
+//! [`kernel`] walks the pairs, the same for every law and every neighbour search; what a contact remembers is kept in
+//! [`history`]; [`view`] shows the contacts to whoever wants to see them. Walls obey the same law with a partner of no
+//! curvature and infinite mass ([`crate::walls::surfaces`]).
 
 pub mod assignment;
+pub mod composite;
+pub mod config;
 pub mod damping;
 mod forces;
+pub mod hertz;
+pub mod history;
 pub mod kernel;
 pub mod linear;
+pub mod rolling;
+pub mod spring;
 pub mod survey;
+pub mod table;
+pub mod tangential;
+pub mod view;
 
 use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
-use serde::{Deserialize, Serialize};
 
+pub use self::config::Contact;
+pub(crate) use self::forces::memory_step;
 pub use self::forces::{ContactForces, ContactPlugin, LargestOverlap, Law};
-use crate::scene::values::{NonNegative, Positive};
-use crate::space::Vector;
-
-/// The scene's `contact`: which law holds between grains, and between grains and walls.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub enum Contact {
-    /// The assignment's law, [`assignment::Assignment`].
-    Assignment {
-        /// Spring stiffness k, N/m.
-        k: Positive,
-        /// Drag b on the full relative velocity, N s/m.
-        b: NonNegative,
-    },
-    /// The linear spring-dashpot along the normal, [`linear::LinearNormal`].
-    Linear {
-        /// Spring stiffness k_n, N/m.
-        k: Positive,
-        /// Damping of the normal velocity.
-        damping: damping::Damping,
-        /// Whether the normal force may pull.
-        #[serde(default)]
-        attraction: damping::Attraction,
-    },
-}
+use crate::particle::Species;
+use crate::space::{Plane, Space};
 
 /// A touching pair as a law sees it, from the side of i.
 #[derive(Clone, Copy, Debug)]
-pub struct Pair {
+pub struct Pair<V: Space = Plane> {
     /// Unit vector from j to i.
-    pub normal: Vector,
+    pub normal: V,
     /// Overlap, m, positive.
     pub overlap: f64,
-    /// v_i - v_j, m/s.
-    pub relative_velocity: Vector,
+    /// v_i - v_j of the centres, m/s.
+    pub relative_velocity: V,
     /// m_i m_j/(m_i + m_j), kg; m_i against anything fixed.
     pub reduced_mass: f64,
+    /// R_i and R_j, m; R_j is infinite for a flat wall.
+    pub radii: [f64; 2],
+    /// Spins of i and j, rad/s; zero unless the law demands them.
+    pub spins: [V::Spin; 2],
+    /// Materials of i and j; the first unless the law demands them.
+    pub species: [Species; 2],
+    /// By how much time memory advances in this evaluation, s: the step, or 0 for a look.
+    pub dt: f64,
 }
 
-/// The force on i; on j acts its opposite. The total is `elastic + drag`.
-#[derive(Clone, Copy, Debug)]
-pub struct PairForce {
-    /// What [`PairLaw::elastic_energy`] is the potential of, N.
-    pub elastic: Vector,
-    /// The rest, which dissipates, N.
-    pub drag: Vector,
+impl<V: Space> Pair<V> {
+    /// R_i R_j/(R_i + R_j), m; R_i against a flat wall.
+    #[inline]
+    #[must_use]
+    pub fn reduced_radius(&self) -> f64 {
+        let [i, j] = self.radii;
+        if j.is_infinite() { i } else { i * j / (i + j) }
+    }
+
+    /// (v_i - v_j).n, m/s: negative while the two approach.
+    #[inline]
+    #[must_use]
+    pub fn normal_velocity(&self) -> f64 {
+        self.relative_velocity.dot(self.normal)
+    }
+
+    /// Relative velocity of the surfaces in the tangent plane, m/s, with these arms (m) from the centres to the contact:
+    /// v_ij - v_n n - (l_i w_i + l_j w_j) x n.
+    #[inline]
+    #[must_use]
+    pub fn sliding_velocity(&self, arms: [f64; 2]) -> V {
+        let turning = self.spins[0] * arms[0] + self.spins[1] * arms[1];
+        self.relative_velocity - self.normal * self.normal_velocity() - self.normal.turned_by(turning)
+    }
 }
 
-/// A contact law without memory. Odd under the exchange of i and j to the last bit: `force` may use `pair.normal`
-/// and `pair.relative_velocity` only in ways that change sign with both.
-pub trait PairLaw: Send + Sync + 'static {
-    /// The force on i.
-    fn force(&self, pair: &Pair) -> PairForce;
+/// What a contact remembers from step to step, from the side of i. Seen from j, `spring` and `wound` have
+/// the other sign; `rolling` has the same, because relative spin and normal both change theirs.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Memory<V: Space = Plane> {
+    /// Displacement of the tangential spring, m.
+    pub spring: V,
+    /// Displacement of the rolling spring, m.
+    pub rolling: V,
+    /// Tangential stiffness at the last evaluation, N/m, for laws whose stiffness changes; 0 in a new contact.
+    pub stiffness: f64,
+}
 
-    /// Energy stored in an overlap (m), J.
-    fn elastic_energy(&self, overlap: f64) -> f64;
+/// What the pair does to i; on j acts the opposite force. The total is `elastic + drag + friction`.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct PairForce<V: Space = Plane> {
+    /// The normal spring, N.
+    pub elastic: V,
+    /// The normal damping, which dissipates, N.
+    pub drag: V,
+    /// What spinning laws add.
+    pub turning: Turning<V>,
+}
 
-    /// Normal stiffness, N/m, for estimates of time step and overlap.
-    fn stiffness(&self) -> f64;
+/// What friction and rolling resistance do to i. The torques are `-arms[0] n x friction + rolling` on i and
+/// `-arms[1] n x friction - rolling` on j.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Turning<V: Space = Plane> {
+    /// Tangential force, N.
+    pub friction: V,
+    /// The part of it that a dashpot makes, N.
+    pub friction_drag: V,
+    /// Distances from the centres of i and j to where it acts, m.
+    pub arms: [f64; 2],
+    /// Torque of rolling resistance, N m.
+    pub rolling: V::Spin,
+    /// The part of it that a dashpot makes, N m.
+    pub rolling_drag: V::Spin,
+    /// What sliding took in this step, J.
+    pub lost_by_sliding: f64,
+    /// What rolling beyond the cap took in this step, J.
+    pub lost_by_rolling: f64,
+    /// Whether the friction force is at its cap.
+    pub is_sliding: bool,
+}
 
-    /// Normal drag coefficient c for a reduced mass (kg), N s/m, for estimates.
-    fn damping(&self, reduced_mass: f64) -> f64;
+impl<V: Space> PairForce<V> {
+    /// A force along the centres only: spring and damping.
+    #[must_use]
+    pub fn smooth(elastic: V, drag: V) -> Self {
+        Self { elastic, drag, turning: Turning::default() }
+    }
+}
+
+/// A contact law. Odd under the exchange of i and j to the last bit: what is a vector may be made from `pair` only
+/// in ways that change sign with the normal, the relative velocity and the exchange of the two entries of the lists.
+pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
+    /// The force on i; advances the memory by `pair.dt`.
+    fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V>;
+
+    /// Energy stored in a contact, J.
+    fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
+
+    /// Largest friction coefficient, for views and pictures; 0 without friction.
+    fn friction(&self, _pair: &Pair<V>) -> f64 {
+        0.0
+    }
+
+    /// Normal stiffness, N/m, at the deepest point of such a bounce, for estimates of time step and overlap.
+    fn stiffness(&self, bounce: &Bounce) -> f64;
+
+    /// Normal drag coefficient c there, N s/m, for estimates.
+    fn damping(&self, bounce: &Bounce) -> f64;
+
+    /// Largest overlap of an undamped bounce, m.
+    fn deepest(&self, bounce: &Bounce) -> f64 {
+        bounce.speed / self.frequency(bounce)
+    }
 
     /// Duration of a contact, s, for estimates; infinite if it never ends.
-    fn contact_duration(&self, reduced_mass: f64) -> f64;
+    fn contact_duration(&self, bounce: &Bounce) -> f64;
 
     /// Restitution of a head-on bounce, for reports.
-    fn restitution(&self, reduced_mass: f64) -> f64;
+    fn restitution(&self, bounce: &Bounce) -> f64;
+
+    /// How many times stiffer than along the normal a step finds the contact for its stability: the larger of 1 and the
+    /// tangential stiffness with the grain's rotation in it, over the normal one.
+    /// The tangential one counts 1 + m R^2/I times, with I = `inertia_factor` m R^2.
+    fn sideways(&self, _inertia_factor: f64, _bounce: &Bounce) -> f64 {
+        1.0
+    }
 
     /// w0 = sqrt(k/m_eff), 1/s.
-    fn frequency(&self, reduced_mass: f64) -> f64 {
-        (self.stiffness() / reduced_mass).sqrt()
+    fn frequency(&self, bounce: &Bounce) -> f64 {
+        (self.stiffness(bounce) / bounce.reduced_mass).sqrt()
     }
 
     /// zeta = c/(2 sqrt(k m_eff)).
-    fn damping_ratio(&self, reduced_mass: f64) -> f64 {
-        self.damping(reduced_mass) / (2.0 * (self.stiffness() * reduced_mass).sqrt())
+    fn damping_ratio(&self, bounce: &Bounce) -> f64 {
+        self.damping(bounce) / (2.0 * (self.stiffness(bounce) * bounce.reduced_mass).sqrt())
     }
+}
+
+/// A head-on bounce, for estimates: laws that are not linear depend on size and speed.
+#[derive(Clone, Copy, Debug)]
+pub struct Bounce {
+    /// m_i m_j/(m_i + m_j), kg.
+    pub reduced_mass: f64,
+    /// R_i R_j/(R_i + R_j), m.
+    pub reduced_radius: f64,
+    /// Speed of approach, m/s.
+    pub speed: f64,
+}
+
+/// What a law demands of the kernel that is compiled for it; what it does not demand, no scene with it pays for.
+pub trait Demands {
+    /// Spins, and the torques that come with them.
+    const SPIN: bool = false;
+    /// Materials by species.
+    const SPECIES: bool = false;
+    /// [`Memory::spring`].
+    const SPRING: bool = false;
+    /// [`Memory::rolling`].
+    const ROLLING: bool = false;
+    /// [`Memory::stiffness`].
+    const STIFFNESS: bool = false;
+    /// Any memory.
+    const MEMORY: bool = Self::SPRING || Self::ROLLING || Self::STIFFNESS;
 }
 
 /// The law of the scene for passes that are not hot: surveys, estimates, reports.
 #[derive(Resource, Clone)]
-pub struct AnyLaw(pub Arc<dyn PairLaw>);
+pub struct AnyLaw<V: Space = Plane>(pub Arc<dyn PairLaw<V>>);
 
-impl Contact {
-    /// The law, for passes that are not hot.
-    #[must_use]
-    pub fn law(&self) -> Arc<dyn PairLaw> {
-        match *self {
-            Self::Assignment { k, b } => Arc::new(assignment::Assignment::new(k, b)),
-            Self::Linear { k, damping, attraction } => Arc::new(linear::LinearNormal::new(k, damping, attraction)),
+#[cfg(test)]
+pub(crate) mod tests {
+    use super::*;
+    use crate::space::Vector;
+
+    /// Two equal grains of 4 cm that touch along x, at rest.
+    pub(crate) fn pair() -> Pair {
+        Pair {
+            normal: Vector::X,
+            overlap: 1e-3,
+            relative_velocity: Vector::ZERO,
+            reduced_mass: 0.1,
+            radii: [0.04, 0.04],
+            spins: [0.0, 0.0],
+            species: [Species(0); 2],
+            dt: 1e-4,
         }
     }
 }

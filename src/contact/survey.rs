@@ -1,13 +1,18 @@
-//! A survey of the contacts as they stand: for measurements and books, not for the hot loop.
+//! A survey of the contacts as they stand: for measurements, books and pictures, not for the hot loop.
 //!
-//! It looks at the positions of the columns with the neighbour search of the last force pass, so it is right at
-//! any time between that pass and the next renumbering.
+//! It looks at the positions of the columns with the neighbour search of the last force pass, and at what contacts
+//! remembered after it, so it is right at any time between that pass and the next renumbering.
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 
 use crate::columns::Columns;
-use crate::contact::kernel::{self, Partners};
-use crate::contact::{Pair, PairLaw};
-use crate::neighbours::{Method, Search};
-use crate::walls::surfaces::{self, Surface};
+use crate::contact::history::History;
+use crate::contact::{AnyLaw, Memory, Pair, PairLaw, kernel};
+use crate::neighbours::Search;
+use crate::periodic::{Metric, Open};
+use crate::space::{Plane, Space};
+use crate::walls::surfaces::{self, FlatWall, Surfaces};
 
 /// Who is touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -18,50 +23,104 @@ pub enum Partner {
     Wall(usize),
 }
 
-/// Calls `visit` once for each contact, with the index of one particle, its partner, and the pair from its side.
-pub fn contacts(columns: &Columns, search: &Search, walls: &[Surface], mut visit: impl FnMut(usize, Partner, &Pair)) {
-    match &search.method {
-        Method::AllPairs(partners) => pairs(columns, partners, &mut visit),
-        Method::Cells(partners) => pairs(columns, partners, &mut visit),
-        Method::VerletList(partners) => pairs(columns, partners, &mut visit),
-    }
-    for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
-        for (index, wall) in walls.iter().enumerate() {
-            if let Some(pair) = surfaces::touching(columns, i, wall) {
-                visit(i, Partner::Wall(index), &pair);
-            }
+/// What a system needs for a survey.
+#[derive(SystemParam)]
+pub struct Scenery<'w, V: Space = Plane> {
+    columns: Res<'w, Columns<V>>,
+    search: Res<'w, Search<V>>,
+    walls: Res<'w, Surfaces<V>>,
+    law: Res<'w, AnyLaw<V>>,
+    history: Res<'w, History<V>>,
+}
+
+impl<V: Space> Scenery<'_, V> {
+    /// The survey.
+    #[must_use]
+    pub fn survey(&self) -> Survey<'_, V> {
+        Survey {
+            columns: &self.columns,
+            search: &self.search,
+            walls: &self.walls.0,
+            law: &*self.law.0,
+            history: &self.history,
         }
     }
 }
 
-fn pairs(columns: &Columns, partners: &impl Partners, visit: &mut impl FnMut(usize, Partner, &Pair)) {
-    let mut scratch = Vec::new();
-    for i in 0..columns.movable_end {
-        for &j in partners.of(columns, i, &mut scratch) {
-            let j = j as usize;
-            // A full search offers each pair from both sides.
-            if j > i
-                && let Some(pair) = kernel::touching(columns, i, j)
-            {
-                visit(i, Partner::Particle(j), &pair);
+/// Everything that contacts depend on.
+#[derive(Clone, Copy)]
+pub struct Survey<'a, V: Space = Plane> {
+    /// Particles.
+    pub columns: &'a Columns<V>,
+    /// Candidates.
+    pub search: &'a Search<V>,
+    /// Flat walls.
+    pub walls: &'a [FlatWall<V>],
+    /// The law.
+    pub law: &'a dyn PairLaw<V>,
+    /// What contacts remember.
+    pub history: &'a History<V>,
+}
+
+impl<'a, V: Space> Survey<'a, V> {
+    /// The survey of a world.
+    #[must_use]
+    pub fn of_world(world: &'a World) -> Self {
+        Self {
+            columns: world.resource(),
+            search: world.resource(),
+            walls: &world.resource::<Surfaces<V>>().0,
+            law: &*world.resource::<AnyLaw<V>>().0,
+            history: world.resource(),
+        }
+    }
+
+    /// Calls `visit` once for each contact: with the index of one particle, its partner, and the pair and its memory as
+    /// seen from that particle. Between particles the first is the one with the lower id.
+    pub fn contacts(&self, mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>)) {
+        match self.columns.periodic {
+            None => self.pairs(&Open, &mut visit),
+            Some(periodic) => self.pairs(&periodic, &mut visit),
+        }
+        let columns = self.columns;
+        for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
+            for (index, wall) in self.walls.iter().enumerate() {
+                if let Some(mut pair) = surfaces::touching(columns, i, wall, 0.0) {
+                    pair.spins[0] = columns.spin.get(i).copied().unwrap_or_default();
+                    pair.species[0] = columns.species[i];
+                    let memory = self.history.of_wall(i, index).unwrap_or_default();
+                    visit(i, Partner::Wall(index), &pair, &memory);
+                }
             }
         }
     }
-}
 
-/// Elastic energy of all contacts that `counts` accepts, J.
-pub fn elastic_energy(
-    columns: &Columns,
-    search: &Search,
-    walls: &[Surface],
-    law: &dyn PairLaw,
-    counts: impl Fn(usize, Partner) -> bool,
-) -> f64 {
-    let mut energy = 0.0;
-    contacts(columns, search, walls, |i, partner, pair| {
-        if counts(i, partner) {
-            energy += law.elastic_energy(pair.overlap);
+    fn pairs(&self, metric: &impl Metric<V>, visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>)) {
+        let (columns, partners, mut scratch) = (self.columns, self.search.partners(), Vec::new());
+        for i in 0..columns.movable_end {
+            for &j in partners.of(columns, i, &mut scratch) {
+                let j = j as usize;
+                // A full search offers each pair from both sides.
+                if j > i
+                    && let Some(mut pair) = kernel::touching(metric, columns, i, j, 0.0)
+                {
+                    pair.spins = [i, j].map(|k| columns.spin.get(k).copied().unwrap_or_default());
+                    pair.species = [i, j].map(|k| columns.species[k]);
+                    let memory = self.history.of_pair(i, j).unwrap_or_default();
+                    visit(i, Partner::Particle(j), &pair, &memory);
+                }
+            }
         }
-    });
-    energy
+    }
+
+    /// Elastic energy of all contacts that `counts` accepts, J.
+    pub fn elastic_energy(&self, counts: impl Fn(usize, Partner) -> bool) -> f64 {
+        let mut energy = 0.0;
+        self.contacts(|i, partner, pair, memory| {
+            if counts(i, partner) {
+                energy += self.law.elastic_energy(pair, memory);
+            }
+        });
+        energy
+    }
 }

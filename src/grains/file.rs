@@ -1,9 +1,10 @@
 //! Grain files: CSV with one grain a row, read by the scene's `grains` and written as `state.csv`.
 //!
-//! Columns, found by name: `id` (whole, unique), `radius` (m), `mass` (kg), `x`, `y` (m), `vx`, `vy` (m/s), and, if
-//! wanted, `species` (whole, default 0). Files of programs in three dimensions are accepted as they are if `z`, `vz`,
-//! `wx`, `wy` and `wz` are zero throughout. Numbers are written with as many digits as they need to be read back to
-//! the same bits.
+//! Columns, found by name: `id` (whole, unique), `radius` (m), `mass` (kg), `x`, `y` (m), `vx`, `vy` (m/s), in solid space
+//! `z` and `vz` as well; and, if wanted, `species` (whole, default 0) and the spin (rad/s, default 0), `wz` in the plane,
+//! `wx`, `wy` and `wz` in space. A planar scene accepts the other columns of solid space if they are zero throughout, and
+//! one without friction those of the spin. Numbers are written with as many digits as they need to be read back to the
+//! same bits.
 
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -15,7 +16,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::fault::Fault;
 use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
-use crate::space::Vector;
+use crate::space::{Dimension, Linear, Solid, Space};
+use crate::spin::Spin;
 
 /// The scene's `grains`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -34,10 +36,12 @@ pub struct GrainRow {
     pub radius: f64,
     /// Mass, kg.
     pub mass: f64,
-    /// Centre, m.
-    pub position: Vector,
+    /// Centre, m; in the plane, z is 0.
+    pub position: Solid,
     /// Velocity, m/s.
-    pub velocity: Vector,
+    pub velocity: Solid,
+    /// Spin, rad/s; in the plane, along z.
+    pub spin: Solid,
     /// Kind.
     pub species: Species,
 }
@@ -45,13 +49,13 @@ pub struct GrainRow {
 impl GrainRow {
     /// The grain as an entity's components; its force is evaluated in step zero.
     #[must_use]
-    pub fn bundle(&self) -> GrainBundle {
+    pub fn bundle<V: Space>(&self) -> GrainBundle<V> {
         GrainBundle {
             particle: Particle {
                 id: self.id,
-                position: Position(self.position),
-                velocity: Velocity(self.velocity),
-                force: Force::default(),
+                position: Position(V::narrow(self.position)),
+                velocity: Velocity(V::narrow(self.velocity)),
+                force: Force(V::ZERO),
                 radius: Radius(self.radius),
             },
             mass: Mass(self.mass),
@@ -61,22 +65,52 @@ impl GrainRow {
     }
 }
 
-const NEEDED: [&str; 7] = ["id", "radius", "mass", "x", "y", "vx", "vy"];
-const MUST_BE_ZERO: [&str; 5] = ["z", "vz", "wx", "wy", "wz"];
+const ALWAYS: [&str; 7] = ["id", "radius", "mass", "x", "y", "vx", "vy"];
+const IN_SPACE: [&str; 2] = ["z", "vz"];
+const SPIN: [&str; 3] = ["wx", "wy", "wz"];
+
+/// What the scene has, and so what a file may have.
+#[derive(Clone, Copy, Debug)]
+pub struct Kind {
+    /// Plane or solid.
+    pub dimension: Dimension,
+    /// Whether grains spin.
+    pub spins: bool,
+}
+
+impl Kind {
+    fn is_solid(self) -> bool {
+        self.dimension == Dimension::Solid
+    }
+
+    fn needed(self) -> impl Iterator<Item = &'static str> {
+        ALWAYS.into_iter().chain(IN_SPACE.into_iter().filter(move |_| self.is_solid()))
+    }
+
+    /// Columns that may be there, but say nothing.
+    fn must_be_zero(self, column: &str) -> bool {
+        match column {
+            "z" | "vz" => !self.is_solid(),
+            "wx" | "wy" => !(self.is_solid() && self.spins),
+            "wz" => !self.spins,
+            _ => false,
+        }
+    }
+}
 
 /// Reads a grain file's text. `name` is the file's name in messages.
 ///
 /// # Errors
 /// If a column is missing or unknown, or a value not in range; the fault points at line and column.
-pub fn parse(name: &str, text: &str) -> Result<Vec<GrainRow>, Fault> {
+pub fn parse(name: &str, text: &str, kind: Kind) -> Result<Vec<GrainRow>, Fault> {
     let mut reader = ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
     let header = reader.headers().map_err(|error| broken(name, text, &error))?.clone();
-    check_header(name, text, &header)?;
+    check_header(name, text, &header, kind)?;
     let mut seen = BTreeSet::new();
     let mut rows = Vec::new();
     for record in reader.records() {
         let record = record.map_err(|error| broken(name, text, &error))?;
-        let line = Line { name, text, header: &header, record: &record };
+        let line = Line { name, text, header: &header, record: &record, kind };
         let row = line.grain()?;
         if !seen.insert(row.id) {
             return Err(line.fault(
@@ -90,16 +124,19 @@ pub fn parse(name: &str, text: &str) -> Result<Vec<GrainRow>, Fault> {
     Ok(rows)
 }
 
-fn check_header(name: &str, text: &str, header: &StringRecord) -> Result<(), Fault> {
+fn check_header(name: &str, text: &str, header: &StringRecord, kind: Kind) -> Result<(), Fault> {
     let first_line = 0..text.find('\n').unwrap_or(text.len());
     let fault = |code, message: String| {
-        let help = format!("the columns are {} and, if wanted, species", NEEDED.join(", "));
+        let needed: Vec<_> = kind.needed().collect();
+        let help = format!("the columns are {} and, if wanted, species, wx, wy, wz", needed.join(", "));
         Err(Fault::new(code, message).help(help).at(name, text, first_line.clone()))
     };
-    if let Some(missing) = NEEDED.iter().find(|&&column| !header.iter().any(|found| found == column)) {
+    if let Some(missing) = kind.needed().find(|&column| !header.iter().any(|found| found == column)) {
         return fault("grain_file::missing_column", format!("the column `{missing}` is missing"));
     }
-    let known = |column: &str| NEEDED.contains(&column) || MUST_BE_ZERO.contains(&column) || column == "species";
+    let known = |column: &str| {
+        ALWAYS.contains(&column) || IN_SPACE.contains(&column) || SPIN.contains(&column) || column == "species"
+    };
     if let Some(unknown) = header.iter().find(|column| !known(column)) {
         return fault("grain_file::unknown_column", format!("there is no column `{unknown}`"));
     }
@@ -120,6 +157,7 @@ struct Line<'a> {
     text: &'a str,
     header: &'a StringRecord,
     record: &'a StringRecord,
+    kind: Kind,
 }
 
 impl Line<'_> {
@@ -159,9 +197,11 @@ impl Line<'_> {
             let message = format!("expected a whole number from 0 to {}, got `{found}`", GrainId::MAX_GRAIN);
             self.fault("grain_file::value", "id", message)
         })?;
-        for column in MUST_BE_ZERO.into_iter().filter(|&column| self.value(column).is_some()) {
-            self.number(column, |x| x == 0.0, "0, for scenes are planar and grains do not spin")?;
+        let has = |column: &str| self.value(column).is_some();
+        for column in IN_SPACE.into_iter().chain(SPIN).filter(|column| self.kind.must_be_zero(column) && has(column)) {
+            self.number(column, |x| x == 0.0, "0, for this scene is planar or its grains do not spin")?;
         }
+        let or_zero = |column: &'static str| if has(column) { any(column) } else { Ok(0.0) };
         let species = match self.value("species") {
             None => 0,
             Some(found) => found.parse().map_err(|_| {
@@ -173,24 +213,47 @@ impl Line<'_> {
             id,
             radius: positive("radius")?,
             mass: positive("mass")?,
-            position: Vector::new(any("x")?, any("y")?),
-            velocity: Vector::new(any("vx")?, any("vy")?),
+            position: Solid::new(any("x")?, any("y")?, or_zero("z")?),
+            velocity: Solid::new(any("vx")?, any("vy")?, or_zero("vz")?),
+            spin: Solid::new(or_zero("wx")?, or_zero("wy")?, or_zero("wz")?),
             species: Species(species),
         })
     }
 }
 
 /// The grains of a world as such a file, in ascending order of id.
-pub fn write(world: &mut World) -> String {
-    type Row<'a> = (&'a GrainId, &'a Radius, &'a Mass, &'a Position, &'a Velocity, &'a Species);
-    let mut grains = world.query_filtered::<Row, With<Grain>>();
+pub fn write<V: Space>(world: &mut World) -> String {
+    type Row<'a, V> = (
+        &'a GrainId,
+        &'a Radius,
+        &'a Mass,
+        &'a Position<V>,
+        &'a Velocity<V>,
+        &'a Species,
+        Option<&'a Spin<<V as Space>::Spin>>,
+    );
+    let mut grains = world.query_filtered::<Row<V>, With<Grain>>();
     let mut rows: Vec<_> = grains.iter(world).collect();
     rows.sort_unstable_by_key(|row| *row.0);
-    let mut text = "id,radius,mass,x,y,vx,vy,species\n".to_owned();
-    for (id, radius, mass, x, v, species) in rows {
-        let (x, v) = (x.0, v.0);
+    let is_solid = V::DIMENSION == Dimension::Solid;
+    let mut text = if is_solid { "id,radius,mass,x,y,z,vx,vy,vz,species" } else { "id,radius,mass,x,y,vx,vy,species" }.to_owned();
+    let spins = rows.iter().any(|row| row.6.is_some());
+    if spins {
+        text += if is_solid { ",wx,wy,wz" } else { ",wz" };
+    }
+    text.push('\n');
+    for (id, radius, mass, x, v, species, spin) in rows {
         // Writing to a string cannot fail.
-        let _ = writeln!(text, "{},{},{},{},{},{},{},{}", id.number(), radius.0, mass.0, x.x, x.y, v.x, v.y, species.0);
+        let _ = write!(text, "{},{},{}", id.number(), radius.0, mass.0);
+        for number in x.0.components().into_iter().chain(v.0.components()) {
+            let _ = write!(text, ",{number}");
+        }
+        let _ = write!(text, ",{}", species.0);
+        let spin = spin.map_or(Solid::ZERO, |spin| spin.0.spread());
+        for number in spin.to_array().into_iter().skip(if is_solid { 0 } else { 2 }).filter(|_| spins) {
+            let _ = write!(text, ",{number}");
+        }
+        text.push('\n');
     }
     text
 }
@@ -198,16 +261,31 @@ pub fn write(world: &mut World) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::space::Plane;
+
+    const PLANE: Kind = Kind { dimension: Dimension::Plane, spins: false };
 
     #[test]
     fn what_is_written_is_read_back_to_the_same_bits() {
         let text =
             "id,radius,mass,x,y,vx,vy,species\n1,0.1,0.3,0.30000000000000004,-1e-300,5e-324,-0,0\n7,1,2,3,4,5,6,255\n";
         let mut world = World::new();
-        world.spawn_batch(parse("a.csv", text).unwrap().iter().rev().map(GrainRow::bundle).collect::<Vec<_>>());
-        let again = parse("b.csv", &write(&mut world)).unwrap();
-        assert_eq!(again, parse("a.csv", text).unwrap());
+        let rows = parse("a.csv", text, PLANE).unwrap();
+        world.spawn_batch(rows.iter().rev().map(GrainRow::bundle::<Plane>).collect::<Vec<_>>());
+        let again = parse("b.csv", &write::<Plane>(&mut world), PLANE).unwrap();
+        assert_eq!(again, rows);
         assert!(again[0].velocity.y.is_sign_negative());
+    }
+
+    #[test]
+    fn so_are_spinning_spheres() {
+        let kind = Kind { dimension: Dimension::Solid, spins: true };
+        let text = "id,radius,mass,x,y,z,vx,vy,vz,species,wx,wy,wz\n4,0.1,0.3,1,2,3,4,5,6,1,7,8,0.1\n";
+        let mut world = World::new();
+        for row in parse("a.csv", text, kind).unwrap() {
+            world.spawn((row.bundle::<Solid>(), Spin(row.spin)));
+        }
+        assert_eq!(write::<Solid>(&mut world), text);
     }
 
     #[test]
@@ -223,8 +301,12 @@ mod tests {
             ("id,radius,mass,x,y,vx,vy\n3,1,1,0,0,0,0\n3,1,1,9,0,0,0\n", "grain_file::duplicate_id", (3, 1)),
         ];
         for (text, code, place) in cases {
-            let fault = parse("bad.csv", text).unwrap_err();
+            let fault = parse("bad.csv", text, PLANE).unwrap_err();
             assert_eq!((fault.code(), fault.line_and_column()), (code, Some(place)), "{text:?}: {fault}");
         }
+        let spinning = Kind { spins: true, ..PLANE };
+        assert!(parse("good.csv", cases[6].0, spinning).is_ok());
+        let solid = Kind { dimension: Dimension::Solid, ..PLANE };
+        assert_eq!(parse("flat.csv", cases[7].0, solid).unwrap_err().code(), "grain_file::missing_column");
     }
 }

@@ -6,11 +6,13 @@
 //! After `release_timeout` of waiting the run ends with the reason. Jitter and radius of a grain depend only on
 //! the seed and the grain's number.
 
+use std::marker::PhantomData;
+
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::BeforeRenumbering;
+use crate::columns::{BeforeRenumbering, Columns};
 use crate::grains::mass::MassLaw;
 use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
@@ -18,7 +20,7 @@ use crate::outcome::{Failure, Outcome};
 use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use crate::random::Stream;
 use crate::scene::values::{FiniteVector, NonNegative, Positive, Share};
-use crate::space::Vector;
+use crate::space::{Space};
 use crate::step::{Clock, Phase, Step};
 use crate::walls::surfaces::Surfaces;
 
@@ -28,9 +30,9 @@ use crate::walls::surfaces::Surfaces;
 pub struct Spawner {
     /// Where grains are released, m.
     pub point: FiniteVector,
-    /// Half-widths of the uniform jitter of the release point, m. Default (0, 0): one exact column.
-    #[serde(default = "no_jitter")]
-    pub jitter: FiniteVector,
+    /// Half-widths of the uniform jitter of the release point, m. Default none: one exact column.
+    #[serde(default)]
+    pub jitter: Option<FiniteVector>,
     /// Velocity at release, m/s.
     pub velocity: FiniteVector,
     /// Time between releases, s.
@@ -56,10 +58,6 @@ pub enum RadiusLaw {
     Uniform(Positive, Positive),
 }
 
-fn no_jitter() -> FiniteVector {
-    FiniteVector::try_from((0.0, 0.0)).expect("zero is finite")
-}
-
 fn patience() -> NonNegative {
     NonNegative::try_from(10.0).expect("ten is positive")
 }
@@ -79,7 +77,7 @@ impl RadiusLaw {
     }
 
     /// How many of `count` grains each size of a mixture gets: shares rounded, the last size takes the rest.
-    fn quotas(&self, count: u32) -> Vec<u32> {
+    pub(super) fn quotas(&self, count: u32) -> Vec<u32> {
         let Self::Mixture(sizes) = self else { return Vec::new() };
         let mut left = count;
         let mut quotas: Vec<u32> = sizes
@@ -102,7 +100,7 @@ impl RadiusLaw {
     }
 
     /// Radius (m) and species of a grain from its random number; `quotas` are what is left of each size.
-    fn choose(&self, u: f64, quotas: &mut [u32]) -> (f64, Species) {
+    pub(super) fn choose(&self, u: f64, quotas: &mut [u32]) -> (f64, Species) {
         match self {
             Self::Fixed(radius) => (radius.get(), Species(0)),
             Self::Uniform(a, b) => (a.get() + u * (b.get() - a.get()), Species(0)),
@@ -137,7 +135,7 @@ pub struct ReleaseDelays {
 }
 
 #[derive(Resource)]
-struct SpawnerState {
+struct SpawnerState<V: Space> {
     config: Spawner,
     mass: MassLaw,
     random: Stream,
@@ -145,25 +143,28 @@ struct SpawnerState {
     next_id: u32,
     due: f64,
     is_blocked: bool,
-    waiting: Option<Candidate>,
+    waiting: Option<Candidate<V>>,
 }
 
 #[derive(Clone, Copy)]
-struct Candidate {
+struct Candidate<V> {
     id: GrainId,
-    position: Vector,
+    position: V,
     radius: f64,
     species: Species,
 }
 
-impl SpawnerState {
-    fn candidate(&mut self) -> Option<Candidate> {
+impl<V: Space> SpawnerState<V> {
+    fn candidate(&mut self) -> Option<Candidate<V>> {
         if self.waiting.is_none() {
             let id = GrainId::grain(self.next_id)?;
-            let [u, jx, jy] = self.random.uniform(u64::from(self.next_id));
+            let [u, share @ ..] = self.random.uniform::<4>(u64::from(self.next_id));
             let (radius, species) = self.config.radius.choose(u, &mut self.quotas);
-            let jitter = self.config.jitter.get() * Vector::new(2.0 * jx - 1.0, 2.0 * jy - 1.0);
-            let position = self.config.point.get() + jitter;
+            let half_widths = self.config.jitter.map_or(V::ZERO, FiniteVector::get);
+            let mut position = self.config.point.get::<V>();
+            for (axis, share) in share.into_iter().enumerate().take(V::COMPONENTS) {
+                position = position.with_axis(axis, position.axis(axis) + half_widths.axis(axis) * (2.0 * share - 1.0));
+            }
             self.waiting = Some(Candidate { id, position, radius, species });
         }
         self.waiting
@@ -171,19 +172,19 @@ impl SpawnerState {
 }
 
 #[expect(clippy::too_many_arguments, reason = "what a release touches")]
-fn release(
+fn release<V: Space>(
     mut commands: Commands,
-    mut state: ResMut<SpawnerState>,
+    mut state: ResMut<SpawnerState<V>>,
     mut pending: ResMut<Pending>,
     mut delays: ResMut<ReleaseDelays>,
     mut outcome: ResMut<Outcome>,
     mut released: MessageWriter<GrainReleased>,
-    (clock, gravity, walls): (Res<Clock>, Res<Gravity>, Res<Surfaces>),
-    particles: Query<(&GrainId, &Position, &Radius)>,
+    (clock, gravity, walls, columns): (Res<Clock>, Res<Gravity<V>>, Res<Surfaces<V>>, Res<Columns<V>>),
+    particles: Query<(&GrainId, &Position<V>, &Radius)>,
 ) {
     let Some(grain) = state.candidate() else { return };
     let waited = clock.time() - state.due;
-    if let Some(blocker) = blocker(&grain, &particles, &walls) {
+    if let Some(blocker) = blocker(&grain, &particles, &walls, &columns) {
         state.is_blocked = true;
         if waited > state.config.release_timeout.get() {
             outcome.fail(Failure::ReleaseBlocked { step: clock.steps, grain: grain.id, waited_s: waited, blocker });
@@ -207,7 +208,7 @@ fn release(
             id: grain.id,
             position: Position(grain.position),
             velocity: Velocity(state.config.velocity.get()),
-            force: Force(mass * gravity.0),
+            force: Force(gravity.0 * mass),
             radius: Radius(grain.radius),
         },
         mass: Mass(mass),
@@ -224,22 +225,27 @@ fn release(
     state.is_blocked = false;
 }
 
-fn blocker(grain: &Candidate, particles: &Query<(&GrainId, &Position, &Radius)>, walls: &Surfaces) -> Option<String> {
+fn blocker<V: Space>(
+    grain: &Candidate<V>,
+    particles: &Query<(&GrainId, &Position<V>, &Radius)>,
+    walls: &Surfaces<V>,
+    columns: &Columns<V>,
+) -> Option<String> {
     for (id, x, radius) in particles {
-        if x.0.distance(grain.position) < radius.0 + grain.radius {
+        if columns.separation(x.0, grain.position).length() < radius.0 + grain.radius {
             return Some(id.to_string());
         }
     }
-    let wall = walls.0.iter().position(|wall| wall.distance(grain.position).0 < grain.radius)?;
+    let wall = walls.0.iter().position(|wall| wall.surface.distance(grain.position).0 < grain.radius)?;
     Some(format!("flat wall {} of the scene", wall + 1))
 }
 
-fn release_due(clock: Res<Clock>, state: Res<SpawnerState>, pending: Res<Pending>) -> bool {
+fn release_due<V: Space>(clock: Res<Clock>, state: Res<SpawnerState<V>>, pending: Res<Pending>) -> bool {
     pending.0 > 0 && clock.has_reached(state.due)
 }
 
 /// A spawner whose grains get ids from `first_id` on.
-pub struct SpawnerPlugin {
+pub struct SpawnerPlugin<V: Space> {
     /// What the scene says.
     pub config: Spawner,
     /// How heavy grains are.
@@ -248,13 +254,15 @@ pub struct SpawnerPlugin {
     pub seed: u64,
     /// Id of the first grain.
     pub first_id: u32,
+    /// Where.
+    pub space: PhantomData<V>,
 }
 
-impl Plugin for SpawnerPlugin {
+impl<V: Space> Plugin for SpawnerPlugin<V> {
     fn build(&self, app: &mut App) {
         app.world_mut().resource_mut::<Pending>().0 += self.config.count;
         app.init_resource::<ReleaseDelays>()
-            .insert_resource(SpawnerState {
+            .insert_resource(SpawnerState::<V> {
                 config: self.config.clone(),
                 mass: self.mass,
                 random: Stream::new(self.seed, "spawner"),
@@ -264,7 +272,7 @@ impl Plugin for SpawnerPlugin {
                 is_blocked: false,
                 waiting: None,
             })
-            .add_systems(Step, release.in_set(Phase::Spawn).before(BeforeRenumbering).run_if(release_due));
+            .add_systems(Step, release::<V>.in_set(Phase::Spawn).before(BeforeRenumbering).run_if(release_due::<V>));
     }
 }
 

@@ -7,17 +7,21 @@ use bevy_app::App;
 use bevy_ecs::prelude::*;
 
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
-use crate::step::{Clock, ClockAdvanced, Phase, Step};
+use crate::space::Space;
+use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
 
-fn euler_step(clock: Res<Clock>, mut grains: Query<(&mut Position, &mut Velocity, &Force, &Mass), Without<Fixed>>) {
+fn euler_step<V: Space>(
+    clock: Res<Clock>,
+    mut grains: Query<(&mut Position<V>, &mut Velocity<V>, &Force<V>, &Mass), Without<Fixed>>,
+) {
     let dt = clock.dt;
     for (mut x, mut v, force, mass) in &mut grains {
         let v = &mut v.bypass_change_detection().0;
-        x.bypass_change_detection().0 += dt * *v;
-        *v += dt / mass.0 * force.0;
+        x.bypass_change_detection().0 += *v * dt;
+        *v += force.0 * (dt / mass.0);
     }
 }
 
-pub(super) fn add(app: &mut App) {
-    app.add_systems(Step, euler_step.in_set(Phase::Drift).after(ClockAdvanced));
+pub(super) fn add<V: Space>(app: &mut App) {
+    app.add_systems(Step, euler_step::<V>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
 }

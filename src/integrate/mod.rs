@@ -3,8 +3,12 @@
 mod explicit_euler;
 mod verlet;
 
+use std::marker::PhantomData;
+
 use bevy_app::{App, Plugin};
 use serde::{Deserialize, Serialize};
+
+use crate::space::Space;
 
 /// The scene's `integrator`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
@@ -18,13 +22,13 @@ pub enum Integrator {
 }
 
 /// The integrator of a scene.
-pub struct IntegratorPlugin(pub Integrator);
+pub struct IntegratorPlugin<V: Space>(pub Integrator, pub PhantomData<V>);
 
-impl Plugin for IntegratorPlugin {
+impl<V: Space> Plugin for IntegratorPlugin<V> {
     fn build(&self, app: &mut App) {
         match self.0 {
-            Integrator::Verlet => verlet::add(app),
-            Integrator::ExplicitEuler => explicit_euler::add(app),
+            Integrator::Verlet => verlet::add::<V>(app),
+            Integrator::ExplicitEuler => explicit_euler::add::<V>(app),
         }
     }
 }

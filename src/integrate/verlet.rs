@@ -16,33 +16,40 @@ use bevy_ecs::prelude::*;
 
 use crate::columns::{DENSE, GatheredVelocities};
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
-use crate::step::{Clock, ClockAdvanced, Phase, Step};
+use crate::space::Space;
+use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
 
 type Movable = Without<Fixed>;
 
-fn drift(clock: Res<Clock>, mut grains: Query<(&mut Position, &mut Velocity, &Force, &Mass), Movable>) {
+fn drift<V: Space>(
+    clock: Res<Clock>,
+    mut grains: Query<(&mut Position<V>, &mut Velocity<V>, &Force<V>, &Mass), Movable>,
+) {
     let dt = clock.dt;
     for (mut x, mut v, force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
         let columns = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection());
         for ((x, v), (force, mass)) in columns.zip(force.iter().zip(mass.iter())) {
-            v.0 += 0.5 * dt / mass.0 * force.0;
-            x.0 += dt * v.0;
+            v.0 += force.0 * (0.5 * dt / mass.0);
+            x.0 += v.0 * dt;
         }
     }
 }
 
-fn kick(clock: Res<Clock>, mut grains: Query<(&mut Velocity, &Force, &Mass), Movable>) {
+fn kick<V: Space>(clock: Res<Clock>, mut grains: Query<(&mut Velocity<V>, &Force<V>, &Mass), Movable>) {
     let dt = clock.dt;
     for (mut v, force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
         for (v, (force, mass)) in v.bypass_change_detection().iter_mut().zip(force.iter().zip(mass.iter())) {
-            v.0 += 0.5 * dt / mass.0 * force.0;
+            v.0 += force.0 * (0.5 * dt / mass.0);
         }
     }
 }
 
-pub(super) fn add(app: &mut App) {
+pub(super) fn add<V: Space>(app: &mut App) {
     app.add_systems(
         Step,
-        (drift.in_set(Phase::Drift).after(ClockAdvanced), kick.in_set(Phase::Kick).before(GatheredVelocities)),
+        (
+            drift::<V>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced),
+            kick::<V>.in_set(Phase::Kick).before(GatheredVelocities),
+        ),
     );
 }

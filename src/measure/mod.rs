@@ -2,6 +2,7 @@
 
 pub mod bed;
 pub mod discharge;
+pub mod profile;
 pub mod totals;
 
 use std::marker::PhantomData;

@@ -7,20 +7,20 @@
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::columns::Columns;
-use crate::contact::survey::{self, Partner};
-use crate::contact::{PairLaw, kernel::OverlapRatio};
-use crate::neighbours::Search;
-use crate::space::Vector;
-use crate::walls::surfaces::Surface;
+use crate::contact::kernel::OverlapRatio;
+use crate::contact::survey::{Partner, Survey};
+use crate::gravity::Gravity;
+use crate::space::{Dimension, Plane, Solid, Space};
 
 /// What is measured, SI.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Totals {
     /// Movable grains in the world.
     pub grains: usize,
-    /// Kinetic energy, J.
+    /// Kinetic energy of translation, J.
     pub kinetic: f64,
+    /// Kinetic energy of rotation, J.
+    pub rotational: f64,
     /// Gravitational energy, J.
     pub potential: f64,
     /// Elastic energy of contacts, J.
@@ -36,17 +36,19 @@ pub struct Totals {
 impl Totals {
     /// Measures the state in `columns`.
     #[must_use]
-    pub fn measure(columns: &Columns, search: &Search, walls: &[Surface], law: &dyn PairLaw, gravity: Vector) -> Self {
+    pub fn measure<V: Space>(survey: &Survey<V>, gravity: V) -> Self {
+        let columns = survey.columns;
         let mut totals = Self::default();
         for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
             totals.grains += 1;
             totals.kinetic += columns.kinetic_energy(i);
+            totals.rotational += columns.rotational_energy(i);
             totals.potential -= columns.mass[i] * gravity.dot(columns.body[i].position);
             totals.largest_speed = totals.largest_speed.max(columns.body[i].velocity.length());
         }
         let (mut largest, mut ends) = (OverlapRatio::default(), 0u32);
-        survey::contacts(columns, search, walls, |i, partner, pair| {
-            totals.elastic += law.elastic_energy(pair.overlap);
+        survey.contacts(|i, partner, pair, memory| {
+            totals.elastic += survey.law.elastic_energy(pair, memory);
             let (radius, other_is_grain) = match partner {
                 Partner::Particle(j) => (columns.body[i].radius.min(columns.body[j].radius), !columns.is_fixed(j)),
                 Partner::Wall(_) => (columns.body[i].radius, false),
@@ -61,23 +63,21 @@ impl Totals {
         totals
     }
 
-    /// Kinetic, gravitational and elastic energy together, J.
+    /// Kinetic, rotational, gravitational and elastic energy together, J.
     #[must_use]
     pub fn energy(&self) -> f64 {
-        self.kinetic + self.potential + self.elastic
+        self.kinetic + self.rotational + self.potential + self.elastic
     }
 }
 
 /// [`Totals`] of a world, whenever they are wanted.
-pub fn of_world(world: &mut World) -> Totals {
-    use crate::contact::AnyLaw;
-    use crate::gravity::Gravity;
-    use crate::walls::surfaces::Surfaces;
-    Totals::measure(
-        world.resource::<Columns>(),
-        world.resource::<Search>(),
-        &world.resource::<Surfaces>().0,
-        &*world.resource::<AnyLaw>().0,
-        world.resource::<Gravity>().0,
-    )
+#[must_use]
+pub fn of_world(world: &World) -> Totals {
+    fn of<V: Space>(world: &World) -> Totals {
+        Totals::measure(&Survey::<V>::of_world(world), world.resource::<Gravity<V>>().0)
+    }
+    match Dimension::of_world(world) {
+        Dimension::Plane => of::<Plane>(world),
+        Dimension::Solid => of::<Solid>(world),
+    }
 }

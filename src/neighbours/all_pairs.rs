@@ -2,6 +2,7 @@
 
 use crate::columns::Columns;
 use crate::contact::kernel::Partners;
+use crate::space::Space;
 
 /// All particles are candidates of all.
 pub struct AllPairs {
@@ -21,9 +22,9 @@ impl AllPairs {
     }
 }
 
-impl Partners for AllPairs {
+impl<V: Space> Partners<V> for AllPairs {
     #[inline]
-    fn of<'a>(&'a self, _: &Columns, i: usize, _: &'a mut Vec<u32>) -> &'a [u32] {
+    fn of<'a>(&'a self, _: &Columns<V>, i: usize, _: &'a mut Vec<u32>) -> &'a [u32] {
         if self.full { &self.everyone } else { &self.everyone[i + 1..] }
     }
 }

@@ -1,9 +1,10 @@
-//! Hashed cells: the plane is divided into squares of side L, and only occupied squares cost memory.
+//! Hashed cells: space is divided into squares or cubes of side L, and only occupied ones cost memory.
 //!
-//! A particle belongs to the cell (floor(x/L), floor(y/L)). Cells are kept in a hash table as the assignment's
+//! A particle belongs to the cell (floor(x/L), floor(y/L), ...). A periodic axis is divided into a whole number of
+//! cells, and the last one is next to the first. Cells are kept in a hash table as the assignment's
 //! footnote suggests, but instead of chains its buckets are slices of one array, sorted by counting: filling is two
 //! passes over the particles, and a grain a kilometre away takes one entry like any other. Cells of a row have
-//! adjacent buckets, so that a grain looks into three slices for its nine cells. Two cells may share a bucket, so an
+//! adjacent buckets, so that a grain looks into three slices for its nine cells (in solid space, nine for 27). Two cells may share a bucket, so an
 //! entry is taken only if its own cell is one that was asked for.
 //!
 //! A pair is found if its cells are the same or neighbours, so for certain if its centres are at most L apart:
@@ -13,38 +14,65 @@ use crate::columns::Columns;
 use crate::contact::kernel::Partners;
 use crate::neighbours::contact_range;
 use crate::outcome::Failure;
-use crate::space::Vector;
+use crate::periodic::Periodic;
+use crate::space::Space;
 
-type Cell = [i64; 2];
+/// Number along x, and the row of cells.
+type Cell<V> = (i64, <V as Space>::Row);
 
 /// Particles sorted by cell.
-pub struct Cells {
+pub struct Cells<V: Space> {
     size: f64,
     full: bool,
-    cell: Vec<Cell>,
+    /// The box, and by axis how many cells span it; 0 where it is open.
+    periodic: Option<Periodic<V>>,
+    span: [i64; 3],
+    sides: V,
+    cell: Vec<Cell<V>>,
     starts: Vec<u32>,
     entries: Vec<u32>,
 }
 
-impl Cells {
-    pub(super) fn new(size: f64, full: bool) -> Self {
-        Self { size, full, cell: Vec::new(), starts: vec![0, 0], entries: Vec::new() }
+impl<V: Space> Cells<V> {
+    /// Cells of side `size` (m) or, to fit a whole number into a periodic box, somewhat more.
+    pub(super) fn new(size: f64, full: bool, periodic: Option<Periodic<V>>) -> Self {
+        let (mut span, mut sides) = ([0; 3], V::ZERO);
+        for (axis, span) in span.iter_mut().enumerate().take(V::COMPONENTS) {
+            let side = periodic.and_then(|periodic| periodic.side(axis));
+            *span = side.map_or(0, |length| floor(length / size).max(1));
+            #[expect(clippy::cast_precision_loss, reason = "a number of cells")]
+            let whole = side.map_or(size, |length| length / *span as f64);
+            sides = sides.with_axis(axis, whole);
+        }
+        Self { size, full, periodic, span, sides, cell: Vec::new(), starts: vec![0, 0], entries: Vec::new() }
     }
 
-    pub(super) fn check_range(&self, columns: &Columns) -> Result<(), Failure> {
+    pub(super) fn check_range(&self, columns: &Columns<V>) -> Result<(), Failure> {
         let needed = contact_range(columns);
         if needed > self.size { Err(Failure::CellsTooSmall { size: self.size, needed }) } else { Ok(()) }
     }
 
+    fn cell_of(&self, x: V) -> Cell<V> {
+        let number = |axis: usize| {
+            let low = self.periodic.filter(|_| self.span[axis] > 0).map_or(0.0, |periodic| periodic.low.axis(axis));
+            let cell = floor((x.axis(axis) - low) / self.sides.axis(axis));
+            // The last position below the upper end may round up to it.
+            if self.span[axis] > 0 { cell.clamp(0, self.span[axis] - 1) } else { cell }
+        };
+        (number(0), V::row(V::origin_row(), |axis, _| number(axis)))
+    }
+
     /// Sorts the particles at `positions` (m) into the cells.
-    pub(super) fn fill(&mut self, positions: impl Iterator<Item = Vector>) {
-        self.cell.clear();
-        self.cell.extend(positions.map(|x| cell_of(x, self.size)));
+    pub(super) fn fill(&mut self, positions: impl Iterator<Item = V>) {
+        let mut cell = std::mem::take(&mut self.cell);
+        cell.clear();
+        cell.extend(positions.map(|x| self.cell_of(x)));
+        self.cell = cell;
         let buckets = (2 * self.cell.len()).next_power_of_two();
         self.starts.clear();
         self.starts.resize(buckets + 1, 0);
         for &cell in &self.cell {
-            self.starts[bucket(cell, buckets) + 1] += 1;
+            self.starts[bucket::<V>(cell, buckets) + 1] += 1;
         }
         for b in 0..buckets {
             self.starts[b + 1] += self.starts[b];
@@ -54,7 +82,7 @@ impl Cells {
         // From the last to the first, each to the end of what is left of its bucket: buckets come out ascending.
         let particles = u32::try_from(self.cell.len()).expect("fewer than 2^32 particles");
         for i in (0..particles).rev() {
-            let end = &mut self.starts[bucket(self.cell[i as usize], buckets) + 1];
+            let end = &mut self.starts[bucket::<V>(self.cell[i as usize], buckets) + 1];
             *end -= 1;
             self.entries[*end as usize] = i;
         }
@@ -64,57 +92,95 @@ impl Cells {
     }
 
     /// Calls `visit` with every particle that `wants` accepts in the cells at most `reach` cells away from that of
-    /// particle `i`, itself included.
+    /// particle `i`, itself included, each once.
     #[inline]
     pub(super) fn around(&self, i: usize, reach: u8, wants: impl Fn(u32) -> bool, mut visit: impl FnMut(u32)) {
-        let buckets = self.starts.len() - 1;
-        let [x, y] = self.cell[i];
-        let cells = usize::from(reach);
-        for row in -i64::from(reach)..=i64::from(reach) {
-            let wanted = y.wrapping_add(row);
-            let mut take = |from: usize, to: usize| {
-                for &j in &self.entries[self.starts[from] as usize..self.starts[to] as usize] {
-                    // What is not wanted need not be looked up.
-                    if !wants(j) {
-                        continue;
-                    }
-                    let [at, line] = self.cell[j as usize];
-                    if line == wanted && at.wrapping_sub(x).unsigned_abs() <= u64::from(reach) {
-                        visit(j);
-                    }
+        let (x, row) = self.cell[i];
+        let reach = i64::from(reach);
+        for away in V::rows(reach) {
+            let Some(row) = self.row_at(row, away, reach) else { continue };
+            let span = self.span[0];
+            if span == 0 {
+                self.take(row, x.wrapping_sub(reach), x.wrapping_add(reach), &wants, &mut visit);
+            } else if 2 * reach + 1 >= span {
+                self.take(row, 0, span - 1, &wants, &mut visit);
+            } else {
+                let (from, to) = (x - reach, x + reach);
+                self.take(row, from.max(0), to.min(span - 1), &wants, &mut visit);
+                if from < 0 {
+                    self.take(row, from + span, span - 1, &wants, &mut visit);
                 }
-            };
-            // Cells of a row lie in adjacent buckets, around the end of the table if need be.
-            let first = bucket([x.wrapping_sub(i64::from(reach)), wanted], buckets);
-            let end = first + 2 * cells + 1;
-            take(first, end.min(buckets));
-            if end > buckets {
-                take(0, (end - buckets).min(first));
+                if to >= span {
+                    self.take(row, 0, to - span, &wants, &mut visit);
+                }
             }
+        }
+    }
+
+    /// The row `away` from `row`, around the ends of periodic axes; `None` where that is another one's image.
+    #[inline]
+    fn row_at(&self, row: V::Row, away: V::Row, reach: i64) -> Option<V::Row> {
+        let mut is_image = false;
+        let mut steps = [0; 3];
+        let _ = V::row(away, |axis, step| {
+            steps[axis] = step;
+            step
+        });
+        let wanted = V::row(row, |axis, number| {
+            let (span, step) = (self.span[axis], steps[axis]);
+            if span == 0 {
+                return number.wrapping_add(step);
+            }
+            // Of a box narrower than the view, each cell is seen once: at steps -reach to -reach + span - 1.
+            is_image |= step + reach >= span;
+            (number + step).rem_euclid(span)
+        });
+        (!is_image).then_some(wanted)
+    }
+
+    /// Visits the cells `from` to `to` of a row. They lie in adjacent buckets, around the end of the table if need be.
+    #[inline]
+    fn take(&self, row: V::Row, from: i64, to: i64, wants: &impl Fn(u32) -> bool, visit: &mut impl FnMut(u32)) {
+        let buckets = self.starts.len() - 1;
+        let mut look = |first: usize, end: usize| {
+            for &j in &self.entries[self.starts[first] as usize..self.starts[end] as usize] {
+                // What is not wanted need not be looked up.
+                if !wants(j) {
+                    continue;
+                }
+                let (at, line) = self.cell[j as usize];
+                if line == row && at.wrapping_sub(from).cast_unsigned() <= to.wrapping_sub(from).cast_unsigned() {
+                    visit(j);
+                }
+            }
+        };
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few cells, or those of a box")]
+        let cells = to.wrapping_sub(from) as usize + 1;
+        let first = bucket::<V>((from, row), buckets);
+        let end = first + cells;
+        look(first, end.min(buckets));
+        if end > buckets {
+            look(0, (end - buckets).min(first));
         }
     }
 }
 
-impl Partners for Cells {
+impl<V: Space> Partners<V> for Cells<V> {
     #[inline]
-    fn of<'a>(&'a self, columns: &Columns, i: usize, scratch: &'a mut Vec<u32>) -> &'a [u32] {
+    fn of<'a>(&'a self, columns: &Columns<V>, i: usize, scratch: &'a mut Vec<u32>) -> &'a [u32] {
         scratch.clear();
         let body = &columns.body[i];
         let wants = |j: u32| if self.full { j as usize != i } else { j as usize > i };
         self.around(i, 1, wants, |j| {
             let other = &columns.body[j as usize];
             let reach = body.radius + other.radius;
-            if body.position.distance_squared(other.position) < reach * reach {
+            if columns.separation(body.position, other.position).length_squared() < reach * reach {
                 scratch.push(j);
             }
         });
         scratch.sort_unstable();
         scratch
     }
-}
-
-fn cell_of(x: Vector, size: f64) -> Cell {
-    [floor(x.x / size), floor(x.y / size)]
 }
 
 /// The floor as an integer. `f64::floor` is a function call on processors of the baseline.
@@ -132,14 +198,15 @@ fn floor(x: f64) -> i64 {
 /// Rows are scattered over the table; along a row, buckets follow each other.
 #[inline]
 #[expect(clippy::cast_sign_loss, clippy::cast_possible_truncation, reason = "a hash: any bits will do")]
-fn bucket([x, y]: Cell, buckets: usize) -> usize {
-    let row = ((y as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32) as usize;
-    row.wrapping_add(x as usize) & (buckets - 1)
+fn bucket<V: Space>((x, row): Cell<V>, buckets: usize) -> usize {
+    (V::scatter(row) as usize).wrapping_add(x as usize) & (buckets - 1)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::periodic::PeriodicSides;
+    use crate::space::{Plane, Solid};
     use proptest::prelude::*;
 
     #[test]
@@ -158,29 +225,53 @@ mod tests {
         }
     }
 
+    /// Everyone within a side of the cells is found, and nobody twice.
+    fn check<V: Space>(points: &[V], periodic: Option<Periodic<V>>) -> Result<(), TestCaseError> {
+        let size = 0.7;
+        let mut cells = Cells::new(size, true, periodic);
+        cells.fill(points.iter().copied());
+        prop_assert!(cells.entries.len() == points.len() && cells.starts.len() <= 4 * points.len() + 2);
+        for i in 0..points.len() {
+            let mut found = Vec::new();
+            cells.around(i, 1, |_| true, |j| found.push(j as usize));
+            let listed = found.len();
+            found.sort_unstable();
+            found.dedup();
+            prop_assert_eq!(found.len(), listed, "a particle was offered twice");
+            for j in 0..points.len() {
+                let apart = points[i] - points[j];
+                let apart = periodic.map_or(apart, |periodic| periodic.shortest(apart)).length();
+                prop_assert!(apart > size || found.contains(&j));
+            }
+        }
+        Ok(())
+    }
+
     proptest! {
         #[test]
-        fn nine_cells_hold_everyone_within_a_side(
-            points in prop::collection::vec((-3.0..3.0, -3.0..3.0), 1..80),
+        fn cells_around_hold_everyone_within_a_side(
+            points in prop::collection::vec((-3.0..3.0, -3.0..3.0, -3.0..3.0), 1..80),
             far in -1e12..1e12,
         ) {
-            let mut points: Vec<_> = points.into_iter().map(|(x, y)| Vector::new(x, y)).collect();
-            points.push(Vector::new(far, -far));
-            let size = 0.7;
-            let mut cells = Cells::new(size, true);
-            cells.fill(points.iter().copied());
-            prop_assert!(cells.entries.len() == points.len() && cells.starts.len() <= 4 * points.len() + 2);
-            for i in 0..points.len() {
-                let mut found = Vec::new();
-                cells.around(i, 1, |_| true, |j| found.push(j as usize));
-                let listed = found.len();
-                found.sort_unstable();
-                found.dedup();
-                prop_assert_eq!(found.len(), listed, "a particle was offered twice");
-                for j in 0..points.len() {
-                    prop_assert!(points[i].distance(points[j]) > size || found.contains(&j));
-                }
-            }
+            let mut points: Vec<_> = points.into_iter().map(|(x, y, z)| Solid::new(x, y, z)).collect();
+            points.push(Solid::new(far, -far, far));
+            check(&points, None)?;
+            check(&points.iter().map(|x| x.truncate()).collect::<Vec<Plane>>(), None)?;
+        }
+
+        /// Boxes of one cell's width, of two, and of many.
+        #[test]
+        fn so_do_those_of_a_periodic_box(
+            points in prop::collection::vec((0.0..1.0, 0.0..1.0, 0.0..1.0), 1..60),
+            lengths in (1.41..6.0, 1.41..6.0),
+        ) {
+            let (x, y) = lengths;
+            let sides = PeriodicSides { x: Some((-1.0, x - 1.0)), y: None, z: Some((2.0, y + 2.0)) };
+            let points: Vec<_> =
+                points.into_iter().map(|(a, b, c)| Solid::new(a * x - 1.0, 3.0 * b, c * y + 2.0)).collect();
+            check(&points, Periodic::new(&sides))?;
+            let sides = PeriodicSides { x: Some((-1.0, x - 1.0)), y: Some((0.0, 3.0)), z: None };
+            check(&points.iter().map(|x| x.truncate()).collect::<Vec<Plane>>(), Periodic::new(&sides))?;
         }
     }
 }

@@ -5,7 +5,7 @@
 //! | search | work a step | memory |
 //! |---|---|---|
 //! | [`AllPairs`](Neighbours::AllPairs) | N^2/2 distances: the reference | N indices |
-//! | [`Cells`](Neighbours::Cells) | sorting into hashed cells, then 9 cells a grain | N entries |
+//! | [`Cells`](Neighbours::Cells) | sorting into hashed cells, then 9 (27) cells a grain | N entries |
 //! | [`VerletList`](Neighbours::VerletList) | the listed pairs; now and then a search by cells | the list |
 
 mod all_pairs;
@@ -20,8 +20,11 @@ use self::all_pairs::AllPairs;
 use self::cells::Cells;
 use self::verlet_list::VerletList;
 use crate::columns::{Columns, Gathered};
+use crate::contact::kernel::Partners;
 use crate::outcome::{Failure, Outcome};
+use crate::periodic::Periodic;
 use crate::scene::values::Positive;
+use crate::space::{Plane, Space};
 use crate::step::{Clock, Phase, Step};
 use crate::threads::Threads;
 
@@ -31,10 +34,15 @@ use crate::threads::Threads;
 pub enum Neighbours {
     /// Every pair, every step.
     AllPairs,
-    /// Hashed square cells, filled anew every step; a grain looks into its own cell and the eight around it.
+    /// Hashed square or cubic cells, filled anew every step; a grain looks into its own cell and those around it.
     Cells {
         /// Side L of a cell, m: at least the largest distance at which two particles touch.
         size: Positive,
+    },
+    /// The same, with the side given as a multiple of the largest radius.
+    CellsOfRange {
+        /// L over the largest radius: 2 or more, for grains alone.
+        rng: Positive,
     },
     /// A list of the pairs that might touch soon, renewed when a particle has moved too far.
     VerletList {
@@ -44,44 +52,59 @@ pub enum Neighbours {
 }
 
 /// The search and its state.
-pub enum Method {
+pub enum Method<V: Space> {
     /// Every pair.
     AllPairs(AllPairs),
     /// Cells, filled every step.
-    Cells(Cells),
+    Cells(Cells<V>),
     /// A list, renewed on displacement.
-    VerletList(VerletList),
+    VerletList(VerletList<V>),
 }
+
+/// How often cells were filled or the list was renewed.
+#[derive(Resource, Default, Debug, Clone, Copy)]
+pub struct Rebuilds(pub u64);
 
 /// The neighbour search of a run.
 #[derive(Resource)]
-pub struct Search {
+pub struct Search<V: Space = Plane> {
     /// Which, with its state.
-    pub method: Method,
-    /// How often cells were filled or the list was renewed.
-    pub rebuilds: u64,
+    pub method: Method<V>,
     /// Whether partners below the particle are listed too, as several threads need them.
     full: bool,
     generation: u64,
 }
 
-impl Search {
-    /// The search `kind`; `full` offers each pair from both sides.
+impl<V: Space> Search<V> {
+    /// The search `kind` in a box with these periodic sides, for grains of at most `largest_radius` (m); `full` offers
+    /// each pair from both sides.
     #[must_use]
-    pub fn new(kind: Neighbours, full: bool) -> Self {
+    pub fn new(kind: Neighbours, full: bool, periodic: Option<Periodic<V>>, largest_radius: f64) -> Self {
         let method = match kind {
             Neighbours::AllPairs => Method::AllPairs(AllPairs::new(full)),
-            Neighbours::Cells { size } => Method::Cells(Cells::new(size.get(), full)),
+            Neighbours::Cells { size } => Method::Cells(Cells::new(size.get(), full, periodic)),
+            Neighbours::CellsOfRange { rng } => Method::Cells(Cells::new(rng.get() * largest_radius, full, periodic)),
             Neighbours::VerletList { skin } => Method::VerletList(VerletList::new(skin.get())),
         };
-        Self { method, rebuilds: 0, full, generation: 0 }
+        Self { method, full, generation: 0 }
     }
 
-    /// Makes the search valid for the positions in `columns`; `dt` is the time step, s.
+    /// The candidates.
+    #[must_use]
+    pub fn partners(&self) -> &dyn Partners<V> {
+        match &self.method {
+            Method::AllPairs(all) => all,
+            Method::Cells(cells) => cells,
+            Method::VerletList(list) => list,
+        }
+    }
+
+    /// Makes the search valid for the positions in `columns`; `dt` is the time step, s. Tells whether cells were filled
+    /// or the list was renewed.
     ///
     /// # Errors
     /// If particles touch at more than the cell size.
-    pub fn update(&mut self, columns: &Columns, dt: f64) -> Result<(), Failure> {
+    pub fn update(&mut self, columns: &Columns<V>, dt: f64) -> Result<bool, Failure> {
         let renumbered = self.generation != columns.generation;
         self.generation = columns.generation;
         let rebuilt = match &mut self.method {
@@ -105,8 +128,7 @@ impl Search {
                 stale
             }
         };
-        self.rebuilds += u64::from(rebuilt);
-        Ok(())
+        Ok(rebuilt)
     }
 }
 
@@ -115,7 +137,7 @@ impl Search {
 /// A grain looks one cell far, so a pair is found for certain only if its centres are at most a cell's side apart:
 /// the side must not be smaller than this. For grains alone that is twice the largest radius.
 #[must_use]
-pub fn contact_range(columns: &Columns) -> f64 {
+pub fn contact_range<V: Space>(columns: &Columns<V>) -> f64 {
     let largest = |fixed: bool| {
         let of_kind = (0..columns.len()).filter(|&i| columns.is_fixed(i) == fixed);
         of_kind.map(|i| columns.body[i].radius).fold(0.0, f64::max)
@@ -124,19 +146,34 @@ pub fn contact_range(columns: &Columns) -> f64 {
     movable + movable.max(largest(true))
 }
 
-fn update_search(clock: Res<Clock>, columns: Res<Columns>, mut search: ResMut<Search>, mut outcome: ResMut<Outcome>) {
-    if let Err(failure) = search.update(&columns, clock.dt) {
-        outcome.fail(failure);
+fn update_search<V: Space>(
+    clock: Res<Clock>,
+    columns: Res<Columns<V>>,
+    mut search: ResMut<Search<V>>,
+    mut rebuilds: ResMut<Rebuilds>,
+    mut outcome: ResMut<Outcome>,
+) {
+    match search.update(&columns, clock.dt) {
+        Ok(rebuilt) => rebuilds.0 += u64::from(rebuilt),
+        Err(failure) => outcome.fail(failure),
     }
 }
 
 /// The neighbour search of a scene.
-pub struct NeighboursPlugin(pub Neighbours);
+pub struct NeighboursPlugin<V: Space> {
+    /// Which.
+    pub kind: Neighbours,
+    /// The periodic sides of the scene.
+    pub periodic: Option<Periodic<V>>,
+    /// Of all grains, m.
+    pub largest_radius: f64,
+}
 
-impl Plugin for NeighboursPlugin {
+impl<V: Space> Plugin for NeighboursPlugin<V> {
     fn build(&self, app: &mut App) {
         let full = app.world().resource::<Threads>().pool().is_some();
-        app.insert_resource(Search::new(self.0, full))
-            .add_systems(Step, update_search.in_set(Phase::Neighbours).after(Gathered));
+        app.insert_resource(Search::new(self.kind, full, self.periodic, self.largest_radius))
+            .init_resource::<Rebuilds>()
+            .add_systems(Step, update_search::<V>.in_set(Phase::Neighbours).after(Gathered));
     }
 }

@@ -12,42 +12,45 @@ use crate::columns::{Body, Columns};
 use crate::contact::kernel::Partners;
 use crate::neighbours::cells::Cells;
 use crate::neighbours::contact_range;
-use crate::space::Vector;
+use crate::space::Space;
 
 /// For how many steps ahead the list provides at present speeds.
 const HORIZON: f64 = 25.0;
 
+/// How many cells a fast particle looks far.
+const MOST_CELLS: f64 = 8.0;
+
 /// The list, as compressed rows.
-pub struct VerletList {
+pub struct VerletList<V: Space> {
     skin: f64,
     starts: Vec<u32>,
     partners: Vec<u32>,
-    made_at: Vec<Anchor>,
+    made_at: Vec<Anchor<V>>,
 }
 
 /// Where a particle was when the list was made, and how far it may go.
 #[derive(Clone, Copy)]
-struct Anchor {
-    position: Vector,
+struct Anchor<V> {
+    position: V,
     allowance: f64,
 }
 
-impl VerletList {
+impl<V: Space> VerletList<V> {
     pub(super) fn new(skin: f64) -> Self {
         Self { skin, starts: vec![0], partners: Vec::new(), made_at: Vec::new() }
     }
 
     /// Whether somebody has used up its allowance.
-    pub(super) fn is_stale(&self, columns: &Columns) -> bool {
-        let moved = |(body, anchor): (&Body, &Anchor)| {
-            body.position.distance_squared(anchor.position) >= anchor.allowance * anchor.allowance
+    pub(super) fn is_stale(&self, columns: &Columns<V>) -> bool {
+        let moved = |(body, anchor): (&Body<V>, &Anchor<V>)| {
+            columns.separation(body.position, anchor.position).length_squared() >= anchor.allowance * anchor.allowance
         };
         columns.body.iter().zip(&self.made_at).any(moved)
     }
 
     /// Makes the list anew for the positions in `columns`; `dt` is the time step, s.
-    pub(super) fn renew(&mut self, columns: &Columns, full: bool, dt: f64) {
-        let anchor = |body: &Body| Anchor {
+    pub(super) fn renew(&mut self, columns: &Columns<V>, full: bool, dt: f64) {
+        let anchor = |body: &Body<V>| Anchor {
             position: body.position,
             allowance: 0.5 * self.skin + HORIZON * dt * body.velocity.length(),
         };
@@ -61,11 +64,11 @@ impl VerletList {
     }
 
     /// All pairs (i, j), i < j, that belong on the list, each once, ascending in j except where i is fast.
-    fn pairs(&self, columns: &Columns) -> Vec<(u32, u32)> {
+    fn pairs(&self, columns: &Columns<V>) -> Vec<(u32, u32)> {
         let widest = self.made_at.iter().map(|anchor| anchor.allowance).fold(0.0, f64::max);
         let range = contact_range(columns);
         let side = (range + 2.0 * self.skin).max(f64::MIN_POSITIVE);
-        let mut cells = Cells::new(side, false);
+        let mut cells = Cells::new(side, false, columns.periodic);
         cells.fill(columns.body.iter().map(|body| body.position));
         let mut pairs = Vec::with_capacity(self.partners.len());
         for (i, row) in (0u32..).zip(0..columns.len()) {
@@ -76,7 +79,7 @@ impl VerletList {
                 // A pair of one speed class is taken by its upper member, a mixed one by the fast member.
                 let mine = if fast == self.is_fast(j as usize) { j < i } else { fast };
                 if mine
-                    && body.position.distance_squared(other.position) < reach * reach
+                    && columns.separation(body.position, other.position).length_squared() < reach * reach
                     && !(body.is_fixed() && other.is_fixed())
                 {
                     pairs.push((i.min(j), i.max(j)));
@@ -87,7 +90,7 @@ impl VerletList {
             match (fast, cells_to_go) {
                 (false, _) => cells.around(row, 1, |j| j < i, consider),
                 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most eight")]
-                (true, n) if n <= 8.0 => cells.around(row, n as u8, |_| true, consider),
+                (true, n) if n <= MOST_CELLS => cells.around(row, n as u8, |_| true, consider),
                 (true, _) => (0u32..).take(columns.len()).for_each(&mut consider),
             }
         }
@@ -123,9 +126,9 @@ impl VerletList {
     }
 }
 
-impl Partners for VerletList {
+impl<V: Space> Partners<V> for VerletList<V> {
     #[inline]
-    fn of<'a>(&'a self, _: &Columns, i: usize, _: &'a mut Vec<u32>) -> &'a [u32] {
+    fn of<'a>(&'a self, _: &Columns<V>, i: usize, _: &'a mut Vec<u32>) -> &'a [u32] {
         &self.partners[self.starts[i] as usize..self.starts[i + 1] as usize]
     }
 }

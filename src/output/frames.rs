@@ -1,31 +1,33 @@
 //! Snapshots: `frames/NNNNN.svg` every `pictures.interval` seconds and at the end, and PNGs beside them if asked.
 //!
 //! Wall grains are red and door grains green, as the assignment wants them; grains are coloured by species, speed,
-//! or pressure, the sum of a grain's elastic contact forces over its circumference. A speed or pressure scale is
-//! fixed by the scene, so that pictures of a run can be compared.
+//! or pressure, the sum of a grain's elastic contact forces over its circumference, in solid space over its surface. A
+//! speed or pressure scale is fixed by the scene, so that pictures of a run can be compared. With `network`, a bond
+//! between the centres shows each contact, as wide as its normal force is large, and orange where it slides.
+//!
+//! Solid space is drawn orthographically along y, x to the right and z up, what is far away first.
 
 use std::f64::consts::PI;
+use std::marker::PhantomData;
 use std::path::PathBuf;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{Columns, Slot};
-use crate::contact::AnyLaw;
-use crate::contact::survey::{self, Partner};
+use crate::columns::Slot;
+use crate::contact::survey::{Partner, Scenery, Survey};
 use crate::grains::spawner::RadiusLaw;
 use crate::ledger::Ledger;
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::neighbours::Search;
 use crate::outcome::{Failure, Outcome};
 use crate::output::colour::{self, Rgb};
 use crate::output::png;
 use crate::output::svg::{Legend, Picture};
-use crate::particle::{Door, Fixed, Grain, Position, Radius, Species, Velocity};
+use crate::particle::{Door, Grain, Position, Radius, Species, Velocity};
 use crate::scene::load::Loaded;
 use crate::scene::values::{FiniteVector, Positive};
-use crate::space::Vector;
+use crate::space::{Dimension, Plane, Solid, Space, Vector};
 use crate::step::{Clock, Step};
 use crate::walls::surfaces::{Surface, Surfaces};
 
@@ -41,7 +43,10 @@ pub struct Pictures {
     pub colour: Colour,
     /// Whether PNGs are written beside the SVGs.
     pub png: bool,
-    /// The view, lower left and upper right corner, m; by default, all walls and grains of the start.
+    /// Contact forces as bonds; a bond as wide as the smallest radius stands for this force, N. Default none.
+    pub network: Option<Positive>,
+    /// The view, lower left and upper right corner, m, of solid space in x and z; by default, all walls and grains of
+    /// the start.
     pub view: Option<(FiniteVector, FiniteVector)>,
 }
 
@@ -53,14 +58,14 @@ pub enum Colour {
     Species,
     /// The speed, from 0 to this, m/s.
     Speed(Positive),
-    /// The pressure, from 0 to this, N/m.
+    /// The pressure, from 0 to this, N/m, in solid space N/m^2.
     Pressure(Positive),
 }
 
 impl Default for Pictures {
     fn default() -> Self {
         let positive = |number: f64| Positive::try_from(number).expect("positive");
-        Self { interval: positive(1.0), width: positive(600.0), colour: Colour::Species, png: false, view: None }
+        Self { interval: positive(1.0), width: positive(600.0), colour: Colour::Species, png: false, network: None, view: None }
     }
 }
 
@@ -77,41 +82,47 @@ pub struct Studio {
     pub title: String,
     /// Names of the species.
     pub species: Vec<String>,
+    /// Radius of the smallest grain, m.
+    pub smallest_radius: f64,
 }
 
 /// Pictures taken so far.
 #[derive(Resource, Default)]
 struct Taken(u32);
 
-type Bodies<'w, 's> = Query<
+type Bodies<'w, 's, V> = Query<
     'w,
     's,
     (
         &'static Slot,
-        &'static Position,
-        &'static Velocity,
+        &'static Position<V>,
+        &'static Velocity<V>,
         &'static Radius,
         Option<&'static Species>,
-        Has<Fixed>,
         Has<Door>,
         Has<Grain>,
     ),
 >;
 
-fn take(
-    (clock, ledger, columns, search): (Res<Clock>, Res<Ledger>, Res<Columns>, Res<Search>),
-    (walls, law, studio): (Res<Surfaces>, Res<AnyLaw>, Res<Studio>),
-    bodies: Bodies,
+/// Contacts that stick, and that slide.
+const BONDS: [Rgb; 2] = [[0x22, 0x22, 0x22], [0xff, 0x7f, 0x0e]];
+
+fn take<V: Space>(
+    (clock, ledger, scenery): (Res<Clock>, Res<Ledger>, Scenery<V>),
+    (walls, studio): (Res<Surfaces<V>>, Res<Studio>),
+    bodies: Bodies<V>,
     mut taken: ResMut<Taken>,
     mut outcome: ResMut<Outcome>,
 ) {
+    let survey = scenery.survey();
     let pressures = match studio.pictures.colour {
-        Colour::Pressure(_) => pressures(&columns, &search, &walls.0, &law),
+        Colour::Pressure(_) => pressures(&survey),
         _ => Vec::new(),
     };
     let mut rows: Vec<_> = bodies.iter().collect();
-    rows.sort_unstable_by_key(|row| row.0.index());
-    let discs = rows.into_iter().map(|(slot, x, v, radius, species, _, is_door, is_grain)| {
+    // From far to near; what is equally far, in the order of the ids.
+    rows.sort_unstable_by(|a, b| b.1.0.depth().total_cmp(&a.1.0.depth()).then(a.0.index().cmp(&b.0.index())));
+    let discs = rows.into_iter().map(|(slot, x, v, radius, species, is_door, is_grain)| {
         let colour: Rgb = match studio.pictures.colour {
             _ if is_door => colour::DOOR,
             _ if !is_grain => colour::WALL,
@@ -119,20 +130,18 @@ fn take(
             Colour::Speed(top) => colour::viridis(v.0.length() / top.get()),
             Colour::Pressure(top) => colour::viridis(pressures.get(slot.index()).map_or(0.0, |p| p / top.get())),
         };
-        (x.0, radius.0, colour)
+        (x.0.on_paper(), radius.0, colour)
     });
     let picture = Picture {
         low: studio.view.0,
         high: studio.view.1,
         width: studio.pictures.width.get(),
-        header: vec![
-            studio.title.clone(),
-            format!("t = {:.2} s", clock.time()),
-            format!("inside {}, out {}, lost {} grains", ledger.inside(), ledger.out(), ledger.lost()),
-        ],
-        legend: studio.legend(),
+        header: studio.header(clock.time(), &ledger),
+        legend: studio.legend(V::DIMENSION),
         discs: discs.collect(),
-        lines: walls.0.iter().map(|wall| studio.line(wall)).collect(),
+        outlined: V::DIMENSION == Dimension::Solid,
+        bonds: studio.bonds(&survey, clock.dt),
+        lines: walls.0.iter().filter(|wall| wall.is_present).flat_map(|wall| studio.lines(&wall.surface)).collect(),
     };
     if let Err(failure) = studio.save(taken.0, &picture.to_svg()) {
         outcome.fail(failure);
@@ -140,17 +149,21 @@ fn take(
     taken.0 += 1;
 }
 
-/// Sum of the elastic contact forces over the circumference, for each entry of the columns, N/m.
-fn pressures(columns: &Columns, search: &Search, walls: &[Surface], law: &AnyLaw) -> Vec<f64> {
-    let mut sums = vec![0.0; columns.len()];
-    survey::contacts(columns, search, walls, |i, partner, pair| {
-        let force = law.0.force(pair).elastic.length();
+/// Sum of the elastic contact forces over circumference or surface, for each entry of the columns, N/m or N/m^2.
+fn pressures<V: Space>(survey: &Survey<V>) -> Vec<f64> {
+    let mut sums = vec![0.0; survey.columns.len()];
+    survey.contacts(|i, partner, pair, memory| {
+        let force = survey.law.force(pair, &mut memory.clone()).elastic.length();
         sums[i] += force;
         if let Partner::Particle(j) = partner {
             sums[j] += force;
         }
     });
-    sums.iter().zip(&columns.body).map(|(sum, body)| sum / (2.0 * PI * body.radius)).collect()
+    let surface = |radius: f64| match V::DIMENSION {
+        Dimension::Plane => 2.0 * PI * radius,
+        Dimension::Solid => 4.0 * PI * radius * radius,
+    };
+    sums.iter().zip(&survey.columns.body).map(|(sum, body)| sum / surface(body.radius)).collect()
 }
 
 impl Studio {
@@ -168,10 +181,40 @@ impl Studio {
             }
             None => Vec::new(),
         };
-        Some(Self { pictures, directory, view, title, species })
+        let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
+        Some(Self { pictures, directory, view, title, species, smallest_radius })
     }
 
-    fn legend(&self) -> Legend {
+    fn header(&self, time: f64, ledger: &Ledger) -> Vec<String> {
+        // As many decimals as tell one picture from the next.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+        let decimals = (1.0 - self.pictures.interval.get().log10().floor()).clamp(2.0, 9.0) as usize;
+        let mut lines = vec![
+            self.title.clone(),
+            format!("t = {time:.decimals$} s"),
+            format!("inside {}, out {}, lost {} grains", ledger.inside(), ledger.out(), ledger.lost()),
+        ];
+        if let Some(full) = self.pictures.network {
+            lines.push(format!("a bond as wide as a radius: {} N; sliding: orange", full.get()));
+        }
+        lines
+    }
+
+    /// Contact forces as bonds, if the scene wants them. A bond is drawn from the grain, so of one through a periodic side
+    /// half is seen on each side.
+    fn bonds<V: Space>(&self, survey: &Survey<V>, dt: f64) -> Vec<(Vector, Vector, f64, Rgb)> {
+        let Some(full) = self.pictures.network else { return Vec::new() };
+        let contacts = survey.view(dt).into_iter().filter(|contact| contact.normal_force > 0.0);
+        contacts
+            .map(|contact| {
+                let width = (contact.normal_force / full.get()).min(1.0) * self.smallest_radius;
+                let to = contact.from + contact.to_partner;
+                (contact.from.on_paper(), to.on_paper(), width, BONDS[usize::from(contact.is_sliding)])
+            })
+            .collect()
+    }
+
+    fn legend(&self, dimension: Dimension) -> Legend {
         let scale = |to: Positive, title: &str| Legend::Scale { from: 0.0, to: to.get(), title: title.to_owned() };
         match self.pictures.colour {
             Colour::Species => Legend::Classes(
@@ -181,19 +224,27 @@ impl Studio {
                     .collect(),
             ),
             Colour::Speed(top) => scale(top, "speed, m/s"),
-            Colour::Pressure(top) => scale(top, "pressure, N/m"),
+            Colour::Pressure(top) => {
+                scale(top, if dimension == Dimension::Plane { "pressure, N/m" } else { "pressure, N/m²" })
+            }
         }
     }
 
-    /// A wall as a line; that of a half-plane spans the view.
-    fn line(&self, wall: &Surface) -> (Vector, Vector) {
+    /// A wall as lines: an edge-on half-plane spans the view, one that is seen from the front or slantwise is left out.
+    fn lines<V: Space>(&self, wall: &Surface<V>) -> Vec<(Vector, Vector)> {
         match *wall {
-            Surface::Segment { from, to } => (from, to),
+            Surface::Segment { from, to } => vec![(from.on_paper(), to.on_paper())],
+            Surface::HalfPlane { normal, .. } if normal.depth().abs() > 1e-9 => Vec::new(),
             Surface::HalfPlane { point, normal } => {
+                let (point, normal) = (point.on_paper(), normal.on_paper());
                 let reach = self.view.0.distance(self.view.1) * normal.perp();
                 let middle = 0.5 * (self.view.0 + self.view.1);
                 let foot = middle - (middle - point).dot(normal) * normal;
-                (foot - reach, foot + reach)
+                vec![(foot - reach, foot + reach)]
+            }
+            Surface::Panel { .. } => {
+                let corners = corners(wall);
+                (0..4).map(|n| (corners[n].on_paper(), corners[(n + 1) % 4].on_paper())).collect()
             }
         }
     }
@@ -211,21 +262,37 @@ impl Studio {
     }
 }
 
-/// A view of all walls, of where grains start, and down to the cull line, m.
-fn everything(loaded: &Loaded) -> (Vector, Vector) {
-    let disc = |centre: Vector, radius: f64| [centre - Vector::splat(radius), centre + Vector::splat(radius)];
-    let mut corners: Vec<Vector> = Vec::new();
-    corners.extend(loaded.wall_discs().iter().chain(&loaded.silo.door).flat_map(|d| disc(d.centre, d.radius)));
-    corners.extend(loaded.grains.iter().flat_map(|g| disc(g.position, g.radius)));
-    if let (Some(spawner), Some((_, largest))) = (&loaded.scene.spawner, loaded.grain_radii()) {
-        corners.extend(disc(spawner.point.get(), largest));
-    }
-    for surface in loaded.surfaces() {
-        match surface {
-            Surface::Segment { from, to } => corners.extend([from, to]),
-            Surface::HalfPlane { point, .. } => corners.push(point),
+/// The points that a flat wall is known by, in turn.
+fn corners<V: Space>(wall: &Surface<V>) -> Vec<V> {
+    match *wall {
+        Surface::Segment { from, to } => vec![from, to],
+        Surface::HalfPlane { point, .. } => vec![point],
+        Surface::Panel { corner, along, across } => {
+            vec![corner, corner + along, corner + along + across, corner + across]
         }
     }
+}
+
+/// A view of all walls, of where grains start, and down to the cull line, m.
+fn everything(loaded: &Loaded) -> (Vector, Vector) {
+    match loaded.scene.space {
+        Dimension::Plane => everything_in::<Plane>(loaded),
+        Dimension::Solid => everything_in::<Solid>(loaded),
+    }
+}
+
+fn everything_in<V: Space>(loaded: &Loaded) -> (Vector, Vector) {
+    let disc = |centre: Vector, radius: f64| [centre - Vector::splat(radius), centre + Vector::splat(radius)];
+    let paper = |x: Solid| V::narrow(x).on_paper();
+    let mut corners: Vec<Vector> = Vec::new();
+    corners.extend(loaded.wall_discs().iter().chain(&loaded.silo.door).flat_map(|d| disc(d.centre, d.radius)));
+    corners.extend(loaded.grains.iter().flat_map(|g| disc(paper(g.position), g.radius)));
+    corners.extend(loaded.fixed.iter().flat_map(|g| disc(paper(g.position), g.radius)));
+    if let (Some(spawner), Some((_, largest))) = (&loaded.scene.spawner, loaded.grain_radii()) {
+        corners.extend(disc(spawner.point.get::<V>().on_paper(), largest));
+    }
+    let surfaces = loaded.surfaces::<V>();
+    corners.extend(surfaces.iter().flat_map(|wall| self::corners(&wall.surface)).map(Space::on_paper));
     if let (Some(cull), Some(any)) = (loaded.scene.cull, corners.first().copied()) {
         corners.push(Vector::new(any.x, cull.below.get()));
     }
@@ -239,13 +306,13 @@ fn everything(loaded: &Loaded) -> (Vector, Vector) {
 }
 
 /// Takes snapshots.
-pub struct FramesPlugin(pub Studio);
+pub struct FramesPlugin<V: Space>(pub Studio, pub PhantomData<V>);
 
-impl Plugin for FramesPlugin {
+impl<V: Space> Plugin for FramesPlugin<V> {
     fn build(&self, app: &mut App) {
         observe_every::<Pictures>(app, self.0.pictures.interval.get());
         app.insert_resource(self.0.clone())
             .init_resource::<Taken>()
-            .add_systems(Step, take.in_set(ObserveStage::Write).run_if(due::<Pictures>));
+            .add_systems(Step, take::<V>.in_set(ObserveStage::Write).run_if(due::<Pictures>));
     }
 }

@@ -3,8 +3,11 @@
 pub mod colour;
 pub mod frames;
 pub mod png;
+pub mod profiles;
+pub mod rows;
 pub mod run_directory;
 pub mod series;
 pub mod state_hash;
 pub mod summary;
 pub mod svg;
+pub mod walls;

@@ -1,7 +1,7 @@
 //! The run directory: everything that a run leaves behind, and everything that is needed to repeat it.
 //!
-//! `scene.ron` (as resolved, with `--set` applied) and copies of the files that it names, `series.csv`, `frames/`,
-//! `state.csv` and `summary.json`. A directory that holds an earlier run is cleared of it first; one that holds
+//! `scene.ron` (as resolved, with `--set` applied) and copies of the files that it names, `series.csv`, `walls.csv`,
+//! `profiles.csv` and `centres.csv` where there is something to write, `frames/`, `state.csv` and `summary.json`. A directory that holds an earlier run is cleared of it first; one that holds
 //! anything else is refused. Copies have names of their own, `input-...`, which no result has.
 
 use std::fs;
@@ -15,6 +15,7 @@ use crate::grains::file;
 use crate::output::summary::Summary;
 use crate::scene::load::Loaded;
 use crate::scene::places;
+use crate::space::{Dimension, Plane, Solid};
 
 /// A run directory.
 #[derive(Clone, Debug)]
@@ -23,7 +24,11 @@ pub struct RunDirectory(PathBuf);
 const SCENE: &str = "scene.ron";
 const SERIES: &str = "series.csv";
 const FRAMES: &str = "frames";
-const OWN_FILES: [&str; 6] = [SCENE, SERIES, "state.csv", "summary.json", "input-silo.dat", "input-grains.csv"];
+const WALLS: &str = "walls.csv";
+const PROFILES: &str = "profiles.csv";
+const CENTRES: &str = "centres.csv";
+const OWN_FILES: [&str; 9] =
+    [SCENE, SERIES, WALLS, PROFILES, CENTRES, "state.csv", "summary.json", "input-silo.dat", "input-grains.csv"];
 
 /// The name of the copy of the file that a key of the scene names.
 fn copy_name(key: &str) -> &'static str {
@@ -100,12 +105,34 @@ impl RunDirectory {
         self.0.join(SERIES)
     }
 
+    /// Where the forces on flat walls go.
+    #[must_use]
+    pub fn walls(&self) -> PathBuf {
+        self.0.join(WALLS)
+    }
+
+    /// Where profiles go.
+    #[must_use]
+    pub fn profiles(&self) -> PathBuf {
+        self.0.join(PROFILES)
+    }
+
+    /// Where the centres of mass go.
+    #[must_use]
+    pub fn centres(&self) -> PathBuf {
+        self.0.join(CENTRES)
+    }
+
     /// Writes the final state and the summary.
     ///
     /// # Errors
     /// If they cannot be written.
     pub fn finish(&self, world: &mut World, summary: &Summary) -> io::Result<()> {
-        fs::write(self.0.join("state.csv"), file::write(world))?;
+        let state = match Dimension::of_world(world) {
+            Dimension::Plane => file::write::<Plane>(world),
+            Dimension::Solid => file::write::<Solid>(world),
+        };
+        fs::write(self.0.join("state.csv"), state)?;
         let json = serde_json::to_string_pretty(summary).map_err(io::Error::other)?;
         // Under its name only when it is whole.
         let (half, whole) = (self.0.join("summary.json.part"), self.0.join("summary.json"));

@@ -6,33 +6,30 @@
 //! | `time_s` | s | simulated time |
 //! | `released`, `inside`, `out`, `lost`, `culled` | grains | the ledger |
 //! | `outflow_per_s` | 1/s | grains out since the row before, over the time since then |
-//! | `kinetic_j`, `potential_j`, `elastic_j` | J | energies now; potential is 0 at the origin |
+//! | `kinetic_j`, `rotational_j`, `potential_j`, `elastic_j` | J | energies now; potential is 0 at the origin |
 //! | `released_j`, `wall_work_j`, `added_work_j`, `dissipated_j`, `removed_j` | J | flows since the start |
 //! | `balance_error_j` | J | energies now less what the flows leave |
 //! | `largest_speed_m_per_s` | m/s | of all grains |
 //! | `largest_overlap_ratio` | | now, over the smaller radius of the pair |
 //! | `coordination` | | contacts a grain |
 
-use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::Columns;
-use crate::contact::AnyLaw;
+use crate::contact::survey::Scenery;
 use crate::energy::EnergyFlows;
 use crate::gravity::Gravity;
 use crate::ledger::Ledger;
 use crate::measure::totals::Totals;
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::neighbours::Search;
-use crate::outcome::{Failure, Outcome};
+use crate::outcome::Outcome;
+use crate::output::rows::{Parcel, Rows};
 use crate::scene::values::Positive;
+use crate::space::Space;
 use crate::step::{Clock, Step};
-use crate::walls::surfaces::Surfaces;
 
 /// The scene's `series`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -48,37 +45,36 @@ impl Default for Series {
     }
 }
 
-const HEADER: &str = "time_s,released,inside,out,lost,culled,outflow_per_s,kinetic_j,potential_j,elastic_j,\
+const HEADER: &str = "time_s,released,inside,out,lost,culled,outflow_per_s,kinetic_j,rotational_j,potential_j,elastic_j,\
 released_j,wall_work_j,added_work_j,dissipated_j,removed_j,balance_error_j,\
 largest_speed_m_per_s,largest_overlap_ratio,coordination";
 
 #[derive(Resource)]
 struct SeriesFile {
-    path: PathBuf,
-    file: BufWriter<File>,
+    rows: Rows,
     last: Option<(f64, u32)>,
 }
 
-fn write_row(
-    (clock, columns, search, walls): (Res<Clock>, Res<Columns>, Res<Search>, Res<Surfaces>),
-    (law, gravity, flows, ledger): (Res<AnyLaw>, Res<Gravity>, Res<EnergyFlows>, Res<Ledger>),
+fn write_row<V: Space>(
+    (clock, scenery): (Res<Clock>, Scenery<V>),
+    (gravity, flows, ledger): (Res<Gravity<V>>, Res<EnergyFlows>, Res<Ledger>),
     mut series: ResMut<SeriesFile>,
     mut outcome: ResMut<Outcome>,
 ) {
     let (time, out) = (clock.time(), ledger.out());
-    let now = Totals::measure(&columns, &search, &walls.0, &*law.0, gravity.0);
+    let now = Totals::measure(&scenery.survey(), gravity.0);
     let outflow = match series.last.replace((time, out)) {
         Some((before, out_before)) if time > before => f64::from(out - out_before) / (time - before),
         _ => 0.0,
     };
-    let row = writeln!(
-        series.file,
-        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:.6}",
+    let row = format_args!(
+        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:.6}\n",
         ledger.released,
         ledger.inside(),
         ledger.lost(),
         ledger.culled,
         now.kinetic,
+        now.rotational,
         now.potential,
         now.elastic,
         flows.released,
@@ -91,36 +87,31 @@ fn write_row(
         now.largest_overlap_ratio,
         now.coordination,
     );
-    if let Err(error) = row.and_then(|()| series.file.flush()) {
-        outcome.fail(Failure::Output { path: series.path.display().to_string(), reason: error.to_string() });
-    }
+    series.rows.append(row, &mut outcome);
 }
 
 /// Writes `series.csv`.
-pub struct SeriesPlugin {
+pub struct SeriesPlugin<V: Space> {
     config: Series,
-    path: PathBuf,
-    file: std::sync::Mutex<Option<File>>,
+    file: Parcel<SeriesFile>,
+    space: std::marker::PhantomData<V>,
 }
 
-impl SeriesPlugin {
+impl<V: Space> SeriesPlugin<V> {
     /// Creates the file at `path` with its header.
     ///
     /// # Errors
     /// If it cannot be written.
     pub fn create(config: Series, path: &Path) -> std::io::Result<Self> {
-        let mut file = File::create(path)?;
-        writeln!(file, "{HEADER}")?;
-        Ok(Self { config, path: path.to_owned(), file: std::sync::Mutex::new(Some(file)) })
+        let file = Parcel::new(SeriesFile { rows: Rows::create(path, HEADER)?, last: None });
+        Ok(Self { config, file, space: std::marker::PhantomData })
     }
 }
 
-impl Plugin for SeriesPlugin {
+impl<V: Space> Plugin for SeriesPlugin<V> {
     fn build(&self, app: &mut App) {
-        let file = self.file.lock().ok().and_then(|mut file| file.take());
-        let Some(file) = file else { return };
+        let Some(file) = self.file.open() else { return };
         observe_every::<Series>(app, self.config.interval.get());
-        app.insert_resource(SeriesFile { path: self.path.clone(), file: BufWriter::new(file), last: None })
-            .add_systems(Step, write_row.in_set(ObserveStage::Write).run_if(due::<Series>));
+        app.insert_resource(file).add_systems(Step, write_row::<V>.in_set(ObserveStage::Write).run_if(due::<Series>));
     }
 }

@@ -1,22 +1,42 @@
 //! `state_hash`: one number for the state of a run, to compare runs to the last bit.
 //!
 //! FNV-1a, 64 bits, over the grains (not the walls) in ascending order of id; for each, in this order, the id as 4
-//! bytes and x, y, v_x, v_y, radius and mass as the 8 bytes of the double, all little-endian. Positions and
-//! velocities are those of the last full step.
+//! bytes and then, as the 8 bytes of the double, x, y, v_x, v_y, radius and mass (in solid space x, y, z, v_x, v_y, v_z,
+//! radius, mass), and where grains spin the spin (one component in the plane, three in space), all little-endian.
+//! Positions and velocities are those of the last full step.
 
 use bevy_ecs::prelude::*;
 
 use crate::particle::{Grain, GrainId, Mass, Position, Radius, Velocity};
+use crate::space::{Dimension, Linear, Plane, Solid, Space};
+use crate::spin::Spin;
 
 /// The hash of a world's grains.
 pub fn of_world(world: &mut World) -> u64 {
-    let mut grains = world.query_filtered::<(&GrainId, &Position, &Velocity, &Radius, &Mass), With<Grain>>();
+    match Dimension::of_world(world) {
+        Dimension::Plane => of::<Plane>(world),
+        Dimension::Solid => of::<Solid>(world),
+    }
+}
+
+type Row<'a, V> =
+    (&'a GrainId, &'a Position<V>, &'a Velocity<V>, &'a Radius, &'a Mass, Option<&'a Spin<<V as Space>::Spin>>);
+
+fn of<V: Space>(world: &mut World) -> u64 {
+    let mut grains = world.query_filtered::<Row<V>, With<Grain>>();
     let mut rows: Vec<_> = grains.iter(world).collect();
     rows.sort_unstable_by_key(|row| *row.0);
     let mut hash = Fnv::default();
-    for (id, x, v, radius, mass) in rows {
+    for (id, x, v, radius, mass, spin) in rows {
         hash.eat(&id.number().to_le_bytes());
-        for number in [x.0.x, x.0.y, v.0.x, v.0.y, radius.0, mass.0] {
+        let mut numbers = x.0.components();
+        numbers.extend(v.0.components());
+        numbers.extend([radius.0, mass.0]);
+        if let Some(spin) = spin {
+            let components = spin.0.spread().to_array();
+            numbers.extend(if V::DIMENSION == Dimension::Plane { &components[2..] } else { &components[..] });
+        }
+        for number in numbers {
             hash.eat(&number.to_le_bytes());
         }
     }

@@ -10,18 +10,19 @@ use crate::columns::Columns;
 use crate::contact::{Contact, LargestOverlap};
 use crate::door::DoorState;
 use crate::ending::EmptyTime;
-use crate::energy::EnergyFlows;
+use crate::energy::{Channels, EnergyFlows};
 use crate::grains::spawner::ReleaseDelays;
 use crate::integrate::Integrator;
 use crate::ledger::{Ledger, LossRecord};
 use crate::measure::bed::BedFigures;
 use crate::measure::discharge::Discharge;
 use crate::measure::totals;
-use crate::neighbours::Search;
+use crate::neighbours::Rebuilds;
 use crate::outcome::End;
 use crate::output::state_hash;
 use crate::rest::RestDetector;
 use crate::scene::load::Loaded;
+use crate::space::{Dimension, Plane, Solid};
 use crate::step::Clock;
 use crate::threads::Threads;
 
@@ -82,12 +83,14 @@ pub struct Grains {
     pub lost: u32,
 }
 
-/// The energy balance, J: kinetic + potential + elastic = released + `wall_work` + `added_work` - dissipated - removed
+/// The energy balance, J: kinetic + rotational + potential + elastic = released + `wall_work` + `added_work` - dissipated - removed
 /// + `balance_error`.
 #[derive(Debug, Serialize)]
 pub struct Energy {
-    /// At the end.
+    /// Of translation, at the end.
     pub kinetic: f64,
+    /// Of rotation, at the end.
+    pub rotational: f64,
     /// At the end; 0 at the origin.
     pub potential: f64,
     /// At the end.
@@ -95,6 +98,8 @@ pub struct Energy {
     /// The flows of the whole run.
     #[serde(flatten)]
     pub flows: EnergyFlows,
+    /// What of `dissipated` went by friction and by rolling resistance, where grains spin.
+    pub channels: Option<Channels>,
     /// The difference of the two sides.
     pub balance_error: f64,
 }
@@ -130,7 +135,10 @@ pub struct Cost {
 /// Movable grains of a world, for [`Cost::particle_steps`].
 #[must_use]
 pub fn movable_grains(world: &World) -> usize {
-    world.resource::<Columns>().movable_end
+    match Dimension::of_world(world) {
+        Dimension::Plane => world.resource::<Columns<Plane>>().movable_end,
+        Dimension::Solid => world.resource::<Columns<Solid>>().movable_end,
+    }
 }
 
 impl Summary {
@@ -170,16 +178,18 @@ impl Summary {
             releases: world.get_resource().copied(),
             energy: Energy {
                 kinetic: totals.kinetic,
+                rotational: totals.rotational,
                 potential: totals.potential,
                 elastic: totals.elastic,
                 flows,
+                channels: world.get_resource().copied(),
                 balance_error: totals.energy() - flows.expected(),
             },
             performance: Performance {
                 wall_s: cost.wall_s,
                 particle_steps: cost.particle_steps,
                 particle_steps_per_s: speed,
-                neighbour_rebuilds: world.resource::<Search>().rebuilds,
+                neighbour_rebuilds: world.resource::<Rebuilds>().0,
                 threads: world.resource::<Threads>().count(),
                 integrator: loaded.scene.integrator,
                 contact_law: loaded.scene.contact,

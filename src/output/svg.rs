@@ -22,6 +22,10 @@ pub struct Picture {
     pub legend: Legend,
     /// Discs: centre and radius in m, colour.
     pub discs: Vec<(Vector, f64, Rgb)>,
+    /// Whether discs have an outline: where they hide each other, one sees them apart.
+    pub outlined: bool,
+    /// Bonds over the discs: ends and width in m, colour.
+    pub bonds: Vec<(Vector, Vector, f64, Rgb)>,
     /// Lines: ends in m.
     pub lines: Vec<(Vector, Vector)>,
 }
@@ -120,9 +124,27 @@ impl Paper<'_> {
                 hex(crate::output::colour::WALL)
             ));
         }
+        if self.picture.outlined {
+            let width = 0.0008 * self.picture.width;
+            self.put(format_args!(r##"<g stroke="#222222" stroke-width="{width:.2}">"##));
+        }
         for &(centre, radius, colour) in &self.picture.discs {
             let (c, r) = (self.at(centre), radius * self.scale);
             self.put(format_args!(r#"<circle cx="{:.2}" cy="{:.2}" r="{r:.2}" fill="{}"/>"#, c.x, c.y, hex(colour)));
+        }
+        if self.picture.outlined {
+            self.put(format_args!("</g>"));
+        }
+        for &(from, to, width, colour) in &self.picture.bonds {
+            let (a, b, width) = (self.at(from), self.at(to), width * self.scale);
+            self.put(format_args!(
+                r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" stroke="{}" stroke-width="{width:.2}"/>"#,
+                a.x,
+                a.y,
+                b.x,
+                b.y,
+                hex(colour)
+            ));
         }
         self.put(format_args!("</g>"));
     }
@@ -209,6 +231,8 @@ mod tests {
             legend: Legend::None,
             discs: vec![(Vector::new(0.5, 0.25), 0.1, [255, 0, 0])],
             lines: vec![],
+            outlined: false,
+            bonds: vec![],
         }
     }
 

@@ -4,13 +4,18 @@ use std::fs;
 use std::path::Path;
 
 use crate::fault::Fault;
-use crate::grains::file::{self, GrainRow};
+use crate::contact::config::Contacts;
+use crate::grains::file::{self, GrainRow, Kind};
+use crate::grains::fill::FixedGrain;
+use crate::grains::spawner::RadiusLaw;
+use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
 use crate::scene::places::{self, Places};
 use crate::scene::values::Positive;
 use crate::scene::{Scene, parse, rules};
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
-use crate::walls::surfaces::{Surface, Wall};
+use crate::space::{Dimension, Space};
+use crate::walls::surfaces::{FlatWall, Wall};
 
 /// A scene that is ready to run.
 #[derive(Debug)]
@@ -23,6 +28,8 @@ pub struct Loaded {
     pub silo: SiloGeometry,
     /// The grains of the start.
     pub grains: Vec<GrainRow>,
+    /// Wall grains of `fill`.
+    pub fixed: Vec<FixedGrain>,
     /// The files that the scene names: key and content, to be kept with the run.
     pub files: Vec<(&'static str, String)>,
     /// The text as resolved.
@@ -67,11 +74,14 @@ pub fn from_text(
         name: name.to_owned(),
         silo: SiloGeometry::default(),
         grains: Vec::new(),
+        fixed: Vec::new(),
         files: Vec::new(),
         text,
         path: path.to_owned(),
         places,
     };
+    // Nobody looks at a vector before its length is known to be right.
+    rules::space(&loaded)?;
     if let Some(silo) = loaded.scene.silo.clone() {
         let (shown, text) = loaded.read_named(directory, &silo.file, "silo.file")?;
         loaded.silo = silo_file::parse(&shown, &text, silo.unit)?;
@@ -79,9 +89,11 @@ pub fn from_text(
     }
     if let Some(grains) = loaded.scene.grains.clone() {
         let (shown, text) = loaded.read_named(directory, &grains.file, "grains.file")?;
-        loaded.grains = file::parse(&shown, &text)?;
+        let kind = Kind { dimension: loaded.scene.space, spins: loaded.scene.contact.spins() };
+        loaded.grains = file::parse(&shown, &text, kind)?;
         loaded.files.push(("grains.file", text));
     }
+    loaded.fill();
     rules::check(&loaded)?;
     Ok(loaded)
 }
@@ -126,11 +138,77 @@ impl Loaded {
         Ok((path.display().to_string(), text))
     }
 
-    /// All fixed discs but the door: the silo's wall, then the scene's discs.
+    /// Sets the grains of `fill`, as many as there are ids.
+    fn fill(&mut self) {
+        let Scene { space, mass, seed, .. } = self.scene;
+        let fills = std::mem::take(&mut self.scene.fill);
+        for (number, fill) in fills.iter().enumerate() {
+            let rows = fill.grains(space, mass, seed, number, self.first_free_id());
+            if fill.fixed {
+                self.fixed.extend(rows.into_iter().map(|row| FixedGrain {
+                    position: row.position,
+                    radius: row.radius,
+                    velocity: row.velocity,
+                    species: row.species,
+                }));
+            } else {
+                self.grains.extend(rows);
+            }
+        }
+        self.scene.fill = fills;
+    }
+
+    /// The contact laws of the scene, with as many species as it names.
+    #[must_use]
+    pub fn contacts(&self) -> Contacts<'_> {
+        let Scene { contact, pairs, materials, .. } = &self.scene;
+        let species = if pairs.is_empty() && materials.len() <= 1 { 1 } else { self.largest_species() + 1 };
+        Contacts { usual: *contact, pairs, materials, species }
+    }
+
+    /// The profiles, each with the area (m^2, in the plane length, m) of its section: the scene's, or the periodic box's.
+    #[must_use]
+    pub fn profiles(&self) -> Vec<(Profile, f64)> {
+        let with_section = |profile: &Profile| profile.section.map(Positive::get).or(self.periodic_section(profile));
+        self.scene.profiles.iter().filter_map(|profile| Some((*profile, with_section(profile)?))).collect()
+    }
+
+    /// The section of the periodic box at right angles to a profile, if it bounds every other axis.
+    #[must_use]
+    pub fn periodic_section(&self, profile: &Profile) -> Option<f64> {
+        let axes = 0..self.scene.space.count();
+        let sides = axes.filter(|&axis| axis != profile.axis.number()).map(|axis| self.scene.periodic.axes()[axis]);
+        sides.map(|side| side.map(|(low, high)| high - low)).product()
+    }
+
+    /// The largest species of all grains and walls.
+    #[must_use]
+    pub fn largest_species(&self) -> usize {
+        let mixture = self.scene.spawner.as_ref().map_or(0, |spawner| match &spawner.radius {
+            RadiusLaw::Mixture(sizes) => sizes.len().saturating_sub(1),
+            _ => 0,
+        });
+        let walls = self.scene.walls.iter().map(|wall| match *wall {
+            Wall::HalfPlane { species, .. }
+            | Wall::Segment { species, .. }
+            | Wall::Panel { species, .. }
+            | Wall::Disc { species, .. } => usize::from(species),
+        });
+        let silo = self.scene.silo.iter().map(|silo| usize::from(silo.species));
+        let grains = self.grains.iter().map(|grain| usize::from(grain.species.0));
+        let fixed = self.fixed.iter().map(|grain| usize::from(grain.species.0));
+        let pairs = self.scene.pairs.iter().flat_map(|pair| [pair.species.0, pair.species.1]).map(usize::from);
+        walls.chain(silo).chain(grains).chain(fixed).chain(pairs).fold(mixture, usize::max)
+    }
+
+    /// Of a planar scene, all fixed discs but the door: the silo's wall, then the scene's discs.
     #[must_use]
     pub fn wall_discs(&self) -> Vec<Disc> {
+        if self.scene.space != Dimension::Plane {
+            return Vec::new();
+        }
         let own = self.scene.walls.iter().filter_map(|wall| match wall {
-            Wall::Disc { centre, radius } => Some(Disc { centre: centre.get(), radius: radius.get() }),
+            Wall::Disc { centre, radius, .. } => Some(Disc { centre: centre.get(), radius: radius.get() }),
             _ => None,
         });
         self.silo.wall.iter().copied().chain(own).collect()
@@ -138,8 +216,18 @@ impl Loaded {
 
     /// The flat walls.
     #[must_use]
-    pub fn surfaces(&self) -> Vec<Surface> {
-        self.scene.walls.iter().filter_map(Wall::surface).collect()
+    pub fn surfaces<V: Space>(&self) -> Vec<FlatWall<V>> {
+        self.scene.walls.iter().filter_map(Wall::flat).collect()
+    }
+
+    /// Radii of all that is fixed and round, m.
+    fn fixed_radii(&self) -> impl Iterator<Item = f64> {
+        let own = self.scene.walls.iter().filter_map(|wall| match wall {
+            Wall::Disc { radius, .. } => Some(radius.get()),
+            _ => None,
+        });
+        let silo = self.silo.wall.iter().chain(&self.silo.door).map(|disc| disc.radius);
+        own.chain(silo).chain(self.fixed.iter().map(|grain| grain.radius))
     }
 
     /// Smallest and largest radius of all grains, of the start and to come, m; `None` without grains.
@@ -153,7 +241,7 @@ impl Loaded {
     /// The largest distance at which two particles touch, at least one of them a grain, m.
     #[must_use]
     pub fn contact_range(&self) -> f64 {
-        let largest_fixed = self.wall_discs().iter().chain(&self.silo.door).map(|disc| disc.radius).fold(0.0, f64::max);
+        let largest_fixed = self.fixed_radii().fold(0.0, f64::max);
         self.grain_radii().map_or(0.0, |(_, largest)| largest + largest.max(largest_fixed))
     }
 

@@ -16,17 +16,24 @@ use ron::value::RawValue;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::Contact;
+use crate::contact::config::PairOfSpecies;
+use crate::contact::hertz::Material;
 use crate::door::DoorControl;
 use crate::grains::file::GrainFile;
+use crate::grains::fill::Fill;
 use crate::grains::mass::MassLaw;
 use crate::grains::spawner::Spawner;
 use crate::integrate::Integrator;
 use crate::ledger::{Cull, OnLoss};
 use crate::measure::bed::Bed;
+use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
 use crate::output::frames::Pictures;
 use crate::output::series::Series;
+use crate::periodic::PeriodicSides;
 use crate::rest::Rest;
+use crate::space::Dimension;
+use crate::spin::InertiaLaw;
 use crate::walls::silo_file::Silo;
 use crate::walls::surfaces::Wall;
 use values::{FiniteVector, Positive};
@@ -41,10 +48,24 @@ pub struct Scene {
     /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
-    /// Acceleration of gravity (x, y), m/s^2.
+    /// The plane, or solid space.
+    #[serde(default)]
+    pub space: Dimension,
+    /// Acceleration of gravity (x, y), in solid space (x, y, z), m/s^2.
     pub gravity: FiniteVector,
+    /// Sides through which the scene repeats itself.
+    #[serde(default)]
+    pub periodic: PeriodicSides,
     /// Contact law.
     pub contact: Contact,
+    /// Other numbers of that law for pairs of species.
+    #[serde(default)]
+    pub pairs: Vec<PairOfSpecies>,
+    /// Elastic materials by species, for Hertz's law.
+    #[serde(default)]
+    pub materials: Vec<Material>,
+    /// Moment of inertia, where grains spin. Default: of spheres in solid space, of discs in the plane.
+    pub inertia: Option<InertiaLaw>,
     /// How mass follows from radius, for grains that the spawner makes.
     pub mass: Option<MassLaw>,
     /// Integration scheme.
@@ -61,6 +82,9 @@ pub struct Scene {
     pub walls: Vec<Wall>,
     /// A file with the grains of the start.
     pub grains: Option<GrainFile>,
+    /// Grains of the start on lattices.
+    #[serde(default)]
+    pub fill: Vec<Fill>,
     /// Releases grains one by one.
     pub spawner: Option<Spawner>,
     /// Detects rest.
@@ -76,6 +100,9 @@ pub struct Scene {
     pub until: Positive,
     /// Measures fill height and packing fraction at rest.
     pub bed: Option<Bed>,
+    /// Averages over bins along an axis.
+    #[serde(default)]
+    pub profiles: Vec<Profile>,
     /// The rows of `series.csv`.
     #[serde(default)]
     pub series: Series,

@@ -1,8 +1,11 @@
 //! Numbers that carry their own range: a scene with a value outside cannot be built.
 
-use serde::{Deserialize, Serialize};
+use std::fmt;
 
-use crate::space::{DIMENSION, Vector};
+use serde::de::{Error as _, SeqAccess, Visitor};
+use serde::{Deserialize, Deserializer, Serialize};
+
+use crate::space::{Solid, Space, Vector};
 
 macro_rules! checked_number {
     ($(#[$doc:meta])* $name:ident, $expected:literal, $holds:expr) => {
@@ -57,34 +60,102 @@ checked_number!(
     Restitution, "a coefficient of restitution greater than 0 and at most 1", |e| e > 0.0 && e <= 1.0
 );
 checked_number!(
+    /// Poisson's ratio: greater than -1, at most 0.5.
+    PoissonRatio, "a Poisson's ratio greater than -1 and at most 0.5", |nu| nu > -1.0 && nu <= 0.5
+);
+checked_number!(
     /// A share: from 0 to 1.
     Share, "a share from 0 to 1", |s| (0.0..=1.0).contains(&s)
 );
 
-/// A finite vector.
+/// A finite vector of two or three components, as many as the scene's `space` has ([`rules`](crate::scene::rules)).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(try_from = "(f64, f64)", into = "(f64, f64)")]
-pub struct FiniteVector(Vector);
+#[serde(try_from = "Components", into = "Components")]
+pub struct FiniteVector {
+    padded: Solid,
+    count: usize,
+}
+
+/// A vector as a scene writes it.
+#[derive(Clone, Copy, Debug, Serialize)]
+#[serde(untagged)]
+enum Components {
+    Two(f64, f64),
+    Three(f64, f64, f64),
+}
+
+impl<'de> Deserialize<'de> for Components {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        deserializer.deserialize_any(ComponentsVisitor)
+    }
+}
+
+struct ComponentsVisitor;
+
+impl<'de> Visitor<'de> for ComponentsVisitor {
+    type Value = Components;
+
+    fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("a vector (x, y), or (x, y, z) in solid space")
+    }
+
+    fn visit_seq<A: SeqAccess<'de>>(self, mut sequence: A) -> Result<Components, A::Error> {
+        let missing = |count: usize| A::Error::invalid_length(count, &self);
+        let x = sequence.next_element()?.ok_or_else(|| missing(0))?;
+        let y = sequence.next_element()?.ok_or_else(|| missing(1))?;
+        Ok(match sequence.next_element()? {
+            None => Components::Two(x, y),
+            Some(z) => Components::Three(x, y, z),
+        })
+    }
+}
 
 impl FiniteVector {
-    /// The vector.
+    /// The vector, in a scene of its space.
     #[must_use]
-    pub fn get(self) -> Vector {
-        self.0
+    pub fn get<V: Space>(self) -> V {
+        debug_assert_eq!(self.count, V::COMPONENTS, "scene::rules has compared every vector with the space");
+        V::narrow(self.padded)
+    }
+
+    /// The vector, in space.
+    #[must_use]
+    pub fn padded(self) -> Solid {
+        self.padded
+    }
+
+    /// How many components were given.
+    #[must_use]
+    pub fn count(self) -> usize {
+        self.count
     }
 }
 
-impl TryFrom<(f64, f64)> for FiniteVector {
+impl TryFrom<Components> for FiniteVector {
     type Error = String;
 
-    fn try_from((x, y): (f64, f64)) -> Result<Self, String> {
-        let v = Vector::new(x, y);
-        if v.is_finite() { Ok(Self(v)) } else { Err(format!("expected {DIMENSION} finite numbers, got ({x}, {y})")) }
+    fn try_from(components: Components) -> Result<Self, String> {
+        let (padded, count) = match components {
+            Components::Two(x, y) => (Solid::new(x, y, 0.0), 2),
+            Components::Three(x, y, z) => (Solid::new(x, y, z), 3),
+        };
+        if padded.is_finite() {
+            Ok(Self { padded, count })
+        } else {
+            Err(format!("expected {count} finite numbers, got {:?}", &padded.to_array()[..count]))
+        }
     }
 }
 
-impl From<FiniteVector> for (f64, f64) {
+impl From<FiniteVector> for Components {
     fn from(v: FiniteVector) -> Self {
-        (v.0.x, v.0.y)
+        let Solid { x, y, z } = v.padded;
+        if v.count == 2 { Self::Two(x, y) } else { Self::Three(x, y, z) }
+    }
+}
+
+impl From<Vector> for FiniteVector {
+    fn from(v: Vector) -> Self {
+        Self { padded: v.extend(0.0), count: 2 }
     }
 }

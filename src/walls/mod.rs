@@ -1,5 +1,7 @@
 //! What encloses the grains: discs of a silo file, discs and flat walls of the scene, and what counts as a way out.
 
+pub mod conveyor;
 pub mod outline;
+pub mod paths;
 pub mod silo_file;
 pub mod surfaces;

@@ -8,9 +8,10 @@
 
 use std::collections::HashMap;
 
-use crate::space::Vector;
+use crate::space::{Plane, Vector};
+use crate::walls::paths::{Crossing, Paths, enters};
 use crate::walls::silo_file::Disc;
-use crate::walls::surfaces::Surface;
+use crate::walls::surfaces::{FlatWall, Surface};
 
 /// A line that keeps grains in.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -19,17 +20,6 @@ pub struct Link {
     pub from: Vector,
     /// The other end, m.
     pub to: Vector,
-}
-
-/// What a path crossed.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Crossing {
-    /// The line between the flanks of the door.
-    Orifice,
-    /// A link.
-    Wall(Link),
-    /// The surface of a half-plane.
-    HalfPlane,
 }
 
 /// The lines of a scene's enclosure.
@@ -46,16 +36,17 @@ pub struct Outline {
 impl Outline {
     /// The outline of `walls` (discs), `door` (discs) and flat walls, for grains of radius `smallest` (m) or more.
     #[must_use]
-    pub fn new(walls: &[Disc], door: &[Disc], surfaces: &[Surface], smallest: f64) -> Self {
+    pub fn new(walls: &[Disc], door: &[Disc], surfaces: &[FlatWall], smallest: f64) -> Self {
         let mut links = disc_links(walls, smallest);
         let mut corners: Vec<_> = walls.iter().map(|disc| disc.centre).collect();
         for surface in surfaces {
-            if let Surface::Segment { from, to } = *surface {
+            if let Surface::Segment { from, to } = surface.surface {
                 links.push(Link { from, to });
                 corners.extend([from, to]);
             }
         }
-        let half_planes = surfaces.iter().filter(|s| matches!(s, Surface::HalfPlane { .. })).copied().collect();
+        let half_planes =
+            surfaces.iter().map(|wall| wall.surface).filter(|s| matches!(s, Surface::HalfPlane { .. })).collect();
         let bounds = corners.iter().copied().reduce(Vector::min).zip(corners.iter().copied().reduce(Vector::max));
         let longest = links.iter().map(|link| link.from.distance(link.to)).fold(smallest, f64::max);
         let mut outline = Self {
@@ -92,11 +83,13 @@ impl Outline {
         self.bounds
     }
 
-    /// The first line that the straight path crosses.
-    #[must_use]
-    pub fn crossing(&self, from: Vector, to: Vector) -> Option<Crossing> {
-        let mut first: Option<(f64, Crossing)> = None;
-        let mut consider = |share: Option<f64>, what: Crossing| {
+}
+
+impl Paths<Plane> for Outline {
+    fn crossing(&self, from: Vector, to: Vector) -> Option<Crossing<Vector>> {
+        let wall = |link: &Link| Crossing::Wall { from: link.from, to: link.to };
+        let mut first: Option<(f64, Crossing<Vector>)> = None;
+        let mut consider = |share: Option<f64>, what: Crossing<Vector>| {
             if let Some(share) = share
                 && first.is_none_or(|(earliest, _)| share < earliest)
             {
@@ -108,25 +101,23 @@ impl Outline {
         }
         // A path that spans many cells meets most of them: then all links are asked.
         if (to - from).abs().max_element() > 8.0 * self.cell {
-            self.links.iter().for_each(|link| consider(link.crossed_at(from, to), Crossing::Wall(*link)));
+            self.links.iter().for_each(|link| consider(link.crossed_at(from, to), wall(link)));
         } else {
             for key in cells(from, to, self.cell) {
                 for link in self.near.get(&key).into_iter().flatten().map(|&index| self.links[index]) {
-                    consider(link.crossed_at(from, to), Crossing::Wall(link));
+                    consider(link.crossed_at(from, to), wall(&link));
                 }
             }
         }
         for plane in &self.half_planes {
-            let (before, after) = (plane.distance(from).0, plane.distance(to).0);
-            consider((before >= 0.0 && after < 0.0).then(|| before / (before - after)), Crossing::HalfPlane);
+            consider(enters(plane, from, to), Crossing::FlatWall);
         }
         first.map(|(_, what)| what)
     }
 
     /// Which side of the bounding box a grain has left by, in words; nothing if it was not inside before, or if there
     /// are half-planes, which bound without a box.
-    #[must_use]
-    pub fn beyond(&self, before: Vector, here: Vector) -> Option<&'static str> {
+    fn beyond(&self, before: Vector, here: Vector) -> Option<&'static str> {
         let [low, high] = self.bounds.filter(|_| self.half_planes.is_empty())?;
         // What is above the top can still fall back in; sideways of it, or under the silo, it cannot.
         let is_beside = |x: Vector| x.x < low.x || x.x > high.x;
@@ -199,6 +190,7 @@ fn ends(door: &[Disc]) -> Option<(Vector, Vector)> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::walls::surfaces::Wall;
 
     fn discs(centres: &[(f64, f64)]) -> Vec<Disc> {
         centres.iter().map(|&(x, y)| Disc { centre: Vector::new(x, y), radius: 0.3 }).collect()
@@ -231,7 +223,7 @@ mod tests {
         let outline = corner();
         assert_eq!(outline.crossing(Vector::new(2.5, 0.1), Vector::new(2.5, -0.1)), Some(Crossing::Orifice));
         let through = outline.crossing(Vector::new(0.5, 0.1), Vector::new(-100.0, -0.1));
-        assert!(matches!(through, Some(Crossing::Wall(link)) if link.from.x == 0.0 && link.to.x == 0.0), "{through:?}");
+        assert!(matches!(through, Some(Crossing::Wall { from, to }) if from.x == 0.0 && to.x == 0.0), "{through:?}");
         assert_eq!(outline.crossing(Vector::new(0.5, 0.5), Vector::new(0.2, 0.3)), None);
     }
 
@@ -242,7 +234,8 @@ mod tests {
         assert_eq!(outline.beyond(inside, Vector::new(-0.1, 9.0)), Some("over the top"));
         assert_eq!(outline.beyond(inside, Vector::new(1.0, -0.1)), Some("past the lower end of the walls"));
         assert_eq!(outline.beyond(Vector::new(-1.0, 1.0), Vector::new(-2.0, 1.0)), None, "it never was inside");
-        let floor = Surface::HalfPlane { point: Vector::ZERO, normal: Vector::Y };
+        let wall = Wall::HalfPlane { point: Vector::ZERO.into(), normal: Vector::Y.into(), velocity: None, species: 0 };
+        let floor = wall.flat().unwrap();
         let open = Outline::new(&discs(&[(0.0, 2.0)]), &[], &[floor], 0.1);
         assert_eq!(open.beyond(Vector::new(0.0, 3.0), Vector::new(1.0, 3.0)), None, "a floor has no sides");
     }

@@ -28,6 +28,9 @@ pub struct Silo {
     pub file: PathBuf,
     /// Unit of its numbers.
     pub unit: LengthUnit,
+    /// Its material. Default 0.
+    #[serde(default)]
+    pub species: u8,
 }
 
 /// A unit of length.

@@ -1,0 +1,103 @@
+//! A law put together from terms: a normal force, a tangential one, rolling resistance.
+//!
+//! The terms are types, so each combination that a scene can ask for is compiled into a kernel of its own, and a term
+//! that is not asked for ([`Smooth`](super::tangential::Smooth), [`Free`](super::rolling::Free)) leaves nothing behind.
+
+use crate::contact::rolling::Rolling;
+use crate::contact::tangential::Tangential;
+use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
+use crate::space::Space;
+
+/// A force along the normal: max(spring - c v_n, floor) n.
+pub trait Normal: Copy + Send + Sync + 'static {
+    /// The spring's force, N.
+    fn spring<V: Space>(&self, pair: &Pair<V>) -> f64;
+
+    /// The drag coefficient c, N s/m.
+    fn drag<V: Space>(&self, pair: &Pair<V>) -> f64;
+
+    /// The lower bound of the whole force, N: 0, or minus infinity where it may pull.
+    fn floor(&self) -> f64;
+
+    /// Energy stored in the spring, J.
+    fn energy<V: Space>(&self, pair: &Pair<V>) -> f64;
+
+    /// See [`PairLaw::stiffness`].
+    fn stiffness(&self, bounce: &Bounce) -> f64;
+
+    /// See [`PairLaw::damping`].
+    fn damping(&self, bounce: &Bounce) -> f64;
+
+    /// See [`PairLaw::deepest`].
+    fn deepest(&self, bounce: &Bounce) -> f64;
+
+    /// See [`PairLaw::contact_duration`].
+    fn contact_duration(&self, bounce: &Bounce) -> f64;
+
+    /// See [`PairLaw::restitution`].
+    fn restitution(&self, bounce: &Bounce) -> f64;
+}
+
+/// Normal force, friction and rolling resistance together.
+#[derive(Clone, Copy, Debug)]
+pub struct Composite<N, T, R> {
+    /// Along the normal.
+    pub normal: N,
+    /// In the tangent plane.
+    pub tangential: T,
+    /// Against rolling.
+    pub rolling: R,
+}
+
+impl<N: Normal, T: Tangential, R: Rolling> Demands for Composite<N, T, R> {
+    const SPIN: bool = T::SPIN;
+    const SPRING: bool = T::SPRING;
+    const STIFFNESS: bool = T::STIFFNESS;
+    const ROLLING: bool = R::ROLLING;
+}
+
+impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N, T, R> {
+    #[inline]
+    fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
+        let spring = self.normal.spring(pair);
+        let drag = self.normal.drag(pair);
+        let total = (spring - drag * pair.normal_velocity()).max(self.normal.floor());
+        let mut force = PairForce::smooth(pair.normal * spring, pair.normal * (total - spring));
+        self.tangential.add(pair, total, drag, memory, &mut force.turning);
+        self.rolling.add(pair, total, memory, &mut force.turning);
+        force
+    }
+
+    fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        self.normal.energy(pair) + self.tangential.energy(pair, memory) + self.rolling.energy(memory)
+    }
+
+    fn friction(&self, _: &Pair<V>) -> f64 {
+        self.tangential.friction()
+    }
+
+    fn stiffness(&self, bounce: &Bounce) -> f64 {
+        self.normal.stiffness(bounce)
+    }
+
+    fn damping(&self, bounce: &Bounce) -> f64 {
+        self.normal.damping(bounce)
+    }
+
+    fn deepest(&self, bounce: &Bounce) -> f64 {
+        self.normal.deepest(bounce)
+    }
+
+    fn contact_duration(&self, bounce: &Bounce) -> f64 {
+        self.normal.contact_duration(bounce)
+    }
+
+    fn restitution(&self, bounce: &Bounce) -> f64 {
+        self.normal.restitution(bounce)
+    }
+
+    fn sideways(&self, inertia_factor: f64, bounce: &Bounce) -> f64 {
+        let share = self.tangential.stiffness(bounce) / self.normal.stiffness(bounce);
+        (share * (1.0 + 1.0 / inertia_factor)).max(1.0)
+    }
+}

@@ -1,0 +1,264 @@
+//! What a scene says about its contact law, and the one place where that chooses what is compiled for it.
+
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::contact::assignment::Assignment;
+use crate::contact::composite::{Composite, Normal};
+use crate::contact::damping::{Attraction, Damping};
+use crate::contact::hertz::{Hertz, Material, Mindlin};
+use crate::contact::linear::LinearNormal;
+use crate::contact::rolling::{Free, RollingResistance};
+use crate::contact::table::Table;
+use crate::contact::tangential::{Constant, Dashpot, Lever, Smooth, Stick, TangentialDamping};
+use crate::contact::{AnyLaw, Demands, PairLaw};
+use crate::scene::values::{NonNegative, Positive, Restitution};
+use crate::space::Space;
+
+/// The scene's `contact`: which law holds between grains, and between grains and walls.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Contact {
+    /// The assignment's law, [`Assignment`].
+    Assignment {
+        /// Spring stiffness k, N/m.
+        k: Positive,
+        /// Drag b on the full relative velocity, N s/m.
+        b: NonNegative,
+    },
+    /// The linear spring-dashpot along the normal, [`LinearNormal`], with friction if the scene wants it.
+    Linear {
+        /// Spring stiffness k_n, N/m.
+        k: Positive,
+        /// Damping of the normal velocity.
+        damping: Damping,
+        /// Whether the normal force may pull.
+        #[serde(default)]
+        attraction: Attraction,
+        /// Friction. Default none: grains do not spin.
+        tangential: Option<Friction>,
+        /// Rolling resistance, with `Spring` only.
+        rolling: Option<RollingResistance>,
+        /// Where friction acts.
+        #[serde(default)]
+        lever: Lever,
+    },
+    /// Hertz's law, [`Hertz`], between the scene's `materials`.
+    Hertz {
+        /// Restitution e, the same at every speed.
+        restitution: Restitution,
+        /// Whether the normal force may pull.
+        #[serde(default)]
+        attraction: Attraction,
+        /// Friction. Default none: grains do not spin.
+        tangential: Option<HertzFriction>,
+        /// Rolling resistance, with friction only.
+        rolling: Option<RollingResistance>,
+        /// Where friction acts.
+        #[serde(default)]
+        lever: Lever,
+    },
+}
+
+/// The tangential term of the linear law.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum Friction {
+    /// A dashpot without memory, cut at mu |F_n|: [`Dashpot`].
+    Dashpot {
+        /// Damping of the sliding velocity.
+        damping: TangentialDamping,
+        /// Coefficient mu.
+        friction: NonNegative,
+    },
+    /// A spring with memory and a dashpot, cut at mu |F_n|: [`Stick`].
+    Spring {
+        /// Stiffness k_t, N/m.
+        k: Positive,
+        /// Damping of the sliding velocity.
+        damping: TangentialDamping,
+        /// Coefficient mu.
+        friction: NonNegative,
+    },
+}
+
+/// The tangential term of Hertz's law.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub enum HertzFriction {
+    /// Mindlin's no-slip stiffness, cut at mu |F_n|: [`Mindlin`].
+    Mindlin {
+        /// Coefficient mu.
+        friction: NonNegative,
+    },
+}
+
+/// One of the scene's `pairs`: other numbers for a pair of species.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct PairOfSpecies {
+    /// The two species.
+    pub species: (u8, u8),
+    /// The law between them, of the same kind as `contact`.
+    pub contact: Contact,
+}
+
+impl Contact {
+    /// Which terms the law has; laws of all pairs must have the same.
+    #[must_use]
+    pub fn kind(&self) -> &'static str {
+        match self {
+            Self::Assignment { .. } => "Assignment",
+            Self::Linear { tangential: None, .. } => "Linear",
+            Self::Linear { tangential: Some(Friction::Dashpot { .. }), .. } => "Linear with Dashpot",
+            Self::Linear { tangential: Some(_), rolling: None, .. } => "Linear with Spring",
+            Self::Linear { .. } => "Linear with Spring and rolling",
+            Self::Hertz { tangential: None, .. } => "Hertz",
+            Self::Hertz { rolling: None, .. } => "Hertz with Mindlin",
+            Self::Hertz { .. } => "Hertz with Mindlin and rolling",
+        }
+    }
+
+    /// Whether grains spin under it.
+    #[must_use]
+    pub fn spins(&self) -> bool {
+        matches!(self, Self::Linear { tangential: Some(_), .. } | Self::Hertz { tangential: Some(_), .. })
+    }
+}
+
+/// Everything that a scene says about contacts, checked by [`crate::scene::rules`].
+#[derive(Clone, Copy, Debug)]
+pub struct Contacts<'a> {
+    /// `contact`.
+    pub usual: Contact,
+    /// `pairs`.
+    pub pairs: &'a [PairOfSpecies],
+    /// `materials`.
+    pub materials: &'a [Material],
+    /// How many species there are.
+    pub species: usize,
+}
+
+/// Takes the law of a scene in its own type.
+pub trait LawVisitor<V: Space> {
+    /// What comes of it.
+    type Output;
+
+    /// Takes the law.
+    fn take<L: PairLaw<V> + Demands>(self, law: L) -> Self::Output;
+}
+
+struct Erase;
+
+impl<V: Space> LawVisitor<V> for Erase {
+    type Output = AnyLaw<V>;
+
+    fn take<L: PairLaw<V> + Demands>(self, law: L) -> AnyLaw<V> {
+        AnyLaw(Arc::new(law))
+    }
+}
+
+/// Rules have seen to it that every pair has the same terms.
+const SAME_KIND: &str = "all pairs have the same kind of law";
+
+impl Contacts<'_> {
+    /// Hands the law to `visitor`: the one choice of what the kernel is compiled for.
+    pub fn visit<V: Space, R: LawVisitor<V>>(&self, visitor: R) -> R::Output {
+        match self.usual {
+            Contact::Assignment { k, b } => visitor.take(Assignment::new(k, b)),
+            // Grains of one material need no table; with friction, looking up is lost in the work.
+            Contact::Linear { tangential: None, .. } if self.species == 1 => {
+                visitor.take(smooth(self.linear(0, 0).normal))
+            }
+            Contact::Linear { tangential: None, .. } => visitor.take(self.table(|a, b| smooth(self.linear(a, b).normal))),
+            Contact::Linear { tangential: Some(Friction::Dashpot { .. }), .. } => {
+                visitor.take(self.table(|a, b| self.dashpot(a, b)))
+            }
+            Contact::Linear { rolling: None, .. } => visitor.take(self.table(|a, b| self.stick(a, b, Free))),
+            Contact::Linear { .. } => visitor.take(self.table(|a, b| self.stick(a, b, self.rolling(a, b)))),
+            Contact::Hertz { tangential: None, .. } => visitor.take(self.table(|a, b| smooth(self.hertz(a, b)))),
+            Contact::Hertz { rolling: None, .. } => visitor.take(self.table(|a, b| self.mindlin(a, b, Free))),
+            Contact::Hertz { .. } => visitor.take(self.table(|a, b| self.mindlin(a, b, self.rolling(a, b)))),
+        }
+    }
+
+    /// The law for passes that are not hot.
+    #[must_use]
+    pub fn any<V: Space>(&self) -> AnyLaw<V> {
+        self.visit(Erase)
+    }
+
+    fn table<L>(&self, mut of: impl FnMut(u8, u8) -> L) -> Table<L> {
+        match Table::new(self.species, |a, b| Ok::<_, std::convert::Infallible>(of(a, b))) {
+            Ok(table) => table,
+        }
+    }
+
+    /// What the scene says of a pair.
+    fn of(&self, a: u8, b: u8) -> Contact {
+        let named = self.pairs.iter().find(|pair| pair.species == (a, b) || pair.species == (b, a));
+        named.map_or(self.usual, |pair| pair.contact)
+    }
+
+    fn linear(&self, a: u8, b: u8) -> LinearTerms {
+        let Contact::Linear { k, damping, attraction, tangential, lever, .. } = self.of(a, b) else {
+            unreachable!("{SAME_KIND}")
+        };
+        LinearTerms { normal: LinearNormal::new(k, damping, attraction), tangential, lever }
+    }
+
+    fn dashpot(&self, a: u8, b: u8) -> Composite<LinearNormal, Dashpot, Free> {
+        let LinearTerms { normal, tangential: Some(Friction::Dashpot { damping, friction }), lever } = self.linear(a, b)
+        else {
+            unreachable!("{SAME_KIND}")
+        };
+        Composite { normal, tangential: Dashpot { damping, friction: friction.get(), lever }, rolling: Free }
+    }
+
+    fn stick<R>(&self, a: u8, b: u8, rolling: R) -> Composite<LinearNormal, Stick<Constant>, R> {
+        let LinearTerms { normal, tangential: Some(Friction::Spring { k, damping, friction }), lever } =
+            self.linear(a, b)
+        else {
+            unreachable!("{SAME_KIND}")
+        };
+        let modulus = Constant { k: k.get(), damping };
+        Composite { normal, tangential: Stick { modulus, friction: friction.get(), lever }, rolling }
+    }
+
+    fn rolling(&self, a: u8, b: u8) -> RollingResistance {
+        match self.of(a, b) {
+            Contact::Linear { rolling: Some(rolling), .. } | Contact::Hertz { rolling: Some(rolling), .. } => rolling,
+            _ => unreachable!("{SAME_KIND}"),
+        }
+    }
+
+    fn materials(&self, a: u8, b: u8) -> [Material; 2] {
+        [a, b].map(|species| self.materials[usize::from(species).min(self.materials.len() - 1)])
+    }
+
+    fn hertz(&self, a: u8, b: u8) -> Hertz {
+        let Contact::Hertz { restitution, attraction, .. } = self.of(a, b) else { unreachable!("{SAME_KIND}") };
+        Hertz::new(self.materials(a, b), restitution, attraction)
+    }
+
+    fn mindlin<R>(&self, a: u8, b: u8, rolling: R) -> Composite<Hertz, Stick<Mindlin>, R> {
+        let Contact::Hertz { tangential: Some(HertzFriction::Mindlin { friction }), lever, .. } = self.of(a, b) else {
+            unreachable!("{SAME_KIND}")
+        };
+        let normal = self.hertz(a, b);
+        let modulus = Mindlin::new(self.materials(a, b), normal);
+        Composite { normal, tangential: Stick { modulus, friction: friction.get(), lever }, rolling }
+    }
+}
+
+/// The numbers of the linear law for one pair.
+struct LinearTerms {
+    normal: LinearNormal,
+    tangential: Option<Friction>,
+    lever: Lever,
+}
+
+fn smooth<N: Normal>(normal: N) -> Composite<N, Smooth, Free> {
+    Composite { normal, tangential: Smooth, rolling: Free }
+}

@@ -1,0 +1,112 @@
+//! Rolling resistance: an elastic-plastic spring-dashpot against the relative rolling of two grains.
+//!
+//! v_r = R_eff (w_i - w_j) x n gathers in a displacement xi (m), F_r = -k xi - c v_r cut at mu_r |F_n| as [`Slider`] has
+//! it, and the torque is R_eff n x F_r on i and the opposite on j, R_eff = R_i R_j/(R_i + R_j). There is no net force,
+//! and angular momentum is kept. k in N/m, c in N s/m; the torque's cap is mu_r R_eff |F_n|. Source: model C of Ai, Chen,
+//! Rotter and Ooi, Powder Technology 206, 269, 2011, in the units of LAMMPS's `rolling sds`. Twisting about the normal
+//! is not resisted.
+
+use serde::{Deserialize, Serialize};
+
+use crate::contact::spring::Slider;
+use crate::contact::{Memory, Pair, Turning};
+use crate::scene::values::{NonNegative, Positive};
+use crate::space::{Space};
+
+/// The scene's `contact.rolling`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct RollingResistance {
+    /// Stiffness k, N/m.
+    pub k: Positive,
+    /// Damping of the rolling velocity.
+    pub damping: RollingDamping,
+    /// Coefficient mu_r.
+    pub friction: NonNegative,
+}
+
+/// The drag coefficient of rolling, N s/m.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub enum RollingDamping {
+    /// c = b, N s/m.
+    B(NonNegative),
+    /// c = gamma m_eff, gamma in 1/s.
+    PerMass(NonNegative),
+}
+
+/// A term against rolling.
+pub trait Rolling: Copy + Send + Sync + 'static {
+    /// Whether it remembers.
+    const ROLLING: bool;
+
+    /// Adds the torque; `normal_force` in N.
+    fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>);
+
+    /// Energy stored, J.
+    fn energy<V: Space>(&self, memory: &Memory<V>) -> f64;
+}
+
+/// Grains roll freely.
+#[derive(Clone, Copy, Debug)]
+pub struct Free;
+
+impl Rolling for Free {
+    const ROLLING: bool = false;
+
+    #[inline]
+    fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: &mut Memory<V>, _: &mut Turning<V>) {}
+
+    fn energy<V: Space>(&self, _: &Memory<V>) -> f64 {
+        0.0
+    }
+}
+
+impl Rolling for RollingResistance {
+    const ROLLING: bool = true;
+
+    #[inline]
+    fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>) {
+        let radius = pair.reduced_radius();
+        let velocity = pair.normal.turned_by((pair.spins[0] - pair.spins[1]) * radius);
+        let drag = match self.damping {
+            RollingDamping::B(b) => b.get(),
+            RollingDamping::PerMass(gamma) => gamma.get() * pair.reduced_mass,
+        };
+        let slider = Slider { stiffness: self.k.get(), drag, cap: self.friction.get() * normal_force.abs() };
+        let pull = slider.pull(&mut memory.rolling, velocity, pair.normal, pair.dt);
+        let arm = pair.normal * radius;
+        turning.rolling = arm.cross(pull.force);
+        turning.rolling_drag = arm.cross(pull.drag);
+        turning.lost_by_rolling = pull.lost;
+    }
+
+    fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {
+        0.5 * self.k.get() * memory.rolling.length_squared()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::tests::pair;
+    use crate::space::Vector;
+
+    #[test]
+    fn it_opposes_rolling_on_both_sides_alike() {
+        let law = RollingResistance {
+            k: 1e3.try_into().unwrap(),
+            damping: RollingDamping::B(2.0.try_into().unwrap()),
+            friction: 0.1.try_into().unwrap(),
+        };
+        let of_i = Pair { normal: Vector::Y, spins: [3.0, -1.0], ..pair() };
+        let of_j = Pair { normal: -of_i.normal, spins: [of_i.spins[1], of_i.spins[0]], ..of_i };
+        let mut on = [of_i, of_j].map(|pair| {
+            let (mut memory, mut turning) = (Memory::default(), Turning::default());
+            law.add(&pair, 100.0, &mut memory, &mut turning);
+            (turning.rolling, memory.rolling)
+        });
+        assert!(on[0].0 < 0.0);
+        on[1].0 = -on[1].0;
+        assert_eq!(on[0], on[1], "the torque changes sign, the displacement does not");
+    }
+}

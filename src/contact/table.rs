@@ -1,0 +1,111 @@
+//! Materials: the same law with other numbers for each pair of species.
+//!
+//! The numbers of species a and b stand at a n + b and again at b n + a, n species in all; the last entry serves any
+//! species beyond. What kind of law it is is the same for all pairs and compiled in; only numbers are looked up.
+
+use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
+use crate::space::Space;
+
+/// Laws of one kind by pair of species.
+#[derive(Clone, Debug)]
+pub struct Table<L> {
+    species: usize,
+    laws: Vec<L>,
+}
+
+impl<L> Table<L> {
+    /// The table of `species` kinds, at least one, with the law that `of` gives for kinds a and b.
+    ///
+    /// # Errors
+    /// The first error of `of`.
+    pub fn new<E>(species: usize, mut of: impl FnMut(u8, u8) -> Result<L, E>) -> Result<Self, E> {
+        let kinds = || (0..=u8::MAX).take(species.max(1));
+        let laws = kinds().flat_map(|a| kinds().map(move |b| (a.min(b), a.max(b)))).map(|(a, b)| of(a, b));
+        Ok(Self { species: species.max(1), laws: laws.collect::<Result<_, E>>()? })
+    }
+
+    #[inline]
+    fn of<V: Space>(&self, pair: &Pair<V>) -> &L {
+        let last = self.species - 1;
+        let [a, b] = pair.species.map(|species| usize::from(species.0).min(last));
+        &self.laws[a * self.species + b]
+    }
+
+    /// The entry that gives the largest of some figure.
+    fn largest(&self, figure: impl Fn(&L) -> f64) -> f64 {
+        self.laws.iter().map(figure).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+impl<L: Demands> Demands for Table<L> {
+    const SPIN: bool = L::SPIN;
+    const SPECIES: bool = true;
+    const SPRING: bool = L::SPRING;
+    const ROLLING: bool = L::ROLLING;
+    const STIFFNESS: bool = L::STIFFNESS;
+}
+
+impl<V: Space, L: PairLaw<V>> PairLaw<V> for Table<L> {
+    #[inline]
+    fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
+        self.of(pair).force(pair, memory)
+    }
+
+    fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        self.of(pair).elastic_energy(pair, memory)
+    }
+
+    fn friction(&self, pair: &Pair<V>) -> f64 {
+        self.of(pair).friction(pair)
+    }
+
+    // Estimates are for the pair that is hardest on the time step, or of the first species where that has no meaning.
+
+    fn stiffness(&self, bounce: &Bounce) -> f64 {
+        self.largest(|law| law.stiffness(bounce))
+    }
+
+    fn damping(&self, bounce: &Bounce) -> f64 {
+        self.largest(|law| law.damping(bounce))
+    }
+
+    fn deepest(&self, bounce: &Bounce) -> f64 {
+        self.largest(|law| law.deepest(bounce))
+    }
+
+    fn contact_duration(&self, bounce: &Bounce) -> f64 {
+        self.laws.iter().map(|law| law.contact_duration(bounce)).fold(f64::INFINITY, f64::min)
+    }
+
+    fn restitution(&self, bounce: &Bounce) -> f64 {
+        self.laws[0].restitution(bounce)
+    }
+
+    fn sideways(&self, inertia_factor: f64, bounce: &Bounce) -> f64 {
+        self.largest(|law| law.sideways(inertia_factor, bounce))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::assignment::Assignment;
+    use crate::contact::tests::pair;
+    use crate::particle::Species;
+
+    #[test]
+    fn a_pair_has_one_entry_whichever_comes_first() {
+        let stiffness = |a: u8, b: u8| 1.0 + f64::from(a) + 10.0 * f64::from(b);
+        let table = Table::new(3, |a, b| {
+            Ok::<_, String>(Assignment::new(stiffness(a, b).try_into()?, 0.0.try_into()?))
+        })
+        .unwrap();
+        let energy = |a: u8, b: u8| {
+            let pair = Pair { species: [Species(a), Species(b)], ..pair() };
+            table.elastic_energy(&pair, &Memory::default()) / (0.5 * pair.overlap * pair.overlap)
+        };
+        for (a, b, k) in [(0, 0, 1.0), (0, 2, 21.0), (2, 0, 21.0), (1, 2, 22.0), (2, 2, 23.0), (7, 0, 21.0)] {
+            assert!((energy(a, b) - k).abs() < 1e-9, "{a} {b}: {}", energy(a, b));
+        }
+    }
+}

@@ -1,0 +1,160 @@
+//! Grains of the start, set on a lattice: a block to fall, a gas, or the rough wall of a chute or a shear cell.
+//!
+//! A square lattice of side `spacing`, in solid space a cubic one, fills the box from `low` to `high`: x runs fastest,
+//! then y, then z; what does not fit into a whole number of cells is left free at the upper ends. Grains are displaced by
+//! a uniform `jitter` and start with a `velocity` plus a uniform `agitation`, half-widths both. Everything depends on the
+//! seed and the grain's number only.
+
+use serde::{Deserialize, Serialize};
+
+use crate::grains::file::GrainRow;
+use crate::grains::mass::MassLaw;
+use crate::grains::spawner::RadiusLaw;
+use crate::particle::{GrainId, Species};
+use crate::random::Stream;
+use crate::scene::values::{FiniteVector, NonNegative, Positive};
+use crate::space::{Dimension, Solid};
+
+/// One of the scene's `fill`.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Fill {
+    /// Lower corner of the box, m.
+    pub low: FiniteVector,
+    /// Upper corner, m.
+    pub high: FiniteVector,
+    /// Side of the lattice, m.
+    pub spacing: Positive,
+    /// Radii, m.
+    pub radius: RadiusLaw,
+    /// How many; default as many as fit.
+    pub count: Option<u32>,
+    /// Half-width of the displacement of each coordinate, m. Default 0.
+    #[serde(default)]
+    pub jitter: Option<NonNegative>,
+    /// Velocity, m/s. Default at rest. Fixed grains keep it.
+    pub velocity: Option<FiniteVector>,
+    /// Half-widths of a random velocity, m/s. Default none.
+    pub agitation: Option<FiniteVector>,
+    /// Whether they are fixed: wall grains.
+    #[serde(default)]
+    pub fixed: bool,
+    /// Species of the first size. Default 0.
+    #[serde(default)]
+    pub species: u8,
+}
+
+/// A wall grain of a scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct FixedGrain {
+    /// Centre, m.
+    pub position: Solid,
+    /// Radius, m.
+    pub radius: f64,
+    /// Velocity, m/s.
+    pub velocity: Solid,
+    /// Kind.
+    pub species: Species,
+}
+
+/// More cells than that are refused: a slip of the pen, or more than a machine holds.
+const MOST: f64 = 1e8;
+
+impl Fill {
+    /// Number of lattice cells along each axis.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e8, not negative")]
+    fn cells(&self, dimension: Dimension) -> [u32; 3] {
+        let size = self.high.padded() - self.low.padded();
+        let along = |axis: usize| (size[axis] / self.spacing.get() * (1.0 + 1e-12)).clamp(0.0, MOST) as u32;
+        [along(0), along(1), if dimension == Dimension::Solid { along(2) } else { 1 }]
+    }
+
+    /// How many grains there will be; `None` if they are too many to hold.
+    #[must_use]
+    pub fn len(&self, dimension: Dimension) -> Option<u32> {
+        let room = self.cells(dimension).into_iter().map(f64::from).product::<f64>();
+        let wanted = self.count.map_or(room, f64::from).min(room);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e8, not negative")]
+        (wanted <= MOST).then_some(wanted as u32)
+    }
+
+    /// Whether there will be none.
+    #[must_use]
+    pub fn is_empty(&self, dimension: Dimension) -> bool {
+        self.len(dimension) == Some(0)
+    }
+
+    /// The grains, with ids from `first_id` on; `number` tells one `fill` of a scene from the next.
+    pub fn grains(
+        &self,
+        dimension: Dimension,
+        mass: Option<MassLaw>,
+        seed: u64,
+        number: usize,
+        first_id: u32,
+    ) -> Vec<GrainRow> {
+        let count = self.len(dimension).unwrap_or(0);
+        let [columns, rows, _] = self.cells(dimension).map(|cells| cells.max(1));
+        let random = Stream::new(seed, &format!("fill {number}"));
+        let mut quotas = self.radius.quotas(count);
+        let axes = |v: [f64; 3]| if dimension == Dimension::Solid { Solid::from(v) } else { Solid::new(v[0], v[1], 0.0) };
+        let jitter = self.jitter.map_or(0.0, NonNegative::get);
+        let velocity = self.velocity.map_or(Solid::ZERO, FiniteVector::padded);
+        let agitation = self.agitation.map_or(Solid::ZERO, FiniteVector::padded);
+        (0..count)
+            .filter_map(|n| {
+                let [size, x, y, z, vx, vy, vz] = random.uniform::<7>(u64::from(n)).map(|u| u);
+                let (radius, species) = self.radius.choose(size, &mut quotas);
+                let cell = [n % columns, n / columns % rows, n / columns / rows].map(|c| f64::from(c) + 0.5);
+                let displaced = axes([x, y, z].map(|u| jitter * (2.0 * u - 1.0)));
+                let agitated = agitation * axes([vx, vy, vz].map(|u| 2.0 * u - 1.0));
+                Some(GrainRow {
+                    id: GrainId::grain(first_id.checked_add(n)?)?,
+                    radius,
+                    mass: mass.map_or(1.0, |law| law.of(radius)),
+                    position: self.low.padded() + axes(cell) * self.spacing.get() + displaced,
+                    velocity: velocity + agitated,
+                    spin: Solid::ZERO,
+                    species: Species(self.species.saturating_add(species.0)),
+                })
+            })
+            .collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parse;
+
+    fn fill(text: &str) -> Fill {
+        parse::parse("fill.ron", text).unwrap()
+    }
+
+    #[test]
+    fn a_box_is_filled_row_by_row_and_layer_by_layer() {
+        let block = fill("(low: (0.0, 0.0, 0.0), high: (0.3, 0.2, 0.2), spacing: 0.1, radius: Fixed(0.04))");
+        assert_eq!(block.len(Dimension::Solid), Some(12));
+        let grains = block.grains(Dimension::Solid, None, 1, 0, 5);
+        let near = |n: usize, x: f64, y: f64, z: f64| grains[n].position.distance(Solid::new(x, y, z)) < 1e-16;
+        assert!(near(0, 0.05, 0.05, 0.05) && near(3, 0.05, 0.15, 0.05) && near(11, 0.25, 0.15, 0.15));
+        assert_eq!((grains[0].id, grains[11].id), (GrainId::grain(5).unwrap(), GrainId::grain(16).unwrap()));
+    }
+
+    #[test]
+    fn jitter_and_agitation_stay_within_their_half_widths_and_follow_the_seed() {
+        let gas = fill(
+            "(low: (0.0, 0.0), high: (1.0, 1.0), spacing: 0.1, radius: Fixed(0.01), jitter: 0.02, velocity: (1.0, 0.0),
+              agitation: (0.5, 0.0))",
+        );
+        let grains = |seed: u64| gas.grains(Dimension::Plane, None, seed, 0, 1);
+        for grain in grains(1) {
+            let off = (grain.position / 0.1 - Solid::splat(0.5)) * 0.1;
+            let from_site = off - (off / 0.1).round() * 0.1;
+            assert!(from_site.x.abs() <= 0.02 + 1e-15 && from_site.y.abs() <= 0.02 + 1e-15);
+            assert!((0.5..=1.5).contains(&grain.velocity.x) && grain.velocity.y == 0.0 && grain.position.z == 0.0);
+        }
+        assert_eq!(grains(1), grains(1));
+        assert_ne!(grains(1), grains(2));
+    }
+}

@@ -1,0 +1,274 @@
+//! Profiles: averages over bins along an axis, and over time.
+//!
+//! Every `sample` seconds each grain adds to the bins that it lies in. After `average` seconds, or at the end of the run,
+//! the sums become means, with the number of samples:
+//!
+//! * *count*: grains whose centre is in the bin, a sample;
+//! * *packing fraction*: the volume (in the plane: area) of the grains between the bin's two ends, exactly, slice by
+//!   slice, over the bin's own: its width times `section`. Overlaps count twice;
+//! * *velocity*: momentum over mass of the grains whose centre is in the bin;
+//! * *granular temperature*: sum m |v - v_mean|^2/(D sum m) with D = 2 or 3 components and the mean velocity of the same
+//!   bin and samples, m^2/s^2. It contains what the mean flow changes across the bin and in the time.
+//!
+//! The volume of a sphere below a plane at h from its centre, |h| <= R, is pi (2 R^3/3 + R^2 h - h^3/3); the area of a
+//! disc is R^2 (pi/2 + asin(h/R)) + h sqrt(R^2 - h^2). Along a periodic axis the images of a grain count. Grains that are
+//! fixed do not.
+
+use std::f64::consts::PI;
+
+use serde::{Deserialize, Serialize};
+
+use crate::columns::Columns;
+use crate::particle::Species;
+use crate::scene::values::{Finite, NonNegative, Positive};
+use crate::space::{Dimension, Space};
+
+/// One of the scene's `profiles`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Profile {
+    /// Along which axis.
+    pub axis: Axis,
+    /// Lower end of the first bin, m.
+    pub low: Finite,
+    /// Upper end of the last bin, m.
+    pub high: Finite,
+    /// How many bins.
+    pub bins: u16,
+    /// Time between samples, s.
+    pub sample: Positive,
+    /// Time of the first sample, s. Default 0.
+    pub from: Option<NonNegative>,
+    /// Time over which samples are averaged, s. Default the whole run.
+    pub average: Option<Positive>,
+    /// Area of the section at right angles to the axis, m^2; in the plane its length, m. Default: of the periodic box, if
+    /// that bounds every other axis.
+    pub section: Option<Positive>,
+}
+
+/// An axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub enum Axis {
+    /// The first.
+    X,
+    /// The second; up in the plane.
+    Y,
+    /// The third; up in solid space.
+    Z,
+}
+
+impl Axis {
+    /// Its number, from 0.
+    #[must_use]
+    pub fn number(self) -> usize {
+        match self {
+            Self::X => 0,
+            Self::Y => 1,
+            Self::Z => 2,
+        }
+    }
+}
+
+/// Sums of one species in one bin.
+#[derive(Clone, Copy, Debug, Default)]
+struct Sums<V> {
+    count: u64,
+    volume: f64,
+    mass: f64,
+    momentum: V,
+    energy: f64,
+}
+
+/// Means of one species in one bin.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Means<V> {
+    /// Middle of the bin along the axis, m.
+    pub place: f64,
+    /// Grains whose centre is in the bin.
+    pub count: f64,
+    /// Share of the bin that they fill.
+    pub packing_fraction: f64,
+    /// m/s.
+    pub velocity: V,
+    /// m^2/s^2.
+    pub temperature: f64,
+}
+
+/// The sums of a profile so far.
+#[derive(Clone, Debug)]
+pub struct Sampler<V: Space> {
+    /// What the scene says.
+    pub profile: Profile,
+    section: f64,
+    bins: Vec<Sums<V>>,
+    /// How many samples the sums hold.
+    pub samples: u64,
+}
+
+/// Volume or area of a grain below a plane at `h` from its centre, m^3 or m^2.
+fn below(dimension: Dimension, radius: f64, h: f64) -> f64 {
+    let h = h.clamp(-radius, radius);
+    match dimension {
+        Dimension::Plane => {
+            radius * radius * (0.5 * PI + (h / radius).asin()) + h * (radius * radius - h * h).max(0.0).sqrt()
+        }
+        Dimension::Solid => PI * (2.0 / 3.0 * radius.powi(3) + radius * radius * h - h.powi(3) / 3.0),
+    }
+}
+
+impl<V: Space> Sampler<V> {
+    /// No samples yet; `section` in m^2 or m.
+    #[must_use]
+    pub fn new(profile: Profile, section: f64) -> Self {
+        Self { profile, section, bins: vec![Sums::default(); usize::from(profile.bins)], samples: 0 }
+    }
+
+    fn width(&self) -> f64 {
+        (self.profile.high.get() - self.profile.low.get()) / f64::from(self.profile.bins)
+    }
+
+    /// Adds the grains of `species` (all, if none is named) as they are.
+    pub fn add(&mut self, columns: &Columns<V>, species: Option<Species>) {
+        let axis = self.profile.axis.number();
+        let side = columns.periodic.and_then(|periodic| periodic.side(axis));
+        let grains = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
+        for i in grains.filter(|&i| species.is_none_or(|species| columns.species[i] == species)) {
+            let x = columns.body[i].position.axis(axis);
+            self.add_centre(columns, i, x);
+            self.add_volume(columns.body[i].radius, x);
+            if let Some(side) = side {
+                self.add_volume(columns.body[i].radius, x - side);
+                self.add_volume(columns.body[i].radius, x + side);
+            }
+        }
+        self.samples += 1;
+    }
+
+    fn add_centre(&mut self, columns: &Columns<V>, i: usize, x: f64) {
+        let bin = ((x - self.profile.low.get()) / self.width()).floor();
+        if !(0.0..f64::from(self.profile.bins)).contains(&bin) {
+            return;
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a bin")]
+        let sums = &mut self.bins[bin as usize];
+        let (mass, v) = (columns.mass[i], columns.body[i].velocity);
+        sums.count += 1;
+        sums.mass += mass;
+        sums.momentum += v * mass;
+        sums.energy += mass * v.length_squared();
+    }
+
+    fn add_volume(&mut self, radius: f64, x: f64) {
+        let (low, width) = (self.profile.low.get(), self.width());
+        let bin = |x: f64| ((x - low) / width).floor().clamp(0.0, f64::from(self.profile.bins) - 1.0);
+        let (first, last) = (bin(x - radius), bin(x + radius));
+        if x + radius <= low || x - radius >= self.profile.high.get() {
+            return;
+        }
+        let mut bin = first;
+        while bin <= last {
+            let start = low + bin * width - x;
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a bin")]
+            let sums = &mut self.bins[bin as usize];
+            sums.volume += below(V::DIMENSION, radius, start + width) - below(V::DIMENSION, radius, start);
+            bin += 1.0;
+        }
+    }
+
+    /// The means, and a new start.
+    #[expect(clippy::cast_precision_loss, reason = "counts of samples and grains")]
+    pub fn take(&mut self) -> Vec<Means<V>> {
+        let (width, samples) = (self.width(), self.samples.max(1) as f64);
+        let axes = V::COMPONENTS as f64;
+        let means = (0u16..).zip(&self.bins).map(|(bin, sums)| {
+            let velocity = if sums.mass > 0.0 { sums.momentum / sums.mass } else { V::ZERO };
+            let excess = sums.energy - sums.mass * velocity.length_squared();
+            Means {
+                place: self.profile.low.get() + (f64::from(bin) + 0.5) * width,
+                count: sums.count as f64 / samples,
+                packing_fraction: sums.volume / (samples * width * self.section),
+                velocity,
+                temperature: if sums.mass > 0.0 { (excess / (axes * sums.mass)).max(0.0) } else { 0.0 },
+            }
+        });
+        let means = means.collect();
+        *self = Self::new(self.profile, self.section);
+        means
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::columns::Body;
+    use crate::particle::GrainId;
+    use crate::periodic::{Periodic, PeriodicSides};
+    use crate::space::{Plane, Solid};
+    use bevy_ecs::prelude::Entity;
+
+    fn columns<V: Space>(grains: &[(V, V, f64)]) -> Columns<V> {
+        let mut columns = Columns::default();
+        for (n, &(position, velocity, radius)) in (0u32..).zip(grains) {
+            columns.id.push(GrainId::grain(n).unwrap());
+            columns.entity.push(Entity::PLACEHOLDER);
+            columns.body.push(Body { position, velocity, radius, inverse_mass: 0.5 });
+            columns.mass.push(2.0);
+            columns.species.push(Species(u8::try_from(n % 2).unwrap()));
+        }
+        columns.movable_end = grains.len();
+        columns
+    }
+
+    fn profile(low: f64, high: f64, bins: u16) -> Profile {
+        let (low, high) = (low.try_into().unwrap(), high.try_into().unwrap());
+        let sample = 1.0.try_into().unwrap();
+        Profile { axis: Axis::X, low, high, bins, sample, from: None, average: None, section: None }
+    }
+
+    #[test]
+    fn slices_make_up_the_whole_grain() {
+        let disc = columns(&[(Plane::new(0.3, 0.0), Plane::ZERO, 0.25)]);
+        let sphere = columns(&[(Solid::new(0.3, 0.0, 0.0), Solid::ZERO, 0.25)]);
+        let (mut plane, mut solid) = (Sampler::new(profile(0.0, 1.0, 7), 2.0), Sampler::new(profile(0.0, 1.0, 7), 2.0));
+        plane.add(&disc, None);
+        solid.add(&sphere, None);
+        let area: f64 = plane.take().iter().map(|bin| bin.packing_fraction * 2.0 / 7.0).sum();
+        let volume: f64 = solid.take().iter().map(|bin| bin.packing_fraction * 2.0 / 7.0).sum();
+        // Seven differences of rounded numbers below one.
+        assert!((area - PI * 0.0625).abs() < 14.0 * f64::EPSILON, "{area}");
+        assert!((volume - 4.0 / 3.0 * PI * 0.25f64.powi(3)).abs() < 14.0 * f64::EPSILON, "{volume}");
+        // Half of it lies on each side of its middle.
+        let mut halves = Sampler::new(profile(0.0, 0.6, 2), 1.0);
+        halves.add(&sphere, None);
+        let halves = halves.take();
+        assert!((halves[0].packing_fraction - halves[1].packing_fraction).abs() < 1e-15);
+    }
+
+    #[test]
+    fn images_count_along_a_periodic_axis() {
+        let mut disc = columns(&[(Plane::new(0.05, 0.0), Plane::ZERO, 0.2)]);
+        disc.periodic = Periodic::new(&PeriodicSides { x: Some((0.0, 1.0)), ..PeriodicSides::default() });
+        let mut sampler = Sampler::new(profile(0.0, 1.0, 4), 1.0);
+        sampler.add(&disc, None);
+        let means = sampler.take();
+        let area: f64 = means.iter().map(|bin| bin.packing_fraction / 4.0).sum();
+        assert!((area - PI * 0.04).abs() < 1e-15 && means[3].packing_fraction > 0.1, "{area}");
+    }
+
+    #[test]
+    fn velocity_and_temperature_are_those_of_the_bin() {
+        let v = |x: f64, y: f64| Plane::new(x, y);
+        let grains = [(v(0.1, 0.0), v(1.0, 0.0), 0.01), (v(0.2, 0.0), v(3.0, 2.0), 0.01), (v(0.9, 0.0), v(9.0, 9.0), 0.01)];
+        let mut sampler = Sampler::new(profile(0.0, 1.0, 2), 1.0);
+        sampler.add(&columns(&grains), None);
+        sampler.add(&columns(&grains), None);
+        assert_eq!(sampler.samples, 2);
+        let means = sampler.take();
+        assert_eq!((means[0].count, means[0].velocity), (2.0, v(2.0, 1.0)));
+        // Each of the two is (1, 1) away from the mean.
+        assert_eq!((means[0].temperature, means[1].temperature), (1.0, 0.0));
+        assert_eq!(sampler.samples, 0);
+        sampler.add(&columns(&grains), Some(Species(1)));
+        assert_eq!(sampler.take()[0].count, 1.0);
+    }
+}

@@ -1,0 +1,177 @@
+//! `profiles.csv`: the means of the scene's [`profiles`](crate::measure::profile), and `centres.csv`: the centre of mass of
+//! each species, a row every `series.interval` seconds.
+//!
+//! | column of `profiles.csv` | unit | meaning |
+//! |---|---|---|
+//! | `profile` | | its number in the scene, from 1 |
+//! | `from_s`, `to_s`, `samples` | s | first and last sample of the means, and how many there are |
+//! | `place_m` | m | middle of the bin along the axis |
+//! | `species` | | its number, or `all` |
+//! | `count`, `packing_fraction` | | a sample |
+//! | `vx_m_per_s`, ... | m/s | mean velocity |
+//! | `temperature_m2_per_s2` | m^2/s^2 | granular temperature |
+//!
+//! `centres.csv` has `time_s`, `species`, `count`, `mass_kg`, and the centre `x_m`, ... and its velocity `vx_m_per_s`, ...
+//! Along a periodic axis the centre is that of the positions in the box and says little.
+
+use std::fmt::Write as _;
+use std::path::Path;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use crate::columns::Columns;
+use crate::measure::profile::{Profile, Sampler};
+use crate::measure::{ObserveStage, due};
+use crate::outcome::Outcome;
+use crate::output::rows::{Parcel, Rows};
+use crate::output::series::Series;
+use crate::particle::Species;
+use crate::space::Space;
+use crate::step::{Clock, Step};
+
+/// The profiles of one species or of all, side by side with when they were begun.
+#[derive(Clone)]
+struct Running<V: Space> {
+    number: usize,
+    species: Option<Species>,
+    sampler: Sampler<V>,
+    looks: u64,
+    from: f64,
+}
+
+#[derive(Resource)]
+struct Profiles<V: Space> {
+    file: Rows,
+    running: Vec<Running<V>>,
+}
+
+#[derive(Resource)]
+struct Centres {
+    file: Rows,
+    species: u8,
+}
+
+fn axes<V: Space>(prefix: &str, suffix: &str) -> String {
+    let names = ["x", "y", "z"].into_iter().take(V::COMPONENTS).map(|axis| format!("{prefix}{axis}{suffix}"));
+    names.collect::<Vec<_>>().join(",")
+}
+
+fn numbers<V: Space>(v: V) -> String {
+    v.components().iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",")
+}
+
+#[expect(clippy::cast_precision_loss, reason = "2^53 samples are out of reach")]
+fn sample<V: Space>(
+    clock: Res<Clock>,
+    columns: Res<Columns<V>>,
+    mut profiles: ResMut<Profiles<V>>,
+    mut outcome: ResMut<Outcome>,
+) {
+    let (now, ends) = (clock.time(), outcome.end().is_some());
+    let Profiles { file, running } = &mut *profiles;
+    for one in running {
+        let Profile { sample, from, average, .. } = one.sampler.profile;
+        let start = from.map_or(0.0, |from| from.get());
+        if clock.has_reached(start + one.looks as f64 * sample.get()) {
+            one.looks += 1;
+            if one.sampler.samples == 0 {
+                one.from = now;
+            }
+            one.sampler.add(&columns, one.species);
+        }
+        let is_full = average.is_some_and(|average| clock.has_reached(one.from + average.get() - sample.get()));
+        if one.sampler.samples > 0 && (is_full || ends) {
+            file.append(format_args!("{}", one.rows(now)), &mut outcome);
+        }
+    }
+}
+
+impl<V: Space> Running<V> {
+    /// The rows of the means, and a new start.
+    fn rows(&mut self, now: f64) -> String {
+        let species = self.species.map_or_else(|| "all".to_owned(), |species| species.0.to_string());
+        let (number, from, samples) = (self.number, self.from, self.sampler.samples);
+        let mut text = String::new();
+        for bin in self.sampler.take() {
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{number},{from:.9},{now:.9},{samples},{:.9},{species},{:.6},{:.8},{},{:e}",
+                bin.place,
+                bin.count,
+                bin.packing_fraction,
+                numbers(bin.velocity),
+                bin.temperature
+            );
+        }
+        text
+    }
+}
+
+fn write_centres<V: Space>(
+    clock: Res<Clock>,
+    columns: Res<Columns<V>>,
+    mut centres: ResMut<Centres>,
+    mut outcome: ResMut<Outcome>,
+) {
+    for species in 0..=centres.species {
+        let (mut count, mut mass, mut moment, mut momentum) = (0u32, 0.0, V::ZERO, V::ZERO);
+        let grains = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
+        for i in grains.filter(|&i| columns.species[i] == Species(species)) {
+            count += 1;
+            mass += columns.mass[i];
+            moment += columns.body[i].position * columns.mass[i];
+            momentum += columns.body[i].velocity * columns.mass[i];
+        }
+        if count > 0 {
+            let (x, v) = (numbers(moment / mass), numbers(momentum / mass));
+            centres.file.append(format_args!("{:.9},{species},{count},{mass:e},{x},{v}\n", clock.time()), &mut outcome);
+        }
+    }
+}
+
+/// Takes profiles and centres of mass.
+pub struct ProfilesPlugin<V: Space>(Parcel<(Profiles<V>, Centres)>);
+
+impl<V: Space> ProfilesPlugin<V> {
+    /// Creates the files. `profiles` come with the section (m^2 or m) of each; `species` is the largest in the scene.
+    ///
+    /// # Errors
+    /// If they cannot be written.
+    pub fn create(
+        profiles: &[(Profile, f64)],
+        species: u8,
+        profiles_path: &Path,
+        centres_path: &Path,
+    ) -> std::io::Result<Self> {
+        let header = format!(
+            "profile,from_s,to_s,samples,place_m,species,count,packing_fraction,{},temperature_m2_per_s2",
+            axes::<V>("v", "_m_per_s")
+        );
+        let file = Rows::create(profiles_path, &header)?;
+        let all = (species > 0).then_some(None);
+        let kinds: Vec<_> = (0..=species).map(|number| Some(Species(number))).chain(all).collect();
+        let running = (1..).zip(profiles).flat_map(|(number, &(profile, section))| {
+            let sampler = Sampler::new(profile, section);
+            kinds.iter().map(move |&species| Running { number, species, sampler: sampler.clone(), looks: 0, from: 0.0 })
+        });
+        let running = running.collect();
+        let header = format!("time_s,species,count,mass_kg,{},{}", axes::<V>("", "_m"), axes::<V>("v", "_m_per_s"));
+        let centres = Centres { file: Rows::create(centres_path, &header)?, species };
+        Ok(Self(Parcel::new((Profiles { file, running }, centres))))
+    }
+}
+
+impl<V: Space> Plugin for ProfilesPlugin<V> {
+    fn build(&self, app: &mut App) {
+        let Some((profiles, centres)) = self.0.open() else { return };
+        app.insert_resource(profiles).insert_resource(centres).add_systems(
+            Step,
+            (
+                sample::<V>.in_set(ObserveStage::Measure),
+                write_centres::<V>.in_set(ObserveStage::Write).run_if(due::<Series>),
+            ),
+        );
+    }
+}

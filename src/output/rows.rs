@@ -1,0 +1,51 @@
+//! A CSV file that grows by rows, each flushed, so that a run that dies leaves all of them.
+
+use std::fmt;
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+
+use crate::outcome::{Failure, Outcome};
+
+/// The file.
+#[derive(Debug)]
+pub struct Rows {
+    path: PathBuf,
+    file: BufWriter<File>,
+}
+
+impl Rows {
+    /// Creates the file at `path` with its header.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn create(path: &Path, header: &str) -> std::io::Result<Self> {
+        let mut rows = Self { path: path.to_owned(), file: BufWriter::new(File::create(path)?) };
+        writeln!(rows.file, "{header}")?;
+        rows.file.flush()?;
+        Ok(rows)
+    }
+
+    /// Adds rows, each with its line break; what goes wrong ends the run.
+    pub fn append(&mut self, rows: fmt::Arguments<'_>, outcome: &mut Outcome) {
+        if let Err(error) = self.file.write_fmt(rows).and_then(|()| self.file.flush()) {
+            outcome.fail(Failure::Output { path: self.path.display().to_string(), reason: error.to_string() });
+        }
+    }
+}
+
+/// A file on its way into the world: a plugin is built by reference, and gives away what it brings.
+#[derive(Debug)]
+pub(super) struct Parcel<T>(Mutex<Option<T>>);
+
+impl<T> Parcel<T> {
+    pub(super) fn new(content: T) -> Self {
+        Self(Mutex::new(Some(content)))
+    }
+
+    /// The content, the first time.
+    pub(super) fn open(&self) -> Option<T> {
+        self.0.lock().ok()?.take()
+    }
+}

@@ -1,0 +1,59 @@
+//! `walls.csv`: the force of the grains on each flat wall, a row for each wall every `series.interval` seconds.
+//!
+//! | column | unit | meaning |
+//! |---|---|---|
+//! | `time_s` | s | simulated time |
+//! | `wall` | | its number among the scene's `walls`, from 1, discs not counted |
+//! | `fx_n`, `fy_n`, `fz_n` | N | force *on the wall*: a floor under gravity has one that points down; z in solid space only |
+//!
+//! The force is that of the step, not an average over the interval.
+
+use std::path::Path;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use crate::measure::{ObserveStage, due};
+use crate::outcome::Outcome;
+use crate::output::rows::{Parcel, Rows};
+use crate::output::series::Series;
+use crate::space::{Dimension, Space};
+use crate::step::{Clock, Step};
+use crate::walls::surfaces::Surfaces;
+
+#[derive(Resource)]
+struct WallsFile(Rows);
+
+fn write_rows<V: Space>(
+    clock: Res<Clock>,
+    walls: Res<Surfaces<V>>,
+    mut file: ResMut<WallsFile>,
+    mut outcome: ResMut<Outcome>,
+) {
+    for (number, wall) in (1..).zip(&walls.0) {
+        let force: String = wall.load.force.components().iter().map(|f| format!(",{f:e}")).collect();
+        file.0.append(format_args!("{:.9},{number}{force}\n", clock.time()), &mut outcome);
+    }
+}
+
+/// Writes `walls.csv`, with the rows of [`SeriesPlugin`](crate::output::series::SeriesPlugin).
+pub struct WallForcesPlugin<V: Space>(Parcel<WallsFile>, std::marker::PhantomData<V>);
+
+impl<V: Space> WallForcesPlugin<V> {
+    /// Creates the file at `path` with its header.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn create(path: &Path) -> std::io::Result<Self> {
+        let is_solid = V::DIMENSION == Dimension::Solid;
+        let header = if is_solid { "time_s,wall,fx_n,fy_n,fz_n" } else { "time_s,wall,fx_n,fy_n" };
+        Ok(Self(Parcel::new(WallsFile(Rows::create(path, header)?)), std::marker::PhantomData))
+    }
+}
+
+impl<V: Space> Plugin for WallForcesPlugin<V> {
+    fn build(&self, app: &mut App) {
+        let Some(file) = self.0.open() else { return };
+        app.insert_resource(file).add_systems(Step, write_rows::<V>.in_set(ObserveStage::Write).run_if(due::<Series>));
+    }
+}

@@ -1,0 +1,197 @@
+//! Periodic sides: what leaves through one side of the box comes in at the other.
+//!
+//! Along a periodic axis with box length L every grain stands for its images at x + n L. Positions are kept in
+//! low <= x < high: X < low gets +L and X >= high gets -L, once a step, after the drift (the source's algorithm 1 has
+//! both signs the other way round). Two grains meet by their nearest images: the separation is shortened by L where it
+//! is longer than L/2. That is unambiguous only if a grain can touch no other twice, so L must exceed twice the largest
+//! distance of centres in contact; a smaller box is refused. Walls are not repeated: they must be the same in every
+//! image, which `check` cannot see.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::columns::{Columns, DENSE};
+use crate::particle::Position;
+use crate::space::Space;
+use crate::step::{Drifted, Phase, Step};
+
+/// The scene's `periodic`: lower and upper end (m) of each axis that repeats itself.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PeriodicSides {
+    /// Along x.
+    pub x: Option<(f64, f64)>,
+    /// Along y.
+    pub y: Option<(f64, f64)>,
+    /// Along z.
+    pub z: Option<(f64, f64)>,
+}
+
+impl PeriodicSides {
+    /// By axis.
+    #[must_use]
+    pub fn axes(&self) -> [Option<(f64, f64)>; 3] {
+        [self.x, self.y, self.z]
+    }
+
+    /// Whether no axis repeats itself.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.axes().iter().all(Option::is_none)
+    }
+}
+
+/// The box, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Periodic<V: Space> {
+    /// Lower ends; minus infinity where the axis is open.
+    pub low: V,
+    /// Lengths; 0 where the axis is open.
+    pub length: V,
+    /// Half lengths; infinite where the axis is open.
+    half: V,
+}
+
+impl<V: Space> Periodic<V> {
+    /// The box of `sides`; `None` if no axis repeats itself.
+    #[must_use]
+    pub fn new(sides: &PeriodicSides) -> Option<Self> {
+        if sides.is_open() {
+            return None;
+        }
+        let mut periodic = Self { low: V::ZERO, length: V::ZERO, half: V::ZERO };
+        for (axis, side) in sides.axes().into_iter().take(V::COMPONENTS).enumerate() {
+            let length = side.map_or(0.0, |(low, high)| high - low);
+            periodic.low = periodic.low.with_axis(axis, side.map_or(f64::NEG_INFINITY, |(low, _)| low));
+            periodic.length = periodic.length.with_axis(axis, length);
+            periodic.half = periodic.half.with_axis(axis, side.map_or(f64::INFINITY, |_| 0.5 * length));
+        }
+        Some(periodic)
+    }
+
+    /// The length along an axis, if that is periodic, m.
+    #[must_use]
+    pub fn side(&self, axis: usize) -> Option<f64> {
+        let length = self.length.axis(axis);
+        (length > 0.0).then_some(length)
+    }
+
+    /// The shortest of all separations that a separation of two positions in the box stands for.
+    #[inline]
+    #[must_use]
+    pub fn shortest(&self, mut separation: V) -> V {
+        for axis in 0..V::COMPONENTS {
+            let (s, half, length) = (separation.axis(axis), self.half.axis(axis), self.length.axis(axis));
+            if s > half {
+                separation = separation.with_axis(axis, s - length);
+            } else if s < -half {
+                separation = separation.with_axis(axis, s + length);
+            }
+        }
+        separation
+    }
+
+    /// The position in the box that a position not far outside stands for.
+    #[inline]
+    #[must_use]
+    pub fn wrapped(&self, mut position: V) -> V {
+        for axis in 0..V::COMPONENTS {
+            let Some(length) = self.side(axis) else { continue };
+            let low = self.low.axis(axis);
+            let mut x = position.axis(axis);
+            if x < low || x >= low + length {
+                x -= length * ((x - low) / length).floor();
+                // A tiny step below `low` rounds to the upper end, which is the lower one.
+                if x >= low + length || x < low {
+                    x = low;
+                }
+                position = position.with_axis(axis, x);
+            }
+        }
+        position
+    }
+}
+
+/// How separations are measured: compiled into the kernel, so that open scenes pay nothing for periodic ones.
+pub trait Metric<V: Space>: Copy + Send + Sync {
+    /// From `b` to `a`, m.
+    fn separation(&self, a: V, b: V) -> V;
+}
+
+/// Nothing repeats itself.
+#[derive(Clone, Copy, Debug)]
+pub struct Open;
+
+impl<V: Space> Metric<V> for Open {
+    #[inline]
+    fn separation(&self, a: V, b: V) -> V {
+        a - b
+    }
+}
+
+impl<V: Space> Metric<V> for Periodic<V> {
+    #[inline]
+    fn separation(&self, a: V, b: V) -> V {
+        self.shortest(a - b)
+    }
+}
+
+fn wrap<V: Space>(columns: Res<Columns<V>>, mut particles: Query<&mut Position<V>>) {
+    let Some(periodic) = columns.periodic else { return };
+    for mut positions in particles.contiguous_iter_mut().expect(DENSE) {
+        for x in positions.bypass_change_detection() {
+            x.0 = periodic.wrapped(x.0);
+        }
+    }
+}
+
+/// The sides of a periodic scene.
+pub struct PeriodicPlugin<V: Space>(pub Periodic<V>);
+
+impl<V: Space> Plugin for PeriodicPlugin<V> {
+    fn build(&self, app: &mut App) {
+        app.world_mut().resource_mut::<Columns<V>>().periodic = Some(self.0);
+        app.add_systems(Step, wrap::<V>.in_set(Phase::Drift).after(Drifted));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::{Plane, Solid};
+    use proptest::prelude::*;
+
+    fn strip() -> Periodic<Plane> {
+        Periodic::new(&PeriodicSides { x: Some((-1.0, 2.0)), ..PeriodicSides::default() }).unwrap()
+    }
+
+    #[test]
+    fn an_open_axis_is_left_alone() {
+        assert_eq!(strip().wrapped(Plane::new(0.5, 1e9)), Plane::new(0.5, 1e9));
+        assert_eq!(strip().shortest(Plane::new(0.5, -1e9)), Plane::new(0.5, -1e9));
+        assert_eq!(Periodic::<Solid>::new(&PeriodicSides::default()), None);
+    }
+
+    proptest! {
+        #[test]
+        fn wrapping_stays_in_the_box_and_keeps_the_image(x in -40.0..40.0f64, tiny in 0.0..1e-16f64) {
+            for x in [x, -1.0 - tiny, 2.0 - tiny] {
+                let wrapped = strip().wrapped(Plane::new(x, 0.0)).x;
+                prop_assert!((-1.0..2.0).contains(&wrapped), "{wrapped}");
+                let images = (x - wrapped) / 3.0;
+                // A few roundings of numbers up to 40.
+                prop_assert!((images - images.round()).abs() < 40.0 * 4.0 * f64::EPSILON);
+            }
+        }
+
+        #[test]
+        fn the_shortest_separation_is_the_shortest_of_all_images(a in -1.0..2.0f64, b in -1.0..2.0f64) {
+            let s = strip().shortest(Plane::new(a - b, 0.0)).x;
+            for image in [-3.0, 0.0, 3.0] {
+                prop_assert!(s.abs() <= (a - b + image).abs() + 1e-15);
+            }
+            prop_assert_eq!(strip().shortest(Plane::new(b - a, 0.0)).x, -s);
+        }
+    }
+}

@@ -1,0 +1,151 @@
+//! Rotation: spin w (rad/s), torque T (N m) and moment of inertia I (kg m^2) of grains, in scenes with friction.
+//!
+//! w follows velocity Verlet as the velocity does: w(t+dt/2) = w(t) + dt/2 T(t)/I, then T from positions and half-step
+//! velocities, then w(t+dt) = w(t+dt/2) + dt/2 T(t+dt)/I. Orientations are not followed: a sphere looks the same from all
+//! sides. I = 2/5 m R^2 for a sphere, 1/2 m R^2 for a disc. A behaviour that changes a grain's mass or radius sets its
+//! [`Inertia`] as well. What is fixed does not spin.
+
+use std::marker::PhantomData;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::columns::{Columns, DENSE, Gathered, GatheredVelocities, Renumbering, Slot, Turn};
+use crate::contact::ContactForces;
+use crate::particle::{Fixed, Grain, Mass, Radius};
+use crate::space::{Dimension, Linear, Space};
+use crate::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
+
+/// Angular velocity, rad/s; in the plane a number, positive counter-clockwise.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Spin<W: Linear = f64>(pub W);
+
+/// Torque about the centre, N m, as of the last evaluation.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+pub struct Torque<W: Linear = f64>(pub W);
+
+/// Moment of inertia about the centre, kg m^2.
+#[derive(Component, Clone, Copy, Debug, PartialEq)]
+pub struct Inertia(pub f64);
+
+/// The scene's `inertia`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+pub enum InertiaLaw {
+    /// I = 2/5 m R^2.
+    Sphere,
+    /// I = 1/2 m R^2.
+    Disc,
+}
+
+impl InertiaLaw {
+    /// What a scene has that does not say: spheres in solid space, discs in the plane.
+    #[must_use]
+    pub fn usual(dimension: Dimension) -> Self {
+        match dimension {
+            Dimension::Plane => Self::Disc,
+            Dimension::Solid => Self::Sphere,
+        }
+    }
+
+    /// I/(m R^2).
+    #[must_use]
+    pub fn factor(self) -> f64 {
+        match self {
+            Self::Sphere => 0.4,
+            Self::Disc => 0.5,
+        }
+    }
+}
+
+#[derive(Resource, Clone, Copy)]
+struct InertiaFactor(f64);
+
+/// Every grain that enters gets what it needs to turn.
+fn equip<V: Space>(
+    added: On<Add<Grain>>,
+    factor: Res<InertiaFactor>,
+    grains: Query<(&Mass, &Radius, Has<Spin<V::Spin>>)>,
+    mut commands: Commands,
+) {
+    let Ok((mass, radius, spins)) = grains.get(added.entity) else { return };
+    let inertia = Inertia(factor.0 * mass.0 * radius.0 * radius.0);
+    let mut grain = commands.entity(added.entity);
+    grain.insert((Torque(V::Spin::ZERO), inertia));
+    if !spins {
+        grain.insert(Spin(V::Spin::ZERO));
+    }
+}
+
+type Turning<V> =
+    (&'static mut Spin<<V as Space>::Spin>, &'static Torque<<V as Space>::Spin>, &'static Inertia);
+
+/// Half a step of w; before the drift and after the forces alike.
+fn half_kick<V: Space>(clock: Res<Clock>, mut grains: Query<Turning<V>, Without<Fixed>>) {
+    for (mut spins, torques, inertias) in grains.contiguous_iter_mut().expect(DENSE) {
+        let spins = spins.bypass_change_detection().iter_mut();
+        for (spin, (torque, inertia)) in spins.zip(torques.iter().zip(inertias.iter())) {
+            spin.0 += torque.0 * (0.5 * clock.dt / inertia.0);
+        }
+    }
+}
+
+fn gather<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<(&Slot, &Spin<V::Spin>)>) {
+    for (slots, spins) in grains.contiguous_iter().expect(DENSE) {
+        for (slot, spin) in slots.iter().zip(spins.iter()) {
+            if let Some(place) = columns.spin.get_mut(slot.index()) {
+                *place = spin.0;
+            }
+        }
+    }
+}
+
+/// New slots: those of what does not spin stay at zero.
+fn make_room<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<(&Slot, &Inertia)>) {
+    let particles = columns.len();
+    columns.inertia.clear();
+    columns.inertia.resize(particles, 0.0);
+    for (slot, inertia) in &grains {
+        if let Some(place) = columns.inertia.get_mut(slot.index()) {
+            *place = inertia.0;
+        }
+    }
+    columns.spin.clear();
+    columns.spin.resize(particles, V::Spin::ZERO);
+    columns.turn.clear();
+    columns.turn.resize(particles, Turn::default());
+}
+
+fn clear<V: Space>(mut columns: ResMut<Columns<V>>) {
+    columns.turn.fill(Turn::default());
+}
+
+fn write<V: Space>(columns: Res<Columns<V>>, mut grains: Query<(&Slot, &mut Torque<V::Spin>)>) {
+    for (slots, mut torques) in grains.contiguous_iter_mut().expect(DENSE) {
+        for (slot, torque) in slots.iter().zip(torques.bypass_change_detection()) {
+            if let Some(turn) = columns.turn.get(slot.index()) {
+                torque.0 = turn.torque;
+            }
+        }
+    }
+}
+
+/// Rotation of grains whose inertia is `law`.
+pub struct SpinPlugin<V: Space>(pub InertiaLaw, pub PhantomData<V>);
+
+impl<V: Space> Plugin for SpinPlugin<V> {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(InertiaFactor(self.0.factor())).add_observer(equip::<V>).add_systems(
+            Step,
+            (
+                make_room::<V>.in_set(Renumbering).after(crate::columns::renumber::<V>),
+                half_kick::<V>.in_set(Phase::Drift).after(ClockAdvanced),
+                gather::<V>.in_set(Phase::Neighbours).in_set(Gathered),
+                clear::<V>.in_set(ForceStage::Contacts).before(ContactForces),
+                write::<V>.in_set(ForceStage::Written),
+                half_kick::<V>.in_set(Phase::Kick).before(GatheredVelocities),
+                gather::<V>.in_set(Phase::Kick).in_set(GatheredVelocities),
+            ),
+        );
+    }
+}
