@@ -212,16 +212,8 @@ type ParticleData<V> = (
     Has<Fixed>,
 );
 
-type ParticleItem<'a, V> = (
-    Entity,
-    &'a GrainId,
-    &'a Position<V>,
-    &'a Velocity<V>,
-    &'a Radius,
-    Option<&'a Mass>,
-    Option<&'a Species>,
-    bool,
-);
+type ParticleItem<'a, V> =
+    (Entity, &'a GrainId, &'a Position<V>, &'a Velocity<V>, &'a Radius, Option<&'a Mass>, Option<&'a Species>, bool);
 
 /// Whether particles were added, removed, fixed or freed since slots were dealt out.
 #[derive(Resource, Default)]
@@ -259,7 +251,7 @@ pub(crate) fn renumber<V: Space>(
     changed.0 = false;
 }
 
-fn gather<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<(&Slot, &Position<V>, &Velocity<V>)>) {
+pub(crate) fn gather<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<(&Slot, &Position<V>, &Velocity<V>)>) {
     for (slots, xs, vs) in particles.contiguous_iter().expect(DENSE) {
         for (slot, (x, v)) in slots.iter().zip(xs.iter().zip(vs.iter())) {
             if let Some(body) = columns.body.get_mut(slot.index()) {
@@ -270,7 +262,7 @@ fn gather<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<(&Slot, &P
     }
 }
 
-fn gather_velocities<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<(&Slot, &Velocity<V>)>) {
+pub(crate) fn gather_velocities<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<(&Slot, &Velocity<V>)>) {
     for (slots, vs) in particles.contiguous_iter().expect(DENSE) {
         for (slot, v) in slots.iter().zip(vs.iter()) {
             if let Some(body) = columns.body.get_mut(slot.index()) {
@@ -280,7 +272,7 @@ fn gather_velocities<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query
     }
 }
 
-fn clear_forces<V: Space>(mut columns: ResMut<Columns<V>>) {
+pub(crate) fn clear_forces<V: Space>(mut columns: ResMut<Columns<V>>) {
     columns.load.fill(Load::default());
 }
 

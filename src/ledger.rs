@@ -324,10 +324,9 @@ pub struct CullPlugin<V: Space>(pub Cull, pub PhantomData<V>);
 
 impl<V: Space> Plugin for CullPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(CullLine(self.0.below.get()))
-            .add_systems(
-                Step,
-                cull::<V>.in_set(Phase::Cull).after(count_released).after(watch_paths::<V>).before(keep_books::<V>),
-            );
+        app.insert_resource(CullLine(self.0.below.get())).add_systems(
+            Step,
+            cull::<V>.in_set(Phase::Cull).after(count_released).after(watch_paths::<V>).before(keep_books::<V>),
+        );
     }
 }

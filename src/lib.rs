@@ -70,7 +70,8 @@ pub mod prelude {
     pub use bevy_ecs::prelude::*;
 
     pub use crate::behaviour::{Behaviour, Registry};
-    pub use crate::contact::{Pair, PairForce, PairLaw};
+    pub use crate::contact::view::{ContactState, ContactView, Touched};
+    pub use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
     pub use crate::ledger::Ledger;
     pub use crate::measure::ObserveStage;
     pub use crate::messages::{CameToRest, DoorOpened, GrainLost, GrainOut, GrainReleased};
@@ -78,6 +79,7 @@ pub mod prelude {
     pub use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Species, Velocity};
     pub use crate::scene::load::{self, Loaded};
     pub use crate::simulation::Simulation;
-    pub use crate::space::Vector;
+    pub use crate::space::{Plane, Solid, Space, Vector};
+    pub use crate::spin::{Inertia, Spin, Torque};
     pub use crate::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
 }

@@ -100,13 +100,13 @@ pub(crate) fn add_all<V: Space>(app: &mut Assembly, loaded: &Loaded, behaviours:
     if !behaviours.is_empty() {
         app.add("behaviours", AddedWorkPlugin(space));
     }
-    if !behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law()) {
-        let has_walls = !loaded.surfaces::<V>().is_empty();
-        loaded.contacts().visit::<V, _>(AddContacts { app, has_walls });
-    }
     if scene.contact.spins() {
         app.add("contact.tangential", SpinPlugin(scene.inertia.unwrap_or(InertiaLaw::usual(scene.space)), space))
             .add("contact.tangential", SpinEnergyPlugin(space));
+    }
+    if !behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law()) {
+        let has_walls = !loaded.surfaces::<V>().is_empty();
+        loaded.contacts().visit::<V, _>(AddContacts { app, has_walls });
     }
     if loaded.fixed.iter().any(|grain| grain.velocity != Solid::ZERO) {
         app.add("fill", ConveyorPlugin(space));

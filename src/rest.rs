@@ -18,7 +18,7 @@ use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
 use crate::messages::CameToRest;
 use crate::scene::values::{NonNegative, Positive};
-use crate::space::{Space};
+use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 
 /// The scene's `rest`.

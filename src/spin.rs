@@ -11,7 +11,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{Columns, DENSE, Gathered, GatheredVelocities, Renumbering, Slot, Turn};
+use crate::columns::{self, Columns, DENSE, Gathered, GatheredVelocities, Renumbering, Slot, Turn};
 use crate::contact::ContactForces;
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
@@ -77,8 +77,7 @@ fn equip<V: Space>(
     }
 }
 
-type Turning<V> =
-    (&'static mut Spin<<V as Space>::Spin>, &'static Torque<<V as Space>::Spin>, &'static Inertia);
+type Turning<V> = (&'static mut Spin<<V as Space>::Spin>, &'static Torque<<V as Space>::Spin>, &'static Inertia);
 
 /// Half a step of w; before the drift and after the forces alike.
 fn half_kick<V: Space>(clock: Res<Clock>, mut grains: Query<Turning<V>, Without<Fixed>>) {
@@ -138,13 +137,13 @@ impl<V: Space> Plugin for SpinPlugin<V> {
         app.insert_resource(InertiaFactor(self.0.factor())).add_observer(equip::<V>).add_systems(
             Step,
             (
-                make_room::<V>.in_set(Renumbering).after(crate::columns::renumber::<V>),
+                make_room::<V>.in_set(Renumbering).after(columns::renumber::<V>),
                 half_kick::<V>.in_set(Phase::Drift).after(ClockAdvanced),
-                gather::<V>.in_set(Phase::Neighbours).in_set(Gathered),
-                clear::<V>.in_set(ForceStage::Contacts).before(ContactForces),
+                gather::<V>.in_set(Phase::Neighbours).in_set(Gathered).after(columns::gather::<V>),
+                clear::<V>.in_set(ForceStage::Contacts).after(columns::clear_forces::<V>).before(ContactForces),
                 write::<V>.in_set(ForceStage::Written),
                 half_kick::<V>.in_set(Phase::Kick).before(GatheredVelocities),
-                gather::<V>.in_set(Phase::Kick).in_set(GatheredVelocities),
+                gather::<V>.in_set(Phase::Kick).in_set(GatheredVelocities).after(columns::gather_velocities::<V>),
             ),
         );
     }

@@ -28,7 +28,15 @@ fn simulation(keys: &str, grains: Vec<GrainRow>) -> Simulation {
 
 fn grain(id: u32, position: Vector, velocity: Vector) -> GrainRow {
     let id = GrainId::grain(id).expect("a small number");
-    GrainRow { id, radius: 0.04, mass: 0.16, position, velocity, species: Species(0) }
+    GrainRow {
+        id,
+        radius: 0.04,
+        mass: 0.16,
+        position: position.extend(0.0),
+        velocity: velocity.extend(0.0),
+        spin: Solid::ZERO,
+        species: Species(0),
+    }
 }
 
 fn positions(simulation: &mut Simulation) -> Vec<(Vector, Vector)> {

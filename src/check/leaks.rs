@@ -52,7 +52,8 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     let behind = |x: Vector| {
         surfaces.iter().any(|wall| matches!(wall, Surface::HalfPlane { .. }) && wall.distance(x).0 < radius)
     };
-    let starts = loaded.scene.spawner.iter().map(|s| s.point.get()).chain(loaded.grains.iter().map(|g| g.position.truncate()));
+    let starts =
+        loaded.scene.spawner.iter().map(|s| s.point.get()).chain(loaded.grains.iter().map(|g| g.position.truncate()));
     let mut stack: Vec<_> = starts.map(|x| grid(x, spacing)).collect();
     let mut seen: HashSet<_> = stack.iter().copied().collect();
     while let Some((i, j)) = stack.pop() {

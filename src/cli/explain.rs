@@ -19,8 +19,9 @@ pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, 
     // Step zero releases the first grain and touches no file: then the world shows what a grain is made of.
     simulation.step();
     let mut text = format!(
-        "{}\nintegrator {:?}, contact {:?},\nneighbours {:?}\n\n",
+        "{}, space {:?}\nintegrator {:?}, contact {:?},\nneighbours {:?}\n\n",
         loaded.name,
+        loaded.scene.space,
         loaded.scene.integrator,
         loaded.scene.contact,
         loaded.neighbours()
@@ -73,14 +74,14 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
     };
 }
 
-/// The last part of a path, generic arguments kept short too.
+/// The last part of a path, without generic arguments.
 fn short(name: &str) -> String {
-    name.rsplit("::").next().unwrap_or(name).to_owned()
+    let path = name.split('<').next().unwrap_or(name);
+    path.rsplit("::").next().unwrap_or(path).to_owned()
 }
 
-/// A path without the crate's name, and without the paths of its generic arguments.
+/// A path without the crate's name, and without generic arguments: space and law are told above.
 fn short_path(name: &str) -> String {
-    let (path, arguments) = name.split_once('<').map_or((name, ""), |(path, arguments)| (path, arguments));
-    let path = path.strip_prefix("siloflow::").unwrap_or(path);
-    if arguments.is_empty() { path.to_owned() } else { format!("{path}<{}", short(arguments)) }
+    let path = name.split('<').next().unwrap_or(name);
+    path.strip_prefix("siloflow::").unwrap_or(path).to_owned()
 }

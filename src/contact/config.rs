@@ -171,7 +171,9 @@ impl Contacts<'_> {
             Contact::Linear { tangential: None, .. } if self.species == 1 => {
                 visitor.take(smooth(self.linear(0, 0).normal))
             }
-            Contact::Linear { tangential: None, .. } => visitor.take(self.table(|a, b| smooth(self.linear(a, b).normal))),
+            Contact::Linear { tangential: None, .. } => {
+                visitor.take(self.table(|a, b| smooth(self.linear(a, b).normal)))
+            }
             Contact::Linear { tangential: Some(Friction::Dashpot { .. }), .. } => {
                 visitor.take(self.table(|a, b| self.dashpot(a, b)))
             }
@@ -209,7 +211,8 @@ impl Contacts<'_> {
     }
 
     fn dashpot(&self, a: u8, b: u8) -> Composite<LinearNormal, Dashpot, Free> {
-        let LinearTerms { normal, tangential: Some(Friction::Dashpot { damping, friction }), lever } = self.linear(a, b)
+        let LinearTerms { normal, tangential: Some(Friction::Dashpot { damping, friction }), lever } =
+            self.linear(a, b)
         else {
             unreachable!("{SAME_KIND}")
         };

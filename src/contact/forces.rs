@@ -1,5 +1,6 @@
 //! The system that runs the kernel with the scene's law, search and threads.
 
+use std::marker::PhantomData;
 use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
@@ -12,6 +13,7 @@ use crate::contact::{AnyLaw, Demands, PairLaw};
 use crate::neighbours::Search;
 use crate::periodic::{Metric, Open};
 use crate::space::{Plane, Space};
+use crate::spin::{InertiaLaw, SpinPlugin};
 use crate::step::{Clock, ForceStage, Step};
 use crate::threads::Threads;
 
@@ -69,14 +71,14 @@ fn sum<V: Space, L: PairLaw<V> + Demands, M: Metric<V>>(
 /// Contacts with the law `law`. Outsiders' laws enter here: `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
 pub struct ContactPlugin<V: Space, L: PairLaw<V>> {
     law: Arc<L>,
-    space: std::marker::PhantomData<V>,
+    space: PhantomData<V>,
 }
 
 impl<V: Space, L: PairLaw<V>> ContactPlugin<V, L> {
     /// The law in the space `V`.
     #[must_use]
     pub fn new(law: Arc<L>) -> Self {
-        Self { law, space: std::marker::PhantomData }
+        Self { law, space: PhantomData }
     }
 }
 
@@ -90,6 +92,10 @@ impl<L: PairLaw<Plane>> ContactPlugin<Plane, L> {
 
 impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
     fn build(&self, app: &mut App) {
+        // A law that a behaviour brings may turn grains where the scene's own does not.
+        if L::SPIN && !app.is_plugin_added::<SpinPlugin<V>>() {
+            app.add_plugins(SpinPlugin::<V>(InertiaLaw::usual(V::DIMENSION), PhantomData));
+        }
         app.insert_resource(Law(self.law.clone()))
             .insert_resource(AnyLaw::<V>(self.law.clone()))
             .init_resource::<History<V>>()

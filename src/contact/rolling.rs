@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use crate::contact::spring::Slider;
 use crate::contact::{Memory, Pair, Turning};
 use crate::scene::values::{NonNegative, Positive};
-use crate::space::{Space};
+use crate::space::Space;
 
 /// The scene's `contact.rolling`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

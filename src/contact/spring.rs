@@ -94,8 +94,8 @@ mod tests {
             lost += pull.lost;
         }
         let stored = 0.5 * SLIDER.stiffness * spring.length_squared();
-        // 400 sums of numbers of 1e-3 J.
-        assert!((taken - stored - lost).abs() < 400.0 * 1e-3 * f64::EPSILON && lost > 0.0, "{taken} {stored} {lost}");
+        // 400 roundings of sums of up to 0.1 J.
+        assert!((taken - stored - lost).abs() < 400.0 * 0.1 * f64::EPSILON && lost > 0.0, "{taken} {stored} {lost}");
     }
 
     #[test]

@@ -96,10 +96,9 @@ mod tests {
     #[test]
     fn a_pair_has_one_entry_whichever_comes_first() {
         let stiffness = |a: u8, b: u8| 1.0 + f64::from(a) + 10.0 * f64::from(b);
-        let table = Table::new(3, |a, b| {
-            Ok::<_, String>(Assignment::new(stiffness(a, b).try_into()?, 0.0.try_into()?))
-        })
-        .unwrap();
+        let table =
+            Table::new(3, |a, b| Ok::<_, String>(Assignment::new(stiffness(a, b).try_into()?, 0.0.try_into()?)))
+                .unwrap();
         let energy = |a: u8, b: u8| {
             let pair = Pair { species: [Species(a), Species(b)], ..pair() };
             table.elastic_energy(&pair, &Memory::default()) / (0.5 * pair.overlap * pair.overlap)

@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use crate::contact::spring::Slider;
 use crate::contact::{Bounce, Memory, Pair, Turning};
 use crate::scene::values::NonNegative;
-use crate::space::{Space};
+use crate::space::Space;
 
 /// Where the tangential force acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]

@@ -236,7 +236,8 @@ pub fn write<V: Space>(world: &mut World) -> String {
     let mut rows: Vec<_> = grains.iter(world).collect();
     rows.sort_unstable_by_key(|row| *row.0);
     let is_solid = V::DIMENSION == Dimension::Solid;
-    let mut text = if is_solid { "id,radius,mass,x,y,z,vx,vy,vz,species" } else { "id,radius,mass,x,y,vx,vy,species" }.to_owned();
+    let mut text =
+        if is_solid { "id,radius,mass,x,y,z,vx,vy,vz,species" } else { "id,radius,mass,x,y,vx,vy,species" }.to_owned();
     let spins = rows.iter().any(|row| row.6.is_some());
     if spins {
         text += if is_solid { ",wx,wy,wz" } else { ",wz" };

@@ -97,7 +97,8 @@ impl Fill {
         let [columns, rows, _] = self.cells(dimension).map(|cells| cells.max(1));
         let random = Stream::new(seed, &format!("fill {number}"));
         let mut quotas = self.radius.quotas(count);
-        let axes = |v: [f64; 3]| if dimension == Dimension::Solid { Solid::from(v) } else { Solid::new(v[0], v[1], 0.0) };
+        let axes =
+            |v: [f64; 3]| if dimension == Dimension::Solid { Solid::from(v) } else { Solid::new(v[0], v[1], 0.0) };
         let jitter = self.jitter.map_or(0.0, NonNegative::get);
         let velocity = self.velocity.map_or(Solid::ZERO, FiniteVector::padded);
         let agitation = self.agitation.map_or(Solid::ZERO, FiniteVector::padded);

@@ -20,7 +20,7 @@ use crate::outcome::{Failure, Outcome};
 use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use crate::random::Stream;
 use crate::scene::values::{FiniteVector, NonNegative, Positive, Share};
-use crate::space::{Space};
+use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 use crate::walls::surfaces::Surfaces;
 

@@ -258,7 +258,8 @@ mod tests {
     #[test]
     fn velocity_and_temperature_are_those_of_the_bin() {
         let v = |x: f64, y: f64| Plane::new(x, y);
-        let grains = [(v(0.1, 0.0), v(1.0, 0.0), 0.01), (v(0.2, 0.0), v(3.0, 2.0), 0.01), (v(0.9, 0.0), v(9.0, 9.0), 0.01)];
+        let grains =
+            [(v(0.1, 0.0), v(1.0, 0.0), 0.01), (v(0.2, 0.0), v(3.0, 2.0), 0.01), (v(0.9, 0.0), v(9.0, 9.0), 0.01)];
         let mut sampler = Sampler::new(profile(0.0, 1.0, 2), 1.0);
         sampler.add(&columns(&grains), None);
         sampler.add(&columns(&grains), None);

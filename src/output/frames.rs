@@ -65,7 +65,14 @@ pub enum Colour {
 impl Default for Pictures {
     fn default() -> Self {
         let positive = |number: f64| Positive::try_from(number).expect("positive");
-        Self { interval: positive(1.0), width: positive(600.0), colour: Colour::Species, png: false, network: None, view: None }
+        Self {
+            interval: positive(1.0),
+            width: positive(600.0),
+            colour: Colour::Species,
+            png: false,
+            network: None,
+            view: None,
+        }
     }
 }
 

@@ -3,8 +3,8 @@
 use std::fs;
 use std::path::Path;
 
-use crate::fault::Fault;
 use crate::contact::config::Contacts;
+use crate::fault::Fault;
 use crate::grains::file::{self, GrainRow, Kind};
 use crate::grains::fill::FixedGrain;
 use crate::grains::spawner::RadiusLaw;
@@ -13,8 +13,8 @@ use crate::neighbours::Neighbours;
 use crate::scene::places::{self, Places};
 use crate::scene::values::Positive;
 use crate::scene::{Scene, parse, rules};
-use crate::walls::silo_file::{self, Disc, SiloGeometry};
 use crate::space::{Dimension, Space};
+use crate::walls::silo_file::{self, Disc, SiloGeometry};
 use crate::walls::surfaces::{FlatWall, Wall};
 
 /// A scene that is ready to run.

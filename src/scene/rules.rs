@@ -43,9 +43,9 @@ fn profiles(loaded: &Loaded) -> Result<(), Fault> {
         } else {
             continue;
         };
-        return Err(loaded
-            .fault(code, &key, message)
-            .help("give the area at right angles to the axis, m^2 (in the plane its length, m), `low` and `high` in m"));
+        return Err(loaded.fault(code, &key, message).help(
+            "give the area at right angles to the axis, m^2 (in the plane its length, m), `low` and `high` in m",
+        ));
     }
     Ok(())
 }
@@ -78,9 +78,17 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
     let panel = scene.walls.iter().position(|wall| matches!(wall, Wall::Panel { .. }));
     let misplaced = [
         (is_solid && scene.silo.is_some(), "silo".to_owned(), "a silo file describes discs in the plane"),
-        (is_solid && scene.bed.is_some(), "bed".to_owned(), "the bed is measured in the plane; `profiles` work in both"),
+        (
+            is_solid && scene.bed.is_some(),
+            "bed".to_owned(),
+            "the bed is measured in the plane; `profiles` work in both",
+        ),
         (!is_solid && scene.periodic.z.is_some(), "periodic.z".to_owned(), "the plane has no z"),
-        (!is_solid && panel.is_some(), format!("walls[{}]", panel.unwrap_or(0)), "a panel is a rectangle in solid space"),
+        (
+            !is_solid && panel.is_some(),
+            format!("walls[{}]", panel.unwrap_or(0)),
+            "a panel is a rectangle in solid space",
+        ),
     ];
     match misplaced.into_iter().find(|(wrong, ..)| *wrong) {
         Some((_, key, message)) => Err(loaded
@@ -111,7 +119,8 @@ fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
         }
     }
     if let Some(spawner) = &scene.spawner {
-        let vectors = [("point", Some(spawner.point)), ("jitter", spawner.jitter), ("velocity", Some(spawner.velocity))];
+        let vectors =
+            [("point", Some(spawner.point)), ("jitter", spawner.jitter), ("velocity", Some(spawner.velocity))];
         add("spawner.".to_owned(), &vectors);
     }
     for (index, fill) in scene.fill.iter().enumerate() {
@@ -136,7 +145,9 @@ fn contacts(loaded: &Loaded) -> Result<(), Fault> {
     let laws = scene.pairs.iter().map(|pair| pair.contact).chain([scene.contact]);
     for law in laws {
         let rolls_without_sticking = match law {
-            Contact::Linear { tangential, rolling: Some(_), .. } => !matches!(tangential, Some(Friction::Spring { .. })),
+            Contact::Linear { tangential, rolling: Some(_), .. } => {
+                !matches!(tangential, Some(Friction::Spring { .. }))
+            }
             Contact::Hertz { tangential: None, rolling: Some(_), .. } => true,
             _ => false,
         };
@@ -152,11 +163,8 @@ fn contacts(loaded: &Loaded) -> Result<(), Fault> {
             .help("add for example `materials: [(young: 1.0e9, poisson: 0.2)]`, in Pa, one for each species"));
     }
     if scene.materials.len() > 1 && loaded.largest_species() >= scene.materials.len() {
-        let message = format!(
-            "there are {} materials, but species go up to {}",
-            scene.materials.len(),
-            loaded.largest_species()
-        );
+        let message =
+            format!("there are {} materials, but species go up to {}", scene.materials.len(), loaded.largest_species());
         return Err(loaded
             .fault("scene::missing_material", "materials", message)
             .help("give one material for all, or one for each species from 0 on"));
@@ -221,7 +229,9 @@ fn periodic(loaded: &Loaded) -> Result<(), Fault> {
 fn walls(loaded: &Loaded) -> Result<(), Fault> {
     for (index, wall) in loaded.scene.walls.iter().enumerate() {
         let (key, message) = match wall {
-            Wall::HalfPlane { normal, .. } if normal.padded() == Solid::ZERO => ("normal", "the normal has no direction"),
+            Wall::HalfPlane { normal, .. } if normal.padded() == Solid::ZERO => {
+                ("normal", "the normal has no direction")
+            }
             Wall::HalfPlane { normal, velocity: Some(velocity), .. }
                 if is_oblique(velocity.padded(), normal.padded()) =>
             {

@@ -82,7 +82,6 @@ impl Outline {
     pub fn bounds(&self) -> Option<[Vector; 2]> {
         self.bounds
     }
-
 }
 
 impl Paths<Plane> for Outline {

@@ -30,7 +30,7 @@ fn an_isolated_cloud_keeps_its_momentum_to_round_off() {
         let mut grains = cloud(10, 0.085, 0.5);
         let middle = Vector::splat(0.425);
         for grain in &mut grains {
-            grain.velocity += 3.0 * (middle - grain.position);
+            grain.velocity += 3.0 * (middle.extend(0.0) - grain.position);
         }
         let masses: Vec<_> = grains.iter().map(|grain| grain.mass).collect();
         let momentum =

@@ -18,29 +18,75 @@ mod bounce;
 mod column;
 mod conservation;
 mod free_fall;
+mod hertz;
+mod hertz_restitution;
 mod lammps;
+mod mfix;
+mod mfix_pair;
+mod mfix_rolling;
+mod oblique;
+mod spring_slider;
 
 use std::num::NonZeroUsize;
 use std::path::Path;
 
 use siloflow::grains::file::GrainRow;
 use siloflow::prelude::*;
+use siloflow::space::{Dimension, Linear, Solid as DVec3};
 
 /// A grain of a test: id, centre, velocity, radius, mass.
 pub fn grain(id: u32, position: Vector, velocity: Vector, radius: f64, mass: f64) -> GrainRow {
-    GrainRow { id: GrainId::grain(id).unwrap(), radius, mass, position, velocity, species: Species(0) }
+    sphere(id, position.extend(0.0), velocity.extend(0.0), radius, mass)
+}
+
+/// The same in solid space.
+pub fn sphere(id: u32, position: DVec3, velocity: DVec3, radius: f64, mass: f64) -> GrainRow {
+    let id = GrainId::grain(id).unwrap();
+    GrainRow { id, radius, mass, position, velocity, spin: DVec3::ZERO, species: Species(0) }
 }
 
 /// A simulation of the scene whose keys are `keys`, with these grains.
 pub fn simulation(keys: &str, grains: Vec<GrainRow>) -> Simulation {
+    simulation_on(1, keys, grains)
+}
+
+/// The same on several threads.
+pub fn simulation_on(threads: usize, keys: &str, grains: Vec<GrainRow>) -> Simulation {
     let text = format!("({keys}, pictures: None)");
     let mut loaded =
         load::from_text("test.ron", "test", Path::new(""), text, &[]).unwrap_or_else(|fault| panic!("{fault}\n{keys}"));
     loaded.grains = grains;
-    Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN).unwrap()
+    Simulation::new(&loaded, &Registry::default(), NonZeroUsize::new(threads).unwrap()).unwrap()
 }
 
-/// Position and velocity of each grain, by id.
+/// Where a grain is and how it moves; in the plane z is 0, and the spin is along z.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Motion {
+    pub position: DVec3,
+    pub velocity: DVec3,
+    pub spin: DVec3,
+}
+
+/// The motion of each grain, by id, in any space.
+pub fn motion(simulation: &mut Simulation) -> Vec<Motion> {
+    match Dimension::of_world(simulation.world()) {
+        Dimension::Plane => motion_in::<Plane>(simulation),
+        Dimension::Solid => motion_in::<Solid>(simulation),
+    }
+}
+
+fn motion_in<V: Space>(simulation: &mut Simulation) -> Vec<Motion> {
+    type Row<'a, V> = (&'a GrainId, &'a Position<V>, &'a Velocity<V>, Option<&'a Spin<<V as Space>::Spin>>);
+    let world = simulation.world_mut();
+    let mut query = world.query_filtered::<Row<V>, With<Grain>>();
+    let mut rows: Vec<_> = query.iter(world).map(|(id, x, v, w)| (*id, x.0, v.0, w.copied())).collect();
+    rows.sort_unstable_by_key(|row| row.0);
+    let spread = |w: Option<Spin<V::Spin>>| w.map_or(DVec3::ZERO, |w| w.0.spread());
+    let all = rows.into_iter();
+    all.map(|(_, x, v, w)| Motion { position: x.spread(), velocity: v.spread(), spin: spread(w) }).collect()
+}
+
+/// Position and velocity of each grain of a planar scene, by id.
 pub fn state(simulation: &mut Simulation) -> Vec<(Vector, Vector)> {
     let world = simulation.world_mut();
     let mut query = world.query_filtered::<(&GrainId, &Position, &Velocity), With<Grain>>();

@@ -149,32 +149,34 @@ fn a_force_that_is_not_finite_stops_the_run_and_is_named() {
 struct Constant(f64);
 
 impl PairLaw for Constant {
-    fn force(&self, pair: &Pair) -> PairForce {
-        PairForce { elastic: self.0 * pair.normal, drag: Vector::ZERO }
+    fn force(&self, pair: &Pair, _: &mut Memory) -> PairForce {
+        PairForce::smooth(self.0 * pair.normal, Vector::ZERO)
     }
-    fn elastic_energy(&self, overlap: f64) -> f64 {
-        self.0 * overlap
+    fn elastic_energy(&self, pair: &Pair, _: &Memory) -> f64 {
+        self.0 * pair.overlap
     }
-    fn stiffness(&self) -> f64 {
+    fn stiffness(&self, _: &Bounce) -> f64 {
         1.0
     }
-    fn damping(&self, _: f64) -> f64 {
+    fn damping(&self, _: &Bounce) -> f64 {
         0.0
     }
-    fn contact_duration(&self, _: f64) -> f64 {
+    fn contact_duration(&self, _: &Bounce) -> f64 {
         1.0
     }
-    fn restitution(&self, _: f64) -> f64 {
+    fn restitution(&self, _: &Bounce) -> f64 {
         1.0
     }
 }
+
+impl Demands for Constant {}
 
 impl Behaviour for Constant {
     fn brings_contact_law(&self) -> bool {
         true
     }
     fn build(self: Box<Self>, app: &mut App) {
-        app.add_plugins(ContactPlugin(Arc::new(*self)));
+        app.add_plugins(ContactPlugin::plane(Arc::new(*self)));
     }
 }
 
@@ -183,7 +185,7 @@ fn a_law_of_an_outsider_drives_the_kernel() {
     let mut loaded = free("{\"constant\": (3.0)}");
     let first = loaded.grains[0];
     let second = GrainId::grain(2).unwrap();
-    loaded.grains.push(GrainRow { id: second, position: first.position + Vector::new(0.05, 0.0), ..first });
+    loaded.grains.push(GrainRow { id: second, position: first.position + Solid::new(0.05, 0.0, 0.0), ..first });
     let mut run = Simulation::new(&loaded, &registry(), NonZeroUsize::MIN).unwrap();
     run.run_steps(0);
     let world = run.world_mut();

@@ -128,7 +128,7 @@ fn a_grain_far_away_costs_no_memory_and_no_time() {
     let text = places::set(&text, "neighbours", "Cells(size: 0.25)").unwrap();
     let mut loaded =
         siloflow::scene::load::from_text("far.ron", "far", &crate::root().join("scenes"), text, &[]).unwrap();
-    loaded.grains.last_mut().unwrap().position = Vector::new(1e9, 1e9);
+    loaded.grains.last_mut().unwrap().position = Solid::new(1e9, 1e9, 0.0);
     let mut run = simulation(&loaded, 1);
     // A grid of squares from here to there would have 1e19 cells.
     assert_eq!(run.run_steps(10), None);
