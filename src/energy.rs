@@ -1,5 +1,5 @@
 //! The energy balance: kinetic (of rotation too) + gravitational + elastic
-//! = released + work of moving walls + work of added forces - dissipated - removed + error, in J.
+//! = released + work of moving walls + lifted by periodic sides + work of added forces - dissipated - removed + error, in J.
 //!
 //! *Released* is what grains bring with them, *removed* what goes with whatever leaves the world: culled grains with
 //! their contacts, the elastic energy held by a removed door. *Dissipated* is the work of the drag forces. Work is
@@ -41,6 +41,8 @@ pub struct EnergyFlows {
     pub released: f64,
     /// Done on grains by fixed particles that move.
     pub wall_work: f64,
+    /// Potential energy of grains that a periodic side has set back along gravity.
+    pub lifted: f64,
     /// Done on grains by forces that behaviours added.
     pub added_work: f64,
     /// Taken by the drag of contacts.
@@ -53,7 +55,7 @@ impl EnergyFlows {
     /// What the energy of the system should be now, J.
     #[must_use]
     pub fn expected(&self) -> f64 {
-        self.released + self.wall_work + self.added_work - self.dissipated - self.removed
+        self.released + self.wall_work + self.lifted + self.added_work - self.dissipated - self.removed
     }
 }
 
@@ -178,25 +180,26 @@ fn book_friction<V: Space>(
     mut channels: ResMut<Channels>,
     mut last: ResMut<ChannelPowers>,
 ) {
-    let (mut power, mut lost) = (ChannelPowers::default(), Channels::default());
+    let mut power = ChannelPowers::default();
+    let mut gone = Channels::default();
     for (turn, (body, &spin)) in columns.turn.iter().zip(columns.body.iter().zip(&columns.spin)) {
         power.tangential -= turn.friction_drag.dot(body.velocity) + turn.friction_drag_torque.dot(spin);
         power.rolling -= turn.rolling_drag_torque.dot(spin);
-        lost.tangential += turn.lost_by_sliding;
-        lost.rolling += turn.lost_by_rolling;
+        gone.tangential += turn.lost_by_sliding;
+        gone.rolling += turn.lost_by_rolling;
     }
     for belt in &walls.0 {
         power.tangential -= belt.load.friction_drag.dot(belt.velocity);
     }
     if !clock.is_step_zero() {
         let half = 0.5 * clock.dt;
-        lost.tangential += half * (last.tangential + power.tangential);
-        lost.rolling += half * (last.rolling + power.rolling);
+        gone.tangential += half * (last.tangential + power.tangential);
+        gone.rolling += half * (last.rolling + power.rolling);
     }
     // In step zero too: there a dashpot beyond the cap loads its spring, and what that stores is not to be had for nothing.
-    channels.tangential += lost.tangential;
-    channels.rolling += lost.rolling;
-    flows.dissipated += lost.tangential + lost.rolling;
+    channels.tangential += gone.tangential;
+    channels.rolling += gone.rolling;
+    flows.dissipated += gone.tangential + gone.rolling;
     *last = power;
 }
 

@@ -6,13 +6,18 @@
 //! is longer than L/2. That is unambiguous only if a grain can touch no other twice, so L must exceed twice the largest
 //! distance of centres in contact; a smaller box is refused. Walls are not repeated: they must be the same in every
 //! image, which `check` cannot see.
+//!
+//! Down a periodic incline a grain falls for ever: what is set back by L along an axis with gravity is lifted by that much
+//! of potential energy, which the balance books as `lifted`.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{Columns, DENSE};
-use crate::particle::Position;
+use crate::columns::{Columns, DENSE, Slot};
+use crate::energy::EnergyFlows;
+use crate::gravity::Gravity;
+use crate::particle::{Fixed, Mass, Position};
 use crate::space::Space;
 use crate::step::{Drifted, Phase, Step};
 
@@ -146,17 +151,51 @@ fn wrap<V: Space>(columns: Res<Columns<V>>, mut particles: Query<&mut Position<V
     }
 }
 
+/// The same, where gravity acts along a periodic axis: books the potential energy of what is set back.
+fn wrap_and_book<V: Space>(
+    columns: Res<Columns<V>>,
+    gravity: Res<Gravity<V>>,
+    mut flows: ResMut<EnergyFlows>,
+    mut particles: Query<(&Slot, &mut Position<V>, &Mass), Without<Fixed>>,
+    mut fixed: Query<&mut Position<V>, With<Fixed>>,
+) {
+    let Some(periodic) = columns.periodic else { return };
+    let mut lifted = Vec::new();
+    for (slots, mut positions, masses) in particles.contiguous_iter_mut().expect(DENSE) {
+        let places = positions.bypass_change_detection().iter_mut();
+        for (x, (slot, mass)) in places.zip(slots.iter().zip(masses)) {
+            let wrapped = periodic.wrapped(x.0);
+            if wrapped != x.0 {
+                lifted.push((slot.index(), -mass.0 * gravity.0.dot(wrapped - x.0)));
+                x.0 = wrapped;
+            }
+        }
+    }
+    // In ascending order of the ids, as every sum.
+    lifted.sort_unstable_by_key(|(slot, _)| *slot);
+    flows.lifted += lifted.iter().map(|(_, energy)| energy).sum::<f64>();
+    for mut x in &mut fixed {
+        x.bypass_change_detection().0 = periodic.wrapped(x.0);
+    }
+}
+
 /// The sides of a periodic scene.
 pub struct PeriodicPlugin<V: Space>(pub Periodic<V>);
 
 impl<V: Space> Plugin for PeriodicPlugin<V> {
     fn build(&self, app: &mut App) {
         app.world_mut().resource_mut::<Columns<V>>().periodic = Some(self.0);
-        app.add_systems(Step, wrap::<V>.in_set(Phase::Drift).after(Drifted));
+        let gravity = app.world().resource::<Gravity<V>>().0;
+        if (0..V::COMPONENTS).any(|axis| self.0.side(axis).is_some() && gravity.axis(axis) != 0.0) {
+            app.add_systems(Step, wrap_and_book::<V>.in_set(Phase::Drift).after(Drifted));
+        } else {
+            app.add_systems(Step, wrap::<V>.in_set(Phase::Drift).after(Drifted));
+        }
     }
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
     use crate::space::{Plane, Solid};

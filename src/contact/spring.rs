@@ -83,14 +83,14 @@ mod tests {
     fn energy_taken_is_energy_stored_and_lost() {
         // Back and forth and sideways in a fixed plane: the work of the spring force by the trapezoidal rule.
         let (mut spring, mut taken, mut lost, dt) = (Solid::ZERO, 0.0, 0.0, 1e-3);
-        let mut last = Solid::ZERO;
+        let mut before = Solid::ZERO;
         for step in 0..400 {
             let angle = 0.02 * f64::from(step);
             let velocity = Solid::new(0.6 * angle.sin(), 0.2 * (2.0 * angle).cos(), 0.0);
             let pull = SLIDER.pull(&mut spring, velocity, Solid::Z, dt);
             let elastic = pull.force - pull.drag;
-            taken -= 0.5 * dt * (last + elastic).dot(velocity);
-            last = elastic;
+            taken -= 0.5 * dt * (before + elastic).dot(velocity);
+            before = elastic;
             lost += pull.lost;
         }
         let stored = 0.5 * SLIDER.stiffness * spring.length_squared();

@@ -255,6 +255,7 @@ impl<M: Modulus> Tangential for Stick<M> {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
     use crate::contact::tests::pair;

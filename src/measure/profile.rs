@@ -198,6 +198,7 @@ impl<V: Space> Sampler<V> {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
     use crate::columns::Body;

@@ -38,10 +38,10 @@ impl<V: Space> Cells<V> {
     pub(super) fn new(size: f64, full: bool, periodic: Option<Periodic<V>>) -> Self {
         let (mut span, mut sides) = ([0; 3], V::ZERO);
         for (axis, span) in span.iter_mut().enumerate().take(V::COMPONENTS) {
-            let side = periodic.and_then(|periodic| periodic.side(axis));
-            *span = side.map_or(0, |length| floor(length / size).max(1));
+            let length = periodic.and_then(|periodic| periodic.side(axis));
+            *span = length.map_or(0, |length| floor(length / size).max(1));
             #[expect(clippy::cast_precision_loss, reason = "a number of cells")]
-            let whole = side.map_or(size, |length| length / *span as f64);
+            let whole = length.map_or(size, |length| length / *span as f64);
             sides = sides.with_axis(axis, whole);
         }
         Self { size, full, periodic, span, sides, cell: Vec::new(), starts: vec![0, 0], entries: Vec::new() }

@@ -24,9 +24,10 @@ use crate::columns::Columns;
 use crate::measure::profile::{Profile, Sampler};
 use crate::measure::{ObserveStage, due};
 use crate::outcome::Outcome;
-use crate::output::rows::{Parcel, Rows};
+use crate::output::rows::{Parcel, Rows, numbers};
 use crate::output::series::Series;
 use crate::particle::Species;
+use crate::scene::values::NonNegative;
 use crate::space::Space;
 use crate::step::{Clock, Step};
 
@@ -57,10 +58,6 @@ fn axes<V: Space>(prefix: &str, suffix: &str) -> String {
     names.collect::<Vec<_>>().join(",")
 }
 
-fn numbers<V: Space>(v: V) -> String {
-    v.components().iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",")
-}
-
 #[expect(clippy::cast_precision_loss, reason = "2^53 samples are out of reach")]
 fn sample<V: Space>(
     clock: Res<Clock>,
@@ -72,7 +69,7 @@ fn sample<V: Space>(
     let Profiles { file, running } = &mut *profiles;
     for one in running {
         let Profile { sample, from, average, .. } = one.sampler.profile;
-        let start = from.map_or(0.0, |from| from.get());
+        let start = from.map_or(0.0, NonNegative::get);
         if clock.has_reached(start + one.looks as f64 * sample.get()) {
             one.looks += 1;
             if one.sampler.samples == 0 {

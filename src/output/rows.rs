@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use crate::outcome::{Failure, Outcome};
+use crate::space::Space;
 
 /// The file.
 #[derive(Debug)]
@@ -33,6 +34,11 @@ impl Rows {
             outcome.fail(Failure::Output { path: self.path.display().to_string(), reason: error.to_string() });
         }
     }
+}
+
+/// The components of a vector as cells of a row.
+pub(super) fn numbers<V: Space>(v: V) -> String {
+    v.components().iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",")
 }
 
 /// A file on its way into the world: a plugin is built by reference, and gives away what it brings.

@@ -7,7 +7,7 @@
 //! | `released`, `inside`, `out`, `lost`, `culled` | grains | the ledger |
 //! | `outflow_per_s` | 1/s | grains out since the row before, over the time since then |
 //! | `kinetic_j`, `rotational_j`, `potential_j`, `elastic_j` | J | energies now; potential is 0 at the origin |
-//! | `released_j`, `wall_work_j`, `added_work_j`, `dissipated_j`, `removed_j` | J | flows since the start |
+//! | `released_j`, `wall_work_j`, `lifted_j`, `added_work_j`, `dissipated_j`, `removed_j` | J | flows since the start |
 //! | `balance_error_j` | J | energies now less what the flows leave |
 //! | `largest_speed_m_per_s` | m/s | of all grains |
 //! | `largest_overlap_ratio` | | now, over the smaller radius of the pair |
@@ -46,7 +46,7 @@ impl Default for Series {
 }
 
 const HEADER: &str = "time_s,released,inside,out,lost,culled,outflow_per_s,kinetic_j,rotational_j,potential_j,elastic_j,\
-released_j,wall_work_j,added_work_j,dissipated_j,removed_j,balance_error_j,\
+released_j,wall_work_j,lifted_j,added_work_j,dissipated_j,removed_j,balance_error_j,\
 largest_speed_m_per_s,largest_overlap_ratio,coordination";
 
 #[derive(Resource)]
@@ -68,7 +68,7 @@ fn write_row<V: Space>(
         _ => 0.0,
     };
     let row = format_args!(
-        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:.6}\n",
+        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:.6}\n",
         ledger.released,
         ledger.inside(),
         ledger.lost(),
@@ -79,6 +79,7 @@ fn write_row<V: Space>(
         now.elastic,
         flows.released,
         flows.wall_work,
+        flows.lifted,
         flows.added_work,
         flows.dissipated,
         flows.removed,

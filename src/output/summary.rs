@@ -83,7 +83,7 @@ pub struct Grains {
     pub lost: u32,
 }
 
-/// The energy balance, J: kinetic + rotational + potential + elastic = released + `wall_work` + `added_work` - dissipated - removed
+/// The energy balance, J: kinetic + rotational + potential + elastic = released + `wall_work` + lifted + `added_work` - dissipated - removed
 /// + `balance_error`.
 #[derive(Debug, Serialize)]
 pub struct Energy {

@@ -15,7 +15,7 @@ use bevy_ecs::prelude::*;
 
 use crate::measure::{ObserveStage, due};
 use crate::outcome::Outcome;
-use crate::output::rows::{Parcel, Rows};
+use crate::output::rows::{Parcel, Rows, numbers};
 use crate::output::series::Series;
 use crate::space::{Dimension, Space};
 use crate::step::{Clock, Step};
@@ -31,8 +31,8 @@ fn write_rows<V: Space>(
     mut outcome: ResMut<Outcome>,
 ) {
     for (number, wall) in (1..).zip(&walls.0) {
-        let force: String = wall.load.force.components().iter().map(|f| format!(",{f:e}")).collect();
-        file.0.append(format_args!("{:.9},{number}{force}\n", clock.time()), &mut outcome);
+        let force = numbers(wall.load.force);
+        file.0.append(format_args!("{:.9},{number},{force}\n", clock.time()), &mut outcome);
     }
 }
 

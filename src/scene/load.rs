@@ -251,11 +251,13 @@ impl Loaded {
         self.grains.iter().map(|grain| grain.id.number()).max().map_or(1, |largest| largest.saturating_add(1))
     }
 
-    /// The neighbour search: the scene's, or a Verlet list with a skin of the smallest radius.
+    /// The neighbour search: the scene's, or a Verlet list with a skin of the smallest radius, in solid space a fifth of
+    /// it, where a skin costs more candidates than it saves renewals.
     #[must_use]
     pub fn neighbours(&self) -> Neighbours {
+        let share = if self.scene.space == Dimension::Solid { 0.2 } else { 1.0 };
         self.scene.neighbours.unwrap_or_else(|| {
-            let skin = self.grain_radii().and_then(|(smallest, _)| Positive::try_from(smallest).ok());
+            let skin = self.grain_radii().and_then(|(smallest, _)| Positive::try_from(share * smallest).ok());
             skin.map_or(Neighbours::AllPairs, |skin| Neighbours::VerletList { skin })
         })
     }

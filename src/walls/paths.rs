@@ -45,7 +45,7 @@ pub(super) fn enters<V: Space>(surface: &Surface<V>, from: V, to: V) -> Option<f
 fn pierces(corner: Solid, along: Solid, across: Solid, from: Solid, to: Solid) -> Option<f64> {
     let normal = along.cross(across);
     let (before, after) = ((from - corner).dot(normal), (to - corner).dot(normal));
-    if before == after || (before < 0.0) == (after < 0.0) {
+    if (before < 0.0) == (after < 0.0) {
         return None;
     }
     let share = before / (before - after);

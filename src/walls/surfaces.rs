@@ -291,6 +291,7 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for SurfacesPlugin<V, L> {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
     use crate::space::{Solid, Vector};
