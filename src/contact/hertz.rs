@@ -146,6 +146,10 @@ impl Modulus for Mindlin {
         (k, 2.0 * self.ratio * (k * pair.reduced_mass).sqrt())
     }
 
+    fn remembered(&self, memory: f64) -> f64 {
+        memory
+    }
+
     fn at(&self, bounce: &Bounce) -> f64 {
         8.0 * self.shear_modulus * (bounce.reduced_radius * self.normal.deepest(bounce)).sqrt()
     }

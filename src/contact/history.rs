@@ -142,18 +142,30 @@ impl<'a, V: Space> Recall<'a, V> {
         Self { pages, at: range.start, end: range.end }
     }
 
-    /// What the contact with `partner` remembers; nothing, if it is new.
+    /// What the contact with `partner` remembers; nothing, if it is new. Contacts that are passed over have ended:
+    /// `forgotten` gets their partners and memories.
     #[inline]
     #[must_use]
-    pub fn of<L: Demands>(&mut self, partner: u32) -> Memory<V> {
+    pub fn of<L: Demands>(&mut self, partner: u32, mut forgotten: impl FnMut(u32, &Memory<V>)) -> Memory<V> {
         while self.at < self.end && self.pages.partner[self.at] < partner {
+            forgotten(self.pages.partner[self.at], &self.pages.memory::<L>(self.at));
             self.at += 1;
         }
         if self.at < self.end && self.pages.partner[self.at] == partner {
-            self.pages.memory::<L>(self.at)
+            self.at += 1;
+            self.pages.memory::<L>(self.at - 1)
         } else {
             Memory::default()
         }
+    }
+
+    /// Passes over what is left of the row.
+    #[inline]
+    pub fn finish<L: Demands>(&mut self, mut forgotten: impl FnMut(u32, &Memory<V>)) {
+        for at in self.at..self.end {
+            forgotten(self.pages.partner[at], &self.pages.memory::<L>(at));
+        }
+        self.at = self.end;
     }
 }
 
@@ -291,12 +303,14 @@ mod tests {
         history.follow(&names(&[1, 2, 3, 4]), 1, 1);
         write(&mut history, 4, &[(0, 1, 0.1), (0, 3, 0.3), (2, 3, 2.3)]);
         let (before, _) = history.pairs[0].turn();
+        let mut forgotten = Vec::new();
         let mut recall = Recall::new(before, 0);
-        assert_eq!(recall.of::<Springs>(1), memory(0.1));
-        assert_eq!(recall.of::<Springs>(2), Memory::default());
-        assert_eq!(recall.of::<Springs>(3), memory(0.3));
-        assert_eq!(Recall::new(before, 1).of::<Springs>(3), Memory::default());
-        assert_eq!(Recall::new(before, 2).of::<Springs>(3), memory(2.3));
+        assert_eq!(recall.of::<Springs>(1, |_, _| panic!("nothing ended")), memory(0.1));
+        assert_eq!(recall.of::<Springs>(2, |_, _| panic!("nothing ended")), Memory::default());
+        assert_eq!(recall.of::<Springs>(4, |partner, _| forgotten.push(partner)), Memory::default());
+        recall.finish::<Springs>(|_, _| panic!("the row is at its end"));
+        Recall::new(before, 2).finish::<Springs>(|partner, _| forgotten.push(partner + 10));
+        assert_eq!(forgotten, [3, 13]);
     }
 
     #[test]

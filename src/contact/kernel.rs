@@ -148,6 +148,7 @@ impl<L: Demands, M> Pass<'_, L, M> {
         i: usize,
         j: usize,
         recall: &mut Option<Recall<V>>,
+        ended: &mut Ended,
     ) -> Option<(Pair<V>, PairForce<V>, Memory<V>)>
     where
         L: PairLaw<V>,
@@ -162,7 +163,9 @@ impl<L: Demands, M> Pass<'_, L, M> {
         }
         #[expect(clippy::cast_possible_truncation, reason = "fewer than 2^32 particles")]
         let mut memory = match recall {
-            Some(recall) if L::MEMORY => recall.of::<L>(j as u32),
+            Some(recall) if L::MEMORY => {
+                recall.of::<L>(j as u32, |partner, memory| ended.add(self.law, columns, i, partner, memory))
+            }
             _ => Memory::default(),
         };
         let force = self.law.force(&pair, &mut memory);
@@ -188,10 +191,11 @@ impl<L: Demands, M> Pass<'_, L, M> {
             let mut on_i = loads[i];
             let mut turn_i = if L::SPIN { turns[i] } else { Turn::default() };
             let mut recall = L::MEMORY.then(|| Recall::new(before, i));
+            let mut ended = Ended::default();
             let candidates = partners.of(columns, i, &mut scratch);
             for &partner in filter(&self.metric, &columns.body, i, candidates, &mut buffer) {
                 let j = partner as usize;
-                if let Some((pair, force, memory)) = self.meet(columns, i, j, &mut recall) {
+                if let Some((pair, force, memory)) = self.meet(columns, i, j, &mut recall, &mut ended) {
                     let (sum, on_j) = (total::<L, V>(&force), &mut loads[j]);
                     on_i.force += sum;
                     on_i.drag += force.drag;
@@ -209,11 +213,13 @@ impl<L: Demands, M> Pass<'_, L, M> {
                 }
             }
             loads[i] = on_i;
+            if let Some(recall) = &mut recall {
+                recall.finish::<L>(|partner, memory| ended.add(self.law, columns, i, partner, memory));
+                pages.end_row();
+            }
             if L::SPIN {
                 turns[i] = turn_i;
-            }
-            if L::MEMORY {
-                pages.end_row();
+                ended.book(&mut turns[i]);
             }
         }
         (columns.load, columns.turn) = (loads, turns);
@@ -272,13 +278,14 @@ impl<L: Demands, M> Pass<'_, L, M> {
         for (row, load) in share.loads.iter_mut().enumerate() {
             let i = share.first + row;
             let mut recall = pages.as_ref().map(|(before, _)| Recall::new(before, row));
+            let mut ended = Ended::default();
             let candidates = partners.of(view, i, scratch);
             for &partner in filter(&self.metric, &view.body, i, candidates, buffer) {
                 let j = partner as usize;
                 if i == j {
                     continue;
                 }
-                if let Some((pair, force, memory)) = self.meet(view, i, j, &mut recall) {
+                if let Some((pair, force, memory)) = self.meet(view, i, j, &mut recall, &mut ended) {
                     load.force += total::<L, V>(&force);
                     load.drag += force.drag;
                     if L::SPIN {
@@ -294,7 +301,13 @@ impl<L: Demands, M> Pass<'_, L, M> {
                 }
             }
             if let Some((_, pages)) = &mut pages {
+                if let Some(recall) = &mut recall {
+                    recall.finish::<L>(|partner, memory| ended.add(self.law, view, i, partner, memory));
+                }
                 pages.end_row();
+            }
+            if L::SPIN {
+                ended.book(&mut share.turns[row]);
             }
         }
         largest
@@ -307,6 +320,43 @@ struct Share<'a, V: Space> {
     loads: &'a mut [Load<V>],
     turns: &'a mut [Turn<V>],
     book: Option<&'a mut Book<V>>,
+}
+
+/// What the springs of contacts that ended held, J: it is lost to friction and rolling resistance.
+#[derive(Default)]
+pub(crate) struct Ended {
+    sliding: f64,
+    rolling: f64,
+}
+
+impl Ended {
+    /// Adds a contact of entry `i`; that with a lower entry is booked there.
+    #[inline]
+    fn add<V: Space, L: PairLaw<V>>(
+        &mut self,
+        law: &L,
+        columns: &Columns<V>,
+        i: usize,
+        partner: u32,
+        memory: &Memory<V>,
+    ) {
+        let j = partner as usize;
+        if i < j {
+            self.add_memory(law, [columns.species[i], columns.species[j]], memory);
+        }
+    }
+
+    /// Adds a contact of these species.
+    pub(crate) fn add_memory<V: Space, L: PairLaw<V>>(&mut self, law: &L, species: [Species; 2], memory: &Memory<V>) {
+        let [sliding, rolling] = law.remembered_energy(species, memory);
+        self.sliding += sliding;
+        self.rolling += rolling;
+    }
+
+    pub(crate) fn book<V: Space>(&self, turn: &mut Turn<V>) {
+        turn.lost_by_sliding += self.sliding;
+        turn.lost_by_rolling += self.rolling;
+    }
 }
 
 /// The whole force on i.

@@ -143,6 +143,11 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     /// Energy stored in a contact, J.
     fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
 
+    /// Energy in the tangential and in the rolling spring of a contact of these species, J: what is lost when it ends.
+    fn remembered_energy(&self, _species: [Species; 2], _memory: &Memory<V>) -> [f64; 2] {
+        [0.0, 0.0]
+    }
+
     /// Largest friction coefficient, for views and pictures; 0 without friction.
     fn friction(&self, _pair: &Pair<V>) -> f64 {
         0.0

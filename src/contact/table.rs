@@ -4,6 +4,7 @@
 //! species beyond. What kind of law it is is the same for all pairs and compiled in; only numbers are looked up.
 
 use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
+use crate::particle::Species;
 use crate::space::Space;
 
 /// Laws of one kind by pair of species.
@@ -25,9 +26,9 @@ impl<L> Table<L> {
     }
 
     #[inline]
-    fn of<V: Space>(&self, pair: &Pair<V>) -> &L {
+    fn of(&self, species: [Species; 2]) -> &L {
         let last = self.species - 1;
-        let [a, b] = pair.species.map(|species| usize::from(species.0).min(last));
+        let [a, b] = species.map(|species| usize::from(species.0).min(last));
         &self.laws[a * self.species + b]
     }
 
@@ -48,15 +49,19 @@ impl<L: Demands> Demands for Table<L> {
 impl<V: Space, L: PairLaw<V>> PairLaw<V> for Table<L> {
     #[inline]
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
-        self.of(pair).force(pair, memory)
+        self.of(pair.species).force(pair, memory)
     }
 
     fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        self.of(pair).elastic_energy(pair, memory)
+        self.of(pair.species).elastic_energy(pair, memory)
+    }
+
+    fn remembered_energy(&self, species: [Species; 2], memory: &Memory<V>) -> [f64; 2] {
+        self.of(species).remembered_energy(species, memory)
     }
 
     fn friction(&self, pair: &Pair<V>) -> f64 {
-        self.of(pair).friction(pair)
+        self.of(pair.species).friction(pair)
     }
 
     // Estimates are for the pair that is hardest on the time step, or of the first species where that has no meaning.
@@ -91,7 +96,6 @@ mod tests {
     use super::*;
     use crate::contact::assignment::Assignment;
     use crate::contact::tests::pair;
-    use crate::particle::Species;
 
     #[test]
     fn a_pair_has_one_entry_whichever_comes_first() {

@@ -90,7 +90,7 @@ pub trait Tangential: Copy + Send + Sync + 'static {
     );
 
     /// Energy stored, J.
-    fn energy<V: Space>(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> f64 {
+    fn energy<V: Space>(&self, _memory: &Memory<V>) -> f64 {
         0.0
     }
 
@@ -162,6 +162,9 @@ pub trait Modulus: Copy + Send + Sync + 'static {
     /// k_t (N/m) and c_t (N s/m); `normal_drag` is the normal c, N s/m.
     fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64);
 
+    /// The k_t that a spring was last used with, N/m, of which `memory` has a note if it varies.
+    fn remembered(&self, memory: f64) -> f64;
+
     /// k_t at the deepest point of a bounce, N/m.
     fn at(&self, bounce: &Bounce) -> f64;
 }
@@ -181,6 +184,10 @@ impl Modulus for Constant {
     #[inline]
     fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64) {
         (self.k, self.damping.of(pair.reduced_mass, normal_drag))
+    }
+
+    fn remembered(&self, _: f64) -> f64 {
+        self.k
     }
 
     fn at(&self, _: &Bounce) -> f64 {
@@ -241,8 +248,8 @@ impl<M: Modulus> Tangential for Stick<M> {
         turning.is_sliding = pull.is_sliding;
     }
 
-    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        0.5 * self.modulus.of(pair, 0.0).0 * memory.spring.length_squared()
+    fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {
+        0.5 * self.modulus.remembered(memory.stiffness) * memory.spring.length_squared()
     }
 
     fn stiffness(&self, bounce: &Bounce) -> f64 {

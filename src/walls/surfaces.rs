@@ -17,6 +17,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::columns::Columns;
 use crate::contact::history::{History, Recall};
+use crate::contact::kernel::Ended;
 use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairLaw, kernel, memory_step};
 use crate::messages::DoorOpened;
 use crate::particle::Species;
@@ -226,8 +227,10 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
     let dt = memory_step(&clock);
     let (before, pages) = history.walls.turn();
     walls.0.iter_mut().for_each(|wall| wall.load = WallLoad::default());
+    let kinds: Vec<Species> = walls.0.iter().map(|wall| wall.species).collect();
     for i in 0..columns.movable_end {
         let mut recall = Recall::new(before, i);
+        let mut ended = Ended::default();
         for (index, wall) in (0u32..).zip(&mut walls.0) {
             if columns.is_fixed(i) {
                 break;
@@ -239,7 +242,13 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
             if L::SPECIES {
                 pair.species[0] = columns.species[i];
             }
-            let mut memory = if L::MEMORY { recall.of::<L>(index) } else { Memory::default() };
+            let own = columns.species[i];
+            let mut memory = if L::MEMORY {
+                let forget = |index: u32, memory: &_| ended.add_memory(&*law.0, [own, kinds[index as usize]], memory);
+                recall.of::<L>(index, forget)
+            } else {
+                Memory::default()
+            };
             let on_i = law.0.force(&pair, &mut memory);
             let sum = kernel::total::<L, V>(&on_i);
             columns.load[i].force += sum;
@@ -257,7 +266,12 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
             largest.0.raise(pair.overlap, pair.radii[0]);
         }
         if L::MEMORY {
+            let own = columns.species[i];
+            recall.finish::<L>(|index, memory| ended.add_memory(&*law.0, [own, kinds[index as usize]], memory));
             pages.end_row();
+        }
+        if L::SPIN {
+            ended.book(&mut columns.turn[i]);
         }
     }
 }

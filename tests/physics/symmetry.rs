@@ -1,0 +1,143 @@
+//! What must not matter: the direction of the axes, the origin, a mirror.
+
+use glam::{DMat3, DVec3};
+
+use crate::{Motion, motion, simulation, sphere};
+use siloflow::grains::file::GrainRow;
+use siloflow::random::Stream;
+
+pub const R: f64 = 0.04;
+const SPEED: f64 = 1.0;
+const STEPS: u64 = 5000;
+
+/// With what is tangential and rolling.
+pub const LINEAR: &str = "Linear(k: 1.0e4, damping: Restitution(0.8), attraction: Allowed, \
+    tangential: Spring(k: 2.9e3, damping: PerMass(20.0), friction: 0.4), \
+    rolling: (k: 1.0e3, damping: PerMass(20.0), friction: 0.1))";
+pub const HERTZ: &str = "Hertz(restitution: 0.8, attraction: Allowed, tangential: Mindlin(friction: 0.4))";
+
+/// Free grains: no gravity, no walls.
+fn keys(solid: bool, contact: &str) -> String {
+    let (space, gravity) = if solid { ("Solid", "(0.0, 0.0, 0.0)") } else { ("Plane", "(0.0, 0.0)") };
+    format!(
+        "space: {space}, gravity: {gravity}, contact: {contact}, materials: [(young: 1.0e6, poisson: 0.3)], \
+         step: Fixed(1.0e-4), until: 100.0"
+    )
+}
+
+/// Numbers from -1 to 1.
+pub fn throw(name: &str, counter: u32) -> DVec3 {
+    DVec3::from(Stream::new(3, name).uniform(u64::from(counter)).map(|u: f64| 2.0 * u - 1.0))
+}
+
+/// Six grains from six sides that meet near the origin, with spins.
+fn rush(solid: bool) -> Vec<GrainRow> {
+    let (flat, axis) = if solid { (DVec3::ONE, DVec3::ONE) } else { (DVec3::new(1.0, 1.0, 0.0), DVec3::Z) };
+    let grain = |i: u32| {
+        let side = if solid {
+            [DVec3::X, DVec3::Y, DVec3::Z][i as usize / 2] * if i.is_multiple_of(2) { 1.0 } else { -1.0 }
+        } else {
+            DVec3::new((f64::from(i) * 1.05).cos(), (f64::from(i) * 1.05).sin(), 0.0)
+        };
+        let place = flat * (4.0 * R * side + 0.5 * R * throw("place", i));
+        let velocity = flat * SPEED * (0.2 * throw("velocity", i) - side);
+        let radius = if i.is_multiple_of(2) { R } else { 0.8 * R };
+        let mut grain = sphere(i + 1, place, velocity, radius, 100.0 * radius * radius);
+        grain.spin = axis * throw("spin", i) * SPEED / R;
+        grain
+    };
+    (0..6).map(grain).collect()
+}
+
+/// Rotation or mirror, then shift. A spin is a pseudovector: it takes the determinant's sign on top.
+#[derive(Clone, Copy)]
+struct Image {
+    turn: DMat3,
+    shift: DVec3,
+}
+
+impl Image {
+    fn of(self, x: DVec3, v: DVec3, w: DVec3) -> Motion {
+        let spin = self.turn.determinant().round() * (self.turn * w);
+        Motion { position: self.turn * x + self.shift, velocity: self.turn * v, spin }
+    }
+
+    fn start(self, grains: &[GrainRow]) -> Vec<GrainRow> {
+        let image = |grain: &GrainRow| {
+            let Motion { position, velocity, spin } = self.of(grain.position, grain.velocity, grain.spin);
+            GrainRow { position, velocity, spin, ..*grain }
+        };
+        grains.iter().map(image).collect()
+    }
+}
+
+/// The state after [`STEPS`] steps.
+pub fn end(keys: &str, grains: &[GrainRow]) -> Vec<Motion> {
+    let mut simulation = simulation(keys, grains.to_vec());
+    simulation.run_steps(STEPS);
+    motion(&mut simulation)
+}
+
+/// The largest difference, in units of R, of the speed, and of spins of that speed.
+fn apart(a: &[Motion], b: &[Motion]) -> f64 {
+    let difference = |(a, b): (&Motion, &Motion)| {
+        let (way, spin) = (a.position.distance(b.position) / R, a.spin.distance(b.spin) * R / SPEED);
+        way.max(spin).max(a.velocity.distance(b.velocity) / SPEED)
+    };
+    a.iter().zip(b).map(difference).fold(0.0, f64::max)
+}
+
+fn images(solid: bool) -> Vec<(&'static str, Image)> {
+    let about = if solid { DVec3::new(2.0, -1.0, 0.5).normalize() } else { DVec3::Z };
+    let turn = DMat3::from_axis_angle(about, 0.7);
+    let mirrored = turn * DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)) * turn.transpose();
+    let far = 300.0 * R * if solid { DVec3::new(1.0, -2.0, 2.0) } else { DVec3::new(3.0, -4.0, 0.0) } / 3.0;
+    vec![
+        ("rotated", Image { turn, shift: DVec3::ZERO }),
+        ("mirrored", Image { turn: mirrored, shift: DVec3::ZERO }),
+        ("shifted", Image { turn: DMat3::IDENTITY, shift: far }),
+        ("all three", Image { turn: mirrored * turn, shift: far }),
+    ]
+}
+
+#[test]
+fn a_rotated_mirrored_or_shifted_rush_is_the_image_of_the_rush() {
+    for (solid, contact) in [(true, LINEAR), (true, HERTZ), (false, LINEAR), (false, HERTZ)] {
+        let keys = keys(solid, contact);
+        let grains = rush(solid);
+        let reference = end(&keys, &grains);
+        // A twin, its grains off by 1e-7 R, shows what the collisions (each turns a normal by delta/2R, so multiplies a
+        // distance by 1 + l/R or so over the next flight l) do to a small difference. Round-off is such a difference. Places
+        // are multiples of their ulp and a flight adds the same dt v to them, so it errs alike in each step, by half an ulp
+        // of the largest coordinate at most: the errors of all steps add up.
+        let flat = if solid { DVec3::ONE } else { DVec3::new(1.0, 1.0, 0.0) };
+        let mut twin = grains.clone();
+        for (i, grain) in (0..).zip(&mut twin) {
+            grain.position += 1e-7 * R * flat * throw("twin", i);
+        }
+        let growth = apart(&end(&keys, &twin), &reference) / 1e-7;
+        assert!((10.0..1e5).contains(&growth), "{contact}, solid {solid}: errors grow {growth}-fold");
+        for (name, image) in images(solid) {
+            let expected: Vec<_> = reference.iter().map(|now| image.of(now.position, now.velocity, now.spin)).collect();
+            let farthest = expected.iter().map(|now| now.position.length()).fold(0.0, f64::max);
+            let error = apart(&end(&keys, &image.start(&grains)), &expected);
+            let tolerance = STEPS as f64 * 0.5 * f64::EPSILON * farthest / R * growth;
+            assert!(error < tolerance, "{contact}, solid {solid}, {name}: {error:e}, tolerance {tolerance:e}");
+        }
+    }
+}
+
+#[test]
+fn a_mirror_across_an_axis_changes_no_bit() {
+    // Rounding does not know signs, so changing the sign of all x, of v_x and of the two other components of spins must
+    // change no other bit.
+    let mirror = Image { turn: DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)), shift: DVec3::ZERO };
+    for (solid, contact) in [(true, LINEAR), (true, HERTZ), (false, LINEAR), (false, HERTZ)] {
+        let keys = keys(solid, contact);
+        let grains = rush(solid);
+        for (a, b) in end(&keys, &grains).iter().zip(end(&keys, &mirror.start(&grains))) {
+            let a = mirror.of(a.position, a.velocity, a.spin);
+            assert_eq!((a.position, a.velocity, a.spin), (b.position, b.velocity, b.spin), "{contact}, solid {solid}");
+        }
+    }
+}
