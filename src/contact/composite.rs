@@ -6,7 +6,6 @@
 use crate::contact::rolling::Rolling;
 use crate::contact::tangential::Tangential;
 use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
-use crate::particle::Species;
 use crate::space::Space;
 
 /// A force along the normal: max(spring - c v_n, floor) n.
@@ -73,8 +72,8 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         self.normal.energy(pair) + self.tangential.energy(memory) + self.rolling.energy(memory)
     }
 
-    fn remembered_energy(&self, _: [Species; 2], memory: &Memory<V>) -> [f64; 2] {
-        [self.tangential.energy(memory), self.rolling.energy(memory)]
+    fn forget(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
+        [self.tangential.forget(pair, memory), self.rolling.forget(pair, memory)]
     }
 
     fn friction(&self, _: &Pair<V>) -> f64 {

@@ -119,6 +119,23 @@ pub fn touching<V: Space>(
     }
 }
 
+/// The geometry of two that were in contact in the step before.
+fn parted<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
+    let (a, b) = (&columns.body[i], &columns.body[j]);
+    let separation = metric.separation(a.position, b.position);
+    let spin = |i: usize| columns.spin.get(i).copied().unwrap_or_default();
+    Pair {
+        normal: separation.unit_or_zero(),
+        overlap: a.radius + b.radius - separation.length(),
+        relative_velocity: a.velocity - b.velocity,
+        reduced_mass: 1.0 / (a.inverse_mass + b.inverse_mass),
+        radii: [a.radius, b.radius],
+        spins: [spin(i), spin(j)],
+        species: [columns.species[i], columns.species[j]],
+        dt,
+    }
+}
+
 /// A normal for coincident centres: fixed by the two ids, odd under their swap.
 #[cold]
 fn coincident<V: Space>(i: GrainId, j: GrainId) -> V {
@@ -164,7 +181,7 @@ impl<L: Demands, M> Pass<'_, L, M> {
         #[expect(clippy::cast_possible_truncation, reason = "fewer than 2^32 particles")]
         let mut memory = match recall {
             Some(recall) if L::MEMORY => {
-                recall.of::<L>(j as u32, |partner, memory| ended.add(self.law, columns, i, partner, memory))
+                recall.of::<L>(j as u32, |partner, memory| ended.add(self, columns, i, partner, memory))
             }
             _ => Memory::default(),
         };
@@ -214,7 +231,7 @@ impl<L: Demands, M> Pass<'_, L, M> {
             }
             loads[i] = on_i;
             if let Some(recall) = &mut recall {
-                recall.finish::<L>(|partner, memory| ended.add(self.law, columns, i, partner, memory));
+                recall.finish::<L>(|partner, memory| ended.add(self, columns, i, partner, memory));
                 pages.end_row();
             }
             if L::SPIN {
@@ -302,7 +319,7 @@ impl<L: Demands, M> Pass<'_, L, M> {
             }
             if let Some((_, pages)) = &mut pages {
                 if let Some(recall) = &mut recall {
-                    recall.finish::<L>(|partner, memory| ended.add(self.law, view, i, partner, memory));
+                    recall.finish::<L>(|partner, memory| ended.add(self, view, i, partner, memory));
                 }
                 pages.end_row();
             }
@@ -331,10 +348,10 @@ pub(crate) struct Ended {
 
 impl Ended {
     /// Adds a contact of entry `i`; that with a lower entry is booked there.
-    #[inline]
-    fn add<V: Space, L: PairLaw<V>>(
+    #[cold]
+    fn add<V: Space, L: PairLaw<V> + Demands, M: Metric<V>>(
         &mut self,
-        law: &L,
+        pass: &Pass<L, M>,
         columns: &Columns<V>,
         i: usize,
         partner: u32,
@@ -342,13 +359,13 @@ impl Ended {
     ) {
         let j = partner as usize;
         if i < j {
-            self.add_memory(law, [columns.species[i], columns.species[j]], memory);
+            self.add_pair(pass.law, &parted(&pass.metric, columns, i, j, pass.dt), memory);
         }
     }
 
-    /// Adds a contact of these species.
-    pub(crate) fn add_memory<V: Space, L: PairLaw<V>>(&mut self, law: &L, species: [Species; 2], memory: &Memory<V>) {
-        let [sliding, rolling] = law.remembered_energy(species, memory);
+    /// Adds a contact whose two have parted.
+    pub(crate) fn add_pair<V: Space, L: PairLaw<V>>(&mut self, law: &L, pair: &Pair<V>, memory: &Memory<V>) {
+        let [sliding, rolling] = law.forget(pair, memory);
         self.sliding += sliding;
         self.rolling += rolling;
     }

@@ -143,8 +143,9 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     /// Energy stored in a contact, J.
     fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
 
-    /// Energy in the tangential and in the rolling spring of a contact of these species, J: what is lost when it ends.
-    fn remembered_energy(&self, _species: [Species; 2], _memory: &Memory<V>) -> [f64; 2] {
+    /// What is lost with the tangential and with the rolling spring of a contact that has ended in this step, J; the
+    /// overlap of `pair` is negative. A spring takes k S/2 . v dt before it is gone ([`spring`]): k S/2 . (S + v dt).
+    fn forget(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> [f64; 2] {
         [0.0, 0.0]
     }
 

@@ -8,7 +8,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::spring::Slider;
+use crate::contact::spring::{Slider, lost_at_the_end};
 use crate::contact::{Memory, Pair, Turning};
 use crate::scene::values::{NonNegative, Positive};
 use crate::space::Space;
@@ -44,6 +44,15 @@ pub trait Rolling: Copy + Send + Sync + 'static {
 
     /// Energy stored, J.
     fn energy<V: Space>(&self, memory: &Memory<V>) -> f64;
+
+    /// See [`PairLaw::forget`](crate::contact::PairLaw::forget), J.
+    fn forget<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
+}
+
+/// v_r = R_eff (w_i - w_j) x n, m/s.
+#[inline]
+fn rolling_velocity<V: Space>(pair: &Pair<V>) -> V {
+    pair.normal.turned_by((pair.spins[0] - pair.spins[1]) * pair.reduced_radius())
 }
 
 /// Grains roll freely.
@@ -59,6 +68,10 @@ impl Rolling for Free {
     fn energy<V: Space>(&self, _: &Memory<V>) -> f64 {
         0.0
     }
+
+    fn forget<V: Space>(&self, _: &Pair<V>, _: &Memory<V>) -> f64 {
+        0.0
+    }
 }
 
 impl Rolling for RollingResistance {
@@ -66,15 +79,14 @@ impl Rolling for RollingResistance {
 
     #[inline]
     fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>) {
-        let radius = pair.reduced_radius();
-        let velocity = pair.normal.turned_by((pair.spins[0] - pair.spins[1]) * radius);
+        let velocity = rolling_velocity(pair);
         let drag = match self.damping {
             RollingDamping::B(b) => b.get(),
             RollingDamping::PerMass(gamma) => gamma.get() * pair.reduced_mass,
         };
         let slider = Slider { stiffness: self.k.get(), drag, cap: self.friction.get() * normal_force.abs() };
         let pull = slider.pull(&mut memory.rolling, velocity, pair.normal, pair.dt);
-        let arm = pair.normal * radius;
+        let arm = pair.normal * pair.reduced_radius();
         turning.rolling = arm.cross(pull.force);
         turning.rolling_drag = arm.cross(pull.drag);
         turning.lost_by_rolling = pull.lost;
@@ -82,6 +94,10 @@ impl Rolling for RollingResistance {
 
     fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {
         0.5 * self.k.get() * memory.rolling.length_squared()
+    }
+
+    fn forget<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        lost_at_the_end(self.k.get(), memory.rolling, rolling_velocity(pair), pair.dt)
     }
 }
 

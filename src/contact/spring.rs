@@ -60,6 +60,11 @@ impl Slider {
     }
 }
 
+/// What is lost with a spring of this stiffness (N/m) that is gone after a step in which it had this velocity, J.
+pub(super) fn lost_at_the_end<V: Space>(stiffness: f64, spring: V, velocity: V, dt: f64) -> f64 {
+    0.5 * stiffness * spring.dot(spring + velocity * dt)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

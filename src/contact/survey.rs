@@ -85,9 +85,7 @@ impl<'a, V: Space> Survey<'a, V> {
         let columns = self.columns;
         for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
             for (index, wall) in self.walls.iter().enumerate() {
-                if let Some(mut pair) = surfaces::touching(columns, i, wall, 0.0) {
-                    pair.spins[0] = columns.spin.get(i).copied().unwrap_or_default();
-                    pair.species[0] = columns.species[i];
+                if let Some(pair) = surfaces::touching(columns, i, wall, 0.0) {
                     let memory = self.history.of_wall(i, index).unwrap_or_default();
                     visit(i, Partner::Wall(index), &pair, &memory);
                 }

@@ -56,8 +56,8 @@ impl<V: Space, L: PairLaw<V>> PairLaw<V> for Table<L> {
         self.of(pair.species).elastic_energy(pair, memory)
     }
 
-    fn remembered_energy(&self, species: [Species; 2], memory: &Memory<V>) -> [f64; 2] {
-        self.of(species).remembered_energy(species, memory)
+    fn forget(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
+        self.of(pair.species).forget(pair, memory)
     }
 
     fn friction(&self, pair: &Pair<V>) -> f64 {

@@ -13,7 +13,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::spring::Slider;
+use crate::contact::spring::{Slider, lost_at_the_end};
 use crate::contact::{Bounce, Memory, Pair, Turning};
 use crate::scene::values::NonNegative;
 use crate::space::Space;
@@ -91,6 +91,11 @@ pub trait Tangential: Copy + Send + Sync + 'static {
 
     /// Energy stored, J.
     fn energy<V: Space>(&self, _memory: &Memory<V>) -> f64 {
+        0.0
+    }
+
+    /// See [`PairLaw::forget`](crate::contact::PairLaw::forget), J.
+    fn forget<V: Space>(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> f64 {
         0.0
     }
 
@@ -250,6 +255,11 @@ impl<M: Modulus> Tangential for Stick<M> {
 
     fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {
         0.5 * self.modulus.remembered(memory.stiffness) * memory.spring.length_squared()
+    }
+
+    fn forget<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        let velocity = pair.sliding_velocity(self.lever.arms(pair));
+        lost_at_the_end(self.modulus.remembered(memory.stiffness), memory.spring, velocity, pair.dt)
     }
 
     fn stiffness(&self, bounce: &Bounce) -> f64 {

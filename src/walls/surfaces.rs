@@ -18,7 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::columns::Columns;
 use crate::contact::history::{History, Recall};
 use crate::contact::kernel::Ended;
-use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairLaw, kernel, memory_step};
+use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairForce, PairLaw, kernel, memory_step};
 use crate::messages::DoorOpened;
 use crate::particle::Species;
 use crate::scene::values::{FiniteVector, Positive};
@@ -197,23 +197,29 @@ impl<V: Space> Surface<V> {
 #[derive(Resource, Clone, Debug)]
 pub struct Surfaces<V: Space = Plane>(pub Vec<FlatWall<V>>);
 
-/// The contact of movable entry `i` with a wall, if they touch; spins and species are left out.
+/// The contact of movable entry `i` with a wall, if they touch.
 #[inline]
 #[must_use]
 pub fn touching<V: Space>(columns: &Columns<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Option<Pair<V>> {
     let body = &columns.body[i];
     let (distance, normal) = wall.surface.distance(body.position);
-    let overlap = body.radius - distance;
-    (overlap > 0.0 && wall.is_present).then(|| Pair {
+    (distance < body.radius && wall.is_present).then(|| pair(columns, i, wall, distance, normal, dt))
+}
+
+/// The geometry of entry `i` and a wall at this distance (m).
+#[inline]
+fn pair<V: Space>(columns: &Columns<V>, i: usize, wall: &FlatWall<V>, distance: f64, normal: V, dt: f64) -> Pair<V> {
+    let body = &columns.body[i];
+    Pair {
         normal,
-        overlap,
+        overlap: body.radius - distance,
         relative_velocity: body.velocity - wall.velocity,
         reduced_mass: 1.0 / body.inverse_mass,
         radii: [body.radius, f64::INFINITY],
-        spins: [V::Spin::ZERO; 2],
-        species: [Species(0), wall.species],
+        spins: [columns.spin.get(i).copied().unwrap_or_default(), V::Spin::ZERO],
+        species: [columns.species[i], wall.species],
         dt,
-    })
+    }
 }
 
 fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
@@ -227,52 +233,61 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
     let dt = memory_step(&clock);
     let (before, pages) = history.walls.turn();
     walls.0.iter_mut().for_each(|wall| wall.load = WallLoad::default());
-    let kinds: Vec<Species> = walls.0.iter().map(|wall| wall.species).collect();
     for i in 0..columns.movable_end {
         let mut recall = Recall::new(before, i);
         let mut ended = Ended::default();
-        for (index, wall) in (0u32..).zip(&mut walls.0) {
-            if columns.is_fixed(i) {
-                break;
-            }
-            let Some(mut pair) = touching(&columns, i, wall, dt) else { continue };
-            if L::SPIN {
-                pair.spins[0] = columns.spin[i];
-            }
-            if L::SPECIES {
-                pair.species[0] = columns.species[i];
-            }
-            let own = columns.species[i];
-            let mut memory = if L::MEMORY {
-                let forget = |index: u32, memory: &_| ended.add_memory(&*law.0, [own, kinds[index as usize]], memory);
-                recall.of::<L>(index, forget)
-            } else {
-                Memory::default()
-            };
-            let on_i = law.0.force(&pair, &mut memory);
-            let sum = kernel::total::<L, V>(&on_i);
-            columns.load[i].force += sum;
-            columns.load[i].drag += on_i.drag;
-            wall.load.force -= sum;
-            wall.load.drag -= on_i.drag;
-            if L::SPIN {
-                kernel::turn::<L, V>(&mut columns.turn[i], &pair, &on_i, 0);
-                kernel::book_losses::<L, V>(&mut columns.turn[i], &on_i);
-                wall.load.friction_drag -= on_i.turning.friction_drag;
-            }
+        for index in 0..if columns.is_fixed(i) { 0 } else { walls.0.len() } {
+            let Some(pair) = touching(&columns, i, &walls.0[index], dt) else { continue };
+            let number = u32::try_from(index).expect("fewer than 2^32 walls");
+            let mut memory = Memory::default();
             if L::MEMORY {
-                pages.push::<L>(index, &memory);
+                memory = recall.of::<L>(number, |wall, memory| {
+                    ended.add_pair(&*law.0, &parted(&columns, i, &walls.0[wall as usize], dt), memory);
+                });
+            }
+            let on_i = law.0.force(&pair, &mut memory);
+            add_load::<V, L>(&mut columns, i, &mut walls.0[index].load, &pair, &on_i);
+            if L::MEMORY {
+                pages.push::<L>(number, &memory);
             }
             largest.0.raise(pair.overlap, pair.radii[0]);
         }
         if L::MEMORY {
-            let own = columns.species[i];
-            recall.finish::<L>(|index, memory| ended.add_memory(&*law.0, [own, kinds[index as usize]], memory));
+            recall.finish::<L>(|wall, memory| {
+                ended.add_pair(&*law.0, &parted(&columns, i, &walls.0[wall as usize], dt), memory);
+            });
             pages.end_row();
         }
         if L::SPIN {
             ended.book(&mut columns.turn[i]);
         }
+    }
+}
+
+/// The geometry of entry `i` and a wall that it has just left.
+fn parted<V: Space>(columns: &Columns<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Pair<V> {
+    let (distance, normal) = wall.surface.distance(columns.body[i].position);
+    pair(columns, i, wall, distance, normal, dt)
+}
+
+/// Adds what a contact does to grain and wall.
+#[inline]
+fn add_load<V: Space, L: Demands>(
+    columns: &mut Columns<V>,
+    i: usize,
+    on_wall: &mut WallLoad<V>,
+    pair: &Pair<V>,
+    on_i: &PairForce<V>,
+) {
+    let sum = kernel::total::<L, V>(on_i);
+    columns.load[i].force += sum;
+    columns.load[i].drag += on_i.drag;
+    on_wall.force -= sum;
+    on_wall.drag -= on_i.drag;
+    if L::SPIN {
+        kernel::turn::<L, V>(&mut columns.turn[i], pair, on_i, 0);
+        kernel::book_losses::<L, V>(&mut columns.turn[i], on_i);
+        on_wall.friction_drag -= on_i.turning.friction_drag;
     }
 }
 

@@ -18,6 +18,7 @@ mod command_line;
 mod scenes;
 mod searches;
 mod silo_file;
+mod spinning;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};

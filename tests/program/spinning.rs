@@ -1,0 +1,191 @@
+//! Scenes with friction, in the plane and in solid space: what they are made of, and what they do.
+
+use siloflow::columns::Columns;
+use siloflow::contact::history::History;
+use siloflow::contact::survey::Survey;
+use siloflow::energy::{Channels, EnergyFlows};
+use siloflow::measure::totals;
+use siloflow::prelude::*;
+use siloflow::walls::surfaces::Surfaces;
+
+use crate::{hash, load, simulation};
+
+const QUIET: [(&str, &str); 2] = [("pictures", "None"), ("profiles", "[]")];
+
+fn run(name: &str, settings: &[(&str, &str)]) -> Simulation {
+    let settings: Vec<_> = QUIET.iter().chain(settings).copied().collect();
+    let mut run = simulation(&load(name, &settings), 1);
+    run.run();
+    run
+}
+
+/// Names of all components that some entity of a world has.
+fn components(world: &mut World) -> String {
+    let entities: Vec<_> = world.query::<Entity>().iter(world).collect();
+    let names = entities.into_iter().flat_map(|entity| {
+        let infos = world.inspect_entity(entity).unwrap();
+        infos.map(|(_, info)| info.name().to_string()).collect::<Vec<_>>()
+    });
+    names.collect::<Vec<_>>().join(" ")
+}
+
+#[test]
+fn a_scene_without_friction_has_no_spin_torque_inertia_or_history() {
+    let mut smooth = run("column.ron", &[("until", "0.01")]);
+    let names = components(smooth.world_mut());
+    assert!(names.contains("Position") && !["Spin", "Torque", "Inertia"].iter().any(|part| names.contains(part)));
+    let columns = smooth.world().resource::<Columns>();
+    assert!(columns.spin.is_empty() && columns.turn.is_empty() && columns.inertia.is_empty());
+    let remembered = (0..20).flat_map(|i| (i + 1..20).map(move |j| (i, j)));
+    let history = smooth.world().resource::<History>();
+    assert!(remembered.into_iter().all(|(i, j)| history.of_pair(i, j).is_none()));
+    assert!(smooth.world().get_resource::<Channels>().is_none());
+
+    let tangential = "Linear(k: 1.0e5, damping: Restitution(0.3), tangential: Spring(k: 1.0e5, damping: OfNormal(0.5), \
+                      friction: 0.5))";
+    let mut rough = run("column.ron", &[("until", "0.01"), ("contact", tangential)]);
+    let names = components(rough.world_mut());
+    assert!(["Spin", "Torque", "Inertia"].iter().all(|part| names.contains(part)), "{names}");
+    assert!(rough.world().resource::<History>().of_pair(0, 1).is_some());
+}
+
+#[test]
+fn the_floor_carries_the_weight_and_is_told_so_with_its_sign() {
+    let mut column = run("column.ron", &[]);
+    let weight = 20.0 * 0.16 * 9.81;
+    let force = column.world().resource::<Surfaces>().0[0].load.force;
+    // At rest to 1e-7 sqrt(g R): what still moves has that momentum, and w1 = 2 sqrt(k/m) sin(pi/82) = 60/s of it a second.
+    assert!((force + weight * Vector::Y).length() < 60.0 * 20.0 * 0.16 * 1e-7 * 0.63, "{force}");
+    // The view agrees: the lowest grain pushes the wall with all of the weight, and touches the next one with the rest.
+    let survey = Survey::<Plane>::of_world(column.world_mut());
+    let contacts = survey.view(1e-4);
+    assert_eq!(contacts.len(), 20);
+    let wall = contacts.iter().find(|contact| contact.with == Touched::Wall(0)).unwrap();
+    assert!((wall.normal_force - weight).abs() < 1e-5 && wall.normal == Vector::Y, "{wall:?}");
+    let first = contacts[0];
+    assert_eq!((first.grain.number(), first.with), (1, Touched::Particle(GrainId::grain(2).unwrap())));
+    assert!((first.normal_force - 0.95 * weight).abs() < 1e-5 && !first.is_sliding && first.mobilised == 0.0);
+}
+
+#[test]
+fn a_sliding_ball_is_seen_to_slide_and_a_rolling_one_to_stick() {
+    for (until, slides) in [("0.05", true), ("0.2", false)] {
+        let ball = run("slip-to-roll.ron", &[("until", until)]);
+        let contacts = Survey::<Solid>::of_world(ball.world()).view(1e-5);
+        assert_eq!(contacts.len(), 1);
+        assert_eq!(contacts[0].is_sliding, slides, "{:?}", contacts[0]);
+        // The dashpot is seen with the velocity of half a step later: 7/2 c_t dt/(2 m) = 3e-3 of the cap.
+        let full = contacts[0].mobilised > 0.99;
+        assert_eq!(full, slides, "{:?}", contacts[0]);
+        assert!(!slides || contacts[0].friction.x < 0.0);
+    }
+}
+
+#[test]
+fn a_small_hopper_fills_rests_opens_and_empties() {
+    let mut hopper = run("silo3d.ron", &[("fill[0].count", "400"), ("until", "3.0")]);
+    let world = hopper.world_mut();
+    let ledger = world.resource::<Ledger>();
+    assert_eq!((ledger.released, ledger.out(), ledger.lost()), (400, 400, 0));
+    assert_eq!(world.query_filtered::<(), With<Grain>>().iter(world).count(), 400 - ledger_culled(world));
+    let flows = *world.resource::<EnergyFlows>();
+    let error = totals::of_world(world).energy() - flows.expected();
+    // As for silo1: (w0 dt)^2/6 of what contacts that open and close dissipate, w0 = sqrt(1e4/1.4e-4)/s.
+    let bound = 1e4 / 1.414e-4 * 2e-5f64.powi(2) / 6.0 * flows.dissipated;
+    assert!(error.abs() < bound, "balance error {error} J, bound {bound} J");
+    let channels = world.resource::<Channels>();
+    assert!(channels.tangential > 0.0 && channels.rolling == 0.0 && channels.tangential < flows.dissipated);
+}
+
+fn ledger_culled(world: &World) -> usize {
+    world.resource::<Ledger>().culled as usize
+}
+
+#[test]
+fn a_chute_gathers_what_gravity_gives_it() {
+    let mut chute = run("chute3d.ron", &[("until", "0.08"), ("profiles", "[]")]);
+    let world = chute.world_mut();
+    assert_eq!(world.resource::<Ledger>().inside(), 1944);
+    let flows = *world.resource::<EnergyFlows>();
+    assert!(flows.lifted > 0.0, "nobody has come round");
+    let totals = totals::of_world(world);
+    let error = totals.energy() - flows.expected();
+    // (w0 dt)^2/6 with w0 = sqrt(257/5e-7)/s, of what contacts take.
+    let bound = 257.0 / 4.8e-7 * 8e-6f64.powi(2) / 6.0 * flows.dissipated;
+    assert!(error.abs() < bound, "balance error {error} J, bound {bound} J of {} J", flows.dissipated);
+    for x in world.query_filtered::<&Position<Solid>, With<Grain>>().iter(world) {
+        assert!((0.0..0.02).contains(&x.0.x) && (0.0..0.01).contains(&x.0.y), "{}", x.0);
+    }
+}
+
+#[test]
+fn rough_walls_keep_going_and_their_work_is_booked() {
+    let mut cell = run("couette.ron", &[("until", "0.2")]);
+    let world = cell.world_mut();
+    let mut fixed = world.query_filtered::<&Velocity, With<Fixed>>();
+    assert!(fixed.iter(world).all(|v| v.0.x.abs() == 0.5) && fixed.iter(world).count() == 42);
+    let flows = *world.resource::<EnergyFlows>();
+    assert!(flows.wall_work > 0.0);
+    let error = totals::of_world(world).energy() - flows.expected();
+    // As above, w0 = sqrt(1e5/0.6)/s; walls of discs that move past are hit like grains.
+    let bound = 1e5 / 0.59 * 5e-5f64.powi(2) / 6.0 * flows.dissipated;
+    assert!(error.abs() < bound, "balance error {error} J, bound {bound} J of {} J", flows.dissipated);
+}
+
+#[test]
+fn a_mixture_of_materials_meets_by_pairs() {
+    // Three pairs of grains, head-on: 0 with 0, 0 with 1, 1 with 1; restitution by pair.
+    let law = |e: f64| format!("Linear(k: 1.0e5, damping: Restitution({e:?}), attraction: Allowed)");
+    let keys = format!(
+        "(gravity: (0.0, 0.0), contact: {}, pairs: [(species: (1, 0), contact: {}), (species: (1, 1), contact: {})], \
+         step: Fixed(1.0e-6), until: 0.02, pictures: None)",
+        law(0.9),
+        law(0.6),
+        law(0.3)
+    );
+    let mut loaded = siloflow::scene::load::from_text("m.ron", "m", std::path::Path::new(""), keys, &[]).unwrap();
+    for (pair, species) in (0u32..).zip([[0, 0], [0, 1], [1, 1]]) {
+        for (side, species) in (0u32..).zip(species) {
+            let x = 0.081 * f64::from(side);
+            loaded.grains.push(siloflow::grains::file::GrainRow {
+                id: GrainId::grain(2 * pair + side).unwrap(),
+                radius: 0.04,
+                mass: 0.16,
+                position: Solid::new(x, f64::from(pair), 0.0),
+                velocity: Solid::new(0.5 - f64::from(side), 0.0, 0.0),
+                spin: Solid::ZERO,
+                species: Species(species),
+            });
+        }
+    }
+    let mut run = simulation(&loaded, 1);
+    run.run();
+    let columns = run.world_mut().resource::<Columns>();
+    for (pair, e) in [0.9, 0.6, 0.3].into_iter().enumerate() {
+        let parting = columns.body[2 * pair + 1].velocity.x - columns.body[2 * pair].velocity.x;
+        // Drag half a step old and a jump at both ends: 3 zeta w0 dt, zeta up to 0.36, w0 = sqrt(1e5/0.08)/s.
+        assert!((parting - e).abs() < 3.0 * 0.36 * 1118.0 * 1e-6, "{pair}: {parting}, not {e}");
+    }
+}
+
+#[test]
+fn a_frictional_hopper_is_the_same_for_all_searches_and_threads() {
+    let settle = |neighbours: &str, threads: usize| {
+        let settings = [
+            ("pictures", "None"),
+            ("profiles", "[]"),
+            ("fill[0].count", "350"),
+            ("until", "0.3"),
+            ("neighbours", neighbours),
+        ];
+        let mut run = simulation(&load("silo3d.ron", &settings), threads);
+        run.run();
+        hash(&mut run)
+    };
+    let reference = settle("VerletList(skin: 0.0006)", 1);
+    for (neighbours, threads) in
+        [("VerletList(skin: 0.003)", 2), ("Cells(size: 0.006)", 1), ("CellsOfRange(rng: 2.5)", 2)]
+    {
+        assert_eq!(settle(neighbours, threads), reference, "{neighbours} on {threads} threads");
+    }
+}
