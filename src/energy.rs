@@ -15,7 +15,7 @@
 //! [`crate::contact::spring`] says.
 //!
 //! Sums run over the columns, so in ascending order of id. Limit: a grain that a behaviour fixes or frees takes its
-//! kinetic energy out of or into the balance, which then shows as error.
+//! kinetic energy out of or into the balance, which then shows as error; so does the work of one that is fixed and spins.
 
 use std::marker::PhantomData;
 
@@ -39,7 +39,7 @@ use crate::walls::surfaces::Surfaces;
 pub struct EnergyFlows {
     /// Brought in by grains that entered.
     pub released: f64,
-    /// Done on grains by fixed particles that move.
+    /// Done on grains by fixed particles and belts that move.
     pub wall_work: f64,
     /// Potential energy of grains that a periodic side has set back along gravity.
     pub lifted: f64,
@@ -138,12 +138,16 @@ fn book_initial_overlaps<V: Space>(scenery: Scenery<V>, mut flows: ResMut<Energy
 fn book_panel_door<V: Space>(
     mut opened: MessageReader<DoorOpened>,
     scenery: Scenery<V>,
-    walls: Res<Surfaces<V>>,
+    present: Query<(), With<GrainId>>,
     mut flows: ResMut<EnergyFlows>,
 ) {
     if opened.read().next().is_some() {
-        flows.removed +=
-            scenery.survey().elastic_energy(|_, partner| matches!(partner, Partner::Wall(w) if walls.0[w].is_door));
+        let survey = scenery.survey();
+        // What was culled meanwhile takes its contacts with it already.
+        flows.removed += survey.elastic_energy(|i, partner| {
+            let is_door = matches!(partner, Partner::Wall(wall) if survey.walls[wall].is_door);
+            is_door && present.contains(survey.columns.entity[i])
+        });
     }
 }
 

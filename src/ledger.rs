@@ -8,6 +8,8 @@
 //!
 //! Paths are straight between two looks. A grain is looked at again when it has moved by a quarter of the smallest
 //! radius since the last look (or in one step, if it is faster), so that a bed at rest costs one comparison a grain.
+//! In solid space the walls are flat ones, the orifice is where a door panel was, and there is no top to leave by. Wall
+//! grains that move ([`crate::walls::conveyor`]) have no line.
 //! Who releases a grain writes `GrainReleased`, or the ledger does not know of it.
 //! Limit: what happens to a door grain's line while the door slides is not followed; from the first step of opening
 //! the orifice is open.
@@ -258,11 +260,16 @@ fn keep_books<V: Space>(
     mut outcome: ResMut<Outcome>,
 ) {
     let (step, time_s) = (clock.steps, clock.time());
-    for grain in out.read() {
+    // Whoever leaves in the same step is booked in the order of the ids, whatever tables the grains are in.
+    let mut out: Vec<_> = out.read().collect();
+    out.sort_unstable_by_key(|grain| grain.id);
+    let mut lost: Vec<_> = lost.read().collect();
+    lost.sort_unstable_by_key(|grain| grain.id);
+    for grain in out {
         ledger.gone.insert(grain.id);
         ledger.out_times.push(time_s);
     }
-    for grain in lost.read() {
+    for grain in lost {
         tracing::debug!("t = {time_s:.3} s: {} was lost {}", grain.id, grain.way);
         ledger.gone.insert(grain.id);
         ledger.lost.push(LossRecord {

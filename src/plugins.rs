@@ -170,6 +170,7 @@ impl Watched for Plane {
             return;
         }
         let outline = Outline::new(&walls, &loaded.silo.door, &surfaces, smallest_radius);
+        let outline = if loaded.scene.periodic.is_open() { outline } else { outline.unbounded() };
         if let Some(orifice) = outline.orifice() {
             app.app.insert_resource(Orifice(orifice));
         }

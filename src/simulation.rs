@@ -13,6 +13,7 @@ use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
 use crate::outcome::{End, Outcome};
 use crate::particle::{Door, GrainId, Species, wall_grain};
+use crate::periodic::Periodic;
 use crate::plugins::{Assembly, add_all};
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
@@ -143,7 +144,10 @@ fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
     };
     let at_rest = V::ZERO;
     let silo = loaded.scene.silo.as_ref().map_or(Species(0), |silo| Species(silo.species));
-    let centre = |disc: &Disc| V::narrow(disc.centre.spread());
+    // Whoever starts outside a periodic box stands for the image inside.
+    let periodic = Periodic::<V>::new(&loaded.scene.periodic);
+    let in_box = |x: V| periodic.map_or(x, |periodic| periodic.wrapped(x));
+    let centre = |disc: &Disc| in_box(V::narrow(disc.centre.spread()));
     for disc in &loaded.silo.wall {
         world.spawn(wall_grain(next_id(), centre(disc), disc.radius, at_rest, silo));
     }
@@ -152,11 +156,11 @@ fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
     }
     for wall in &loaded.scene.walls {
         if let Wall::Disc { centre, radius, species } = *wall {
-            world.spawn(wall_grain(next_id(), centre.get::<V>(), radius.get(), at_rest, Species(species)));
+            world.spawn(wall_grain(next_id(), in_box(centre.get::<V>()), radius.get(), at_rest, Species(species)));
         }
     }
     for grain in &loaded.fixed {
-        let (x, v) = (V::narrow(grain.position), V::narrow(grain.velocity));
+        let (x, v) = (in_box(V::narrow(grain.position)), V::narrow(grain.velocity));
         let mut spawned = world.spawn(wall_grain(next_id(), x, grain.radius, v, grain.species));
         if v != V::ZERO {
             spawned.insert(Conveyed);
@@ -164,7 +168,9 @@ fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
     }
     let spins = loaded.scene.contact.spins();
     for grain in &loaded.grains {
-        let mut spawned = world.spawn(grain.bundle::<V>());
+        let mut bundle = grain.bundle::<V>();
+        bundle.particle.position.0 = in_box(bundle.particle.position.0);
+        let mut spawned = world.spawn(bundle);
         if spins {
             spawned.insert(Spin(V::narrow_spin(grain.spin)));
         }

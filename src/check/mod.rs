@@ -2,9 +2,9 @@
 //!
 //! * The step: for one contact, velocity Verlet with its drag half a step old is stable for
 //!   dt < (2/w0) (sqrt(1 + zeta^2) - zeta); in a bed, each grain with six (in solid space twelve) equal neighbours,
-//!   w0^2 -> sum_j k (1/m_i + 1/m_j), so w0 and zeta grow by sqrt(6) (sqrt(12)). Along the tangent the spring is k_t and
-//!   rotation makes the mass lighter, 1/m -> 7/(2 m) for a sphere: where that is stiffer, it counts. The lightest grain
-//!   decides. Hertz's stiffness is that at the deepest point of the fastest impact.
+//!   w0^2 -> sum_j k (1/m_i + 1/m_j), so k and c grow 6 (12) times. Along the tangent rotation makes the mass lighter,
+//!   1/m -> 7/(2 m) for a sphere, and rolling has a stiffness and drag of its own: the worst of the three counts. The
+//!   lightest grain decides. Hertz's stiffness is that at the deepest point of the fastest impact.
 //! * The walls: a grain that fell all the way carries m v^2/2; to squeeze between two neighbouring wall grains takes
 //!   2 (k/2) (R + R_w - d/2)^2 at half their distance d. And is there a way out for a grain as if all were hard
 //!   ([`leaks`])?
@@ -83,17 +83,19 @@ impl Estimates {
         let speed = impact_speed.max(slow).max(1e-6);
         let bounce = Bounce { reduced_mass: 0.5 * mass, reduced_radius: 0.5 * radius, speed };
         let inertia = scene.inertia.unwrap_or(InertiaLaw::usual(scene.space)).factor();
-        let sideways = law.sideways(inertia, &bounce).sqrt();
-        let (w0, zeta) = (sideways * law.frequency(&bounce), sideways * law.damping_ratio(&bounce));
-        let crowd = f64::from(neighbours(scene.space)).sqrt();
+        let modes = law.modes(inertia, &bounce);
+        let limit = |crowd: f64| {
+            let of_mode = |&[k, c]: &[f64; 2]| verlet_limit(crowd * k, crowd * c, bounce.reduced_mass);
+            modes.iter().map(of_mode).fold(f64::INFINITY, f64::min)
+        };
         Some(Self {
             dt: scene.step.seconds(),
             radius,
             mass,
             contact_duration: law.contact_duration(&bounce),
             restitution: law.restitution(&bounce),
-            pair_limit: verlet_limit(w0, zeta),
-            bed_limit: verlet_limit(crowd * w0, crowd * zeta),
+            pair_limit: limit(1.0),
+            bed_limit: limit(f64::from(neighbours(scene.space))),
             impact_speed,
             impact_overlap: law.deepest(&Bounce { speed: impact_speed, ..bounce }) / radius,
             static_overlap: carried_at_the_bottom(loaded, radius) / law.stiffness(&bounce) / radius,
@@ -102,10 +104,12 @@ impl Estimates {
     }
 }
 
-/// Largest stable step of velocity Verlet with lagged drag, s.
+/// Largest stable step of velocity Verlet with lagged drag, s, for a stiffness k (N/m), a drag coefficient c (N s/m) and a
+/// mass (kg): 2/w0 (sqrt(1 + zeta^2) - zeta), written so that it holds without a spring too.
 #[must_use]
-pub fn verlet_limit(w0: f64, zeta: f64) -> f64 {
-    2.0 / w0 * ((1.0 + zeta * zeta).sqrt() - zeta)
+pub fn verlet_limit(k: f64, c: f64, mass: f64) -> f64 {
+    let (w0, beta) = ((k / mass).sqrt(), 0.5 * c / mass);
+    2.0 / (w0.hypot(beta) + beta)
 }
 
 /// Speed at the lowest point of the walls, after a fall from where grains start, m/s.

@@ -12,6 +12,7 @@ use crate::plugins::AskedBy;
 use crate::scene::load::Loaded;
 use crate::simulation::Simulation;
 use crate::step::Step;
+use crate::walls::surfaces::Wall;
 
 pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, Fault> {
     let loaded = args.load()?;
@@ -19,13 +20,21 @@ pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, 
     // Step zero releases the first grain and touches no file: then the world shows what a grain is made of.
     simulation.step();
     let mut text = format!(
-        "{}, space {:?}\nintegrator {:?}, contact {:?},\nneighbours {:?}\n\n",
+        "{}, space {:?}\nintegrator {:?}, contact {:?},\nneighbours {:?}\n",
         loaded.name,
         loaded.scene.space,
         loaded.scene.integrator,
         loaded.scene.contact,
         loaded.neighbours()
     );
+    // Writing to a string cannot fail.
+    for pair in &loaded.scene.pairs {
+        let _ = writeln!(text, "species {:?}: {:?}", pair.species, pair.contact);
+    }
+    for (species, material) in loaded.scene.materials.iter().enumerate() {
+        let _ = writeln!(text, "material of species {species}: {material:?}");
+    }
+    text.push('\n');
     describe_grain(simulation.world_mut(), &mut text);
     describe_systems(simulation.world(), &mut text);
     describe_outputs(&loaded, &mut text);
@@ -68,6 +77,14 @@ fn describe_systems(world: &World, text: &mut String) {
 fn describe_outputs(loaded: &Loaded, text: &mut String) {
     let scene = &loaded.scene;
     let _ = write!(text, "\n`run` adds\n  a row of series.csv every {} s", scene.series.interval.get());
+    if scene.walls.iter().any(|wall| !matches!(wall, Wall::Disc { .. })) {
+        text.push_str("\n  the forces on flat walls, as often, in walls.csv");
+    }
+    if !scene.profiles.is_empty() {
+        text.push_str(
+            "\n  profiles.csv, and the centres of mass of the species, as often as series.csv, in centres.csv",
+        );
+    }
     let _ = match &scene.pictures {
         Some(pictures) => writeln!(text, "\n  a picture every {} s", pictures.interval.get()),
         None => writeln!(text),

@@ -100,8 +100,10 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         self.normal.restitution(bounce)
     }
 
-    fn sideways(&self, inertia_factor: f64, bounce: &Bounce) -> f64 {
-        let share = self.tangential.stiffness(bounce) / self.normal.stiffness(bounce);
-        (share * (1.0 + 1.0 / inertia_factor)).max(1.0)
+    fn modes(&self, q: f64, bounce: &Bounce) -> Vec<[f64; 2]> {
+        let normal = [self.normal.stiffness(bounce), self.normal.damping(bounce)];
+        let tangential = self.tangential.mode(bounce, normal[1]).map(|figure| figure * (1.0 + 1.0 / q));
+        let rolling = self.rolling.mode(bounce).map(|figure| figure / q);
+        vec![normal, tangential, rolling]
     }
 }

@@ -166,8 +166,9 @@ impl Contacts<'_> {
     /// Hands the law to `visitor`: the one choice of what the kernel is compiled for.
     pub fn visit<V: Space, R: LawVisitor<V>>(&self, visitor: R) -> R::Output {
         match self.usual {
-            Contact::Assignment { k, b } => visitor.take(Assignment::new(k, b)),
             // Grains of one material need no table; with friction, looking up is lost in the work.
+            Contact::Assignment { k, b } if self.species == 1 => visitor.take(Assignment::new(k, b)),
+            Contact::Assignment { .. } => visitor.take(self.table(|a, b| self.assignment(a, b))),
             Contact::Linear { tangential: None, .. } if self.species == 1 => {
                 visitor.take(smooth(self.linear(0, 0).normal))
             }
@@ -201,6 +202,11 @@ impl Contacts<'_> {
     fn of(&self, a: u8, b: u8) -> Contact {
         let named = self.pairs.iter().find(|pair| pair.species == (a, b) || pair.species == (b, a));
         named.map_or(self.usual, |pair| pair.contact)
+    }
+
+    fn assignment(&self, a: u8, b: u8) -> Assignment {
+        let Contact::Assignment { k, b } = self.of(a, b) else { unreachable!("{SAME_KIND}") };
+        Assignment::new(k, b)
     }
 
     fn linear(&self, a: u8, b: u8) -> LinearTerms {

@@ -10,6 +10,7 @@ use crate::columns::Columns;
 use crate::contact::history::{CHUNK, History};
 use crate::contact::kernel::{OverlapRatio, Partners, Pass};
 use crate::contact::{AnyLaw, Demands, PairLaw};
+use crate::energy::SpinEnergyPlugin;
 use crate::neighbours::Search;
 use crate::periodic::{Metric, Open};
 use crate::space::{Plane, Space};
@@ -94,7 +95,8 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
     fn build(&self, app: &mut App) {
         // A law that a behaviour brings may turn grains where the scene's own does not.
         if L::SPIN && !app.is_plugin_added::<SpinPlugin<V>>() {
-            app.add_plugins(SpinPlugin::<V>(InertiaLaw::usual(V::DIMENSION), PhantomData));
+            app.add_plugins(SpinPlugin::<V>(InertiaLaw::usual(V::DIMENSION), PhantomData))
+                .add_plugins(SpinEnergyPlugin::<V>(PhantomData));
         }
         app.insert_resource(Law(self.law.clone()))
             .insert_resource(AnyLaw::<V>(self.law.clone()))

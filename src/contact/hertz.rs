@@ -150,8 +150,9 @@ impl Modulus for Mindlin {
         memory
     }
 
-    fn at(&self, bounce: &Bounce) -> f64 {
-        8.0 * self.shear_modulus * (bounce.reduced_radius * self.normal.deepest(bounce)).sqrt()
+    fn at(&self, bounce: &Bounce, _: f64) -> [f64; 2] {
+        let k = 8.0 * self.shear_modulus * (bounce.reduced_radius * self.normal.deepest(bounce)).sqrt();
+        [k, 2.0 * self.ratio * (k * bounce.reduced_mass).sqrt()]
     }
 }
 

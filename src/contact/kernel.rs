@@ -268,13 +268,7 @@ impl<L: Demands, M> Pass<'_, L, M> {
                 book: if L::MEMORY { books.next() } else { None },
             })
             .collect();
-        let largest = shares
-            .into_par_iter()
-            .map_init(Default::default, |buffers, share| self.full_share(view, partners, share, buffers))
-            .reduce(OverlapRatio::default, |mut a, b| {
-                a.merge(b);
-                a
-            });
+        let largest = share_out(shares, &|share, buffers| self.full_share(view, partners, share, buffers));
         (columns.load, columns.turn) = (loads, turns);
         largest
     }
@@ -284,7 +278,7 @@ impl<L: Demands, M> Pass<'_, L, M> {
         view: &Columns<V>,
         partners: &dyn Partners<V>,
         share: Share<V>,
-        (scratch, buffer): &mut (Vec<u32>, Vec<u32>),
+        (scratch, buffer): &mut Buffers,
     ) -> OverlapRatio
     where
         L: PairLaw<V>,
@@ -331,6 +325,24 @@ impl<L: Demands, M> Pass<'_, L, M> {
     }
 }
 
+/// Does the work of all shares on the threads of the pool. Behind one pointer, so that it is compiled once a space and
+/// not once a law.
+fn share_out<V: Space>(
+    shares: Vec<Share<V>>,
+    work: &(dyn Fn(Share<V>, &mut Buffers) -> OverlapRatio + Sync),
+) -> OverlapRatio {
+    shares.into_par_iter().map_init(Buffers::default, |buffers, share| work(share, buffers)).reduce(
+        OverlapRatio::default,
+        |mut a, b| {
+            a.merge(b);
+            a
+        },
+    )
+}
+
+/// Candidates of a particle, and those that it touches.
+type Buffers = (Vec<u32>, Vec<u32>);
+
 /// The rows that one thread sums at a time.
 struct Share<'a, V: Space> {
     first: usize,
@@ -368,6 +380,11 @@ impl Ended {
         let [sliding, rolling] = law.forget(pair, memory);
         self.sliding += sliding;
         self.rolling += rolling;
+    }
+
+    /// Whether there was one.
+    pub(crate) fn is_any(&self) -> bool {
+        self.sliding != 0.0 || self.rolling != 0.0
     }
 
     pub(crate) fn book<V: Space>(&self, turn: &mut Turn<V>) {

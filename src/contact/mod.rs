@@ -171,11 +171,10 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     /// Restitution of a head-on bounce, for reports.
     fn restitution(&self, bounce: &Bounce) -> f64;
 
-    /// How many times stiffer than along the normal a step finds the contact for its stability: the larger of 1 and the
-    /// tangential stiffness with the grain's rotation in it, over the normal one.
-    /// The tangential one counts 1 + m R^2/I times, with I = `inertia_factor` m R^2.
-    fn sideways(&self, _inertia_factor: f64, _bounce: &Bounce) -> f64 {
-        1.0
+    /// Stiffness (N/m) and drag coefficient (N s/m) of each way in which a contact of this reduced mass can swing: along
+    /// the normal; along the tangent, both 1 + 1/q times with I = q m R^2; in rolling, 1/q times.
+    fn modes(&self, _q: f64, bounce: &Bounce) -> Vec<[f64; 2]> {
+        vec![[self.stiffness(bounce), self.damping(bounce)]]
     }
 
     /// w0 = sqrt(k/m_eff), 1/s.

@@ -9,7 +9,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::contact::spring::{Slider, lost_at_the_end};
-use crate::contact::{Memory, Pair, Turning};
+use crate::contact::{Bounce, Memory, Pair, Turning};
 use crate::scene::values::{NonNegative, Positive};
 use crate::space::Space;
 
@@ -34,6 +34,16 @@ pub enum RollingDamping {
     PerMass(NonNegative),
 }
 
+impl RollingDamping {
+    /// c, N s/m.
+    fn of(self, reduced_mass: f64) -> f64 {
+        match self {
+            Self::B(b) => b.get(),
+            Self::PerMass(gamma) => gamma.get() * reduced_mass,
+        }
+    }
+}
+
 /// A term against rolling.
 pub trait Rolling: Copy + Send + Sync + 'static {
     /// Whether it remembers.
@@ -44,6 +54,9 @@ pub trait Rolling: Copy + Send + Sync + 'static {
 
     /// Energy stored, J.
     fn energy<V: Space>(&self, memory: &Memory<V>) -> f64;
+
+    /// Stiffness (N/m) and drag coefficient (N s/m).
+    fn mode(&self, bounce: &Bounce) -> [f64; 2];
 
     /// See [`PairLaw::forget`](crate::contact::PairLaw::forget), J.
     fn forget<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
@@ -69,6 +82,10 @@ impl Rolling for Free {
         0.0
     }
 
+    fn mode(&self, _: &Bounce) -> [f64; 2] {
+        [0.0, 0.0]
+    }
+
     fn forget<V: Space>(&self, _: &Pair<V>, _: &Memory<V>) -> f64 {
         0.0
     }
@@ -80,10 +97,7 @@ impl Rolling for RollingResistance {
     #[inline]
     fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>) {
         let velocity = rolling_velocity(pair);
-        let drag = match self.damping {
-            RollingDamping::B(b) => b.get(),
-            RollingDamping::PerMass(gamma) => gamma.get() * pair.reduced_mass,
-        };
+        let drag = self.damping.of(pair.reduced_mass);
         let slider = Slider { stiffness: self.k.get(), drag, cap: self.friction.get() * normal_force.abs() };
         let pull = slider.pull(&mut memory.rolling, velocity, pair.normal, pair.dt);
         let arm = pair.normal * pair.reduced_radius();
@@ -94,6 +108,10 @@ impl Rolling for RollingResistance {
 
     fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {
         0.5 * self.k.get() * memory.rolling.length_squared()
+    }
+
+    fn mode(&self, bounce: &Bounce) -> [f64; 2] {
+        [self.k.get(), self.damping.of(bounce.reduced_mass)]
     }
 
     fn forget<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {

@@ -20,9 +20,10 @@ impl<L> Table<L> {
     /// # Errors
     /// The first error of `of`.
     pub fn new<E>(species: usize, mut of: impl FnMut(u8, u8) -> Result<L, E>) -> Result<Self, E> {
-        let kinds = || (0..=u8::MAX).take(species.max(1));
+        let species = species.clamp(1, 256);
+        let kinds = || (0..=u8::MAX).take(species);
         let laws = kinds().flat_map(|a| kinds().map(move |b| (a.min(b), a.max(b)))).map(|(a, b)| of(a, b));
-        Ok(Self { species: species.max(1), laws: laws.collect::<Result<_, E>>()? })
+        Ok(Self { species, laws: laws.collect::<Result<_, E>>()? })
     }
 
     #[inline]
@@ -86,8 +87,8 @@ impl<V: Space, L: PairLaw<V>> PairLaw<V> for Table<L> {
         self.laws[0].restitution(bounce)
     }
 
-    fn sideways(&self, inertia_factor: f64, bounce: &Bounce) -> f64 {
-        self.largest(|law| law.sideways(inertia_factor, bounce))
+    fn modes(&self, q: f64, bounce: &Bounce) -> Vec<[f64; 2]> {
+        self.laws.iter().flat_map(|law| law.modes(q, bounce)).collect()
     }
 }
 

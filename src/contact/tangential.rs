@@ -99,10 +99,8 @@ pub trait Tangential: Copy + Send + Sync + 'static {
         0.0
     }
 
-    /// Stiffness at the deepest point of a bounce, N/m.
-    fn stiffness(&self, _bounce: &Bounce) -> f64 {
-        0.0
-    }
+    /// Stiffness (N/m) and drag coefficient (N s/m) at the deepest point of a bounce; `normal_drag` is the normal c.
+    fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2];
 
     /// The coefficient mu.
     fn friction(&self) -> f64;
@@ -117,6 +115,10 @@ impl Tangential for Smooth {
 
     #[inline]
     fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: f64, _: &mut Memory<V>, _: &mut Turning<V>) {}
+
+    fn mode(&self, _: &Bounce, _: f64) -> [f64; 2] {
+        [0.0, 0.0]
+    }
 
     fn friction(&self) -> f64 {
         0.0
@@ -154,6 +156,10 @@ impl Tangential for Dashpot {
         turning.friction_drag = turning.friction;
     }
 
+    fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
+        [0.0, self.damping.of(bounce.reduced_mass, normal_drag)]
+    }
+
     fn friction(&self) -> f64 {
         self.friction
     }
@@ -170,8 +176,8 @@ pub trait Modulus: Copy + Send + Sync + 'static {
     /// The k_t that a spring was last used with, N/m, of which `memory` has a note if it varies.
     fn remembered(&self, memory: f64) -> f64;
 
-    /// k_t at the deepest point of a bounce, N/m.
-    fn at(&self, bounce: &Bounce) -> f64;
+    /// k_t (N/m) and c_t (N s/m) at the deepest point of a bounce.
+    fn at(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2];
 }
 
 /// The same k_t in every contact.
@@ -195,8 +201,8 @@ impl Modulus for Constant {
         self.k
     }
 
-    fn at(&self, _: &Bounce) -> f64 {
-        self.k
+    fn at(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
+        [self.k, self.damping.of(bounce.reduced_mass, normal_drag)]
     }
 }
 
@@ -262,8 +268,8 @@ impl<M: Modulus> Tangential for Stick<M> {
         lost_at_the_end(self.modulus.remembered(memory.stiffness), memory.spring, velocity, pair.dt)
     }
 
-    fn stiffness(&self, bounce: &Bounce) -> f64 {
-        self.modulus.at(bounce)
+    fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
+        self.modulus.at(bounce, normal_drag)
     }
 
     fn friction(&self) -> f64 {

@@ -29,7 +29,7 @@ use crate::step::Clock;
 pub enum Touched {
     /// A grain or a wall grain.
     Particle(GrainId),
-    /// A flat wall, by its number in the scene, from 0, discs not counted.
+    /// A flat wall, by its number in the scene, from 1, discs not counted.
     Wall(usize),
 }
 
@@ -83,7 +83,7 @@ impl<V: Space> Survey<'_, V> {
             grain: self.columns.id[i],
             with: match partner {
                 Partner::Particle(j) => Touched::Particle(self.columns.id[j]),
-                Partner::Wall(wall) => Touched::Wall(wall),
+                Partner::Wall(wall) => Touched::Wall(wall + 1),
             },
             from: self.columns.body[i].position,
             to_partner: pair.normal * -distance,

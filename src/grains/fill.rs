@@ -58,11 +58,11 @@ pub struct FixedGrain {
 }
 
 /// More cells than that are refused: a slip of the pen, or more than a machine holds.
-const MOST: f64 = 1e8;
+const MOST: f64 = 1e7;
 
 impl Fill {
     /// Number of lattice cells along each axis.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e8, not negative")]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e7, not negative")]
     fn cells(&self, dimension: Dimension) -> [u32; 3] {
         let size = self.high.padded() - self.low.padded();
         let along = |axis: usize| (size[axis] / self.spacing.get() * (1.0 + 1e-12)).clamp(0.0, MOST) as u32;
@@ -71,20 +71,14 @@ impl Fill {
 
     /// How many grains there will be; `None` if they are too many to hold.
     #[must_use]
-    pub fn len(&self, dimension: Dimension) -> Option<u32> {
+    pub fn size(&self, dimension: Dimension) -> Option<u32> {
         let room = self.cells(dimension).into_iter().map(f64::from).product::<f64>();
         let wanted = self.count.map_or(room, f64::from).min(room);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e8, not negative")]
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e7, not negative")]
         (wanted <= MOST).then_some(wanted as u32)
     }
 
-    /// Whether there will be none.
-    #[must_use]
-    pub fn is_empty(&self, dimension: Dimension) -> bool {
-        self.len(dimension) == Some(0)
-    }
-
-    /// The grains, with ids from `first_id` on; `number` tells one `fill` of a scene from the next.
+    /// The grains, with ids from `first_id` on, as long as there are ids; `number` tells one `fill` of a scene from the next.
     pub fn grains(
         &self,
         dimension: Dimension,
@@ -93,7 +87,7 @@ impl Fill {
         number: usize,
         first_id: u32,
     ) -> Vec<GrainRow> {
-        let count = self.len(dimension).unwrap_or(0);
+        let count = self.size(dimension).unwrap_or(0);
         let [columns, rows, _] = self.cells(dimension).map(|cells| cells.max(1));
         let random = Stream::new(seed, &format!("fill {number}"));
         let mut quotas = self.radius.quotas(count);
@@ -104,7 +98,7 @@ impl Fill {
         let agitation = self.agitation.map_or(Solid::ZERO, FiniteVector::padded);
         (0..count)
             .filter_map(|n| {
-                let [size, x, y, z, vx, vy, vz] = random.uniform::<7>(u64::from(n)).map(|u| u);
+                let [size, x, y, z, vx, vy, vz] = random.uniform::<7>(u64::from(n));
                 let (radius, species) = self.radius.choose(size, &mut quotas);
                 let cell = [n % columns, n / columns % rows, n / columns / rows].map(|c| f64::from(c) + 0.5);
                 let displaced = axes([x, y, z].map(|u| jitter * (2.0 * u - 1.0)));
@@ -135,7 +129,7 @@ mod tests {
     #[test]
     fn a_box_is_filled_row_by_row_and_layer_by_layer() {
         let block = fill("(low: (0.0, 0.0, 0.0), high: (0.3, 0.2, 0.2), spacing: 0.1, radius: Fixed(0.04))");
-        assert_eq!(block.len(Dimension::Solid), Some(12));
+        assert_eq!(block.size(Dimension::Solid), Some(12));
         let grains = block.grains(Dimension::Solid, None, 1, 0, 5);
         let near = |n: usize, x: f64, y: f64, z: f64| grains[n].position.distance(Solid::new(x, y, z)) < 1e-16;
         assert!(near(0, 0.05, 0.05, 0.05) && near(3, 0.05, 0.15, 0.05) && near(11, 0.25, 0.15, 0.15));

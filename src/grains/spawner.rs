@@ -18,6 +18,7 @@ use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
 use crate::outcome::{Failure, Outcome};
 use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
+use crate::periodic::Periodic;
 use crate::random::Stream;
 use crate::scene::values::{FiniteVector, NonNegative, Positive, Share};
 use crate::space::Space;
@@ -155,7 +156,7 @@ struct Candidate<V> {
 }
 
 impl<V: Space> SpawnerState<V> {
-    fn candidate(&mut self) -> Option<Candidate<V>> {
+    fn candidate(&mut self, periodic: Option<Periodic<V>>) -> Option<Candidate<V>> {
         if self.waiting.is_none() {
             let id = GrainId::grain(self.next_id)?;
             let [u, share @ ..] = self.random.uniform::<4>(u64::from(self.next_id));
@@ -165,6 +166,7 @@ impl<V: Space> SpawnerState<V> {
             for (axis, share) in share.into_iter().enumerate().take(V::COMPONENTS) {
                 position = position.with_axis(axis, position.axis(axis) + half_widths.axis(axis) * (2.0 * share - 1.0));
             }
+            let position = periodic.map_or(position, |periodic| periodic.wrapped(position));
             self.waiting = Some(Candidate { id, position, radius, species });
         }
         self.waiting
@@ -182,7 +184,7 @@ fn release<V: Space>(
     (clock, gravity, walls, columns): (Res<Clock>, Res<Gravity<V>>, Res<Surfaces<V>>, Res<Columns<V>>),
     particles: Query<(&GrainId, &Position<V>, &Radius)>,
 ) {
-    let Some(grain) = state.candidate() else { return };
+    let Some(grain) = state.candidate(columns.periodic) else { return };
     let waited = clock.time() - state.due;
     if let Some(blocker) = blocker(&grain, &particles, &walls, &columns) {
         state.is_blocked = true;
@@ -236,7 +238,8 @@ fn blocker<V: Space>(
             return Some(id.to_string());
         }
     }
-    let wall = walls.0.iter().position(|wall| wall.surface.distance(grain.position).0 < grain.radius)?;
+    let wall =
+        walls.0.iter().position(|wall| wall.is_present && wall.surface.distance(grain.position).0 < grain.radius)?;
     Some(format!("flat wall {} of the scene", wall + 1))
 }
 

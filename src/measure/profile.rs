@@ -11,8 +11,8 @@
 //!   bin and samples, m^2/s^2. It contains what the mean flow changes across the bin and in the time.
 //!
 //! The volume of a sphere below a plane at h from its centre, |h| <= R, is pi (2 R^3/3 + R^2 h - h^3/3); the area of a
-//! disc is R^2 (pi/2 + asin(h/R)) + h sqrt(R^2 - h^2). Along a periodic axis the images of a grain count. Grains that are
-//! fixed do not.
+//! disc is R^2 (pi/2 + asin(h/R)) + h sqrt(R^2 - h^2). Along a periodic axis the next images of a grain count, on each side.
+//! Grains that are fixed do not.
 
 use std::f64::consts::PI;
 
@@ -134,11 +134,10 @@ impl<V: Space> Sampler<V> {
         let grains = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
         for i in grains.filter(|&i| species.is_none_or(|species| columns.species[i] == species)) {
             let x = columns.body[i].position.axis(axis);
-            self.add_centre(columns, i, x);
-            self.add_volume(columns.body[i].radius, x);
-            if let Some(side) = side {
-                self.add_volume(columns.body[i].radius, x - side);
-                self.add_volume(columns.body[i].radius, x + side);
+            let images = side.map_or([None; 2], |side| [Some(x - side), Some(x + side)]);
+            for image in images.into_iter().flatten().chain([x]) {
+                self.add_centre(columns, i, image);
+                self.add_volume(columns.body[i].radius, image);
             }
         }
         self.samples += 1;
@@ -180,7 +179,7 @@ impl<V: Space> Sampler<V> {
     pub fn take(&mut self) -> Vec<Means<V>> {
         let (width, samples) = (self.width(), self.samples.max(1) as f64);
         let axes = V::COMPONENTS as f64;
-        let means = (0u16..).zip(&self.bins).map(|(bin, sums)| {
+        let means = (0u32..).zip(&self.bins).map(|(bin, sums)| {
             let velocity = if sums.mass > 0.0 { sums.momentum / sums.mass } else { V::ZERO };
             let excess = sums.energy - sums.mass * velocity.length_squared();
             Means {

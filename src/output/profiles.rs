@@ -39,6 +39,7 @@ struct Running<V: Space> {
     sampler: Sampler<V>,
     looks: u64,
     from: f64,
+    to: f64,
 }
 
 #[derive(Resource)]
@@ -75,26 +76,27 @@ fn sample<V: Space>(
             if one.sampler.samples == 0 {
                 one.from = now;
             }
+            one.to = now;
             one.sampler.add(&columns, one.species);
         }
         let is_full = average.is_some_and(|average| clock.has_reached(one.from + average.get() - sample.get()));
         if one.sampler.samples > 0 && (is_full || ends) {
-            file.append(format_args!("{}", one.rows(now)), &mut outcome);
+            file.append(format_args!("{}", one.rows()), &mut outcome);
         }
     }
 }
 
 impl<V: Space> Running<V> {
     /// The rows of the means, and a new start.
-    fn rows(&mut self, now: f64) -> String {
+    fn rows(&mut self) -> String {
         let species = self.species.map_or_else(|| "all".to_owned(), |species| species.0.to_string());
-        let (number, from, samples) = (self.number, self.from, self.sampler.samples);
+        let (number, from, to, samples) = (self.number, self.from, self.to, self.sampler.samples);
         let mut text = String::new();
         for bin in self.sampler.take() {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "{number},{from:.9},{now:.9},{samples},{:.9},{species},{:.6},{:.8},{},{:e}",
+                "{number},{from:.9},{to:.9},{samples},{:.9},{species},{:.6},{:.8},{},{:e}",
                 bin.place,
                 bin.count,
                 bin.packing_fraction,
@@ -151,7 +153,14 @@ impl<V: Space> ProfilesPlugin<V> {
         let kinds: Vec<_> = (0..=species).map(|number| Some(Species(number))).chain(all).collect();
         let running = (1..).zip(profiles).flat_map(|(number, &(profile, section))| {
             let sampler = Sampler::new(profile, section);
-            kinds.iter().map(move |&species| Running { number, species, sampler: sampler.clone(), looks: 0, from: 0.0 })
+            kinds.iter().map(move |&species| Running {
+                number,
+                species,
+                sampler: sampler.clone(),
+                looks: 0,
+                from: 0.0,
+                to: 0.0,
+            })
         });
         let running = running.collect();
         let header = format!("time_s,species,count,mass_kg,{},{}", axes::<V>("", "_m"), axes::<V>("v", "_m_per_s"));

@@ -13,7 +13,7 @@ use crate::neighbours::Neighbours;
 use crate::scene::places::{self, Places};
 use crate::scene::values::Positive;
 use crate::scene::{Scene, parse, rules};
-use crate::space::{Dimension, Space};
+use crate::space::{Dimension, Solid, Space};
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
 use crate::walls::surfaces::{FlatWall, Wall};
 
@@ -201,7 +201,7 @@ impl Loaded {
         walls.chain(silo).chain(grains).chain(fixed).chain(pairs).fold(mixture, usize::max)
     }
 
-    /// Of a planar scene, all fixed discs but the door: the silo's wall, then the scene's discs.
+    /// Of a planar scene, all fixed discs but the door and those that move: the silo's wall, the scene's discs, `fill`.
     #[must_use]
     pub fn wall_discs(&self) -> Vec<Disc> {
         if self.scene.space != Dimension::Plane {
@@ -211,7 +211,9 @@ impl Loaded {
             Wall::Disc { centre, radius, .. } => Some(Disc { centre: centre.get(), radius: radius.get() }),
             _ => None,
         });
-        self.silo.wall.iter().copied().chain(own).collect()
+        let still = self.fixed.iter().filter(|grain| grain.velocity == Solid::ZERO);
+        let fixed = still.map(|grain| Disc { centre: grain.position.truncate(), radius: grain.radius });
+        self.silo.wall.iter().copied().chain(own).chain(fixed).collect()
     }
 
     /// The flat walls.

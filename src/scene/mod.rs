@@ -73,7 +73,7 @@ pub struct Scene {
     pub integrator: Integrator,
     /// Time step.
     pub step: TimeStep,
-    /// Neighbour search. Default: a Verlet list with a skin of the smallest radius.
+    /// Neighbour search. Default: a Verlet list with a skin of the smallest radius, in solid space a fifth of it.
     pub neighbours: Option<Neighbours>,
     /// A silo file: wall grains and door grains.
     pub silo: Option<Silo>,

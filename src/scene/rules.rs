@@ -1,10 +1,11 @@
 //! Rules across keys: what one number's range cannot say.
 
 use crate::contact::Contact;
-use crate::contact::config::Friction;
+use crate::contact::config::{Friction, PairOfSpecies};
 use crate::door::{DoorMotion, DoorOpens};
 use crate::fault::Fault;
 use crate::grains::spawner::RadiusLaw;
+use crate::integrate::Integrator;
 use crate::neighbours::Neighbours;
 use crate::particle::GrainId;
 use crate::scene::Scene;
@@ -36,8 +37,8 @@ fn profiles(loaded: &Loaded) -> Result<(), Fault> {
             ("scene::dimension", key("axis"), "the plane has no z")
         } else if profile.low.get() >= profile.high.get() {
             ("scene::empty_box", key("high"), "the first bin must begin below the end of the last one")
-        } else if profile.bins == 0 {
-            ("scene::out_of_range", key("bins"), "expected at least one bin")
+        } else if !(1..=10_000).contains(&profile.bins) {
+            ("scene::out_of_range", key("bins"), "expected 1 to 10000 bins")
         } else if profile.section.is_none() && loaded.periodic_section(profile).is_none() {
             ("scene::missing_key", key("section"), "a packing fraction needs to know the section of the bins")
         } else {
@@ -135,6 +136,15 @@ fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
 fn contacts(loaded: &Loaded) -> Result<(), Fault> {
     let scene = &loaded.scene;
     for (index, pair) in scene.pairs.iter().enumerate() {
+        let is_same = |other: &PairOfSpecies| {
+            let (a, b) = other.species;
+            pair.species == (a, b) || pair.species == (b, a)
+        };
+        if scene.pairs[..index].iter().any(is_same) {
+            return Err(loaded
+                .fault("scene::pair_twice", &format!("pairs[{index}].species"), "this pair stands here twice")
+                .help("(0, 1) and (1, 0) are the same pair; remove one"));
+        }
         if pair.contact.kind() != scene.contact.kind() {
             let message = format!("this is {}, but `contact` is {}", pair.contact.kind(), scene.contact.kind());
             return Err(loaded
@@ -142,8 +152,9 @@ fn contacts(loaded: &Loaded) -> Result<(), Fault> {
                 .help("all pairs have the same kind of law with other numbers; friction may be 0"));
         }
     }
-    let laws = scene.pairs.iter().map(|pair| pair.contact).chain([scene.contact]);
-    for law in laws {
+    let of_pairs =
+        (0..).zip(&scene.pairs).map(|(index, pair): (usize, _)| (format!("pairs[{index}].contact"), pair.contact));
+    for (key, law) in of_pairs.chain([("contact".to_owned(), scene.contact)]) {
         let rolls_without_sticking = match law {
             Contact::Linear { tangential, rolling: Some(_), .. } => {
                 !matches!(tangential, Some(Friction::Spring { .. }))
@@ -153,7 +164,7 @@ fn contacts(loaded: &Loaded) -> Result<(), Fault> {
         };
         if rolls_without_sticking {
             return Err(loaded
-                .fault("scene::rolling_alone", "contact.rolling", "rolling resistance needs friction with memory")
+                .fault("scene::rolling_alone", &format!("{key}.rolling"), "rolling resistance needs friction with memory")
                 .help("add `tangential: Spring(k: ..., damping: ..., friction: ...)`, with Hertz `Mindlin(friction: ...)`"));
         }
     }
@@ -161,6 +172,11 @@ fn contacts(loaded: &Loaded) -> Result<(), Fault> {
         return Err(loaded
             .fault("scene::missing_key", "materials", "Hertz's law needs to know the elastic materials")
             .help("add for example `materials: [(young: 1.0e9, poisson: 0.2)]`, in Pa, one for each species"));
+    }
+    if scene.contact.spins() && scene.integrator == Integrator::ExplicitEuler {
+        return Err(loaded
+            .fault("scene::integrator", "integrator", "explicit Euler does not turn grains")
+            .help("use `Verlet`, or leave `tangential` out of the contact law"));
     }
     if scene.materials.len() > 1 && loaded.largest_species() >= scene.materials.len() {
         let message =
@@ -179,6 +195,7 @@ fn contacts(loaded: &Loaded) -> Result<(), Fault> {
 
 fn fill(loaded: &Loaded) -> Result<(), Fault> {
     let scene = &loaded.scene;
+    let mut wanted: usize = 0;
     for (index, fill) in scene.fill.iter().enumerate() {
         let key = |name: &str| format!("fill[{index}].{name}");
         if !is_box(fill.low, fill.high) {
@@ -186,9 +203,9 @@ fn fill(loaded: &Loaded) -> Result<(), Fault> {
                 .fault("scene::empty_box", &key("low"), "the lower corner must be below the upper one along every axis")
                 .help("corners are in m"));
         }
-        let Some(length) = fill.len(scene.space) else {
+        let Some(length) = fill.size(scene.space) else {
             return Err(loaded
-                .fault("scene::out_of_range", &key("spacing"), "more than 1e8 grains would fit")
+                .fault("scene::out_of_range", &key("spacing"), "more than 1e7 grains would fit")
                 .help("is the spacing, in m, right? A `count` bounds the number"));
         };
         if length < fill.count.unwrap_or(1) {
@@ -202,7 +219,13 @@ fn fill(loaded: &Loaded) -> Result<(), Fault> {
                 .fault("scene::missing_key", "mass", "`fill` needs to know how heavy its grains are")
                 .help("add for example `mass: Sphere(2500.0)`, m = rho 4/3 pi R^3 in kg/m^3"));
         }
-        radii(loaded, &key("radius"), &fill.radius)?;
+        radii(loaded, &key("radius"), &fill.radius, fill.species)?;
+        wanted += if fill.fixed { 0 } else { length as usize };
+        if wanted > loaded.grains.len() {
+            return Err(loaded
+                .fault("scene::out_of_range", &key("count"), "there are not enough ids left for these grains")
+                .help("ids go up to 2147483647: give the grains of the file lower ones"));
+        }
     }
     Ok(())
 }
@@ -229,7 +252,7 @@ fn periodic(loaded: &Loaded) -> Result<(), Fault> {
 fn walls(loaded: &Loaded) -> Result<(), Fault> {
     for (index, wall) in loaded.scene.walls.iter().enumerate() {
         let (key, message) = match wall {
-            Wall::HalfPlane { normal, .. } if normal.padded() == Solid::ZERO => {
+            Wall::HalfPlane { normal, .. } if has_no_direction(normal.padded()) => {
                 ("normal", "the normal has no direction")
             }
             Wall::HalfPlane { normal, velocity: Some(velocity), .. }
@@ -237,9 +260,11 @@ fn walls(loaded: &Loaded) -> Result<(), Fault> {
             {
                 ("velocity", "a half-plane moves along itself only: its velocity must be at right angles to its normal")
             }
-            Wall::Segment { from, to, .. } if from == to => ("to", "the segment has no length"),
-            Wall::Panel { along, .. } if along.padded() == Solid::ZERO => ("along", "the panel has no length"),
-            Wall::Panel { across, .. } if across.padded() == Solid::ZERO => ("across", "the panel has no width"),
+            Wall::Segment { from, to, .. } if has_no_direction(to.padded() - from.padded()) => {
+                ("to", "the segment has no length")
+            }
+            Wall::Panel { along, .. } if has_no_direction(along.padded()) => ("along", "the panel has no length"),
+            Wall::Panel { across, .. } if has_no_direction(across.padded()) => ("across", "the panel has no width"),
             Wall::Panel { along, across, .. } if is_oblique(along.padded(), across.padded()) => {
                 ("across", "the edges of a panel must be at right angles to each other")
             }
@@ -250,6 +275,11 @@ fn walls(loaded: &Loaded) -> Result<(), Fault> {
             .help("give two different points, a normal with a direction, edges and belts at right angles"));
     }
     Ok(())
+}
+
+/// Whether a vector is zero, or so short or long that its square is no number.
+fn has_no_direction(v: Solid) -> bool {
+    !v.length_squared().is_normal()
 }
 
 /// Whether two vectors are farther from right angles than rounded numbers make them.
@@ -264,7 +294,7 @@ fn spawner(loaded: &Loaded) -> Result<(), Fault> {
             .fault("scene::missing_key", "mass", "the spawner needs to know how heavy its grains are")
             .help("add for example `mass: ArealSquare(100.0)`, m = rho R^2 in kg/m^2"));
     }
-    radii(loaded, "spawner.radius", &spawner.radius)?;
+    radii(loaded, "spawner.radius", &spawner.radius, 0)?;
     let room = (GrainId::MAX_GRAIN + 1).saturating_sub(loaded.first_free_id());
     if spawner.count > room {
         let message = format!("{} grains are more than there are ids left, {room}", spawner.count);
@@ -303,7 +333,21 @@ fn door_and_rest(loaded: &Loaded) -> Result<(), Fault> {
 }
 
 /// Shares sum to one, and ranges have a smaller end.
-fn radii(loaded: &Loaded, key: &str, law: &RadiusLaw) -> Result<(), Fault> {
+fn radii(loaded: &Loaded, key: &str, law: &RadiusLaw, first_species: u8) -> Result<(), Fault> {
+    if let RadiusLaw::Mixture(sizes) = law
+        && sizes.len() + usize::from(first_species) > 256
+    {
+        return Err(loaded
+            .fault("scene::out_of_range", key, format!("{} sizes are more than there are species, 256", sizes.len()))
+            .help("use `Uniform(smallest, largest)` for many sizes"));
+    }
+    let (smallest, largest) = law.range();
+    let masses = loaded.scene.mass.map(|mass| [mass.of(smallest), mass.of(largest)]);
+    if masses.is_some_and(|masses| !masses.into_iter().all(f64::is_normal)) {
+        return Err(loaded
+            .fault("scene::out_of_range", key, "grains of this size have no mass that a double can hold")
+            .help("radii are in m"));
+    }
     match law {
         RadiusLaw::Mixture(sizes) => {
             let sum: f64 = sizes.iter().map(|(_, share)| share.get()).sum();

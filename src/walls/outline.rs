@@ -65,6 +65,12 @@ impl Outline {
         outline
     }
 
+    /// Without a box that grains may leave: in a periodic scene every way leads out of it.
+    #[must_use]
+    pub fn unbounded(self) -> Self {
+        Self { bounds: None, ..self }
+    }
+
     /// The line between the flanks of the door.
     #[must_use]
     pub fn orifice(&self) -> Option<Link> {

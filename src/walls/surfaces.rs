@@ -242,7 +242,9 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
             let mut memory = Memory::default();
             if L::MEMORY {
                 memory = recall.of::<L>(number, |wall, memory| {
-                    ended.add_pair(&*law.0, &parted(&columns, i, &walls.0[wall as usize], dt), memory);
+                    if let Some(pair) = parted(&columns, i, &walls.0[wall as usize], dt) {
+                        ended.add_pair(&*law.0, &pair, memory);
+                    }
                 });
             }
             let on_i = law.0.force(&pair, &mut memory);
@@ -254,20 +256,24 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
         }
         if L::MEMORY {
             recall.finish::<L>(|wall, memory| {
-                ended.add_pair(&*law.0, &parted(&columns, i, &walls.0[wall as usize], dt), memory);
+                if let Some(pair) = parted(&columns, i, &walls.0[wall as usize], dt) {
+                    ended.add_pair(&*law.0, &pair, memory);
+                }
             });
             pages.end_row();
         }
-        if L::SPIN {
+        // Most grains are far from every wall: their entries are left alone.
+        if L::SPIN && ended.is_any() {
             ended.book(&mut columns.turn[i]);
         }
     }
 }
 
-/// The geometry of entry `i` and a wall that it has just left.
-fn parted<V: Space>(columns: &Columns<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Pair<V> {
+/// The geometry of entry `i` and a wall that it has just left; none of a door that has gone, which took all its contacts'
+/// energy with it.
+fn parted<V: Space>(columns: &Columns<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Option<Pair<V>> {
     let (distance, normal) = wall.surface.distance(columns.body[i].position);
-    pair(columns, i, wall, distance, normal, dt)
+    wall.is_present.then(|| pair(columns, i, wall, distance, normal, dt))
 }
 
 /// Adds what a contact does to grain and wall.

@@ -15,6 +15,7 @@
 
 mod behaviours;
 mod command_line;
+mod periodic;
 mod scenes;
 mod searches;
 mod silo_file;

@@ -60,7 +60,7 @@ fn the_floor_carries_the_weight_and_is_told_so_with_its_sign() {
     let survey = Survey::<Plane>::of_world(column.world_mut());
     let contacts = survey.view(1e-4);
     assert_eq!(contacts.len(), 20);
-    let wall = contacts.iter().find(|contact| contact.with == Touched::Wall(0)).unwrap();
+    let wall = contacts.iter().find(|contact| contact.with == Touched::Wall(1)).unwrap();
     assert!((wall.normal_force - weight).abs() < 1e-5 && wall.normal == Vector::Y, "{wall:?}");
     let first = contacts[0];
     assert_eq!((first.grain.number(), first.with), (1, Touched::Particle(GrainId::grain(2).unwrap())));
