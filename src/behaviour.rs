@@ -55,7 +55,7 @@ pub trait Behaviour: 'static {
     }
 
     /// Whether [`Behaviour::build`] adds the contact law, as [`crate::contact::ContactPlugin`] with a
-    /// [`crate::contact::PairLaw`] of its own (and [`crate::walls::surfaces::SurfacesPlugin`] for flat walls). Then
+    /// [`crate::contact::PairLaw`] of its own (and [`crate::walls::forces::SurfacesPlugin`] for flat walls). Then
     /// the scene's `contact` only serves the estimates of `check`, and tells whether a grain file may give spins: a law that
     /// turns grains is best told to a scene whose `contact` has `tangential` too.
     fn brings_contact_law(&self) -> bool {

@@ -33,9 +33,9 @@ use crate::space::{Plane, Solid, Space};
 use crate::spin::{InertiaLaw, SpinPlugin};
 use crate::step::{Step, StepPlugin};
 use crate::walls::conveyor::ConveyorPlugin;
+use crate::walls::forces::SurfacesPlugin;
 use crate::walls::outline::Outline;
 use crate::walls::paths::FlatWalls;
-use crate::walls::surfaces::SurfacesPlugin;
 
 /// Which scene key asked for each system of the schedule [`Step`].
 #[derive(Resource, Default)]

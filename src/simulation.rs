@@ -20,9 +20,10 @@ use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::spin::Spin;
 use crate::step::{Clock, Phase, Step};
 use crate::threads::Threads;
+use crate::walls::config::Wall;
 use crate::walls::conveyor::Conveyed;
 use crate::walls::silo_file::Disc;
-use crate::walls::surfaces::{Surfaces, Wall};
+use crate::walls::surfaces::Surfaces;
 
 /// A run in progress.
 pub struct Simulation {

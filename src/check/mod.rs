@@ -20,8 +20,8 @@ use crate::contact::Bounce;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane};
 use crate::spin::InertiaLaw;
+use crate::walls::config::Wall;
 use crate::walls::outline::Outline;
-use crate::walls::surfaces::Wall;
 
 /// A warning: what to expect, and what to do.
 #[derive(Clone, Debug, PartialEq)]

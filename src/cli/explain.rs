@@ -12,7 +12,7 @@ use crate::plugins::AskedBy;
 use crate::scene::load::Loaded;
 use crate::simulation::Simulation;
 use crate::step::Step;
-use crate::walls::surfaces::Wall;
+use crate::walls::config::Wall;
 
 pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, Fault> {
     let loaded = args.load()?;

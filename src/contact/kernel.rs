@@ -8,12 +8,13 @@
 
 use rayon::prelude::*;
 
-use crate::columns::{Body, Columns, Load, Turn};
+use crate::columns::{Columns, Load, Turn};
+use crate::contact::geometry::{filter, touching};
 use crate::contact::history::{Book, CHUNK, History, Recall};
+use crate::contact::sums::{Ended, book_losses, total, turn};
 use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw};
-use crate::particle::{GrainId, Species};
 use crate::periodic::Metric;
-use crate::space::{Linear, Space};
+use crate::space::Space;
 
 /// Where candidates come from.
 pub trait Partners<V: Space>: Sync {
@@ -54,95 +55,6 @@ impl OverlapRatio {
     pub fn get(self) -> f64 {
         self.overlap / self.radius
     }
-}
-
-/// The candidates of `i` that overlap it, in their order, kept in `buffer`. Whether a candidate touches is hard to
-/// foresee, so this loop has no branch on it: each is written, and the end moves on if it counts.
-#[inline]
-fn filter<'a, V: Space>(
-    metric: &impl Metric<V>,
-    bodies: &[Body<V>],
-    i: usize,
-    candidates: &[u32],
-    buffer: &'a mut Vec<u32>,
-) -> &'a [u32] {
-    let body = &bodies[i];
-    if buffer.len() < candidates.len() {
-        buffer.resize(candidates.len(), 0);
-    }
-    let mut count = 0;
-    for &j in candidates {
-        let other = &bodies[j as usize];
-        let reach = body.radius + other.radius;
-        buffer[count] = j;
-        let squared = metric.separation(body.position, other.position).length_squared();
-        count += usize::from(squared < reach * reach);
-    }
-    &buffer[..count]
-}
-
-/// The geometry of `i` and `j` if they touch and at least one can move; spins and species are left out.
-#[inline(always)]
-#[expect(clippy::inline_always, reason = "the body of the innermost loop: a call would double its cost")]
-#[must_use]
-pub fn touching<V: Space>(
-    metric: &impl Metric<V>,
-    columns: &Columns<V>,
-    i: usize,
-    j: usize,
-    dt: f64,
-) -> Option<Pair<V>> {
-    let (a, b) = (&columns.body[i], &columns.body[j]);
-    let separation = metric.separation(a.position, b.position);
-    let reach = a.radius + b.radius;
-    let squared = separation.length_squared();
-    // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
-    if squared < reach * reach {
-        let inverse_mass = a.inverse_mass + b.inverse_mass;
-        if inverse_mass == 0.0 {
-            return None;
-        }
-        let distance = squared.sqrt();
-        let normal = if distance > 0.0 { separation / distance } else { coincident(columns.id[i], columns.id[j]) };
-        Some(Pair {
-            normal,
-            overlap: reach - distance,
-            relative_velocity: a.velocity - b.velocity,
-            reduced_mass: 1.0 / inverse_mass,
-            radii: [a.radius, b.radius],
-            spins: [V::Spin::ZERO; 2],
-            species: [Species(0); 2],
-            dt,
-        })
-    } else {
-        None
-    }
-}
-
-/// The geometry of two that were in contact in the step before.
-fn parted<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
-    let (a, b) = (&columns.body[i], &columns.body[j]);
-    let separation = metric.separation(a.position, b.position);
-    let spin = |i: usize| columns.spin.get(i).copied().unwrap_or_default();
-    Pair {
-        normal: separation.unit_or_zero(),
-        overlap: a.radius + b.radius - separation.length(),
-        relative_velocity: a.velocity - b.velocity,
-        reduced_mass: 1.0 / (a.inverse_mass + b.inverse_mass),
-        radii: [a.radius, b.radius],
-        spins: [spin(i), spin(j)],
-        species: [columns.species[i], columns.species[j]],
-        dt,
-    }
-}
-
-/// A normal for coincident centres: fixed by the two ids, odd under their swap.
-#[cold]
-fn coincident<V: Space>(i: GrainId, j: GrainId) -> V {
-    let (low, high) = if i < j { (i, j) } else { (j, i) };
-    let mixed = low.number().wrapping_mul(0x9E37_79B1) ^ high.number().wrapping_mul(0x85EB_CA77);
-    let direction = V::direction(mixed);
-    if i < j { direction } else { -direction }
 }
 
 /// What a pass needs besides the columns.
@@ -349,85 +261,4 @@ struct Share<'a, V: Space> {
     loads: &'a mut [Load<V>],
     turns: &'a mut [Turn<V>],
     book: Option<&'a mut Book<V>>,
-}
-
-/// What the springs of contacts that ended held, J: it is lost to friction and rolling resistance.
-#[derive(Default)]
-pub(crate) struct Ended {
-    sliding: f64,
-    rolling: f64,
-}
-
-impl Ended {
-    /// Adds a contact of entry `i`; that with a lower entry is booked there.
-    #[cold]
-    fn add<V: Space, L: PairLaw<V> + Demands, M: Metric<V>>(
-        &mut self,
-        pass: &Pass<L, M>,
-        columns: &Columns<V>,
-        i: usize,
-        partner: u32,
-        memory: &Memory<V>,
-    ) {
-        let j = partner as usize;
-        if i < j {
-            self.add_pair(pass.law, &parted(&pass.metric, columns, i, j, pass.dt), memory);
-        }
-    }
-
-    /// Adds a contact whose two have parted.
-    pub(crate) fn add_pair<V: Space, L: PairLaw<V>>(&mut self, law: &L, pair: &Pair<V>, memory: &Memory<V>) {
-        let [sliding, rolling] = law.forget(pair, memory);
-        self.sliding += sliding;
-        self.rolling += rolling;
-    }
-
-    /// Whether there was one.
-    pub(crate) fn is_any(&self) -> bool {
-        self.sliding != 0.0 || self.rolling != 0.0
-    }
-
-    pub(crate) fn book<V: Space>(&self, turn: &mut Turn<V>) {
-        turn.lost_by_sliding += self.sliding;
-        turn.lost_by_rolling += self.rolling;
-    }
-}
-
-/// The whole force on i.
-#[inline]
-pub(crate) fn total<L: Demands, V: Space>(force: &PairForce<V>) -> V {
-    let smooth = force.elastic + force.drag;
-    if L::SPIN { smooth + force.turning.friction } else { smooth }
-}
-
-/// Adds the torques of a contact on its first (`side` 0) or second member.
-#[inline]
-pub(crate) fn turn<L: Demands, V: Space>(turn: &mut Turn<V>, pair: &Pair<V>, force: &PairForce<V>, side: usize) {
-    let friction = &force.turning;
-    let arm = pair.normal * -friction.arms[side];
-    turn.torque += arm.cross(friction.friction);
-    turn.friction_drag_torque += arm.cross(friction.friction_drag);
-    if side == 0 {
-        turn.friction_drag += friction.friction_drag;
-    } else {
-        turn.friction_drag -= friction.friction_drag;
-    }
-    if L::ROLLING {
-        let (rolling, drag) = if side == 0 {
-            (friction.rolling, friction.rolling_drag)
-        } else {
-            (-friction.rolling, -friction.rolling_drag)
-        };
-        turn.torque += rolling;
-        turn.rolling_drag_torque += drag;
-    }
-}
-
-/// Books what sliding took at one of the two.
-#[inline]
-pub(crate) fn book_losses<L: Demands, V: Space>(turn: &mut Turn<V>, force: &PairForce<V>) {
-    turn.lost_by_sliding += force.turning.lost_by_sliding;
-    if L::ROLLING {
-        turn.lost_by_rolling += force.turning.lost_by_rolling;
-    }
 }

@@ -8,7 +8,7 @@ use bevy_ecs::system::SystemParam;
 
 use crate::columns::Columns;
 use crate::contact::history::History;
-use crate::contact::{AnyLaw, Memory, Pair, PairLaw, kernel};
+use crate::contact::{AnyLaw, Memory, Pair, PairLaw, geometry};
 use crate::neighbours::Search;
 use crate::periodic::{Metric, Open};
 use crate::space::{Plane, Space};
@@ -100,7 +100,7 @@ impl<'a, V: Space> Survey<'a, V> {
                 let j = j as usize;
                 // A full search offers each pair from both sides.
                 if j > i
-                    && let Some(mut pair) = kernel::touching(metric, columns, i, j, 0.0)
+                    && let Some(mut pair) = geometry::touching(metric, columns, i, j, 0.0)
                 {
                     pair.spins = [i, j].map(|k| columns.spin.get(k).copied().unwrap_or_default());
                     pair.species = [i, j].map(|k| columns.species[k]);

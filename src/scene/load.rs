@@ -14,8 +14,9 @@ use crate::scene::places::{self, Places};
 use crate::scene::values::Positive;
 use crate::scene::{Scene, parse, rules};
 use crate::space::{Dimension, Solid, Space};
+use crate::walls::config::Wall;
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
-use crate::walls::surfaces::{FlatWall, Wall};
+use crate::walls::surfaces::FlatWall;
 
 /// A scene that is ready to run.
 #[derive(Debug)]

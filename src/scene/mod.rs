@@ -34,8 +34,8 @@ use crate::periodic::PeriodicSides;
 use crate::rest::Rest;
 use crate::space::Dimension;
 use crate::spin::InertiaLaw;
+use crate::walls::config::Wall;
 use crate::walls::silo_file::Silo;
-use crate::walls::surfaces::Wall;
 use values::{FiniteVector, Positive};
 
 /// A scene as its file says it.

@@ -1,6 +1,8 @@
 //! What encloses the grains: discs of a silo file, discs and flat walls of the scene, and what counts as a way out.
 
+pub mod config;
 pub mod conveyor;
+pub mod forces;
 pub mod outline;
 pub mod paths;
 pub mod silo_file;

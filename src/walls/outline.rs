@@ -195,7 +195,7 @@ fn ends(door: &[Disc]) -> Option<(Vector, Vector)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::walls::surfaces::Wall;
+    use crate::walls::config::Wall;
 
     fn discs(centres: &[(f64, f64)]) -> Vec<Disc> {
         centres.iter().map(|&(x, y)| Disc { centre: Vector::new(x, y), radius: 0.3 }).collect()

@@ -8,6 +8,9 @@
 //! A spin (angular velocity, torque) has one component in the plane, counted positive counter-clockwise, and three in
 //! solid space. SI units; double precision, for the overlaps that carry a bed are 1e-4 of its size.
 
+mod plane;
+mod solid;
+
 use std::fmt::Debug;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
@@ -220,188 +223,9 @@ impl Linear for f64 {
     }
 }
 
-impl Linear for Plane {
-    const ZERO: Self = Self::ZERO;
-
-    #[inline]
-    fn dot(self, other: Self) -> f64 {
-        Self::dot(self, other)
-    }
-
-    fn spread(self) -> Solid {
-        self.extend(0.0)
-    }
-
-    #[inline]
-    fn is_finite(self) -> bool {
-        Self::is_finite(self)
-    }
-}
-
-impl Linear for Solid {
-    const ZERO: Self = Self::ZERO;
-
-    #[inline]
-    fn dot(self, other: Self) -> f64 {
-        Self::dot(self, other)
-    }
-
-    fn spread(self) -> Solid {
-        self
-    }
-
-    #[inline]
-    fn is_finite(self) -> bool {
-        Self::is_finite(self)
-    }
-}
-
 /// Scatters the number of a line of cells over the bits of a hash.
 fn mix(line: i64) -> u64 {
     line.cast_unsigned().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32
-}
-
-impl Space for Plane {
-    const COMPONENTS: usize = 2;
-    const DIMENSION: Dimension = Dimension::Plane;
-    type Spin = f64;
-    type Row = [i64; 1];
-
-    fn narrow(padded: Solid) -> Self {
-        padded.truncate()
-    }
-
-    fn narrow_spin(padded: Solid) -> f64 {
-        padded.z
-    }
-
-    #[inline]
-    fn axis(self, axis: usize) -> f64 {
-        self[axis]
-    }
-
-    #[inline]
-    fn with_axis(mut self, axis: usize, value: f64) -> Self {
-        self[axis] = value;
-        self
-    }
-
-    fn on_paper(self) -> Plane {
-        self
-    }
-
-    fn depth(self) -> f64 {
-        0.0
-    }
-
-    #[inline]
-    fn cross(self, other: Self) -> f64 {
-        self.x * other.y - self.y * other.x
-    }
-
-    #[inline]
-    fn turned_by(self, spin: f64) -> Self {
-        Self::new(-(spin * self.y), spin * self.x)
-    }
-
-    fn direction(number: u32) -> Self {
-        Self::from_angle(f64::from(number))
-    }
-
-    fn any_perpendicular(self) -> Self {
-        self.perp()
-    }
-
-    fn rows(reach: i64) -> impl Iterator<Item = [i64; 1]> {
-        (-reach..=reach).map(|y| [y])
-    }
-
-    #[inline]
-    fn row(from: [i64; 1], mut entry: impl FnMut(usize, i64) -> i64) -> [i64; 1] {
-        [entry(1, from[0])]
-    }
-
-    fn origin_row() -> [i64; 1] {
-        [0]
-    }
-
-    #[inline]
-    fn scatter(row: [i64; 1]) -> u64 {
-        mix(row[0])
-    }
-}
-
-impl Space for Solid {
-    const COMPONENTS: usize = 3;
-    const DIMENSION: Dimension = Dimension::Solid;
-    type Spin = Self;
-    type Row = [i64; 2];
-
-    fn narrow(padded: Solid) -> Self {
-        padded
-    }
-
-    fn narrow_spin(padded: Solid) -> Self {
-        padded
-    }
-
-    #[inline]
-    fn axis(self, axis: usize) -> f64 {
-        self[axis]
-    }
-
-    #[inline]
-    fn with_axis(mut self, axis: usize, value: f64) -> Self {
-        self[axis] = value;
-        self
-    }
-
-    fn on_paper(self) -> Plane {
-        Plane::new(self.x, self.z)
-    }
-
-    fn depth(self) -> f64 {
-        self.y
-    }
-
-    #[inline]
-    fn cross(self, other: Self) -> Self {
-        Self::cross(self, other)
-    }
-
-    #[inline]
-    fn turned_by(self, spin: Self) -> Self {
-        Self::cross(spin, self)
-    }
-
-    fn direction(number: u32) -> Self {
-        // Angle and height of a point on the unit sphere, from the two halves of the number.
-        let height = 2.0 * f64::from(number >> 16) / 65_535.0 - 1.0;
-        let around = Plane::from_angle(f64::from(number & 0xFFFF)) * (1.0 - height * height).max(0.0).sqrt();
-        around.extend(height)
-    }
-
-    fn any_perpendicular(self) -> Self {
-        self.any_orthogonal_vector()
-    }
-
-    fn rows(reach: i64) -> impl Iterator<Item = [i64; 2]> {
-        (-reach..=reach).flat_map(move |z| (-reach..=reach).map(move |y| [y, z]))
-    }
-
-    #[inline]
-    fn row(from: [i64; 2], mut entry: impl FnMut(usize, i64) -> i64) -> [i64; 2] {
-        [entry(1, from[0]), entry(2, from[1])]
-    }
-
-    fn origin_row() -> [i64; 2] {
-        [0, 0]
-    }
-
-    #[inline]
-    fn scatter(row: [i64; 2]) -> u64 {
-        mix(row[0]).wrapping_add(mix(row[1].wrapping_mul(0x5851_F42D)))
-    }
 }
 
 #[cfg(test)]

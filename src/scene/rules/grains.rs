@@ -1,0 +1,95 @@
+//! Grains that a scene makes have room, ids, radii and masses.
+
+use crate::fault::Fault;
+use crate::grains::spawner::RadiusLaw;
+use crate::particle::GrainId;
+use crate::scene::load::Loaded;
+use crate::scene::rules::is_box;
+
+pub(super) fn fill(loaded: &Loaded) -> Result<(), Fault> {
+    let scene = &loaded.scene;
+    let mut wanted: usize = 0;
+    for (index, fill) in scene.fill.iter().enumerate() {
+        let key = |name: &str| format!("fill[{index}].{name}");
+        if !is_box(fill.low, fill.high) {
+            return Err(loaded
+                .fault("scene::empty_box", &key("low"), "the lower corner must be below the upper one along every axis")
+                .help("corners are in m"));
+        }
+        let Some(length) = fill.size(scene.space) else {
+            return Err(loaded
+                .fault("scene::out_of_range", &key("spacing"), "more than 1e7 grains would fit")
+                .help("is the spacing, in m, right? A `count` bounds the number"));
+        };
+        if length < fill.count.unwrap_or(1) {
+            let message = format!("{} grains are wanted, but {length} fit", fill.count.unwrap_or(1));
+            return Err(loaded
+                .fault("scene::out_of_range", &key("high"), message)
+                .help("raise the box, or lower the spacing"));
+        }
+        if !fill.fixed && scene.mass.is_none() {
+            return Err(loaded
+                .fault("scene::missing_key", "mass", "`fill` needs to know how heavy its grains are")
+                .help("add for example `mass: Sphere(2500.0)`, m = rho 4/3 pi R^3 in kg/m^3"));
+        }
+        radii(loaded, &key("radius"), &fill.radius, fill.species)?;
+        wanted += if fill.fixed { 0 } else { length as usize };
+        if wanted > loaded.grains.len() {
+            return Err(loaded
+                .fault("scene::out_of_range", &key("count"), "there are not enough ids left for these grains")
+                .help("ids go up to 2147483647: give the grains of the file lower ones"));
+        }
+    }
+    Ok(())
+}
+
+pub(super) fn spawner(loaded: &Loaded) -> Result<(), Fault> {
+    let Some(spawner) = &loaded.scene.spawner else { return Ok(()) };
+    if loaded.scene.mass.is_none() {
+        return Err(loaded
+            .fault("scene::missing_key", "mass", "the spawner needs to know how heavy its grains are")
+            .help("add for example `mass: ArealSquare(100.0)`, m = rho R^2 in kg/m^2"));
+    }
+    radii(loaded, "spawner.radius", &spawner.radius, 0)?;
+    let room = (GrainId::MAX_GRAIN + 1).saturating_sub(loaded.first_free_id());
+    if spawner.count > room {
+        let message = format!("{} grains are more than there are ids left, {room}", spawner.count);
+        return Err(loaded.fault("scene::out_of_range", "spawner.count", message).help("release fewer grains"));
+    }
+    Ok(())
+}
+
+/// Shares sum to one, and ranges have a smaller end.
+fn radii(loaded: &Loaded, key: &str, law: &RadiusLaw, first_species: u8) -> Result<(), Fault> {
+    if let RadiusLaw::Mixture(sizes) = law
+        && sizes.len() + usize::from(first_species) > 256
+    {
+        return Err(loaded
+            .fault("scene::out_of_range", key, format!("{} sizes are more than there are species, 256", sizes.len()))
+            .help("use `Uniform(smallest, largest)` for many sizes"));
+    }
+    let (smallest, largest) = law.range();
+    let masses = loaded.scene.mass.map(|mass| [mass.of(smallest), mass.of(largest)]);
+    if masses.is_some_and(|masses| !masses.into_iter().all(f64::is_normal)) {
+        return Err(loaded
+            .fault("scene::out_of_range", key, "grains of this size have no mass that a double can hold")
+            .help("radii are in m"));
+    }
+    match law {
+        RadiusLaw::Mixture(sizes) => {
+            let sum: f64 = sizes.iter().map(|(_, share)| share.get()).sum();
+            if (sum - 1.0).abs() > 1e-9 {
+                let message = format!("the shares of the mixture sum to {sum}, not to 1");
+                return Err(loaded
+                    .fault("scene::shares", key, message)
+                    .help("write (radius in m, share) for each size"));
+            }
+        }
+        RadiusLaw::Uniform(low, high) if low > high => {
+            let message = format!("the smaller radius comes first, got {} and {}", low.get(), high.get());
+            return Err(loaded.fault("scene::out_of_range", key, message).help("exchange the two"));
+        }
+        _ => {}
+    }
+    Ok(())
+}

@@ -1,0 +1,196 @@
+//! Rules across keys: what one number's range cannot say.
+
+mod contacts;
+mod grains;
+mod space;
+
+pub use self::space::space;
+
+use self::contacts::contacts;
+use self::grains::{fill, spawner};
+use crate::door::{DoorMotion, DoorOpens};
+use crate::fault::Fault;
+use crate::neighbours::Neighbours;
+use crate::scene::Scene;
+use crate::scene::load::Loaded;
+use crate::scene::values::FiniteVector;
+use crate::space::Solid;
+use crate::walls::config::Wall;
+
+/// Checks a scene whose files have been read.
+///
+/// # Errors
+/// The first rule that it breaks, pointing at the key.
+pub fn check(loaded: &Loaded) -> Result<(), Fault> {
+    contacts(loaded)?;
+    fill(loaded)?;
+    walls(loaded)?;
+    periodic(loaded)?;
+    spawner(loaded)?;
+    door_and_rest(loaded)?;
+    cells(loaded)?;
+    profiles(loaded)?;
+    pictures_and_bed(loaded)
+}
+
+fn profiles(loaded: &Loaded) -> Result<(), Fault> {
+    for (index, profile) in loaded.scene.profiles.iter().enumerate() {
+        let key = |name: &str| format!("profiles[{index}].{name}");
+        let (code, key, message) = if profile.axis.number() >= loaded.scene.space.count() {
+            ("scene::dimension", key("axis"), "the plane has no z")
+        } else if profile.low.get() >= profile.high.get() {
+            ("scene::empty_box", key("high"), "the first bin must begin below the end of the last one")
+        } else if !(1..=10_000).contains(&profile.bins) {
+            ("scene::out_of_range", key("bins"), "expected 1 to 10000 bins")
+        } else if profile.section.is_none() && loaded.periodic_section(profile).is_none() {
+            ("scene::missing_key", key("section"), "a packing fraction needs to know the section of the bins")
+        } else {
+            continue;
+        };
+        return Err(loaded.fault(code, &key, message).help(
+            "give the area at right angles to the axis, m^2 (in the plane its length, m), `low` and `high` in m",
+        ));
+    }
+    Ok(())
+}
+
+/// A grain must not touch another one, nor itself, twice.
+fn periodic(loaded: &Loaded) -> Result<(), Fault> {
+    for (name, side) in ["x", "y", "z"].into_iter().zip(loaded.scene.periodic.axes()) {
+        let Some((low, high)) = side else { continue };
+        let needed = 2.0 * loaded.contact_range();
+        let length = high - low;
+        if !(length.is_finite() && length > needed) {
+            let message = format!(
+                "the box is {length} m long, but grains touch at up to {} m: one could touch another twice",
+                0.5 * needed
+            );
+            return Err(loaded
+                .fault("scene::box_too_small", &format!("periodic.{name}"), message)
+                .help(format!("give (low, high) in m, more than {needed} m apart")));
+        }
+    }
+    Ok(())
+}
+
+fn walls(loaded: &Loaded) -> Result<(), Fault> {
+    for (index, wall) in loaded.scene.walls.iter().enumerate() {
+        let (key, message) = match wall {
+            Wall::HalfPlane { normal, .. } if has_no_direction(normal.padded()) => {
+                ("normal", "the normal has no direction")
+            }
+            Wall::HalfPlane { normal, velocity: Some(velocity), .. }
+                if is_oblique(velocity.padded(), normal.padded()) =>
+            {
+                ("velocity", "a half-plane moves along itself only: its velocity must be at right angles to its normal")
+            }
+            Wall::Segment { from, to, .. } if has_no_direction(to.padded() - from.padded()) => {
+                ("to", "the segment has no length")
+            }
+            Wall::Panel { along, .. } if has_no_direction(along.padded()) => ("along", "the panel has no length"),
+            Wall::Panel { across, .. } if has_no_direction(across.padded()) => ("across", "the panel has no width"),
+            Wall::Panel { along, across, .. } if is_oblique(along.padded(), across.padded()) => {
+                ("across", "the edges of a panel must be at right angles to each other")
+            }
+            _ => continue,
+        };
+        return Err(loaded
+            .fault("scene::degenerate_wall", &format!("walls[{index}].{key}"), message)
+            .help("give two different points, a normal with a direction, edges and belts at right angles"));
+    }
+    Ok(())
+}
+
+/// Whether a vector is zero, or so short or long that its square is no number.
+fn has_no_direction(v: Solid) -> bool {
+    !v.length_squared().is_normal()
+}
+
+/// Whether two vectors are farther from right angles than rounded numbers make them.
+fn is_oblique(a: Solid, b: Solid) -> bool {
+    a.dot(b).abs() > 1e-9 * a.length() * b.length()
+}
+
+fn door_and_rest(loaded: &Loaded) -> Result<(), Fault> {
+    let Scene { door, rest, gravity, .. } = &loaded.scene;
+    let panel = loaded.scene.walls.iter().any(|wall| matches!(wall, Wall::Panel { door: true, .. }));
+    if door.is_some() && loaded.silo.door.is_empty() && !panel {
+        return Err(loaded
+            .fault("scene::no_door", "door", "there is no door to open: no silo file announces door grains")
+            .help(
+                "remove `door`, or give a silo file whose first line has a second count above 0, or in solid space a \
+                 wall `Panel(..., door: true)`",
+            ));
+    }
+    if panel && matches!(door.map(|door| door.how), Some(DoorMotion::Slide(_))) {
+        return Err(loaded
+            .fault("scene::no_slide", "door.how", "a panel cannot slide")
+            .help("write `how: Remove`, or leave the key out"));
+    }
+    if door.is_some_and(|door| door.opens == DoorOpens::AtRest) && rest.is_none() {
+        return Err(loaded
+            .fault("scene::missing_key", "rest", "the door opens at rest, but nothing detects rest")
+            .help("add `rest: (speed: 2.0e-3, energy: 1.0e-6, hold: 0.1)`"));
+    }
+    if rest.is_some() && gravity.padded() == Solid::ZERO {
+        return Err(loaded
+            .fault("scene::no_gravity", "rest", "rest is measured in units of sqrt(g R) and m g R, but gravity is zero")
+            .help("remove `rest`, or give `gravity`"));
+    }
+    Ok(())
+}
+
+/// A grain looks into its own cell and the eight around it; two centres that are farther apart than a side L can be
+/// two cells apart. So L must be at least the largest distance of centres in contact.
+fn cells(loaded: &Loaded) -> Result<(), Fault> {
+    let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
+    let (key, size) = match loaded.scene.neighbours {
+        Some(Neighbours::Cells { size }) => ("neighbours.size", size.get()),
+        Some(Neighbours::CellsOfRange { rng }) => ("neighbours.rng", rng.get() * largest),
+        _ => return Ok(()),
+    };
+    let needed = loaded.contact_range();
+    if size < needed {
+        let message = format!(
+            "cells of {size} m are too small: particles touch at up to {needed} m, and a grain looks only one cell far, \
+             so contacts would be missed"
+        );
+        return Err(loaded
+            .fault("scene::cells_too_small", key, message)
+            .help(format!("give at least {needed} m, the sum of the two largest radii that can meet")));
+    }
+    Ok(())
+}
+
+/// Whether the first corner is below the second along every axis.
+fn is_box(low: FiniteVector, high: FiniteVector) -> bool {
+    (0..low.count()).all(|axis| low.padded()[axis] < high.padded()[axis])
+}
+
+fn pictures_and_bed(loaded: &Loaded) -> Result<(), Fault> {
+    let scene = &loaded.scene;
+    let view = scene.pictures.as_ref().and_then(|pictures| pictures.view);
+    let bed = scene.bed.map(|bed| (bed.low, bed.high));
+    for (key, corners) in [("pictures.view", view), ("bed", bed)] {
+        if let Some((low, high)) = corners
+            && !is_box(low, high)
+        {
+            return Err(loaded
+                .fault("scene::empty_box", key, "the lower left corner must be below and left of the upper right one")
+                .help("corners are (x, y) in m"));
+        }
+    }
+    if scene.bed.is_some() && scene.rest.is_none() {
+        return Err(loaded
+            .fault("scene::missing_key", "rest", "the bed is measured at rest, but nothing detects rest")
+            .help("add `rest: (speed: 2.0e-3, energy: 1.0e-6, hold: 0.1)`, or remove `bed`"));
+    }
+    if let Some(pictures) = &scene.pictures
+        && !(50.0..=20_000.0).contains(&pictures.width.get())
+    {
+        return Err(loaded
+            .fault("scene::out_of_range", "pictures.width", "expected a width of 50 to 20000 px")
+            .help("600 is a good width"));
+    }
+    Ok(())
+}

@@ -1,0 +1,89 @@
+//! Vectors have as many components as the scene's space.
+
+use crate::fault::Fault;
+use crate::scene::Scene;
+use crate::scene::load::Loaded;
+use crate::scene::values::FiniteVector;
+use crate::space::Dimension;
+use crate::walls::config::Wall;
+
+/// Every vector has as many components as the scene's space, and nothing planar stands in solid space.
+///
+/// # Errors
+/// If one has not.
+pub fn space(loaded: &Loaded) -> Result<(), Fault> {
+    let scene = &loaded.scene;
+    let wanted = scene.space.count();
+    for (key, vector) in vectors(scene) {
+        if vector.count() != wanted {
+            let message = format!("`space` is {:?}: expected {wanted} numbers, got {}", scene.space, vector.count());
+            return Err(loaded
+                .fault("scene::dimension", &key, message)
+                .help("vectors are (x, y) in the plane and (x, y, z) with `space: Solid`"));
+        }
+    }
+    let on_paper = scene.pictures.iter().filter_map(|pictures| pictures.view).flat_map(|(low, high)| [low, high]);
+    let in_the_plane = scene.bed.iter().filter(|_| scene.space == Dimension::Plane).flat_map(|bed| [bed.low, bed.high]);
+    for (key, vector) in on_paper.map(|v| ("pictures.view", v)).chain(in_the_plane.map(|v| ("bed", v))) {
+        if vector.count() != 2 {
+            return Err(loaded
+                .fault("scene::dimension", key, format!("expected 2 numbers, got {}", vector.count()))
+                .help("a view has corners on paper: (x, y), of solid space (x, z)"));
+        }
+    }
+    let is_solid = scene.space == Dimension::Solid;
+    let panel = scene.walls.iter().position(|wall| matches!(wall, Wall::Panel { .. }));
+    let misplaced = [
+        (is_solid && scene.silo.is_some(), "silo".to_owned(), "a silo file describes discs in the plane"),
+        (
+            is_solid && scene.bed.is_some(),
+            "bed".to_owned(),
+            "the bed is measured in the plane; `profiles` work in both",
+        ),
+        (!is_solid && scene.periodic.z.is_some(), "periodic.z".to_owned(), "the plane has no z"),
+        (
+            !is_solid && panel.is_some(),
+            format!("walls[{}]", panel.unwrap_or(0)),
+            "a panel is a rectangle in solid space",
+        ),
+    ];
+    match misplaced.into_iter().find(|(wrong, ..)| *wrong) {
+        Some((_, key, message)) => Err(loaded
+            .fault("scene::dimension", &key, message)
+            .help("remove it, or choose the other `space`: Plane or Solid")),
+        None => Ok(()),
+    }
+}
+
+/// All vectors of a scene that count in its space, with their keys.
+fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
+    let mut all = vec![("gravity".to_owned(), scene.gravity)];
+    let mut add = |key: String, vectors: &[(&str, Option<FiniteVector>)]| {
+        let given = vectors.iter().filter_map(|&(name, vector)| Some((format!("{key}{name}"), vector?)));
+        all.extend(given);
+    };
+    for (index, wall) in scene.walls.iter().enumerate() {
+        let key = format!("walls[{index}].");
+        match *wall {
+            Wall::HalfPlane { point, normal, velocity, .. } => {
+                add(key, &[("point", Some(point)), ("normal", Some(normal)), ("velocity", velocity)]);
+            }
+            Wall::Segment { from, to, .. } => add(key, &[("from", Some(from)), ("to", Some(to))]),
+            Wall::Panel { corner, along, across, .. } => {
+                add(key, &[("corner", Some(corner)), ("along", Some(along)), ("across", Some(across))]);
+            }
+            Wall::Disc { centre, .. } => add(key, &[("centre", Some(centre))]),
+        }
+    }
+    if let Some(spawner) = &scene.spawner {
+        let vectors =
+            [("point", Some(spawner.point)), ("jitter", spawner.jitter), ("velocity", Some(spawner.velocity))];
+        add("spawner.".to_owned(), &vectors);
+    }
+    for (index, fill) in scene.fill.iter().enumerate() {
+        let corners = [("low", Some(fill.low)), ("high", Some(fill.high))];
+        add(format!("fill[{index}]."), &corners);
+        add(format!("fill[{index}]."), &[("velocity", fill.velocity), ("agitation", fill.agitation)]);
+    }
+    all
+}

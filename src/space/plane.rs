@@ -1,0 +1,91 @@
+//! The plane: vectors of two components, spins of one.
+
+use crate::space::{Dimension, Linear, Plane, Solid, Space, mix};
+
+impl Linear for Plane {
+    const ZERO: Self = Self::ZERO;
+
+    #[inline]
+    fn dot(self, other: Self) -> f64 {
+        Self::dot(self, other)
+    }
+
+    fn spread(self) -> Solid {
+        self.extend(0.0)
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        Self::is_finite(self)
+    }
+}
+
+impl Space for Plane {
+    const COMPONENTS: usize = 2;
+    const DIMENSION: Dimension = Dimension::Plane;
+    type Spin = f64;
+    type Row = [i64; 1];
+
+    fn narrow(padded: Solid) -> Self {
+        padded.truncate()
+    }
+
+    fn narrow_spin(padded: Solid) -> f64 {
+        padded.z
+    }
+
+    #[inline]
+    fn axis(self, axis: usize) -> f64 {
+        self[axis]
+    }
+
+    #[inline]
+    fn with_axis(mut self, axis: usize, value: f64) -> Self {
+        self[axis] = value;
+        self
+    }
+
+    fn on_paper(self) -> Plane {
+        self
+    }
+
+    fn depth(self) -> f64 {
+        0.0
+    }
+
+    #[inline]
+    fn cross(self, other: Self) -> f64 {
+        self.x * other.y - self.y * other.x
+    }
+
+    #[inline]
+    fn turned_by(self, spin: f64) -> Self {
+        Self::new(-(spin * self.y), spin * self.x)
+    }
+
+    fn direction(number: u32) -> Self {
+        Self::from_angle(f64::from(number))
+    }
+
+    fn any_perpendicular(self) -> Self {
+        self.perp()
+    }
+
+    fn rows(reach: i64) -> impl Iterator<Item = [i64; 1]> {
+        (-reach..=reach).map(|y| [y])
+    }
+
+    #[inline]
+    fn row(from: [i64; 1], mut entry: impl FnMut(usize, i64) -> i64) -> [i64; 1] {
+        [entry(1, from[0])]
+    }
+
+    fn origin_row() -> [i64; 1] {
+        [0]
+    }
+
+    #[inline]
+    fn scatter(row: [i64; 1]) -> u64 {
+        mix(row[0])
+    }
+}

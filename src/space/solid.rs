@@ -1,0 +1,94 @@
+//! Solid space: vectors and spins of three components.
+
+use crate::space::{Dimension, Linear, Plane, Solid, Space, mix};
+
+impl Linear for Solid {
+    const ZERO: Self = Self::ZERO;
+
+    #[inline]
+    fn dot(self, other: Self) -> f64 {
+        Self::dot(self, other)
+    }
+
+    fn spread(self) -> Solid {
+        self
+    }
+
+    #[inline]
+    fn is_finite(self) -> bool {
+        Self::is_finite(self)
+    }
+}
+
+impl Space for Solid {
+    const COMPONENTS: usize = 3;
+    const DIMENSION: Dimension = Dimension::Solid;
+    type Spin = Self;
+    type Row = [i64; 2];
+
+    fn narrow(padded: Solid) -> Self {
+        padded
+    }
+
+    fn narrow_spin(padded: Solid) -> Self {
+        padded
+    }
+
+    #[inline]
+    fn axis(self, axis: usize) -> f64 {
+        self[axis]
+    }
+
+    #[inline]
+    fn with_axis(mut self, axis: usize, value: f64) -> Self {
+        self[axis] = value;
+        self
+    }
+
+    fn on_paper(self) -> Plane {
+        Plane::new(self.x, self.z)
+    }
+
+    fn depth(self) -> f64 {
+        self.y
+    }
+
+    #[inline]
+    fn cross(self, other: Self) -> Self {
+        Self::cross(self, other)
+    }
+
+    #[inline]
+    fn turned_by(self, spin: Self) -> Self {
+        Self::cross(spin, self)
+    }
+
+    fn direction(number: u32) -> Self {
+        // Angle and height of a point on the unit sphere, from the two halves of the number.
+        let height = 2.0 * f64::from(number >> 16) / 65_535.0 - 1.0;
+        let around = Plane::from_angle(f64::from(number & 0xFFFF)) * (1.0 - height * height).max(0.0).sqrt();
+        around.extend(height)
+    }
+
+    fn any_perpendicular(self) -> Self {
+        self.any_orthogonal_vector()
+    }
+
+    fn rows(reach: i64) -> impl Iterator<Item = [i64; 2]> {
+        (-reach..=reach).flat_map(move |z| (-reach..=reach).map(move |y| [y, z]))
+    }
+
+    #[inline]
+    fn row(from: [i64; 2], mut entry: impl FnMut(usize, i64) -> i64) -> [i64; 2] {
+        [entry(1, from[0]), entry(2, from[1])]
+    }
+
+    fn origin_row() -> [i64; 2] {
+        [0, 0]
+    }
+
+    #[inline]
+    fn scatter(row: [i64; 2]) -> u64 {
+        mix(row[0]).wrapping_add(mix(row[1].wrapping_mul(0x5851_F42D)))
+    }
+}
