@@ -43,6 +43,7 @@ use serde::de::DeserializeOwned;
 use crate::fault::Fault;
 use crate::scene::load::Loaded;
 use crate::scene::parse;
+use crate::space::Dimension;
 
 /// What the keys of one behaviour make.
 pub trait Behaviour: 'static {
@@ -52,6 +53,12 @@ pub trait Behaviour: 'static {
     /// If the behaviour cannot work in this scene.
     fn check(&self, _scene: &Loaded) -> Result<(), String> {
         Ok(())
+    }
+
+    /// Whether it works in a scene of this space. Components default to the plane, so a behaviour that says `Position` and
+    /// `Force` finds nobody in solid space; one for that says `Position<Solid>`, and so here.
+    fn lives_in(&self, space: Dimension) -> bool {
+        space == Dimension::Plane
     }
 
     /// Whether [`Behaviour::build`] adds the contact law, as [`crate::contact::ContactPlugin`] with a
@@ -92,6 +99,12 @@ impl Registry {
                 let key = format!("behaviours.{name}");
                 let parse = self.0.get(name.as_str()).ok_or_else(|| self.unknown(loaded, name, &key))?;
                 let behaviour = parse(loaded, &key, keys.get_ron())?;
+                if !behaviour.lives_in(loaded.scene.space) {
+                    let message = format!("this behaviour does not work with `space: {:?}`", loaded.scene.space);
+                    return Err(loaded
+                        .fault("scene::behaviour", &key, message)
+                        .help("its program says where it does, in `Behaviour::lives_in`"));
+                }
                 behaviour.check(loaded).map_err(|message| {
                     loaded.fault("scene::behaviour", &key, message).help("see the documentation of the behaviour")
                 })?;

@@ -269,6 +269,9 @@ pub struct AddedWorkPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for AddedWorkPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, book_added_work::<V>.in_set(Phase::Control).after(book_contact_work::<V>));
+        app.add_systems(
+            Step,
+            book_added_work::<V>.in_set(Phase::Control).after(book_contact_work::<V>).after(book_friction::<V>),
+        );
     }
 }

@@ -79,7 +79,7 @@ pub mod prelude {
     pub use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Species, Velocity};
     pub use crate::scene::load::{self, Loaded};
     pub use crate::simulation::Simulation;
-    pub use crate::space::{Plane, Solid, Space, Vector};
+    pub use crate::space::{Dimension, Plane, Solid, Space, Vector};
     pub use crate::spin::{Inertia, Spin, Torque};
     pub use crate::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
 }

@@ -216,3 +216,41 @@ fn a_grain_that_a_behaviour_removes_is_missed_by_name() {
     assert_eq!(grain.number(), 1);
     assert!(way.contains("behaviour"), "{way}");
 }
+
+/// Lifts every sphere of solid space.
+#[derive(Deserialize)]
+struct Updraught(f64);
+
+impl Behaviour for Updraught {
+    fn lives_in(&self, space: Dimension) -> bool {
+        space == Dimension::Solid
+    }
+    fn build(self: Box<Self>, app: &mut App) {
+        let lift = move |mut grains: Query<&mut Force<Solid>, With<Grain>>| {
+            for mut force in &mut grains {
+                force.0.z += self.0;
+            }
+        };
+        app.add_systems(Step, lift.in_set(ForceStage::Added));
+    }
+}
+
+#[test]
+fn a_behaviour_says_in_which_space_it_lives() {
+    let mut registry = registry();
+    registry.register::<Updraught>("updraught");
+    let load = |behaviour: &str| {
+        let settings = [("pictures", "None"), ("until", "0.01"), ("behaviours", behaviour)];
+        let settings: Vec<_> = settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+        load::load(&crate::scene("slip-to-roll.ron"), &settings).unwrap()
+    };
+    let planar = Simulation::new(&load("{\"wind\": (1.0)}"), &registry, NonZeroUsize::MIN).map(|_| ()).unwrap_err();
+    assert_eq!((planar.code(), planar.scene_key()), ("scene::behaviour", Some("behaviours.wind")));
+    // Twice its weight upwards: it takes off from the floor with g.
+    let lifted = load("{\"updraught\": (25.506)}");
+    let mut run = Simulation::new(&lifted, &registry, NonZeroUsize::MIN).unwrap();
+    assert_eq!(run.run(), End::TimeReached);
+    let z = run.world_mut().query::<&Velocity<Solid>>().single(run.world()).unwrap().0.z;
+    // The floor's spring pushes for less than a contact, 2 ms, and with no more than its weight more.
+    assert!((z - 9.81 * 0.01).abs() < 9.81 * 0.002, "{z}");
+}
