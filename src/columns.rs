@@ -158,6 +158,7 @@ impl<V: Space> Columns<V> {
     }
 
     /// The vector from `b` to `a`, m: in a periodic scene the shortest one.
+    #[inline]
     #[must_use]
     pub fn separation(&self, a: V, b: V) -> V {
         self.periodic.map_or(a - b, |periodic| periodic.shortest(a - b))

@@ -154,13 +154,14 @@ fn watch_paths<V: Space>(
         // Nothing watches whereabouts for changes.
         let places = places.bypass_change_detection().iter_mut();
         for ((&id, &Position(here)), place) in ids.iter().zip(xs.iter()).zip(places) {
-            // In a periodic scene, of where it was the image that is nearest to here.
-            let before = here - columns.separation(here, *place.looked_at.get_or_insert(here));
-            let may_wait = here.distance_squared(before) < patience && here.height() >= last_chance;
+            let way = columns.separation(here, *place.looked_at.get_or_insert(here));
+            let may_wait = way.length_squared() < patience && here.height() >= last_chance;
             if may_wait || place.state != State::Inside {
                 continue;
             }
             place.looked_at = Some(here);
+            // In a periodic scene, of where it was the image that is nearest to here.
+            let before = here - way;
             match fate(&*enclosure.paths, door_is_closed, before, here) {
                 None => {}
                 Some(Fate::Out) => {
