@@ -6,11 +6,10 @@
 //! sitting on one core of a 2-core EPYC, both with a skin of 0.1 d; LAMMPS alone on the machine 106 ns, and 89 ns with a
 //! skin of 0.02 d. Making the bed takes a minute.
 //!
-//! The planar one is for each neighbour search.
-//! The bed is that of `scenes/silo1.ron` with its first 500 grains at rest, the door closed: everything that a
-//! user's run does in a step, without series and pictures. Divide the time by the throughput's elements: criterion
-//! prints elements (particle-steps) a second. The coordination number is printed beside it, for a bed that only looks
-//! settled runs twice as fast.
+//! The planar one is that of `scenes/silo1.ron` with its first 500 grains at rest, the door closed, for each neighbour
+//! search. Both are everything that a user's run does in a step, without series and pictures. Divide the time by the
+//! throughput's elements: criterion prints elements (particle-steps) a second. The coordination number is printed
+//! beside it, for a bed that only looks settled runs twice as fast.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -19,76 +18,58 @@ use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use siloflow::measure::totals;
 use siloflow::prelude::*;
 
-const GRAINS: u64 = 500;
-const STEPS: u64 = 200;
-
-/// silo1's bed at rest.
-fn bed(neighbours: &str) -> Simulation {
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/silo1.ron");
-    let settings = [
-        ("spawner.count", "500"),
-        ("neighbours", neighbours),
-        ("pictures", "None"),
-        ("bed", "None"),
-        ("door", "(opens: Never)"),
-        ("until", "1.0e9"),
-    ];
-    let settings = settings.map(|(key, value)| (key.to_owned(), value.to_owned()));
-    let loaded = load::load(&scene, &settings).expect("the scene is valid");
+/// A scene with a neighbour search and other settings, after so many steps.
+fn settled(scene: &str, neighbours: &str, settings: &[(&str, &str)], steps: u64) -> Simulation {
+    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes").join(scene);
+    let always = [("neighbours", neighbours), ("pictures", "None"), ("until", "1.0e9")];
+    let settings = always.iter().chain(settings).map(|&(key, value)| (key.to_owned(), value.to_owned()));
+    let loaded = load::load(&scene, &settings.collect::<Vec<_>>()).expect("the scene is valid");
     let mut simulation =
         Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN).expect("the scene needs no behaviours");
-    // 500 x 0.05 s to fill and 4 s to settle.
-    simulation.run_steps(29_000);
+    simulation.run_steps(steps);
     simulation
 }
 
-fn silo1_bed(criterion: &mut Criterion) {
-    let mut group = criterion.benchmark_group("silo1 bed, 500 grains at rest");
-    group.throughput(Throughput::Elements(GRAINS * STEPS)).sample_size(20);
-    for neighbours in ["VerletList(skin: 0.04)", "Cells(size: 0.25)", "Cells(size: 0.08)", "AllPairs"] {
+/// Times `steps` steps of a bed of `grains` for each search; `bed` makes it.
+fn measure(
+    criterion: &mut Criterion,
+    name: &str,
+    (grains, steps): (u64, u64),
+    searches: &[&str],
+    bed: impl Fn(&str) -> Simulation,
+) {
+    let mut group = criterion.benchmark_group(name);
+    group.throughput(Throughput::Elements(grains * steps)).sample_size(20);
+    for &neighbours in searches {
         let mut simulation = bed(neighbours);
         let coordination = totals::of_world(simulation.world_mut()).coordination;
         println!("{neighbours}: {coordination:.2} contacts a grain");
         group.bench_function(neighbours, |bencher| {
             bencher.iter(|| {
-                let steps = simulation.world().resource::<Clock>().steps;
-                simulation.run_steps(steps + STEPS)
+                let done = simulation.world().resource::<Clock>().steps;
+                simulation.run_steps(done + steps)
             });
         });
     }
     group.finish();
 }
 
-/// The frictional bed, settled.
-fn bed3d(neighbours: &str) -> Simulation {
-    let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/bed3d.ron");
-    let settings = [("neighbours", neighbours), ("pictures", "None"), ("profiles", "[]"), ("until", "1.0e9")];
-    let settings = settings.map(|(key, value)| (key.to_owned(), value.to_owned()));
-    let loaded = load::load(&scene, &settings).expect("the scene is valid");
-    let mut simulation =
-        Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN).expect("the scene needs no behaviours");
-    simulation.run_steps(60_000);
-    simulation.world_mut().resource_mut::<Clock>().dt = 1e-6;
-    simulation
+fn silo1_bed(criterion: &mut Criterion) {
+    let searches = ["VerletList(skin: 0.04)", "Cells(size: 0.25)", "Cells(size: 0.08)", "AllPairs"];
+    measure(criterion, "silo1 bed, 500 grains at rest", (500, 200), &searches, |neighbours| {
+        let settings = [("spawner.count", "500"), ("bed", "None"), ("door", "(opens: Never)")];
+        // 500 x 0.05 s to fill and 4 s to settle.
+        settled("silo1.ron", neighbours, &settings, 29_000)
+    });
 }
 
 fn frictional_bed(criterion: &mut Criterion) {
-    const GRAINS: u64 = 10_000;
-    const STEPS: u64 = 20;
-    let mut group = criterion.benchmark_group("bed3d, 10,000 frictional spheres at rest");
-    group.throughput(Throughput::Elements(GRAINS * STEPS)).sample_size(20);
-    for neighbours in ["VerletList(skin: 1.0e-4)", "VerletList(skin: 2.0e-5)"] {
-        let mut simulation = bed3d(neighbours);
-        let coordination = totals::of_world(simulation.world_mut()).coordination;
-        println!("{neighbours}: {coordination:.2} contacts a grain");
-        group.bench_function(neighbours, |bencher| {
-            bencher.iter(|| {
-                let steps = simulation.world().resource::<Clock>().steps;
-                simulation.run_steps(steps + STEPS)
-            });
-        });
-    }
-    group.finish();
+    let searches = ["VerletList(skin: 1.0e-4)", "VerletList(skin: 2.0e-5)"];
+    measure(criterion, "bed3d, 10,000 frictional spheres at rest", (10_000, 20), &searches, |neighbours| {
+        let mut simulation = settled("bed3d.ron", neighbours, &[("profiles", "[]")], 60_000);
+        simulation.world_mut().resource_mut::<Clock>().dt = 1e-6;
+        simulation
+    });
 }
 
 criterion_group!(benches, silo1_bed, frictional_bed);

@@ -18,7 +18,7 @@ use bevy_ecs::world::DeferredWorld;
 
 use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Species, Velocity};
 use crate::periodic::Periodic;
-use crate::space::{Linear, Plane, Space};
+use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::step::{ForceStage, Phase, Step};
 
 /// Index of a particle in the [`Columns`].
@@ -199,6 +199,14 @@ impl<V: Space> Columns<V> {
         self.load = vec![Load::default(); rows.len()];
         self.movable_end = self.body.iter().rposition(|body| !body.is_fixed()).map_or(0, |last| last + 1);
         self.generation += 1;
+    }
+}
+
+impl Dimension {
+    /// That of a world: for what does not know the type of its space.
+    #[must_use]
+    pub fn of_world(world: &World) -> Self {
+        if world.contains_resource::<Columns<Solid>>() { Self::Solid } else { Self::Plane }
     }
 }
 

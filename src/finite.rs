@@ -1,6 +1,6 @@
 //! The finite-value check: an infinite or undefined number stops the run and is named, with the grain and the step.
 //!
-//! One pass over positions and velocities at the end of a step; a force that is not finite shows in the velocity
+//! One pass over positions, velocities and spins at the end of a step; a force that is not finite shows in the velocity
 //! of the same step.
 
 use std::marker::PhantomData;

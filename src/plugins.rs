@@ -29,7 +29,7 @@ use crate::neighbours::NeighboursPlugin;
 use crate::periodic::{Periodic, PeriodicPlugin};
 use crate::rest::RestPlugin;
 use crate::scene::load::Loaded;
-use crate::space::{Plane, Solid, Space};
+use crate::space::{Solid, Space};
 use crate::spin::{InertiaLaw, SpinPlugin};
 use crate::step::{Step, StepPlugin};
 use crate::walls::conveyor::ConveyorPlugin;
@@ -42,7 +42,7 @@ use crate::walls::paths::FlatWalls;
 pub struct AskedBy(pub HashMap<SystemKey, String>);
 
 /// Adds plugins and notes who asked for their systems.
-pub struct Assembly<'a> {
+pub(crate) struct Assembly<'a> {
     app: &'a mut App,
     asked_by: HashMap<SystemKey, String>,
 }
@@ -76,7 +76,12 @@ impl<'a> Assembly<'a> {
 }
 
 /// Adds what the scene asks for to an app that has the resources of a run.
-pub(crate) fn add_all<V: Space>(app: &mut Assembly, loaded: &Loaded, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
+pub(crate) fn add_all<V: Space>(
+    app: &mut Assembly,
+    loaded: &Loaded,
+    behaviours: Vec<(String, Box<dyn Behaviour>)>,
+    paths: AddPaths,
+) {
     let (scene, space) = (&loaded.scene, PhantomData::<V>);
     let periodic = Periodic::<V>::new(&scene.periodic);
     let largest_radius = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
@@ -93,7 +98,7 @@ pub(crate) fn add_all<V: Space>(app: &mut Assembly, loaded: &Loaded, behaviours:
     if let Some(periodic) = periodic {
         app.add("periodic", PeriodicPlugin(periodic));
     }
-    V::paths(app, loaded);
+    paths(app, loaded);
     if let Some(line) = scene.cull {
         app.add("cull", CullPlugin(line, space));
     }
@@ -154,37 +159,30 @@ impl<V: Space> LawVisitor<V> for AddContacts<'_, '_> {
     }
 }
 
-/// The watch on paths, which looks for other things in the plane than in solid space.
-pub trait Watched {
-    /// Adds it, if there is something to watch.
-    #[doc(hidden)]
-    fn paths(app: &mut Assembly, loaded: &Loaded);
-}
+/// What [`add_all`] calls to watch paths: the one thing that is different in the two spaces.
+pub(crate) type AddPaths = fn(&mut Assembly, &Loaded);
 
-impl Watched for Plane {
-    /// Asked for by the silo file or else by the scene's walls.
-    fn paths(app: &mut Assembly, loaded: &Loaded) {
-        let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
-        let (walls, surfaces) = (loaded.wall_discs(), loaded.surfaces());
-        if walls.is_empty() && surfaces.is_empty() {
-            return;
-        }
-        let outline = Outline::new(&walls, &loaded.silo.door, &surfaces, smallest_radius);
-        let outline = if loaded.scene.periodic.is_open() { outline } else { outline.unbounded() };
-        if let Some(orifice) = outline.orifice() {
-            app.app.insert_resource(Orifice(orifice));
-        }
-        let key = if loaded.scene.silo.is_some() { "silo" } else { "walls" };
-        app.add(key, PathsPlugin { paths: Arc::new(outline), smallest_radius });
+/// Watches paths in the plane; asked for by the silo file or else by the scene's walls.
+pub(crate) fn planar_paths(app: &mut Assembly, loaded: &Loaded) {
+    let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
+    let (walls, surfaces) = (loaded.wall_discs(), loaded.surfaces());
+    if walls.is_empty() && surfaces.is_empty() {
+        return;
     }
+    let outline = Outline::new(&walls, &loaded.silo.door, &surfaces, smallest_radius);
+    let outline = if loaded.scene.periodic.is_open() { outline } else { outline.unbounded() };
+    if let Some(orifice) = outline.orifice() {
+        app.provide(Orifice(orifice));
+    }
+    let key = if loaded.scene.silo.is_some() { "silo" } else { "walls" };
+    app.add(key, PathsPlugin { paths: Arc::new(outline), smallest_radius });
 }
 
-impl Watched for Solid {
-    fn paths(app: &mut Assembly, loaded: &Loaded) {
-        let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
-        let walls = loaded.surfaces();
-        if !walls.is_empty() {
-            app.add("walls", PathsPlugin { paths: Arc::new(FlatWalls(walls)), smallest_radius });
-        }
+/// Watches paths in solid space.
+pub(crate) fn solid_paths(app: &mut Assembly, loaded: &Loaded) {
+    let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
+    let walls = loaded.surfaces();
+    if !walls.is_empty() {
+        app.add("walls", PathsPlugin { paths: Arc::new(FlatWalls(walls)), smallest_radius });
     }
 }

@@ -14,7 +14,7 @@ use crate::messages::GrainReleased;
 use crate::outcome::{End, Outcome};
 use crate::particle::{Door, GrainId, Species, wall_grain};
 use crate::periodic::Periodic;
-use crate::plugins::{Assembly, add_all};
+use crate::plugins::{AddPaths, Assembly, add_all, planar_paths, solid_paths};
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::spin::Spin;
@@ -59,8 +59,8 @@ impl Simulation {
             .allow_ambiguous_resource::<Outcome>();
         let mut assembly = Assembly::new(&mut app);
         match loaded.scene.space {
-            Dimension::Plane => furnish::<Plane>(&mut assembly, loaded, behaviours),
-            Dimension::Solid => furnish::<Solid>(&mut assembly, loaded, behaviours),
+            Dimension::Plane => furnish::<Plane>(&mut assembly, loaded, behaviours, planar_paths),
+            Dimension::Solid => furnish::<Solid>(&mut assembly, loaded, behaviours, solid_paths),
         }
         more(&mut assembly);
         assembly.finish();
@@ -131,10 +131,15 @@ impl Simulation {
     }
 }
 
-fn furnish<V: Space>(assembly: &mut Assembly, loaded: &Loaded, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
+fn furnish<V: Space>(
+    assembly: &mut Assembly,
+    loaded: &Loaded,
+    behaviours: Vec<(String, Box<dyn Behaviour>)>,
+    paths: AddPaths,
+) {
     assembly.provide(Gravity(loaded.scene.gravity.get::<V>()));
     assembly.provide(Surfaces(loaded.surfaces::<V>()));
-    add_all::<V>(assembly, loaded, behaviours);
+    add_all::<V>(assembly, loaded, behaviours, paths);
 }
 
 fn populate<V: Space>(world: &mut World, loaded: &Loaded) {

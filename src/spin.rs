@@ -3,8 +3,7 @@
 //! w follows velocity Verlet as the velocity does: w(t+dt/2) = w(t) + dt/2 T(t)/I, then T from positions and half-step
 //! velocities, then w(t+dt) = w(t+dt/2) + dt/2 T(t+dt)/I. Orientations are not followed: a sphere looks the same from all
 //! sides. I = 2/5 m R^2 for a sphere, 1/2 m R^2 for a disc. A behaviour that changes a grain's mass or radius sets its
-//! [`Inertia`] as well. Wall grains do not spin; a grain that
-//! a behaviour fixes keeps the spin that it has.
+//! [`Inertia`] as well. Wall grains do not spin; a grain that a behaviour fixes keeps the spin that it has.
 
 use std::marker::PhantomData;
 

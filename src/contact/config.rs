@@ -192,10 +192,8 @@ impl Contacts<'_> {
         self.visit(Erase)
     }
 
-    fn table<L>(&self, mut of: impl FnMut(u8, u8) -> L) -> Table<L> {
-        match Table::new(self.species, |a, b| Ok::<_, std::convert::Infallible>(of(a, b))) {
-            Ok(table) => table,
-        }
+    fn table<L>(&self, of: impl Fn(u8, u8) -> L) -> Table<L> {
+        Table::new(self.species, of)
     }
 
     /// What the scene says of a pair.

@@ -83,8 +83,8 @@ impl<V: Space> Pair<V> {
     }
 }
 
-/// What a contact remembers from step to step, from the side of i. Seen from j, `spring` and `wound` have
-/// the other sign; `rolling` has the same, because relative spin and normal both change theirs.
+/// What a contact remembers from step to step, from the side of i. Seen from j, `spring` has the
+/// other sign; `rolling` has the same, because relative spin and normal both change theirs.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Memory<V: Space = Plane> {
     /// Displacement of the tangential spring, m.

@@ -61,21 +61,14 @@ pub(crate) fn total<L: Demands, V: Space>(force: &PairForce<V>) -> V {
 pub(crate) fn turn<L: Demands, V: Space>(turn: &mut Turn<V>, pair: &Pair<V>, force: &PairForce<V>, side: usize) {
     let friction = &force.turning;
     let arm = pair.normal * -friction.arms[side];
+    // Forces and torques of rolling on the second are opposite; torques of friction are not, for arm and force are.
+    let sign = if side == 0 { 1.0 } else { -1.0 };
     turn.torque += arm.cross(friction.friction);
     turn.friction_drag_torque += arm.cross(friction.friction_drag);
-    if side == 0 {
-        turn.friction_drag += friction.friction_drag;
-    } else {
-        turn.friction_drag -= friction.friction_drag;
-    }
+    turn.friction_drag += friction.friction_drag * sign;
     if L::ROLLING {
-        let (rolling, drag) = if side == 0 {
-            (friction.rolling, friction.rolling_drag)
-        } else {
-            (-friction.rolling, -friction.rolling_drag)
-        };
-        turn.torque += rolling;
-        turn.rolling_drag_torque += drag;
+        turn.torque += friction.rolling * sign;
+        turn.rolling_drag_torque += friction.rolling_drag * sign;
     }
 }
 

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 
-use crate::output::colour::{Rgb, hex};
+use crate::output::colour::{self, Rgb, hex};
 use crate::space::Vector;
 
 /// What to draw.
@@ -110,19 +110,20 @@ impl Paper<'_> {
         ));
     }
 
+    /// A line between two places (m), `width` px wide.
+    fn line(&mut self, from: Vector, to: Vector, width: f64, colour: Rgb) {
+        let (a, b) = (self.at(from), self.at(to));
+        let colour = hex(colour);
+        self.put(format_args!(
+            r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" stroke="{colour}" stroke-width="{width:.2}"/>"#,
+            a.x, a.y, b.x, b.y
+        ));
+    }
+
     fn bodies(&mut self) {
         self.put(format_args!(r#"<g clip-path="url(#view)">"#));
         for &(from, to) in &self.picture.lines {
-            let (a, b) = (self.at(from), self.at(to));
-            let width = 0.004 * self.picture.width;
-            self.put(format_args!(
-                r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" stroke="{}" stroke-width="{width:.2}"/>"#,
-                a.x,
-                a.y,
-                b.x,
-                b.y,
-                hex(crate::output::colour::WALL)
-            ));
+            self.line(from, to, 0.004 * self.picture.width, colour::WALL);
         }
         if self.picture.outlined {
             let width = 0.0008 * self.picture.width;
@@ -136,15 +137,7 @@ impl Paper<'_> {
             self.put(format_args!("</g>"));
         }
         for &(from, to, width, colour) in &self.picture.bonds {
-            let (a, b, width) = (self.at(from), self.at(to), width * self.scale);
-            self.put(format_args!(
-                r#"<line x1="{:.2}" y1="{:.2}" x2="{:.2}" y2="{:.2}" stroke="{}" stroke-width="{width:.2}"/>"#,
-                a.x,
-                a.y,
-                b.x,
-                b.y,
-                hex(colour)
-            ));
+            self.line(from, to, width * self.scale, colour);
         }
         self.put(format_args!("</g>"));
     }
@@ -186,7 +179,7 @@ impl Paper<'_> {
                 self.put(format_args!(r#"<linearGradient id="scale">"#));
                 for stop in 0..=20u8 {
                     let share = f64::from(stop) / 20.0;
-                    let fill = hex(crate::output::colour::viridis(share));
+                    let fill = hex(colour::viridis(share));
                     self.put(format_args!(r#"<stop offset="{share}" stop-color="{fill}"/>"#));
                 }
                 self.put(format_args!("</linearGradient>"));

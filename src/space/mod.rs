@@ -13,13 +13,9 @@ mod solid;
 
 use std::fmt::Debug;
 use std::iter::Sum;
-use std::ops::{Add, AddAssign, Div, Mul, Neg, Sub, SubAssign};
+use std::ops::{Add, AddAssign, Div, IndexMut, Mul, Neg, Sub, SubAssign};
 
-use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
-
-use crate::columns::Columns;
-use crate::plugins::Watched;
 
 /// The plane: (x, y), y is up.
 pub type Plane = glam::DVec2;
@@ -41,12 +37,6 @@ pub enum Dimension {
 }
 
 impl Dimension {
-    /// That of a world: for what does not know the type of its space.
-    #[must_use]
-    pub fn of_world(world: &World) -> Self {
-        if world.contains_resource::<Columns<Solid>>() { Self::Solid } else { Self::Plane }
-    }
-
     /// Number of components of a vector.
     #[must_use]
     pub fn count(self) -> usize {
@@ -105,7 +95,7 @@ pub trait Linear:
 }
 
 /// The plane or solid space, by the type of its vectors.
-pub trait Space: Linear + Div<f64, Output = Self> + Watched {
+pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64> {
     /// Number of components.
     const COMPONENTS: usize;
     /// Which it is.
@@ -124,12 +114,19 @@ pub trait Space: Linear + Div<f64, Output = Self> + Watched {
     fn narrow_spin(padded: Solid) -> Self::Spin;
 
     /// One component: 0 is x.
+    #[inline]
     #[must_use]
-    fn axis(self, axis: usize) -> f64;
+    fn axis(self, axis: usize) -> f64 {
+        self[axis]
+    }
 
     /// The same vector with another component.
+    #[inline]
     #[must_use]
-    fn with_axis(self, axis: usize, value: f64) -> Self;
+    fn with_axis(mut self, axis: usize, value: f64) -> Self {
+        self[axis] = value;
+        self
+    }
 
     /// The component that points up: y in the plane, z in solid space.
     #[inline]

@@ -34,17 +34,6 @@ impl Space for Plane {
         padded.z
     }
 
-    #[inline]
-    fn axis(self, axis: usize) -> f64 {
-        self[axis]
-    }
-
-    #[inline]
-    fn with_axis(mut self, axis: usize, value: f64) -> Self {
-        self[axis] = value;
-        self
-    }
-
     fn on_paper(self) -> Plane {
         self
     }

@@ -34,17 +34,6 @@ impl Space for Solid {
         padded
     }
 
-    #[inline]
-    fn axis(self, axis: usize) -> f64 {
-        self[axis]
-    }
-
-    #[inline]
-    fn with_axis(mut self, axis: usize, value: f64) -> Self {
-        self[axis] = value;
-        self
-    }
-
     fn on_paper(self) -> Plane {
         Plane::new(self.x, self.z)
     }

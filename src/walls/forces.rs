@@ -15,7 +15,7 @@ use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairForce, Pair
 use crate::messages::DoorOpened;
 use crate::space::Space;
 use crate::step::{Clock, ForceStage, Phase, Step};
-use crate::walls::surfaces::{FlatWall, Surfaces, WallLoad, pair, touching};
+use crate::walls::surfaces::{Surfaces, WallLoad, pair, touching};
 
 fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
     law: Res<Law<L>>,
@@ -29,19 +29,15 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
     let (before, pages) = history.walls.turn();
     walls.0.iter_mut().for_each(|wall| wall.load = WallLoad::default());
     for i in 0..columns.movable_end {
-        let mut recall = Recall::new(before, i);
+        let mut recall = L::MEMORY.then(|| Recall::new(before, i));
         let mut ended = Ended::default();
         for index in 0..if columns.is_fixed(i) { 0 } else { walls.0.len() } {
             let Some(pair) = touching(&columns, i, &walls.0[index], dt) else { continue };
             let number = u32::try_from(index).expect("fewer than 2^32 walls");
-            let mut memory = Memory::default();
-            if L::MEMORY {
-                memory = recall.of::<L>(number, |wall, memory| {
-                    if let Some(pair) = parted(&columns, i, &walls.0[wall as usize], dt) {
-                        ended.add_pair(&*law.0, &pair, memory);
-                    }
-                });
-            }
+            let mut memory = recall.as_mut().map_or_else(Memory::default, |recall| {
+                recall
+                    .of::<L>(number, |wall, memory| forget(&mut ended, &*law.0, &columns, i, &walls, wall, memory, dt))
+            });
             let on_i = law.0.force(&pair, &mut memory);
             add_load::<V, L>(&mut columns, i, &mut walls.0[index].load, &pair, &on_i);
             if L::MEMORY {
@@ -49,12 +45,8 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
             }
             largest.0.raise(pair.overlap, pair.radii[0]);
         }
-        if L::MEMORY {
-            recall.finish::<L>(|wall, memory| {
-                if let Some(pair) = parted(&columns, i, &walls.0[wall as usize], dt) {
-                    ended.add_pair(&*law.0, &pair, memory);
-                }
-            });
+        if let Some(recall) = &mut recall {
+            recall.finish::<L>(|wall, memory| forget(&mut ended, &*law.0, &columns, i, &walls, wall, memory, dt));
             pages.end_row();
         }
         // Most grains are far from every wall: their entries are left alone.
@@ -64,11 +56,25 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
     }
 }
 
-/// The geometry of entry `i` and a wall that it has just left; none of a door that has gone, which took all its contacts'
-/// energy with it.
-fn parted<V: Space>(columns: &Columns<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Option<Pair<V>> {
-    let (distance, normal) = wall.surface.distance(columns.body[i].position);
-    wall.is_present.then(|| pair(columns, i, wall, distance, normal, dt))
+/// Books the contact of entry `i` with a wall that it has just left; not of a door that has gone, which took all its
+/// contacts' energy with it.
+#[cold]
+#[expect(clippy::too_many_arguments, reason = "one contact, and where to book it")]
+fn forget<V: Space, L: PairLaw<V>>(
+    ended: &mut Ended,
+    law: &L,
+    columns: &Columns<V>,
+    i: usize,
+    walls: &Surfaces<V>,
+    wall: u32,
+    memory: &Memory<V>,
+    dt: f64,
+) {
+    let wall = &walls.0[wall as usize];
+    if wall.is_present {
+        let (distance, normal) = wall.surface.distance(columns.body[i].position);
+        ended.add_pair(law, &pair(columns, i, wall, distance, normal, dt), memory);
+    }
 }
 
 /// Adds what a contact does to grain and wall.

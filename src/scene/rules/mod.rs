@@ -140,7 +140,7 @@ fn door_and_rest(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A grain looks into its own cell and the eight around it; two centres that are farther apart than a side L can be
+/// A grain looks into its own cell and those next to it; two centres that are farther apart than a side L can be
 /// two cells apart. So L must be at least the largest distance of centres in contact.
 fn cells(loaded: &Loaded) -> Result<(), Fault> {
     let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
