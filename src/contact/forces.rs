@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
 use crate::contact::history::{CHUNK, History};
-use crate::contact::kernel::{OverlapRatio, Partners, Pass};
+use crate::contact::kernel::{OverlapRatio, Pass};
 use crate::contact::{AnyLaw, Demands, PairLaw};
 use crate::energy::SpinEnergyPlugin;
 use crate::neighbours::Search;
@@ -49,23 +49,23 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
         let books = if threads.pool().is_some() { columns.len().div_ceil(CHUNK) } else { 1 };
         history.follow(&columns.id, columns.generation, books);
     }
+    let partners = search.partners();
     let pass = match columns.periodic {
-        None => sum(&Pass { law, metric: Open, dt }, &mut columns, &threads, search.partners(), &mut history),
-        Some(metric) => sum(&Pass { law, metric, dt }, &mut columns, &threads, search.partners(), &mut history),
+        None => sum(&Pass { law, metric: Open, partners, dt }, &mut columns, &threads, &mut history),
+        Some(metric) => sum(&Pass { law, metric, partners, dt }, &mut columns, &threads, &mut history),
     };
     largest.0.merge(pass);
 }
 
 fn sum<V: Space, L: PairLaw<V> + Demands, M: Metric<V>>(
-    pass: &Pass<L, M>,
+    pass: &Pass<V, L, M>,
     columns: &mut Columns<V>,
     threads: &Threads,
-    partners: &dyn Partners<V>,
     history: &mut History<V>,
 ) -> OverlapRatio {
     match threads.pool() {
-        None => pass.half(columns, partners, &mut history.pairs[0]),
-        Some(pool) => pool.install(|| pass.full(columns, partners, history)),
+        None => pass.half(columns, &mut history.pairs[0]),
+        Some(pool) => pool.install(|| pass.full(columns, history)),
     }
 }
 

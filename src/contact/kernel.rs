@@ -58,31 +58,29 @@ impl OverlapRatio {
 }
 
 /// What a pass needs besides the columns.
-pub struct Pass<'a, L, M> {
+pub struct Pass<'a, V: Space, L, M> {
     /// The contact law.
     pub law: &'a L,
     /// How separations are measured.
     pub metric: M,
+    /// Where candidates come from.
+    pub partners: &'a dyn Partners<V>,
     /// By how much memories advance, s.
     pub dt: f64,
 }
 
-impl<L: Demands, M> Pass<'_, L, M> {
+impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
     /// The pair and the force on `i`, if it touches `j`.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "the body of the innermost loop: a call would double its cost")]
-    fn meet<V: Space>(
+    fn meet(
         &self,
         columns: &Columns<V>,
         i: usize,
         j: usize,
         recall: &mut Option<Recall<V>>,
         ended: &mut Ended,
-    ) -> Option<(Pair<V>, PairForce<V>, Memory<V>)>
-    where
-        L: PairLaw<V>,
-        M: Metric<V>,
-    {
+    ) -> Option<(Pair<V>, PairForce<V>, Memory<V>)> {
         let mut pair = touching(&self.metric, columns, i, j, self.dt)?;
         if L::SPIN {
             pair.spins = [columns.spin[i], columns.spin[j]];
@@ -102,16 +100,7 @@ impl<L: Demands, M> Pass<'_, L, M> {
     }
 
     /// Adds all pair forces to the loads of `columns`, each pair once.
-    pub fn half<V: Space>(
-        &self,
-        columns: &mut Columns<V>,
-        partners: &dyn Partners<V>,
-        book: &mut Book<V>,
-    ) -> OverlapRatio
-    where
-        L: PairLaw<V>,
-        M: Metric<V>,
-    {
+    pub fn half(&self, columns: &mut Columns<V>, book: &mut Book<V>) -> OverlapRatio {
         let (mut loads, mut turns) = (std::mem::take(&mut columns.load), std::mem::take(&mut columns.turn));
         let (before, pages) = book.turn();
         let mut largest = OverlapRatio::default();
@@ -121,7 +110,7 @@ impl<L: Demands, M> Pass<'_, L, M> {
             let mut turn_i = if L::SPIN { turns[i] } else { Turn::default() };
             let mut recall = L::MEMORY.then(|| Recall::new(before, i));
             let mut ended = Ended::default();
-            let candidates = partners.of(columns, i, &mut scratch);
+            let candidates = self.partners.of(columns, i, &mut scratch);
             for &partner in filter(&self.metric, &columns.body, i, candidates, &mut buffer) {
                 let j = partner as usize;
                 if let Some((pair, force, memory)) = self.meet(columns, i, j, &mut recall, &mut ended) {
@@ -156,16 +145,7 @@ impl<L: Demands, M> Pass<'_, L, M> {
     }
 
     /// The same sums, each particle for itself, on the threads of the current rayon pool.
-    pub fn full<V: Space>(
-        &self,
-        columns: &mut Columns<V>,
-        partners: &dyn Partners<V>,
-        history: &mut History<V>,
-    ) -> OverlapRatio
-    where
-        L: PairLaw<V>,
-        M: Metric<V>,
-    {
+    pub fn full(&self, columns: &mut Columns<V>, history: &mut History<V>) -> OverlapRatio {
         let (mut loads, mut turns) = (std::mem::take(&mut columns.load), std::mem::take(&mut columns.turn));
         let view = &*columns;
         let mut turn_chunks = turns.chunks_mut(CHUNK);
@@ -180,29 +160,19 @@ impl<L: Demands, M> Pass<'_, L, M> {
                 book: if L::MEMORY { books.next() } else { None },
             })
             .collect();
-        let largest = share_out(shares, &|share, buffers| self.full_share(view, partners, share, buffers));
+        let largest = share_out(shares, &|share, buffers| self.full_share(view, share, buffers));
         (columns.load, columns.turn) = (loads, turns);
         largest
     }
 
-    fn full_share<V: Space>(
-        &self,
-        view: &Columns<V>,
-        partners: &dyn Partners<V>,
-        share: Share<V>,
-        (scratch, buffer): &mut Buffers,
-    ) -> OverlapRatio
-    where
-        L: PairLaw<V>,
-        M: Metric<V>,
-    {
+    fn full_share(&self, view: &Columns<V>, share: Share<V>, (scratch, buffer): &mut Buffers) -> OverlapRatio {
         let mut largest = OverlapRatio::default();
         let mut pages = share.book.map(Book::turn);
         for (row, load) in share.loads.iter_mut().enumerate() {
             let i = share.first + row;
             let mut recall = pages.as_ref().map(|(before, _)| Recall::new(before, row));
             let mut ended = Ended::default();
-            let candidates = partners.of(view, i, scratch);
+            let candidates = self.partners.of(view, i, scratch);
             for &partner in filter(&self.metric, &view.body, i, candidates, buffer) {
                 let j = partner as usize;
                 if i == j {

@@ -19,7 +19,7 @@ impl Ended {
     #[cold]
     pub(super) fn add<V: Space, L: PairLaw<V> + Demands, M: Metric<V>>(
         &mut self,
-        pass: &Pass<L, M>,
+        pass: &Pass<V, L, M>,
         columns: &Columns<V>,
         i: usize,
         partner: u32,
