@@ -199,6 +199,12 @@ impl Paper<'_> {
         let (right, y) = (self.picture.width - text, self.height - 0.8 * text);
         let left = right - metres * self.scale;
         let width = 0.12 * text;
+        // On whatever the picture shows there, it stays legible.
+        let (label, height) = ((right - left).max(3.5 * text) + text, 2.1 * text);
+        let (x, top) = (0.5 * (left + right - label), y - 1.6 * text);
+        self.put(format_args!(
+            r##"<rect x="{x:.2}" y="{top:.2}" width="{label:.2}" height="{height:.2}" fill="#ffffff" fill-opacity="0.85"/>"##
+        ));
         self.put(format_args!(
             r##"<line x1="{left:.2}" y1="{y:.2}" x2="{right:.2}" y2="{y:.2}" stroke="#222222" stroke-width="{width:.2}"/>"##
         ));
