@@ -38,11 +38,14 @@
 use std::collections::BTreeMap;
 
 use bevy_app::App;
+use ron::value::RawValue;
 use serde::de::DeserializeOwned;
 
 use crate::fault::Fault;
+use crate::lattice::load::LoadedLattice;
 use crate::scene::load::Loaded;
 use crate::scene::parse;
+use crate::scene::source::Source;
 use crate::space::Dimension;
 
 /// What the keys of one behaviour make.
@@ -61,6 +64,12 @@ pub trait Behaviour: 'static {
         space == Dimension::Plane
     }
 
+    /// Whether it works in a scene of the lattice gas, on [`Gas`](crate::lattice::gas::Gas) and
+    /// [`Sites`](crate::lattice::sites::Sites). There are no grains then.
+    fn lives_on_lattice(&self) -> bool {
+        false
+    }
+
     /// Whether [`Behaviour::build`] adds the contact law, as [`crate::contact::ContactPlugin`] with a
     /// [`crate::contact::PairLaw`] of its own (and [`crate::walls::forces::SurfacesPlugin`] for flat walls). Then
     /// the scene's `contact` only serves the estimates of `check`, and tells whether a grain file may give spins: a law that
@@ -73,7 +82,7 @@ pub trait Behaviour: 'static {
     fn build(self: Box<Self>, app: &mut App);
 }
 
-type Parse = fn(&Loaded, &str, &str) -> Result<Box<dyn Behaviour>, Fault>;
+type Parse = fn(&Source, &str, &str) -> Result<Box<dyn Behaviour>, Fault>;
 
 /// The behaviours that a program knows, by name.
 #[derive(Default, Clone)]
@@ -86,53 +95,72 @@ impl Registry {
         self
     }
 
-    /// The behaviours that a scene asks for, in the order of their names.
+    /// The behaviours that a scene of grains asks for, in the order of their names.
     ///
     /// # Errors
     /// If a name is unknown, or its keys are wrong; the fault points into the scene.
     pub fn of_scene(&self, loaded: &Loaded) -> Result<Vec<(String, Box<dyn Behaviour>)>, Fault> {
-        loaded
-            .scene
-            .behaviours
+        self.find(&loaded.source, &loaded.scene.behaviours, |behaviour| {
+            if !behaviour.lives_in(loaded.scene.space) {
+                let message = format!("this behaviour does not work with `space: {:?}`", loaded.scene.space);
+                return Err((message, "its program says where it does, in `Behaviour::lives_in`"));
+            }
+            behaviour.check(loaded).map_err(|message| (message, "see the documentation of the behaviour"))
+        })
+    }
+
+    /// The behaviours that a scene of the lattice gas asks for, in the order of their names.
+    ///
+    /// # Errors
+    /// As [`Registry::of_scene`].
+    pub fn of_lattice(&self, loaded: &LoadedLattice) -> Result<Vec<(String, Box<dyn Behaviour>)>, Fault> {
+        self.find(&loaded.source, &loaded.scene.behaviours, |behaviour| {
+            if behaviour.lives_on_lattice() {
+                return Ok(());
+            }
+            let message = "this behaviour does not work with the lattice gas".to_owned();
+            Err((message, "its program says where it does, in `Behaviour::lives_on_lattice`"))
+        })
+    }
+
+    fn find(
+        &self,
+        source: &Source,
+        wanted: &BTreeMap<String, Box<RawValue>>,
+        check: impl Fn(&dyn Behaviour) -> Result<(), (String, &'static str)>,
+    ) -> Result<Vec<(String, Box<dyn Behaviour>)>, Fault> {
+        wanted
             .iter()
             .map(|(name, keys)| {
                 let key = format!("behaviours.{name}");
-                let parse = self.0.get(name.as_str()).ok_or_else(|| self.unknown(loaded, name, &key))?;
-                let behaviour = parse(loaded, &key, keys.get_ron())?;
-                if !behaviour.lives_in(loaded.scene.space) {
-                    let message = format!("this behaviour does not work with `space: {:?}`", loaded.scene.space);
-                    return Err(loaded
-                        .fault("scene::behaviour", &key, message)
-                        .help("its program says where it does, in `Behaviour::lives_in`"));
-                }
-                behaviour.check(loaded).map_err(|message| {
-                    loaded.fault("scene::behaviour", &key, message).help("see the documentation of the behaviour")
-                })?;
+                let parse = self.0.get(name.as_str()).ok_or_else(|| self.unknown(source, name, &key))?;
+                let behaviour = parse(source, &key, keys.get_ron())?;
+                check(&*behaviour)
+                    .map_err(|(message, help)| source.fault("scene::behaviour", &key, message).help(help))?;
                 Ok((name.clone(), behaviour))
             })
             .collect()
     }
 
-    fn unknown(&self, loaded: &Loaded, name: &str, key: &str) -> Fault {
+    fn unknown(&self, source: &Source, name: &str, key: &str) -> Fault {
         let known: Vec<_> = self.0.keys().copied().collect();
         let help = if known.is_empty() {
             "this program knows none; a program of your own registers them (examples/vibrating_wall.rs)".to_owned()
         } else {
             format!("this program knows: {}", known.join(", "))
         };
-        loaded.fault("scene::unknown_behaviour", key, format!("there is no behaviour `{name}`")).help(help)
+        source.fault("scene::unknown_behaviour", key, format!("there is no behaviour `{name}`")).help(help)
     }
 }
 
 fn parse_keys<T: Behaviour + DeserializeOwned>(
-    loaded: &Loaded,
+    source: &Source,
     key: &str,
     ron: &str,
 ) -> Result<Box<dyn Behaviour>, Fault> {
-    let (path, text) = loaded.source();
-    let offset = loaded.offset_of(key).unwrap_or(0);
+    let offset = source.offset_of(key).unwrap_or(0);
     match parse::ron_options().from_str::<T>(ron.trim()) {
         Ok(behaviour) => Ok(Box::new(behaviour)),
-        Err(error) => Err(parse::explain(path, text, &error, offset)),
+        Err(error) => Err(parse::explain(source.path(), &source.text, &error, offset)),
     }
 }

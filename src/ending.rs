@@ -37,7 +37,8 @@ fn end_at_time(clock: Res<Clock>, until: Res<Until>, mut outcome: ResMut<Outcome
     }
 }
 
-fn end_at_rest(mut rest: MessageReader<CameToRest>, mut outcome: ResMut<Outcome>) {
+/// Ends the run when rest is found.
+pub(crate) fn end_at_rest(mut rest: MessageReader<CameToRest>, mut outcome: ResMut<Outcome>) {
     if rest.read().next().is_some() {
         outcome.finish(End::AtRest);
     }

@@ -45,6 +45,7 @@ pub mod finite;
 pub mod grains;
 pub mod gravity;
 pub mod integrate;
+pub mod lattice;
 pub mod ledger;
 pub mod measure;
 pub mod messages;

@@ -73,6 +73,16 @@ pub enum Failure {
         /// Largest contact distance, m.
         needed: f64,
     },
+    /// Particles of a lattice gas are missing, or there are too many.
+    #[error("step {step}: there should be {expected} particles inside, but {counted} are counted")]
+    Miscounted {
+        /// The step at whose end they were counted.
+        step: u64,
+        /// By the ledger.
+        expected: u64,
+        /// By looking.
+        counted: u64,
+    },
     /// A file could not be written.
     #[error("could not write {path}: {reason}")]
     Output {

@@ -58,6 +58,13 @@ impl<'a> Assembly<'a> {
         self
     }
 
+    pub(crate) fn add_behaviours(&mut self, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
+        for (name, behaviour) in behaviours {
+            behaviour.build(self.app);
+            self.note(&format!("behaviours.{name}"));
+        }
+    }
+
     pub(crate) fn provide(&mut self, resource: impl Resource) {
         self.app.insert_resource(resource);
     }
@@ -135,10 +142,7 @@ pub(crate) fn add_all<V: Space>(
     if let Some(bed) = scene.bed {
         app.add("bed", BedPlugin(bed));
     }
-    for (name, behaviour) in behaviours {
-        behaviour.build(app.app);
-        app.note(&format!("behaviours.{name}"));
-    }
+    app.add_behaviours(behaviours);
 }
 
 /// Adds the law's kernel, and the same law on flat walls if the scene has any.

@@ -10,6 +10,8 @@ use crate::behaviour::{Behaviour, Registry};
 use crate::fault::Fault;
 use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
+use crate::lattice;
+use crate::lattice::load::LoadedLattice;
 use crate::messages::GrainReleased;
 use crate::outcome::{End, Outcome};
 use crate::particle::{Door, GrainId, Species, wall_grain};
@@ -47,16 +49,7 @@ impl Simulation {
         more: impl FnOnce(&mut Assembly<'_>),
     ) -> Result<Self, Fault> {
         let behaviours = registry.of_scene(loaded)?;
-        let threads = Threads::new(threads).map_err(|error| {
-            Fault::new("call::threads", format!("could not start the threads: {error}"))
-                .help("ask for fewer with --threads")
-        })?;
-        let mut app = App::empty();
-        app.insert_resource(threads)
-            .init_resource::<Outcome>()
-            .init_resource::<Pending>()
-            // Several systems may end a run; whichever says so first in the step's fixed order is heard.
-            .allow_ambiguous_resource::<Outcome>();
+        let mut app = empty(threads)?;
         let mut assembly = Assembly::new(&mut app);
         match loaded.scene.space {
             Dimension::Plane => furnish::<Plane>(&mut assembly, loaded, behaviours, planar_paths),
@@ -64,11 +57,40 @@ impl Simulation {
         }
         more(&mut assembly);
         assembly.finish();
-        app.add_systems(Step, message_update_system.after(Phase::Observe));
         match loaded.scene.space {
             Dimension::Plane => populate::<Plane>(app.world_mut(), loaded),
             Dimension::Solid => populate::<Solid>(app.world_mut(), loaded),
         }
+        Self::ready(app)
+    }
+
+    /// Builds the app of a scene of the lattice gas; nothing has run yet.
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn of_lattice(loaded: &LoadedLattice, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
+        Self::of_lattice_with(loaded, registry, threads, |_| {})
+    }
+
+    /// The same, with plugins of the caller's on top.
+    pub(crate) fn of_lattice_with(
+        loaded: &LoadedLattice,
+        registry: &Registry,
+        threads: NonZeroUsize,
+        more: impl FnOnce(&mut Assembly<'_>),
+    ) -> Result<Self, Fault> {
+        let behaviours = registry.of_lattice(loaded)?;
+        let mut app = empty(threads)?;
+        let mut assembly = Assembly::new(&mut app);
+        lattice::plugins::add_all(&mut assembly, loaded, behaviours);
+        more(&mut assembly);
+        assembly.finish();
+        Self::ready(app)
+    }
+
+    /// Completes an app that has all its plugins.
+    fn ready(mut app: App) -> Result<Self, Fault> {
+        app.add_systems(Step, message_update_system.after(Phase::Observe));
         let mut simulation = Self { app };
         simulation.initialize_schedule()?;
         Ok(simulation)
@@ -129,6 +151,21 @@ impl Simulation {
     pub fn world_mut(&mut self) -> &mut World {
         self.app.world_mut()
     }
+}
+
+/// An app with what every run has.
+fn empty(threads: NonZeroUsize) -> Result<App, Fault> {
+    let threads = Threads::new(threads).map_err(|error| {
+        Fault::new("call::threads", format!("could not start the threads: {error}"))
+            .help("ask for fewer with --threads")
+    })?;
+    let mut app = App::empty();
+    app.insert_resource(threads)
+        .init_resource::<Outcome>()
+        .init_resource::<Pending>()
+        // Several systems may end a run; whichever says so first in the step's fixed order is heard.
+        .allow_ambiguous_resource::<Outcome>();
+    Ok(app)
 }
 
 fn furnish<V: Space>(

@@ -5,9 +5,13 @@ use std::fmt::Write as _;
 use clap::Args;
 
 use crate::behaviour::Registry;
-use crate::check::{Estimates, warnings};
+use crate::check::{self, Estimates};
 use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
 use crate::fault::Fault;
+use crate::lattice::load::LoadedLattice;
+use crate::lattice::sites::Sites;
+use crate::lattice;
+use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 
 /// Arguments of `check`.
@@ -18,32 +22,21 @@ pub(super) struct CheckArgs {
 }
 
 pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<Verdict, Fault> {
-    let loaded = args.scene.load()?;
-    Simulation::new(&loaded, registry, ONE_THREAD)?;
-    let mut text = format!("{}: the input is valid\n", loaded.name);
+    let scene = args.scene.load()?;
+    let mut text = format!("{}: the input is valid\n", scene.source().name);
+    let warnings = match &scene {
+        AnyScene::Grains(loaded) => {
+            Simulation::new(loaded, registry, ONE_THREAD)?;
+            describe(loaded, &mut text);
+            check::warnings(loaded)
+        }
+        AnyScene::Lattice(loaded) => {
+            Simulation::of_lattice(loaded, registry, ONE_THREAD)?;
+            describe_lattice(loaded, &mut text);
+            lattice::check::warnings(loaded)
+        }
+    };
     // Writing to a string cannot fail.
-    if let Some(e) = Estimates::of(&loaded) {
-        let _ = write!(
-            text,
-            "smallest grain    radius {} m, mass {} kg\n\
-             contact           {:.3e} s long, restitution {:.3}\n\
-             step              {:.3e} s = contact/{:.1}; limit {:.3e} s for one contact, {:.3e} s in a dense bed\n\
-             impact            up to {:.2} m/s, overlap up to {:.2} of the radius\n\
-             weight of the bed overlap about {:.3} of the radius\n",
-            e.radius,
-            e.mass,
-            e.contact_duration,
-            e.restitution,
-            e.dt,
-            e.contact_duration / e.dt,
-            e.pair_limit,
-            e.bed_limit,
-            e.impact_speed,
-            e.impact_overlap,
-            e.static_overlap,
-        );
-    }
-    let warnings = warnings(&loaded);
     for warning in &warnings {
         let _ = write!(text, "warning {}\n  {}\n  {}\n", warning.code, warning.message, warning.help);
     }
@@ -58,4 +51,43 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<Verdict, Fa
     );
     say(&text);
     Ok(Verdict::Done)
+}
+
+/// Writing to a string cannot fail.
+fn describe(loaded: &Loaded, text: &mut String) {
+    let Some(e) = Estimates::of(loaded) else { return };
+    let _ = write!(
+        text,
+        "smallest grain    radius {} m, mass {} kg\n\
+         contact           {:.3e} s long, restitution {:.3}\n\
+         step              {:.3e} s = contact/{:.1}; limit {:.3e} s for one contact, {:.3e} s in a dense bed\n\
+         impact            up to {:.2} m/s, overlap up to {:.2} of the radius\n\
+         weight of the bed overlap about {:.3} of the radius\n",
+        e.radius,
+        e.mass,
+        e.contact_duration,
+        e.restitution,
+        e.dt,
+        e.contact_duration / e.dt,
+        e.pair_limit,
+        e.bed_limit,
+        e.impact_speed,
+        e.impact_overlap,
+        e.static_overlap,
+    );
+}
+
+fn describe_lattice(loaded: &LoadedLattice, text: &mut String) {
+    let sites = loaded.sites();
+    let (columns, rows) = Sites::extent(&loaded.outline(), sites.spacing);
+    let _ = write!(
+        text,
+        "lattice           {} sites in {columns} columns of up to {rows}, {} m apart\n\
+         outlet            {} sites\n\
+         upper layer       about {:.2} m thick (12/g sites)\n",
+        sites.fluid_count(),
+        sites.spacing,
+        sites.doorway.len(),
+        lattice::check::diffuse_layer(loaded),
+    );
 }

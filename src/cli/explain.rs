@@ -9,19 +9,47 @@ use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
 use crate::fault::Fault;
 use crate::particle::Grain;
 use crate::plugins::AskedBy;
-use crate::scene::load::Loaded;
+use crate::lattice::load::LoadedLattice;
+use crate::lattice::sites::Sites;
+use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 use crate::step::Step;
 use crate::walls::config::Wall;
 
 pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, Fault> {
-    let loaded = args.load()?;
-    let mut simulation = Simulation::new(&loaded, registry, ONE_THREAD)?;
+    match args.load()? {
+        AnyScene::Grains(loaded) => explain_grains(&loaded, registry),
+        AnyScene::Lattice(loaded) => explain_lattice(&loaded, registry),
+    }
+}
+
+fn explain_lattice(loaded: &LoadedLattice, registry: &Registry) -> Result<Verdict, Fault> {
+    let simulation = Simulation::of_lattice(loaded, registry, ONE_THREAD)?;
+    let sites = simulation.world().resource::<Sites>();
+    let mut text = format!(
+        "{}, a lattice gas\n{:?}\n{} sites, of each 2 bytes of state; no grain, so no component\n\n",
+        loaded.source.name,
+        loaded.rules,
+        sites.fluid_count()
+    );
+    describe_systems(simulation.world(), &mut text);
+    // Writing to a string cannot fail.
+    let _ = write!(text, "\n`run` adds\n  a row of series.csv every {} steps", loaded.scene.series.interval);
+    let _ = match &loaded.scene.pictures {
+        Some(pictures) => writeln!(text, "\n  a picture every {} steps", pictures.interval),
+        None => writeln!(text),
+    };
+    say(&text);
+    Ok(Verdict::Done)
+}
+
+fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<Verdict, Fault> {
+    let mut simulation = Simulation::new(loaded, registry, ONE_THREAD)?;
     // Step zero releases the first grain and touches no file: then the world shows what a grain is made of.
     simulation.step();
     let mut text = format!(
         "{}, space {:?}\nintegrator {:?}, contact {:?},\nneighbours {:?}\n",
-        loaded.name,
+        loaded.source.name,
         loaded.scene.space,
         loaded.scene.integrator,
         loaded.scene.contact,
@@ -37,7 +65,7 @@ pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, 
     text.push('\n');
     describe_grain(simulation.world_mut(), &mut text);
     describe_systems(simulation.world(), &mut text);
-    describe_outputs(&loaded, &mut text);
+    describe_outputs(loaded, &mut text);
     say(&text);
     Ok(Verdict::Done)
 }

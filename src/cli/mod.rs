@@ -7,6 +7,7 @@ mod explain;
 mod progress;
 mod render;
 mod run;
+mod run_lattice;
 
 use std::ffi::OsString;
 use std::io::IsTerminal as _;
@@ -18,7 +19,7 @@ use clap::{Args, Parser, Subcommand};
 
 use crate::behaviour::Registry;
 use crate::fault::Fault;
-use crate::scene::load::{self, Loaded};
+use crate::scene::load::{self, AnyScene};
 
 /// Simulates grain in silos from one scene file, and leaves pictures, figures and data.
 #[derive(Parser, Debug)]
@@ -67,10 +68,16 @@ struct SceneArgs {
 }
 
 impl SceneArgs {
-    fn load(&self) -> Result<Loaded, Fault> {
+    fn load(&self) -> Result<AnyScene, Fault> {
+        self.load_with(&[])
+    }
+
+    /// With more settings.
+    fn load_with(&self, more: &[(String, String)]) -> Result<AnyScene, Fault> {
         let mut settings = self.set.clone();
         settings.extend(self.seed.map(|seed| ("seed".to_owned(), seed.to_string())));
-        load::load(&self.scene, &settings)
+        settings.extend_from_slice(more);
+        load::any(&self.scene, &settings)
     }
 }
 

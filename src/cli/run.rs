@@ -6,13 +6,17 @@ use std::num::NonZeroUsize;
 use std::path::PathBuf;
 use std::time::Instant;
 
+use bevy_ecs::prelude::*;
 use clap::Args;
 
 use crate::behaviour::Registry;
 use crate::check;
-use crate::cli::progress::Progress;
-use crate::cli::{SceneArgs, Verdict, say};
+use crate::cli::progress::{Pace, Progress};
+use crate::cli::{SceneArgs, Verdict, run_lattice, say};
+use crate::columns::Columns;
 use crate::fault::Fault;
+use crate::grains::file;
+use crate::ledger::Ledger;
 use crate::outcome::End;
 use crate::output::frames::{FramesPlugin, Studio};
 use crate::output::profiles::ProfilesPlugin;
@@ -20,9 +24,11 @@ use crate::output::run_directory::RunDirectory;
 use crate::output::series::SeriesPlugin;
 use crate::output::summary::{Cost, Energy, Summary, movable_grains};
 use crate::output::walls::WallForcesPlugin;
-use crate::scene::load::Loaded;
+use crate::scene::load::{AnyScene, Loaded};
+use crate::scene::source::Source;
 use crate::simulation::Simulation;
 use crate::space::{Dimension, Plane, Solid, Space};
+use crate::step::Clock;
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]
@@ -32,10 +38,10 @@ pub(super) struct RunArgs {
     /// The run directory. Default: out/<scene name>.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Threads of the force pass. The result does not depend on it, to the last bit.
+    /// Threads. The result does not depend on it, to the last bit.
     #[arg(long, value_name = "N", default_value = "1")]
-    threads: NonZeroUsize,
-    /// End at this simulated time, s, at the latest: short for `--set until=T`.
+    pub(super) threads: NonZeroUsize,
+    /// End at this simulated time, s (of a lattice gas: at this step), at the latest: short for `--set until=T`.
     #[arg(long, value_name = "T")]
     until: Option<f64>,
     /// Write PNGs beside the SVG snapshots: short for `--set pictures.png=true`.
@@ -43,40 +49,60 @@ pub(super) struct RunArgs {
     png: bool,
     /// Print the summary as JSON instead of in words.
     #[arg(long)]
-    json: bool,
+    pub(super) json: bool,
 }
 
 pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
-    let mut scene = SceneArgs { scene: args.scene.scene.clone(), set: args.scene.set.clone(), seed: args.scene.seed };
-    scene.set.extend(args.until.map(|until| ("until".to_owned(), format!("{until:?}"))));
-    if args.png {
-        scene.set.extend(pictures_with_png(&args.scene)?);
+    match args.load()? {
+        AnyScene::Grains(loaded) => run_grains(&loaded, args, registry, quiet),
+        AnyScene::Lattice(loaded) => run_lattice::run(&loaded, args, registry, quiet),
     }
-    let loaded = scene.load()?;
-    for warning in check::warnings(&loaded) {
+}
+
+impl RunArgs {
+    /// The scene, with what the short options stand for.
+    fn load(&self) -> Result<AnyScene, Fault> {
+        let mut more: Vec<_> = self.until.map(|until| ("until".to_owned(), until.to_string())).into_iter().collect();
+        if self.png {
+            // `pictures: (...)` may be missing from the scene, or `None`: then it is there with the one key.
+            let has_section = self.scene.load()?.source().value_of("pictures").is_some_and(|value| value != "None");
+            let (key, value) = if has_section { ("pictures.png", "true") } else { ("pictures", "(png: true)") };
+            more.push((key.to_owned(), value.to_owned()));
+        }
+        self.scene.load_with(&more)
+    }
+
+    /// The run directory for a scene.
+    pub(super) fn directory(&self, source: &Source) -> Result<RunDirectory, Fault> {
+        let path = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&source.name));
+        RunDirectory::prepare(&path, source)
+    }
+}
+
+/// What is wrong if a run directory cannot be written.
+pub(super) fn unwritable(directory: &RunDirectory, error: &std::io::Error) -> Fault {
+    Fault::new("run::write", format!("could not write to {}: {error}", directory.path().display()))
+        .help("is there space, and may you write there?")
+}
+
+fn run_grains(loaded: &Loaded, args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+    for warning in check::warnings(loaded) {
         tracing::warn!("{warning}");
     }
     // Everything that can be wrong with the input is found before the first file is written.
-    Simulation::new(&loaded, registry, NonZeroUsize::MIN)?;
-    let path = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&loaded.name));
-    let directory = RunDirectory::prepare(&path, &loaded)?;
-    let mut simulation = build(&loaded, registry, args.threads, &directory)?;
-    let (end, cost) = drive(&mut simulation, &loaded, quiet);
-    let summary = Summary::of(simulation.world_mut(), &loaded, &end, cost);
-    directory.finish(simulation.world_mut(), &summary).map_err(|error| {
-        Fault::new("run::write", format!("could not write the results to {}: {error}", path.display()))
-            .help("is there space left?")
-    })?;
+    Simulation::new(loaded, registry, NonZeroUsize::MIN)?;
+    let directory = args.directory(&loaded.source)?;
+    let mut simulation = build(loaded, registry, args.threads, &directory)?;
+    let (end, cost) = drive(&mut simulation, loaded, quiet);
+    let world = simulation.world_mut();
+    let summary = Summary::of(world, loaded, &end, cost);
+    let state = match loaded.scene.space {
+        Dimension::Plane => file::write::<Plane>(world),
+        Dimension::Solid => file::write::<Solid>(world),
+    };
+    directory.finish(&state, &summary).map_err(|error| unwritable(&directory, &error))?;
     report(&summary, args, &directory);
     Ok(if summary.is_done() { Verdict::Done } else { Verdict::SimulationFailed })
-}
-
-/// `pictures: (...)` may be missing from the scene, or `None`: then it is there with the one key.
-fn pictures_with_png(scene: &SceneArgs) -> Result<Vec<(String, String)>, Fault> {
-    let loaded = scene.load()?;
-    let has_section = loaded.scene.pictures.is_some() && loaded.offset_of("pictures").is_some();
-    let (key, value) = if has_section { ("pictures.png", "true") } else { ("pictures", "(png: true)") };
-    Ok(vec![(key.to_owned(), value.to_owned())])
 }
 
 fn build(
@@ -97,10 +123,7 @@ fn build_in<V: Space>(
     threads: NonZeroUsize,
     directory: &RunDirectory,
 ) -> Result<Simulation, Fault> {
-    let outputs = Outputs::<V>::create(loaded, directory).map_err(|error| {
-        Fault::new("run::write", format!("could not write to {}: {error}", directory.path().display()))
-            .help("is there space, and may you write there?")
-    })?;
+    let outputs = Outputs::<V>::create(loaded, directory).map_err(|error| unwritable(directory, &error))?;
     Simulation::with(loaded, registry, threads, |app| {
         app.add("series", outputs.series);
         if let Some(walls) = outputs.walls {
@@ -141,7 +164,7 @@ impl<V: Space> Outputs<V> {
 
 /// Steps to the end, with progress.
 fn drive(simulation: &mut Simulation, loaded: &Loaded, quiet: bool) -> (End, Cost) {
-    let mut progress = Progress::new(loaded.scene.until.get(), quiet);
+    let mut progress = Progress::new(quiet);
     let mut cost = Cost::default();
     let start = Instant::now();
     loop {
@@ -152,8 +175,31 @@ fn drive(simulation: &mut Simulation, loaded: &Loaded, quiet: bool) -> (End, Cos
             progress.finish();
             return (end, cost);
         }
-        progress.look(simulation.world_mut(), cost.particle_steps);
+        progress.look(cost.particle_steps, |pace| line(simulation.world(), loaded.scene.until.get(), pace));
     }
+}
+
+fn line(world: &World, until: f64, pace: Pace) -> String {
+    let (time, ledger) = (world.resource::<Clock>().time(), world.resource::<Ledger>());
+    let kinetic = match Dimension::of_world(world) {
+        Dimension::Plane => kinetic::<Plane>(world),
+        Dimension::Solid => kinetic::<Solid>(world),
+    };
+    format!(
+        "t = {time:.2} s of at most {until:.0} s | {:.1} M particle-steps/s | at most {:.0} s to go | inside {}, out {}, \
+         lost {} | kinetic {kinetic:.3e} J",
+        pace.millions_per_s,
+        pace.left(time, until - time),
+        ledger.inside(),
+        ledger.out(),
+        ledger.lost()
+    )
+}
+
+/// Kinetic energy of translation, J.
+fn kinetic<V: Space>(world: &World) -> f64 {
+    let columns = world.resource::<Columns<V>>();
+    (0..columns.movable_end).map(|i| columns.kinetic_energy(i)).sum()
 }
 
 fn report(summary: &Summary, args: &RunArgs, directory: &RunDirectory) {

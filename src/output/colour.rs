@@ -46,6 +46,14 @@ pub fn viridis(share: f64) -> Rgb {
     })
 }
 
+/// The grey of a share from 0, white, to 1, black; outside it is that of the nearer end, and so is anything undefined.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a byte")]
+pub fn grey(share: f64) -> Rgb {
+    let share = if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) };
+    [(255.0 * (1.0 - share)).round() as u8; 3]
+}
+
 /// As SVG writes it.
 #[must_use]
 pub fn hex([r, g, b]: Rgb) -> String {

@@ -93,9 +93,38 @@ pub struct Studio {
     pub smallest_radius: f64,
 }
 
-/// Pictures taken so far.
-#[derive(Resource, Default)]
-struct Taken(u32);
+/// The pictures taken so far, by number, in a directory.
+#[derive(Resource, Clone, Debug)]
+pub struct Album {
+    directory: PathBuf,
+    png: bool,
+    taken: u32,
+}
+
+impl Album {
+    /// An empty album, of PNGs too if wanted.
+    #[must_use]
+    pub fn new(directory: PathBuf, png: bool) -> Self {
+        Self { directory, png, taken: 0 }
+    }
+
+    /// Writes the next picture.
+    ///
+    /// # Errors
+    /// If it cannot be written.
+    pub fn save(&mut self, svg: &str) -> Result<(), Failure> {
+        let path = self.directory.join(format!("{:05}.svg", self.taken));
+        self.taken += 1;
+        let failed = |path: &PathBuf, reason: String| Failure::Output { path: path.display().to_string(), reason };
+        std::fs::write(&path, svg).map_err(|error| failed(&path, error.to_string()))?;
+        if self.png {
+            let png_path = path.with_extension("png");
+            let bytes = png::encode(svg).map_err(|reason| failed(&png_path, reason))?;
+            std::fs::write(&png_path, bytes).map_err(|error| failed(&png_path, error.to_string()))?;
+        }
+        Ok(())
+    }
+}
 
 type Bodies<'w, 's, V> = Query<
     'w,
@@ -118,7 +147,7 @@ fn take<V: Space>(
     (clock, ledger, scenery): (Res<Clock>, Res<Ledger>, Scenery<V>),
     (walls, studio): (Res<Surfaces<V>>, Res<Studio>),
     bodies: Bodies<V>,
-    mut taken: ResMut<Taken>,
+    mut album: ResMut<Album>,
     mut outcome: ResMut<Outcome>,
 ) {
     let survey = scenery.survey();
@@ -148,12 +177,12 @@ fn take<V: Space>(
         discs: discs.collect(),
         outlined: V::DIMENSION == Dimension::Solid,
         bonds: studio.bonds(&survey, clock.dt),
-        lines: walls.0.iter().filter(|wall| wall.is_present).flat_map(|wall| studio.lines(&wall.surface)).collect(),
+        lines: walls.0.iter().filter(|wall| wall.is_present).flat_map(|wall| studio.lines(&wall.surface)).map(|(a, b)| (a, b, colour::WALL)).collect(),
+        ..Picture::default()
     };
-    if let Err(failure) = studio.save(taken.0, &picture.to_svg()) {
+    if let Err(failure) = album.save(&picture.to_svg()) {
         outcome.fail(failure);
     }
-    taken.0 += 1;
 }
 
 /// Sum of the elastic contact forces over circumference or surface, for each entry of the columns, N/m or N/m^2.
@@ -179,7 +208,7 @@ impl Studio {
     pub fn of(loaded: &Loaded, directory: PathBuf) -> Option<Self> {
         let pictures = loaded.scene.pictures.clone()?;
         let view = pictures.view.map_or_else(|| everything(loaded), |(low, high)| (low.get(), high.get()));
-        let title = if loaded.scene.title.is_empty() { loaded.name.clone() } else { loaded.scene.title.clone() };
+        let title = if loaded.scene.title.is_empty() { loaded.source.name.clone() } else { loaded.scene.title.clone() };
         let species = match loaded.scene.spawner.as_ref().map(|spawner| &spawner.radius) {
             Some(RadiusLaw::Fixed(radius)) => vec![format!("R = {} m", radius.get())],
             Some(RadiusLaw::Uniform(low, high)) => vec![format!("R = {} to {} m", low.get(), high.get())],
@@ -222,7 +251,7 @@ impl Studio {
     }
 
     fn legend(&self, dimension: Dimension) -> Legend {
-        let scale = |to: Positive, title: &str| Legend::Scale { from: 0.0, to: to.get(), title: title.to_owned() };
+        let scale = |to: Positive, title: &str| Legend::Scale { from: 0.0, to: to.get(), title: title.to_owned(), map: colour::viridis };
         match self.pictures.colour {
             Colour::Species => Legend::Classes(
                 (0..=u8::MAX)
@@ -254,18 +283,6 @@ impl Studio {
                 (0..4).map(|n| (corners[n].on_paper(), corners[(n + 1) % 4].on_paper())).collect()
             }
         }
-    }
-
-    fn save(&self, number: u32, svg: &str) -> Result<(), Failure> {
-        let path = self.directory.join(format!("{number:05}.svg"));
-        let failed = |path: &PathBuf, reason: String| Failure::Output { path: path.display().to_string(), reason };
-        std::fs::write(&path, svg).map_err(|error| failed(&path, error.to_string()))?;
-        if self.pictures.png {
-            let png_path = path.with_extension("png");
-            let bytes = png::encode(svg).map_err(|reason| failed(&png_path, reason))?;
-            std::fs::write(&png_path, bytes).map_err(|error| failed(&png_path, error.to_string()))?;
-        }
-        Ok(())
     }
 }
 
@@ -319,7 +336,7 @@ impl<V: Space> Plugin for FramesPlugin<V> {
     fn build(&self, app: &mut App) {
         observe_every::<Pictures>(app, self.0.pictures.interval.get());
         app.insert_resource(self.0.clone())
-            .init_resource::<Taken>()
+            .insert_resource(Album::new(self.0.directory.clone(), self.0.pictures.png))
             .add_systems(Step, take::<V>.in_set(ObserveStage::Write).run_if(due::<Pictures>));
     }
 }

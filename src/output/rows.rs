@@ -43,15 +43,15 @@ pub(super) fn numbers<V: Space>(v: V) -> String {
 
 /// A file on its way into the world: a plugin is built by reference, and gives away what it brings.
 #[derive(Debug)]
-pub(super) struct Parcel<T>(Mutex<Option<T>>);
+pub(crate) struct Parcel<T>(Mutex<Option<T>>);
 
 impl<T> Parcel<T> {
-    pub(super) fn new(content: T) -> Self {
+    pub(crate) fn new(content: T) -> Self {
         Self(Mutex::new(Some(content)))
     }
 
     /// The content, the first time.
-    pub(super) fn open(&self) -> Option<T> {
+    pub(crate) fn open(&self) -> Option<T> {
         self.0.lock().ok()?.take()
     }
 }

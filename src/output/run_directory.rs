@@ -8,14 +8,11 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-use bevy_ecs::prelude::*;
+use serde::Serialize;
 
 use crate::fault::Fault;
-use crate::grains::file;
-use crate::output::summary::Summary;
-use crate::scene::load::Loaded;
 use crate::scene::places;
-use crate::space::{Dimension, Plane, Solid};
+use crate::scene::source::Source;
 
 /// A run directory.
 #[derive(Clone, Debug)]
@@ -36,11 +33,11 @@ fn copy_name(key: &str) -> &'static str {
 }
 
 impl RunDirectory {
-    /// Makes the directory ready for a run of `loaded` and writes `scene.ron` and the files that it names.
+    /// Makes the directory ready for a run of a scene and writes `scene.ron` and the files that it names.
     ///
     /// # Errors
     /// If it holds something else than a run, or cannot be written.
-    pub fn prepare(path: &Path, loaded: &Loaded) -> Result<Self, Fault> {
+    pub fn prepare(path: &Path, source: &Source) -> Result<Self, Fault> {
         let directory = Self(path.to_owned());
         let fault = |error: io::Error| {
             Fault::new("run::directory", format!("could not prepare the run directory {}: {error}", path.display()))
@@ -54,13 +51,13 @@ impl RunDirectory {
                 Fault::new("run::directory", message).help("give another directory with --out, or empty this one")
             );
         }
-        let mut text = loaded.text.clone();
-        for (key, ..) in &loaded.files {
+        let mut text = source.text.clone();
+        for (key, ..) in &source.files {
             text = places::set(&text, key, &format!("{:?}", copy_name(key)))?;
         }
         directory.clear().map_err(fault)?;
         fs::create_dir_all(directory.frames()).map_err(fault)?;
-        for (key, content) in &loaded.files {
+        for (key, content) in &source.files {
             fs::write(directory.0.join(copy_name(key)), content).map_err(fault)?;
         }
         fs::write(directory.0.join(SCENE), text).map_err(fault)?;
@@ -127,11 +124,7 @@ impl RunDirectory {
     ///
     /// # Errors
     /// If they cannot be written.
-    pub fn finish(&self, world: &mut World, summary: &Summary) -> io::Result<()> {
-        let state = match Dimension::of_world(world) {
-            Dimension::Plane => file::write::<Plane>(world),
-            Dimension::Solid => file::write::<Solid>(world),
-        };
+    pub fn finish(&self, state: &str, summary: &impl Serialize) -> io::Result<()> {
         fs::write(self.0.join("state.csv"), state)?;
         let json = serde_json::to_string_pretty(summary).map_err(io::Error::other)?;
         // Under its name only when it is whole.

@@ -43,7 +43,8 @@ fn of<V: Space>(world: &mut World) -> u64 {
     hash.0
 }
 
-struct Fnv(u64);
+/// FNV-1a, 64 bits.
+pub struct Fnv(u64);
 
 impl Default for Fnv {
     fn default() -> Self {
@@ -52,7 +53,14 @@ impl Default for Fnv {
 }
 
 impl Fnv {
-    fn eat(&mut self, bytes: &[u8]) {
+    /// The hash so far.
+    #[must_use]
+    pub fn value(&self) -> u64 {
+        self.0
+    }
+
+    /// Takes more bytes.
+    pub fn eat(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }

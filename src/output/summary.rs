@@ -158,7 +158,7 @@ impl Summary {
         let speed = cost.particle_steps as f64 / cost.wall_s.max(f64::MIN_POSITIVE);
         Self {
             format: FORMAT,
-            scene: loaded.name.clone(),
+            scene: loaded.source.name.clone(),
             status,
             failure,
             steps: clock.steps,

@@ -4,11 +4,11 @@
 
 use std::fmt::Write as _;
 
-use crate::output::colour::{self, Rgb, hex};
+use crate::output::colour::{Rgb, hex};
 use crate::space::Vector;
 
 /// What to draw.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Picture {
     /// Lower left corner of the view, m.
     pub low: Vector,
@@ -26,8 +26,10 @@ pub struct Picture {
     pub outlined: bool,
     /// Bonds over the discs: ends and width in m, colour.
     pub bonds: Vec<(Vector, Vector, f64, Rgb)>,
-    /// Lines: ends in m.
-    pub lines: Vec<(Vector, Vector)>,
+    /// Rectangles below all else: of each colour, lower left and upper right corners in m.
+    pub cells: Vec<(Rgb, Vec<(Vector, Vector)>)>,
+    /// Lines: ends in m, colour.
+    pub lines: Vec<(Vector, Vector, Rgb)>,
 }
 
 /// What the colours mean.
@@ -46,6 +48,8 @@ pub enum Legend {
         to: f64,
         /// Quantity and unit.
         title: String,
+        /// The colour of a share of the scale.
+        map: fn(f64) -> Rgb,
     },
 }
 
@@ -122,8 +126,9 @@ impl Paper<'_> {
 
     fn bodies(&mut self) {
         self.put(format_args!(r#"<g clip-path="url(#view)">"#));
-        for &(from, to) in &self.picture.lines {
-            self.line(from, to, 0.004 * self.picture.width, colour::WALL);
+        self.cells();
+        for &(from, to, colour) in &self.picture.lines {
+            self.line(from, to, 0.004 * self.picture.width, colour);
         }
         if self.picture.outlined {
             let width = 0.0008 * self.picture.width;
@@ -140,6 +145,20 @@ impl Paper<'_> {
             self.line(from, to, width * self.scale, colour);
         }
         self.put(format_args!("</g>"));
+    }
+
+    /// All rectangles of one colour are one path, without the seams that smoothing would leave between neighbours.
+    fn cells(&mut self) {
+        for (colour, cells) in &self.picture.cells {
+            let mut path = String::new();
+            for &(low, high) in cells {
+                let (a, b) = (self.at(low), self.at(high));
+                // Writing to a string cannot fail.
+                let _ = write!(path, "M{:.1} {:.1}H{:.1}V{:.1}H{:.1}Z", a.x, a.y, b.x, b.y, a.x);
+            }
+            let fill = hex(*colour);
+            self.put(format_args!(r#"<path d="{path}" fill="{fill}" shape-rendering="crispEdges"/>"#));
+        }
     }
 
     fn text(&mut self, x: f64, y: f64, size: f64, anchor: &str, text: &str) {
@@ -173,13 +192,13 @@ impl Paper<'_> {
                     y += 1.35 * text;
                 }
             }
-            Legend::Scale { from, to, title } => {
+            Legend::Scale { from, to, title, map } => {
                 let width = 0.3 * self.picture.width;
                 self.text(right, 1.35 * text, text, "end", &format!("{title}: {} to {}", rounded(*from), rounded(*to)));
                 self.put(format_args!(r#"<linearGradient id="scale">"#));
                 for stop in 0..=20u8 {
                     let share = f64::from(stop) / 20.0;
-                    let fill = hex(colour::viridis(share));
+                    let fill = hex(map(share));
                     self.put(format_args!(r#"<stop offset="{share}" stop-color="{fill}"/>"#));
                 }
                 self.put(format_args!("</linearGradient>"));
@@ -227,11 +246,8 @@ mod tests {
             high: Vector::new(2.0, 1.0),
             width,
             header: vec!["a < b & c".to_owned()],
-            legend: Legend::None,
             discs: vec![(Vector::new(0.5, 0.25), 0.1, [255, 0, 0])],
-            lines: vec![],
-            outlined: false,
-            bonds: vec![],
+            ..Picture::default()
         }
     }
 

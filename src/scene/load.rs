@@ -1,6 +1,5 @@
 //! Loading: the scene's text with `--set` applied, its files read, its rules checked.
 
-use std::fs;
 use std::path::Path;
 
 use crate::contact::config::Contacts;
@@ -8,46 +7,70 @@ use crate::fault::Fault;
 use crate::grains::file::{self, GrainRow, Kind};
 use crate::grains::fill::FixedGrain;
 use crate::grains::spawner::RadiusLaw;
+use crate::lattice::load::LoadedLattice;
 use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
-use crate::scene::places::{self, Places};
+use crate::scene::source::Source;
 use crate::scene::values::Positive;
-use crate::scene::{Scene, parse, rules};
+use crate::scene::{Scene, rules};
 use crate::space::{Dimension, Solid, Space};
 use crate::walls::config::Wall;
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
 use crate::walls::surfaces::FlatWall;
 
-/// A scene that is ready to run.
+/// A scene of grains that is ready to run.
 #[derive(Debug)]
 pub struct Loaded {
     /// What the file says, with `--set` applied.
     pub scene: Scene,
-    /// The scene's name: that of its file, without ending.
-    pub name: String,
+    /// Its text.
+    pub source: Source,
     /// The silo's discs.
     pub silo: SiloGeometry,
     /// The grains of the start.
     pub grains: Vec<GrainRow>,
     /// Wall grains of `fill`.
     pub fixed: Vec<FixedGrain>,
-    /// The files that the scene names: key and content, to be kept with the run.
-    pub files: Vec<(&'static str, String)>,
-    /// The text as resolved.
-    pub text: String,
-    path: String,
-    places: Places,
+}
+
+/// A scene of either method that is ready to run.
+#[derive(Debug)]
+pub enum AnyScene {
+    /// Discrete elements.
+    Grains(Box<Loaded>),
+    /// The lattice gas.
+    Lattice(Box<LoadedLattice>),
+}
+
+impl AnyScene {
+    /// Its text.
+    #[must_use]
+    pub fn source(&self) -> &Source {
+        match self {
+            Self::Grains(loaded) => &loaded.source,
+            Self::Lattice(loaded) => &loaded.source,
+        }
+    }
 }
 
 /// Loads the scene at `path`, each of `settings` (key path, value as RON) applied to its text first.
 ///
 /// # Errors
 /// If a file cannot be read, is not what it should be, or a rule is broken.
+pub fn any(path: &Path, settings: &[(String, String)]) -> Result<AnyScene, Fault> {
+    let source = Source::read(path)?;
+    if source.value_of("method").is_some_and(|method| method.starts_with("LatticeGas")) {
+        return LoadedLattice::new(source, settings).map(Box::new).map(AnyScene::Lattice);
+    }
+    from_source(source, settings).map(Box::new).map(AnyScene::Grains)
+}
+
+/// Loads a scene of grains.
+///
+/// # Errors
+/// As [`any`]; or if it is a scene of another method.
 pub fn load(path: &Path, settings: &[(String, String)]) -> Result<Loaded, Fault> {
-    let text = read(path, "scene::unreadable", "give the path of a scene, a RON file such as scenes/silo1.ron")?;
-    let directory = path.parent().unwrap_or(Path::new("")).to_owned();
-    let name = path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned());
-    from_text(&path.display().to_string(), &name, &directory, text, settings)
+    from_source(Source::read(path)?, settings)
 }
 
 /// The same for a scene's text; `directory` is where the files that it names are looked for.
@@ -58,85 +81,39 @@ pub fn from_text(
     path: &str,
     name: &str,
     directory: &Path,
-    mut text: String,
+    text: String,
     settings: &[(String, String)],
 ) -> Result<Loaded, Fault> {
-    // What the file itself has wrong is told before what a setting has.
-    if !settings.is_empty() {
-        parse::parse::<Scene>(path, &text)?;
-    }
-    for (key, value) in settings {
-        text = places::set(&text, key, value)?;
-    }
-    let scene: Scene = parse::parse(path, &text)?;
-    let places = Places::scan(&text);
-    let mut loaded = Loaded {
-        scene,
-        name: name.to_owned(),
-        silo: SiloGeometry::default(),
-        grains: Vec::new(),
-        fixed: Vec::new(),
-        files: Vec::new(),
-        text,
-        path: path.to_owned(),
-        places,
-    };
+    from_source(Source::new(path, name, directory, text), settings)
+}
+
+fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Loaded, Fault> {
+    let scene: Scene = source.parse(settings)?;
+    let mut loaded =
+        Loaded { scene, source, silo: SiloGeometry::default(), grains: Vec::new(), fixed: Vec::new() };
     // Nobody looks at a vector before its length is known to be right.
     rules::space(&loaded)?;
     if let Some(silo) = loaded.scene.silo.clone() {
-        let (shown, text) = loaded.read_named(directory, &silo.file, "silo.file")?;
+        let (shown, text) = loaded.source.read_named(&silo.file, "silo.file")?;
         loaded.silo = silo_file::parse(&shown, &text, silo.unit)?;
-        loaded.files.push(("silo.file", text));
+        loaded.source.files.push(("silo.file", text));
     }
     if let Some(grains) = loaded.scene.grains.clone() {
-        let (shown, text) = loaded.read_named(directory, &grains.file, "grains.file")?;
+        let (shown, text) = loaded.source.read_named(&grains.file, "grains.file")?;
         let kind = Kind { dimension: loaded.scene.space, spins: loaded.scene.contact.spins() };
         loaded.grains = file::parse(&shown, &text, kind)?;
-        loaded.files.push(("grains.file", text));
+        loaded.source.files.push(("grains.file", text));
     }
     loaded.fill();
     rules::check(&loaded)?;
     Ok(loaded)
 }
 
-fn read(path: &Path, code: &'static str, help: &str) -> Result<String, Fault> {
-    fs::read_to_string(path)
-        .map_err(|error| Fault::new(code, format!("could not read {}: {error}", path.display())).help(help))
-}
-
 impl Loaded {
     /// A fault that points at the value of `key`, or at its nearest parent in the text.
     #[must_use]
     pub fn fault(&self, code: &'static str, key: &str, message: impl Into<String>) -> Fault {
-        let fault = Fault::new(code, message).key(key);
-        match self.places.nearest(key) {
-            Some(place) => {
-                let first_line = self.text[place.value.clone()].find('\n').unwrap_or(place.value.len());
-                fault.at(&self.path, &self.text, place.value.start..place.value.start + first_line)
-            }
-            None => fault.at(&self.path, &self.text, 0..self.text.find('\n').unwrap_or(self.text.len())),
-        }
-    }
-
-    /// The scene's file in messages, and its text.
-    #[must_use]
-    pub fn source(&self) -> (&str, &str) {
-        (&self.path, &self.text)
-    }
-
-    /// Where the value of `key` starts in the text.
-    #[must_use]
-    pub fn offset_of(&self, key: &str) -> Option<usize> {
-        self.places.get(key).map(|place| place.value.start)
-    }
-
-    fn read_named(&self, directory: &Path, file: &Path, key: &str) -> Result<(String, String), Fault> {
-        let path = directory.join(file);
-        let text = fs::read_to_string(&path).map_err(|error| {
-            self.fault("scene::unreadable_file", key, format!("could not read {}: {error}", path.display()))
-                .help("the path counts from the directory of the scene file")
-        })?;
-        Ok((path.display().to_string(), text))
+        self.source.fault(code, key, message)
     }
 
     /// Sets the grains of `fill`, as many as there are ids.

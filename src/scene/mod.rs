@@ -1,4 +1,4 @@
-//! The scene: one RON file that says what is in the silo.
+//! The scene: one RON file that says what is in the silo. [`Scene`] is one of grains.
 //!
 //! Every section's keys are documented where its behaviour lives; this file only lists the sections. All numbers
 //! are SI; a range that a number must keep is part of its type ([`values`]), rules across keys are in [`rules`],
@@ -8,6 +8,7 @@ pub mod load;
 pub mod parse;
 pub mod places;
 pub mod rules;
+pub mod source;
 pub mod values;
 
 use std::collections::BTreeMap;
@@ -24,6 +25,7 @@ use crate::grains::fill::Fill;
 use crate::grains::mass::MassLaw;
 use crate::grains::spawner::Spawner;
 use crate::integrate::Integrator;
+use crate::lattice::rules::Rules;
 use crate::ledger::{Cull, OnLoss};
 use crate::measure::bed::Bed;
 use crate::measure::profile::Profile;
@@ -48,6 +50,9 @@ pub struct Scene {
     /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
+    /// Grains; a scene with another method has other keys.
+    #[serde(default)]
+    pub method: Method,
     /// The plane, or solid space.
     #[serde(default)]
     pub space: Dimension,
@@ -112,6 +117,16 @@ pub struct Scene {
     /// Behaviours that a program registered, each with its own keys.
     #[serde(default)]
     pub behaviours: BTreeMap<String, Box<RawValue>>,
+}
+
+/// What a scene is simulated by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+pub enum Method {
+    /// Discrete elements: the keys of [`Scene`].
+    #[default]
+    Grains,
+    /// The cellular automaton: the keys of [`LatticeScene`](crate::lattice::scene::LatticeScene).
+    LatticeGas(Rules),
 }
 
 /// The scene's `step`.

@@ -7,10 +7,10 @@ use serde::de::DeserializeOwned;
 use crate::fault::Fault;
 use crate::scene::places::Places;
 
-/// How scenes are read: optional keys need no `Some`.
+/// How scenes are read: optional keys need no `Some`, and `LatticeGas((p: ...))` no second brackets.
 #[must_use]
 pub fn ron_options() -> ron::Options {
-    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME)
+    ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES)
 }
 
 /// Parses `text`, the content of the file `name`.

@@ -73,7 +73,7 @@ fn a_behaviour_s_keys_are_checked_where_they_stand() {
         let loaded = example(&[("behaviours.vibrating_wall", value)]).unwrap();
         let fault = registry().of_scene(&loaded).map(|_| ()).unwrap_err();
         assert_eq!((fault.code(), fault.scene_key()), (code, Some(key)), "{value}: {fault}");
-        let line = loaded.text.lines().position(|line| line.contains("behaviours:")).unwrap() + 1;
+        let line = loaded.source.text.lines().position(|line| line.contains("behaviours:")).unwrap() + 1;
         assert_eq!(fault.line_and_column().unwrap().0, line, "{value}");
     }
 }

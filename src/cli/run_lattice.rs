@@ -1,0 +1,102 @@
+//! `siloflow run` for a scene of the lattice gas.
+
+use std::fmt::Write as _;
+use std::num::NonZeroUsize;
+use std::time::Instant;
+
+use crate::behaviour::Registry;
+use crate::cli::progress::{Pace, Progress};
+use crate::cli::run::{RunArgs, unwritable};
+use crate::cli::{Verdict, say};
+use crate::fault::Fault;
+use crate::lattice::gas::Gas;
+use crate::lattice::load::LoadedLattice;
+use crate::lattice::pictures::PicturesPlugin;
+use crate::lattice::series::SeriesPlugin;
+use crate::lattice::sites::Sites;
+use crate::lattice::summary::{Summary, state_csv};
+use crate::outcome::End;
+use crate::output::run_directory::RunDirectory;
+use crate::simulation::Simulation;
+use crate::step::Clock;
+
+pub(super) fn run(loaded: &LoadedLattice, args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+    // Everything that can be wrong with the input is found before the first file is written.
+    Simulation::of_lattice(loaded, registry, NonZeroUsize::MIN)?;
+    let directory = args.directory(&loaded.source)?;
+    let series = SeriesPlugin::create(loaded.scene.series, &directory.series())
+        .map_err(|error| unwritable(&directory, &error))?;
+    let mut simulation = Simulation::of_lattice_with(loaded, registry, args.threads, |app| {
+        app.add("series", series);
+        if let Some(pictures) = PicturesPlugin::of(loaded, directory.frames()) {
+            app.add("pictures", pictures);
+        }
+    })?;
+    let start = Instant::now();
+    let end = drive(&mut simulation, loaded, quiet);
+    let world = simulation.world();
+    let summary = Summary::of(world, loaded, &end, start.elapsed().as_secs_f64());
+    let state = state_csv(world.resource::<Sites>(), world.resource::<Gas>());
+    directory.finish(&state, &summary).map_err(|error| unwritable(&directory, &error))?;
+    report(&summary, args, &directory);
+    Ok(if summary.failure.is_none() { Verdict::Done } else { Verdict::SimulationFailed })
+}
+
+/// Steps to the end, with progress.
+fn drive(simulation: &mut Simulation, loaded: &LoadedLattice, quiet: bool) -> End {
+    let mut progress = Progress::new(quiet);
+    loop {
+        if let Some(end) = simulation.step() {
+            progress.finish();
+            return end;
+        }
+        let (clock, sites) = (simulation.world().resource::<Clock>(), simulation.world().resource::<Sites>());
+        let updates = clock.steps * sites.fluid_count() as u64;
+        progress.look(updates, |pace| line(clock, simulation.world().resource::<Gas>(), loaded.scene.until, pace));
+    }
+}
+
+#[expect(clippy::cast_precision_loss, reason = "figures for people")]
+fn line(clock: &Clock, gas: &Gas, until: u64, pace: Pace) -> String {
+    format!(
+        "step {} of at most {until} | {:.1} M site updates/s | at most {:.0} s to go | inside {}, out {}",
+        clock.steps,
+        pace.millions_per_s,
+        pace.left(clock.time(), until.saturating_sub(clock.steps) as f64),
+        gas.inside(),
+        gas.out()
+    )
+}
+
+fn report(summary: &Summary, args: &RunArgs, directory: &RunDirectory) {
+    if let Some(failure) = &summary.failure {
+        tracing::error!("{failure}");
+    }
+    if args.json {
+        say(&(serde_json::to_string_pretty(summary).unwrap_or_default() + "\n"));
+        return;
+    }
+    let mut text = String::new();
+    let mut line = |name: &str, value: String| {
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{name:<12} {value}");
+    };
+    let (particles, performance) = (&summary.particles, &summary.performance);
+    line(&summary.scene, format!("{}, {} steps of {} sites", summary.status, summary.steps, summary.sites));
+    line("particles", format!("{} entered, {} inside, {} out", particles.entered, particles.inside, particles.out));
+    let moments =
+        [("at rest", summary.rest_step), ("door opened", summary.door_open_step), ("empty", summary.empty_step)];
+    for (name, step) in moments {
+        if let Some(step) = step {
+            line(name, format!("step {step}"));
+        }
+    }
+    let speed = performance.site_updates_per_s / 1e6;
+    line(
+        "wall clock",
+        format!("{:.2} s, {speed:.1} M site updates/s, threads: {}", performance.wall_s, performance.threads),
+    );
+    line("state hash", summary.state_hash.clone());
+    line("written to", directory.path().display().to_string());
+    say(&text);
+}

@@ -1,0 +1,204 @@
+//! Random numbers of the lattice, keyed by site and step: no order of the sites and no number of threads matters.
+//!
+//! Every decision of site s in step t, purpose f and sub-step j reads from a stream of its own:
+//!
+//! ```text
+//! mix = the finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014)
+//! key = mix(seed ^ s 0xD1B54A32D192ED03 ^ (mix(8 t + f) + j 0x632BE59BD9B4E019)),   word(i) = mix(key + (i + 1) 0x9E3779B97F4A7C15)
+//! ```
+//!
+//! which is splitmix64 started at `key`. A draw is the lower or upper half of a word, and happens with chance c if it is
+//! less than c 2^32 (so that 0 never does and 1 always, and others to 2^-32).
+
+/// What a stream is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub enum Purpose {
+    /// Particles that enter: the fill, and pouring.
+    Enter = 0,
+    /// How many particles of a site stop.
+    Stop = 1,
+    /// Where the stopped ones that have no place go.
+    Scatter = 2,
+    /// What a collision gives.
+    Collide = 3,
+    /// Which particles at rest move down.
+    Trickle = 4,
+    /// Random reflection.
+    Reflect = 5,
+    /// Who stops at a wall.
+    Rub = 6,
+    /// Where the ones that a wall has stopped go.
+    ScatterAtWall = 7,
+}
+
+/// The streams of one step, purpose and sub-step.
+#[derive(Clone, Copy, Debug)]
+pub struct Streams {
+    seed: u64,
+    moment: u64,
+}
+
+/// The stream of one site.
+#[derive(Clone, Copy, Debug)]
+pub struct Draws(u64);
+
+#[inline]
+const fn mix(mut z: u64) -> u64 {
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    z ^ (z >> 31)
+}
+
+impl Streams {
+    /// The streams of a purpose in step `t`; `sub_step` tells several uses in one step apart.
+    #[must_use]
+    pub fn new(seed: u64, t: u64, purpose: Purpose, sub_step: u64) -> Self {
+        let moment = mix(t.wrapping_mul(8).wrapping_add(purpose as u64));
+        Self { seed, moment: moment.wrapping_add(sub_step.wrapping_mul(0x632B_E59B_D9B4_E019)) }
+    }
+
+    /// The stream of a site.
+    #[inline]
+    #[must_use]
+    pub fn of(self, site: usize) -> Draws {
+        Draws(mix(self.seed ^ (site as u64).wrapping_mul(0xD1B5_4A32_D192_ED03) ^ self.moment))
+    }
+}
+
+impl Draws {
+    /// The `i`-th word.
+    #[inline]
+    #[must_use]
+    pub fn word(self, i: u64) -> u64 {
+        mix(self.0.wrapping_add((i + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15)))
+    }
+
+    /// Its upper half.
+    #[inline]
+    #[must_use]
+    pub fn high(self, i: u64) -> u32 {
+        high(self.word(i))
+    }
+}
+
+/// The upper half of a word.
+#[inline]
+#[must_use]
+pub fn high(word: u64) -> u32 {
+    (word >> 32) as u32
+}
+
+/// The lower half of a word.
+#[inline]
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "the lower half is wanted")]
+pub fn low(word: u64) -> u32 {
+    word as u32
+}
+
+/// A whole number below `n`, by a draw.
+#[inline]
+#[must_use]
+pub fn below(draw: u32, n: u32) -> u32 {
+    high(u64::from(draw) * u64::from(n))
+}
+
+/// A probability, to be asked.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Chance(u64);
+
+impl Chance {
+    /// The chance of a probability from 0 to 1.
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of 2^32")]
+    pub fn of(probability: f64) -> Self {
+        Self((probability.clamp(0.0, 1.0) * 2f64.powi(32)).round() as u64)
+    }
+
+    /// Whether it happens, by a draw.
+    #[inline]
+    #[must_use]
+    pub fn happens(self, draw: u32) -> bool {
+        u64::from(draw) < self.0
+    }
+}
+
+/// The largest n with r < a^n, for r uniform in 0..1: of which P(n >= j) = a^j.
+#[derive(Clone, Copy, Debug)]
+pub struct Geometric([Chance; 14]);
+
+impl Geometric {
+    /// For the base `a` from 0 to 1.
+    #[must_use]
+    pub fn new(a: f64) -> Self {
+        let mut power = 1.0;
+        Self(std::array::from_fn(|_| {
+            let chance = Chance::of(power);
+            power *= a;
+            chance
+        }))
+    }
+
+    /// n, at most `cap` (itself at most 13), by a draw.
+    #[inline]
+    #[must_use]
+    pub fn draw(&self, draw: u32, cap: u8) -> u8 {
+        let mut n = 0;
+        while n < cap && self.0[usize::from(n) + 1].happens(draw) {
+            n += 1;
+        }
+        n
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn streams_are_splitmix64() {
+        // The first outputs of splitmix64 from 0 (Vigna's reference, as in rand_xoshiro's tests).
+        let draws = Draws(0);
+        assert_eq!([0, 1, 2].map(|i| draws.word(i)), [0xE220_A839_7B1D_CDAF, 0x6E78_9E6A_A1B9_65F4, 0x06C4_5D18_8009_454F]);
+    }
+
+    #[test]
+    fn streams_differ_by_seed_site_step_purpose_and_sub_step() {
+        let one = |seed, t, purpose, sub, site| Streams::new(seed, t, purpose, sub).of(site).word(0);
+        let all = [
+            one(1, 1, Purpose::Stop, 0, 1),
+            one(2, 1, Purpose::Stop, 0, 1),
+            one(1, 2, Purpose::Stop, 0, 1),
+            one(1, 1, Purpose::Scatter, 0, 1),
+            one(1, 1, Purpose::Stop, 1, 1),
+            one(1, 1, Purpose::Stop, 0, 2),
+        ];
+        for (i, a) in all.iter().enumerate() {
+            assert!(all[..i].iter().all(|b| b != a));
+        }
+    }
+
+    #[test]
+    fn chances_of_none_and_one_are_certain() {
+        assert!(!Chance::of(0.0).happens(0));
+        assert!(Chance::of(1.0).happens(u32::MAX));
+        assert_eq!([0.0, 1.0].map(|a| Geometric::new(a).draw(u32::MAX / 2, 5)), [0, 5]);
+    }
+
+    #[test]
+    fn the_geometric_law_has_its_tail() {
+        let (law, streams, n) = (Geometric::new(0.4), Streams::new(5, 1, Purpose::Stop, 0), 100_000);
+        let mut at_least = [0u32; 5];
+        for site in 0..n {
+            let drawn = usize::from(law.draw(streams.of(site).high(0), 4));
+            (0..=drawn).for_each(|j| at_least[j] += 1);
+        }
+        for (j, &count) in (0..).zip(&at_least) {
+            let p = 0.4f64.powi(j);
+            // Five standard errors of a binomial share.
+            let allowed = 5.0 * (p * (1.0 - p) / 1e5).sqrt();
+            assert!((f64::from(count) / 1e5 - p).abs() <= allowed, "{j}: {count}");
+        }
+    }
+}

@@ -1,0 +1,72 @@
+//! When a run of the lattice gas ends: it is empty, at rest (if the scene says so), so many steps after the door has opened,
+//! or time is up.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use crate::ending::{EmptyTime, end_at_rest};
+use crate::grains::spawner::Pending;
+use crate::lattice::door::DoorState;
+use crate::lattice::gas::Gas;
+use crate::outcome::{End, Outcome};
+use crate::step::{Clock, Phase, Step, time_moves};
+
+#[derive(Resource)]
+struct Until(u64);
+
+fn end_when_empty(
+    clock: Res<Clock>,
+    (gas, pending): (Res<Gas>, Res<Pending>),
+    mut empty: ResMut<EmptyTime>,
+    mut outcome: ResMut<Outcome>,
+) {
+    if pending.0 == 0 && gas.entered() > 0 && gas.inside() == 0 {
+        empty.0 = Some(clock.time());
+        outcome.finish(End::Empty);
+    }
+}
+
+fn end_at_step(clock: Res<Clock>, until: Res<Until>, mut outcome: ResMut<Outcome>) {
+    if clock.steps >= until.0 {
+        outcome.finish(End::TimeReached);
+    }
+}
+
+/// Ends the run.
+pub(super) struct EndingPlugin {
+    /// At the latest, steps.
+    pub until: u64,
+    /// Whether rest ends it.
+    pub stop_at_rest: bool,
+}
+
+impl Plugin for EndingPlugin {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(Until(self.until)).init_resource::<EmptyTime>().add_systems(
+            Step,
+            (end_when_empty, end_at_step).chain().in_set(Phase::Cull).run_if(time_moves),
+        );
+        if self.stop_at_rest {
+            app.add_systems(Step, end_at_rest.in_set(Phase::Cull).before(end_when_empty));
+        }
+    }
+}
+
+#[derive(Resource)]
+struct Discharge(u64);
+
+fn end_after_opening(clock: Res<Clock>, (door, discharge): (Res<DoorState>, Res<Discharge>), mut outcome: ResMut<Outcome>) {
+    if door.steps_since(&clock).is_some_and(|steps| steps >= discharge.0) {
+        outcome.finish(End::TimeReached);
+    }
+}
+
+/// Ends the run so many steps after the door has opened.
+pub(super) struct DischargePlugin(pub u64);
+
+impl Plugin for DischargePlugin {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(Discharge(self.0))
+            .add_systems(Step, end_after_opening.in_set(Phase::Cull).after(end_at_step).run_if(time_moves));
+    }
+}

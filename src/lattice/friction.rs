@@ -1,0 +1,67 @@
+//! Rough walls that stop particles (phase D, the paper's second method).
+//!
+//! Every mover that a rough wall blocks stops with probability b. One of the stopped takes the site's own place at rest, if
+//! it is free; the others look for one next to it ([`scatter`](crate::lattice::scatter)), where sites are as crowded as they
+//! have movers. Who finds none goes on and is reflected.
+
+use crate::lattice::draws::{Draws, Purpose, Streams, below};
+use crate::lattice::gas::Gas;
+use crate::lattice::rules::Odds;
+use crate::lattice::scatter::{Rounds, scatter};
+use crate::lattice::sites::{Edge, Sites};
+use crate::lattice::velocities::{directions, nth};
+
+/// Words of a stream from which it is drawn who has found a place.
+const PLACED: u64 = 13;
+
+/// Movers of a site that a wall has stopped and that want a place elsewhere.
+struct Stopped {
+    site: usize,
+    movers: u16,
+    placed: u64,
+}
+
+/// Stops particles at rough walls.
+pub(super) fn rub(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
+    let streams = Streams::new(odds.seed, t, Purpose::Rub, 0);
+    let mut stopped: Vec<Stopped> = Vec::new();
+    for edge in &sites.edges {
+        let movers = stopped_at(edge, gas, odds, streams.of(edge.site));
+        if movers != 0 {
+            stopped.push(Stopped { site: edge.site, movers, placed: 0 });
+        }
+    }
+    let Gas { movers, resting, spare, .. } = gas;
+    #[expect(clippy::cast_possible_truncation, reason = "at most 12")]
+    let number = |s: usize| movers[s].count_ones() as u8;
+    spare.clear();
+    spare.extend(stopped.iter().map(|one| (one.site, u8::try_from(one.movers.count_ones()).unwrap_or(0))));
+    let rounds = Rounds { seed: odds.seed, t, purpose: Purpose::ScatterAtWall };
+    scatter(sites, spare, resting, &rounds, number, |donor| {
+        if let Ok(place) = stopped.binary_search_by_key(&donor, |one| one.site) {
+            stopped[place].placed += 1;
+        }
+    });
+    for Stopped { site, movers: mut left, placed } in stopped {
+        for i in 0..placed {
+            let gone = nth(left, below(streams.of(site).high(PLACED + i), left.count_ones()));
+            left &= !(1 << gone);
+            movers[site] &= !(1 << gone);
+        }
+    }
+}
+
+/// The movers of a site that the wall stops, but for the one that rests there.
+fn stopped_at(edge: &Edge, gas: &mut Gas, odds: &Odds, draws: Draws) -> u16 {
+    let hits = gas.movers[edge.site] & edge.rough;
+    let mut stopped = directions(hits)
+        .filter(|&d| odds.rub.happens(draws.high(d as u64)))
+        .fold(0, |stopped, d| stopped | 1 << d);
+    if stopped != 0 && gas.resting[edge.site] == 0 {
+        let rests = 1 << nth(stopped, below(draws.high(0), stopped.count_ones()));
+        stopped &= !rests;
+        gas.movers[edge.site] &= !rests;
+        gas.resting[edge.site] = 1;
+    }
+    stopped
+}

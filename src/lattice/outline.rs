@@ -1,0 +1,80 @@
+//! The outline of a silo and its inserts: polygons, of which a point is inside or outside, and nearest edges.
+
+use crate::space::Vector;
+
+/// A closed polygon, its corners in either sense, m.
+#[derive(Clone, Debug)]
+pub struct Polygon(pub Vec<Vector>);
+
+impl Polygon {
+    /// The edges, from corner to corner.
+    pub fn edges(&self) -> impl Iterator<Item = (Vector, Vector)> {
+        let next = self.0.iter().skip(1).chain(self.0.first());
+        self.0.iter().copied().zip(next.copied())
+    }
+
+    /// Whether a point is inside, or within `tolerance` (m) of the boundary.
+    #[must_use]
+    pub fn holds(&self, x: Vector, tolerance: f64) -> bool {
+        let is_on_edge = self.edges().any(|edge| distance(x, edge) <= tolerance);
+        // Every crossing of the ray to the right changes sides.
+        let crosses = |(a, b): (Vector, Vector)| {
+            (a.y > x.y) != (b.y > x.y) && x.x < a.x + (x.y - a.y) / (b.y - a.y) * (b.x - a.x)
+        };
+        is_on_edge || self.edges().filter(|&edge| crosses(edge)).count() % 2 == 1
+    }
+
+    /// Lower left and upper right corner of what it spans, m.
+    #[must_use]
+    pub fn bounds(&self) -> (Vector, Vector) {
+        let infinity = Vector::splat(f64::INFINITY);
+        self.0.iter().fold((infinity, -infinity), |(low, high), &x| (low.min(x), high.max(x)))
+    }
+
+    /// The area, m^2.
+    #[must_use]
+    pub fn area(&self) -> f64 {
+        0.5 * self.edges().map(|(a, b)| a.perp_dot(b)).sum::<f64>().abs()
+    }
+}
+
+/// The distance of a point from a segment, m.
+#[must_use]
+pub fn distance(x: Vector, (a, b): (Vector, Vector)) -> f64 {
+    let along = b - a;
+    let share = ((x - a).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+    x.distance(a + share * along)
+}
+
+/// The angle of the nearest of some edges from the horizontal, degrees; 0 without edges.
+#[must_use]
+pub fn nearest_tangent(x: Vector, edges: &[(Vector, Vector)]) -> f64 {
+    let nearest = edges.iter().min_by(|&&a, &&b| distance(x, a).total_cmp(&distance(x, b)));
+    nearest.map_or(0.0, |&(a, b)| (b - a).to_angle().to_degrees())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn hopper() -> Polygon {
+        Polygon([(-1.0, 0.0), (1.0, 0.0), (3.0, 2.0), (-3.0, 2.0)].map(|(x, y)| Vector::new(x, y)).to_vec())
+    }
+
+    #[test]
+    fn inside_is_inside_and_the_boundary_belongs_to_it() {
+        for (x, y, expected) in
+            [(0.0, 1.0, true), (1.9, 1.0, true), (2.0, 1.0, true), (2.1, 1.0, false), (0.0, -0.1, false), (0.0, 2.0, true)]
+        {
+            assert_eq!(hopper().holds(Vector::new(x, y), 1e-9), expected, "({x}, {y})");
+        }
+        assert!((hopper().area() - 8.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn the_nearest_edge_tells_the_tangent() {
+        let edges: Vec<_> = hopper().edges().collect();
+        assert!((nearest_tangent(Vector::new(1.8, 1.0), &edges) - 45.0).abs() < 1e-12);
+        assert!(nearest_tangent(Vector::new(0.0, 0.2), &edges).abs() < 1e-12);
+    }
+}

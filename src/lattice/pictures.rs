@@ -1,0 +1,158 @@
+//! Snapshots of a lattice gas: density as grey levels, black where every state of every site is taken.
+//!
+//! The sites are counted in cells of so many columns and rows; the grey of a cell is the mean number of particles a site
+//! over 13. `frames/NNNNN.svg` every `pictures.interval` steps and at the end, and PNGs beside them if asked.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::lattice::door::DoorState;
+use crate::lattice::gas::Gas;
+use crate::lattice::load::LoadedLattice;
+use crate::lattice::sites::Sites;
+use crate::lattice::velocities::in_bonds;
+use crate::measure::{ObserveStage, due, observe_every};
+use crate::outcome::Outcome;
+use crate::output::colour::{self, Rgb};
+use crate::output::frames::Album;
+use crate::output::svg::{Legend, Picture};
+use crate::scene::values::Positive;
+use crate::space::Vector;
+use crate::step::{Clock, Step};
+
+/// The scene's `pictures`.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Pictures {
+    /// Steps between pictures.
+    pub interval: u32,
+    /// Width, px.
+    pub width: Positive,
+    /// Columns and rows of sites in a cell.
+    pub cell: (u16, u16),
+    /// Whether PNGs are written beside the SVGs.
+    pub png: bool,
+}
+
+impl Default for Pictures {
+    fn default() -> Self {
+        Self { interval: 100, width: Positive::try_from(480.0).expect("positive"), cell: (2, 2), png: false }
+    }
+}
+
+/// The mean numbers of particles a site in cells of so many columns and rows, with each cell's corners, m, and the number of
+/// its fluid sites.
+#[must_use]
+pub fn densities(sites: &Sites, gas: &Gas, (columns, rows): (u16, u16)) -> Vec<Cell> {
+    let (columns, rows) = (usize::from(columns.max(1)), usize::from(rows.max(1)));
+    let high = sites.stride.div_ceil(rows);
+    let mut sums = vec![(0u32, 0u32); sites.kinds.len().div_ceil(sites.stride).div_ceil(columns) * high];
+    for s in sites.fluid() {
+        let cell = &mut sums[s / sites.stride / columns * high + s % sites.stride / rows];
+        *cell = (cell.0 + gas.states()[s].count_ones(), cell.1 + 1);
+    }
+    // A site is the middle of its share of the picture.
+    let pitch = sites.spacing * Vector::new(in_bonds((1, 0)).0, 1.0);
+    let corner = sites.position(0) - 0.5 * pitch;
+    #[expect(clippy::cast_precision_loss, reason = "small numbers")]
+    let at = |i: usize, j: usize| corner + pitch * Vector::new((i * columns) as f64, (j * rows) as f64);
+    let filled = sums.into_iter().enumerate().filter(|(_, (_, fluid))| *fluid > 0);
+    filled
+        .map(|(n, (count, fluid))| {
+            let (i, j) = (n / high, n % high);
+            Cell { low: at(i, j), high: at(i + 1, j + 1), density: f64::from(count) / f64::from(fluid) }
+        })
+        .collect()
+}
+
+/// A cell of a picture.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cell {
+    /// Lower left corner, m.
+    pub low: Vector,
+    /// Upper right corner, m.
+    pub high: Vector,
+    /// Particles a site.
+    pub density: f64,
+}
+
+/// The grey of a density in particles a site, 0 white, 13 black.
+#[must_use]
+pub fn grey(density: f64) -> Rgb {
+    colour::grey(density / 13.0)
+}
+
+/// Cells by colour, as a picture takes them.
+#[must_use]
+pub fn shaded(cells: &[Cell]) -> Vec<(Rgb, Vec<(Vector, Vector)>)> {
+    let mut by_grey: Vec<Vec<(Vector, Vector)>> = vec![Vec::new(); 256];
+    for cell in cells {
+        by_grey[usize::from(grey(cell.density)[0])].push((cell.low, cell.high));
+    }
+    (0..=u8::MAX).zip(by_grey).filter(|(_, cells)| !cells.is_empty()).map(|(g, cells)| ([g; 3], cells)).collect()
+}
+
+#[derive(Resource, Clone)]
+struct Studio {
+    pictures: Pictures,
+    title: String,
+    view: (Vector, Vector),
+    door: Option<(Vector, Vector)>,
+}
+
+fn take(
+    clock: Res<Clock>,
+    (sites, gas, door): (Res<Sites>, Res<Gas>, Option<Res<DoorState>>),
+    studio: Res<Studio>,
+    mut album: ResMut<Album>,
+    mut outcome: ResMut<Outcome>,
+) {
+    let opened = door.as_ref().and_then(|door| door.steps_since(&clock));
+    let since = opened.map_or_else(String::new, |steps| format!(", {steps} since the door opened"));
+    let picture = Picture {
+        low: studio.view.0,
+        high: studio.view.1,
+        width: studio.pictures.width.get(),
+        header: vec![
+            studio.title.clone(),
+            format!("step {}{since}", clock.steps),
+            format!("inside {}, out {} particles", gas.inside(), gas.out()),
+        ],
+        legend: Legend::Scale { from: 0.0, to: 13.0, title: "particles a site".to_owned(), map: colour::grey },
+        cells: shaded(&densities(&sites, &gas, studio.pictures.cell)),
+        lines: sites.lines().iter().map(|&(from, to)| (from, to, colour::WALL)).collect(),
+        ..Picture::default()
+    };
+    let closed = studio.door.filter(|_| opened.is_none());
+    let doors = studio.door.iter().map(|&(from, to)| (from, to, if closed.is_some() { colour::DOOR } else { [255; 3] }));
+    let picture = Picture { lines: picture.lines.iter().copied().chain(doors).collect(), ..picture };
+    if let Err(failure) = album.save(&picture.to_svg()) {
+        outcome.fail(failure);
+    }
+}
+
+/// Takes snapshots.
+pub(crate) struct PicturesPlugin(Studio, Album);
+
+impl PicturesPlugin {
+    /// For a scene, if it wants pictures.
+    pub fn of(loaded: &LoadedLattice, directory: std::path::PathBuf) -> Option<Self> {
+        let pictures = loaded.scene.pictures.clone()?;
+        let title = if loaded.scene.title.is_empty() { &loaded.source.name } else { &loaded.scene.title };
+        let (low, high) = loaded.outline().bounds();
+        let margin = Vector::splat(0.04 * (high - low).max_element());
+        let door = loaded.scene.door.map(|door| (door.from.get(), door.to.get()));
+        let album = Album::new(directory, pictures.png);
+        Some(Self(Studio { pictures, title: title.clone(), view: (low - margin, high + margin), door }, album))
+    }
+}
+
+impl Plugin for PicturesPlugin {
+    fn build(&self, app: &mut App) {
+        observe_every::<Pictures>(app, f64::from(self.0.pictures.interval));
+        app.insert_resource(self.0.clone())
+            .insert_resource(self.1.clone())
+            .add_systems(Step, take.in_set(ObserveStage::Write).run_if(due::<Pictures>));
+    }
+}

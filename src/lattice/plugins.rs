@@ -1,0 +1,135 @@
+//! Which plugins a scene of the lattice gas needs, and where the parts of a step stand in its phases.
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use crate::behaviour::Behaviour;
+use crate::lattice::collide::collide;
+use crate::lattice::collisions::Collisions;
+use crate::lattice::door::DoorPlugin;
+use crate::lattice::ending::{DischargePlugin, EndingPlugin};
+use crate::lattice::enter::{PourPlugin, enter};
+use crate::lattice::friction::rub;
+use crate::lattice::gas::Gas;
+use crate::lattice::load::LoadedLattice;
+use crate::lattice::propagate::{Mirror, propagate};
+use crate::lattice::rest::RestPlugin;
+use crate::lattice::rules::{Odds, Walls};
+use crate::lattice::scatter::place;
+use crate::lattice::sites::Sites;
+use crate::lattice::stop::stop;
+use crate::lattice::trickle::trickle;
+use crate::measure::ObservePlugin;
+use crate::messages::{CameToRest, DoorOpened};
+use crate::plugins::Assembly;
+use crate::step::{Clock, ForceStage, Phase, Step, StepPlugin, time_moves};
+
+/// The collision table, made once.
+#[derive(Resource, Default)]
+pub(super) struct Table(pub Collisions);
+
+/// Adds what the scene asks for.
+pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
+    let scene = &loaded.scene;
+    let sites = loaded.sites();
+    let mut gas = Gas::new(&sites);
+    enter(loaded, &sites, &mut gas);
+    // The automaton counts its time in steps.
+    app.add("step", StepPlugin { dt: 1.0 })
+        .add("always", ObservePlugin)
+        .add("always", LatticeMessages)
+        .add("method", CollisionsPlugin);
+    let rules = &loaded.rules;
+    if rules.b.get() > 0.0 && rules.walls == Walls::Stop {
+        app.add("method.b", FrictionPlugin);
+    }
+    if rules.h.get() > 0.0 {
+        app.add("method.h", TricklePlugin);
+    }
+    let is_random = rules.b.get() > 0.0 && rules.walls == Walls::Scatter;
+    app.add("method", PropagationPlugin(if is_random { Mirror::Random } else { Mirror::Specular }));
+    if let Some(pour) = &scene.pour {
+        app.add("pour", PourPlugin::new(pour, &sites));
+    }
+    if let Some(rest) = scene.rest {
+        app.add("rest", RestPlugin(rest));
+    }
+    if let Some(door) = scene.door {
+        app.add("door", DoorPlugin(door));
+    }
+    app.add("until", EndingPlugin { until: scene.until, stop_at_rest: scene.rest.is_some_and(|rest| rest.stop) });
+    if let Some(steps) = scene.discharge {
+        app.add("discharge", DischargePlugin(steps));
+    }
+    app.provide(Odds::new(rules, scene.seed));
+    app.provide(Table::default());
+    app.provide(sites);
+    app.provide(gas);
+    app.add_behaviours(behaviours);
+}
+
+struct LatticeMessages;
+
+impl Plugin for LatticeMessages {
+    fn build(&self, app: &mut App) {
+        app.add_message::<CameToRest>().add_message::<DoorOpened>();
+    }
+}
+
+/// Systems between the collisions of a step and its propagation find the outgoing particles in these phases.
+struct CollisionsPlugin;
+
+fn stop_some(clock: Res<Clock>, sites: Res<Sites>, table: Res<Table>, odds: Res<Odds>, mut gas: ResMut<Gas>) {
+    stop(&sites, &mut gas, &table.0, &odds, clock.steps);
+}
+
+fn place_stopped(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas: ResMut<Gas>) {
+    place(&sites, &mut gas, &odds, clock.steps);
+}
+
+fn collide_others(clock: Res<Clock>, sites: Res<Sites>, table: Res<Table>, odds: Res<Odds>, mut gas: ResMut<Gas>) {
+    collide(&sites, &mut gas, &table.0, &odds, clock.steps);
+}
+
+impl Plugin for CollisionsPlugin {
+    fn build(&self, app: &mut App) {
+        let collisions = (stop_some, place_stopped, collide_others).chain();
+        app.add_systems(Step, collisions.in_set(ForceStage::Contacts).run_if(time_moves));
+    }
+}
+
+struct FrictionPlugin;
+
+fn stop_at_walls(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas: ResMut<Gas>) {
+    rub(&sites, &mut gas, &odds, clock.steps);
+}
+
+impl Plugin for FrictionPlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Step, stop_at_walls.in_set(ForceStage::Walls).run_if(time_moves));
+    }
+}
+
+struct TricklePlugin;
+
+fn trickle_down(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas: ResMut<Gas>) {
+    trickle(&sites, &mut gas, &odds, clock.steps);
+}
+
+impl Plugin for TricklePlugin {
+    fn build(&self, app: &mut App) {
+        app.add_systems(Step, trickle_down.in_set(ForceStage::Gravity).run_if(time_moves));
+    }
+}
+
+struct PropagationPlugin(Mirror);
+
+impl Plugin for PropagationPlugin {
+    fn build(&self, app: &mut App) {
+        let mirror = self.0;
+        let move_on = move |clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas: ResMut<Gas>| {
+            propagate(&sites, &mut gas, &odds, mirror, clock.steps);
+        };
+        app.add_systems(Step, move_on.in_set(Phase::Kick));
+    }
+}

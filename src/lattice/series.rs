@@ -1,0 +1,135 @@
+//! `series.csv` of a lattice gas: one row every `series.interval` steps, and one at the end.
+//!
+//! | column | unit | meaning |
+//! |---|---|---|
+//! | `step` | | step of the automaton |
+//! | `entered`, `inside`, `out` | particles | the ledger |
+//! | `outflow_per_step` | 1/step | particles out since the row before, over the steps since then |
+//! | `x_m`, `y_m` | m | centre of all particles inside; of one thrown particle, its trace |
+//! | `vx_m_per_step`, `vy_m_per_step` | m/step | their mean velocity |
+//! | `at_rest` | | share of them that rest |
+//!
+//! For each row all particles are counted: if one were missing, the run would fail.
+
+use std::path::Path;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::lattice::gas::Gas;
+use crate::lattice::sites::Sites;
+use crate::lattice::velocities::{in_bonds, momentum};
+use crate::measure::{ObserveStage, due, observe_every};
+use crate::outcome::{Failure, Outcome};
+use crate::output::rows::{Parcel, Rows};
+use crate::space::Vector;
+use crate::step::{Clock, Step};
+
+/// The scene's `series`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Series {
+    /// Steps between rows.
+    pub interval: u32,
+}
+
+impl Default for Series {
+    fn default() -> Self {
+        Self { interval: 10 }
+    }
+}
+
+/// Where the particles are and how they move, in the mean.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Means {
+    /// Particles, counted.
+    pub count: u64,
+    /// Centre, m; zero without particles.
+    pub centre: Vector,
+    /// Mean velocity, m a step.
+    pub velocity: Vector,
+    /// Share that rests.
+    pub at_rest: f64,
+}
+
+/// The means over all particles.
+#[must_use]
+#[expect(clippy::cast_precision_loss, reason = "fewer than 2^53 particles")]
+pub fn means(sites: &Sites, gas: &Gas) -> Means {
+    let (mut count, mut resting, mut moment, mut sum) = (0u64, 0u64, Vector::ZERO, (0i64, 0i64));
+    for s in sites.fluid() {
+        let state = gas.states()[s];
+        let here = state.count_ones();
+        if here > 0 {
+            count += u64::from(here);
+            resting += u64::from(state & 1);
+            moment += f64::from(here) * sites.position(s);
+            let (x, y) = momentum(state);
+            sum = (sum.0 + i64::from(x), sum.1 + i64::from(y));
+        }
+    }
+    if count == 0 {
+        return Means::default();
+    }
+    let (vx, vy) = in_bonds((1, 1));
+    let n = count as f64;
+    let velocity = sites.spacing * Vector::new(vx * sum.0 as f64, vy * sum.1 as f64) / n;
+    Means { count, centre: moment / n, velocity, at_rest: resting as f64 / n }
+}
+
+const HEADER: &str = "step,entered,inside,out,outflow_per_step,x_m,y_m,vx_m_per_step,vy_m_per_step,at_rest";
+
+#[derive(Resource)]
+struct SeriesFile {
+    rows: Rows,
+    last: Option<(u64, u64)>,
+}
+
+fn write_row(
+    clock: Res<Clock>,
+    (sites, gas): (Res<Sites>, Res<Gas>),
+    mut series: ResMut<SeriesFile>,
+    mut outcome: ResMut<Outcome>,
+) {
+    let (step, out) = (clock.steps, gas.out());
+    let now = means(&sites, &gas);
+    if now.count != gas.inside() {
+        outcome.fail(Failure::Miscounted { step, expected: gas.inside(), counted: now.count });
+    }
+    #[expect(clippy::cast_precision_loss, reason = "fewer than 2^53 particles and steps")]
+    let outflow = match series.last.replace((step, out)) {
+        Some((before, out_before)) if step > before => (out - out_before) as f64 / (step - before) as f64,
+        _ => 0.0,
+    };
+    let Means { count, centre: x, velocity: v, at_rest } = now;
+    let entered = gas.entered();
+    series.rows.append(
+        format_args!(
+            "{step},{entered},{count},{out},{outflow:.6},{:.9},{:.9},{:e},{:e},{at_rest:.6}\n",
+            x.x, x.y, v.x, v.y
+        ),
+        &mut outcome,
+    );
+}
+
+/// Writes `series.csv`.
+pub(crate) struct SeriesPlugin {
+    config: Series,
+    file: Parcel<SeriesFile>,
+}
+
+impl SeriesPlugin {
+    /// Creates the file at `path` with its header.
+    pub fn create(config: Series, path: &Path) -> std::io::Result<Self> {
+        Ok(Self { config, file: Parcel::new(SeriesFile { rows: Rows::create(path, HEADER)?, last: None }) })
+    }
+}
+
+impl Plugin for SeriesPlugin {
+    fn build(&self, app: &mut App) {
+        let Some(file) = self.file.open() else { return };
+        observe_every::<Series>(app, f64::from(self.config.interval));
+        app.insert_resource(file).add_systems(Step, write_row.in_set(ObserveStage::Write).run_if(due::<Series>));
+    }
+}

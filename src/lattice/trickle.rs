@@ -1,0 +1,57 @@
+//! Gravity of particles at rest (phase E).
+//!
+//! A particle at rest, with probability h, moves down to the place at rest of a neighbour: one at random of the directions
+//! that lead down, are not blocked, and end at a free place or at a sink. A site that several want takes one of them at
+//! random, a sink takes all; who is refused stays.
+
+use crate::lattice::draws::{Purpose, Streams, below};
+use crate::lattice::gas::Gas;
+use crate::lattice::rules::Odds;
+use crate::lattice::sites::{Kind, Sites};
+use crate::lattice::velocities::{DESCENDING, directions, nth};
+
+struct Move {
+    from: usize,
+    to: usize,
+    direction: usize,
+}
+
+/// Lets particles at rest trickle down.
+pub(super) fn trickle(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
+    let streams = Streams::new(odds.seed, t, Purpose::Trickle, 0);
+    let mut moves = Vec::new();
+    for run in &sites.runs {
+        for s in (run.start..run.start + run.len).filter(|&s| gas.resting[s] == 1) {
+            let draws = streams.of(s);
+            if odds.trickle.happens(draws.high(0)) {
+                let ways = ways_down(sites, gas, s);
+                if ways != 0 {
+                    let direction = nth(ways, below(draws.high(1), ways.count_ones()));
+                    moves.push(Move { from: s, to: sites.neighbour(s, direction), direction });
+                }
+            }
+        }
+    }
+    moves.sort_unstable_by_key(|one| (one.to, one.direction));
+    let accept = Streams::new(odds.seed, t, Purpose::Trickle, 1);
+    for rivals in moves.chunk_by(|a, b| a.to == b.to) {
+        let to = rivals[0].to;
+        if sites.kinds[to] == Kind::Sink {
+            rivals.iter().for_each(|one| gas.resting[one.from] = 0);
+            gas.let_out(u32::try_from(rivals.len()).unwrap_or(u32::MAX));
+        } else {
+            let winner = below(accept.of(to).high(0), u32::try_from(rivals.len()).unwrap_or(u32::MAX));
+            gas.resting[rivals[winner as usize].from] = 0;
+            gas.resting[to] = 1;
+        }
+    }
+}
+
+/// The directions in which a particle at rest may go.
+fn ways_down(sites: &Sites, gas: &Gas, site: usize) -> u16 {
+    let is_free = |&d: &usize| {
+        let to = sites.neighbour(site, d);
+        gas.resting[to] == 0 || sites.kinds[to] == Kind::Sink
+    };
+    directions(DESCENDING & !sites.blocked[site]).filter(is_free).fold(0, |ways, d| ways | 1 << d)
+}

@@ -1,0 +1,124 @@
+//! The thirteen states of a particle: at rest, or on its way to one of twelve neighbours.
+//!
+//! The lattice is triangular with one bond upright. A site has integer coordinates (X, Y) of equal parity and stands at
+//! x = X sqrt(3)/2, y = Y/2 in units of the bond. Direction 0 is rest; 1 to 6 lead to the nearest neighbours (speed 1),
+//! clockwise from straight up; 7 to 12 to the second-nearest (speed sqrt 3), clockwise, 7 between 1 and 2. So 4 is straight
+//! down, {3, 4, 5, 9, 10} are the directions that lead down, {2, 3, 5, 6, 8, 11} those within 30 degrees of the horizontal
+//! and 7 points obliquely up. (Kozicki and Tejchman, TASK Quarterly 9(1), 2005, figure 1, whose numbering this meets.)
+//!
+//! A *state* has bit i for a particle with velocity i; the *movers* of a state are its bits 1 to 12.
+
+/// Steps (dX, dY) of directions 0 to 12.
+pub const STEPS: [(i32, i32); 13] = [
+    (0, 0),
+    (0, 2),
+    (1, 1),
+    (1, -1),
+    (0, -2),
+    (-1, -1),
+    (-1, 1),
+    (1, 3),
+    (2, 0),
+    (1, -3),
+    (-1, -3),
+    (-2, 0),
+    (-1, 3),
+];
+
+/// The direction that leads back.
+pub const OPPOSITE: [usize; 13] = [0, 4, 5, 6, 1, 2, 3, 10, 11, 12, 7, 8, 9];
+
+/// The nearest neighbours between which a bond to a second-nearest one, 7 to 12, passes.
+pub const FLANKS: [(usize, usize); 6] = [(1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1)];
+
+/// The direction of gravity.
+pub const DOWN: usize = 4;
+
+/// Directions that lead down, as a state.
+pub const DESCENDING: u16 = 1 << 3 | 1 << 4 | 1 << 5 | 1 << 9 | 1 << 10;
+
+/// Directions within 30 degrees of the horizontal, as a state.
+pub const LEVEL: u16 = 1 << 2 | 1 << 3 | 1 << 5 | 1 << 6 | 1 << 8 | 1 << 11;
+
+/// All movers of a state.
+pub const MOVERS: u16 = 0x1FFE;
+
+/// Displacement or velocity (dX, dY) in units of the bond.
+#[must_use]
+pub fn in_bonds((dx, dy): (i32, i32)) -> (f64, f64) {
+    (f64::from(dx) * 0.75f64.sqrt(), f64::from(dy) * 0.5)
+}
+
+/// The angle of a direction from the horizontal, degrees, in (-180, 180].
+#[must_use]
+pub fn angle(direction: usize) -> f64 {
+    let (x, y) = in_bonds(STEPS[direction]);
+    y.atan2(x).to_degrees()
+}
+
+/// The sum (X, Y) of the velocities of a state.
+#[must_use]
+pub fn momentum(state: u16) -> (i32, i32) {
+    directions(state).fold((0, 0), |(x, y), d| (x + STEPS[d].0, y + STEPS[d].1))
+}
+
+/// The set bits of a state, ascending.
+pub fn directions(mut state: u16) -> impl Iterator<Item = usize> {
+    std::iter::from_fn(move || {
+        (state != 0).then(|| {
+            let lowest = state.trailing_zeros() as usize;
+            state &= state - 1;
+            lowest
+        })
+    })
+}
+
+/// The `n`-th set bit of a state, from 0, counted from the lowest.
+#[must_use]
+pub fn nth(state: u16, n: u32) -> usize {
+    let rest = (0..n).fold(state, |state, _| state & state.wrapping_sub(1));
+    rest.trailing_zeros() as usize
+}
+
+/// The same directions turned round.
+#[must_use]
+pub fn turned_round(state: u16) -> u16 {
+    directions(state).fold(0, |turned, d| turned | 1 << OPPOSITE[d])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_are_at_one_and_root_three_every_thirty_degrees() {
+        for d in 1..=12 {
+            let (x, y) = in_bonds(STEPS[d]);
+            let expected = if d <= 6 { 1.0 } else { 3.0 };
+            assert!((x * x + y * y - expected).abs() < 1e-15, "{d}");
+            assert_eq!((STEPS[d].0 + STEPS[d].1) % 2, 0, "sites of equal parity");
+            assert_eq!(momentum(1 << d | 1 << OPPOSITE[d]), (0, 0));
+        }
+        let clockwise = [90, 30, -30, -90, -150, 150, 60, 0, -60, -120, 180, 120];
+        for (d, degrees) in (1..).zip(clockwise) {
+            assert!((angle(d) - f64::from(degrees)).abs() < 1e-12, "{d}");
+        }
+    }
+
+    #[test]
+    fn named_sets_are_what_they_say() {
+        assert_eq!(directions(DESCENDING).collect::<Vec<_>>(), (1..=12).filter(|&d| STEPS[d].1 < 0).collect::<Vec<_>>());
+        let is_level = |&d: &usize| angle(d).abs() < 31.0 || angle(d).abs() > 149.0;
+        assert_eq!(directions(LEVEL).collect::<Vec<_>>(), (1..=12).filter(is_level).collect::<Vec<_>>());
+        for (d, (a, b)) in (7..).zip(FLANKS) {
+            let between = (STEPS[a].0 + STEPS[b].0, STEPS[a].1 + STEPS[b].1);
+            assert_eq!(STEPS[d], between, "the way of {d} passes between {a} and {b}");
+        }
+    }
+
+    #[test]
+    fn bits_are_found_in_order() {
+        assert_eq!([0, 1, 2].map(|n| nth(0b1_0110, n)), [1, 2, 4]);
+        assert_eq!(turned_round(1 << 1 | 1 << 9), 1 << 4 | 1 << 12);
+    }
+}

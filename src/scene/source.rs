@@ -1,0 +1,115 @@
+//! The text of a scene: where it comes from, where each key stands in it, and the files that it names.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use serde::de::DeserializeOwned;
+
+use crate::fault::Fault;
+use crate::scene::parse;
+use crate::scene::places::{self, Places};
+
+/// A scene's text, with `--set` applied.
+#[derive(Debug)]
+pub struct Source {
+    /// The scene's name: that of its file, without ending.
+    pub name: String,
+    /// The text as resolved.
+    pub text: String,
+    /// The files that the scene names: key and content, to be kept with the run.
+    pub files: Vec<(&'static str, String)>,
+    path: String,
+    directory: PathBuf,
+    places: Places,
+}
+
+impl Source {
+    /// The text of the file at `path`.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn read(path: &Path) -> Result<Self, Fault> {
+        let text = fs::read_to_string(path).map_err(|error| {
+            Fault::new("scene::unreadable", format!("could not read {}: {error}", path.display()))
+                .help("give the path of a scene, a RON file such as scenes/silo1.ron")
+        })?;
+        let directory = path.parent().unwrap_or(Path::new(""));
+        let name = path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned());
+        Ok(Self::new(&path.display().to_string(), &name, directory, text))
+    }
+
+    /// A text; `path` is shown in messages, `directory` is where the files that it names are looked for.
+    #[must_use]
+    pub fn new(path: &str, name: &str, directory: &Path, text: String) -> Self {
+        let places = Places::scan(&text);
+        Self {
+            name: name.to_owned(),
+            text,
+            files: Vec::new(),
+            path: path.to_owned(),
+            directory: directory.to_owned(),
+            places,
+        }
+    }
+
+    /// Applies settings (key path, value as RON) to the text and parses it.
+    ///
+    /// # Errors
+    /// If the text or a setting is not what it should be.
+    pub fn parse<T: DeserializeOwned>(&mut self, settings: &[(String, String)]) -> Result<T, Fault> {
+        // What the file itself has wrong is told before what a setting has.
+        if !settings.is_empty() {
+            parse::parse::<T>(&self.path, &self.text)?;
+        }
+        for (key, value) in settings {
+            self.text = places::set(&self.text, key, value)?;
+        }
+        let parsed = parse::parse(&self.path, &self.text)?;
+        self.places = Places::scan(&self.text);
+        Ok(parsed)
+    }
+
+    /// A fault that points at the value of `key`, or at its nearest parent in the text.
+    #[must_use]
+    pub fn fault(&self, code: &'static str, key: &str, message: impl Into<String>) -> Fault {
+        let fault = Fault::new(code, message).key(key);
+        match self.places.nearest(key) {
+            Some(place) => {
+                let first_line = self.text[place.value.clone()].find('\n').unwrap_or(place.value.len());
+                fault.at(&self.path, &self.text, place.value.start..place.value.start + first_line)
+            }
+            None => fault.at(&self.path, &self.text, 0..self.text.find('\n').unwrap_or(self.text.len())),
+        }
+    }
+
+    /// The scene's file, as messages show it.
+    #[must_use]
+    pub fn path(&self) -> &str {
+        &self.path
+    }
+
+    /// Where the value of `key` starts in the text.
+    #[must_use]
+    pub fn offset_of(&self, key: &str) -> Option<usize> {
+        self.places.get(key).map(|place| place.value.start)
+    }
+
+    /// The text of the value of `key`.
+    #[must_use]
+    pub fn value_of(&self, key: &str) -> Option<&str> {
+        self.places.get(key).map(|place| self.text[place.value.clone()].trim())
+    }
+
+    /// The content of a file that `key` names, and its path as messages show it.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn read_named(&self, file: &Path, key: &str) -> Result<(String, String), Fault> {
+        let path = self.directory.join(file);
+        let text = fs::read_to_string(&path).map_err(|error| {
+            self.fault("scene::unreadable_file", key, format!("could not read {}: {error}", path.display()))
+                .help("the path counts from the directory of the scene file")
+        })?;
+        Ok((path.display().to_string(), text))
+    }
+}
