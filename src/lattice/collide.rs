@@ -85,3 +85,65 @@ fn subset(set: u16, count: u8, draws: Draws, word: u64) -> u16 {
     }
     chosen
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::outline::Polygon;
+    use crate::lattice::rules::Rules;
+    use crate::lattice::scatter::place;
+    use crate::lattice::stop::stop;
+    use crate::lattice::velocities::momentum;
+    use crate::space::Vector;
+
+    /// One state a site of a wide box, collided once by the rules with these numbers.
+    fn collided(p: f64, g: f64, seed: u64) -> Vec<(u16, u16, u8)> {
+        let box_of = [(0.0, 0.0), (120.0, 0.0), (120.0, 80.0), (0.0, 80.0)].map(|(x, y)| Vector::new(x, y));
+        let sites = Sites::new(&Polygon(box_of.to_vec()), &[], None, 1.0);
+        let mut gas = Gas::new(&sites);
+        let mine: Vec<usize> = sites.fluid().take(1 << 13).collect();
+        assert_eq!(mine.len(), 1 << 13);
+        for (state, &s) in (0..).zip(&mine) {
+            gas.states[s] = state;
+        }
+        let keys = format!("(spacing: 1.0, p: {p:?}, q: 0.0, b: 0.0, k: 0.0, g: {g:?}, h: 0.0)");
+        let rules: Rules = ron::from_str(&keys).unwrap();
+        let (table, odds) = (Collisions::default(), Odds::new(&rules, seed));
+        stop(&sites, &mut gas, &table, &odds, 1);
+        place(&sites, &mut gas, &odds, 1);
+        collide(&sites, &mut gas, &table, &odds, 1);
+        mine.iter().map(|&s| (gas.states[s], gas.movers[s], gas.held[s])).collect()
+    }
+
+    #[test]
+    fn elastic_collisions_keep_number_and_momentum_of_every_state() {
+        for seed in 0..20 {
+            for (before, movers, held) in collided(0.0, 0.0, seed) {
+                if before.count_ones() > 1 {
+                    assert_eq!(momentum(movers), momentum(before), "{before:#b}");
+                    assert_eq!(movers.count_ones() + u32::from(held), before.count_ones(), "{before:#b}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn stopped_and_moving_particles_are_all_there_were() {
+        for (before, movers, held) in collided(0.6, 0.5, 3) {
+            if before.count_ones() > 1 {
+                assert_eq!(movers.count_ones() + u32::from(held), before.count_ones(), "{before:#b}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_kick_takes_momentum_down_by_one_where_the_table_can() {
+        for (before, movers, _) in collided(0.0, 1.0, 4).into_iter().filter(|(before, ..)| before.count_ones() == 1) {
+            let (sum, was) = (momentum(movers), momentum(before));
+            let attainable = (1..=12).any(|d| momentum(1 << d) == (was.0, was.1 - 2));
+            if before != 1 && attainable {
+                assert_eq!(sum, (was.0, was.1 - 2), "{before:#b}");
+            }
+        }
+    }
+}

@@ -24,6 +24,7 @@ pub mod draws;
 pub mod enter;
 pub mod gas;
 pub mod load;
+pub mod observables;
 pub mod outline;
 pub mod pictures;
 pub(crate) mod plugins;
