@@ -8,9 +8,9 @@ use crate::behaviour::Registry;
 use crate::check::{self, Estimates};
 use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
 use crate::fault::Fault;
+use crate::lattice;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::sites::Sites;
-use crate::lattice;
 use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 

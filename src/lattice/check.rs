@@ -25,7 +25,9 @@ pub fn warnings(loaded: &LoadedLattice) -> Vec<Warning> {
     if is_filled && layer > height {
         warn(
             "check::all_gas",
-            format!("the upper layer is about {layer:.2} m thick and the silo {height:.2} m high: there will be no surface"),
+            format!(
+                "the upper layer is about {layer:.2} m thick and the silo {height:.2} m high: there will be no surface"
+            ),
             "raise `g`, or lower `spacing`",
         );
     }
@@ -41,7 +43,11 @@ pub fn warnings(loaded: &LoadedLattice) -> Vec<Warning> {
     if opens_at_rest && scene.rest.is_some_and(|rest| rest.hold >= scene.until) {
         warn(
             "check::never_opens",
-            format!("the door opens at rest, in step {} or later, but the run ends at step {}", rest_at(loaded), scene.until),
+            format!(
+                "the door opens at rest, in step {} or later, but the run ends at step {}",
+                rest_at(loaded),
+                scene.until
+            ),
             "raise `until`, or lower `rest.hold`",
         );
     }

@@ -27,11 +27,12 @@ pub(super) fn collide(sites: &Sites, gas: &mut Gas, table: &Collisions, odds: &O
         let columns = states[range.clone()].iter().zip(&mut movers[range.clone()]);
         let columns = columns.zip(numbers[range.clone()].iter().zip(&held[range.clone()]));
         for (s, ((&state, movers), (&number, &held))) in range.zip(columns) {
-            *movers = match number {
-                _ if state & MOVERS == 0 => 0,
-                1 => lone(state, table, odds, streams.of(s)),
-                _ if number == held => 0,
-                _ => outgoing(state, number, held, table, odds, streams.of(s)),
+            *movers = if number >= 2 && number != held {
+                outgoing(state, number, held, table, odds, streams.of(s))
+            } else if number == 1 && state & MOVERS != 0 {
+                lone(state, table, odds, streams.of(s))
+            } else {
+                0
             };
         }
     }
@@ -50,11 +51,9 @@ fn outgoing(state: u16, number: u8, held: u8, table: &Collisions, odds: &Odds, d
     let (first, second) = (draws.word(0), draws.word(1));
     let mut resultant = table.sum(state).resultant;
     let forgotten = odds.forget.draw(low(first), number);
-    if forgotten > 0 {
-        resultant = table.sum(without(state, forgotten, number, draws)).resultant;
-    }
-    if odds.level.happens(high(first)) {
-        resultant = table.sum(subset(LEVEL, count.min(6), draws, LEVELLED)).resultant;
+    let is_level = odds.level.happens(high(first));
+    if forgotten > 0 || is_level {
+        resultant = table.sum(rubbed(state, number, count, forgotten, is_level, draws)).resultant;
     }
     if held >= 2 && !table.choice(count, resultant).is_exact {
         return subset(MOVERS, count, draws, RANDOM);
@@ -63,6 +62,13 @@ fn outgoing(state: u16, number: u8, held: u8, table: &Collisions, odds: &Odds, d
         resultant -= DOWNWARDS;
     }
     table.pick(table.choice(count, resultant), high(second))
+}
+
+/// A state whose momentum counts instead of that of `state`: by internal friction that of nearly horizontal directions, or
+/// else that of the particles that are not forgotten. Out of the way of the sites where neither happens.
+#[inline(never)]
+fn rubbed(state: u16, number: u8, count: u8, forgotten: u8, is_level: bool, draws: Draws) -> u16 {
+    if is_level { subset(LEVEL, count.min(6), draws, LEVELLED) } else { without(state, forgotten, number, draws) }
 }
 
 /// A state without some of its particles, at random.
@@ -77,6 +83,9 @@ fn without(state: u16, count: u8, number: u8, draws: Draws) -> u16 {
 
 /// So many random members of a set; draws from the words after `word`.
 fn subset(set: u16, count: u8, draws: Draws, word: u64) -> u16 {
+    if u32::from(count) == set.count_ones() {
+        return set;
+    }
     let (mut left, mut chosen) = (set, 0);
     for i in 0..u64::from(count) {
         let next = nth(left, below(draws.high(word + i), left.count_ones()));

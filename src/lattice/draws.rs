@@ -34,10 +34,7 @@ pub enum Purpose {
 
 /// The streams of one step, purpose and sub-step.
 #[derive(Clone, Copy, Debug)]
-pub struct Streams {
-    seed: u64,
-    moment: u64,
-}
+pub struct Streams(u64);
 
 /// The stream of one site.
 #[derive(Clone, Copy, Debug)]
@@ -55,14 +52,14 @@ impl Streams {
     #[must_use]
     pub fn new(seed: u64, t: u64, purpose: Purpose, sub_step: u64) -> Self {
         let moment = mix(t.wrapping_mul(8).wrapping_add(purpose as u64));
-        Self { seed, moment: moment.wrapping_add(sub_step.wrapping_mul(0x632B_E59B_D9B4_E019)) }
+        Self(seed ^ moment.wrapping_add(sub_step.wrapping_mul(0x632B_E59B_D9B4_E019)))
     }
 
     /// The stream of a site.
     #[inline]
     #[must_use]
     pub fn of(self, site: usize) -> Draws {
-        Draws(mix(self.seed ^ (site as u64).wrapping_mul(0xD1B5_4A32_D192_ED03) ^ self.moment))
+        Draws(mix(self.0 ^ (site as u64).wrapping_mul(0xD1B5_4A32_D192_ED03)))
     }
 }
 
@@ -140,15 +137,20 @@ impl Geometric {
         }))
     }
 
-    /// n, at most `cap` (itself at most 13), by a draw.
+    /// n, at most `cap`, itself from 2 to 13, by a draw.
     #[inline]
     #[must_use]
     pub fn draw(&self, draw: u32, cap: u8) -> u8 {
-        let mut n = 0;
-        while n < cap && self.0[usize::from(n) + 1].happens(draw) {
-            n += 1;
-        }
-        n
+        debug_assert!(cap >= 2, "a collision of two or more");
+        // Two comparisons cost less than one branch that nothing can foresee; more are rare.
+        let n = u8::from(self.0[1].happens(draw)) + u8::from(self.0[2].happens(draw));
+        if self.0[3].happens(draw) { self.many(draw, cap) } else { n }
+    }
+
+    /// n of three or more, but for the cap.
+    #[cold]
+    fn many(&self, draw: u32, cap: u8) -> u8 {
+        (0..cap).take_while(|&n| self.0[usize::from(n) + 1].happens(draw)).count() as u8
     }
 }
 
@@ -160,7 +162,10 @@ mod tests {
     fn streams_are_splitmix64() {
         // The first outputs of splitmix64 from 0 (Vigna's reference, as in rand_xoshiro's tests).
         let draws = Draws(0);
-        assert_eq!([0, 1, 2].map(|i| draws.word(i)), [0xE220_A839_7B1D_CDAF, 0x6E78_9E6A_A1B9_65F4, 0x06C4_5D18_8009_454F]);
+        assert_eq!(
+            [0, 1, 2].map(|i| draws.word(i)),
+            [0xE220_A839_7B1D_CDAF, 0x6E78_9E6A_A1B9_65F4, 0x06C4_5D18_8009_454F]
+        );
     }
 
     #[test]
@@ -184,6 +189,7 @@ mod tests {
         assert!(!Chance::of(0.0).happens(0));
         assert!(Chance::of(1.0).happens(u32::MAX));
         assert_eq!([0.0, 1.0].map(|a| Geometric::new(a).draw(u32::MAX / 2, 5)), [0, 5]);
+        assert_eq!([2, 3, 13].map(|cap| Geometric::new(1.0).draw(0, cap)), [2, 3, 13]);
     }
 
     #[test]

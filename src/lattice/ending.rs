@@ -42,10 +42,9 @@ pub(super) struct EndingPlugin {
 
 impl Plugin for EndingPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(Until(self.until)).init_resource::<EmptyTime>().add_systems(
-            Step,
-            (end_when_empty, end_at_step).chain().in_set(Phase::Cull).run_if(time_moves),
-        );
+        app.insert_resource(Until(self.until))
+            .init_resource::<EmptyTime>()
+            .add_systems(Step, (end_when_empty, end_at_step).chain().in_set(Phase::Cull).run_if(time_moves));
         if self.stop_at_rest {
             app.add_systems(Step, end_at_rest.in_set(Phase::Cull).before(end_when_empty));
         }
@@ -55,7 +54,11 @@ impl Plugin for EndingPlugin {
 #[derive(Resource)]
 struct Discharge(u64);
 
-fn end_after_opening(clock: Res<Clock>, (door, discharge): (Res<DoorState>, Res<Discharge>), mut outcome: ResMut<Outcome>) {
+fn end_after_opening(
+    clock: Res<Clock>,
+    (door, discharge): (Res<DoorState>, Res<Discharge>),
+    mut outcome: ResMut<Outcome>,
+) {
     if door.steps_since(&clock).is_some_and(|steps| steps >= discharge.0) {
         outcome.finish(End::TimeReached);
     }

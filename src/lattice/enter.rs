@@ -111,7 +111,12 @@ impl PourPlugin {
         let row = |s: usize| sites.coordinates(s).1 / 2;
         let top = sites.fluid().map(row).max().unwrap_or(0);
         let poured = sites.fluid().filter(|&s| row(s) > top - POURED_ROWS).collect();
-        #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count")]
+        #[expect(
+            clippy::cast_precision_loss,
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a count"
+        )]
         let target = (config.per_site.get() * sites.fluid_count() as f64).round() as u64;
         Self { hopper: (poured, Chance::of(config.chance.get()), target) }
     }

@@ -54,9 +54,8 @@ pub(super) fn rub(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
 /// The movers of a site that the wall stops, but for the one that rests there.
 fn stopped_at(edge: &Edge, gas: &mut Gas, odds: &Odds, draws: Draws) -> u16 {
     let hits = gas.movers[edge.site] & edge.rough;
-    let mut stopped = directions(hits)
-        .filter(|&d| odds.rub.happens(draws.high(d as u64)))
-        .fold(0, |stopped, d| stopped | 1 << d);
+    let mut stopped =
+        directions(hits).filter(|&d| odds.rub.happens(draws.high(d as u64))).fold(0, |stopped, d| stopped | 1 << d);
     if stopped != 0 && gas.resting[edge.site] == 0 {
         let rests = 1 << nth(stopped, below(draws.high(0), stopped.count_ones()));
         stopped &= !rests;

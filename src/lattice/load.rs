@@ -89,7 +89,12 @@ impl LoadedLattice {
         }
         if self.sites().runs.is_empty() {
             let message = "no site of the lattice is inside the outline";
-            return Err(self.fault("scene::empty_box", "outline", message, "give a smaller `spacing` or a larger outline"));
+            return Err(self.fault(
+                "scene::empty_box",
+                "outline",
+                message,
+                "give a smaller `spacing` or a larger outline",
+            ));
         }
         Ok(())
     }
@@ -110,7 +115,12 @@ impl LoadedLattice {
         }
         if self.sites().doorway.is_empty() {
             let message = "there is no site to go out by: the door is not on the outline";
-            return Err(self.fault("scene::no_door", "door", message, "give two places on one edge of the outline, in m"));
+            return Err(self.fault(
+                "scene::no_door",
+                "door",
+                message,
+                "give two places on one edge of the outline, in m",
+            ));
         }
         if door.opens == DoorOpens::AtRest && scene.rest.is_none() {
             let message = "the door opens at rest, but nothing detects rest";
@@ -123,7 +133,8 @@ impl LoadedLattice {
         let scene = &self.scene;
         for (n, thrown) in scene.particles.iter().enumerate() {
             if thrown.velocity > 12 {
-                let (key, message) = (format!("particles[{n}].velocity"), "expected a direction from 0 (at rest) to 12");
+                let (key, message) =
+                    (format!("particles[{n}].velocity"), "expected a direction from 0 (at rest) to 12");
                 return Err(self.fault("scene::out_of_range", &key, message, "1 is up, 4 is down, 7 obliquely up"));
             }
             let is_inside = thrown.at.count() == 2 && self.outline().holds(thrown.at.get::<Plane>(), 0.0);
@@ -142,7 +153,12 @@ impl LoadedLattice {
         }
         if scene.fill.is_none() && scene.pour.is_none() && scene.particles.is_empty() {
             let message = "nothing enters: there are no particles";
-            return Err(self.fault("scene::missing_key", "fill", message, "add `fill: (per_site: 6.0)`, `pour` or `particles`"));
+            return Err(self.fault(
+                "scene::missing_key",
+                "fill",
+                message,
+                "add `fill: (per_site: 6.0)`, `pour` or `particles`",
+            ));
         }
         Ok(())
     }

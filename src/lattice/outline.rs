@@ -63,9 +63,14 @@ mod tests {
 
     #[test]
     fn inside_is_inside_and_the_boundary_belongs_to_it() {
-        for (x, y, expected) in
-            [(0.0, 1.0, true), (1.9, 1.0, true), (2.0, 1.0, true), (2.1, 1.0, false), (0.0, -0.1, false), (0.0, 2.0, true)]
-        {
+        for (x, y, expected) in [
+            (0.0, 1.0, true),
+            (1.9, 1.0, true),
+            (2.0, 1.0, true),
+            (2.1, 1.0, false),
+            (0.0, -0.1, false),
+            (0.0, 2.0, true),
+        ] {
             assert_eq!(hopper().holds(Vector::new(x, y), 1e-9), expected, "({x}, {y})");
         }
         assert!((hopper().area() - 8.0).abs() < 1e-12);

@@ -125,7 +125,8 @@ fn take(
         ..Picture::default()
     };
     let closed = studio.door.filter(|_| opened.is_none());
-    let doors = studio.door.iter().map(|&(from, to)| (from, to, if closed.is_some() { colour::DOOR } else { [255; 3] }));
+    let doors =
+        studio.door.iter().map(|&(from, to)| (from, to, if closed.is_some() { colour::DOOR } else { [255; 3] }));
     let picture = Picture { lines: picture.lines.iter().copied().chain(doors).collect(), ..picture };
     if let Err(failure) = album.save(&picture.to_svg()) {
         outcome.fail(failure);

@@ -107,7 +107,9 @@ mod tests {
         for _ in 0..5 {
             orders = orders
                 .into_iter()
-                .flat_map(|order: Vec<usize>| (0..5).filter(|n| !order.contains(n)).map(|n| [order.clone(), vec![n]].concat()).collect::<Vec<_>>())
+                .flat_map(|order: Vec<usize>| {
+                    (0..5).filter(|n| !order.contains(n)).map(|n| [order.clone(), vec![n]].concat()).collect::<Vec<_>>()
+                })
                 .collect();
         }
         let cheapest = orders

@@ -74,9 +74,7 @@ pub(super) struct RestPlugin(pub Rest);
 
 impl Plugin for RestPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(RestDetector { config: self.0, since: None, rest_step: None }).add_systems(
-            Step,
-            detect.in_set(Phase::Control).in_set(RestDetection).run_if(everything_has_entered),
-        );
+        app.insert_resource(RestDetector { config: self.0, since: None, rest_step: None })
+            .add_systems(Step, detect.in_set(Phase::Control).in_set(RestDetection).run_if(everything_has_entered));
     }
 }

@@ -325,7 +325,8 @@ mod tests {
                 let tangent = nearest_tangent(sites.position(edge.site), &lines);
                 for d in directions(edge.blocked) {
                     let to = usize::from(edge.reflection[d]);
-                    let off = crate::lattice::velocities::angle(to) + crate::lattice::velocities::angle(d) - 2.0 * tangent;
+                    let off =
+                        crate::lattice::velocities::angle(to) + crate::lattice::velocities::angle(d) - 2.0 * tangent;
                     let off = off.rem_euclid(360.0);
                     assert!(off.min(360.0 - off) < 1e-6, "{d} to {to} at {tangent} degrees");
                     assert_eq!(d <= 6, to <= 6);

@@ -21,7 +21,8 @@ pub(super) fn trickle(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Trickle, 0);
     let mut moves = Vec::new();
     for run in &sites.runs {
-        for s in (run.start..run.start + run.len).filter(|&s| gas.resting[s] == 1) {
+        for_each_resting(&gas.resting[run.start..run.start + run.len], |place| {
+            let s = run.start + place;
             let draws = streams.of(s);
             if odds.trickle.happens(draws.high(0)) {
                 let ways = ways_down(sites, gas, s);
@@ -30,7 +31,7 @@ pub(super) fn trickle(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
                     moves.push(Move { from: s, to: sites.neighbour(s, direction), direction });
                 }
             }
-        }
+        });
     }
     moves.sort_unstable_by_key(|one| (one.to, one.direction));
     let accept = Streams::new(odds.seed, t, Purpose::Trickle, 1);
@@ -45,6 +46,20 @@ pub(super) fn trickle(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
             gas.resting[to] = 1;
         }
     }
+}
+
+/// The places in a run of fluid sites where a particle rests, eight sites at a look.
+fn for_each_resting(resting: &[u8], mut then: impl FnMut(usize)) {
+    let (eights, others) = resting.as_chunks::<8>();
+    for (n, eight) in eights.iter().enumerate() {
+        let mut ones = u64::from_le_bytes(*eight);
+        while ones != 0 {
+            then(8 * n + ones.trailing_zeros() as usize / 8);
+            ones &= ones - 1;
+        }
+    }
+    let first = 8 * eights.len();
+    (first..).zip(others).filter(|(_, resting)| **resting == 1).for_each(|(place, _)| then(place));
 }
 
 /// The directions in which a particle at rest may go.

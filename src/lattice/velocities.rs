@@ -9,21 +9,8 @@
 //! A *state* has bit i for a particle with velocity i; the *movers* of a state are its bits 1 to 12.
 
 /// Steps (dX, dY) of directions 0 to 12.
-pub const STEPS: [(i32, i32); 13] = [
-    (0, 0),
-    (0, 2),
-    (1, 1),
-    (1, -1),
-    (0, -2),
-    (-1, -1),
-    (-1, 1),
-    (1, 3),
-    (2, 0),
-    (1, -3),
-    (-1, -3),
-    (-2, 0),
-    (-1, 3),
-];
+pub const STEPS: [(i32, i32); 13] =
+    [(0, 0), (0, 2), (1, 1), (1, -1), (0, -2), (-1, -1), (-1, 1), (1, 3), (2, 0), (1, -3), (-1, -3), (-2, 0), (-1, 3)];
 
 /// The direction that leads back.
 pub const OPPOSITE: [usize; 13] = [0, 4, 5, 6, 1, 2, 3, 10, 11, 12, 7, 8, 9];
@@ -73,11 +60,36 @@ pub fn directions(mut state: u16) -> impl Iterator<Item = usize> {
     })
 }
 
-/// The `n`-th set bit of a state, from 0, counted from the lowest.
+/// Of each set of seven bits, its size, and the places of its members in ascending order.
+const MEMBERS: [(u8, [u8; 7]); 128] = members();
+
+const fn members() -> [(u8, [u8; 7]); 128] {
+    let mut all = [(0, [0; 7]); 128];
+    let mut set = 0;
+    while set < 128 {
+        let mut bit = 0;
+        while bit < 7 {
+            if set >> bit & 1 == 1 {
+                all[set].1[all[set].0 as usize] = bit;
+                all[set].0 += 1;
+            }
+            bit += 1;
+        }
+        set += 1;
+    }
+    all
+}
+
+/// The `n`-th set bit of a state, from 0, counted from the lowest; the state has more than `n`. Without a branch, for
+/// nothing can foresee which way it would go.
+#[inline]
 #[must_use]
 pub fn nth(state: u16, n: u32) -> usize {
-    let rest = (0..n).fold(state, |state, _| state & state.wrapping_sub(1));
-    rest.trailing_zeros() as usize
+    let (low, high) = (usize::from(state & 0x7F), usize::from(state >> 7 & 0x7F));
+    let below = u32::from(MEMBERS[low].0);
+    let is_high = n >= below;
+    let (set, n) = if is_high { (high, n - below) } else { (low, n) };
+    usize::from(MEMBERS[set].1[n as usize % 7]) + 7 * usize::from(is_high)
 }
 
 /// The same directions turned round.
@@ -107,7 +119,10 @@ mod tests {
 
     #[test]
     fn named_sets_are_what_they_say() {
-        assert_eq!(directions(DESCENDING).collect::<Vec<_>>(), (1..=12).filter(|&d| STEPS[d].1 < 0).collect::<Vec<_>>());
+        assert_eq!(
+            directions(DESCENDING).collect::<Vec<_>>(),
+            (1..=12).filter(|&d| STEPS[d].1 < 0).collect::<Vec<_>>()
+        );
         let is_level = |&d: &usize| angle(d).abs() < 31.0 || angle(d).abs() > 149.0;
         assert_eq!(directions(LEVEL).collect::<Vec<_>>(), (1..=12).filter(is_level).collect::<Vec<_>>());
         for (d, (a, b)) in (7..).zip(FLANKS) {
@@ -118,7 +133,11 @@ mod tests {
 
     #[test]
     fn bits_are_found_in_order() {
-        assert_eq!([0, 1, 2].map(|n| nth(0b1_0110, n)), [1, 2, 4]);
+        for state in 0..1 << 13 {
+            for (n, bit) in (0..).zip(directions(state)) {
+                assert_eq!(nth(state, n), bit, "{state:#b}");
+            }
+        }
         assert_eq!(turned_round(1 << 1 | 1 << 9), 1 << 4 | 1 << 12);
     }
 }

@@ -177,7 +177,13 @@ fn take<V: Space>(
         discs: discs.collect(),
         outlined: V::DIMENSION == Dimension::Solid,
         bonds: studio.bonds(&survey, clock.dt),
-        lines: walls.0.iter().filter(|wall| wall.is_present).flat_map(|wall| studio.lines(&wall.surface)).map(|(a, b)| (a, b, colour::WALL)).collect(),
+        lines: walls
+            .0
+            .iter()
+            .filter(|wall| wall.is_present)
+            .flat_map(|wall| studio.lines(&wall.surface))
+            .map(|(a, b)| (a, b, colour::WALL))
+            .collect(),
         ..Picture::default()
     };
     if let Err(failure) = album.save(&picture.to_svg()) {
@@ -251,7 +257,12 @@ impl Studio {
     }
 
     fn legend(&self, dimension: Dimension) -> Legend {
-        let scale = |to: Positive, title: &str| Legend::Scale { from: 0.0, to: to.get(), title: title.to_owned(), map: colour::viridis };
+        let scale = |to: Positive, title: &str| Legend::Scale {
+            from: 0.0,
+            to: to.get(),
+            title: title.to_owned(),
+            map: colour::viridis,
+        };
         match self.pictures.colour {
             Colour::Species => Legend::Classes(
                 (0..=u8::MAX)

@@ -89,8 +89,7 @@ pub fn from_text(
 
 fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Loaded, Fault> {
     let scene: Scene = source.parse(settings)?;
-    let mut loaded =
-        Loaded { scene, source, silo: SiloGeometry::default(), grains: Vec::new(), fixed: Vec::new() };
+    let mut loaded = Loaded { scene, source, silo: SiloGeometry::default(), grains: Vec::new(), fixed: Vec::new() };
     // Nobody looks at a vector before its length is known to be right.
     rules::space(&loaded)?;
     if let Some(silo) = loaded.scene.silo.clone() {
