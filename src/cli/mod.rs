@@ -8,6 +8,7 @@ mod progress;
 mod render;
 mod run;
 mod run_lattice;
+mod study;
 
 use std::ffi::OsString;
 use std::io::IsTerminal as _;
@@ -50,6 +51,8 @@ enum Command {
     Check(check::CheckArgs),
     /// Tell what a scene will model: components, bytes a grain, systems, and which key asks for each.
     Explain(SceneArgs),
+    /// Run the study of the lattice gas: silos, variants, seeds, and what becomes of the claims about them.
+    Study(study::StudyArgs),
     /// Turn snapshots (SVG) into PNGs beside them.
     Render(render::RenderArgs),
 }
@@ -121,6 +124,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Run(args) => run::run(args, registry, cli.quiet),
         Command::Check(args) => check::check(args, registry),
         Command::Explain(args) => explain::explain(args, registry),
+        Command::Study(args) => study::study(args, cli.quiet),
         Command::Render(args) => render::render(args),
     };
     match result {

@@ -73,7 +73,7 @@ impl Observables {
 /// An observable in a report.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantity {
-    /// Its symbol in the specification; zh80 is zh at step 80.
+    /// Its symbol; zh80 is zh at step 80.
     pub symbol: &'static str,
     /// What it is.
     pub name: &'static str,

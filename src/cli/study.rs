@@ -1,0 +1,72 @@
+//! `siloflow study`: the lattice gas's silos, variants and seeds, and what becomes of the claims about them.
+
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use clap::Args;
+use rayon::prelude::*;
+
+use crate::cli::{Verdict, say};
+use crate::fault::Fault;
+use crate::lattice::study::plan::{Case, Plan};
+use crate::lattice::study::replica::Replica;
+use crate::lattice::study::report;
+use crate::lattice::study::results::Results;
+
+/// Arguments of `study`.
+#[derive(Args, Debug)]
+pub(super) struct StudyArgs {
+    /// The study, a RON file: scenes, seeds, variants.
+    #[arg(default_value = "scenes/study.ron")]
+    study: PathBuf,
+    /// Where the results go.
+    #[arg(long, value_name = "DIR", default_value = "out/study")]
+    out: PathBuf,
+    /// Replicas side by side. Default: as many as there are cores.
+    #[arg(long, value_name = "N")]
+    threads: Option<NonZeroUsize>,
+}
+
+pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<Verdict, Fault> {
+    let (plan, cases) = Plan::read(&args.study)?;
+    let unwritable = |error: std::io::Error| {
+        Fault::new("study::write", format!("could not write to {}: {error}", args.out.display()))
+            .help("is there space, and may you write there?")
+    };
+    std::fs::create_dir_all(&args.out).map_err(unwritable)?;
+    let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
+    let threads = args.threads.unwrap_or_else(cores);
+    let start = Instant::now();
+    let results = run_all(&plan, cases, threads, quiet)?;
+    report::write(&plan, &results, &args.out).map_err(unwritable)?;
+    let seconds = start.elapsed().as_secs_f64();
+    let updates: u64 = results.0.iter().map(|replica| replica.updates).sum();
+    #[expect(clippy::cast_precision_loss, reason = "a figure for people")]
+    let speed = updates as f64 / seconds / 1e6;
+    say(&format!(
+        "{} runs in {seconds:.1} s, {speed:.1} M site updates/s, threads: {threads}\nwritten to   {}\n",
+        results.0.len(),
+        args.out.display()
+    ));
+    Ok(Verdict::Done)
+}
+
+fn run_all(plan: &Plan, cases: Vec<Case>, threads: NonZeroUsize, quiet: bool) -> Result<Results, Fault> {
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads.get()).build().map_err(|error| {
+        Fault::new("call::threads", format!("could not start the threads: {error}"))
+            .help("ask for fewer with --threads")
+    })?;
+    let (count, done) = (cases.len(), AtomicUsize::new(0));
+    let run = |case: Case| {
+        let replica = Replica::run(case, &plan.pictures)?;
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        if !quiet && done.is_multiple_of(10) {
+            eprintln!("{done} of {count} runs");
+        }
+        Ok(replica)
+    };
+    // One by one, in whatever order they are done; kept in the order of the plan.
+    pool.install(|| cases.into_par_iter().with_max_len(1).map(run).collect::<Result<Vec<_>, _>>()).map(Results)
+}

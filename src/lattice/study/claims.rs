@@ -1,0 +1,244 @@
+//! The paper's claims about its parameters, as orderings of observables, and what becomes of them.
+//!
+//! An ordering says that a quantity is larger by more than a factor in one variant than in another. It *holds* or *fails* by
+//! the means over the seeds; where two means that should be merely larger differ by less than two of their combined standard
+//! errors, it is *unclear*. What a claim that hangs on one statistic says, its neighbours need not: they are reported too.
+
+use crate::lattice::observables::{QUANTITIES, Quantity};
+use crate::lattice::rules::Walls;
+use crate::lattice::study::plan::Variant;
+use crate::lattice::study::results::{Mean, Results};
+
+/// What has become of a statement.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It is so.
+    Holds,
+    /// It is not so.
+    Fails,
+    /// The difference is within two combined standard errors.
+    Unclear,
+    /// The study did not run what it needs, or has nothing to measure.
+    NotMeasured,
+}
+
+impl Verdict {
+    /// In a word.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::Fails => "**fails**",
+            Self::Unclear => "unclear",
+            Self::NotMeasured => "not measured",
+        }
+    }
+}
+
+/// A statement on one silo.
+#[derive(Clone, Copy, Debug)]
+pub enum Statement {
+    /// A quantity in the first variant is more than so many times that in the second.
+    Larger(&'static str, Variant, Variant, f64),
+    /// The spread of a quantity over the variants of all other parameters is smaller at g = 0.95 than at the base's g.
+    SpreadFalls(&'static str),
+    /// A quantity is the same in both variants, within two combined standard errors.
+    Same(&'static str, Variant, Variant),
+}
+
+/// A claim of the paper, and the statements that it is taken for.
+#[derive(Clone, Copy, Debug)]
+pub struct Claim {
+    /// In the paper's sense.
+    pub text: &'static str,
+    /// What it is taken for.
+    pub statements: &'static [Statement],
+}
+
+const BASE: Variant = Variant::BASE;
+
+const fn p(p: f64) -> Variant {
+    Variant { p: Some(p), ..BASE }
+}
+const fn q(q: f64) -> Variant {
+    Variant { q: Some(q), ..BASE }
+}
+const fn b(b: f64) -> Variant {
+    Variant { b: Some(b), ..BASE }
+}
+const fn k(k: f64) -> Variant {
+    Variant { k: Some(k), ..BASE }
+}
+const fn g(g: f64) -> Variant {
+    Variant { g: Some(g), ..BASE }
+}
+const fn h(h: f64) -> Variant {
+    Variant { h: Some(h), ..BASE }
+}
+/// The same with sharp surfaces.
+const fn heavy(variant: Variant) -> Variant {
+    Variant { g: Some(0.95), ..variant }
+}
+const fn scattering(variant: Variant) -> Variant {
+    Variant { walls: Some(Walls::Scatter), ..variant }
+}
+
+use Statement::{Larger, Same, SpreadFalls};
+
+/// The claims.
+pub const CLAIMS: &[Claim] = &[
+    Claim {
+        text: "the outflow rises with g",
+        statements: &[Larger("Q", BASE, g(0.05), 1.05), Larger("Q", g(0.95), BASE, 1.05)],
+    },
+    Claim { text: "at large g the other parameters matter less", statements: &[SpreadFalls("rho0"), SpreadFalls("Q")] },
+    Claim {
+        text: "the density at onset rises with p and g, falls with q and k",
+        statements: &[
+            Larger("rho0", BASE, g(0.05), 1.0),
+            Larger("rho0", g(0.95), BASE, 1.0),
+            Larger("rho0", BASE, q(0.8), 1.0 / 0.75),
+            Larger("rho0", BASE, k(0.8), 1.0 / 0.75),
+            Larger("rho0", BASE, p(0.0), 1.0),
+            Larger("rho0", p(0.8), BASE, 1.0),
+            Larger("rhob", p(0.8), p(0.0), 1.0),
+        ],
+    },
+    Claim {
+        text: "dilatant zones are higher at small p",
+        statements: &[
+            Larger("hz", p(0.0), p(0.8), 1.1),
+            Larger("hz", p(0.0), BASE, 1.0),
+            Larger("zh80", p(0.0), p(0.8), 1.0),
+            Larger("zh", p(0.0), p(0.8), 1.0),
+        ],
+    },
+    Claim {
+        text: "dilatant zones are narrower and central at large h",
+        statements: &[
+            Larger("za", h(0.0), h(0.8), 1.0 / 0.92),
+            Larger("zw", h(0.0), h(0.8), 1.0),
+            Larger("zc", h(0.8), h(0.0), 1.0),
+        ],
+    },
+    Claim {
+        text: "at small b the zones are more horizontal (mass-flow silo): density in the middle nearer to that at the sides",
+        statements: &[Larger("cs", b(0.0), b(0.8), 1.0), Larger("dip", b(0.8), b(0.0), 1.0)],
+    },
+    Claim {
+        text: "the surface is flatter at small p, q and h",
+        statements: &[
+            Larger("incl", heavy(p(0.8)), heavy(p(0.0)), 1.3),
+            Larger("incl", heavy(q(0.8)), heavy(q(0.0)), 1.0),
+            Larger("incl", heavy(h(0.8)), heavy(h(0.0)), 1.0),
+            Larger("incl", p(0.8), p(0.0), 1.0),
+            Larger("incl", q(0.8), q(0.0), 1.0),
+            Larger("incl", h(0.8), h(0.0), 1.0),
+        ],
+    },
+    Claim {
+        text: "the density is less uniform at large g, more at large p, q, h and k",
+        statements: &[
+            Larger("cvg", BASE, g(0.05), 1.0),
+            Larger("cvg", g(0.95), BASE, 1.0),
+            Larger("cvg", k(0.0), k(0.8), 1.0 / 0.75),
+            Larger("cvg", q(0.0), q(0.8), 1.0 / 0.75),
+            Larger("cvg", p(0.0), p(0.8), 1.0),
+            Larger("cvg", h(0.0), h(0.8), 1.0),
+            Larger("cvr", g(0.95), g(0.05), 1.0),
+            Larger("cvr", p(0.0), p(0.8), 1.0),
+        ],
+    },
+    Claim {
+        text: "walls that scatter (the first method) do not change the flow in a silo",
+        statements: &[
+            Same("Q", scattering(b(0.8)), b(0.0)),
+            Same("hz", scattering(b(0.8)), b(0.0)),
+            Same("cs", scattering(b(0.8)), b(0.0)),
+        ],
+    },
+];
+
+/// What was found of a statement in a silo.
+#[derive(Clone, Debug)]
+pub struct Finding {
+    /// The statement, in symbols.
+    pub statement: String,
+    /// The figures behind it.
+    pub figures: String,
+    /// What has become of it.
+    pub verdict: Verdict,
+}
+
+/// A quantity by its symbol.
+#[must_use]
+pub fn quantity(symbol: &str) -> Option<&'static Quantity> {
+    QUANTITIES.iter().find(|quantity| quantity.symbol == symbol)
+}
+
+impl Statement {
+    /// Compares it with the results of a silo.
+    #[must_use]
+    pub fn judge(&self, results: &Results, silo: &str) -> Finding {
+        let mean = |symbol: &str, of: &Variant| results.mean(silo, of, quantity(symbol)?);
+        match *self {
+            Larger(symbol, large, small, factor) => {
+                let times = if (factor - 1.0).abs() < 1e-12 { String::new() } else { format!("{factor:.3} ") };
+                let statement = format!("{symbol}({large}) > {times}{symbol}({small})");
+                compared(statement, mean(symbol, &large), mean(symbol, &small), |a, b| {
+                    let noise = 2.0 * a.error.hypot(b.error);
+                    if times.is_empty() && (a.value - b.value).abs() < noise {
+                        Verdict::Unclear
+                    } else if a.value > factor * b.value {
+                        Verdict::Holds
+                    } else {
+                        Verdict::Fails
+                    }
+                })
+            }
+            Same(symbol, one, other) => {
+                let statement = format!("{symbol}({one}) = {symbol}({other})");
+                compared(statement, mean(symbol, &one), mean(symbol, &other), |a, b| {
+                    let noise = 2.0 * a.error.hypot(b.error);
+                    if (a.value - b.value).abs() <= noise { Verdict::Holds } else { Verdict::Fails }
+                })
+            }
+            SpreadFalls(symbol) => {
+                let statement = format!("spread of {symbol} at g = 0.95 < at the base's g");
+                let spread = |change: fn(Variant) -> Variant| spread(results, silo, symbol, change);
+                compared(statement, spread(heavy), spread(|variant| variant), |heavy, base| {
+                    if heavy.value < base.value { Verdict::Holds } else { Verdict::Fails }
+                })
+            }
+        }
+    }
+}
+
+fn compared(statement: String, a: Option<Mean>, b: Option<Mean>, judge: impl Fn(Mean, Mean) -> Verdict) -> Finding {
+    match a.zip(b) {
+        Some((a, b)) => Finding { statement, figures: format!("{}; {}", shown(a), shown(b)), verdict: judge(a, b) },
+        None => Finding { statement, figures: String::new(), verdict: Verdict::NotMeasured },
+    }
+}
+
+/// A mean and its standard error with as many digits as say something.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+pub fn shown(mean: Mean) -> String {
+    let scale = if mean.error > 0.0 { mean.error } else { 0.01 * mean.value.abs().max(1e-6) };
+    let decimals = (1.0 - scale.log10().floor()).clamp(0.0, 6.0) as usize;
+    format!("{:.decimals$} ± {:.decimals$}", mean.value, mean.error)
+}
+
+/// Standard deviation of a quantity's means over the base and all variants of one other parameter than g, each changed.
+fn spread(results: &Results, silo: &str, symbol: &str, change: fn(Variant) -> Variant) -> Option<Mean> {
+    let others = [BASE, p(0.8), p(0.0), q(0.8), q(0.0), b(0.8), b(0.0), k(0.8), k(0.0), h(0.8), h(0.0)];
+    let quantity = quantity(symbol)?;
+    let means: Option<Vec<f64>> =
+        others.iter().map(|&one| Some(results.mean(silo, &change(one), quantity)?.value)).collect();
+    // The standard deviation is that of the mean times the root of their number.
+    let means = means?;
+    #[expect(clippy::cast_precision_loss, reason = "eleven")]
+    let root = (means.len() as f64).sqrt();
+    Mean::of(&means).map(|mean| Mean { value: root * mean.error, error: 0.0 })
+}

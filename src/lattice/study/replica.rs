@@ -1,0 +1,157 @@
+//! One run of a study: the particles in blocks every ten steps from the opening of the door on, and densities for pictures.
+
+use std::num::NonZeroUsize;
+
+use crate::behaviour::Registry;
+use crate::fault::Fault;
+use crate::lattice::door::DoorState;
+use crate::lattice::gas::Gas;
+use crate::lattice::observables::{Blocks, Frame, History, Observables};
+use crate::lattice::pictures::{Cell, densities};
+use crate::lattice::sites::Sites;
+use crate::lattice::study::plan::Case;
+use crate::lattice::velocities::in_bonds;
+use crate::outcome::End;
+use crate::simulation::Simulation;
+use crate::space::Vector;
+use crate::step::Clock;
+
+/// Steps between frames.
+const FRAME: u64 = 10;
+
+/// Columns and rows of sites in a block, and in a cell of a picture.
+const BLOCK: (usize, usize) = (5, 4);
+const CELL: (u16, u16) = (2, 2);
+
+/// What a run has shown.
+#[derive(Clone, Debug)]
+pub struct Replica {
+    /// What was run.
+    pub case: Case,
+    /// What it comes to.
+    pub observables: Observables,
+    /// Densities at the times of the pictures, as far as it came.
+    pub pictures: Vec<Vec<Cell>>,
+    /// Edges of the silo, m.
+    pub lines: Vec<(Vector, Vector)>,
+    /// Site updates.
+    pub updates: u64,
+}
+
+/// How sites fall into blocks.
+struct Counting {
+    blocks: Blocks,
+    block_of: Vec<(usize, usize)>,
+}
+
+impl Counting {
+    fn new(sites: &Sites, outlet: Vector) -> Self {
+        let place = |s: usize| (s / sites.stride, s % sites.stride);
+        let first_column = sites.fluid().map(|s| place(s).0).min().unwrap_or(0);
+        let first_row = sites.fluid().map(|s| place(s).1).min().unwrap_or(0);
+        let block = |s: usize| ((place(s).0 - first_column) / BLOCK.0, (place(s).1 - first_row) / BLOCK.1);
+        let columns = sites.fluid().map(|s| block(s).0).max().map_or(0, |last| last + 1);
+        let rows = sites.fluid().map(|s| block(s).1).max().map_or(0, |last| last + 1);
+        let block_of: Vec<_> = sites.fluid().map(|s| (s, block(s).0 * rows + block(s).1)).collect();
+        let mut counts = vec![0; columns * rows];
+        block_of.iter().for_each(|&(_, block)| counts[block] += 1);
+        // The middle of columns 0 to 4, and of the sites of rows 0 to 3 in columns of either parity.
+        let corner = (sites.position(first_column * sites.stride + first_row) - outlet) / sites.spacing;
+        let half_a_row = 0.5 * f64::from(u8::from(first_column % 2 == 1));
+        #[expect(clippy::cast_precision_loss, reason = "numbers of blocks")]
+        let along = |n: usize, first: f64, block: usize, step: f64, middle: f64| {
+            (0..n).map(|i| first + step * ((i * block) as f64 + middle)).collect()
+        };
+        let x = along(columns, corner.x, BLOCK.0, in_bonds((1, 0)).0, 2.0);
+        let y = along(rows, corner.y - half_a_row, BLOCK.1, 1.0, 1.75);
+        Self { blocks: Blocks { columns, rows, sites: counts, x, y }, block_of }
+    }
+
+    fn frame(&self, gas: &Gas, step: u64) -> Frame {
+        let mut counts = vec![0; self.blocks.sites.len()];
+        self.block_of.iter().for_each(|&(s, block)| counts[block] += gas.states()[s].count_ones());
+        Frame { step, out: gas.out(), counts }
+    }
+}
+
+impl Replica {
+    /// Runs a case.
+    ///
+    /// # Errors
+    /// If its scene is not what it should be, or the run fails.
+    pub fn run(case: Case, pictures: &[u64]) -> Result<Self, Fault> {
+        let loaded = case.load()?;
+        let outlet = loaded.scene.door.map_or(Vector::ZERO, |door| door.from.get::<Vector>().midpoint(door.to.get()));
+        let mut simulation = Simulation::of_lattice(&loaded, &Registry::default(), NonZeroUsize::MIN)?;
+        let counting = Counting::new(simulation.world().resource(), outlet);
+        let mut frames = Vec::new();
+        let mut shown = Vec::new();
+        loop {
+            let end = simulation.step();
+            let (sites, gas) = (simulation.world().resource::<Sites>(), simulation.world().resource::<Gas>());
+            let (clock, door) = (simulation.world().resource::<Clock>(), simulation.world().resource::<DoorState>());
+            if let Some(since) = door.steps_since(clock) {
+                if since.is_multiple_of(FRAME) {
+                    frames.push(counting.frame(gas, since));
+                }
+                if pictures.contains(&since) {
+                    shown.push(densities(sites, gas, CELL));
+                }
+            }
+            match end {
+                Some(End::Failed(failure)) => {
+                    let message = format!("{}, {}, seed {}: {failure}", case.silo, case.variant, case.seed);
+                    return Err(Fault::new("study::failed", message).help("run the scene alone to see more"));
+                }
+                Some(_) => return Self::of(case, counting, frames, shown, &simulation),
+                None => {}
+            }
+        }
+    }
+
+    fn of(
+        case: Case,
+        counting: Counting,
+        mut frames: Vec<Frame>,
+        pictures: Vec<Vec<Cell>>,
+        simulation: &Simulation,
+    ) -> Result<Self, Fault> {
+        if frames.is_empty() {
+            let message = format!("{}, {}: the run ended before the door opened", case.silo, case.variant);
+            return Err(Fault::new("study::closed", message).help("raise `until` in the scene"));
+        }
+        let start = frames.remove(0);
+        let history = History { blocks: counting.blocks, start, frames };
+        let (sites, clock) = (simulation.world().resource::<Sites>(), simulation.world().resource::<Clock>());
+        Ok(Self {
+            case,
+            observables: Observables::of(&history),
+            pictures,
+            lines: sites.lines().to_vec(),
+            updates: clock.steps * sites.fluid_count() as u64,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::lattice::outline::Polygon;
+
+    #[test]
+    fn blocks_stand_where_their_sites_do() {
+        let corners = [(-6.0, 0.0), (6.0, 0.0), (6.0, 19.5), (-6.0, 19.5)].map(|(x, y)| Vector::new(x, y));
+        let sites = Sites::new(&Polygon(corners.to_vec()), &[], None, 1.0);
+        let counting = Counting::new(&sites, Vector::ZERO);
+        let Blocks { x, y, sites: counts, columns, rows } = &counting.blocks;
+        assert_eq!((*columns, *rows), (3, 5));
+        for (block, &count) in counts.iter().enumerate() {
+            let mine = counting.block_of.iter().filter(|(_, b)| *b == block).map(|&(s, _)| sites.position(s));
+            let (low, high) = mine.fold((Vector::INFINITY, -Vector::INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            let middle = 0.5 * (low + high);
+            if count == 20 {
+                assert!((middle - Vector::new(x[block / rows], y[block % rows])).length() < 1e-12, "{block}");
+            }
+        }
+    }
+}

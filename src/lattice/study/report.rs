@@ -1,0 +1,90 @@
+//! What a study leaves: `claims.md`, `figures.csv`, a sheet of pictures for each silo, and the paper's first four figures.
+
+use std::fmt::Write as _;
+use std::io;
+use std::path::Path;
+
+use crate::lattice::observables::QUANTITIES;
+use crate::lattice::study::claims::{CLAIMS, quantity, shown};
+use crate::lattice::study::plan::{Plan, Variant};
+use crate::lattice::study::results::Results;
+
+/// Writes everything into a directory that exists.
+///
+/// # Errors
+/// If a file cannot be written.
+pub fn write(plan: &Plan, results: &Results, directory: &Path) -> io::Result<()> {
+    std::fs::write(directory.join("claims.md"), claims(plan, results))?;
+    std::fs::write(directory.join("figures.csv"), figures(results))
+}
+
+/// Every observable of every replica.
+#[must_use]
+pub fn figures(results: &Results) -> String {
+    let symbols: Vec<_> = QUANTITIES.iter().map(|quantity| quantity.symbol).collect();
+    let mut text = format!("silo,variant,seed,{}\n", symbols.join(","));
+    // Writing to a string cannot fail.
+    for replica in &results.0 {
+        let _ = write!(text, "{},\"{}\",{}", replica.case.silo, replica.case.variant, replica.case.seed);
+        for quantity in &QUANTITIES {
+            let value = (quantity.value)(&replica.observables).map_or_else(String::new, |value| format!("{value:.6}"));
+            let _ = write!(text, ",{value}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The table of claims, in Markdown. Writing to a string cannot fail.
+#[must_use]
+pub fn claims(plan: &Plan, results: &Results) -> String {
+    let silos: Vec<&String> = plan.silos.keys().collect();
+    let mut text = format!(
+        "# What becomes of the paper's claims\n\n{} seeds a variant; mean ± standard error.\n",
+        plan.seeds.len()
+    );
+    for claim in CLAIMS {
+        let _ = writeln!(text, "\n## {}\n\n| statement | {} |", claim.text, with_figures(&silos));
+        let _ = writeln!(text, "|---|{}", "---|---|".repeat(silos.len()));
+        for statement in claim.statements {
+            let found: Vec<_> = silos.iter().map(|silo| statement.judge(results, silo)).collect();
+            let cells: Vec<_> = found.iter().map(|one| format!("{} | {}", one.figures, one.verdict.word())).collect();
+            let _ = writeln!(text, "| {} | {} |", found[0].statement, cells.join(" | "));
+        }
+    }
+    side_by_side(&silos, results, &mut text);
+    quantities(&mut text);
+    text
+}
+
+fn with_figures(silos: &[&String]) -> String {
+    silos.iter().map(|silo| format!("{silo} | ")).collect::<Vec<_>>().join(" | ")
+}
+
+/// Shapes of the zones in all silos, which the paper calls similar.
+fn side_by_side(silos: &[&String], results: &Results, text: &mut String) {
+    let names: Vec<&str> = silos.iter().map(|silo| silo.as_str()).collect();
+    text.push_str("\n## Dilatant zones have similar shapes in both silos (side by side, no verdict)\n\n");
+    let _ = writeln!(text, "| variant | {} |\n|---|{}", names.join(" | "), "---|".repeat(silos.len()));
+    let small = |p, h| Variant { p, h, ..Variant::BASE };
+    for variant in
+        [Variant::BASE, small(Some(0.0), None), small(Some(0.8), None), small(None, Some(0.0)), small(None, Some(0.8))]
+    {
+        let cell = |silo: &&String| {
+            let mean = |symbol: &str| {
+                quantity(symbol).and_then(|q| results.mean(silo, &variant, q)).map_or("-".to_owned(), shown)
+            };
+            format!("hz {}, za {}", mean("hz"), mean("za"))
+        };
+        let cells: Vec<_> = silos.iter().map(cell).collect();
+        let _ = writeln!(text, "| {variant} | {} |", cells.join(" | "));
+    }
+}
+
+/// What the symbols mean.
+fn quantities(text: &mut String) {
+    text.push_str("\n## Symbols\n\n| symbol | quantity | unit |\n|---|---|---|\n");
+    for quantity in &QUANTITIES {
+        let _ = writeln!(text, "| {} | {} | {} |", quantity.symbol, quantity.name, quantity.unit);
+    }
+}

@@ -1,0 +1,60 @@
+//! Means of observables over the seeds, with their standard errors.
+
+use crate::lattice::observables::Quantity;
+use crate::lattice::study::plan::Variant;
+use crate::lattice::study::replica::Replica;
+
+/// A mean with its standard error, 0 for a single value.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Mean {
+    /// The mean.
+    pub value: f64,
+    /// Its standard error.
+    pub error: f64,
+}
+
+impl Mean {
+    /// Of some values; `None` if there are none.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "a few seeds")]
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let n = values.len() as f64;
+        let value = values.iter().sum::<f64>() / n;
+        let squares: f64 = values.iter().map(|x| (x - value).powi(2)).sum();
+        let error = if values.len() > 1 { (squares / (n - 1.0) / n).sqrt() } else { 0.0 };
+        (!values.is_empty()).then_some(Self { value, error })
+    }
+}
+
+/// All replicas of a study.
+#[derive(Debug)]
+pub struct Results(pub Vec<Replica>);
+
+impl Results {
+    /// The values of a quantity in the replicas of a variant that have it.
+    #[must_use]
+    pub fn values(&self, silo: &str, variant: &Variant, quantity: &Quantity) -> Vec<f64> {
+        let mine = self.0.iter().filter(|one| one.case.silo == silo && one.case.variant == *variant);
+        mine.filter_map(|one| (quantity.value)(&one.observables)).collect()
+    }
+
+    /// Their mean.
+    #[must_use]
+    pub fn mean(&self, silo: &str, variant: &Variant, quantity: &Quantity) -> Option<Mean> {
+        Mean::of(&self.values(silo, variant, quantity))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_standard_error_is_that_of_the_mean() {
+        // Variance of 1, 2, 3, 4 with n - 1: 5/3; of the mean 5/12.
+        let mean = Mean::of(&[1.0, 2.0, 3.0, 4.0]).unwrap();
+        assert!((mean.value - 2.5).abs() < 1e-15 && (mean.error - (5.0f64 / 12.0).sqrt()).abs() < 1e-15);
+        assert_eq!(Mean::of(&[7.0]), Some(Mean { value: 7.0, error: 0.0 }));
+        assert_eq!(Mean::of(&[]), None);
+    }
+}
