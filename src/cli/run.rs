@@ -14,6 +14,7 @@ use crate::cli::progress::Progress;
 use crate::cli::{SceneArgs, Verdict, say};
 use crate::fault::Fault;
 use crate::outcome::End;
+use crate::output::flow::FlowPlugin;
 use crate::output::frames::{FramesPlugin, Studio};
 use crate::output::profiles::ProfilesPlugin;
 use crate::output::run_directory::RunDirectory;
@@ -109,6 +110,9 @@ fn build_in<V: Space>(
         if let Some(profiles) = outputs.profiles {
             app.add("profiles", profiles);
         }
+        if let Some(flow) = outputs.flow {
+            app.add("flow", flow);
+        }
         if let Some(studio) = Studio::of(loaded, directory.frames()) {
             app.add("pictures", FramesPlugin::<V>(studio, PhantomData));
         }
@@ -120,6 +124,7 @@ struct Outputs<V: Space> {
     series: SeriesPlugin<V>,
     walls: Option<WallForcesPlugin<V>>,
     profiles: Option<ProfilesPlugin<V>>,
+    flow: Option<FlowPlugin>,
 }
 
 impl<V: Space> Outputs<V> {
@@ -135,6 +140,7 @@ impl<V: Space> Outputs<V> {
             } else {
                 Some(ProfilesPlugin::create(&profiles, species, &directory.profiles(), &directory.centres())?)
             },
+            flow: loaded.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.flow())).transpose()?,
         })
     }
 }

@@ -1,6 +1,7 @@
 //! What a run leaves behind: rows, pictures, the final state and the summary, in one run directory.
 
 pub mod colour;
+pub mod flow;
 pub mod frames;
 pub mod png;
 pub mod profiles;
