@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::marker::PhantomData;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Args;
@@ -54,22 +54,42 @@ pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Ve
         scene.set.extend(pictures_with_png(&args.scene)?);
     }
     let loaded = scene.load()?;
-    for warning in check::warnings(&loaded) {
+    let path = args.out.clone().unwrap_or_else(|| default_directory(&loaded));
+    let (summary, directory) = run_into(&path, &loaded, registry, args.threads, quiet)?;
+    report(&summary, args, &directory);
+    Ok(if summary.is_done() { Verdict::Done } else { Verdict::SimulationFailed })
+}
+
+/// Where the run of a scene goes if nobody says otherwise.
+pub(super) fn default_directory(loaded: &Loaded) -> PathBuf {
+    PathBuf::from("out").join(&loaded.name)
+}
+
+/// Steps a scene to its end and leaves the run directory at `path`. A failure of the simulation is told, and in the summary.
+pub(super) fn run_into(
+    path: &Path,
+    loaded: &Loaded,
+    registry: &Registry,
+    threads: NonZeroUsize,
+    quiet: bool,
+) -> Result<(Summary, RunDirectory), Fault> {
+    for warning in check::warnings(loaded) {
         tracing::warn!("{warning}");
     }
     // Everything that can be wrong with the input is found before the first file is written.
-    Simulation::new(&loaded, registry, NonZeroUsize::MIN)?;
-    let path = args.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&loaded.name));
-    let directory = RunDirectory::prepare(&path, &loaded)?;
-    let mut simulation = build(&loaded, registry, args.threads, &directory)?;
-    let (end, cost) = drive(&mut simulation, &loaded, quiet);
-    let summary = Summary::of(simulation.world_mut(), &loaded, &end, cost);
+    Simulation::new(loaded, registry, NonZeroUsize::MIN)?;
+    let directory = RunDirectory::prepare(path, loaded)?;
+    let mut simulation = build(loaded, registry, threads, &directory)?;
+    let (end, cost) = drive(&mut simulation, loaded, quiet);
+    let summary = Summary::of(simulation.world_mut(), loaded, &end, cost);
     directory.finish(simulation.world_mut(), &summary).map_err(|error| {
         Fault::new("run::write", format!("could not write the results to {}: {error}", path.display()))
             .help("is there space left?")
     })?;
-    report(&summary, args, &directory);
-    Ok(if summary.is_done() { Verdict::Done } else { Verdict::SimulationFailed })
+    if let Some(failure) = &summary.failure {
+        tracing::error!("{failure}");
+    }
+    Ok((summary, directory))
 }
 
 /// `pictures: (...)` may be missing from the scene, or `None`: then it is there with the one key.
@@ -163,9 +183,6 @@ fn drive(simulation: &mut Simulation, loaded: &Loaded, quiet: bool) -> (End, Cos
 }
 
 fn report(summary: &Summary, args: &RunArgs, directory: &RunDirectory) {
-    if let Some(failure) = &summary.failure {
-        tracing::error!("{failure}");
-    }
     if args.json {
         say(&(serde_json::to_string_pretty(summary).unwrap_or_default() + "\n"));
         return;
