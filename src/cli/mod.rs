@@ -3,6 +3,7 @@
 //! Exit status: 0 done; 1 the simulation failed; 2 the input or the call was wrong.
 
 mod check;
+mod compare;
 mod explain;
 mod progress;
 mod render;
@@ -49,6 +50,8 @@ enum Command {
     Check(check::CheckArgs),
     /// Tell what a scene will model: components, bytes a grain, systems, and which key asks for each.
     Explain(SceneArgs),
+    /// Compare the flow patterns of runs or scenes with that of a reference, and what each cost.
+    Compare(compare::CompareArgs),
     /// Turn snapshots (SVG) into PNGs beside them.
     Render(render::RenderArgs),
 }
@@ -114,6 +117,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Run(args) => run::run(args, registry, cli.quiet),
         Command::Check(args) => check::check(args, registry),
         Command::Explain(args) => explain::explain(args, registry),
+        Command::Compare(args) => compare::compare(args, registry, cli.quiet),
         Command::Render(args) => render::render(args),
     };
     match result {

@@ -100,7 +100,7 @@ impl FlowField {
 }
 
 #[cfg(test)]
-#[expect(clippy::float_cmp, reason = "exact values")]
+#[expect(clippy::float_cmp, clippy::cast_precision_loss, reason = "exact values, small counts")]
 mod tests {
     use super::*;
     use crate::random::Stream;

@@ -146,6 +146,8 @@ fn take<V: Space>(
         header: studio.header(clock.time(), &ledger),
         legend: studio.legend(V::DIMENSION),
         discs: discs.collect(),
+        squares: Vec::new(),
+        labels: Vec::new(),
         outlined: V::DIMENSION == Dimension::Solid,
         bonds: studio.bonds(&survey, clock.dt),
         lines: walls.0.iter().filter(|wall| wall.is_present).flat_map(|wall| studio.lines(&wall.surface)).collect(),
