@@ -69,14 +69,14 @@ pub struct Figures {
     pub mean_run: f64,
 }
 
-/// The side of the cells: the smallest distance of neighbouring middles.
+/// The side of the cells: the smallest distance of neighbouring middles, to the nine decimals of files.
 fn side(means: &[FlowMeans]) -> Option<f64> {
     let smallest = |mut places: Vec<f64>| {
         places.sort_by(f64::total_cmp);
         places.windows(2).map(|pair| pair[1] - pair[0]).filter(|&gap| gap > 0.0).fold(f64::INFINITY, f64::min)
     };
     let [x, y] = [|m: &FlowMeans| m.x, |m: &FlowMeans| m.y].map(|of| smallest(means.iter().map(of).collect()));
-    Some(x.min(y)).filter(|side| side.is_finite())
+    Some((x.min(y) * 1e9).round() / 1e9).filter(|side| side.is_finite())
 }
 
 impl Field {

@@ -19,6 +19,7 @@ use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
 use crate::compare::report::{Report, Row};
 use crate::fault::Fault;
+use crate::walls::silo_file::Disc;
 
 /// What a run directory says about its flow.
 #[derive(Clone, Debug)]
@@ -33,6 +34,8 @@ pub struct Run {
     pub time_unit: &'static str,
     /// Wall-clock time of its steps, s.
     pub wall_s: f64,
+    /// Its wall grains, for pictures.
+    pub walls: Vec<Disc>,
 }
 
 /// Compares each of `others` with the reference, over cells in which both saw at least `looks` grains.
@@ -49,8 +52,10 @@ pub fn compare(reference: &Run, others: &[Run], looks: f64) -> Result<Report, Fa
 fn row(reference: &Run, run: &Run, looks: f64, unit_share: f64) -> Result<Row, Fault> {
     let fields = run.field.against(&reference.field, looks).map_err(|trouble| {
         let (one, other) = (&run.name, &reference.name);
-        Fault::new("compare::field", format!("{one} and {other}: {trouble}"))
-            .help("give the scenes the same `flow.cell`, in the same place, and a window in which they flow")
+        Fault::new("compare::field", format!("{one} and {other}: {trouble}")).help(
+            "give the scenes the same `flow.cell`, silos in the same place and a window in which they flow; or lower \
+                 --looks",
+        )
     })?;
     let unit = |run: &Run| {
         run.discharge.time_of(unit_share).filter(|&time| time > 0.0).ok_or_else(|| {
@@ -97,6 +102,7 @@ pub(crate) mod tests {
             discharge: Curve::new(times.map(|t| (t, 1.0 - (-t / time).exp()))),
             time_unit: "s",
             wall_s: time,
+            walls: Vec::new(),
         }
     }
 

@@ -1,8 +1,9 @@
 //! The pictures of a comparison: fields side by side, discharge curves, disagreement against cost.
 
 use crate::compare::Run;
-use crate::compare::report::Report;
-use crate::output::colour::viridis;
+use crate::compare::field::Cell;
+use crate::compare::report::{Report, Row};
+use crate::output::colour::{WALL, viridis};
 use crate::output::plot::{Axis, Curve, colour, figure};
 use crate::output::svg::{Legend, Picture};
 use crate::space::Vector;
@@ -20,18 +21,20 @@ const PANEL: f64 = 320.0;
 fn fields(runs: &[Run], report: &Report) -> String {
     let side = runs.first().map_or(1.0, |run| run.field.side);
     let corner = |[row, column]: [i64; 2]| side * Vector::new(whole(column), whole(row));
-    let corners = || runs.iter().flat_map(|run| run.field.seen(report.looks)).map(|(key, _)| corner(key));
-    let low = corners().reduce(Vector::min).unwrap_or(Vector::ZERO);
-    let high = corners().reduce(Vector::max).unwrap_or(Vector::ONE) + Vector::splat(side);
-    let room = Vector::new(0.12 * (high.x - low.x) + 2.0 * side, 0.0);
-    let step = Vector::new(high.x - low.x, 0.0) + room;
+    let (low, high) = bounds(runs, report.looks, side);
+    let step = Vector::new(1.15 * (high.x - low.x), 0.0);
+    let all = f64::from(u32::try_from(runs.len()).unwrap_or(1)) * step;
+    // Room for the names above and the scale bar below, whose size follows from the whole width.
+    let (margin, above, below) =
+        (0.07 * (high.x - low.x), Vector::new(0.0, 0.05 * all.x), Vector::new(0.0, 0.09 * all.x));
     let top = top(runs, report);
     let mut picture = Picture {
-        low: low - 0.5 * room - Vector::new(0.0, 0.08 * step.x),
-        high: high + 0.5 * room + Vector::new(0.0, 0.12 * step.x),
-        width: 0.0,
-        header: vec![format!("mean downward speed, each run over its own mean; cells of {side} m")],
-        legend: Legend::Scale { from: 0.0, to: top, title: "v/mean".to_owned() },
+        low: low - below - Vector::new(margin, 0.0),
+        high: Vector::new(low.x - margin + all.x, high.y) + above,
+        // Header and legend stand side by side.
+        width: (PANEL * all.x / step.x).max(2.0 * PANEL),
+        header: vec![format!("cells of {side} m")],
+        legend: Legend::Scale { from: 0.0, to: top, title: "downward speed over the run's mean".to_owned() },
         discs: Vec::new(),
         squares: Vec::new(),
         labels: Vec::new(),
@@ -41,17 +44,26 @@ fn fields(runs: &[Run], report: &Report) -> String {
     };
     let mut offset = Vector::ZERO;
     for (run, row) in runs.iter().zip(&report.rows) {
-        let square = |(key, down): ([i64; 2], f64)| (corner(key) + offset, side, viridis(down / row.mean_speed / top));
-        picture.squares.extend(run.field.seen(report.looks).map(|(key, cell)| (key, cell.down)).map(square));
-        let name = Vector::new(0.5 * (low.x + high.x), high.y + 0.04 * step.x) + offset;
+        let square =
+            |(key, cell): ([i64; 2], Cell)| (corner(key) + offset, side, viridis(cell.down / row.mean_speed / top));
+        picture.squares.extend(run.field.seen(report.looks).map(square));
+        picture.discs.extend(run.walls.iter().map(|disc| (disc.centre + offset, disc.radius, WALL)));
+        let name = Vector::new(0.5 * (low.x + high.x), high.y) + 0.3 * above + offset;
         picture.labels.push((name, run.name.clone()));
         offset += step;
-        picture.width += PANEL;
     }
-    picture.high += offset - step;
-    // Header and legend stand side by side.
-    picture.width = picture.width.max(2.0 * PANEL);
     picture.to_svg()
+}
+
+/// Lower left and upper right corner of all cells and wall grains, m.
+fn bounds(runs: &[Run], looks: f64, side: f64) -> (Vector, Vector) {
+    let cells = runs.iter().flat_map(|run| run.field.seen(looks)).map(|([row, column], _)| {
+        let corner = side * Vector::new(whole(column), whole(row));
+        (corner, corner + Vector::splat(side))
+    });
+    let discs = runs.iter().flat_map(|run| &run.walls);
+    let discs = discs.map(|disc| (disc.centre - Vector::splat(disc.radius), disc.centre + Vector::splat(disc.radius)));
+    cells.chain(discs).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((Vector::ZERO, Vector::ONE))
 }
 
 #[expect(clippy::cast_precision_loss, reason = "cells are far below 2^53")]
@@ -59,7 +71,7 @@ fn whole(number: i64) -> f64 {
     number as f64
 }
 
-/// The upper end of the map: 1, 2 or 5 times a power of ten, above what 95 % of the reference's grains have.
+/// The upper end of the map: a round number, above what 95 % of the reference's grains have.
 fn top(runs: &[Run], report: &Report) -> f64 {
     let Some((run, row)) = runs.iter().zip(&report.rows).next() else { return 1.0 };
     let mut cells: Vec<_> = run.field.seen(report.looks).map(|(_, cell)| (cell.down, cell.count)).collect();
@@ -72,7 +84,7 @@ fn top(runs: &[Run], report: &Report) -> f64 {
     });
     let most = most.map_or(1.0, |cell| cell.0 / row.mean_speed).max(1e-9);
     let power = 10f64.powf(most.log10().floor());
-    [1.0, 2.0, 5.0].into_iter().map(|m| m * power).find(|&end| end >= most).unwrap_or(10.0 * power)
+    [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0].into_iter().map(|m| m * power).find(|&end| end >= most).unwrap_or(10.0 * power)
 }
 
 fn discharge(runs: &[Run], report: &Report) -> String {
@@ -99,7 +111,7 @@ const LEAST: f64 = 1e-6;
 
 fn cost(report: &Report) -> String {
     let others = || report.rows.iter().enumerate().skip(1);
-    let point = |row: &crate::compare::report::Row| (row.wall_s.max(LEAST), row.field_rms.max(LEAST));
+    let point = |row: &Row| (row.wall_s.max(LEAST), row.field_rms.max(LEAST));
     let curves = others().map(|(number, row)| Curve {
         name: row.run.clone(),
         colour: colour(number),
@@ -143,6 +155,6 @@ mod tests {
         let runs = [run("a", 1.0, |x, _| if x < 0.5 { 1.0 } else { 3.0 })];
         let report = compare(&runs[0], &[], 1.0).unwrap();
         // Mean 2.5: 3 is 1.2 of it.
-        assert!((top(&runs, &report) - 2.0).abs() < 1e-15);
+        assert!((top(&runs, &report) - 1.5).abs() < 1e-15);
     }
 }

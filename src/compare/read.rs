@@ -3,7 +3,8 @@
 //! * `summary.json`: `grains.released`, `performance.wall_s` (s), and when the door opened, `door_open_time_s` (s) or
 //!   `door_open_step`; one that is `null` or not there has been open since the start;
 //! * `series.csv`: `out` against `time_s` or `step`;
-//! * `flow.csv`: `x_m`, `y_m`, `samples`, `count`, and `vx`, `vy` in `_m_per_s` or `_m_per_step`.
+//! * `flow.csv`: `x_m`, `y_m`, `samples`, `count`, and `vx`, `vy` in `_m_per_s` or `_m_per_step`;
+//! * `scene.ron`: the wall grains, to be drawn, if there are any.
 
 use std::fs;
 use std::path::Path;
@@ -16,6 +17,7 @@ use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
 use crate::fault::Fault;
 use crate::measure::flow::FlowMeans;
+use crate::scene::load;
 
 /// What to do about a directory without a field.
 const NO_FLOW: &str =
@@ -53,6 +55,8 @@ pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
         discharge: Curve::of_rows(&rows, needed(&["grains", "released"])?, opened),
         time_unit,
         wall_s: needed(&["performance", "wall_s"])?,
+        // Pictures do without what cannot be read.
+        walls: load::load(&directory.join("scene.ron"), &[]).map(|loaded| loaded.wall_discs()).unwrap_or_default(),
     })
 }
 

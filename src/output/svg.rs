@@ -130,6 +130,8 @@ impl Paper<'_> {
 
     fn bodies(&mut self) {
         self.put(format_args!(r#"<g clip-path="url(#view)">"#));
+        // Without smoothed edges squares meet without a gap.
+        self.put(format_args!(r#"<g shape-rendering="crispEdges">"#));
         for &(corner, side, colour) in &self.picture.squares {
             let (top_left, side) = (self.at(corner + Vector::new(0.0, side)), side * self.scale);
             self.put(format_args!(
@@ -139,6 +141,7 @@ impl Paper<'_> {
                 hex(colour)
             ));
         }
+        self.put(format_args!("</g>"));
         for &(from, to) in &self.picture.lines {
             self.line(from, to, 0.004 * self.picture.width, colour::WALL);
         }
