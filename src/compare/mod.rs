@@ -3,8 +3,8 @@
 //! Models differ in their speeds and clocks: grains fall in metres a second, a lattice gas in metres a step. So each run is
 //! measured in units of its own:
 //!
-//! * the [field](field) of vertical velocity by its mean downward speed;
-//! * the [discharge](discharge) by the time until half is out.
+//! * the [field] of vertical velocity by its mean downward speed;
+//! * the [discharge] by the time until half is out.
 //!
 //! What is left is the pattern. Its cost is the wall-clock time of the run's steps. Two runs of one scene with different
 //! seeds tell the floor: what chance alone makes of the figures.
@@ -44,9 +44,17 @@ pub struct Run {
 /// If two fields have no cells in common or do not flow down, or if nothing comes out.
 pub fn compare(reference: &Run, others: &[Run], looks: f64) -> Result<Report, Fault> {
     let all = || std::iter::once(reference).chain(others);
+    if let Some(dry) = all().find(|run| run.discharge.largest() <= 0.0) {
+        return Err(no_discharge(dry));
+    }
     let unit_share = all().map(|run| run.discharge.largest()).fold(0.5, f64::min);
     let rows = all().map(|run| row(reference, run, looks, unit_share)).collect::<Result<Vec<Row>, Fault>>()?;
     Ok(Report { unit_share, looks, rows })
+}
+
+fn no_discharge(run: &Run) -> Fault {
+    Fault::new("compare::discharge", format!("{}: nothing comes out after the door opened", run.name))
+        .help("compare runs whose silo discharges; does the scene open its door?")
 }
 
 fn row(reference: &Run, run: &Run, looks: f64, unit_share: f64) -> Result<Row, Fault> {
@@ -57,12 +65,8 @@ fn row(reference: &Run, run: &Run, looks: f64, unit_share: f64) -> Result<Row, F
                  --looks",
         )
     })?;
-    let unit = |run: &Run| {
-        run.discharge.time_of(unit_share).filter(|&time| time > 0.0).ok_or_else(|| {
-            Fault::new("compare::discharge", format!("{}: nothing comes out after the door opened", run.name))
-                .help("compare runs whose silo discharges; does the scene open its door?")
-        })
-    };
+    let unit =
+        |run: &Run| run.discharge.time_of(unit_share).filter(|&time| time > 0.0).ok_or_else(|| no_discharge(run));
     let (unit_time, of_reference) = (unit(run)?, unit(reference)?);
     let discharge = run.discharge.in_units(unit_time).largest_difference(&reference.discharge.in_units(of_reference));
     Ok(Row {
@@ -130,6 +134,7 @@ pub(crate) mod tests {
         let report = compare(&reference, &[slow.clone()], 1.0).unwrap();
         assert_eq!((report.unit_share, report.rows[1].unit_time), (0.2, 1.0));
         slow.discharge = Curve::new([(0.0, 0.0), (1.0, 0.0)]);
-        assert_eq!(compare(&reference, &[slow], 1.0).unwrap_err().code(), "compare::discharge");
+        let fault = compare(&reference, &[slow], 1.0).unwrap_err();
+        assert!(fault.code() == "compare::discharge" && fault.to_string().starts_with("slow:"), "{fault}");
     }
 }

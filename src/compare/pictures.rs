@@ -33,8 +33,8 @@ fn fields(runs: &[Run], report: &Report) -> String {
         high: Vector::new(low.x - margin + all.x, high.y) + above,
         // Header and legend stand side by side.
         width: (PANEL * all.x / step.x).max(2.0 * PANEL),
-        header: vec![format!("cells of {side} m")],
-        legend: Legend::Scale { from: 0.0, to: top, title: "downward speed over the run's mean".to_owned() },
+        header: vec![format!("cells of {side} m; yellow: {top} and more")],
+        legend: Legend::Scale { from: 0.0, to: top, title: "downward speed/its mean".to_owned() },
         discs: Vec::new(),
         squares: Vec::new(),
         labels: Vec::new(),
