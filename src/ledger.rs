@@ -115,6 +115,12 @@ impl Ledger {
         count(self.lost.len())
     }
 
+    /// Whether a grain is out or lost.
+    #[must_use]
+    pub fn is_gone(&self, grain: GrainId) -> bool {
+        self.gone.contains(&grain)
+    }
+
     /// Grains that are inside: released, neither out nor lost.
     #[must_use]
     pub fn inside(&self) -> u32 {

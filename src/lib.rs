@@ -36,6 +36,7 @@ pub mod behaviour;
 pub mod check;
 pub mod cli;
 pub mod columns;
+pub mod compare;
 pub mod contact;
 pub mod door;
 pub mod ending;

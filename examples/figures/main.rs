@@ -9,12 +9,9 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use siloflow::grains::file::GrainRow;
+use siloflow::output::plot::{Axis, Curve, figure};
 use siloflow::output::png;
 use siloflow::prelude::*;
-
-mod plot;
-
-use plot::{Axis, Curve, figure};
 
 const G: f64 = 9.81;
 const V0: Vector = Vector::new(3.0, 2.0);

@@ -113,6 +113,15 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
             "\n  profiles.csv, and the centres of mass of the species, as often as series.csv, in centres.csv",
         );
     }
+    if let Some(flow) = scene.flow {
+        let (from, to) = (100.0 * flow.from.get(), 100.0 * flow.to.get());
+        let _ = write!(
+            text,
+            "\n  the mean velocity in cells of {} m, every {} s while {from} to {to} % are out, in flow.csv",
+            flow.cell.get(),
+            flow.sample.get()
+        );
+    }
     let _ = match &scene.pictures {
         Some(pictures) => writeln!(text, "\n  a picture every {} s", pictures.interval.get()),
         None => writeln!(text),

@@ -3,10 +3,12 @@
 //! Exit status: 0 done; 1 the simulation failed; 2 the input or the call was wrong.
 
 mod check;
+mod compare;
 mod explain;
 mod progress;
 mod render;
 mod run;
+mod run_grains;
 mod run_lattice;
 mod study;
 
@@ -53,6 +55,8 @@ enum Command {
     Explain(SceneArgs),
     /// Run the study of the lattice gas: silos, variants, seeds, and what becomes of the claims about them.
     Study(study::StudyArgs),
+    /// Compare the flow patterns of runs or scenes with that of a reference, and what each cost.
+    Compare(compare::CompareArgs),
     /// Turn snapshots (SVG) into PNGs beside them.
     Render(render::RenderArgs),
 }
@@ -125,6 +129,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Check(args) => check::check(args, registry),
         Command::Explain(args) => explain::explain(args, registry),
         Command::Study(args) => study::study(args, cli.quiet),
+        Command::Compare(args) => compare::compare(args, registry, cli.quiet),
         Command::Render(args) => render::render(args),
     };
     match result {

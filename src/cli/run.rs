@@ -1,34 +1,16 @@
 //! `siloflow run`: steps a scene to its end and writes the run directory.
 
-use std::fmt::Write as _;
-use std::marker::PhantomData;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
-use std::time::Instant;
+use std::path::{Path, PathBuf};
 
-use bevy_ecs::prelude::*;
 use clap::Args;
+use serde::Serialize;
 
 use crate::behaviour::Registry;
-use crate::check;
-use crate::cli::progress::{Pace, Progress};
-use crate::cli::{SceneArgs, Verdict, run_lattice, say};
-use crate::columns::Columns;
+use crate::cli::{SceneArgs, Verdict, run_grains, run_lattice, say};
 use crate::fault::Fault;
-use crate::grains::file;
-use crate::ledger::Ledger;
-use crate::outcome::End;
-use crate::output::frames::{FramesPlugin, Studio};
-use crate::output::profiles::ProfilesPlugin;
 use crate::output::run_directory::RunDirectory;
-use crate::output::series::SeriesPlugin;
-use crate::output::summary::{Cost, Energy, Summary, movable_grains};
-use crate::output::walls::WallForcesPlugin;
-use crate::scene::load::{AnyScene, Loaded};
-use crate::scene::source::Source;
-use crate::simulation::Simulation;
-use crate::space::{Dimension, Plane, Solid, Space};
-use crate::step::Clock;
+use crate::scene::load::AnyScene;
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]
@@ -53,10 +35,11 @@ pub(super) struct RunArgs {
 }
 
 pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
-    match args.load()? {
-        AnyScene::Grains(loaded) => run_grains(&loaded, args, registry, quiet),
-        AnyScene::Lattice(loaded) => run_lattice::run(&loaded, args, registry, quiet),
-    }
+    let scene = args.load()?;
+    let path = args.out.clone().unwrap_or_else(|| default_directory(&scene));
+    let report = run_into(&path, &scene, registry, args.threads, quiet)?;
+    say(if args.json { &report.json } else { &report.words });
+    Ok(if report.is_done { Verdict::Done } else { Verdict::SimulationFailed })
 }
 
 impl RunArgs {
@@ -71,11 +54,40 @@ impl RunArgs {
         }
         self.scene.load_with(&more)
     }
+}
 
-    /// The run directory for a scene.
-    pub(super) fn directory(&self, source: &Source) -> Result<RunDirectory, Fault> {
-        let path = self.out.clone().unwrap_or_else(|| PathBuf::from("out").join(&source.name));
-        RunDirectory::prepare(&path, source)
+/// Steps a scene to its end and leaves the run directory at `path`. A failure of the simulation is told, and in the summary.
+pub(super) fn run_into(
+    path: &Path,
+    scene: &AnyScene,
+    registry: &Registry,
+    threads: NonZeroUsize,
+    quiet: bool,
+) -> Result<Report, Fault> {
+    match scene {
+        AnyScene::Grains(loaded) => run_grains::run_into(path, loaded, registry, threads, quiet),
+        AnyScene::Lattice(loaded) => run_lattice::run_into(path, loaded, registry, threads, quiet),
+    }
+}
+
+/// Where the run of a scene goes if nobody says otherwise.
+pub(super) fn default_directory(scene: &AnyScene) -> PathBuf {
+    PathBuf::from("out").join(&scene.source().name)
+}
+
+/// What a run came to.
+pub(super) struct Report {
+    /// For people.
+    pub words: String,
+    /// The summary, for programs.
+    pub json: String,
+    /// Whether the run did what it was asked to.
+    pub is_done: bool,
+}
+
+impl Report {
+    pub(super) fn new(words: String, summary: &impl Serialize, is_done: bool) -> Self {
+        Self { words, json: serde_json::to_string_pretty(summary).unwrap_or_default() + "\n", is_done }
     }
 }
 
@@ -83,167 +95,4 @@ impl RunArgs {
 pub(super) fn unwritable(directory: &RunDirectory, error: &std::io::Error) -> Fault {
     Fault::new("run::write", format!("could not write to {}: {error}", directory.path().display()))
         .help("is there space, and may you write there?")
-}
-
-fn run_grains(loaded: &Loaded, args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
-    for warning in check::warnings(loaded) {
-        tracing::warn!("{warning}");
-    }
-    // Everything that can be wrong with the input is found before the first file is written.
-    Simulation::new(loaded, registry, NonZeroUsize::MIN)?;
-    let directory = args.directory(&loaded.source)?;
-    let mut simulation = build(loaded, registry, args.threads, &directory)?;
-    let (end, cost) = drive(&mut simulation, loaded, quiet);
-    let world = simulation.world_mut();
-    let summary = Summary::of(world, loaded, &end, cost);
-    let state = match loaded.scene.space {
-        Dimension::Plane => file::write::<Plane>(world),
-        Dimension::Solid => file::write::<Solid>(world),
-    };
-    directory.finish(&state, &summary).map_err(|error| unwritable(&directory, &error))?;
-    report(&summary, args, &directory);
-    Ok(if summary.is_done() { Verdict::Done } else { Verdict::SimulationFailed })
-}
-
-fn build(
-    loaded: &Loaded,
-    registry: &Registry,
-    threads: NonZeroUsize,
-    directory: &RunDirectory,
-) -> Result<Simulation, Fault> {
-    match loaded.scene.space {
-        Dimension::Plane => build_in::<Plane>(loaded, registry, threads, directory),
-        Dimension::Solid => build_in::<Solid>(loaded, registry, threads, directory),
-    }
-}
-
-fn build_in<V: Space>(
-    loaded: &Loaded,
-    registry: &Registry,
-    threads: NonZeroUsize,
-    directory: &RunDirectory,
-) -> Result<Simulation, Fault> {
-    let outputs = Outputs::<V>::create(loaded, directory).map_err(|error| unwritable(directory, &error))?;
-    Simulation::with(loaded, registry, threads, |app| {
-        app.add("series", outputs.series);
-        if let Some(walls) = outputs.walls {
-            app.add("walls", walls);
-        }
-        if let Some(profiles) = outputs.profiles {
-            app.add("profiles", profiles);
-        }
-        if let Some(studio) = Studio::of(loaded, directory.frames()) {
-            app.add("pictures", FramesPlugin::<V>(studio, PhantomData));
-        }
-    })
-}
-
-/// The files that grow while a scene runs.
-struct Outputs<V: Space> {
-    series: SeriesPlugin<V>,
-    walls: Option<WallForcesPlugin<V>>,
-    profiles: Option<ProfilesPlugin<V>>,
-}
-
-impl<V: Space> Outputs<V> {
-    fn create(loaded: &Loaded, directory: &RunDirectory) -> std::io::Result<Self> {
-        let has_walls = !loaded.surfaces::<V>().is_empty();
-        let profiles = loaded.profiles();
-        let species = u8::try_from(loaded.largest_species()).unwrap_or(u8::MAX);
-        Ok(Self {
-            series: SeriesPlugin::create(loaded.scene.series, &directory.series())?,
-            walls: if has_walls { Some(WallForcesPlugin::create(&directory.walls())?) } else { None },
-            profiles: if profiles.is_empty() {
-                None
-            } else {
-                Some(ProfilesPlugin::create(&profiles, species, &directory.profiles(), &directory.centres())?)
-            },
-        })
-    }
-}
-
-/// Steps to the end, with progress.
-fn drive(simulation: &mut Simulation, loaded: &Loaded, quiet: bool) -> (End, Cost) {
-    let mut progress = Progress::new(quiet);
-    let mut cost = Cost::default();
-    let start = Instant::now();
-    loop {
-        let end = simulation.step();
-        cost.particle_steps += movable_grains(simulation.world()) as u64;
-        if let Some(end) = end {
-            cost.wall_s = start.elapsed().as_secs_f64();
-            progress.finish();
-            return (end, cost);
-        }
-        progress.look(cost.particle_steps, |pace| line(simulation.world(), loaded.scene.until.get(), pace));
-    }
-}
-
-fn line(world: &World, until: f64, pace: Pace) -> String {
-    let (time, ledger) = (world.resource::<Clock>().time(), world.resource::<Ledger>());
-    let kinetic = match Dimension::of_world(world) {
-        Dimension::Plane => kinetic::<Plane>(world),
-        Dimension::Solid => kinetic::<Solid>(world),
-    };
-    format!(
-        "t = {time:.2} s of at most {until:.0} s | {:.1} M particle-steps/s | at most {:.0} s to go | inside {}, out {}, \
-         lost {} | kinetic {kinetic:.3e} J",
-        pace.millions_per_s,
-        pace.left(time, until - time),
-        ledger.inside(),
-        ledger.out(),
-        ledger.lost()
-    )
-}
-
-/// Kinetic energy of translation, J.
-fn kinetic<V: Space>(world: &World) -> f64 {
-    let columns = world.resource::<Columns<V>>();
-    (0..columns.movable_end).map(|i| columns.kinetic_energy(i)).sum()
-}
-
-fn report(summary: &Summary, args: &RunArgs, directory: &RunDirectory) {
-    if let Some(failure) = &summary.failure {
-        tracing::error!("{failure}");
-    }
-    if args.json {
-        say(&(serde_json::to_string_pretty(summary).unwrap_or_default() + "\n"));
-        return;
-    }
-    let grains = &summary.grains;
-    let performance = &summary.performance;
-    let mut text = String::new();
-    let mut line = |name: &str, value: String| {
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{name:<12} {value}");
-    };
-    line(&summary.scene, format!("{}, {} steps, {:.3} s simulated", summary.status, summary.steps, summary.time_s));
-    line(
-        "grains",
-        format!("{} released, {} inside, {} out, {} lost", grains.released, grains.inside, grains.out, grains.lost),
-    );
-    let moments =
-        [("at rest", summary.rest_time_s), ("door opened", summary.door_open_time_s), ("empty", summary.empty_time_s)];
-    for (name, time) in moments {
-        if let Some(time) = time {
-            line(name, format!("{time:.3} s"));
-        }
-    }
-    if let Some(bed) = summary.bed {
-        line("bed", format!("height {:.3} m, packing fraction {:.4}", bed.fill_height_m, bed.packing_fraction));
-    }
-    if let Some(flow) = summary.discharge {
-        line("discharge", format!("{:.2} s, {:.1} grains/s", flow.duration_s, flow.rate_per_s));
-    }
-    line("overlap", format!("largest {:.4} of the radius", summary.max_overlap_ratio));
-    let Energy { balance_error, flows, .. } = &summary.energy;
-    line("energy", format!("{:.3e} J dissipated, balance error {balance_error:.3e} J", flows.dissipated));
-    let nanoseconds = 1e9 / performance.particle_steps_per_s;
-    line(
-        "wall clock",
-        format!("{:.2} s, {nanoseconds:.1} ns a particle-step, threads: {}", performance.wall_s, performance.threads),
-    );
-    line("state hash", summary.state_hash.clone());
-    line("written to", directory.path().display().to_string());
-    say(&text);
 }

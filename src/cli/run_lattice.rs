@@ -2,13 +2,15 @@
 
 use std::fmt::Write as _;
 use std::num::NonZeroUsize;
+use std::path::Path;
 use std::time::Instant;
 
 use crate::behaviour::Registry;
 use crate::cli::progress::{Pace, Progress};
-use crate::cli::run::{RunArgs, unwritable};
-use crate::cli::{Verdict, say};
+use crate::cli::run::{Report, unwritable};
 use crate::fault::Fault;
+use crate::lattice::check;
+use crate::lattice::flow::FlowPlugin;
 use crate::lattice::gas::Gas;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::pictures::PicturesPlugin;
@@ -20,26 +22,53 @@ use crate::output::run_directory::RunDirectory;
 use crate::simulation::Simulation;
 use crate::step::Clock;
 
-pub(super) fn run(loaded: &LoadedLattice, args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+pub(super) fn run_into(
+    path: &Path,
+    loaded: &LoadedLattice,
+    registry: &Registry,
+    threads: NonZeroUsize,
+    quiet: bool,
+) -> Result<Report, Fault> {
+    for warning in check::warnings(loaded) {
+        tracing::warn!("{warning}");
+    }
     // Everything that can be wrong with the input is found before the first file is written.
     Simulation::of_lattice(loaded, registry, NonZeroUsize::MIN)?;
-    let directory = args.directory(&loaded.source)?;
-    let series = SeriesPlugin::create(loaded.scene.series, &directory.series())
-        .map_err(|error| unwritable(&directory, &error))?;
-    let mut simulation = Simulation::of_lattice_with(loaded, registry, args.threads, |app| {
-        app.add("series", series);
-        if let Some(pictures) = PicturesPlugin::of(loaded, directory.frames()) {
-            app.add("pictures", pictures);
-        }
-    })?;
+    let directory = RunDirectory::prepare(path, &loaded.source)?;
+    let mut simulation = build(loaded, registry, threads, &directory)?;
     let start = Instant::now();
     let end = drive(&mut simulation, loaded, quiet);
     let world = simulation.world();
     let summary = Summary::of(world, loaded, &end, start.elapsed().as_secs_f64());
     let state = state_csv(world.resource::<Sites>(), world.resource::<Gas>());
     directory.finish(&state, &summary).map_err(|error| unwritable(&directory, &error))?;
-    report(&summary, args, &directory);
-    Ok(if summary.failure.is_none() { Verdict::Done } else { Verdict::SimulationFailed })
+    if let Some(failure) = &summary.failure {
+        tracing::error!("{failure}");
+    }
+    Ok(Report::new(words(&summary, &directory), &summary, summary.failure.is_none()))
+}
+
+fn build(
+    loaded: &LoadedLattice,
+    registry: &Registry,
+    threads: NonZeroUsize,
+    directory: &RunDirectory,
+) -> Result<Simulation, Fault> {
+    let outputs = || -> std::io::Result<_> {
+        let series = SeriesPlugin::create(loaded.scene.series, &directory.series())?;
+        let flow = loaded.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.flow())).transpose()?;
+        Ok((series, flow))
+    };
+    let (series, flow) = outputs().map_err(|error| unwritable(directory, &error))?;
+    Simulation::of_lattice_with(loaded, registry, threads, |app| {
+        app.add("series", series);
+        if let Some(flow) = flow {
+            app.add("flow", flow);
+        }
+        if let Some(pictures) = PicturesPlugin::of(loaded, directory.frames()) {
+            app.add("pictures", pictures);
+        }
+    })
 }
 
 /// Steps to the end, with progress.
@@ -68,14 +97,7 @@ fn line(clock: &Clock, gas: &Gas, until: u64, pace: Pace) -> String {
     )
 }
 
-fn report(summary: &Summary, args: &RunArgs, directory: &RunDirectory) {
-    if let Some(failure) = &summary.failure {
-        tracing::error!("{failure}");
-    }
-    if args.json {
-        say(&(serde_json::to_string_pretty(summary).unwrap_or_default() + "\n"));
-        return;
-    }
+fn words(summary: &Summary, directory: &RunDirectory) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: String| {
         // Writing to a string cannot fail.
@@ -98,5 +120,5 @@ fn report(summary: &Summary, args: &RunArgs, directory: &RunDirectory) {
     );
     line("state hash", summary.state_hash.clone());
     line("written to", directory.path().display().to_string());
-    say(&text);
+    text
 }

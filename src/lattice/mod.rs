@@ -22,6 +22,7 @@ pub mod collisions;
 pub mod door;
 pub mod draws;
 pub mod enter;
+pub(crate) mod flow;
 pub mod gas;
 pub mod load;
 pub mod observables;

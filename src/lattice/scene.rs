@@ -10,6 +10,7 @@ use crate::lattice::enter::{Fill, Pour, Thrown};
 use crate::lattice::pictures::Pictures;
 use crate::lattice::rest::Rest;
 use crate::lattice::series::Series;
+use crate::output::flow::Flow;
 use crate::scene::Method;
 use crate::scene::values::FiniteVector;
 
@@ -45,6 +46,8 @@ pub struct LatticeScene {
     pub until: u64,
     /// When it ends after the outlet has opened, steps.
     pub discharge: Option<u64>,
+    /// A field of mean velocity over the middle of the discharge, in `flow.csv`.
+    pub flow: Option<Flow>,
     /// The rows of `series.csv`.
     #[serde(default)]
     pub series: Series,

@@ -2,6 +2,7 @@
 
 pub mod bed;
 pub mod discharge;
+pub mod flow;
 pub mod profile;
 pub mod totals;
 

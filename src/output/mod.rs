@@ -1,7 +1,9 @@
 //! What a run leaves behind: rows, pictures, the final state and the summary, in one run directory.
 
 pub mod colour;
+pub mod flow;
 pub mod frames;
+pub mod plot;
 pub mod png;
 pub mod profiles;
 pub mod rows;

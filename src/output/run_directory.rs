@@ -1,8 +1,9 @@
 //! The run directory: everything that a run leaves behind, and everything that is needed to repeat it.
 //!
 //! `scene.ron` (as resolved, with `--set` applied) and copies of the files that it names, `series.csv`, `walls.csv`,
-//! `profiles.csv` and `centres.csv` where there is something to write, `frames/`, `state.csv` and `summary.json`. A directory that holds an earlier run is cleared of it first; one that holds
-//! anything else is refused. Copies have names of their own, `input-...`, which no result has.
+//! `profiles.csv`, `centres.csv` and `flow.csv` where there is something to write, `frames/`, `state.csv` and
+//! `summary.json`. A directory that holds an earlier run is cleared of it first; one that holds anything else is refused.
+//! Copies have names of their own, `input-...`, which no result has.
 
 use std::fs;
 use std::io;
@@ -24,8 +25,9 @@ const FRAMES: &str = "frames";
 const WALLS: &str = "walls.csv";
 const PROFILES: &str = "profiles.csv";
 const CENTRES: &str = "centres.csv";
-const OWN_FILES: [&str; 9] =
-    [SCENE, SERIES, WALLS, PROFILES, CENTRES, "state.csv", "summary.json", "input-silo.dat", "input-grains.csv"];
+const FLOW: &str = "flow.csv";
+const OWN_FILES: [&str; 10] =
+    [SCENE, SERIES, WALLS, PROFILES, CENTRES, FLOW, "state.csv", "summary.json", "input-silo.dat", "input-grains.csv"];
 
 /// The name of the copy of the file that a key of the scene names.
 fn copy_name(key: &str) -> &'static str {
@@ -118,6 +120,12 @@ impl RunDirectory {
     #[must_use]
     pub fn centres(&self) -> PathBuf {
         self.0.join(CENTRES)
+    }
+
+    /// Where the field of mean velocity goes.
+    #[must_use]
+    pub fn flow(&self) -> PathBuf {
+        self.0.join(FLOW)
     }
 
     /// Writes the final state and the summary.

@@ -22,6 +22,8 @@ pub struct Picture {
     pub legend: Legend,
     /// Discs: centre and radius in m, colour.
     pub discs: Vec<(Vector, f64, Rgb)>,
+    /// Words over everything: the middle of their line in m.
+    pub labels: Vec<(Vector, String)>,
     /// Whether discs have an outline: where they hide each other, one sees them apart.
     pub outlined: bool,
     /// Bonds over the discs: ends and width in m, colour.
@@ -83,6 +85,10 @@ impl Picture {
         let mut paper = Paper { picture: self, scale, top, height, svg: String::new() };
         paper.frame();
         paper.bodies();
+        for (place, words) in &self.labels {
+            let at = paper.at(*place);
+            paper.text(at.x, at.y, text, "middle", words);
+        }
         paper.header(text);
         paper.legend(text);
         paper.scale_bar(text);
@@ -246,6 +252,8 @@ mod tests {
             high: Vector::new(2.0, 1.0),
             width,
             header: vec!["a < b & c".to_owned()],
+            cells: vec![([0, 0, 255], vec![(Vector::ZERO, Vector::splat(0.5))])],
+            labels: vec![(Vector::new(1.0, 0.5), "half".to_owned())],
             discs: vec![(Vector::new(0.5, 0.25), 0.1, [255, 0, 0])],
             ..Picture::default()
         }
@@ -256,6 +264,8 @@ mod tests {
         let svg = picture(200.0).to_svg();
         // Top: (1.35 + 0.7) lines of 5.6 px; the disc is 75 px below the top of a view of 100 px.
         assert!(svg.contains(r##"<circle cx="50.00" cy="86.48" r="10.00" fill="#ff0000"/>"##), "{svg}");
+        assert!(svg.contains(r##"<rect x="0.00" y="61.48" width="50.00" height="50.00" fill="#0000ff"/>"##), "{svg}");
+        assert!(svg.contains(r#"<text x="100.00" y="61.48""#) && svg.contains(">half<"), "{svg}");
         assert!(svg.contains("a &lt; b &amp; c"));
         assert!(svg.contains(">0.5 m<"));
     }

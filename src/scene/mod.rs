@@ -30,6 +30,7 @@ use crate::ledger::{Cull, OnLoss};
 use crate::measure::bed::Bed;
 use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
+use crate::output::flow::Flow;
 use crate::output::frames::Pictures;
 use crate::output::series::Series;
 use crate::periodic::PeriodicSides;
@@ -108,6 +109,8 @@ pub struct Scene {
     /// Averages over bins along an axis.
     #[serde(default)]
     pub profiles: Vec<Profile>,
+    /// A field of mean velocity.
+    pub flow: Option<Flow>,
     /// The rows of `series.csv`.
     #[serde(default)]
     pub series: Series,

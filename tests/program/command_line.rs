@@ -7,7 +7,7 @@ use std::process::{Command, Output};
 use serde_json::Value;
 
 /// Runs the program in `directory`.
-fn siloflow(directory: &Path, arguments: &[&str]) -> Output {
+pub fn siloflow(directory: &Path, arguments: &[&str]) -> Output {
     let program = env!("CARGO_BIN_EXE_siloflow");
     Command::new(program).args(arguments).current_dir(directory).env_remove("NO_COLOR").output().unwrap()
 }
@@ -16,7 +16,7 @@ fn path(name: &str) -> String {
     crate::scene(name).display().to_string()
 }
 
-fn text(bytes: &[u8]) -> String {
+pub fn text(bytes: &[u8]) -> String {
     String::from_utf8(bytes.to_vec()).unwrap()
 }
 

@@ -15,6 +15,7 @@
 
 mod behaviours;
 mod command_line;
+mod compare;
 mod periodic;
 mod scenes;
 mod searches;

@@ -47,3 +47,51 @@ fn its_outline_is_two_chains_and_a_roof_with_one_orifice() {
     let orifice = outline.orifice().unwrap();
     assert_eq!((orifice.from.x.abs(), orifice.to.x, orifice.from.y, orifice.to.y), (0.15, -orifice.from.x, 0.0, 0.0));
 }
+
+/// The mass-flow silo, its wall grains of 1 cm behind the faces: on each side from the flank, which touches the face and the
+/// plumb line through (0.1, 0), to the corner 101 steps, from there to the top 200; the door from x = -9 to 9 cm every cm,
+/// its top at y = 0. In m.
+fn mass_flow_described() -> Vec<Vector> {
+    let (r, tan_15) = (0.01, 2.0 - 3f64.sqrt());
+    let flank = Vector::new(0.1 + r, -r * tan_15);
+    let corner = Vector::new(0.602 + r, 0.8695 - r * tan_15);
+    let top = Vector::new(0.602 + r, 2.865);
+    let slope = (0..=101).map(|k| flank.lerp(corner, f64::from(k) / 101.0));
+    let side: Vec<_> = slope.chain((1..=200).map(|k| corner.lerp(top, f64::from(k) / 200.0))).collect();
+    let mirrored = side.iter().map(|x| Vector::new(-x.x, x.y));
+    let door = (-9..=9).map(|k| Vector::new(0.01 * f64::from(k), -r));
+    mirrored.chain(side.iter().copied()).chain(door).collect()
+}
+
+#[test]
+fn the_mass_flow_silo_is_what_its_description_says() {
+    let text = std::fs::read_to_string(crate::root().join("assets/silo2d.dat")).unwrap();
+    let silo = parse("silo2d.dat", &text, LengthUnit::Metre).unwrap();
+    assert_eq!((silo.wall.len(), silo.door.len()), (604, 19));
+    let discs: Vec<Disc> = silo.wall.iter().chain(&silo.door).copied().collect();
+    for (disc, centre) in discs.iter().zip(mass_flow_described()) {
+        // The file has six digits: half a unit of the last of them at 1 to 3 m.
+        assert!((disc.centre - centre).abs().max_element() <= 0.000_005_01, "{disc:?} {centre}");
+        assert_eq!(disc.radius, 0.01);
+    }
+    let outline = Outline::new(&silo.wall, &silo.door, &[], 0.009);
+    assert_eq!(outline.links().len(), 2 * 301);
+    let orifice = outline.orifice().unwrap();
+    assert_eq!((orifice.from.x.abs(), orifice.to.x), (0.11, -orifice.from.x));
+}
+
+#[test]
+fn the_faces_of_the_mass_flow_silo_are_its_polygon() {
+    let text = std::fs::read_to_string(crate::root().join("assets/silo2d.dat")).unwrap();
+    let silo = parse("silo2d.dat", &text, LengthUnit::Metre).unwrap();
+    let (foot, corner) = (Vector::new(0.1, 0.0), Vector::new(0.602, 0.8695));
+    let along = (corner - foot).normalize();
+    for disc in &silo.wall {
+        let x = Vector::new(disc.centre.x.abs(), disc.centre.y);
+        let from_slope = (x - foot).dot(-along.perp());
+        let from_side = x.x - corner.x;
+        // Each disc touches the slope or the side from outside; half a digit of the file more or less.
+        assert!((from_slope.max(from_side) - 0.01).abs() < 1e-5, "{disc:?} {from_slope} {from_side}");
+        assert!(x.x - 0.01 > 0.1 - 1e-9, "the way out is 0.2 m wide: {disc:?}");
+    }
+}

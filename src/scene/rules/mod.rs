@@ -30,6 +30,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     door_and_rest(loaded)?;
     cells(loaded)?;
     profiles(loaded)?;
+    flow(loaded)?;
     pictures_and_bed(loaded)
 }
 
@@ -50,6 +51,25 @@ fn profiles(loaded: &Loaded) -> Result<(), Fault> {
         return Err(loaded.fault(code, &key, message).help(
             "give the area at right angles to the axis, m^2 (in the plane its length, m), `low` and `high` in m",
         ));
+    }
+    Ok(())
+}
+
+/// The window of the discharge has a beginning and an end, and there is a way out.
+fn flow(loaded: &Loaded) -> Result<(), Fault> {
+    let Some(flow) = loaded.scene.flow else { return Ok(()) };
+    if flow.from >= flow.to {
+        let message = format!("the window is empty: it begins at {} and ends at {}", flow.from.get(), flow.to.get());
+        return Err(loaded
+            .fault("scene::out_of_range", "flow.to", message)
+            .help("`from` and `to` are shares of the released grains that are out, for example 0.05 and 0.4"));
+    }
+    if flow.from.get() > 0.0 && loaded.silo.door.is_empty() {
+        return Err(loaded
+            .fault("scene::no_door", "flow", "no grain will ever be out: no silo file announces door grains")
+            .help(
+                "give a silo file whose first line has a second count above 0, or sample all along with `from: 0.0`",
+            ));
     }
     Ok(())
 }

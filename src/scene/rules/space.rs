@@ -40,6 +40,11 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
             "bed".to_owned(),
             "the bed is measured in the plane; `profiles` work in both",
         ),
+        (
+            is_solid && scene.flow.is_some(),
+            "flow".to_owned(),
+            "a field of flow has cells in the plane; `profiles` work in both",
+        ),
         (!is_solid && scene.periodic.z.is_some(), "periodic.z".to_owned(), "the plane has no z"),
         (
             !is_solid && panel.is_some(),

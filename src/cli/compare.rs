@@ -1,0 +1,150 @@
+//! `siloflow compare`: flow patterns of runs against that of a reference, and what each cost.
+
+use std::collections::HashSet;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::behaviour::Registry;
+use crate::cli::run::{default_directory, run_into};
+use crate::cli::{ONE_THREAD, Verdict, say};
+use crate::compare::report::Report;
+use crate::compare::{Run, compare as compare_runs, pictures, read};
+use crate::fault::Fault;
+use crate::output::png;
+use crate::scene::load::{self, AnyScene};
+
+/// Arguments of `compare`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+Speeds are in units of each run's own mean, times in units of the time until half is out, so that models with clocks of their \
+own can be compared. The scenes need the key `flow`, with the same cells.
+
+What chance alone makes of the figures, the floor, tell two seeds of one scene:
+  siloflow run scenes/silo2d.ron
+  siloflow run scenes/silo2d.ron --seed 2 --out out/silo2d-seed2
+  siloflow compare out/silo2d out/silo2d-seed2
+
+Pictures: out/compare/fields.png, discharge.png, cost.png; figures: out/compare/compare.csv")]
+pub(super) struct CompareArgs {
+    /// The run that the others are held against: a run directory, or a scene (.ron), which is run into out/<its name> first.
+    reference: PathBuf,
+    /// Runs or scenes to compare with it.
+    #[arg(required = true)]
+    others: Vec<PathBuf>,
+    /// Where compare.csv and the pictures go.
+    #[arg(long, value_name = "DIR", default_value = "out/compare")]
+    out: PathBuf,
+    /// Count cells only in which both runs saw at least so many grains, over all samples.
+    #[arg(long, value_name = "N", default_value = "50")]
+    looks: u32,
+    /// Print the figures as JSON instead of a table.
+    #[arg(long)]
+    json: bool,
+}
+
+pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+    let paths: Vec<&Path> = std::iter::once(&args.reference).chain(&args.others).map(PathBuf::as_path).collect();
+    // All that can be wrong with the arguments is found before the first scene is run.
+    let scenes = paths.iter().map(|path| scene(path)).collect::<Result<Vec<_>, Fault>>()?;
+    let directories: Vec<PathBuf> =
+        paths.iter().zip(&scenes).map(|(path, scene)| scene.as_ref().map_or(path.into(), default_directory)).collect();
+    distinct(&directories, &scenes)?;
+    let names = names(&directories);
+    let mut runs: Vec<Option<Run>> = Vec::new();
+    for ((directory, scene), name) in directories.iter().zip(&scenes).zip(&names) {
+        runs.push(if scene.is_none() { Some(read::run(directory, name)?) } else { None });
+    }
+    for (((run, scene), directory), name) in runs.iter_mut().zip(&scenes).zip(&directories).zip(&names) {
+        let Some(loaded) = scene else { continue };
+        if !run_into(directory, loaded, registry, ONE_THREAD, quiet)?.is_done {
+            tracing::error!("{name} did not end as it should: nothing was compared");
+            return Ok(Verdict::SimulationFailed);
+        }
+        *run = Some(read::run(directory, name)?);
+    }
+    let runs: Vec<Run> = runs.into_iter().flatten().collect();
+    let Some((reference, others)) = runs.split_first() else { return Ok(Verdict::Done) };
+    let report = compare_runs(reference, others, f64::from(args.looks))?;
+    write(&args.out, &runs, &report)?;
+    show(args, &report);
+    Ok(Verdict::Done)
+}
+
+/// The scene at a path, if the path is that of one.
+fn scene(path: &Path) -> Result<Option<AnyScene>, Fault> {
+    if path.extension().is_none_or(|ending| ending != "ron") {
+        return Ok(None);
+    }
+    let scene = load::any(path, &[])?;
+    let has_flow = match &scene {
+        AnyScene::Grains(loaded) => loaded.scene.flow.is_some(),
+        AnyScene::Lattice(loaded) => loaded.scene.flow.is_some(),
+    };
+    if !has_flow {
+        let message = format!("{} does not say how to sample its flow", path.display());
+        return Err(scene
+            .source()
+            .fault("compare::no_flow", "flow", message)
+            .help("add for example `flow: (cell: 0.05, sample: 0.02)`, m and s (of a lattice gas steps)"));
+    }
+    Ok(Some(scene))
+}
+
+/// A scene must not be run over another argument.
+fn distinct(directories: &[PathBuf], scenes: &[Option<AnyScene>]) -> Result<(), Fault> {
+    for (n, directory) in directories.iter().enumerate().filter(|&(n, _)| scenes[n].is_some()) {
+        let is_same = |other: &PathBuf| {
+            other == directory
+                || fs::canonicalize(other).ok().zip(fs::canonicalize(directory).ok()).is_some_and(|(a, b)| a == b)
+        };
+        if directories.iter().enumerate().any(|(m, other)| m != n && is_same(other)) {
+            let message = format!("two of the arguments are, or would be run into, {}", directory.display());
+            return Err(Fault::new("compare::same_directory", message)
+                .help("run them one by one with `siloflow run SCENE --out DIR`, and compare the directories"));
+        }
+    }
+    Ok(())
+}
+
+/// The last part of each path, or all of it where that is not enough to tell them apart.
+fn names(directories: &[PathBuf]) -> Vec<String> {
+    let last = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
+    let short: Vec<_> = directories.iter().map(last).collect();
+    let are_distinct = short.iter().collect::<HashSet<_>>().len() == short.len();
+    let whole = |path: &PathBuf| path.display().to_string();
+    let names = short.iter().zip(directories);
+    names.map(|(name, path)| name.clone().filter(|_| are_distinct).unwrap_or_else(|| whole(path))).collect()
+}
+
+fn write(out: &Path, runs: &[Run], report: &Report) -> Result<(), Fault> {
+    let failed = |error: std::io::Error| {
+        Fault::new("compare::write", format!("could not write to {}: {error}", out.display()))
+            .help("give another directory with --out")
+    };
+    fs::create_dir_all(out).map_err(failed)?;
+    fs::write(out.join("compare.csv"), report.csv()).map_err(failed)?;
+    for (name, svg) in pictures::all(runs, report) {
+        let path = out.join(format!("{name}.svg"));
+        fs::write(&path, svg).map_err(failed)?;
+        png::render_file(&path)?;
+    }
+    Ok(())
+}
+
+fn show(args: &CompareArgs, report: &Report) {
+    if args.json {
+        say(&(serde_json::to_string_pretty(report).unwrap_or_default() + "\n"));
+        return;
+    }
+    let notes = format!(
+        "\nfield rms: difference of the vertical velocities, in mean speeds, over cells that saw {} grains or more in both runs\n\
+         discharge: largest difference of the share that is out, at the same time in units of the run's own\n\
+         wall: clock time of the steps; of ref: over that of {}\n\nwritten to {}\n",
+        args.looks,
+        report.rows.first().map_or("", |row| &row.run),
+        args.out.display()
+    );
+    say(&(report.table() + &notes));
+}

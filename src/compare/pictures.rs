@@ -1,0 +1,158 @@
+//! The pictures of a comparison: fields side by side, discharge curves, disagreement against cost.
+
+use crate::compare::Run;
+use crate::compare::field::Cell;
+use crate::compare::report::{Report, Row};
+use crate::output::colour::{WALL, viridis};
+use crate::output::plot::{Axis, Curve, colour, figure};
+use crate::output::svg::{Legend, Picture};
+use crate::space::Vector;
+
+/// The pictures, by name: SVG documents.
+#[must_use]
+pub fn all(runs: &[Run], report: &Report) -> [(&'static str, String); 3] {
+    [("fields", fields(runs, report)), ("discharge", discharge(runs, report)), ("cost", cost(report))]
+}
+
+/// Width of a run's panel, px.
+const PANEL: f64 = 320.0;
+
+/// Vertical velocity over its mean in every run, at one scale, on one map.
+fn fields(runs: &[Run], report: &Report) -> String {
+    let side = runs.first().map_or(1.0, |run| run.field.side);
+    let corner = |[row, column]: [i64; 2]| side * Vector::new(whole(column), whole(row));
+    let (low, high) = bounds(runs, report.looks, side);
+    let step = Vector::new(1.15 * (high.x - low.x), 0.0);
+    let all = f64::from(u32::try_from(runs.len()).unwrap_or(1)) * step;
+    // Room for the names above and the scale bar below, whose size follows from the whole width.
+    let (margin, above, below) =
+        (0.07 * (high.x - low.x), Vector::new(0.0, 0.05 * all.x), Vector::new(0.0, 0.09 * all.x));
+    let top = top(runs, report);
+    let mut picture = Picture {
+        low: low - below - Vector::new(margin, 0.0),
+        high: Vector::new(low.x - margin + all.x, high.y) + above,
+        // Header and legend stand side by side.
+        width: (PANEL * all.x / step.x).max(2.0 * PANEL),
+        header: vec![format!("cells of {side} m; yellow: {top} and more")],
+        legend: Legend::Scale { from: 0.0, to: top, title: "downward speed/its mean".to_owned(), map: viridis },
+        ..Picture::default()
+    };
+    let mut offset = Vector::ZERO;
+    for (run, row) in runs.iter().zip(&report.rows) {
+        let square = |(key, cell): ([i64; 2], Cell)| {
+            let low = corner(key) + offset;
+            (viridis(cell.down / row.mean_speed / top), vec![(low, low + Vector::splat(side))])
+        };
+        picture.cells.extend(run.field.seen(report.looks).map(square));
+        picture.lines.extend(run.lines.iter().map(|&(from, to)| (from + offset, to + offset, WALL)));
+        picture.discs.extend(run.walls.iter().map(|disc| (disc.centre + offset, disc.radius, WALL)));
+        let name = Vector::new(0.5 * (low.x + high.x), high.y) + 0.3 * above + offset;
+        picture.labels.push((name, run.name.clone()));
+        offset += step;
+    }
+    picture.to_svg()
+}
+
+/// Lower left and upper right corner of all cells and wall grains, m.
+fn bounds(runs: &[Run], looks: f64, side: f64) -> (Vector, Vector) {
+    let cells = runs.iter().flat_map(|run| run.field.seen(looks)).map(|([row, column], _)| {
+        let corner = side * Vector::new(whole(column), whole(row));
+        (corner, corner + Vector::splat(side))
+    });
+    let discs = runs.iter().flat_map(|run| &run.walls);
+    let discs = discs.map(|disc| (disc.centre - Vector::splat(disc.radius), disc.centre + Vector::splat(disc.radius)));
+    cells.chain(discs).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((Vector::ZERO, Vector::ONE))
+}
+
+#[expect(clippy::cast_precision_loss, reason = "cells are far below 2^53")]
+fn whole(number: i64) -> f64 {
+    number as f64
+}
+
+/// The upper end of the map: a round number, above what 95 % of the reference's grains have.
+fn top(runs: &[Run], report: &Report) -> f64 {
+    let Some((run, row)) = runs.iter().zip(&report.rows).next() else { return 1.0 };
+    let mut cells: Vec<_> = run.field.seen(report.looks).map(|(_, cell)| (cell.down, cell.count)).collect();
+    cells.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let all: f64 = cells.iter().map(|cell| cell.1).sum();
+    let mut below = 0.0;
+    let most = cells.iter().find(|cell| {
+        below += cell.1;
+        below >= 0.95 * all
+    });
+    let most = most.map_or(1.0, |cell| cell.0 / row.mean_speed).max(1e-9);
+    let power = 10f64.powf(most.log10().floor());
+    [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0].into_iter().map(|m| m * power).find(|&end| end >= most).unwrap_or(10.0 * power)
+}
+
+fn discharge(runs: &[Run], report: &Report) -> String {
+    let curves: Vec<_> = runs
+        .iter()
+        .zip(&report.rows)
+        .enumerate()
+        .map(|(number, (run, row))| Curve {
+            name: format!("{}: unit {:.4} {}", run.name, row.unit_time, row.time_unit),
+            colour: colour(number),
+            points: run.discharge.in_units(row.unit_time).points().to_vec(),
+            has_line: true,
+            has_dots: false,
+        })
+        .collect();
+    let last = curves.iter().filter_map(|curve| curve.points.last()).map(|point| point.0).fold(1.0, f64::max);
+    let title = format!("Discharge; unit of time: until {} is out", (1000.0 * report.unit_share).round() / 1000.0);
+    let x = Axis::linear("time since the door opened, in units of the run's own", 0.0, last);
+    figure(&[(&title, x, Axis::linear("share of the grains that are out", 0.0, 1.0), curves)])
+}
+
+/// What agrees to the last bit has no logarithm: it is drawn here.
+const LEAST: f64 = 1e-6;
+
+fn cost(report: &Report) -> String {
+    let others = || report.rows.iter().enumerate().skip(1);
+    let point = |row: &Row| (row.wall_s.max(LEAST), row.field_rms.max(LEAST));
+    let curves = others().map(|(number, row)| Curve {
+        name: row.run.clone(),
+        colour: colour(number),
+        points: vec![point(row)],
+        has_line: false,
+        has_dots: true,
+    });
+    let x = Axis::logarithmic("cost: wall-clock time of the steps, s", others().map(|(_, row)| point(row).0));
+    let y = Axis::logarithmic("disagreement of the field, mean speeds", others().map(|(_, row)| point(row).1));
+    let reference = report.rows.first();
+    let title = reference.map_or_else(String::new, |row| format!("Against {}, {:.1} s", row.run, row.wall_s));
+    figure(&[(&title, x, y, curves.collect())])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::{compare, tests::run};
+    use crate::output::png;
+
+    #[test]
+    fn every_picture_shows_every_run_and_is_valid() {
+        let runs = [
+            run("first", 1.0, |x, _| 1.0 + x),
+            run("second", 2.0, |x, _| 1.0 + x * x),
+            run("third", 2.0, |x, _| 1.0 + x),
+        ];
+        let report = compare(&runs[0], &runs[1..], 1.0).unwrap();
+        for (name, svg) in all(&runs, &report) {
+            assert!(png::encode(&svg).is_ok() && svg.contains("first") && svg.contains("third"), "{name}: {svg}");
+            assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}: {svg}");
+        }
+        // 16 cells a run, one dot a run other than the reference and one for its name.
+        let [(_, fields), _, (_, cost)] = all(&runs, &report);
+        assert_eq!(fields.matches("<rect").count() - 16 * 3, 4, "paper, clip, scale, and under the scale bar");
+        assert_eq!(cost.matches("<circle").count(), 4);
+    }
+
+    #[test]
+    fn the_map_ends_above_most_grains_at_a_round_number() {
+        let runs = [run("a", 1.0, |x, _| if x < 0.5 { 1.0 } else { 3.0 })];
+        let report = compare(&runs[0], &[], 1.0).unwrap();
+        // Mean 2.5: 3 is 1.2 of it.
+        assert!((top(&runs, &report) - 1.5).abs() < 1e-15);
+    }
+}

@@ -1,0 +1,194 @@
+//! Reads what a comparison needs from a run directory, of grains or of a lattice gas:
+//!
+//! * `summary.json`: `grains.released` or `particles.entered`, `performance.wall_s` (s), and when the door opened, `door_open_time_s` (s) or
+//!   `door_open_step`; one that is `null` or not there has been open since the start;
+//! * `series.csv`: `out` against `time_s` or `step`;
+//! * `flow.csv`: `x_m`, `y_m`, `samples`, `count`, and `vx`, `vy` in `_m_per_s` or `_m_per_step`;
+//! * `scene.ron`: the wall grains, to be drawn, if there are any.
+
+use std::fs;
+use std::path::Path;
+
+use csv::{ReaderBuilder, StringRecord};
+use serde_json::Value;
+
+use crate::compare::Run;
+use crate::compare::discharge::Curve;
+use crate::compare::field::Field;
+use crate::fault::Fault;
+use crate::measure::flow::FlowMeans;
+use crate::scene::load::{self, AnyScene};
+use crate::space::Vector;
+use crate::walls::silo_file::Disc;
+
+/// What to do about a directory without a field.
+const NO_FLOW: &str =
+    "give its scene the key `flow`, for example `flow: (cell: 0.05, sample: 0.02)`, m and s, and run it again";
+
+/// The run in `directory`, to be called `name`.
+///
+/// # Errors
+/// If a file is missing or not what it should be; the fault says which and what to do.
+pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
+    if !directory.is_dir() {
+        return Err(Fault::new("compare::no_run", format!("there is no run directory {}", directory.display()))
+            .help("give run directories such as out/silo2d, or scenes (.ron) to be run first"));
+    }
+    let summary = summary(&directory.join("summary.json"))?;
+    let series =
+        Table::read(&directory.join("series.csv"), "is the directory that of a run? `siloflow run` makes one")?;
+    let (time_unit, times) = match series.column("time_s")? {
+        Some(times) => ("s", times),
+        None => ("step", series.needed("step")?),
+    };
+    let rows: Vec<_> = times.into_iter().zip(series.needed("out")?).collect();
+    let number = |keys: &[&str]| keys.iter().try_fold(&summary, |value, key| value.get(key)).and_then(Value::as_f64);
+    let needed = |found: Option<f64>, key: &str| {
+        found.ok_or_else(|| {
+            let path = directory.join("summary.json");
+            Fault::new("compare::summary", format!("{} has no number {key}", path.display()))
+                .help("run the scene again with this version")
+        })
+    };
+    let opened = number(&["door_open_time_s"]).or(number(&["door_open_step"])).unwrap_or(0.0);
+    let released = number(&["grains", "released"]).or(number(&["particles", "entered"]));
+    // Pictures do without what cannot be read.
+    let (walls, lines) = load::any(&directory.join("scene.ron"), &[]).map(|scene| outlines(&scene)).unwrap_or_default();
+    Ok(Run {
+        name: name.to_owned(),
+        field: field(&directory.join("flow.csv"))?,
+        discharge: Curve::of_rows(&rows, needed(released, "grains.released")?, opened),
+        time_unit,
+        wall_s: needed(number(&["performance", "wall_s"]), "performance.wall_s")?,
+        walls,
+        lines,
+    })
+}
+
+/// Wall grains and edges of a scene's silo.
+fn outlines(scene: &AnyScene) -> (Vec<Disc>, Vec<(Vector, Vector)>) {
+    match scene {
+        AnyScene::Grains(loaded) => (loaded.wall_discs(), Vec::new()),
+        AnyScene::Lattice(loaded) => (Vec::new(), loaded.sites().lines().to_vec()),
+    }
+}
+
+fn summary(path: &Path) -> Result<Value, Fault> {
+    let text = fs::read_to_string(path).map_err(|error| {
+        Fault::new("compare::no_summary", format!("could not read {}: {error}", path.display()))
+            .help("a run writes it when it ends: has this one ended? `siloflow run` makes run directories")
+    })?;
+    serde_json::from_str(&text).map_err(|error| {
+        Fault::new("compare::summary", format!("{} is not JSON: {error}", path.display())).help("run the scene again")
+    })
+}
+
+fn field(path: &Path) -> Result<Field, Fault> {
+    let table = Table::read(path, NO_FLOW)?;
+    let velocity = |axis: &str| match table.column(&format!("v{axis}_m_per_step"))? {
+        Some(column) => Ok(column),
+        None => table.needed(&format!("v{axis}_m_per_s")),
+    };
+    let (x, y, count) = (table.needed("x_m")?, table.needed("y_m")?, table.needed("count")?);
+    let (samples, vx, vy) = (table.needed("samples")?, velocity("x")?, velocity("y")?);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count; saturates")]
+    let means: Vec<_> = (0..x.len())
+        .map(|n| FlowMeans { x: x[n], y: y[n], samples: samples[n] as u64, count: count[n], vx: vx[n], vy: vy[n] })
+        .collect();
+    Field::new(&means).ok_or_else(|| {
+        Fault::new("compare::no_flow", format!("{} holds no field: {} rows", path.display(), means.len())).help(
+            "samples are taken while the share of the grains that are out is from `flow.from` to `flow.to`: did the run \
+             get there?",
+        )
+    })
+}
+
+/// A CSV file, by column.
+struct Table {
+    shown: String,
+    header: StringRecord,
+    rows: Vec<StringRecord>,
+}
+
+impl Table {
+    fn read(path: &Path, help: &str) -> Result<Self, Fault> {
+        let shown = path.display().to_string();
+        let text = fs::read_to_string(path).map_err(|error| {
+            Fault::new("compare::unreadable", format!("could not read {shown}: {error}")).help(help)
+        })?;
+        let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+        let broken = |error: csv::Error| {
+            Fault::new("compare::unreadable", format!("{shown}: {error}"))
+                .help("every row has as many columns as the first")
+        };
+        let header = reader.headers().map_err(broken)?.clone();
+        let rows = reader.records().collect::<Result<_, _>>().map_err(broken)?;
+        Ok(Self { shown, header, rows })
+    }
+
+    /// The numbers of a column, if there is one of this name.
+    fn column(&self, name: &str) -> Result<Option<Vec<f64>>, Fault> {
+        let Some(place) = self.header.iter().position(|found| found == name) else { return Ok(None) };
+        let numbers = self.rows.iter().map(|row| {
+            let text = row.get(place).unwrap_or_default();
+            text.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| {
+                let line = row.position().map_or(0, csv::Position::line);
+                let message =
+                    format!("{}, line {line}, column {name}: expected a finite number, got `{text}`", self.shown);
+                Fault::new("compare::unreadable", message).help("run the scene again")
+            })
+        });
+        numbers.collect::<Result<_, _>>().map(Some)
+    }
+
+    fn needed(&self, name: &str) -> Result<Vec<f64>, Fault> {
+        self.column(name)?.ok_or_else(|| {
+            Fault::new("compare::unreadable", format!("{} has no column {name}", self.shown))
+                .help("run the scene again with this version")
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn directory(files: &[(&str, &str)]) -> tempfile::TempDir {
+        let here = tempfile::tempdir().unwrap();
+        for (name, text) in files {
+            fs::write(here.path().join(name), text).unwrap();
+        }
+        here
+    }
+
+    const SUMMARY: (&str, &str) =
+        ("summary.json", r#"{"particles": {"entered": 8}, "door_open_step": 2, "performance": {"wall_s": 0.5}}"#);
+    const SERIES: (&str, &str) = ("series.csv", "step,out\n0,0\n2,0\n4,4\n6,8\n");
+    const FLOW: (&str, &str) = (
+        "flow.csv",
+        "x_m,y_m,samples,count,vx_m_per_step,vy_m_per_step\n0.05,0.05,10,2.5,0,-0.5\n0.15,0.05,10,1,0,-1\n",
+    );
+
+    #[test]
+    fn a_lattice_s_directory_is_read_in_steps() {
+        let run = run(directory(&[SUMMARY, SERIES, FLOW]).path(), "lattice").unwrap();
+        assert_eq!((run.time_unit, run.wall_s), ("step", 0.5));
+        assert_eq!(run.discharge.points(), [(0.0, 0.0), (2.0, 0.5), (4.0, 1.0)]);
+        let cells: Vec<_> = run.field.seen(0.0).map(|(key, cell)| (key, cell.looks, cell.down)).collect();
+        assert_eq!(cells, [([0, 0], 25.0, 0.5), ([0, 1], 10.0, 1.0)]);
+    }
+
+    #[test]
+    fn what_is_missing_or_broken_is_named() {
+        let code = |files: &[(&str, &str)]| run(directory(files).path(), "run").unwrap_err();
+        assert_eq!(code(&[SERIES, FLOW]).code(), "compare::no_summary");
+        let fault = code(&[SUMMARY, SERIES]);
+        assert!(fault.to_string().contains("flow.csv"), "{fault}");
+        assert_eq!(code(&[SUMMARY, SERIES, ("flow.csv", FLOW.1.lines().next().unwrap())]).code(), "compare::no_flow");
+        assert_eq!(code(&[("summary.json", "{}"), SERIES, FLOW]).code(), "compare::summary");
+        let fault = code(&[SUMMARY, ("series.csv", "step,out\n0,zero\n"), FLOW]);
+        assert!(fault.to_string().contains("line 2, column out"), "{fault}");
+        let fault = code(&[SUMMARY, ("series.csv", "time,out\n0,0\n"), FLOW]);
+        assert!(fault.to_string().contains("no column step"), "{fault}");
+    }
+}

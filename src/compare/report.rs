@@ -1,0 +1,156 @@
+//! What a comparison found: as a table for people, as `compare.csv`, as JSON.
+//!
+//! | column of `compare.csv` | unit | meaning |
+//! |---|---|---|
+//! | `run` | | the reference first |
+//! | `field_rms` | mean downward speeds | disagreement of the velocity [fields](crate::compare::field) |
+//! | `field_correlation` | | of the fields; empty if one of them is the same everywhere |
+//! | `common_cells`, `only_reference`, `only_run` | cells | that both, or only one of the fields has |
+//! | `mean_speed` | m/`time_unit` | mean downward speed over the common cells |
+//! | `discharge_difference` | share | disagreement of the [discharge](crate::compare::discharge) |
+//! | `unit_time` | `time_unit` | from the opening until half (or the largest share that all runs reach) is out |
+//! | `time_unit` | | `s` or `step` |
+//! | `wall_s`, `wall_ratio` | s | wall-clock time of the steps, and over the reference's |
+
+use std::fmt::Write as _;
+
+use serde::Serialize;
+
+/// One run against the reference.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Row {
+    /// Its name.
+    pub run: String,
+    /// Rms difference of the patterns of velocity, in mean downward speeds.
+    pub field_rms: f64,
+    /// Correlation of the fields.
+    pub field_correlation: Option<f64>,
+    /// Cells that both fields have.
+    pub common_cells: usize,
+    /// Cells that only the reference has.
+    pub only_reference: usize,
+    /// Cells that only this run has.
+    pub only_run: usize,
+    /// Mean downward speed over the common cells, m/s or m/step.
+    pub mean_speed: f64,
+    /// Largest difference of the shares that are out.
+    pub discharge_difference: f64,
+    /// Unit of time of the discharge, s or steps.
+    pub unit_time: f64,
+    /// `s` or `step`.
+    pub time_unit: &'static str,
+    /// Wall-clock time of the steps, s.
+    pub wall_s: f64,
+    /// Over the reference's.
+    pub wall_ratio: f64,
+}
+
+/// A comparison.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Report {
+    /// The share whose time is the unit of the discharge.
+    pub unit_share: f64,
+    /// Grains that a cell must have seen to count.
+    pub looks: f64,
+    /// The reference, then the others.
+    pub rows: Vec<Row>,
+}
+
+impl Report {
+    /// The content of `compare.csv`.
+    #[must_use]
+    pub fn csv(&self) -> String {
+        let mut text = "run,field_rms,field_correlation,common_cells,only_reference,only_run,mean_speed,\
+                        discharge_difference,unit_time,time_unit,wall_s,wall_ratio\n"
+            .to_owned();
+        for row in &self.rows {
+            let name = if row.run.contains([',', '"', '\n']) {
+                format!("\"{}\"", row.run.replace('"', "\"\""))
+            } else {
+                row.run.clone()
+            };
+            let correlation = row.field_correlation.map_or_else(String::new, |r| format!("{r:.6}"));
+            // Writing to a string cannot fail.
+            let _ = writeln!(
+                text,
+                "{name},{:.6},{correlation},{},{},{},{:e},{:.6},{:e},{},{:.3},{:.6}",
+                row.field_rms,
+                row.common_cells,
+                row.only_reference,
+                row.only_run,
+                row.mean_speed,
+                row.discharge_difference,
+                row.unit_time,
+                row.time_unit,
+                row.wall_s,
+                row.wall_ratio
+            );
+        }
+        text
+    }
+
+    /// For people: a line a run, columns aligned, units in their heads.
+    #[must_use]
+    pub fn table(&self) -> String {
+        let half = format!("{} % out after", (1000.0 * self.unit_share).round() / 10.0);
+        let mut lines = vec![
+            [
+                "run",
+                "field rms",
+                "correlation",
+                "cells",
+                "only ref",
+                "only run",
+                "mean speed",
+                "discharge",
+                &half,
+                "wall",
+                "of ref",
+            ]
+            .map(str::to_owned),
+        ];
+        lines.extend(self.rows.iter().map(|row| {
+            [
+                row.run.clone(),
+                format!("{:.4}", row.field_rms),
+                row.field_correlation.map_or_else(|| "-".to_owned(), |r| format!("{r:.4}")),
+                row.common_cells.to_string(),
+                row.only_reference.to_string(),
+                row.only_run.to_string(),
+                format!("{:.4} m/{}", row.mean_speed, row.time_unit),
+                format!("{:.4}", row.discharge_difference),
+                format!("{:.2} {}", row.unit_time, row.time_unit),
+                format!("{:.2} s", row.wall_s),
+                format!("{:.3}", row.wall_ratio),
+            ]
+        }));
+        let width = |column: usize| lines.iter().map(|line| line[column].chars().count()).max().unwrap_or(0);
+        let widths: [usize; 11] = std::array::from_fn(width);
+        let mut text = String::new();
+        for line in &lines {
+            let cells = line.iter().zip(widths).enumerate().map(|(column, (cell, width))| {
+                if column == 0 { format!("{cell:<width$}") } else { format!("{cell:>width$}") }
+            });
+            text.push_str(cells.collect::<Vec<_>>().join("  ").trim_end());
+            text.push('\n');
+        }
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::compare::{compare, tests::run};
+
+    #[test]
+    fn rows_and_lines_hold_every_run() {
+        let reference = run("a", 1.0, |x, _| 1.0 + x);
+        let report = compare(&reference, &[run("b, c", 2.0, |_, y| 1.0 + y)], 1.0).unwrap();
+        let csv = report.csv();
+        assert!(csv.lines().nth(1).unwrap().starts_with("a,0.000000,1.000000,16,0,0,"), "{csv}");
+        assert!(csv.lines().nth(2).unwrap().starts_with("\"b, c\","), "{csv}");
+        let table = report.table();
+        assert_eq!(table.lines().count(), 3);
+        assert!(table.contains("50 % out after") && table.contains("m/s"), "{table}");
+    }
+}

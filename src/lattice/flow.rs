@@ -1,0 +1,69 @@
+//! `flow.csv` of a lattice gas: the [field of mean velocity](crate::measure::flow) over the middle of its discharge.
+//!
+//! As that of grains ([`output::flow`](crate::output::flow)): a sample every `flow.sample` steps while the share of all
+//! particles that are out is from `flow.from` to `flow.to`, cells of `flow.cell` m. Every particle counts alike. Velocities
+//! are in m a step: `vx_m_per_step`, `vy_m_per_step`.
+
+use std::path::Path;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use crate::lattice::gas::Gas;
+use crate::lattice::sites::Sites;
+use crate::lattice::velocities::{in_bonds, momentum};
+use crate::measure::flow::FlowField;
+use crate::measure::{ObserveStage, due, observe_every};
+use crate::outcome::Outcome;
+use crate::output::flow::{Flow, rows};
+use crate::output::rows::{Parcel, Rows};
+use crate::step::Step;
+
+#[derive(Resource)]
+struct FlowSampler {
+    config: Flow,
+    field: FlowField,
+    file: Rows,
+}
+
+fn sample((sites, gas): (Res<Sites>, Res<Gas>), mut sampler: ResMut<FlowSampler>, mut outcome: ResMut<Outcome>) {
+    let FlowSampler { config, field, file } = &mut *sampler;
+    if config.samples_at(gas.out(), gas.entered()) {
+        for s in sites.fluid() {
+            let state = gas.states()[s];
+            let count = state.count_ones();
+            if count > 0 {
+                let (x, (vx, vy)) = (sites.position(s), in_bonds(momentum(state)));
+                let share = sites.spacing / f64::from(count);
+                field.add_several(x.x, x.y, count, [share * vx, share * vy]);
+            }
+        }
+        field.end_sample();
+    }
+    if outcome.end().is_some() {
+        file.append(format_args!("{}", rows(field)), &mut outcome);
+    }
+}
+
+/// Takes the field.
+pub(crate) struct FlowPlugin {
+    config: Flow,
+    sampler: Parcel<FlowSampler>,
+}
+
+impl FlowPlugin {
+    /// Creates the file at `path` with its header.
+    pub fn create(config: Flow, path: &Path) -> std::io::Result<Self> {
+        let file = Rows::create(path, "x_m,y_m,samples,count,vx_m_per_step,vy_m_per_step")?;
+        let field = FlowField::new(config.cell.get());
+        Ok(Self { config, sampler: Parcel::new(FlowSampler { config, field, file }) })
+    }
+}
+
+impl Plugin for FlowPlugin {
+    fn build(&self, app: &mut App) {
+        let Some(sampler) = self.sampler.open() else { return };
+        observe_every::<Flow>(app, self.config.sample.get());
+        app.insert_resource(sampler).add_systems(Step, sample.in_set(ObserveStage::Write).run_if(due::<Flow>));
+    }
+}

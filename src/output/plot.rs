@@ -1,0 +1,191 @@
+//! Just enough of a plot: panels of two axes, linear or logarithmic, with lines, dots and their names; as SVG.
+
+use std::fmt::Write as _;
+
+/// One axis.
+#[derive(Clone, Debug)]
+pub struct Axis {
+    /// Quantity and unit.
+    pub label: &'static str,
+    /// The value at its lower or left end.
+    pub from: f64,
+    /// The value at its other end.
+    pub to: f64,
+    /// Whether equal ratios are equally long; then both ends are positive.
+    pub is_log: bool,
+    /// Where numbers stand.
+    pub ticks: Vec<f64>,
+}
+
+impl Axis {
+    /// A linear axis with about five ticks at whole multiples of 1, 2 or 5 times a power of ten.
+    #[must_use]
+    pub fn linear(label: &'static str, from: f64, to: f64) -> Self {
+        let rough = ((to - from) / 5.0).max(f64::MIN_POSITIVE);
+        let power = 10f64.powf(rough.log10().floor());
+        let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&step| step >= rough).unwrap_or(rough);
+        let first = (from / step - 1e-9).ceil();
+        let ticks = (0..12u8).map(|n| (first + f64::from(n)) * step).take_while(|&tick| tick <= to + 1e-9 * step);
+        Self { label, from, to, is_log: false, ticks: ticks.collect() }
+    }
+
+    /// A logarithmic axis around positive `values`, with ticks at powers of ten, and at 2 and 5 times them if that leaves few.
+    #[must_use]
+    pub fn logarithmic(label: &'static str, values: impl IntoIterator<Item = f64>) -> Self {
+        let (low, high) = values
+            .into_iter()
+            .filter(|&value| value > 0.0 && value.is_finite())
+            .fold((f64::INFINITY, 0.0), |(low, high), value| (value.min(low), value.max(high)));
+        let (from, to) = if low <= high { (low / 2.0, high * 2.0) } else { (0.1, 10.0) };
+        #[expect(clippy::cast_possible_truncation, reason = "the exponent of a double")]
+        let decades = || from.log10().floor() as i32..=to.log10().ceil() as i32;
+        let multiples: &[f64] = if to / from < 1e3 { &[1.0, 2.0, 5.0] } else { &[1.0] };
+        let ticks = decades().flat_map(|n| multiples.iter().map(move |m| m * 10f64.powi(n)));
+        Self { label, from, to, is_log: true, ticks: ticks.filter(|&tick| (from..=to).contains(&tick)).collect() }
+    }
+
+    fn share(&self, value: f64) -> f64 {
+        if self.is_log {
+            (value / self.from).ln() / (self.to / self.from).ln()
+        } else {
+            (value - self.from) / (self.to - self.from)
+        }
+    }
+}
+
+/// One curve.
+#[derive(Clone, Debug)]
+pub struct Curve {
+    /// Its name in the legend.
+    pub name: String,
+    /// As SVG writes it.
+    pub colour: &'static str,
+    /// Its points, in the units of the axes.
+    pub points: Vec<(f64, f64)>,
+    /// Whether a line joins them.
+    pub has_line: bool,
+    /// Whether each is a dot.
+    pub has_dots: bool,
+}
+
+/// The colour of curve `number`, black first; they differ for colour-blind readers too (Okabe and Ito) and repeat after seven.
+#[must_use]
+pub fn colour(number: usize) -> &'static str {
+    const COLOURS: [&str; 7] = ["#222222", "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9"];
+    COLOURS[number % COLOURS.len()]
+}
+
+const SIZE: (f64, f64) = (520.0, 400.0);
+const MARGIN: (f64, f64, f64, f64) = (72.0, 44.0, 16.0, 56.0);
+
+fn text(svg: &mut String, x: f64, y: f64, anchor: &str, turn: &str, words: &str) {
+    let words = words.replace('&', "&amp;").replace('<', "&lt;");
+    // Writing to a string cannot fail, here and below.
+    let _ = writeln!(
+        svg,
+        r##"<text x="{x:.1}" y="{y:.1}" font-size="13" font-family="sans-serif" text-anchor="{anchor}" fill="#222222"{turn}>{words}</text>"##
+    );
+}
+
+/// A tick's number without the noise of binary fractions.
+fn number(value: f64, is_log: bool) -> String {
+    if is_log && !(0.01..1e4).contains(&value) {
+        format!("{value:.0e}")
+    } else {
+        format!("{}", (value * 1e9).round() / 1e9)
+    }
+}
+
+/// One panel as an SVG group, `left` px from the left edge.
+fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &[Curve]) {
+    let (margin, top, margin_right, bottom) = MARGIN;
+    let (width, height) = (SIZE.0 - margin - margin_right, SIZE.1 - top - bottom);
+    let at = |px: f64, py: f64| (left + margin + x.share(px) * width, top + (1.0 - y.share(py)) * height);
+    text(svg, left + margin, 26.0, "start", "", title);
+    for &tick in &x.ticks {
+        let (px, py) = at(tick, y.from);
+        let _ = writeln!(svg, r##"<path d="M{px:.1} {py:.1}V{top}" stroke="#e4e4e4"/>"##);
+        text(svg, px, py + 18.0, "middle", "", &number(tick, x.is_log));
+    }
+    for &tick in &y.ticks {
+        let (px, py) = at(x.from, tick);
+        let _ = writeln!(svg, r##"<path d="M{px:.1} {py:.1}h{width}" stroke="#e4e4e4"/>"##);
+        text(svg, px - 6.0, py + 4.0, "end", "", &number(tick, y.is_log));
+    }
+    let frame = left + margin;
+    let _ = writeln!(
+        svg,
+        r##"<rect x="{frame}" y="{top}" width="{width}" height="{height}" fill="none" stroke="#222222"/>"##
+    );
+    text(svg, frame + 0.5 * width, SIZE.1 - 14.0, "middle", "", x.label);
+    let (px, py) = (left + 18.0, top + 0.5 * height);
+    text(svg, px, py, "middle", &format!(r#" transform="rotate(-90 {px} {py})""#), y.label);
+    for (row, curve) in (0u32..).zip(curves) {
+        let points: Vec<_> = curve.points.iter().map(|&(px, py)| at(px, py)).collect();
+        draw(svg, curve, &points, (frame + 14.0, top + 18.0 + 18.0 * f64::from(row)));
+    }
+}
+
+/// A curve through places on paper, and its name beside `key`.
+fn draw(svg: &mut String, curve: &Curve, points: &[(f64, f64)], key: (f64, f64)) {
+    let (colour, (key_x, key_y)) = (curve.colour, key);
+    if curve.has_line {
+        let path: Vec<_> = points.iter().map(|(px, py)| format!("{px:.1},{py:.1}")).collect();
+        let path = path.join(" ");
+        let _ = writeln!(svg, r#"<polyline points="{path}" fill="none" stroke="{colour}" stroke-width="1.5"/>"#);
+        let _ = writeln!(svg, r#"<path d="M{:.1} {key_y:.1}h16" stroke="{colour}" stroke-width="1.5"/>"#, key_x - 8.0);
+    }
+    if curve.has_dots {
+        for (px, py) in points.iter().chain([&key]) {
+            let _ = writeln!(svg, r#"<circle cx="{px:.1}" cy="{py:.1}" r="3.4" fill="{colour}"/>"#);
+        }
+    }
+    text(svg, key_x + 14.0, key_y + 4.0, "start", "", &curve.name);
+}
+
+/// A figure of panels side by side: (title, x, y, curves).
+#[must_use]
+pub fn figure(panels: &[(&str, Axis, Axis, Vec<Curve>)]) -> String {
+    let width = SIZE.0 * f64::from(u8::try_from(panels.len()).unwrap_or(1));
+    let mut svg = format!(
+        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{h}" viewBox="0 0 {width} {h}"><rect width="{width}" height="{h}" fill="#ffffff"/>
+"##,
+        h = SIZE.1
+    );
+    let mut left = 0.0;
+    for (title, x, y, curves) in panels {
+        panel(&mut svg, left, title, x, y, curves);
+        left += SIZE.0;
+    }
+    svg + "</svg>\n"
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn axes_choose_round_ticks_within_their_ends() {
+        let ticks = |axis: &Axis| axis.ticks.iter().map(|&tick| number(tick, axis.is_log)).collect::<Vec<_>>();
+        assert_eq!(ticks(&Axis::linear("", 0.0, 1.0)), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
+        assert_eq!(ticks(&Axis::linear("", 0.0, 2.37)), ["0", "0.5", "1", "1.5", "2"]);
+        assert_eq!(ticks(&Axis::logarithmic("", [1.0, 10.0])), ["0.5", "1", "2", "5", "10", "20"]);
+        assert_eq!(ticks(&Axis::logarithmic("", [1e-6, 1.0])), ["1e-6", "1e-5", "1e-4", "1e-3", "0.01", "0.1", "1"]);
+        assert_eq!(ticks(&Axis::logarithmic("", [])), ["0.1", "0.2", "0.5", "1", "2", "5", "10"]);
+    }
+
+    #[test]
+    fn points_lie_where_the_axes_say_and_names_are_escaped() {
+        let curve = Curve {
+            name: "a < b & c".to_owned(),
+            colour: colour(0),
+            points: vec![(0.5, 10.0)],
+            has_line: false,
+            has_dots: true,
+        };
+        let y = Axis { label: "y", from: 1.0, to: 100.0, is_log: true, ticks: vec![] };
+        let svg = figure(&[("", Axis::linear("x", 0.0, 1.0), y, vec![curve])]);
+        // The panel goes from 72 to 504 px and from 44 to 344 px: its middle.
+        assert!(svg.contains(r#"<circle cx="288.0" cy="194.0""#) && svg.contains("a &lt; b &amp; c"), "{svg}");
+    }
+}
