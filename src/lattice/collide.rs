@@ -6,12 +6,14 @@
 //! [`Collisions`] for m and V. If several particles were stopped and no state of m movers has V (before gravity), the movers
 //! go in random directions. A lone mover only meets gravity.
 
+use crate::lattice::bands::{self, Band};
 use crate::lattice::collisions::{Collisions, DOWNWARDS};
 use crate::lattice::draws::{Draws, Purpose, Streams, below, high, low};
 use crate::lattice::gas::Gas;
 use crate::lattice::rules::Odds;
 use crate::lattice::sites::Sites;
 use crate::lattice::velocities::{LEVEL, MOVERS, nth};
+use crate::threads::Threads;
 
 /// Words of a stream from which the picks of each kind are drawn.
 const FORGOTTEN: u64 = 2;
@@ -19,14 +21,18 @@ const LEVELLED: u64 = 14;
 const RANDOM: u64 = 26;
 
 /// Collides every site: `movers` are those that go on.
-pub(super) fn collide(sites: &Sites, gas: &mut Gas, table: &Collisions, odds: &Odds, t: u64) {
+pub(super) fn collide(sites: &Sites, gas: &mut Gas, threads: &Threads, table: &Collisions, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Collide, 0);
-    let Gas { states, movers, numbers, held, .. } = gas;
-    for run in &sites.runs {
-        let range = run.start..run.start + run.len;
+    bands::work(gas, sites, threads, |band| collide_in(band, table, odds, streams));
+}
+
+fn collide_in(band: &mut Band<'_>, table: &Collisions, odds: &Odds, streams: Streams) {
+    let Band { runs, first, states, movers, numbers, held, .. } = band;
+    for run in *runs {
+        let range = run.start - *first..run.start - *first + run.len;
         let columns = states[range.clone()].iter().zip(&mut movers[range.clone()]);
         let columns = columns.zip(numbers[range.clone()].iter().zip(&held[range.clone()]));
-        for (s, ((&state, movers), (&number, &held))) in range.zip(columns) {
+        for (s, ((&state, movers), (&number, &held))) in (run.start..).zip(columns) {
             *movers = if number >= 2 && number != held {
                 outgoing(state, number, held, table, odds, streams.of(s))
             } else if number == 1 && state & MOVERS != 0 {
@@ -118,9 +124,10 @@ mod tests {
         let keys = format!("(spacing: 1.0, p: {p:?}, q: 0.0, b: 0.0, k: 0.0, g: {g:?}, h: 0.0)");
         let rules: Rules = ron::from_str(&keys).unwrap();
         let (table, odds) = (Collisions::default(), Odds::new(&rules, seed));
-        stop(&sites, &mut gas, &table, &odds, 1);
+        let threads = Threads::new(std::num::NonZeroUsize::MIN).unwrap();
+        stop(&sites, &mut gas, &threads, &table, &odds, 1);
         place(&sites, &mut gas, &odds, 1);
-        collide(&sites, &mut gas, &table, &odds, 1);
+        collide(&sites, &mut gas, &threads, &table, &odds, 1);
         mine.iter().map(|&s| (gas.states[s], gas.movers[s], gas.held[s])).collect()
     }
 

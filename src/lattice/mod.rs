@@ -39,6 +39,7 @@ pub mod study;
 pub mod summary;
 pub mod velocities;
 
+mod bands;
 mod collide;
 mod ending;
 mod friction;

@@ -23,6 +23,7 @@ use crate::measure::ObservePlugin;
 use crate::messages::{CameToRest, DoorOpened};
 use crate::plugins::Assembly;
 use crate::step::{Clock, ForceStage, Phase, Step, StepPlugin, time_moves};
+use crate::threads::Threads;
 
 /// The collision table, made once.
 #[derive(Resource, Default)]
@@ -79,16 +80,24 @@ impl Plugin for LatticeMessages {
 /// Systems between the collisions of a step and its propagation find the outgoing particles in these phases.
 struct CollisionsPlugin;
 
-fn stop_some(clock: Res<Clock>, sites: Res<Sites>, table: Res<Table>, odds: Res<Odds>, mut gas: ResMut<Gas>) {
-    stop(&sites, &mut gas, &table.0, &odds, clock.steps);
+fn stop_some(
+    (clock, threads): (Res<Clock>, Res<Threads>),
+    (sites, table, odds): (Res<Sites>, Res<Table>, Res<Odds>),
+    mut gas: ResMut<Gas>,
+) {
+    stop(&sites, &mut gas, &threads, &table.0, &odds, clock.steps);
 }
 
 fn place_stopped(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas: ResMut<Gas>) {
     place(&sites, &mut gas, &odds, clock.steps);
 }
 
-fn collide_others(clock: Res<Clock>, sites: Res<Sites>, table: Res<Table>, odds: Res<Odds>, mut gas: ResMut<Gas>) {
-    collide(&sites, &mut gas, &table.0, &odds, clock.steps);
+fn collide_others(
+    (clock, threads): (Res<Clock>, Res<Threads>),
+    (sites, table, odds): (Res<Sites>, Res<Table>, Res<Odds>),
+    mut gas: ResMut<Gas>,
+) {
+    collide(&sites, &mut gas, &threads, &table.0, &odds, clock.steps);
 }
 
 impl Plugin for CollisionsPlugin {
@@ -124,12 +133,16 @@ impl Plugin for TricklePlugin {
 
 struct PropagationPlugin(Mirror);
 
+fn move_on(
+    (clock, threads): (Res<Clock>, Res<Threads>),
+    (sites, mirror, odds): (Res<Sites>, Res<Mirror>, Res<Odds>),
+    mut gas: ResMut<Gas>,
+) {
+    propagate(&sites, &mut gas, &threads, &odds, *mirror, clock.steps);
+}
+
 impl Plugin for PropagationPlugin {
     fn build(&self, app: &mut App) {
-        let mirror = self.0;
-        let move_on = move |clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas: ResMut<Gas>| {
-            propagate(&sites, &mut gas, &odds, mirror, clock.steps);
-        };
-        app.add_systems(Step, move_on.in_set(Phase::Kick));
+        app.insert_resource(self.0).add_systems(Step, move_on.in_set(Phase::Kick));
     }
 }

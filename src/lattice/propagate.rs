@@ -3,14 +3,18 @@
 //! A blocked mover stays and turns round ([`reflection`](crate::lattice::reflection)); one that arrives in a sink is out.
 //! Each site gathers what comes from its twelve neighbours, so a column of sites is twelve shifted columns, masked.
 
+use bevy_ecs::prelude::*;
+
+use crate::lattice::bands;
 use crate::lattice::draws::{Purpose, Streams, below};
 use crate::lattice::gas::Gas;
 use crate::lattice::rules::Odds;
-use crate::lattice::sites::{Edge, Kind, Sites};
+use crate::lattice::sites::{Edge, Kind, Run, Sites};
 use crate::lattice::velocities::{OPPOSITE, directions, nth, turned_round};
+use crate::threads::Threads;
 
 /// How walls reflect.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Mirror {
     /// Like mirrors.
     Specular,
@@ -19,27 +23,34 @@ pub(super) enum Mirror {
 }
 
 /// Moves the movers.
-pub(super) fn propagate(sites: &Sites, gas: &mut Gas, odds: &Odds, mirror: Mirror, t: u64) {
+pub(super) fn propagate(sites: &Sites, gas: &mut Gas, threads: &Threads, odds: &Odds, mirror: Mirror, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Reflect, 0);
     let turned: Vec<u16> = sites.edges.iter().map(|edge| turn(edge, &mut gas.movers, mirror, streams)).collect();
-    for run in &sites.runs {
-        let range = run.start..run.start + run.len;
-        let states = &mut gas.states[range.clone()];
-        for (state, &resting) in states.iter_mut().zip(&gas.resting[range]) {
-            *state = u16::from(resting);
+    let Gas { states, movers, resting, .. } = gas;
+    bands::write(states, sites, threads, |runs, first, states| {
+        for run in runs {
+            let states = &mut states[run.start - first..][..run.len];
+            gather(run, states, &resting[run.start..], movers, sites);
         }
-        for direction in 1..=12 {
-            let source = run.start.wrapping_add_signed(sites.offset(run.parity, OPPOSITE[direction]));
-            for (state, &movers) in states.iter_mut().zip(&gas.movers[source..source + run.len]) {
-                *state |= movers & 1 << direction;
-            }
-        }
-    }
+    });
     for (edge, turned) in sites.edges.iter().zip(turned) {
         gas.states[edge.site] |= turned;
     }
     let drained = drain(sites, gas);
     gas.let_out(drained);
+}
+
+/// What comes to a run of sites from its neighbours, and who rests there.
+fn gather(run: &Run, states: &mut [u16], resting: &[u8], movers: &[u16], sites: &Sites) {
+    for (state, &resting) in states.iter_mut().zip(resting) {
+        *state = u16::from(resting);
+    }
+    for direction in 1..=12 {
+        let source = run.start.wrapping_add_signed(sites.offset(run.parity, OPPOSITE[direction]));
+        for (state, &movers) in states.iter_mut().zip(&movers[source..source + run.len]) {
+            *state |= movers & 1 << direction;
+        }
+    }
 }
 
 /// Takes the blocked movers of a site out and returns them as they are reflected.

@@ -6,22 +6,27 @@
 //!
 //! With p = 0 momentum is to be exact: a particle at rest then stays there if no state of N movers has the momentum.
 
+use crate::lattice::bands::{self, Band};
 use crate::lattice::collisions::Collisions;
 use crate::lattice::draws::{Purpose, Streams};
 use crate::lattice::gas::Gas;
 use crate::lattice::rules::Odds;
 use crate::lattice::sites::Sites;
+use crate::threads::Threads;
 
 /// Decides on every site; the sites with more than one stopped particle are in `spare` afterwards.
-pub(super) fn stop(sites: &Sites, gas: &mut Gas, table: &Collisions, odds: &Odds, t: u64) {
+pub(super) fn stop(sites: &Sites, gas: &mut Gas, threads: &Threads, table: &Collisions, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Stop, 0);
-    let Gas { states, resting, numbers, held, spare, .. } = gas;
-    spare.clear();
-    for run in &sites.runs {
-        let range = run.start..run.start + run.len;
+    bands::work(gas, sites, threads, |band| stop_in(band, table, odds, streams));
+}
+
+fn stop_in(band: &mut Band<'_>, table: &Collisions, odds: &Odds, streams: Streams) {
+    let Band { runs, first, states, resting, numbers, held, spare, .. } = band;
+    for run in *runs {
+        let range = run.start - *first..run.start - *first + run.len;
         let columns = states[range.clone()].iter().zip(&mut resting[range.clone()]);
         let columns = columns.zip(numbers[range.clone()].iter_mut().zip(&mut held[range.clone()]));
-        for (s, ((&state, resting), (number, held))) in range.zip(columns) {
+        for (s, ((&state, resting), (number, held))) in (run.start..).zip(columns) {
             let moving = table.sum(state).count;
             let rests = (state & 1) as u8;
             *number = moving + rests;

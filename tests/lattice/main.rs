@@ -18,6 +18,7 @@
 mod conservation;
 mod reference;
 mod same_as_reference;
+mod symmetry;
 mod thrown;
 
 use std::num::NonZeroUsize;
