@@ -19,7 +19,7 @@ use crate::lattice::study::results::Results;
 #[derive(Args, Debug)]
 pub(super) struct StudyArgs {
     /// The study, a RON file: scenes, seeds, variants.
-    #[arg(default_value = "scenes/study.ron")]
+    #[arg(default_value = "scenes/studies/lattice-gas.ron")]
     study: PathBuf,
     /// Where the results go.
     #[arg(long, value_name = "DIR", default_value = "out/study")]

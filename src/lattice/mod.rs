@@ -47,3 +47,4 @@ mod propagate;
 mod scatter;
 mod stop;
 mod trickle;
+mod validity;

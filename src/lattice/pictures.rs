@@ -3,6 +3,8 @@
 //! The sites are counted in cells of so many columns and rows; the grey of a cell is the mean number of particles a site
 //! over 13. `frames/NNNNN.svg` every `pictures.interval` steps and at the end, and PNGs beside them if asked.
 
+use std::num::NonZeroU32;
+
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -26,7 +28,7 @@ use crate::step::{Clock, Step};
 #[serde(deny_unknown_fields, default)]
 pub struct Pictures {
     /// Steps between pictures.
-    pub interval: u32,
+    pub interval: NonZeroU32,
     /// Width, px.
     pub width: Positive,
     /// Columns and rows of sites in a cell.
@@ -37,7 +39,12 @@ pub struct Pictures {
 
 impl Default for Pictures {
     fn default() -> Self {
-        Self { interval: 100, width: Positive::try_from(480.0).expect("positive"), cell: (2, 2), png: false }
+        Self {
+            interval: NonZeroU32::new(100).expect("positive"),
+            width: Positive::try_from(480.0).expect("positive"),
+            cell: (2, 2),
+            png: false,
+        }
     }
 }
 
@@ -151,7 +158,7 @@ impl PicturesPlugin {
 
 impl Plugin for PicturesPlugin {
     fn build(&self, app: &mut App) {
-        observe_every::<Pictures>(app, f64::from(self.0.pictures.interval));
+        observe_every::<Pictures>(app, f64::from(self.0.pictures.interval.get()));
         app.insert_resource(self.0.clone())
             .insert_resource(self.1.clone())
             .add_systems(Step, take.in_set(ObserveStage::Write).run_if(due::<Pictures>));

@@ -11,6 +11,7 @@
 //!
 //! For each row all particles are counted: if one were missing, the run would fail.
 
+use std::num::NonZeroU32;
 use std::path::Path;
 
 use bevy_app::{App, Plugin};
@@ -31,12 +32,12 @@ use crate::step::{Clock, Step};
 #[serde(deny_unknown_fields)]
 pub struct Series {
     /// Steps between rows.
-    pub interval: u32,
+    pub interval: NonZeroU32,
 }
 
 impl Default for Series {
     fn default() -> Self {
-        Self { interval: 10 }
+        Self { interval: NonZeroU32::new(10).expect("positive") }
     }
 }
 
@@ -129,7 +130,7 @@ impl SeriesPlugin {
 impl Plugin for SeriesPlugin {
     fn build(&self, app: &mut App) {
         let Some(file) = self.file.open() else { return };
-        observe_every::<Series>(app, f64::from(self.config.interval));
+        observe_every::<Series>(app, f64::from(self.config.interval.get()));
         app.insert_resource(file).add_systems(Step, write_row.in_set(ObserveStage::Write).run_if(due::<Series>));
     }
 }

@@ -16,6 +16,7 @@
 )]
 
 mod conservation;
+mod gates;
 mod reference;
 mod same_as_reference;
 mod symmetry;

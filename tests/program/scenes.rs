@@ -1,6 +1,7 @@
 //! The scenes that ship: each does what it says, and each bad one earns its error.
 
 use std::fs;
+use std::num::NonZeroUsize;
 
 use crate::{load, root, scene, simulation};
 use siloflow::check;
@@ -10,7 +11,7 @@ use siloflow::measure::totals;
 use siloflow::particle::Grain;
 use siloflow::prelude::*;
 use siloflow::rest::RestDetector;
-use siloflow::scene::load as loading;
+use siloflow::scene::load::{self as loading, AnyScene};
 
 /// Fills, rests, opens, empties, and keeps its energy balance within the bound of the scheme.
 fn assert_whole_run(name: &str) {
@@ -87,8 +88,14 @@ fn every_scene_is_valid_and_runs_a_few_steps() {
         let path = entry.unwrap().path();
         if path.extension().is_some_and(|ending| ending == "ron") {
             let name = path.file_name().unwrap().to_string_lossy().into_owned();
-            let loaded = load(&name, &[("pictures", "None")]);
-            let mut simulation = simulation(&loaded, 1);
+            let settings = [("pictures".to_owned(), "None".to_owned())];
+            let one = NonZeroUsize::MIN;
+            let mut simulation = match loading::any(&path, &settings).unwrap_or_else(|fault| panic!("{name}: {fault}"))
+            {
+                AnyScene::Grains(loaded) => Simulation::new(&loaded, &Registry::default(), one),
+                AnyScene::Lattice(loaded) => Simulation::of_lattice(&loaded, &Registry::default(), one),
+            }
+            .unwrap();
             assert_eq!(simulation.run_steps(3), None, "{name}");
             scenes += 1;
         }
@@ -108,8 +115,12 @@ fn every_bad_scene_earns_its_error() {
         let earns =
             text.lines().next().unwrap().strip_prefix("// earns: ").expect("a first line that says what it earns");
         let (code, key) = earns.split_once(" at ").map_or((earns, None), |(code, key)| (code, Some(key)));
-        let fault = loading::load(&path, &[])
-            .and_then(|loaded| Registry::default().of_scene(&loaded).map(|_| ()))
+        let registry = Registry::default();
+        let fault = loading::any(&path, &[])
+            .and_then(|scene| match scene {
+                AnyScene::Grains(loaded) => registry.of_scene(&loaded).map(|_| ()),
+                AnyScene::Lattice(loaded) => registry.of_lattice(&loaded).map(|_| ()),
+            })
             .expect_err(&path.display().to_string());
         assert_eq!((fault.code(), fault.scene_key()), (code, key), "{}: {fault}", path.display());
         assert!(fault.line_and_column().is_some(), "{}: points nowhere", path.display());

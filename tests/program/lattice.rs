@@ -1,0 +1,140 @@
+//! The lattice gas as its users meet it: run directories, messages, behaviours.
+
+use std::fs;
+
+use serde::Deserialize;
+use siloflow::lattice::gas::Gas;
+use siloflow::lattice::load::LoadedLattice;
+use siloflow::lattice::sites::Sites;
+use siloflow::prelude::*;
+use siloflow::scene::source::Source;
+
+use crate::command_line::siloflow;
+use crate::root;
+
+const SMALL: &str = "(
+    method: LatticeGas(spacing: 0.01, p: 0.2, q: 0.2, b: 0.05, k: 0.05, g: 0.2, h: 0.05),
+    outline: [(-0.2, 0.0), (0.2, 0.0), (0.2, 0.5), (-0.2, 0.5)],
+    door: (from: (-0.2, 0.0), to: (0.2, 0.0)),
+    fill: (per_site: 6.0),
+    rest: (hold: 10),
+    until: 5000,
+    flow: (cell: 0.05, sample: 5.0),
+    pictures: (interval: 200),
+)";
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+#[test]
+fn a_run_leaves_its_directory_and_accounts_for_every_particle() {
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("small.ron"), SMALL).unwrap();
+    let done = siloflow(here.path(), &["run", "small.ron", "--png", "--threads", "2"]);
+    assert_eq!(done.status.code(), Some(0), "{}", text(&done.stderr));
+    let out = here.path().join("out/small");
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(out.join("summary.json")).unwrap()).unwrap();
+    assert_eq!((summary["status"].as_str(), summary["method"].as_str()), (Some("empty"), Some("LatticeGas")));
+    let particles = |what: &str| summary["particles"][what].as_u64().unwrap();
+    assert_eq!((particles("entered"), particles("inside")), (particles("out"), 0));
+    assert_eq!((summary["rest_step"].as_u64(), summary["door_open_step"].as_u64()), (Some(10), Some(10)));
+    assert_eq!(summary["empty_step"], summary["steps"]);
+    let series = fs::read_to_string(out.join("series.csv")).unwrap();
+    assert!(series.starts_with("step,entered,inside,out,") && series.lines().count() > 10);
+    assert!(fs::read_to_string(out.join("flow.csv")).unwrap().contains("vy_m_per_step"));
+    assert_eq!(fs::read_to_string(out.join("state.csv")).unwrap(), "x_m,y_m,state\n");
+    for picture in ["frames/00000.svg", "frames/00000.png", "frames/00001.svg"] {
+        assert!(out.join(picture).exists(), "{picture}");
+    }
+    // The directory repeats the run, whatever the number of threads.
+    let again = siloflow(&out, &["run", "scene.ron", "--out", "again", "--json"]);
+    let again: serde_json::Value = serde_json::from_str(&text(&again.stdout)).unwrap();
+    assert_eq!(again["state_hash"], summary["state_hash"]);
+}
+
+#[test]
+fn check_and_explain_tell_what_a_lattice_scene_is() {
+    let check = siloflow(root(), &["check", "scenes/mass-flow.ron"]);
+    let said = text(&check.stdout);
+    assert!(said.contains("35047 sites") && said.contains("no warnings"), "{said}");
+    let gas = siloflow(root(), &["check", "scenes/mass-flow.ron", "--set", "method.g=0.03", "--set", "method.h=0.0"]);
+    let said = text(&gas.stdout);
+    assert!(said.contains("check::all_gas") && said.contains("check::stuck_particles"), "{said}");
+    let explained = |settings: &[&str]| {
+        let arguments = [&["explain", "scenes/mass-flow.ron"], settings].concat();
+        text(&siloflow(root(), &arguments).stdout)
+    };
+    let base = explained(&[]);
+    assert!(base.contains("stop_at_walls") && base.contains("trickle_down"), "{base}");
+    // None of the systems of grains, and no system for a rule that is switched off.
+    assert!(!base.contains("contact") && !base.contains("neighbours") && !base.contains("columns"), "{base}");
+    let less = explained(&["--set", "method.b=0.0", "--set", "method.h=0.0"]);
+    assert!(!less.contains("stop_at_walls") && !less.contains("trickle_down"), "{less}");
+    let grains = text(&siloflow(root(), &["explain", "scenes/silo1.ron"]).stdout);
+    assert!(!grains.contains("lattice"), "{grains}");
+}
+
+#[test]
+fn rest_may_be_a_mean_height_that_no_longer_changes() {
+    let settings = [("rest", "(hold: 50, drift: 0.002, stop: true)")].map(|(k, v)| (k.to_owned(), v.to_owned()));
+    let source = Source::new("small.ron", "small", root(), SMALL.to_owned());
+    let loaded = LoadedLattice::new(source, &settings).unwrap();
+    let mut simulation = Simulation::of_lattice(&loaded, &Registry::default(), std::num::NonZeroUsize::MIN).unwrap();
+    assert_eq!(simulation.run(), End::AtRest);
+    let steps = simulation.world().resource::<Clock>().steps;
+    // Several spans of 50 steps: a fresh fill falls.
+    assert!(steps >= 100 && steps.is_multiple_of(50), "{steps}");
+}
+
+/// Lets one more particle fall in at the top, every step.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Drip {
+    x: f64,
+    y: f64,
+}
+
+impl Behaviour for Drip {
+    fn lives_on_lattice(&self) -> bool {
+        true
+    }
+
+    fn build(self: Box<Self>, app: &mut App) {
+        let drip = move |sites: Res<Sites>, mut gas: ResMut<Gas>| {
+            if let Some(site) = sites.nearest(Vector::new(self.x, self.y)) {
+                gas.add(site, 4);
+            }
+        };
+        app.add_systems(Step, drip.in_set(Phase::Spawn));
+    }
+}
+
+#[derive(Deserialize)]
+struct ForGrains {}
+
+impl Behaviour for ForGrains {
+    fn build(self: Box<Self>, _: &mut App) {}
+}
+
+#[test]
+fn a_behaviour_works_on_the_lattice_if_it_says_so() {
+    let mut registry = Registry::default();
+    registry.register::<Drip>("drip").register::<ForGrains>("for_grains");
+    let scene = |behaviours: &str| {
+        let settings = [("door.opens", "Never"), ("fill.per_site", "1.0"), ("behaviours", behaviours)];
+        let settings = settings.map(|(k, v)| (k.to_owned(), v.to_owned()));
+        LoadedLattice::new(Source::new("small.ron", "small", root(), SMALL.to_owned()), &settings).unwrap()
+    };
+    let loaded = scene(r#"{"drip": (x: 0.0, y: 0.5)}"#);
+    let mut simulation = Simulation::of_lattice(&loaded, &registry, std::num::NonZeroUsize::MIN).unwrap();
+    simulation.run_steps(0);
+    let before = simulation.world().resource::<Gas>().entered();
+    simulation.run_steps(20);
+    let gas = simulation.world().resource::<Gas>();
+    assert!(gas.entered() > before + 10, "{before} {}", gas.entered());
+    assert_eq!(gas.count(), gas.inside());
+    let fault = registry.of_lattice(&scene(r#"{"for_grains": ()}"#)).map(|_| ()).unwrap_err();
+    assert_eq!(fault.code(), "scene::behaviour");
+}
