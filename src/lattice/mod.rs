@@ -34,6 +34,7 @@ pub mod rules;
 pub mod scene;
 pub mod series;
 pub mod sites;
+pub mod study;
 pub mod summary;
 pub mod velocities;
 

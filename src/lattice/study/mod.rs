@@ -1,0 +1,3 @@
+//! The study of the lattice gas that its source reports.
+
+pub mod figures;
