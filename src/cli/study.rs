@@ -14,6 +14,7 @@ use crate::lattice::study::plan::{Case, Plan};
 use crate::lattice::study::replica::Replica;
 use crate::lattice::study::report;
 use crate::lattice::study::results::Results;
+use crate::output::png;
 
 /// Arguments of `study`.
 #[derive(Args, Debug)]
@@ -40,8 +41,15 @@ pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<Verdict, Fault> {
     let threads = args.threads.unwrap_or_else(cores);
     let start = Instant::now();
     let results = run_all(&plan, cases, threads, quiet)?;
-    report::write(&plan, &results, &args.out).map_err(unwritable)?;
     let seconds = start.elapsed().as_secs_f64();
+    for (name, content) in report::tables(&plan, &results) {
+        std::fs::write(args.out.join(name), content).map_err(unwritable)?;
+    }
+    for (name, svg) in report::pictures(&plan, &results)? {
+        let path = args.out.join(name).with_extension("svg");
+        std::fs::write(&path, svg).map_err(unwritable)?;
+        png::render_file(&path)?;
+    }
     let updates: u64 = results.0.iter().map(|replica| replica.updates).sum();
     #[expect(clippy::cast_precision_loss, reason = "a figure for people")]
     let speed = updates as f64 / seconds / 1e6;

@@ -6,6 +6,7 @@
 //! seeds ([`results`]), the claims are compared with them ([`claims`]), and all is written ([`report`]).
 
 pub mod claims;
+pub mod figures;
 pub mod plan;
 pub mod replica;
 pub mod report;

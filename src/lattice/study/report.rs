@@ -1,26 +1,56 @@
 //! What a study leaves: `claims.md`, `figures.csv`, a sheet of pictures for each silo, and the paper's first four figures.
 
 use std::fmt::Write as _;
-use std::io;
-use std::path::Path;
 
+use crate::fault::Fault;
 use crate::lattice::observables::QUANTITIES;
+use crate::lattice::pictures::Cell;
 use crate::lattice::study::claims::{CLAIMS, quantity, shown};
+use crate::lattice::study::figures::{self, Panel, SheetRow, sheet};
 use crate::lattice::study::plan::{Plan, Variant};
 use crate::lattice::study::results::Results;
 
-/// Writes everything into a directory that exists.
+/// The tables: name and content.
+#[must_use]
+pub fn tables(plan: &Plan, results: &Results) -> [(&'static str, String); 2] {
+    [("claims.md", claims(plan, results)), ("figures.csv", values(results))]
+}
+
+/// Flights of the picture of thrown particles, and their g.
+const THROWN: (u64, f64) = (300, 0.05);
+
+/// The pictures, as SVG: name and content.
 ///
 /// # Errors
-/// If a file cannot be written.
-pub fn write(plan: &Plan, results: &Results, directory: &Path) -> io::Result<()> {
-    std::fs::write(directory.join("claims.md"), claims(plan, results))?;
-    std::fs::write(directory.join("figures.csv"), figures(results))
+/// If the thrown particles cannot be run.
+pub fn pictures(plan: &Plan, results: &Results) -> Result<Vec<(String, String)>, Fault> {
+    let mut all = vec![
+        ("vectors".to_owned(), figures::vectors()),
+        ("resultants".to_owned(), figures::resultants()),
+        ("collisions".to_owned(), figures::collisions()),
+        ("thrown".to_owned(), figures::thrown(THROWN.0, THROWN.1)?),
+    ];
+    let columns: Vec<_> = plan.pictures.iter().map(|step| format!("t = {step}")).collect();
+    for silo in plan.silos.keys() {
+        all.push((format!("sheet-{}", silo.replace(' ', "-")), sheet(&rows(plan, results, silo), &columns)));
+    }
+    Ok(all)
+}
+
+/// A row of pictures for each variant, of its first seed.
+fn rows(plan: &Plan, results: &Results, silo: &str) -> Vec<SheetRow> {
+    let of = |variant: &Variant| results.0.iter().find(|one| one.case.silo == silo && one.case.variant == *variant);
+    let row = |variant: &Variant| {
+        let one = of(variant)?;
+        let panel = |cells: &Vec<Cell>| Panel { cells: cells.clone(), lines: one.lines.clone() };
+        Some(SheetRow { name: variant.to_string(), panels: one.pictures.iter().map(panel).collect() })
+    };
+    plan.variants.iter().filter_map(row).collect()
 }
 
 /// Every observable of every replica.
 #[must_use]
-pub fn figures(results: &Results) -> String {
+pub fn values(results: &Results) -> String {
     let symbols: Vec<_> = QUANTITIES.iter().map(|quantity| quantity.symbol).collect();
     let mut text = format!("silo,variant,seed,{}\n", symbols.join(","));
     // Writing to a string cannot fail.

@@ -1,0 +1,107 @@
+//! Flights of single particles thrown with direction 7 and h = 0, run by the automaton, and what they are in the mean.
+//!
+//! The vertical velocity of such a particle is 3, 1, -1 or -3 half spacings a step; each step takes it down by one with
+//! probability g, down to the last: a Markov chain. While no particle can have met the last, for three steps, the mean
+//! height is the parabola 1.5 t - g t (t + 1)/2.
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use crate::behaviour::Registry;
+use crate::fault::Fault;
+use crate::lattice::gas::Gas;
+use crate::lattice::load::LoadedLattice;
+use crate::lattice::sites::Sites;
+use crate::scene::source::Source;
+use crate::simulation::Simulation;
+use crate::space::Vector;
+
+/// Steps of a flight.
+pub(super) const STEPS: u32 = 40;
+
+/// Places of a thrown particle after 0 to [`STEPS`] steps, spacings from where it started.
+pub(super) fn flight(seed: u64, g: f64) -> Result<Vec<Vector>, Fault> {
+    // Wide and high enough for any flight: 40 steps of at most sqrt(3)/2 and 3/2 spacings.
+    let text = format!(
+        "(method: LatticeGas(spacing: 1.0, p: 0.0, q: 0.0, b: 0.0, k: 0.0, g: {g:?}, h: 0.0),
+          seed: {seed}, until: {STEPS}, pictures: None,
+          outline: [(0.0, 0.0), (40.0, 0.0), (40.0, 140.0), (0.0, 140.0)],
+          particles: [(at: (2.0, 70.0), velocity: 7)])"
+    );
+    let source = Source::new("thrown.ron", "thrown", Path::new(""), text);
+    let loaded = LoadedLattice::new(source, &[])?;
+    let mut simulation = Simulation::of_lattice(&loaded, &Registry::default(), NonZeroUsize::MIN)?;
+    let mut places = Vec::new();
+    for step in 0..=STEPS {
+        simulation.run_steps(u64::from(step));
+        places.push(place(&simulation)?);
+    }
+    let start = places[0];
+    Ok(places.into_iter().map(|place| place - start).collect())
+}
+
+/// Where the particle is.
+fn place(simulation: &Simulation) -> Result<Vector, Fault> {
+    let (sites, gas) = (simulation.world().resource::<Sites>(), simulation.world().resource::<Gas>());
+    let site = sites.fluid().find(|&s| gas.states()[s] != 0);
+    site.map(|s| sites.position(s)).ok_or_else(|| Fault::new("study::lost", "the thrown particle is nowhere inside"))
+}
+
+/// The mean of flights, step by step; empty if there are none.
+pub(super) fn mean(flights: &[Vec<Vector>]) -> Vec<Vector> {
+    let Some(first) = flights.first() else { return Vec::new() };
+    let count = flights.iter().fold(0.0, |count, _| count + 1.0);
+    (0..first.len()).map(|t| flights.iter().map(|flight| flight[t]).sum::<Vector>() / count).collect()
+}
+
+/// The exact mean after 0 to [`STEPS`] steps.
+pub(super) fn expected(g: f64) -> Vec<Vector> {
+    let mut chance = [1.0, 0.0, 0.0, 0.0];
+    let mut at = Vector::ZERO;
+    let mut places = vec![at];
+    for _ in 0..STEPS {
+        // Kicked from the velocity above, or not kicked; nothing is kicked from the last.
+        let kicked = chance.map(|chance| chance * g);
+        let stays = chance.map(|chance| chance * (1.0 - g));
+        chance = [stays[0], kicked[0] + stays[1], kicked[1] + stays[2], kicked[2] + chance[3]];
+        at += Vector::new(0.75f64.sqrt(), 0.5 * (3.0 * chance[0] + chance[1] - chance[2] - 3.0 * chance[3]));
+        places.push(at);
+    }
+    places
+}
+
+/// The parabola after 0 to [`STEPS`] steps.
+pub(super) fn parabola(g: f64) -> Vec<Vector> {
+    let at = |t: f64| Vector::new(0.75f64.sqrt() * t, 1.5 * t - g * t * (t + 1.0) / 2.0);
+    (0..=STEPS).map(|t| at(f64::from(t))).collect()
+}
+
+/// The last step up to which the parabola is within `tolerance` spacings of the exact mean.
+pub(super) fn holds_until(g: f64, tolerance: f64) -> usize {
+    let off = expected(g).into_iter().zip(parabola(g)).map(|(exact, parabola)| exact.distance(parabola));
+    off.take_while(|&off| off <= tolerance).count().saturating_sub(1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_parabola_is_exact_for_three_steps() {
+        for g in [0.05, 0.2, 0.95] {
+            // Three sums of numbers of order 1.
+            assert_eq!(holds_until(g, 1e-12), 3, "{g}");
+        }
+        assert_eq!(holds_until(0.0, 1e-12), 40);
+        // As published, to three decimals.
+        assert!((expected(0.05)[40].y - 20.996).abs() < 5.1e-4);
+    }
+
+    #[test]
+    fn certain_kicks_make_a_certain_flight() {
+        let (flown, exact) = (flight(7, 1.0).unwrap(), expected(1.0));
+        // Coordinates of up to 140, and some roundings.
+        assert!(flown.iter().zip(&exact).all(|(a, b)| a.distance(*b) < 1e-11));
+        assert_eq!(mean(&[flown.clone(), flown.clone()]), flown);
+    }
+}

@@ -1,0 +1,64 @@
+//! A plot of places in spacings, both axes on one scale.
+
+use super::paper::{Anchor, FAINT, Paper, Pen};
+use crate::space::Vector;
+
+/// Size, px, at most; one of the two is met.
+const PLOT: Vector = Vector::new(640.0, 640.0);
+
+/// What is left free above it and to its left, px.
+const MARGIN: Vector = Vector::new(50.0, 20.0);
+
+/// Spacings to px.
+pub(super) struct Plot {
+    low: Vector,
+    high: Vector,
+    scale: f64,
+}
+
+impl Plot {
+    /// A plot that holds all these points, between multiples of 10.
+    pub fn of<'a>(points: impl Iterator<Item = &'a Vector>) -> Self {
+        let (low, high) = points.fold((Vector::ZERO, Vector::ZERO), |(low, high), &x| (low.min(x), high.max(x)));
+        let (low, high) = (10.0 * (low / 10.0).floor(), 10.0 * (high / 10.0).ceil());
+        Self { low, high, scale: (PLOT / (high - low)).min_element() }
+    }
+
+    /// Its lower right corner, px.
+    pub fn corner(&self) -> Vector {
+        self.at(Vector::new(self.high.x, self.low.y))
+    }
+
+    /// Where a point is, px.
+    pub fn at(&self, x: Vector) -> Vector {
+        MARGIN + self.scale * Vector::new(x.x - self.low.x, self.high.y - x.y)
+    }
+
+    /// A line through points.
+    pub fn way(&self, paper: &mut Paper, points: &[Vector], pen: Pen) {
+        let points: Vec<Vector> = points.iter().map(|&x| self.at(x)).collect();
+        paper.way(&points, pen);
+    }
+
+    /// Lines at all multiples of 10, with numbers.
+    pub fn axes(&self, paper: &mut Paper) {
+        let pen = Pen { width: 0.8, colour: FAINT };
+        for x in tens(self.low.x, self.high.x) {
+            let (from, to) = (self.at(Vector::new(x, self.low.y)), self.at(Vector::new(x, self.high.y)));
+            paper.line(from, to, pen);
+            paper.text(from + Vector::new(0.0, 18.0), 13.0, Anchor::Middle, &format!("{x:.0}"));
+        }
+        for y in tens(self.low.y, self.high.y) {
+            let (from, to) = (self.at(Vector::new(self.low.x, y)), self.at(Vector::new(self.high.x, y)));
+            paper.line(from, to, pen);
+            paper.text(from + Vector::new(-8.0, 5.0), 13.0, Anchor::End, &format!("{y:.0}"));
+        }
+        let below = self.at(Vector::new(0.5 * (self.low.x + self.high.x), self.low.y));
+        paper.text(below + Vector::new(0.0, 40.0), 14.0, Anchor::Middle, "x and y in spacings, one scale");
+    }
+}
+
+/// The multiples of 10 between two of them.
+fn tens(from: f64, to: f64) -> impl Iterator<Item = f64> {
+    std::iter::successors(Some(from), |x| Some(x + 10.0)).take_while(move |&x| x <= to)
+}

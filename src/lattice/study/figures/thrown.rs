@@ -1,0 +1,115 @@
+//! Traces of single particles thrown in the field of gravity (the paper's figure 4).
+
+use super::flights::{STEPS, expected, flight, holds_until, mean, parabola};
+use super::paper::{Anchor, INK, NEAREST, Paper, Pen, SECOND};
+use super::plot::Plot;
+use crate::fault::Fault;
+use crate::output::colour::Rgb;
+use crate::space::Vector;
+
+/// Most traces that are drawn one by one.
+const MOST_TRACES: usize = 12;
+
+/// The parabola is drawn as far as it is this close to the exact mean, spacings.
+const CLOSE: f64 = 0.5;
+
+/// Roundings of both, spacings.
+const EXACT: f64 = 1e-9;
+
+/// Width of the legend, px.
+const LEGEND: f64 = 330.0;
+const PARABOLA: Rgb = [0xf2, 0xc1, 0x4e];
+const TRACE: Rgb = [0x8a; 3];
+
+/// Runs as many particles as there are seeds, from 0 on, thrown with direction 7 at a probability of gravity g, and draws the
+/// traces of the first dozen, the mean of all, the exact mean, and the parabola (a) as far as it is close to it.
+///
+/// # Errors
+/// If g is not a probability.
+pub fn thrown(seeds: u64, g: f64) -> Result<String, Fault> {
+    if !(0.0..=1.0).contains(&g) {
+        let fault = Fault::new("scene::out_of_range", format!("g = {g} is not a probability"));
+        return Err(fault.help("give a number from 0 to 1"));
+    }
+    let flights = (0..seeds).map(|seed| flight(seed, g)).collect::<Result<Vec<_>, _>>()?;
+    let (exact, shown) = (expected(g), &flights[..flights.len().min(MOST_TRACES)]);
+    let plot = Plot::of(shown.iter().flatten().chain(&exact));
+    let mut paper = Paper::new(plot.corner().x + LEGEND, plot.corner().y + 52.0);
+    plot.axes(&mut paper);
+    let arc: Vec<Vector> = parabola(g).into_iter().take(holds_until(g, CLOSE) + 1).collect();
+    plot.way(&mut paper, &arc, Sign::PARABOLA);
+    for flight in shown {
+        plot.way(&mut paper, flight, Sign::TRACE);
+    }
+    plot.way(&mut paper, &exact, Sign::EXACT);
+    for &at in &mean(&flights) {
+        Sign::Mean.put(&mut paper, plot.at(at));
+    }
+    Sign::LastExact.put(&mut paper, plot.at(arc[holds_until(g, EXACT)]));
+    Sign::Start.put(&mut paper, plot.at(Vector::ZERO));
+    paper.text(plot.at(arc[arc.len() - 1]) + Vector::new(0.0, -14.0), 20.0, Anchor::Middle, "a");
+    legend(&mut paper, Vector::new(plot.corner().x + 24.0, 30.0), g, (shown.len(), seeds));
+    Ok(paper.finish())
+}
+
+/// Explains the signs, from a place downwards; so many traces are shown of so many particles.
+fn legend(paper: &mut Paper, mut at: Vector, g: f64, (shown, seeds): (usize, u64)) {
+    let texts = [
+        (Sign::Line(Sign::PARABOLA), "a: parabola 1.5 t - g t (t + 1)/2".to_owned()),
+        (Sign::None, format!("to t = {}, within {CLOSE} of the exact mean", holds_until(g, CLOSE))),
+        (Sign::LastExact, format!("up to here, t = {}, it is exact", holds_until(g, EXACT))),
+        (Sign::Line(Sign::EXACT), "exact mean of the Markov chain".to_owned()),
+        (Sign::Mean, format!("mean of {seeds} particles, step by step")),
+        (Sign::Line(Sign::TRACE), format!("traces of {shown} of them")),
+        (Sign::Start, "where they are thrown with v_7".to_owned()),
+        (Sign::None, format!("g = {g}, h = 0, {STEPS} steps")),
+    ];
+    for (sign, text) in texts {
+        sign.explain(paper, at, &text);
+        at.y += 24.0;
+    }
+}
+
+/// What stands for what.
+enum Sign {
+    None,
+    Line(Pen),
+    Mean,
+    LastExact,
+    Start,
+}
+
+impl Sign {
+    const PARABOLA: Pen = Pen { width: 9.0, colour: PARABOLA };
+    const EXACT: Pen = Pen { width: 1.8, colour: INK };
+    const TRACE: Pen = Pen { width: 0.8, colour: TRACE };
+
+    fn put(&self, paper: &mut Paper, at: Vector) {
+        match self {
+            Self::None => {}
+            Self::Line(pen) => paper.line(at - Vector::new(15.0, 0.0), at + Vector::new(15.0, 0.0), *pen),
+            Self::Mean => paper.ring(at, 3.2, Pen { width: 1.4, colour: NEAREST }),
+            Self::LastExact => paper.dot(at, 5.0, SECOND),
+            Self::Start => paper.dot(at, 4.0, INK),
+        }
+    }
+
+    fn explain(&self, paper: &mut Paper, at: Vector, text: &str) {
+        self.put(paper, at + Vector::new(15.0, 0.0));
+        paper.formula(at + Vector::new(42.0, 5.0), 14.0, Anchor::Start, text);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_draws_for_any_probability() {
+        for (seeds, g) in [(2, 0.05), (1, 0.0), (0, 0.95), (1, 1.0)] {
+            super::super::renders(&thrown(seeds, g).unwrap());
+        }
+        assert!(thrown(1, 1.5).is_err());
+        assert!(thrown(0, f64::NAN).is_err());
+    }
+}
