@@ -119,6 +119,7 @@ pub const CLAIMS: &[Claim] = &[
         statements: &[
             Larger("hz", p(0.0), p(0.8), 1.1),
             Larger("hz", p(0.0), BASE, 1.0),
+            Larger("hz", BASE, p(0.8), 1.0),
             Larger("zh80", p(0.0), p(0.8), 1.0),
             Larger("zh", p(0.0), p(0.8), 1.0),
         ],
@@ -161,6 +162,9 @@ pub const CLAIMS: &[Claim] = &[
             Larger("cvg", h(0.0), h(0.8), 1.0),
             Larger("cvr", g(0.95), g(0.05), 1.0),
             Larger("cvr", p(0.0), p(0.8), 1.0),
+            Larger("cvr", q(0.0), q(0.8), 1.0),
+            Larger("cvr", h(0.0), h(0.8), 1.0),
+            Larger("cvr", k(0.0), k(0.8), 1.0),
         ],
     },
     Claim {
