@@ -64,8 +64,12 @@ fn base_case(criterion: &mut Criterion) {
     group.throughput(Throughput::Elements(2 * sites * STEPS));
     group.bench_function("two replicas on two threads", |bencher| {
         bencher.iter(|| {
-            replicas.iter().for_each(|replica| replica.go.send(()).expect("it waits"));
-            replicas.iter().for_each(|replica| replica.done.recv().expect("it answers"));
+            for replica in &replicas {
+                replica.go.send(()).expect("it waits");
+            }
+            for replica in &replicas {
+                replica.done.recv().expect("it answers");
+            }
         });
     });
     group.finish();

@@ -59,7 +59,9 @@ pub(super) fn work(gas: &mut Gas, sites: &Sites, threads: &Threads, job: impl Fn
         Some(pool) => pool.install(|| bands.par_iter_mut().for_each(job)),
     }
     spare.clear();
-    bands.iter_mut().for_each(|band| spare.append(&mut band.spare));
+    for band in &mut bands {
+        spare.append(&mut band.spare);
+    }
 }
 
 /// Writes the states of all bands: the job gets a band's runs, its first site and its states.

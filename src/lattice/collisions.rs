@@ -4,11 +4,12 @@
 //! V in reach of a collision, -8 <= X <= 8 and -14 <= Y <= 12, the table lists all sets of m movers whose sum is V; if there
 //! is none, all whose sum is nearest to it, by |V|^2 = (3 X^2 + Y^2)/4. A collision takes one of the list at random.
 
+use crate::lattice::draws::below;
 use crate::lattice::velocities::momentum;
 
-const COLUMNS: usize = 17;
-const ROWS: usize = 27;
-const PLANE: usize = COLUMNS * ROWS;
+const COLUMNS: u16 = 17;
+const ROWS: u16 = 27;
+const PLANE: usize = COLUMNS as usize * ROWS as usize;
 
 /// Place of a resultant in the table, and the number of movers that make it.
 #[derive(Clone, Copy, Debug)]
@@ -37,14 +38,14 @@ pub struct Collisions {
 }
 
 /// What adding direction 4, straight down, does to the place of a resultant.
-pub const DOWNWARDS: u16 = 2 * COLUMNS as u16;
+pub const DOWNWARDS: u16 = 2 * COLUMNS;
 
 /// The place of the resultant (X, Y).
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the table")]
 pub fn place((x, y): (i32, i32)) -> u16 {
     debug_assert!((-8..=8).contains(&x) && (-14..=12).contains(&y), "({x}, {y}) is out of the table");
-    ((y + 14) * COLUMNS as i32 + x + 8) as u16
+    ((y + 14) * i32::from(COLUMNS) + x + 8) as u16
 }
 
 impl Default for Collisions {
@@ -77,9 +78,8 @@ fn to_state(movers: usize) -> u16 {
     (movers as u16) << 1
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "small")]
-fn to_resultant(row: usize, column: usize) -> (i32, i32) {
-    (column as i32 - 8, row as i32 - 14)
+fn to_resultant(row: u16, column: u16) -> (i32, i32) {
+    (i32::from(column) - 8, i32::from(row) - 14)
 }
 
 /// Appends all of `same` whose sum is nearest to V.
@@ -110,10 +110,8 @@ impl Collisions {
     /// One of the states, by a draw of 32 bits.
     #[inline]
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, reason = "less than the count")]
     pub fn pick(&self, choice: Choice, draw: u32) -> u16 {
-        let n = (u64::from(draw) * u64::from(choice.count)) >> 32;
-        self.states[usize::from(choice.first) + n as usize]
+        self.states[usize::from(choice.first) + below(draw, choice.count.into()) as usize]
     }
 
     /// All states of a choice.

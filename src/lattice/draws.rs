@@ -150,7 +150,7 @@ impl Geometric {
     /// n of three or more, but for the cap.
     #[cold]
     fn many(&self, draw: u32, cap: u8) -> u8 {
-        (0..cap).take_while(|&n| self.0[usize::from(n) + 1].happens(draw)).count() as u8
+        (0..cap).find(|&n| !self.0[usize::from(n) + 1].happens(draw)).unwrap_or(cap)
     }
 }
 

@@ -45,8 +45,8 @@ fn gather(run: &Run, states: &mut [u16], resting: &[u8], movers: &[u16], sites: 
     for (state, &resting) in states.iter_mut().zip(resting) {
         *state = u16::from(resting);
     }
-    for direction in 1..=12 {
-        let source = run.start.wrapping_add_signed(sites.offset(run.parity, OPPOSITE[direction]));
+    for (direction, &back) in OPPOSITE.iter().enumerate().skip(1) {
+        let source = run.start.wrapping_add_signed(sites.offset(run.parity, back));
         for (state, &movers) in states.iter_mut().zip(&movers[source..source + run.len]) {
             *state |= movers & 1 << direction;
         }
@@ -78,8 +78,8 @@ fn turn(edge: &Edge, movers: &mut [u16], mirror: Mirror, streams: Streams) -> u1
 fn drain(sites: &Sites, gas: &Gas) -> u32 {
     let open = sites.doorway.iter().filter(|&&s| sites.kinds[s] == Kind::Sink);
     open.map(|&s| {
-        let arrives = |&d: &usize| gas.movers[sites.neighbour(s, OPPOSITE[d])] & 1 << d != 0;
-        (1..=12).filter(arrives).count() as u32
+        let arrives = |d: usize| u32::from(gas.movers[sites.neighbour(s, OPPOSITE[d])] & 1 << d != 0);
+        (1..=12).map(arrives).sum::<u32>()
     })
     .sum()
 }

@@ -250,20 +250,18 @@ mod tests {
         Polygon(corners.iter().map(|&(x, y)| Vector::new(x, y)).collect())
     }
 
-    fn door() -> Option<(Vector, Vector)> {
-        Some((Vector::new(-0.1, 0.0), Vector::new(0.1, 0.0)))
-    }
+    const DOOR: Option<(Vector, Vector)> = Some((Vector::new(-0.1, 0.0), Vector::new(0.1, 0.0)));
 
     fn flat_bottomed() -> Sites {
         let outline = polygon(&[(-0.602, 0.0), (0.602, 0.0), (0.602, 2.495), (-0.602, 2.495)]);
-        Sites::new(&outline, &[], door(), A)
+        Sites::new(&outline, &[], DOOR, A)
     }
 
     fn hopper() -> Sites {
         let shoulder = 0.502 * 3f64.sqrt();
         let right = [(0.1, 0.0), (0.602, shoulder), (0.602, 2.865)];
         let left = [(-0.602, 2.865), (-0.602, shoulder), (-0.1, 0.0)];
-        Sites::new(&polygon(&[right, left].concat()), &[], door(), A)
+        Sites::new(&polygon(&[right, left].concat()), &[], DOOR, A)
     }
 
     #[test]
@@ -296,9 +294,9 @@ mod tests {
     fn steps_lead_where_they_say() {
         let sites = hopper();
         for s in sites.fluid().step_by(97) {
-            for d in 0..=12 {
+            for (d, &step) in STEPS.iter().enumerate() {
                 let way = (sites.position(sites.neighbour(s, d)) - sites.position(s)) / A;
-                let (x, y) = in_bonds(STEPS[d]);
+                let (x, y) = in_bonds(step);
                 // Positions of up to 3 m, in units of 1 cm: 300 x 2^-52 and a few roundings.
                 assert!(way.distance(Vector::new(x, y)) < 1e-12, "{s} {d} {way}");
             }

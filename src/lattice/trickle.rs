@@ -38,7 +38,9 @@ pub(super) fn trickle(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
     for rivals in moves.chunk_by(|a, b| a.to == b.to) {
         let to = rivals[0].to;
         if sites.kinds[to] == Kind::Sink {
-            rivals.iter().for_each(|one| gas.resting[one.from] = 0);
+            for one in rivals {
+                gas.resting[one.from] = 0;
+            }
             gas.let_out(u32::try_from(rivals.len()).unwrap_or(u32::MAX));
         } else {
             let winner = below(accept.of(to).high(0), u32::try_from(rivals.len()).unwrap_or(u32::MAX));

@@ -28,12 +28,13 @@ fn trace(seed: u64) -> Vec<(f64, f64)> {
 /// E[y] of every step, from the chain of its own: the vertical velocity is 3, 1, -1 or -3 half spacings a step, and each
 /// kick, with probability g before the step, takes it down by one, down to the last.
 fn expected() -> Vec<f64> {
-    let mut chance = [1.0, 0.0, 0.0, 0.0];
+    let mut chance: [f64; 4] = [1.0, 0.0, 0.0, 0.0];
     let mut y = 0.0;
     (0..40)
         .map(|_| {
-            let [a, b, c, d] = chance;
-            chance = [a * (1.0 - G), a * G + b * (1.0 - G), b * G + c * (1.0 - G), c * G + d];
+            let stays = [1.0 - G, 1.0 - G, 1.0 - G, 1.0];
+            let from_above = |n: usize| if n > 0 { G * chance[n - 1] } else { 0.0 };
+            chance = std::array::from_fn(|n| stays[n] * chance[n] + from_above(n));
             y += 0.5 * (3.0 * chance[0] + chance[1] - chance[2] - 3.0 * chance[3]);
             y
         })

@@ -219,7 +219,12 @@ impl Statement {
                 let statement = format!("{symbol}({one}) = {symbol}({other})");
                 compared(statement, mean(symbol, &one), mean(symbol, &other), |a, b| {
                     let noise = 2.0 * a.error.hypot(b.error);
-                    if (a.value - b.value).abs() <= noise { Verdict::Holds } else { Verdict::Fails }
+                    match (a.value - b.value).abs() <= noise {
+                        // One seed has no error to compare with.
+                        false if noise == 0.0 => Verdict::Unclear,
+                        true => Verdict::Holds,
+                        false => Verdict::Fails,
+                    }
                 })
             }
             SpreadFalls(symbol) => {
@@ -240,13 +245,13 @@ fn compared(statement: String, a: Option<Mean>, b: Option<Mean>, judge: impl Fn(
     }
 }
 
-/// A mean and its standard error with as many digits as say something.
+/// A mean and, if it has one, its standard error with as many digits as say something.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-pub fn shown(mean: Mean) -> String {
-    let scale = if mean.error > 0.0 { mean.error } else { 0.01 * mean.value.abs().max(1e-6) };
+pub fn shown(Mean { value, error }: Mean) -> String {
+    let scale = if error > 0.0 { error } else { 0.01 * value.abs().max(1e-6) };
     let decimals = (1.0 - scale.log10().floor()).clamp(0.0, 6.0) as usize;
-    format!("{:.decimals$} ± {:.decimals$}", mean.value, mean.error)
+    if error > 0.0 { format!("{value:.decimals$} ± {error:.decimals$}") } else { format!("{value:.decimals$}") }
 }
 
 /// Standard deviation of a quantity's means over the base and all variants of one other parameter than g, each changed.
@@ -256,8 +261,6 @@ fn spread(results: &Results, silo: &str, symbol: &str, change: fn(Variant) -> Va
     let means: Option<Vec<f64>> =
         others.iter().map(|&one| Some(results.mean(silo, &change(one), quantity)?.value)).collect();
     // The standard deviation is that of the mean times the root of their number.
-    let means = means?;
-    #[expect(clippy::cast_precision_loss, reason = "eleven")]
-    let root = (means.len() as f64).sqrt();
-    Mean::of(&means).map(|mean| Mean { value: root * mean.error, error: 0.0 })
+    let root = 11f64.sqrt();
+    Mean::of(&means?).map(|mean| Mean { value: root * mean.error, error: 0.0 })
 }

@@ -54,7 +54,9 @@ impl Counting {
         let rows = sites.fluid().map(|s| block(s).1).max().map_or(0, |last| last + 1);
         let block_of: Vec<_> = sites.fluid().map(|s| (s, block(s).0 * rows + block(s).1)).collect();
         let mut counts = vec![0; columns * rows];
-        block_of.iter().for_each(|&(_, block)| counts[block] += 1);
+        for &(_, block) in &block_of {
+            counts[block] += 1;
+        }
         // The middle of columns 0 to 4, and of the sites of rows 0 to 3 in columns of either parity.
         let corner = (sites.position(first_column * sites.stride + first_row) - outlet) / sites.spacing;
         let half_a_row = 0.5 * f64::from(u8::from(first_column % 2 == 1));
@@ -69,7 +71,9 @@ impl Counting {
 
     fn frame(&self, gas: &Gas, step: u64) -> Frame {
         let mut counts = vec![0; self.blocks.sites.len()];
-        self.block_of.iter().for_each(|&(s, block)| counts[block] += gas.states()[s].count_ones());
+        for &(s, block) in &self.block_of {
+            counts[block] += gas.states()[s].count_ones();
+        }
         Frame { step, out: gas.out(), counts }
     }
 }
