@@ -78,16 +78,17 @@ fn describe(loaded: &Loaded, text: &mut String) {
 }
 
 fn describe_lattice(loaded: &LoadedLattice, text: &mut String) {
-    let sites = loaded.sites();
+    let sites = &loaded.sites;
     let (columns, rows) = Sites::extent(&loaded.outline(), sites.spacing);
     let _ = write!(
         text,
         "lattice           {} sites in {columns} columns of up to {rows}, {} m apart\n\
          outlet            {} sites\n\
-         upper layer       about {:.2} m thick (12/g sites)\n",
+         upper layer       {}\n",
         sites.fluid_count(),
         sites.spacing,
         sites.doorway.len(),
-        lattice::check::diffuse_layer(loaded),
+        lattice::check::diffuse_layer(loaded)
+            .map_or("none: no gravity".to_owned(), |layer| format!("about {layer:.2} m thick (12/g sites)")),
     );
 }

@@ -8,6 +8,7 @@ use crate::behaviour::Registry;
 use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
 use crate::fault::Fault;
 use crate::lattice::load::LoadedLattice;
+use crate::lattice::rules::Rules;
 use crate::lattice::sites::Sites;
 use crate::particle::Grain;
 use crate::plugins::AskedBy;
@@ -26,15 +27,26 @@ pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, 
 fn explain_lattice(loaded: &LoadedLattice, registry: &Registry) -> Result<Verdict, Fault> {
     let simulation = Simulation::of_lattice(loaded, registry, ONE_THREAD)?;
     let sites = simulation.world().resource::<Sites>();
+    let Rules { spacing, p, q, b, k, g, h, walls } = loaded.rules;
     let mut text = format!(
-        "{}, a lattice gas\n{:?}\n{} sites, of each 2 bytes of state; no grain, so no component\n\n",
+        "{}, a lattice gas: p = {}, q = {}, b = {}, k = {}, g = {}, h = {}, walls {walls:?}\n\
+         {} sites {} m apart, each 2 bytes of state and 9 of what a step needs; no grain, so no component\n\n",
         loaded.source.name,
-        loaded.rules,
-        sites.fluid_count()
+        p.get(),
+        q.get(),
+        b.get(),
+        k.get(),
+        g.get(),
+        h.get(),
+        sites.fluid_count(),
+        spacing.get()
     );
     describe_systems(simulation.world(), &mut text);
     // Writing to a string cannot fail.
     let _ = write!(text, "\n`run` adds\n  a row of series.csv every {} steps", loaded.scene.series.interval);
+    if loaded.scene.flow.is_some() {
+        text.push_str("\n  flow.csv, the mean velocity in cells over a part of the discharge");
+    }
     let _ = match &loaded.scene.pictures {
         Some(pictures) => writeln!(text, "\n  a picture every {} steps", pictures.interval),
         None => writeln!(text),

@@ -10,11 +10,15 @@ use rayon::prelude::*;
 
 use crate::cli::{Verdict, say};
 use crate::fault::Fault;
+use crate::lattice::study::figures::Flights;
 use crate::lattice::study::plan::{Case, Plan};
 use crate::lattice::study::replica::Replica;
 use crate::lattice::study::report;
 use crate::lattice::study::results::Results;
 use crate::output::png;
+
+/// Particles thrown for the parabola, and their g.
+const THROWN: (u64, f64) = (1000, 0.05);
 
 /// Arguments of `study`.
 #[derive(Args, Debug)]
@@ -42,10 +46,11 @@ pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<Verdict, Fault> {
     let start = Instant::now();
     let results = run_all(&plan, cases, threads, quiet)?;
     let seconds = start.elapsed().as_secs_f64();
-    for (name, content) in report::tables(&plan, &results) {
+    let flights = Flights::run(THROWN.0, THROWN.1)?;
+    for (name, content) in report::tables(&plan, &results, &flights) {
         std::fs::write(args.out.join(name), content).map_err(unwritable)?;
     }
-    for (name, svg) in report::pictures(&plan, &results)? {
+    for (name, svg) in report::pictures(&plan, &results, &flights) {
         let path = args.out.join(name).with_extension("svg");
         std::fs::write(&path, svg).map_err(unwritable)?;
         png::render_file(&path)?;

@@ -22,8 +22,8 @@ use crate::space::Vector;
 use crate::walls::silo_file::Disc;
 
 /// What to do about a directory without a field.
-const NO_FLOW: &str =
-    "give its scene the key `flow`, for example `flow: (cell: 0.05, sample: 0.02)`, m and s, and run it again";
+const NO_FLOW: &str = "give its scene the key `flow`, for example `flow: (cell: 0.05, sample: 0.02)`, m and s (of a lattice gas `sample: 5.0`, steps), \
+     and run it again";
 
 /// The run in `directory`, to be called `name`.
 ///
@@ -57,7 +57,7 @@ pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
     Ok(Run {
         name: name.to_owned(),
         field: field(&directory.join("flow.csv"))?,
-        discharge: Curve::of_rows(&rows, needed(released, "grains.released")?, opened),
+        discharge: Curve::of_rows(&rows, needed(released, "grains.released or particles.entered")?, opened),
         time_unit,
         wall_s: needed(number(&["performance", "wall_s"]), "performance.wall_s")?,
         walls,
@@ -69,7 +69,7 @@ pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
 fn outlines(scene: &AnyScene) -> (Vec<Disc>, Vec<(Vector, Vector)>) {
     match scene {
         AnyScene::Grains(loaded) => (loaded.wall_discs(), Vec::new()),
-        AnyScene::Lattice(loaded) => (Vec::new(), loaded.sites().lines().to_vec()),
+        AnyScene::Lattice(loaded) => (Vec::new(), loaded.sites.lines().to_vec()),
     }
 }
 

@@ -4,6 +4,8 @@
 //! V in reach of a collision, -8 <= X <= 8 and -14 <= Y <= 12, the table lists all sets of m movers whose sum is V; if there
 //! is none, all whose sum is nearest to it, by |V|^2 = (3 X^2 + Y^2)/4. A collision takes one of the list at random.
 
+use std::sync::LazyLock;
+
 use crate::lattice::draws::below;
 use crate::lattice::velocities::momentum;
 
@@ -93,6 +95,13 @@ fn nearest(same: &[(u16, (i32, i32))], (x, y): (i32, i32), states: &mut Vec<u16>
 }
 
 impl Collisions {
+    /// The table, made once and for all.
+    #[must_use]
+    pub fn shared() -> &'static Self {
+        static TABLE: LazyLock<Collisions> = LazyLock::new(Collisions::default);
+        &TABLE
+    }
+
     /// Sum and number of the movers of a state.
     #[inline]
     #[must_use]

@@ -8,6 +8,7 @@ use crate::lattice::rest::RestDetection;
 use crate::lattice::sites::Sites;
 use crate::messages::{CameToRest, DoorOpened};
 use crate::scene::values::FiniteVector;
+use crate::space::Vector;
 use crate::step::{Clock, Phase, Step};
 
 /// The scene's `door`.
@@ -21,6 +22,14 @@ pub struct Door {
     /// When it opens. Default `AtRest`.
     #[serde(default)]
     pub opens: DoorOpens,
+}
+
+impl Door {
+    /// Its ends, m.
+    #[must_use]
+    pub fn ends(self) -> (Vector, Vector) {
+        (self.from.padded().truncate(), self.to.padded().truncate())
+    }
 }
 
 /// When the door opens.

@@ -84,13 +84,17 @@ struct Hopper {
 fn pour(clock: Res<Clock>, odds: Res<Odds>, hopper: Res<Hopper>, mut gas: ResMut<Gas>, mut pending: ResMut<Pending>) {
     // The clock moves on later in the step.
     let streams = Streams::new(odds.seed, clock.steps + 1, Purpose::Enter, 0);
-    for &site in &hopper.sites {
-        if gas.entered() >= hopper.target {
-            break;
-        }
-        if gas.states()[site] & 1 << DOWN == 0 && hopper.chance.happens(streams.of(site).high(0)) {
-            gas.add(site, DOWN);
-        }
+    let is_free = |&site: &usize| gas.states()[site] & 1 << DOWN == 0;
+    let gets_one = |&site: &usize| hopper.chance.happens(streams.of(site).high(0));
+    let mut chosen: Vec<usize> = hopper.sites.iter().copied().filter(is_free).filter(gets_one).collect();
+    // The last of them go where another draw says, not where the store begins.
+    let left = usize::try_from(hopper.target.saturating_sub(gas.entered())).unwrap_or(usize::MAX);
+    if chosen.len() > left {
+        chosen.sort_by_key(|&site| streams.of(site).word(1));
+        chosen.truncate(left);
+    }
+    for site in chosen {
+        gas.add(site, DOWN);
     }
     pending.0 = u32::try_from(hopper.target.saturating_sub(gas.entered())).unwrap_or(u32::MAX);
 }

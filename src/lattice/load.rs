@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::fault::Fault;
+use crate::lattice::door::Door;
 use crate::lattice::outline::Polygon;
 use crate::lattice::rules::Rules;
 use crate::lattice::scene::LatticeScene;
@@ -11,7 +12,7 @@ use crate::lattice::validity;
 use crate::scene::Method;
 use crate::scene::source::Source;
 use crate::scene::values::FiniteVector;
-use crate::space::{Plane, Vector};
+use crate::space::Vector;
 
 /// A scene of the lattice gas that is ready to run.
 #[derive(Debug)]
@@ -22,6 +23,8 @@ pub struct LoadedLattice {
     pub source: Source,
     /// The rules.
     pub rules: Rules,
+    /// The sites of the silo, its door closed.
+    pub sites: Sites,
 }
 
 impl LoadedLattice {
@@ -44,7 +47,10 @@ impl LoadedLattice {
                 .fault("scene::method", "method", "this is not a scene of the lattice gas")
                 .help("write `method: LatticeGas(...)`"));
         };
-        let loaded = Self { scene, source, rules };
+        validity::shapes(&scene, &rules, &source)?;
+        let inserts: Vec<_> = scene.inserts.iter().map(|corners| polygon(corners)).collect();
+        let sites = Sites::new(&polygon(&scene.outline), &inserts, scene.door.map(Door::ends), rules.spacing.get());
+        let loaded = Self { scene, source, rules, sites };
         validity::check(&loaded)?;
         Ok(loaded)
     }
@@ -59,16 +65,14 @@ impl LoadedLattice {
     pub fn outline(&self) -> Polygon {
         polygon(&self.scene.outline)
     }
-
-    /// The sites of the silo, its door closed.
-    #[must_use]
-    pub fn sites(&self) -> Sites {
-        let inserts: Vec<_> = self.scene.inserts.iter().map(|corners| polygon(corners)).collect();
-        let door = self.scene.door.map(|door| (door.from.get::<Plane>(), door.to.get::<Plane>()));
-        Sites::new(&self.outline(), &inserts, door, self.rules.spacing.get())
-    }
 }
 
+/// The polygon of some corners; one that repeats the one before it, or the first at the end, is no corner of its own.
 pub(super) fn polygon(corners: &[FiniteVector]) -> Polygon {
-    Polygon(corners.iter().map(|corner| Vector::new(corner.padded().x, corner.padded().y)).collect())
+    let mut corners: Vec<Vector> = corners.iter().map(|corner| corner.padded().truncate()).collect();
+    corners.dedup();
+    while corners.len() > 1 && corners.first() == corners.last() {
+        corners.pop();
+    }
+    Polygon(corners)
 }

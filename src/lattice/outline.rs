@@ -31,6 +31,15 @@ impl Polygon {
         self.0.iter().fold((infinity, -infinity), |(low, high), &x| (low.min(x), high.max(x)))
     }
 
+    /// Whether two edges that are no neighbours cross or touch.
+    #[must_use]
+    pub fn crosses_itself(&self) -> bool {
+        let edges: Vec<_> = self.edges().collect();
+        let are_neighbours = |i: usize, j: usize| i + 1 == j || (i == 0 && j + 1 == edges.len());
+        let pairs = (0..edges.len()).flat_map(|i| (i + 1..edges.len()).map(move |j| (i, j)));
+        pairs.into_iter().any(|(i, j)| !are_neighbours(i, j) && meet(edges[i], edges[j]))
+    }
+
     /// The area, m^2.
     #[must_use]
     pub fn area(&self) -> f64 {
@@ -38,7 +47,17 @@ impl Polygon {
     }
 }
 
-/// The distance of a point from a segment, m.
+/// Whether two segments have a point in common.
+fn meet((a, b): (Vector, Vector), (c, d): (Vector, Vector)) -> bool {
+    let side = |from: Vector, to: Vector, x: Vector| (to - from).perp_dot(x - from);
+    let are_apart = |p: f64, q: f64| p * q < 0.0;
+    let touches = |x: Vector, edge| distance(x, edge) == 0.0;
+    are_apart(side(a, b, c), side(a, b, d)) && are_apart(side(c, d, a), side(c, d, b))
+        || [a, b].into_iter().any(|x| touches(x, (c, d)))
+        || [c, d].into_iter().any(|x| touches(x, (a, b)))
+}
+
+/// The distance of a point from a segment of some length, m.
 #[must_use]
 pub fn distance(x: Vector, (a, b): (Vector, Vector)) -> f64 {
     let along = b - a;
@@ -74,6 +93,14 @@ mod tests {
             assert_eq!(hopper().holds(Vector::new(x, y), 1e-9), expected, "({x}, {y})");
         }
         assert!((hopper().area() - 8.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_bow_tie_crosses_itself() {
+        assert!(!hopper().crosses_itself());
+        let bow_tie =
+            |y: f64| Polygon([(0.0, 0.0), (1.0, 1.0), (1.0, y), (0.0, 1.0)].map(|(x, y)| Vector::new(x, y)).to_vec());
+        assert!(bow_tie(0.0).crosses_itself() && bow_tie(-1.0).crosses_itself() && !bow_tie(2.0).crosses_itself());
     }
 
     #[test]

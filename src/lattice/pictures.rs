@@ -3,7 +3,7 @@
 //! The sites are counted in cells of so many columns and rows; the grey of a cell is the mean number of particles a site
 //! over 13. `frames/NNNNN.svg` every `pictures.interval` steps and at the end, and PNGs beside them if asked.
 
-use std::num::NonZeroU32;
+use std::num::{NonZeroU16, NonZeroU32};
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -32,17 +32,20 @@ pub struct Pictures {
     /// Width, px.
     pub width: Positive,
     /// Columns and rows of sites in a cell.
-    pub cell: (u16, u16),
+    pub cell: (NonZeroU16, NonZeroU16),
     /// Whether PNGs are written beside the SVGs.
     pub png: bool,
 }
+
+/// Columns and rows of sites in a cell, if the scene does not say.
+pub const CELL: (NonZeroU16, NonZeroU16) = (NonZeroU16::MIN.saturating_add(1), NonZeroU16::MIN.saturating_add(1));
 
 impl Default for Pictures {
     fn default() -> Self {
         Self {
             interval: NonZeroU32::new(100).expect("positive"),
             width: Positive::try_from(480.0).expect("positive"),
-            cell: (2, 2),
+            cell: CELL,
             png: false,
         }
     }
@@ -51,8 +54,8 @@ impl Default for Pictures {
 /// The mean numbers of particles a site in cells of so many columns and rows, with each cell's corners, m, and the number of
 /// its fluid sites.
 #[must_use]
-pub fn densities(sites: &Sites, gas: &Gas, (columns, rows): (u16, u16)) -> Vec<Cell> {
-    let (columns, rows) = (usize::from(columns.max(1)), usize::from(rows.max(1)));
+pub fn densities(sites: &Sites, gas: &Gas, (columns, rows): (NonZeroU16, NonZeroU16)) -> Vec<Cell> {
+    let (columns, rows) = (usize::from(columns.get()), usize::from(rows.get()));
     let high = sites.stride.div_ceil(rows);
     let mut sums = vec![(0u32, 0u32); sites.kinds.len().div_ceil(sites.stride).div_ceil(columns) * high];
     for s in sites.fluid() {

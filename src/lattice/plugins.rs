@@ -25,16 +25,16 @@ use crate::plugins::Assembly;
 use crate::step::{Clock, ForceStage, Phase, Step, StepPlugin, time_moves};
 use crate::threads::Threads;
 
-/// The collision table, made once.
-#[derive(Resource, Default)]
-pub(super) struct Table(pub Collisions);
+/// The collision table.
+#[derive(Resource)]
+struct Table(&'static Collisions);
 
 /// Adds what the scene asks for.
 pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
     let scene = &loaded.scene;
-    let sites = loaded.sites();
-    let mut gas = Gas::new(&sites);
-    enter(loaded, &sites, &mut gas);
+    let sites = &loaded.sites;
+    let mut gas = Gas::new(sites);
+    enter(loaded, sites, &mut gas);
     // The automaton counts its time in steps.
     app.add("step", StepPlugin { dt: 1.0 })
         .add("always", ObservePlugin)
@@ -50,7 +50,7 @@ pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice, behaviours: Ve
     let is_random = rules.b.get() > 0.0 && rules.walls == Walls::Scatter;
     app.add("method", PropagationPlugin(if is_random { Mirror::Random } else { Mirror::Specular }));
     if let Some(pour) = &scene.pour {
-        app.add("pour", PourPlugin::new(pour, &sites));
+        app.add("pour", PourPlugin::new(pour, sites));
     }
     if let Some(rest) = scene.rest {
         app.add("rest", RestPlugin(rest));
@@ -63,8 +63,8 @@ pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice, behaviours: Ve
         app.add("discharge", DischargePlugin(steps));
     }
     app.provide(Odds::new(rules, scene.seed));
-    app.provide(Table::default());
-    app.provide(sites);
+    app.provide(Table(Collisions::shared()));
+    app.provide(sites.clone());
     app.provide(gas);
     app.add_behaviours(behaviours);
 }
@@ -85,7 +85,7 @@ fn stop_some(
     (sites, table, odds): (Res<Sites>, Res<Table>, Res<Odds>),
     mut gas: ResMut<Gas>,
 ) {
-    stop(&sites, &mut gas, &threads, &table.0, &odds, clock.steps);
+    stop(&sites, &mut gas, &threads, table.0, &odds, clock.steps);
 }
 
 fn place_stopped(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas: ResMut<Gas>) {
@@ -97,7 +97,7 @@ fn collide_others(
     (sites, table, odds): (Res<Sites>, Res<Table>, Res<Odds>),
     mut gas: ResMut<Gas>,
 ) {
-    collide(&sites, &mut gas, &threads, &table.0, &odds, clock.steps);
+    collide(&sites, &mut gas, &threads, table.0, &odds, clock.steps);
 }
 
 impl Plugin for CollisionsPlugin {

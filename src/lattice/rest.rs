@@ -53,7 +53,7 @@ fn detect(
         detector.since = Some((clock.steps, height()));
         return;
     };
-    if clock.steps < since + detector.config.hold {
+    if clock.steps - since < detector.config.hold {
         return;
     }
     let now = height();

@@ -93,7 +93,7 @@ impl Sites {
         let margin = MARGIN as f64 * Vector::new(width, spacing);
         let stride = rows + 2 * MARGIN;
         let lines = std::iter::once(outline).chain(inserts).flat_map(Polygon::edges).collect();
-        let count = (columns + 2 * MARGIN) * stride;
+        let count = Self::stored(columns, rows);
         let mut sites = Self {
             spacing,
             stride,
@@ -122,12 +122,18 @@ impl Sites {
         sites
     }
 
+    /// How many sites are stored for so many columns and rows.
+    #[must_use]
+    pub fn stored(columns: usize, rows: usize) -> usize {
+        columns.saturating_add(2 * MARGIN).saturating_mul(rows.saturating_add(2 * MARGIN))
+    }
+
     /// How many columns and rows an outline holds.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates; compared with a limit")]
     pub fn extent(outline: &Polygon, spacing: f64) -> (usize, usize) {
         let (low, high) = outline.bounds();
-        let fitting = |length: f64, step: f64| (length / step + 1e-6).floor() as usize + 1;
+        let fitting = |length: f64, step: f64| ((length / step + 1e-6).floor() as usize).saturating_add(1);
         (fitting(high.x - low.x, in_bonds((1, 0)).0 * spacing), fitting(high.y - low.y, spacing))
     }
 

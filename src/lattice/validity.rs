@@ -1,49 +1,69 @@
 //! Rules across the keys of a scene of the lattice gas: what one number's range cannot say.
 
+use std::collections::HashSet;
+
 use crate::fault::Fault;
 use crate::lattice::door::DoorOpens;
+use crate::lattice::enter::Thrown;
 use crate::lattice::load::{LoadedLattice, polygon};
+use crate::lattice::outline::distance;
+use crate::lattice::rules::Rules;
+use crate::lattice::scene::LatticeScene;
 use crate::lattice::sites::Sites;
-use crate::space::Plane;
+use crate::scene::source::Source;
 
-/// Sites of the largest lattice.
-const MOST_SITES: usize = 100_000_000;
+/// Stored sites of the largest lattice: a few hundred MB.
+const MOST_SITES: usize = 20_000_000;
 
-/// Checks a scene.
+/// Checks what the sites are made of.
 ///
 /// # Errors
-/// The first rule that it breaks, pointing at the key.
+/// The first rule that is broken, pointing at the key.
+pub(super) fn shapes(scene: &LatticeScene, rules: &Rules, source: &Source) -> Result<(), Fault> {
+    let named = scene.inserts.iter().enumerate().map(|(n, corners)| (format!("inserts[{n}]"), corners));
+    for (key, corners) in std::iter::once(("outline".to_owned(), &scene.outline)).chain(named) {
+        let is_planar = corners.iter().all(|corner| corner.count() == 2);
+        let polygon = polygon(corners);
+        let (message, help) = if !is_planar || polygon.0.len() < 3 {
+            ("expected a polygon of at least three corners (x, y)", "give the corners in turn, in m")
+        } else if polygon.crosses_itself() || polygon.area() == 0.0 {
+            ("the edges of the polygon cross or touch each other", "give the corners in turn, along the boundary")
+        } else {
+            continue;
+        };
+        return Err(source.fault("scene::degenerate_wall", &key, message).help(help));
+    }
+    if let Some(door) = scene.door
+        && (door.from.count() != 2 || door.to.count() != 2 || door.from == door.to)
+    {
+        let message = "the door goes from one place (x, y) to another";
+        return Err(source.fault("scene::degenerate_wall", "door", message).help("give two different places, in m"));
+    }
+    let (columns, rows) = Sites::extent(&polygon(&scene.outline), rules.spacing.get());
+    if Sites::stored(columns, rows) > MOST_SITES {
+        let message = format!("{columns} columns of {rows} sites, and a margin, are more than {MOST_SITES} sites");
+        return Err(source.fault("scene::out_of_range", "method.spacing", message).help("give a larger spacing, in m"));
+    }
+    Ok(())
+}
+
+/// Checks a scene whose sites have been found.
+///
+/// # Errors
+/// The first rule that is broken, pointing at the key.
 pub(super) fn check(loaded: &LoadedLattice) -> Result<(), Fault> {
-    outline(loaded)?;
+    if loaded.sites.runs.is_empty() {
+        let message = "no site of the lattice is inside the outline";
+        let help = "give a smaller `spacing` or a larger outline";
+        return Err(loaded.fault("scene::empty_box", "outline", message, help));
+    }
+    if loaded.scene.until == 0 {
+        let message = "a run has at least one step";
+        return Err(loaded.fault("scene::out_of_range", "until", message, "give the number of the last step"));
+    }
     door(loaded)?;
     particles(loaded)?;
     outputs(loaded)
-}
-
-fn outline(loaded: &LoadedLattice) -> Result<(), Fault> {
-    let named = loaded.scene.inserts.iter().enumerate().map(|(n, corners)| (format!("inserts[{n}]"), corners));
-    for (key, corners) in std::iter::once(("outline".to_owned(), &loaded.scene.outline)).chain(named) {
-        let is_planar = corners.iter().all(|corner| corner.count() == 2);
-        if !is_planar || corners.len() < 3 || polygon(corners).area() == 0.0 {
-            let message = "expected a polygon of at least three corners (x, y) that encloses an area";
-            return Err(loaded.fault("scene::degenerate_wall", &key, message, "give the corners in turn, in m"));
-        }
-    }
-    let (columns, rows) = Sites::extent(&loaded.outline(), loaded.rules.spacing.get());
-    if columns.saturating_mul(rows) > MOST_SITES {
-        let message = format!("{columns} columns of {rows} sites are more than {MOST_SITES} sites");
-        return Err(loaded.fault("scene::out_of_range", "method.spacing", message, "give a larger spacing, in m"));
-    }
-    if loaded.sites().runs.is_empty() {
-        let message = "no site of the lattice is inside the outline";
-        return Err(loaded.fault(
-            "scene::empty_box",
-            "outline",
-            message,
-            "give a smaller `spacing` or a larger outline",
-        ));
-    }
-    Ok(())
 }
 
 fn door(loaded: &LoadedLattice) -> Result<(), Fault> {
@@ -55,13 +75,11 @@ fn door(loaded: &LoadedLattice) -> Result<(), Fault> {
         }
         return Ok(());
     };
-    let is_planar = door.from.count() == 2 && door.to.count() == 2;
-    if !is_planar || door.from == door.to {
-        let message = "the door goes from one place (x, y) to another";
-        return Err(loaded.fault("scene::degenerate_wall", "door", message, "give two different places, in m"));
-    }
-    if loaded.sites().doorway.is_empty() {
-        let message = "there is no site to go out by: the door is not on the outline";
+    // Corners are given to a few digits.
+    let (ends, near) = (door.ends(), 0.5 * loaded.rules.spacing.get());
+    let is_on = |edge| distance(ends.0, edge) <= near && distance(ends.1, edge) <= near;
+    if !loaded.outline().edges().any(is_on) || loaded.sites.doorway.is_empty() {
+        let message = "the door is not on an edge of the outline";
         return Err(loaded.fault(
             "scene::no_door",
             "door",
@@ -76,17 +94,39 @@ fn door(loaded: &LoadedLattice) -> Result<(), Fault> {
     Ok(())
 }
 
+/// The site of a particle of the start: the nearest one, not more than a spacing away.
+fn site_of(loaded: &LoadedLattice, thrown: &Thrown) -> Option<usize> {
+    let at = thrown.at.padded().truncate();
+    let site = loaded.sites.nearest(at).filter(|_| thrown.at.count() == 2)?;
+    (loaded.sites.position(site).distance(at) <= loaded.rules.spacing.get()).then_some(site)
+}
+
 fn particles(loaded: &LoadedLattice) -> Result<(), Fault> {
     let scene = &loaded.scene;
+    let mut taken = HashSet::new();
     for (n, thrown) in scene.particles.iter().enumerate() {
         if thrown.velocity > 12 {
             let (key, message) = (format!("particles[{n}].velocity"), "expected a direction from 0 (at rest) to 12");
             return Err(loaded.fault("scene::out_of_range", &key, message, "1 is up, 4 is down, 7 obliquely up"));
         }
-        let is_inside = thrown.at.count() == 2 && loaded.outline().holds(thrown.at.get::<Plane>(), 0.0);
-        if !is_inside {
-            let message = "the particle is not inside the outline";
-            return Err(loaded.fault("scene::outside", &format!("particles[{n}].at"), message, "give (x, y) in m"));
+        let key = format!("particles[{n}].at");
+        let Some(site) = site_of(loaded, thrown) else {
+            let message = "there is no site for the particle: it is not inside the silo";
+            return Err(loaded.fault(
+                "scene::outside",
+                &key,
+                message,
+                "give (x, y) in m, inside the outline, in no insert",
+            ));
+        };
+        if !taken.insert((site, thrown.velocity)) {
+            let message = "there is a particle with this velocity at this site already";
+            return Err(loaded.fault(
+                "scene::two_at_one_place",
+                &key,
+                message,
+                "a site holds one particle of each velocity",
+            ));
         }
     }
     let full = 13.0;
@@ -120,6 +160,15 @@ fn outputs(loaded: &LoadedLattice) -> Result<(), Fault> {
     if flow.from >= flow.to {
         let message = format!("the window is empty: it begins at {} and ends at {}", flow.from.get(), flow.to.get());
         return Err(loaded.fault("scene::out_of_range", "flow.to", message, "give a share above `flow.from`"));
+    }
+    let (sample, spacing) = (flow.sample.get(), loaded.rules.spacing.get());
+    if sample < 1.0 || sample.fract() != 0.0 {
+        let message = format!("expected a whole number of steps, got {sample}");
+        return Err(loaded.fault("scene::out_of_range", "flow.sample", message, "5.0 is usual"));
+    }
+    if flow.cell.get() < spacing {
+        let message = format!("cells of {} m are smaller than the spacing of the sites, {spacing} m", flow.cell.get());
+        return Err(loaded.fault("scene::out_of_range", "flow.cell", message, "give cells of several sites, in m"));
     }
     if flow.from.get() > 0.0 && loaded.scene.door.is_none() {
         let message = "no particle will ever be out: there is no door";

@@ -43,7 +43,7 @@ pub struct Flow {
     /// And when it ends. Default 0.4.
     #[serde(default = "default_to")]
     pub to: Share,
-    /// Time between samples, s.
+    /// Time between samples, s; of a lattice gas a whole number of steps.
     pub sample: Positive,
 }
 

@@ -12,7 +12,7 @@ use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
 use crate::scene::source::Source;
 use crate::scene::values::Positive;
-use crate::scene::{Scene, rules};
+use crate::scene::{Method, Scene, rules};
 use crate::space::{Dimension, Solid, Space};
 use crate::walls::config::Wall;
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
@@ -89,6 +89,11 @@ pub fn from_text(
 
 fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Loaded, Fault> {
     let scene: Scene = source.parse(settings)?;
+    if scene.method != Method::Grains {
+        return Err(source
+            .fault("scene::method", "method", "this is not a scene of grains")
+            .help("a scene's method is part of its file, not of a setting"));
+    }
     let mut loaded = Loaded { scene, source, silo: SiloGeometry::default(), grains: Vec::new(), fixed: Vec::new() };
     // Nobody looks at a vector before its length is known to be right.
     rules::space(&loaded)?;

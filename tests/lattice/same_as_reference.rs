@@ -1,5 +1,6 @@
 //! The fast automaton and the literal one make the same states, bit by bit, in whatever order the literal one visits the
-//! sites. The reference was written from the rules alone, without sight of the fast one.
+//! sites. The literal one has rules, neighbours, blocked ways and collision table of its own; it is given the kinds of the
+//! sites, the reflections (which have tests of their own) and the draws that each decision reads.
 
 use siloflow::lattice::load::LoadedLattice;
 use siloflow::lattice::rules::Walls;

@@ -77,6 +77,65 @@ fn check_and_explain_tell_what_a_lattice_scene_is() {
 }
 
 #[test]
+fn a_closed_outline_is_the_same_silo() {
+    let outlines = [
+        "(-0.2, 0.0), (0.2, 0.0), (0.2, 0.5), (-0.2, 0.5)",
+        "(-0.2, 0.0), (0.2, 0.0), (0.2, 0.0), (0.2, 0.5), (-0.2, 0.5), (-0.2, 0.0)",
+    ];
+    let [open, closed] = outlines.map(|outline| {
+        let source = Source::new("small.ron", "small", root(), SMALL.to_owned());
+        let loaded = LoadedLattice::new(source, &[("outline".to_owned(), format!("[{outline}]"))]).unwrap();
+        loaded.sites.edges.iter().map(|edge| (edge.site, edge.blocked, edge.reflection)).collect::<Vec<_>>()
+    });
+    assert_eq!(open, closed);
+}
+
+#[test]
+fn the_method_of_a_scene_is_no_setting() {
+    let method = "method=LatticeGas(spacing: 0.01, p: 0.2, q: 0.2, b: 0.05, k: 0.05, g: 0.2, h: 0.05)";
+    let refused = siloflow(root(), &["check", "scenes/silo1.ron", "--set", method]);
+    assert_eq!(refused.status.code(), Some(2));
+    assert!(text(&refused.stderr).contains("scene::method"), "{}", text(&refused.stderr));
+}
+
+#[test]
+fn a_study_writes_its_tables_and_pictures_and_tells_what_is_wrong_before_it_runs() {
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("small.ron"), SMALL.replace("until: 5000", "until: 120")).unwrap();
+    let study = |silos: &str, seeds: &str, variants: &str, pictures: &str| {
+        let plan = format!("(silos: {{{silos}}}, seeds: {seeds}, variants: {variants}, pictures: {pictures})");
+        fs::write(here.path().join("study.ron"), plan).unwrap();
+        let done = siloflow(here.path(), &["study", "study.ron", "--out", "out", "--quiet"]);
+        (done.status.code(), text(&done.stderr))
+    };
+    let small = r#""small silo": "small.ron""#;
+    for (arguments, key) in [
+        ((small, "[1]", "[()]", "[0]"), "seeds"),
+        ((small, "[1, 1]", "[()]", "[0]"), "seeds"),
+        ((small, "[1, 2]", "[(), ()]", "[0]"), "variants[1]"),
+        ((small, "[1, 2]", "[(p: 7.0)]", "[0]"), "variants[0].p"),
+        ((small, "[1, 2]", "[()]", "[50, 0]"), "pictures"),
+        ((r#""a/b": "small.ron""#, "[1, 2]", "[()]", "[0]"), "silos.a/b"),
+        ((r#""a": "missing.ron""#, "[1, 2]", "[()]", "[0]"), "silos.a"),
+    ] {
+        let (silos, seeds, variants, pictures) = arguments;
+        let (code, said) = study(silos, seeds, variants, pictures);
+        assert_eq!(code, Some(2), "{said}");
+        assert!(said.contains(key) && said.contains("study::plan"), "{key}: {said}");
+        assert!(!here.path().join("out").exists(), "{key}");
+    }
+    let (code, said) = study(small, "[1, 2]", "[(), (g: 0.95)]", "[0, 50]");
+    assert_eq!(code, Some(0), "{said}");
+    for name in ["claims.md", "figures.csv", "sheet-small-silo-1.png", "vectors.svg", "thrown.png"] {
+        assert!(here.path().join("out").join(name).exists(), "{name}");
+    }
+    let claims = fs::read_to_string(here.path().join("out/claims.md")).unwrap();
+    // The runs are too short for most observables: they are not measured, and so it says.
+    assert!(claims.contains("not measured") && claims.contains("rho0(g = 0.95) > rho0(base)"), "{claims}");
+    assert_eq!(fs::read_to_string(here.path().join("out/figures.csv")).unwrap().lines().count(), 5);
+}
+
+#[test]
 fn rest_may_be_a_mean_height_that_no_longer_changes() {
     let settings = [("rest", "(hold: 50, drift: 0.002, stop: true)")].map(|(k, v)| (k.to_owned(), v.to_owned()));
     let source = Source::new("small.ron", "small", root(), SMALL.to_owned());

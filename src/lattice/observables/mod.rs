@@ -37,6 +37,9 @@ pub use surface::{dip, inclination, surface_heights};
 pub use uniformity::{centre_to_side_ratio, overall_variation, row_variation};
 pub use zone::{central_share, dilatant_zone, zone_aspect_ratio, zone_height, zone_width};
 
+/// Columns and rows of sites in a block.
+pub const BLOCK: (usize, usize) = (5, 4);
+
 /// Width of a block, spacings: 5 columns, each sqrt(3)/2 apart.
 pub const BLOCK_WIDTH: f64 = 4.330_127_018_922_193;
 

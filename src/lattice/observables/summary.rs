@@ -105,7 +105,7 @@ pub const QUANTITIES: [Quantity; 14] = [
     quantity("za", "zone aspect ratio at step 200", "1", |all| all.zone_aspect_ratio),
     quantity("zc", "central share of the zone at step 200", "1", |all| all.central_share),
     quantity("hz", "threshold-free zone height at step 80", "spacings", |all| all.threshold_free_height),
-    quantity("cs", "centre-to-side density ratio", "1", |all| all.centre_to_side_ratio),
+    quantity("cs", "centre-to-side density ratio, row by row", "1", |all| all.centre_to_side_ratio),
     quantity("cvr", "density variation within rows", "1", |all| all.row_variation),
     quantity("cvg", "density variation of the whole silo", "1", |all| all.overall_variation),
 ];

@@ -1,8 +1,7 @@
 //! The paper's claims about its parameters, as orderings of observables, and what becomes of them.
 //!
 //! An ordering says that a quantity is larger by more than a factor in one variant than in another. It *holds* or *fails* by
-//! the means over the seeds; where two means that should be merely larger differ by less than two of their combined standard
-//! errors, it is *unclear*. What a claim that hangs on one statistic says, its neighbours need not: they are reported too. The
+//! the means over the seeds; where they differ from it by less than two of their combined standard errors, it is *unclear*. What a claim that hangs on one statistic says, its neighbours need not: they are reported too. The
 //! statements that one seed is enough for are the first of each claim; tests assert those that hold.
 
 use crate::lattice::observables::{QUANTITIES, Quantity};
@@ -19,6 +18,8 @@ pub enum Verdict {
     Fails,
     /// The difference is within two combined standard errors.
     Unclear,
+    /// Two figures that should be the same differ by less than two combined standard errors.
+    NoDifference,
     /// The study did not run what it needs, or has nothing to measure.
     NotMeasured,
 }
@@ -31,6 +32,7 @@ impl Verdict {
             Self::Holds => "holds",
             Self::Fails => "**fails**",
             Self::Unclear => "unclear",
+            Self::NoDifference => "no difference seen",
             Self::NotMeasured => "not measured",
         }
     }
@@ -111,6 +113,8 @@ pub const CLAIMS: &[Claim] = &[
             Larger("rho0", BASE, p(0.0), 1.0),
             Larger("rho0", p(0.8), BASE, 1.0),
             Larger("rhob", p(0.8), p(0.0), 1.0),
+            Larger("rhob", q(0.0), q(0.8), 1.0),
+            Larger("rhob", k(0.0), k(0.8), 1.0),
         ],
     },
     Claim {
@@ -205,25 +209,15 @@ impl Statement {
                 let times = if (factor - 1.0).abs() < 1e-12 { String::new() } else { format!("{factor:.3} ") };
                 let statement = format!("{symbol}({large}) > {times}{symbol}({small})");
                 compared(statement, mean(symbol, &large), mean(symbol, &small), |a, b| {
-                    let noise = 2.0 * a.error.hypot(b.error);
-                    if times.is_empty() && (a.value - b.value).abs() < noise {
-                        Verdict::Unclear
-                    } else if a.value > factor * b.value {
-                        Verdict::Holds
-                    } else {
-                        Verdict::Fails
-                    }
+                    larger(a.value - factor * b.value, a.error.hypot(factor * b.error))
                 })
             }
             Same(symbol, one, other) => {
                 let statement = format!("{symbol}({one}) = {symbol}({other})");
                 compared(statement, mean(symbol, &one), mean(symbol, &other), |a, b| {
-                    let noise = 2.0 * a.error.hypot(b.error);
-                    match (a.value - b.value).abs() <= noise {
-                        // One seed has no error to compare with.
-                        false if noise == 0.0 => Verdict::Unclear,
-                        true => Verdict::Holds,
-                        false => Verdict::Fails,
+                    match larger((a.value - b.value).abs(), a.error.hypot(b.error)) {
+                        Verdict::Holds => Verdict::Fails,
+                        _ => Verdict::NoDifference,
                     }
                 })
             }
@@ -231,10 +225,21 @@ impl Statement {
                 let statement = format!("spread of {symbol} at g = 0.95 < at the base's g");
                 let spread = |change: fn(Variant) -> Variant| spread(results, silo, symbol, change);
                 compared(statement, spread(heavy), spread(|variant| variant), |heavy, base| {
-                    if heavy.value < base.value { Verdict::Holds } else { Verdict::Fails }
+                    larger(base.value - heavy.value, heavy.error.hypot(base.error))
                 })
             }
         }
+    }
+}
+
+/// Whether a difference is larger than zero, for its standard error.
+fn larger(difference: f64, error: f64) -> Verdict {
+    if difference.abs() < 2.0 * error {
+        Verdict::Unclear
+    } else if difference > 0.0 {
+        Verdict::Holds
+    } else {
+        Verdict::Fails
     }
 }
 
@@ -254,13 +259,17 @@ pub fn shown(Mean { value, error }: Mean) -> String {
     if error > 0.0 { format!("{value:.decimals$} ± {error:.decimals$}") } else { format!("{value:.decimals$}") }
 }
 
-/// Standard deviation of a quantity's means over the base and all variants of one other parameter than g, each changed.
+/// Standard deviation of a quantity over the base and all variants of one other parameter than g, each changed; of every
+/// seed by itself, and then the mean over the seeds.
 fn spread(results: &Results, silo: &str, symbol: &str, change: fn(Variant) -> Variant) -> Option<Mean> {
     let others = [BASE, p(0.8), p(0.0), q(0.8), q(0.0), b(0.8), b(0.0), k(0.8), k(0.0), h(0.8), h(0.0)];
     let quantity = quantity(symbol)?;
-    let means: Option<Vec<f64>> =
-        others.iter().map(|&one| Some(results.mean(silo, &change(one), quantity)?.value)).collect();
-    // The standard deviation is that of the mean times the root of their number.
-    let root = 11f64.sqrt();
-    Mean::of(&means?).map(|mean| Mean { value: root * mean.error, error: 0.0 })
+    let by_variant: Vec<Vec<f64>> = others.iter().map(|&one| results.values(silo, &change(one), quantity)).collect();
+    let seeds = by_variant.iter().map(Vec::len).min()?;
+    let spread_of = |seed: usize| {
+        let values: Vec<f64> = by_variant.iter().map(|values| values[seed]).collect();
+        // The standard deviation is that of the mean times the root of their number.
+        Mean::of(&values).map(|mean| mean.error * 11f64.sqrt())
+    };
+    Mean::of(&(0..seeds).filter_map(spread_of).collect::<Vec<_>>())
 }

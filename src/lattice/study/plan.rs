@@ -1,14 +1,16 @@
 //! What a study runs: its file.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashSet};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
 use serde::{Deserialize, Serialize};
 
 use crate::fault::Fault;
+use crate::lattice::door::DoorOpens;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::rules::Walls;
+use crate::lattice::scene::LatticeScene;
 use crate::scene::source::Source;
 
 /// A study, as its file says it.
@@ -95,26 +97,62 @@ impl Plan {
         let mut source = Source::read(path)?;
         let plan: Self = source.parse(&[])?;
         let directory = path.parent().unwrap_or(Path::new(""));
-        if plan.seeds.is_empty() || plan.variants.is_empty() || plan.silos.is_empty() {
-            return Err(source
-                .fault("study::empty", "seeds", "a study needs at least one silo, one seed and one variant")
-                .help("for example `seeds: [1, 2, 3], variants: [()]`"));
-        }
+        plan.check(&source, directory)?;
         let mut cases = Vec::new();
         for (silo, file) in &plan.silos {
             for &variant in &plan.variants {
                 for &seed in &plan.seeds {
                     let case = Case { silo: silo.clone(), variant, seed, scene: directory.join(file) };
-                    if seed == plan.seeds[0] && case.load()?.scene.door.is_none() {
+                    let opens = |scene: &LatticeScene| scene.door.is_some_and(|door| door.opens != DoorOpens::Never);
+                    if seed == plan.seeds[0] && !opens(&case.load()?.scene) {
                         return Err(source
-                            .fault("study::no_door", &format!("silos.{silo}"), "this scene has no door to open")
-                            .help("a study measures discharges: add `door` to the scene"));
+                            .fault("study::no_door", &format!("silos.{silo}"), "this scene has no door that opens")
+                            .help("a study measures discharges: give the scene a `door`"));
                     }
                     cases.push(case);
                 }
             }
         }
         Ok((plan, cases))
+    }
+}
+
+impl Plan {
+    /// Checks what can be told without the scenes.
+    fn check(&self, source: &Source, directory: &Path) -> Result<(), Fault> {
+        let fault = |key: &str, message: &str, help: &str| Err(source.fault("study::plan", key, message).help(help));
+        let are_distinct = |seeds: &[u64]| seeds.iter().collect::<HashSet<_>>().len() == seeds.len();
+        if self.silos.is_empty() || self.variants.is_empty() {
+            return fault("silos", "a study needs a silo and a variant", "for example `variants: [()]`");
+        }
+        if self.seeds.len() < 2 || !are_distinct(&self.seeds) {
+            return fault(
+                "seeds",
+                "a standard error needs two seeds or more, each once",
+                "for example `seeds: [1, 2, 3]`",
+            );
+        }
+        if !self.pictures.is_sorted_by(|a, b| a < b) {
+            return fault("pictures", "the steps of pictures must ascend", "for example `pictures: [0, 100, 200]`");
+        }
+        for (n, variant) in self.variants.iter().enumerate() {
+            if let Some((name, _)) = variant.numbers().find(|(_, value)| !(0.0..=1.0).contains(value)) {
+                return fault(&format!("variants[{n}].{name}"), "expected a probability from 0 to 1", "as `g: 0.95`");
+            }
+            if self.variants[..n].contains(variant) {
+                return fault(&format!("variants[{n}]"), "this variant stands here twice", "remove one of the two");
+            }
+        }
+        for (silo, file) in &self.silos {
+            let key = format!("silos.{silo}");
+            if !silo.chars().all(|c| c.is_alphanumeric() || c == ' ') {
+                return fault(&key, "expected a name of letters, digits and spaces", "files are named after it");
+            }
+            if !directory.join(file).exists() {
+                return fault(&key, "there is no such scene", "its path counts from the directory of the study");
+            }
+        }
+        Ok(())
     }
 }
 

@@ -6,8 +6,8 @@ use crate::behaviour::Registry;
 use crate::fault::Fault;
 use crate::lattice::door::DoorState;
 use crate::lattice::gas::Gas;
-use crate::lattice::observables::{Blocks, Frame, History, Observables};
-use crate::lattice::pictures::{Cell, densities};
+use crate::lattice::observables::{BLOCK, Blocks, Frame, History, Observables};
+use crate::lattice::pictures::{CELL, Cell, densities};
 use crate::lattice::sites::Sites;
 use crate::lattice::study::plan::Case;
 use crate::lattice::velocities::in_bonds;
@@ -19,10 +19,6 @@ use crate::step::Clock;
 /// Steps between frames.
 const FRAME: u64 = 10;
 
-/// Columns and rows of sites in a block, and in a cell of a picture.
-const BLOCK: (usize, usize) = (5, 4);
-const CELL: (u16, u16) = (2, 2);
-
 /// What a run has shown.
 #[derive(Clone, Debug)]
 pub struct Replica {
@@ -30,8 +26,8 @@ pub struct Replica {
     pub case: Case,
     /// What it comes to.
     pub observables: Observables,
-    /// Densities at the times of the pictures, as far as it came.
-    pub pictures: Vec<Vec<Cell>>,
+    /// Densities at the times of the pictures, as far as it came: step and cells.
+    pub pictures: Vec<(u64, Vec<Cell>)>,
     /// Edges of the silo, m.
     pub lines: Vec<(Vector, Vector)>,
     /// Site updates.
@@ -99,7 +95,7 @@ impl Replica {
                     frames.push(counting.frame(gas, since));
                 }
                 if pictures.contains(&since) {
-                    shown.push(densities(sites, gas, CELL));
+                    shown.push((since, densities(sites, gas, CELL)));
                 }
             }
             match end {
@@ -117,7 +113,7 @@ impl Replica {
         case: Case,
         counting: Counting,
         mut frames: Vec<Frame>,
-        pictures: Vec<Vec<Cell>>,
+        pictures: Vec<(u64, Vec<Cell>)>,
         simulation: &Simulation,
     ) -> Result<Self, Fault> {
         if frames.is_empty() {

@@ -16,6 +16,48 @@ use crate::scene::source::Source;
 use crate::simulation::Simulation;
 use crate::space::Vector;
 
+/// Flights of many particles.
+#[derive(Clone, Debug)]
+pub struct Flights {
+    /// Probability of gravity.
+    pub g: f64,
+    pub(super) flights: Vec<Vec<Vector>>,
+}
+
+impl Flights {
+    /// Runs as many particles as there are seeds, from 0 on, thrown with direction 7.
+    ///
+    /// # Errors
+    /// If g is not a probability.
+    pub fn run(seeds: u64, g: f64) -> Result<Self, Fault> {
+        if !(0.0..=1.0).contains(&g) {
+            let fault = Fault::new("scene::out_of_range", format!("g = {g} is not a probability"));
+            return Err(fault.help("give a number from 0 to 1"));
+        }
+        let flights = (0..seeds).map(|seed| flight(seed, g)).collect::<Result<_, _>>()?;
+        Ok(Self { g, flights })
+    }
+
+    /// How many there are.
+    #[must_use]
+    #[expect(clippy::len_without_is_empty, reason = "nobody asks")]
+    pub fn len(&self) -> usize {
+        self.flights.len()
+    }
+
+    /// Their heights after so many steps, at most 40, spacings.
+    #[must_use]
+    pub fn heights(&self, step: usize) -> Vec<f64> {
+        self.flights.iter().map(|flight| flight[step].y).collect()
+    }
+
+    /// Their mean height by the Markov chain, and by the parabola, spacings.
+    #[must_use]
+    pub fn expected_heights(&self, step: usize) -> (f64, f64) {
+        (expected(self.g)[step].y, parabola(self.g)[step].y)
+    }
+}
+
 /// Steps of a flight.
 pub(super) const STEPS: u32 = 40;
 

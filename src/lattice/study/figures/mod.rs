@@ -20,8 +20,8 @@ mod thrown;
 mod vectors;
 
 pub use collisions::collisions;
-pub use examples::{Example, examples};
-pub use resultants::{resultants, sums};
+pub use flights::Flights;
+pub use resultants::resultants;
 pub use sheet::{Panel, SheetRow, sheet};
 pub use thrown::thrown;
 pub use vectors::vectors;

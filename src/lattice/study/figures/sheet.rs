@@ -177,7 +177,7 @@ mod tests {
                 gas.add(site, usize::try_from(state).unwrap());
             }
         }
-        Panel { cells: densities(&sites, &gas, (2, 2)), lines: sites.lines().to_vec() }
+        Panel { cells: densities(&sites, &gas, crate::lattice::pictures::CELL), lines: sites.lines().to_vec() }
     }
 
     #[test]

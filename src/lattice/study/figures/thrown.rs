@@ -1,9 +1,8 @@
 //! Traces of single particles thrown in the field of gravity (the paper's figure 4).
 
-use super::flights::{STEPS, expected, flight, holds_until, mean, parabola};
+use super::flights::{Flights, STEPS, expected, holds_until, mean, parabola};
 use super::paper::{Anchor, INK, NEAREST, Paper, Pen, SECOND};
 use super::plot::Plot;
-use crate::fault::Fault;
 use crate::output::colour::Rgb;
 use crate::space::Vector;
 
@@ -21,17 +20,12 @@ const LEGEND: f64 = 330.0;
 const PARABOLA: Rgb = [0xf2, 0xc1, 0x4e];
 const TRACE: Rgb = [0x8a; 3];
 
-/// Runs as many particles as there are seeds, from 0 on, thrown with direction 7 at a probability of gravity g, and draws the
-/// traces of the first dozen, the mean of all, the exact mean, and the parabola (a) as far as it is close to it.
-///
-/// # Errors
-/// If g is not a probability.
-pub fn thrown(seeds: u64, g: f64) -> Result<String, Fault> {
-    if !(0.0..=1.0).contains(&g) {
-        let fault = Fault::new("scene::out_of_range", format!("g = {g} is not a probability"));
-        return Err(fault.help("give a number from 0 to 1"));
-    }
-    let flights = (0..seeds).map(|seed| flight(seed, g)).collect::<Result<Vec<_>, _>>()?;
+/// Draws the traces of the first dozen of some thrown particles, the mean of all, the exact mean, and the parabola (a) as far
+/// as it is close to it.
+#[must_use]
+pub fn thrown(flights: &Flights) -> String {
+    let Flights { g, flights } = flights;
+    let g = *g;
     let (exact, shown) = (expected(g), &flights[..flights.len().min(MOST_TRACES)]);
     let plot = Plot::of(shown.iter().flatten().chain(&exact));
     let mut paper = Paper::new(plot.corner().x + LEGEND, plot.corner().y + 52.0);
@@ -42,18 +36,18 @@ pub fn thrown(seeds: u64, g: f64) -> Result<String, Fault> {
         plot.way(&mut paper, flight, Sign::TRACE);
     }
     plot.way(&mut paper, &exact, Sign::EXACT);
-    for &at in &mean(&flights) {
+    for &at in &mean(flights) {
         Sign::Mean.put(&mut paper, plot.at(at));
     }
     Sign::LastExact.put(&mut paper, plot.at(arc[holds_until(g, EXACT)]));
     Sign::Start.put(&mut paper, plot.at(Vector::ZERO));
     paper.text(plot.at(arc[arc.len() - 1]) + Vector::new(0.0, -14.0), 20.0, Anchor::Middle, "a");
-    legend(&mut paper, Vector::new(plot.corner().x + 24.0, 30.0), g, (shown.len(), seeds));
-    Ok(paper.finish())
+    legend(&mut paper, Vector::new(plot.corner().x + 24.0, 30.0), g, (shown.len(), flights.len()));
+    paper.finish()
 }
 
 /// Explains the signs, from a place downwards; so many traces are shown of so many particles.
-fn legend(paper: &mut Paper, mut at: Vector, g: f64, (shown, seeds): (usize, u64)) {
+fn legend(paper: &mut Paper, mut at: Vector, g: f64, (shown, seeds): (usize, usize)) {
     let texts = [
         (Sign::Line(Sign::PARABOLA), "a: parabola 1.5 t - g t (t + 1)/2".to_owned()),
         (Sign::None, format!("to t = {}, within {CLOSE} of the exact mean", holds_until(g, CLOSE))),
@@ -107,9 +101,9 @@ mod tests {
     #[test]
     fn it_draws_for_any_probability() {
         for (seeds, g) in [(2, 0.05), (1, 0.0), (0, 0.95), (1, 1.0)] {
-            super::super::renders(&thrown(seeds, g).unwrap());
+            super::super::renders(&thrown(&Flights::run(seeds, g).unwrap()));
         }
-        assert!(thrown(1, 1.5).is_err());
-        assert!(thrown(0, f64::NAN).is_err());
+        assert!(Flights::run(1, 1.5).is_err());
+        assert!(Flights::run(0, f64::NAN).is_err());
     }
 }
