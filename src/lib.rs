@@ -1,4 +1,4 @@
-//! siloflow simulates grain in silos: discrete elements, from one scene file, as an entity-component-system app.
+//! siloflow simulates grain in silos: discrete elements or a lattice gas, from one scene file, as an entity-component-system app.
 //!
 //! The program is `siloflow run SCENE.ron`; this is the library below it, for whoever composes new behaviours.
 //!
@@ -7,6 +7,7 @@
 //! * One behaviour, one file: [`grains::spawner`], [`rest`], [`door`], [`ledger`], [`energy`], [`gravity`], ...
 //! * Contact laws are [`contact::PairLaw`]s, summed by one kernel over the [`columns`], in ascending order of id,
 //!   with candidates from a search in [`neighbours`].
+//! * The lattice gas runs in the same phases, with systems of its own and no particle: [`lattice`].
 //! * Behaviours of your own: [`behaviour`].
 //!
 //! ```

@@ -26,7 +26,7 @@ fn fields(runs: &[Run], report: &Report) -> String {
     let all = f64::from(u32::try_from(runs.len()).unwrap_or(1)) * step;
     // Room for the names above and the scale bar below, whose size follows from the whole width.
     let (margin, above, below) =
-        (0.07 * (high.x - low.x), Vector::new(0.0, 0.05 * all.x), Vector::new(0.0, 0.09 * all.x));
+        (0.07 * (high.x - low.x), Vector::new(0.0, 0.08 * all.x), Vector::new(0.0, 0.09 * all.x));
     let top = top(runs, report);
     let mut picture = Picture {
         low: low - below - Vector::new(margin, 0.0),
@@ -38,7 +38,9 @@ fn fields(runs: &[Run], report: &Report) -> String {
         ..Picture::default()
     };
     let mut offset = Vector::ZERO;
-    for (run, row) in runs.iter().zip(&report.rows) {
+    // In two rows, by turns: names may be wider than their panels.
+    let rows = [0.2, 0.65].into_iter().cycle();
+    for ((run, row), height) in runs.iter().zip(&report.rows).zip(rows) {
         let square = |(key, cell): ([i64; 2], Cell)| {
             let low = corner(key) + offset;
             (viridis(cell.down / row.mean_speed / top), vec![(low, low + Vector::splat(side))])
@@ -46,7 +48,7 @@ fn fields(runs: &[Run], report: &Report) -> String {
         picture.cells.extend(run.field.seen(report.looks).map(square));
         picture.lines.extend(run.lines.iter().map(|&(from, to)| (from + offset, to + offset, WALL)));
         picture.discs.extend(run.walls.iter().map(|disc| (disc.centre + offset, disc.radius, WALL)));
-        let name = Vector::new(0.5 * (low.x + high.x), high.y) + 0.3 * above + offset;
+        let name = Vector::new(0.5 * (low.x + high.x), high.y) + height * above + offset;
         picture.labels.push((name, run.name.clone()));
         offset += step;
     }
