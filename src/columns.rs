@@ -90,6 +90,24 @@ pub struct Turn<V: Space = Plane> {
     pub lost_by_rolling: f64,
 }
 
+/// How forces change a velocity.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Gain<V: Space = Plane> {
+    /// What it gains in half a step by the forces of its beginning, m/s.
+    pub velocity: V,
+    /// 1 for what had at most one contact then, else 0.
+    pub lone: f64,
+}
+
+/// How torques change a spin.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct SpinGain<V: Space = Plane> {
+    /// What it gains in half a step by the torques of its beginning, rad/s.
+    pub spin: V::Spin,
+    /// 1/I, 1/(kg m^2); 0 for what is fixed.
+    pub inverse_inertia: f64,
+}
+
 /// The packed state, one entry a particle, in ascending order of id. SI units.
 #[derive(Resource)]
 pub struct Columns<V: Space = Plane> {
@@ -111,6 +129,16 @@ pub struct Columns<V: Space = Plane> {
     pub inertia: Vec<f64>,
     /// Torques and what belongs to them; empty where nothing spins.
     pub turn: Vec<Turn<V>>,
+    /// What velocities gain by the forces of the step's beginning; empty unless the scheme looks ahead.
+    pub gain: Vec<Gain<V>>,
+    /// How many contacts each has had in this force pass; empty unless the scheme looks ahead.
+    pub contacts: Vec<u32>,
+    /// The same of spins.
+    pub spin_gain: Vec<SpinGain<V>>,
+    /// For how long the scheme looks ahead, s: half a step, or 0.
+    pub lookahead: f64,
+    /// The largest gap that two can close in that time, m.
+    pub margin: f64,
     /// The sides through which the scene repeats itself, if it does.
     pub periodic: Option<Periodic<V>>,
     /// One past the last entry that is not fixed.
@@ -131,6 +159,11 @@ impl<V: Space> Default for Columns<V> {
             spin: Vec::new(),
             inertia: Vec::new(),
             turn: Vec::new(),
+            gain: Vec::new(),
+            contacts: Vec::new(),
+            spin_gain: Vec::new(),
+            lookahead: 0.0,
+            margin: 0.0,
             periodic: None,
             movable_end: 0,
             generation: 0,
@@ -197,6 +230,7 @@ impl<V: Space> Columns<V> {
         self.mass = rows.iter().map(|row| row.5.map_or(0.0, |mass| mass.0)).collect();
         self.species = rows.iter().map(|row| row.6.copied().unwrap_or_default()).collect();
         self.load = vec![Load::default(); rows.len()];
+        self.contacts.clear();
         self.movable_end = self.body.iter().rposition(|body| !body.is_fixed()).map_or(0, |last| last + 1);
         self.generation += 1;
     }
@@ -306,6 +340,10 @@ pub struct Renumbering;
 /// The columns hold x(t+dt), v(t+dt/2) after this set of [`Phase::Neighbours`].
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Gathered;
+
+/// The columns know what a scheme that looks ahead needs after this set, before the neighbour search.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct LookedAhead;
 
 /// The columns hold v(t+dt) after this set, at the end of [`Phase::Kick`].
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]

@@ -13,7 +13,7 @@ use bevy_ecs::schedule::SystemKey;
 use crate::behaviour::Behaviour;
 use crate::columns::ColumnsPlugin;
 use crate::contact::config::LawVisitor;
-use crate::contact::{ContactPlugin, Demands, PairLaw};
+use crate::contact::{Centred, CentredLaw, ContactPlugin, Demands, PairLaw};
 use crate::door::{DoorPlugin, Orifice};
 use crate::ending::EndingPlugin;
 use crate::energy::{AddedWorkPlugin, EnergyPlugin, PanelDoorEnergyPlugin, SpinEnergyPlugin};
@@ -21,6 +21,7 @@ use crate::finite::FinitePlugin;
 use crate::grains::spawner::SpawnerPlugin;
 use crate::gravity::GravityPlugin;
 use crate::integrate::IntegratorPlugin;
+use crate::integrate::centred::LookAheadPlugin;
 use crate::ledger::{CullPlugin, LedgerPlugin, PathsPlugin};
 use crate::measure::ObservePlugin;
 use crate::measure::bed::BedPlugin;
@@ -118,7 +119,11 @@ pub(crate) fn add_all<V: Space>(
     }
     if !behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law()) {
         let has_walls = !loaded.surfaces::<V>().is_empty();
-        loaded.contacts().visit::<V, _>(AddContacts { app, has_walls });
+        let centred = loaded.is_centred();
+        if centred {
+            app.add("integrator", LookAheadPlugin { spins: scene.contact.spins(), space });
+        }
+        loaded.contacts().visit::<V, _>(AddContacts { app, has_walls, centred });
     }
     if loaded.fixed.iter().any(|grain| grain.velocity != Solid::ZERO) {
         app.add("fill", ConveyorPlugin(space));
@@ -149,12 +154,19 @@ pub(crate) fn add_all<V: Space>(
 struct AddContacts<'a, 'b> {
     app: &'a mut Assembly<'b>,
     has_walls: bool,
+    centred: bool,
 }
 
 impl<V: Space> LawVisitor<V> for AddContacts<'_, '_> {
     type Output = ();
 
-    fn take<L: PairLaw<V> + Demands>(self, law: L) {
+    fn take<L: CentredLaw<V> + Demands>(self, law: L) {
+        if self.centred { self.add(Centred(law)) } else { self.add(law) }
+    }
+}
+
+impl AddContacts<'_, '_> {
+    fn add<V: Space, L: PairLaw<V> + Demands>(self, law: L) {
         let law = Arc::new(law);
         self.app.add("contact", ContactPlugin::<V, L>::new(law.clone()));
         if self.has_walls {

@@ -5,6 +5,7 @@
 //! lasts as long as its overlap; near its end the drag may pull. Source: Remmers, "The grain silo", 2009. (There
 //! the force "that i exerts on j" is the one on i.)
 
+use crate::contact::centred::{CentredLaw, Window};
 use crate::contact::damping::Attraction;
 use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
 use crate::scene::values::{NonNegative, Positive};
@@ -53,6 +54,28 @@ impl<V: Space> PairLaw<V> for Assignment {
     fn restitution(&self, bounce: &Bounce) -> f64 {
         let law: &dyn PairLaw<V> = self;
         Attraction::Allowed.restitution(law.damping_ratio(bounce))
+    }
+}
+
+impl<V: Space> CentredLaw<V> for Assignment {
+    /// As along the normal, with vectors: this drag acts on the whole relative velocity.
+    #[inline]
+    fn centred(&self, pair: &Pair<V>, _: &mut Memory<V>) -> PairForce<V> {
+        let window = Window::of(pair);
+        let before = pair.overlap - window.moved;
+        let [drag, drag_before] = if pair.overlap >= 3.0 * window.half_width {
+            [self.b; 2]
+        } else {
+            [pair.overlap, before].map(|overlap| self.b * window.share(overlap))
+        };
+        let (mass, half, gained) = (pair.reduced_mass, 0.5 * pair.dt, pair.ahead.velocity);
+        let spring = self.k * pair.overlap.max(0.0);
+        // The normal of the step before was this one, to first order.
+        let spring_change = spring - self.k * before.max(0.0);
+        let change = pair.normal * (mass * pair.ahead.lone_mobility() * spring_change);
+        let impulse = (pair.relative_velocity + gained) * mass
+            + (change + (pair.relative_velocity - gained) * drag_before) * half;
+        PairForce::smooth(pair.normal * spring, impulse * (-drag / (mass + half * drag)))
     }
 }
 

@@ -3,18 +3,28 @@
 //! The terms are types, so each combination that a scene can ask for is compiled into a kernel of its own, and a term
 //! that is not asked for ([`Smooth`](super::tangential::Smooth), [`Free`](super::rolling::Free)) leaves nothing behind.
 
+use crate::contact::centred::{CentredLaw, Window};
 use crate::contact::rolling::Rolling;
-use crate::contact::tangential::Tangential;
+use crate::contact::tangential::{Grip, Tangential};
 use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
 use crate::space::Space;
 
 /// A force along the normal: max(spring - c v_n, floor) n.
 pub trait Normal: Copy + Send + Sync + 'static {
+    /// Where the overlap is at least this many times the half-width of a step, [`Normal::even_drag`] is its mean there.
+    const EVEN: f64;
+
     /// The spring's force, N.
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64;
 
     /// The drag coefficient c, N s/m.
     fn drag<V: Space>(&self, pair: &Pair<V>) -> f64;
+
+    /// The mean of that coefficient over the step around an overlap (m, or a gap), none where there is no contact, N s/m.
+    fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64;
+
+    /// That mean for an overlap far beyond the step, from the coefficient as it stands, N s/m.
+    fn even_drag(&self, drag: f64, window: &Window, overlap: f64) -> f64;
 
     /// The lower bound of the whole force, N: 0, or minus infinity where it may pull.
     fn floor(&self) -> f64;
@@ -105,5 +115,47 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         let tangential = self.tangential.mode(bounce, normal[1]).map(|figure| figure * (1.0 + 1.0 / q));
         let rolling = self.rolling.mode(bounce).map(|figure| figure / q);
         vec![normal, tangential, rolling]
+    }
+}
+
+impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite<N, T, R> {
+    #[inline]
+    fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
+        let window = Window::of(pair);
+        let (overlap, before) = (pair.overlap, pair.overlap - window.moved);
+        let now = pair.at_overlap(overlap);
+        let (spring, drag) = (self.normal.spring(&now), self.normal.drag(&now));
+        let [mean, mean_before] = if overlap >= N::EVEN * window.half_width {
+            [self.normal.even_drag(drag, &window, overlap); 2]
+        } else {
+            [overlap, before].map(|overlap| self.normal.mean_drag(pair, &window, overlap))
+        };
+        let (mass, half) = (pair.reduced_mass, 0.5 * pair.dt);
+        let gained = -pair.ahead.velocity.dot(pair.normal);
+        let spring_before = self.normal.spring(&pair.at_overlap(before));
+        let floor = self.normal.floor();
+        let force_before = (spring_before + mean_before * (window.closing - gained)).max(floor);
+        let change = mass * pair.ahead.lone_mobility() * (spring_before - spring) + (force_before - spring_before);
+        let closing = (mass * (window.closing + gained) + half * change) / (mass + half * mean);
+        let total = (spring + mean * closing).max(floor);
+        let mut force = PairForce::smooth(pair.normal * spring, pair.normal * (total - spring));
+        if T::SPIN {
+            let whole = (spring + drag * closing).max(floor);
+            let event = if before <= 0.0 {
+                window.opened(overlap, pair.dt).map(|ago| {
+                    let speed = window.closing + gained * (1.0 - 2.0 * ago / pair.dt);
+                    (ago, (self.normal.drag(&pair.at_overlap(0.0)) * speed).max(floor))
+                })
+            } else {
+                let earlier = (spring_before + drag * (window.closing - gained)).max(floor);
+                (overlap > 0.0 && earlier * whole < 0.0).then(|| (pair.dt * whole / (whole - earlier), 0.0))
+            };
+            let gathering = if overlap > 0.0 { event.map_or(pair.dt, |(ago, _)| ago) } else { 0.0 };
+            let shares = [before, overlap].map(|overlap| window.share(overlap));
+            let grip = Grip { whole, averaged: [force_before, total], shares, drag, gathering, event };
+            self.tangential.add_centred(pair, &grip, memory, &mut force.turning);
+            self.rolling.add_centred(pair, &grip, memory, &mut force.turning);
+        }
+        force
     }
 }

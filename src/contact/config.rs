@@ -12,7 +12,7 @@ use crate::contact::linear::LinearNormal;
 use crate::contact::rolling::{Free, RollingResistance};
 use crate::contact::table::Table;
 use crate::contact::tangential::{Constant, Dashpot, Lever, Smooth, Stick, TangentialDamping};
-use crate::contact::{AnyLaw, Demands, PairLaw};
+use crate::contact::{AnyLaw, CentredLaw, Demands};
 use crate::scene::values::{NonNegative, Positive, Restitution};
 use crate::space::Space;
 
@@ -120,6 +120,20 @@ impl Contact {
         }
     }
 
+    /// Whether its forces depend on positions alone, so that there is nothing to centre.
+    #[must_use]
+    pub fn is_elastic(&self) -> bool {
+        match self {
+            Self::Assignment { b, .. } => b.get() == 0.0,
+            Self::Linear { damping, tangential: None, .. } => match damping {
+                Damping::B(b) | Damping::PerMass(b) => b.get() == 0.0,
+                Damping::Restitution(e) => e.get() == 1.0,
+            },
+            Self::Hertz { restitution, tangential: None, .. } => restitution.get() == 1.0,
+            Self::Linear { .. } | Self::Hertz { .. } => false,
+        }
+    }
+
     /// Whether grains spin under it.
     #[must_use]
     pub fn spins(&self) -> bool {
@@ -146,7 +160,7 @@ pub trait LawVisitor<V: Space> {
     type Output;
 
     /// Takes the law.
-    fn take<L: PairLaw<V> + Demands>(self, law: L) -> Self::Output;
+    fn take<L: CentredLaw<V> + Demands>(self, law: L) -> Self::Output;
 }
 
 struct Erase;
@@ -154,7 +168,7 @@ struct Erase;
 impl<V: Space> LawVisitor<V> for Erase {
     type Output = AnyLaw<V>;
 
-    fn take<L: PairLaw<V> + Demands>(self, law: L) -> AnyLaw<V> {
+    fn take<L: CentredLaw<V> + Demands>(self, law: L) -> AnyLaw<V> {
         AnyLaw(Arc::new(law))
     }
 }

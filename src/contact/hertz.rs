@@ -15,6 +15,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::contact::centred::Window;
 use crate::contact::composite::Normal;
 use crate::contact::damping::Attraction;
 use crate::contact::tangential::Modulus;
@@ -77,6 +78,9 @@ impl Hertz {
 }
 
 impl Normal for Hertz {
+    // What the mean of delta^(1/4) is beyond its middle's (w/delta)^2/32 is 0.02 (w/delta)^4 there, below 1e-5.
+    const EVEN: f64 = 8.0;
+
     #[inline]
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64 {
         2.0 / 3.0 * self.tangent(pair.reduced_radius(), pair.overlap) * pair.overlap
@@ -85,6 +89,19 @@ impl Normal for Hertz {
     #[inline]
     fn drag<V: Space>(&self, pair: &Pair<V>) -> f64 {
         2.0 * self.ratio * (self.tangent(pair.reduced_radius(), pair.overlap) * pair.reduced_mass).sqrt()
+    }
+
+    #[inline]
+    fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
+        // c = C delta^(1/4), whose integral is 4/5 C delta^(5/4) = 4/5 c delta.
+        let w = window.half_width;
+        let integral = |overlap: f64| 0.8 * self.drag(&pair.at_overlap(overlap)) * overlap.max(0.0);
+        if w > 0.0 { 0.5 * (integral(overlap + w) - integral(overlap - w)) / w } else { self.drag(pair) }
+    }
+
+    #[inline]
+    fn even_drag(&self, drag: f64, window: &Window, overlap: f64) -> f64 {
+        drag * (1.0 - (window.half_width / overlap).powi(2) / 32.0)
     }
 
     #[inline]

@@ -70,6 +70,21 @@ pub struct Pass<'a, V: Space, L, M> {
 }
 
 impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
+    /// How far apart two may be for the law to look at them, m.
+    fn margin(columns: &Columns<V>) -> f64 {
+        if L::AHEAD { columns.margin } else { 0.0 }
+    }
+
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "the body of the innermost loop: a call would double its cost")]
+    fn touching(&self, columns: &Columns<V>, i: usize, j: usize) -> Option<Pair<V>> {
+        if L::AHEAD {
+            touching::<true, V>(&self.metric, columns, i, j, self.dt)
+        } else {
+            touching::<false, V>(&self.metric, columns, i, j, self.dt)
+        }
+    }
+
     /// The pair and the force on `i`, if it touches `j`.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "the body of the innermost loop: a call would double its cost")]
@@ -81,9 +96,14 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
         recall: &mut Option<Recall<V>>,
         ended: &mut Ended,
     ) -> Option<(Pair<V>, PairForce<V>, Memory<V>)> {
-        let mut pair = touching(&self.metric, columns, i, j, self.dt)?;
+        let mut pair = self.touching(columns, i, j)?;
         if L::SPIN {
             pair.spins = [columns.spin[i], columns.spin[j]];
+            if L::AHEAD {
+                let [gain_i, gain_j] = [columns.spin_gain[i], columns.spin_gain[j]];
+                pair.ahead.spins = [gain_i.spin, gain_j.spin];
+                pair.ahead.inverse_inertias = [gain_i.inverse_inertia, gain_j.inverse_inertia];
+            }
         }
         if L::SPECIES {
             pair.species = [columns.species[i], columns.species[j]];
@@ -102,18 +122,24 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
     /// Adds all pair forces to the loads of `columns`, each pair once.
     pub fn half(&self, columns: &mut Columns<V>, book: &mut Book<V>) -> OverlapRatio {
         let (mut loads, mut turns) = (std::mem::take(&mut columns.load), std::mem::take(&mut columns.turn));
+        let mut contacts = std::mem::take(&mut columns.contacts);
         let (before, pages) = book.turn();
         let mut largest = OverlapRatio::default();
         let (mut scratch, mut buffer) = (Vec::new(), Vec::new());
+        let margin = Self::margin(columns);
         for i in 0..columns.movable_end {
             let mut on_i = loads[i];
             let mut turn_i = if L::SPIN { turns[i] } else { Turn::default() };
             let mut recall = L::MEMORY.then(|| Recall::new(before, i));
             let mut ended = Ended::default();
             let candidates = self.partners.of(columns, i, &mut scratch);
-            for &partner in filter(&self.metric, &columns.body, i, candidates, &mut buffer) {
+            for &partner in filter(&self.metric, &columns.body, i, margin, candidates, &mut buffer) {
                 let j = partner as usize;
                 if let Some((pair, force, memory)) = self.meet(columns, i, j, &mut recall, &mut ended) {
+                    if L::AHEAD {
+                        contacts[i] += 1;
+                        contacts[j] += 1;
+                    }
                     let (sum, on_j) = (total::<L, V>(&force), &mut loads[j]);
                     on_i.force += sum;
                     on_i.drag += force.drag;
@@ -140,15 +166,17 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
                 ended.book(&mut turns[i]);
             }
         }
-        (columns.load, columns.turn) = (loads, turns);
+        (columns.load, columns.turn, columns.contacts) = (loads, turns, contacts);
         largest
     }
 
     /// The same sums, each particle for itself, on the threads of the current rayon pool.
     pub fn full(&self, columns: &mut Columns<V>, history: &mut History<V>) -> OverlapRatio {
         let (mut loads, mut turns) = (std::mem::take(&mut columns.load), std::mem::take(&mut columns.turn));
+        let mut contacts = std::mem::take(&mut columns.contacts);
         let view = &*columns;
         let mut turn_chunks = turns.chunks_mut(CHUNK);
+        let mut contact_chunks = contacts.chunks_mut(CHUNK);
         let mut books = history.pairs.iter_mut();
         let shares: Vec<Share<V>> = (0..)
             .step_by(CHUNK)
@@ -157,28 +185,33 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
                 first,
                 loads,
                 turns: turn_chunks.next().unwrap_or_default(),
+                contacts: contact_chunks.next().unwrap_or_default(),
                 book: if L::MEMORY { books.next() } else { None },
             })
             .collect();
         let largest = share_out(shares, &|share, buffers| self.full_share(view, share, buffers));
-        (columns.load, columns.turn) = (loads, turns);
+        (columns.load, columns.turn, columns.contacts) = (loads, turns, contacts);
         largest
     }
 
     fn full_share(&self, view: &Columns<V>, share: Share<V>, (scratch, buffer): &mut Buffers) -> OverlapRatio {
         let mut largest = OverlapRatio::default();
+        let margin = Self::margin(view);
         let mut pages = share.book.map(Book::turn);
         for (row, load) in share.loads.iter_mut().enumerate() {
             let i = share.first + row;
             let mut recall = pages.as_ref().map(|(before, _)| Recall::new(before, row));
             let mut ended = Ended::default();
             let candidates = self.partners.of(view, i, scratch);
-            for &partner in filter(&self.metric, &view.body, i, candidates, buffer) {
+            for &partner in filter(&self.metric, &view.body, i, margin, candidates, buffer) {
                 let j = partner as usize;
                 if i == j {
                     continue;
                 }
                 if let Some((pair, force, memory)) = self.meet(view, i, j, &mut recall, &mut ended) {
+                    if L::AHEAD {
+                        share.contacts[row] += 1;
+                    }
                     load.force += total::<L, V>(&force);
                     load.drag += force.drag;
                     if L::SPIN {
@@ -230,5 +263,6 @@ struct Share<'a, V: Space> {
     first: usize,
     loads: &'a mut [Load<V>],
     turns: &'a mut [Turn<V>],
+    contacts: &'a mut [u32],
     book: Option<&'a mut Book<V>>,
 }

@@ -4,6 +4,7 @@
 //! -inf by [`Attraction`]. Source: Cundall and Strack, Geotechnique 29, 47, 1979; the normal part of the soft-particle
 //! codes and of LAMMPS's `hooke`.
 
+use crate::contact::centred::Window;
 use crate::contact::composite::Normal;
 use crate::contact::damping::{Attraction, Damping};
 use crate::contact::{Bounce, Pair};
@@ -58,6 +59,9 @@ impl LinearNormal {
 }
 
 impl Normal for LinearNormal {
+    // From there on the step before lies in the contact as a whole, too.
+    const EVEN: f64 = 3.0;
+
     #[inline]
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64 {
         self.k * pair.overlap
@@ -66,6 +70,16 @@ impl Normal for LinearNormal {
     #[inline]
     fn drag<V: Space>(&self, pair: &Pair<V>) -> f64 {
         self.coefficient(pair.reduced_mass)
+    }
+
+    #[inline]
+    fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
+        self.coefficient(pair.reduced_mass) * window.share(overlap)
+    }
+
+    #[inline]
+    fn even_drag(&self, drag: f64, _: &Window, _: f64) -> f64 {
+        drag
     }
 
     #[inline]

@@ -3,12 +3,14 @@
 //! Grains i and j touch when |x_ij| < R_i + R_j, with x_ij = x_i - x_j; their overlap is
 //! delta = R_i + R_j - |x_ij|, their normal n = x_ij/|x_ij|, from j to i. What follows is a [`PairLaw`], made of
 //! terms with a file each: a normal force ([`assignment`], [`linear`], [`hertz`]), friction ([`tangential`]), rolling
-//! resistance ([`rolling`]), put together in [`composite`] with numbers for each pair of materials ([`table`]).
+//! resistance ([`rolling`]), put together in [`composite`] with numbers for each pair of materials ([`table`]),
+//! and [`centred`] for the scheme of second order.
 //! [`kernel`] walks the pairs, the same for every law and every neighbour search; what a contact remembers is kept in
 //! [`history`]; [`view`] shows the contacts to whoever wants to see them. Walls obey the same law with a partner of no
 //! curvature and infinite mass ([`crate::walls::surfaces`]).
 
 pub mod assignment;
+pub mod centred;
 pub mod composite;
 pub mod config;
 pub mod damping;
@@ -30,6 +32,7 @@ use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 
+pub use self::centred::{Ahead, Centred, CentredLaw};
 pub use self::config::Contact;
 pub(crate) use self::forces::memory_step;
 pub use self::forces::{ContactForces, ContactPlugin, LargestOverlap, Law};
@@ -41,7 +44,7 @@ use crate::space::{Plane, Space};
 pub struct Pair<V: Space = Plane> {
     /// Unit vector from j to i.
     pub normal: V,
-    /// Overlap, m, positive.
+    /// Overlap, m, positive; a gap, negative, only for centred laws.
     pub overlap: f64,
     /// v_i - v_j of the centres, m/s.
     pub relative_velocity: V,
@@ -55,6 +58,8 @@ pub struct Pair<V: Space = Plane> {
     pub species: [Species; 2],
     /// By how much time memory advances in this evaluation, s: the step, or 0 for a look.
     pub dt: f64,
+    /// What velocities gain until the end of the step; zero unless the law demands it.
+    pub ahead: Ahead<V>,
 }
 
 impl<V: Space> Pair<V> {
@@ -213,6 +218,8 @@ pub trait Demands {
     const ROLLING: bool = false;
     /// [`Memory::stiffness`].
     const STIFFNESS: bool = false;
+    /// Velocities predicted for the end of the step, and pairs that touch within half a step: [`centred`].
+    const AHEAD: bool = false;
     /// Any memory.
     const MEMORY: bool = Self::SPRING || Self::ROLLING || Self::STIFFNESS;
 }
@@ -237,6 +244,7 @@ pub(crate) mod tests {
             spins: [0.0, 0.0],
             species: [Species(0); 2],
             dt: 1e-4,
+            ahead: Ahead::default(),
         }
     }
 }

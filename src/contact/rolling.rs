@@ -8,8 +8,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::spring::{Slider, lost_at_the_end};
-use crate::contact::{Bounce, Memory, Pair, Turning};
+use crate::contact::spring::{Pull, Slider, lost_at_the_end};
+use crate::contact::tangential::Grip;
+use crate::contact::{Ahead, Bounce, Memory, Pair, Turning};
 use crate::scene::values::{NonNegative, Positive};
 use crate::space::Space;
 
@@ -52,6 +53,9 @@ pub trait Rolling: Copy + Send + Sync + 'static {
     /// Adds the torque; `normal_force` in N.
     fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>);
 
+    /// Adds the torque averaged over the step: [`super::centred`].
+    fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, memory: &mut Memory<V>, turning: &mut Turning<V>);
+
     /// Energy stored, J.
     fn energy<V: Space>(&self, memory: &Memory<V>) -> f64;
 
@@ -68,6 +72,15 @@ fn rolling_velocity<V: Space>(pair: &Pair<V>) -> V {
     pair.normal.turned_by((pair.spins[0] - pair.spins[1]) * pair.reduced_radius())
 }
 
+/// Turns a pull at R_eff into torques.
+#[inline]
+fn resist<V: Space>(pair: &Pair<V>, pull: &Pull<V>, turning: &mut Turning<V>) {
+    let arm = pair.normal * pair.reduced_radius();
+    turning.rolling = arm.cross(pull.force);
+    turning.rolling_drag = arm.cross(pull.drag);
+    turning.lost_by_rolling = pull.lost;
+}
+
 /// Grains roll freely.
 #[derive(Clone, Copy, Debug)]
 pub struct Free;
@@ -77,6 +90,9 @@ impl Rolling for Free {
 
     #[inline]
     fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: &mut Memory<V>, _: &mut Turning<V>) {}
+
+    #[inline]
+    fn add_centred<V: Space>(&self, _: &Pair<V>, _: &Grip, _: &mut Memory<V>, _: &mut Turning<V>) {}
 
     fn energy<V: Space>(&self, _: &Memory<V>) -> f64 {
         0.0
@@ -100,10 +116,22 @@ impl Rolling for RollingResistance {
         let drag = self.damping.of(pair.reduced_mass);
         let slider = Slider { stiffness: self.k.get(), drag, cap: self.friction.get() * normal_force.abs() };
         let pull = slider.pull(&mut memory.rolling, velocity, pair.normal, pair.dt);
-        let arm = pair.normal * pair.reduced_radius();
-        turning.rolling = arm.cross(pull.force);
-        turning.rolling_drag = arm.cross(pull.drag);
-        turning.lost_by_rolling = pull.lost;
+        resist(pair, &pull, turning);
+    }
+
+    #[inline]
+    fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, memory: &mut Memory<V>, turning: &mut Turning<V>) {
+        let (drag, friction) = (self.damping.of(pair.reduced_mass), self.friction.get());
+        let slider = Slider { stiffness: self.k.get(), drag, cap: friction * grip.whole.abs() };
+        let middle = rolling_velocity(pair);
+        let Ahead { inverse_inertias: [i, j], lone, .. } = pair.ahead;
+        let squared = pair.reduced_radius().powi(2);
+        let mobilities = [squared * (i + j), squared * (lone[0] * i + lone[1] * j)];
+        let motion = [middle, rolling_velocity(&pair.predicted()) - middle];
+        let mut sweep = grip.sweep(motion, mobilities, friction, pair.dt);
+        sweep.pulled = memory.rolling * -slider.stiffness;
+        let pull = slider.pull_centred(&mut memory.rolling, &sweep, pair.normal);
+        resist(pair, &pull, turning);
     }
 
     fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {

@@ -12,6 +12,7 @@
 //! k (S_old + S_new)/2 . (S_old + v dt - S_new). That is exact for a straight slide, and counts what turning the
 //! spring takes as well. The dashpot's part is booked by the particles' velocities at the full step ([`crate::energy`]).
 
+use crate::contact::centred::cut;
 use crate::space::Space;
 
 /// Stiffness (N/m), drag coefficient (N s/m) and largest force (N).
@@ -57,6 +58,83 @@ impl Slider {
         *spring = after;
         let lost = 0.5 * self.stiffness * (before + after).dot(moved - after);
         Pull { force, drag, lost, is_sliding }
+    }
+}
+
+/// How a centred contact moves in its tangent plane during a step ([`super::centred`]).
+#[derive(Clone, Copy, Debug)]
+pub struct Sweep<V> {
+    /// Velocity in the middle of the step, m/s.
+    pub middle: V,
+    /// What it gains until the end by the forces of the beginning, m/s.
+    pub gained: V,
+    /// How fast a force on the contact changes that velocity, 1/m_t, and how fast counting only grains without another
+    /// contact, 1/kg.
+    pub mobilities: [f64; 2],
+    /// The step, s.
+    pub dt: f64,
+    /// What happened within it, if anything did.
+    pub event: Option<Event>,
+    /// For how long the spring gathers, s: from that event on.
+    pub gathering: f64,
+    /// The shares of the steps centred on its beginning and end in which there is a contact.
+    pub shares: [f64; 2],
+    /// Largest forces averaged over those steps, N; [`Slider::cap`] is that of the contact as it stands.
+    pub averaged_caps: [f64; 2],
+    /// The spring's force at the beginning, N.
+    pub pulled: V,
+}
+
+/// A moment within a step at which the cap jumps, or is zero.
+#[derive(Clone, Copy, Debug)]
+pub struct Event {
+    /// How long before the end of the step, s.
+    pub ago: f64,
+    /// The cap then, N.
+    pub cap: f64,
+}
+
+impl Slider {
+    /// As [`Slider::pull`], with the event's place in the step, and the dashpot at the velocity of the end: solved for in
+    /// this force, with all others as they were. The force is weighed with the share, and cut at the averaged cap.
+    #[inline]
+    #[must_use]
+    pub fn pull_centred<V: Space>(&self, spring: &mut V, sweep: &Sweep<V>, normal: V) -> Pull<V> {
+        let Sweep { middle, gained, dt, shares: [share_before, share], averaged_caps: [cap_before, cap], .. } = *sweep;
+        let pulled = sweep.pulled * share_before;
+        let (_, earlier) = cut(pulled - (middle - gained) * (self.drag * share_before), cap_before);
+        let [half, half_lone] = sweep.mobilities.map(|mobility| 0.5 * dt * mobility);
+        let before = *spring;
+        let swept = self.started(before, sweep) + middle * sweep.gathering;
+        let mut after = swept - normal * swept.dot(normal);
+        let elastic = after * -self.stiffness;
+        let undragged = middle + gained - (earlier - pulled) * half + (elastic * share - pulled) * half_lone;
+        let end = undragged * (1.0 / (1.0 + half * share * self.drag));
+        let (is_beyond, whole) = cut(elastic - end * self.drag, self.cap);
+        if is_beyond {
+            after = self.slipped(whole, middle + gained + (whole * share - earlier) * half_lone, after);
+        }
+        let (is_beyond_average, force) = cut(whole * share, cap);
+        *spring = after;
+        // The spring's books are kept as if it pulled for the whole step; what the share takes off stands with the dashpot.
+        let lost = 0.5 * self.stiffness * (before + after).dot(before + middle * dt - after);
+        let drag = force + after * self.stiffness;
+        Pull { force, drag, lost, is_sliding: is_beyond || is_beyond_average }
+    }
+
+    /// The spring that, with a dashpot at this velocity, makes a force at the cap; without stiffness, as it was.
+    #[inline]
+    fn slipped<V: Space>(&self, force: V, velocity: V, spring: V) -> V {
+        if self.stiffness > 0.0 { (force + velocity * self.drag) / -self.stiffness } else { spring }
+    }
+
+    /// The spring after the event, if there was one.
+    #[inline]
+    fn started<V: Space>(&self, spring: V, sweep: &Sweep<V>) -> V {
+        let Some(Event { ago, cap }) = sweep.event else { return spring };
+        let then = sweep.middle + sweep.gained * (1.0 - 2.0 * ago / sweep.dt);
+        let (is_beyond, force) = cut(spring * -self.stiffness - then * self.drag, cap);
+        if is_beyond { self.slipped(force, then, spring) } else { spring }
     }
 }
 

@@ -85,7 +85,7 @@ impl<'a, V: Space> Survey<'a, V> {
         let columns = self.columns;
         for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
             for (index, wall) in self.walls.iter().enumerate() {
-                if let Some(pair) = surfaces::touching(columns, i, wall, 0.0) {
+                if let Some(pair) = surfaces::touching::<false, V>(columns, i, wall, 0.0) {
                     let memory = self.history.of_wall(i, index).unwrap_or_default();
                     visit(i, Partner::Wall(index), &pair, &memory);
                 }
@@ -100,7 +100,7 @@ impl<'a, V: Space> Survey<'a, V> {
                 let j = j as usize;
                 // A full search offers each pair from both sides.
                 if j > i
-                    && let Some(mut pair) = geometry::touching(metric, columns, i, j, 0.0)
+                    && let Some(mut pair) = geometry::touching::<false, V>(metric, columns, i, j, 0.0)
                 {
                     pair.spins = [i, j].map(|k| columns.spin.get(k).copied().unwrap_or_default());
                     pair.species = [i, j].map(|k| columns.species[k]);

@@ -3,7 +3,7 @@
 //! The numbers of species a and b stand at a n + b and again at b n + a, n species in all; the last entry serves any
 //! species beyond. What kind of law it is is the same for all pairs and compiled in; only numbers are looked up.
 
-use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
+use crate::contact::{Bounce, CentredLaw, Demands, Memory, Pair, PairForce, PairLaw};
 use crate::particle::Species;
 use crate::space::Space;
 
@@ -34,6 +34,13 @@ impl<L> Table<L> {
     /// The entry that gives the largest of some figure.
     fn largest(&self, figure: impl Fn(&L) -> f64) -> f64 {
         self.laws.iter().map(figure).fold(f64::NEG_INFINITY, f64::max)
+    }
+}
+
+impl<V: Space, L: CentredLaw<V>> CentredLaw<V> for Table<L> {
+    #[inline]
+    fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
+        self.of(pair.species).centred(pair, memory)
     }
 }
 

@@ -13,8 +13,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::spring::{Slider, lost_at_the_end};
-use crate::contact::{Bounce, Memory, Pair, Turning};
+use crate::contact::spring::{Event, Slider, Sweep, lost_at_the_end};
+use crate::contact::{Ahead, Bounce, Memory, Pair, Turning};
 use crate::scene::values::NonNegative;
 use crate::space::Space;
 
@@ -70,6 +70,57 @@ impl TangentialDamping {
     }
 }
 
+/// What the normal force of a centred contact leaves to its tangent plane.
+#[derive(Clone, Copy, Debug)]
+pub struct Grip {
+    /// The normal force of the contact as it stands, N.
+    pub whole: f64,
+    /// The normal forces averaged over the steps centred on the beginning and on the end, N.
+    pub averaged: [f64; 2],
+    /// The shares of those steps in which there is a contact.
+    pub shares: [f64; 2],
+    /// The normal drag coefficient c as it stands, N s/m.
+    pub drag: f64,
+    /// For how long springs gather, s: from the event on.
+    pub gathering: f64,
+    /// The moment of this step in which the contact opened or the normal force changed its sign, s before the end, with
+    /// the normal force just after, N.
+    pub event: Option<(f64, f64)>,
+}
+
+impl Grip {
+    /// The step, for a motion with this velocity in its middle and what that gains (m/s), the mobilities (1/kg) of such a
+    /// motion, and a coefficient of friction.
+    #[inline]
+    #[must_use]
+    pub fn sweep<V: Space>(&self, motion: [V; 2], mobilities: [f64; 2], friction: f64, dt: f64) -> Sweep<V> {
+        let [middle, gained] = motion;
+        Sweep {
+            middle,
+            gained,
+            mobilities,
+            dt,
+            event: self.event.map(|(ago, force)| Event { ago, cap: friction * force.abs() }),
+            gathering: self.gathering,
+            shares: self.shares,
+            averaged_caps: self.averaged.map(|force| friction * force.abs()),
+            pulled: V::ZERO,
+        }
+    }
+}
+
+impl<V: Space> Pair<V> {
+    /// The sliding velocity in the middle of the step and what it gains until its end, m/s, and how fast a tangential
+    /// force changes it, of all and of lone grains, 1/kg: 1/m + l^2/I of i and j.
+    #[inline]
+    fn sliding(&self, arms: [f64; 2]) -> ([V; 2], [f64; 2]) {
+        let middle = self.sliding_velocity(arms);
+        let Ahead { inverse_masses: m, inverse_inertias: i, lone, .. } = self.ahead;
+        let [a, b] = [m[0] + arms[0] * arms[0] * i[0], m[1] + arms[1] * arms[1] * i[1]];
+        ([middle, self.predicted().sliding_velocity(arms) - middle], [a + b, lone[0] * a + lone[1] * b])
+    }
+}
+
 /// A term in the tangent plane.
 pub trait Tangential: Copy + Send + Sync + 'static {
     /// Whether it turns grains.
@@ -88,6 +139,9 @@ pub trait Tangential: Copy + Send + Sync + 'static {
         memory: &mut Memory<V>,
         turning: &mut Turning<V>,
     );
+
+    /// Adds friction averaged over the step: [`super::centred`].
+    fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, memory: &mut Memory<V>, turning: &mut Turning<V>);
 
     /// Energy stored, J.
     fn energy<V: Space>(&self, _memory: &Memory<V>) -> f64 {
@@ -115,6 +169,9 @@ impl Tangential for Smooth {
 
     #[inline]
     fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: f64, _: &mut Memory<V>, _: &mut Turning<V>) {}
+
+    #[inline]
+    fn add_centred<V: Space>(&self, _: &Pair<V>, _: &Grip, _: &mut Memory<V>, _: &mut Turning<V>) {}
 
     fn mode(&self, _: &Bounce, _: f64) -> [f64; 2] {
         [0.0, 0.0]
@@ -154,6 +211,21 @@ impl Tangential for Dashpot {
         let cut = if turning.is_sliding { cap / squared.sqrt() } else { 1.0 };
         turning.friction = velocity * (-drag * cut);
         turning.friction_drag = turning.friction;
+    }
+
+    #[inline]
+    fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, _: &mut Memory<V>, turning: &mut Turning<V>) {
+        turning.arms = self.lever.arms(pair);
+        let (motion, mobilities) = pair.sliding(turning.arms);
+        let drag = self.damping.of(pair.reduced_mass, grip.drag);
+        let slider = Slider { stiffness: 0.0, drag, cap: self.friction * grip.whole.abs() };
+        let pull = slider.pull_centred(
+            &mut V::default(),
+            &grip.sweep(motion, mobilities, self.friction, pair.dt),
+            pair.normal,
+        );
+        turning.is_sliding = pull.is_sliding;
+        (turning.friction, turning.friction_drag) = (pull.force, pull.force);
     }
 
     fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
@@ -220,6 +292,19 @@ pub struct Stick<M> {
 }
 
 impl<M: Modulus> Stick<M> {
+    /// The mean stiffness of a step over that of its end: what is gathered while a spring stiffens keeps its force. From
+    /// nothing it grows like the root of time.
+    #[inline]
+    fn mean_stiffness(before: f64, now: f64) -> f64 {
+        if before >= now {
+            1.0
+        } else if before == 0.0 {
+            2.0 / 3.0
+        } else {
+            0.5 * (1.0 + before / now)
+        }
+    }
+
     /// Adapts the spring to a changed stiffness; gives what it loses, J.
     #[inline]
     fn adapt<V: Space>(k: f64, memory: &mut Memory<V>) -> f64 {
@@ -253,6 +338,28 @@ impl<M: Modulus> Tangential for Stick<M> {
         let velocity = pair.sliding_velocity(turning.arms);
         let slider = Slider { stiffness, drag, cap: self.friction * normal_force.abs() };
         let pull = slider.pull(&mut memory.spring, velocity, pair.normal, pair.dt);
+        turning.friction = pull.force;
+        turning.friction_drag = pull.drag;
+        turning.lost_by_sliding += pull.lost;
+        turning.is_sliding = pull.is_sliding;
+    }
+
+    #[inline]
+    fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, memory: &mut Memory<V>, turning: &mut Turning<V>) {
+        // Across a gap too the arms meet: what the contact point's keep of the angular momentum, they keep there.
+        let (stiffness, drag) = self.modulus.of(&pair.at_overlap(pair.overlap), grip.drag);
+        turning.arms = self.lever.arms(pair);
+        let (motion, mobilities) = pair.sliding(turning.arms);
+        let mut sweep = grip.sweep(motion, mobilities, self.friction, pair.dt);
+        sweep.pulled = memory.spring * -self.modulus.remembered(memory.stiffness);
+        if M::VARIES {
+            sweep.gathering *= Self::mean_stiffness(memory.stiffness, stiffness);
+            // Where a contact opens there is neither stiffness nor drag.
+            sweep.event = sweep.event.filter(|_| memory.stiffness > 0.0);
+            turning.lost_by_sliding = Self::adapt(stiffness, memory);
+        }
+        let slider = Slider { stiffness, drag, cap: self.friction * grip.whole.abs() };
+        let pull = slider.pull_centred(&mut memory.spring, &sweep, pair.normal);
         turning.friction = pull.force;
         turning.friction_drag = pull.drag;
         turning.lost_by_sliding += pull.lost;

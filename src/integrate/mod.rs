@@ -1,6 +1,8 @@
 //! Time integration: how positions and velocities follow from forces. One file a scheme.
 
+pub mod centred;
 mod explicit_euler;
+mod symplectic_euler;
 mod verlet;
 
 use std::marker::PhantomData;
@@ -13,10 +15,15 @@ use crate::space::Space;
 /// The scene's `integrator`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Integrator {
+    /// Velocity Verlet with centred contacts: second order with drag and friction too. Where contacts are elastic,
+    /// it is `Verlet`.
+    #[default]
+    Centred,
     /// Velocity Verlet with the drag at the half-step velocity, as the assignment writes it. Second order; first
     /// with drag.
-    #[default]
     Verlet,
+    /// Symplectic Euler, first order, for teaching: errs where velocity Verlet does not, and is as stable.
+    SymplecticEuler,
     /// Explicit Euler, first order and unstable for springs: for teaching, as the scheme that goes wrong.
     ExplicitEuler,
 }
@@ -27,7 +34,8 @@ pub struct IntegratorPlugin<V: Space>(pub Integrator, pub PhantomData<V>);
 impl<V: Space> Plugin for IntegratorPlugin<V> {
     fn build(&self, app: &mut App) {
         match self.0 {
-            Integrator::Verlet => verlet::add::<V>(app),
+            Integrator::Verlet | Integrator::Centred => verlet::add::<V>(app),
+            Integrator::SymplecticEuler => symplectic_euler::add::<V>(app),
             Integrator::ExplicitEuler => explicit_euler::add::<V>(app),
         }
     }

@@ -17,6 +17,9 @@ use crate::outcome::Failure;
 use crate::periodic::Periodic;
 use crate::space::Space;
 
+/// How many cells a particle looks far; beyond that, asking everybody is not dearer.
+pub(super) const MOST_CELLS: u8 = 8;
+
 /// Number along x, and the row of cells.
 type Cell<V> = (i64, <V as Space>::Row);
 
@@ -29,6 +32,9 @@ pub struct Cells<V: Space> {
     span: [i64; 3],
     sides: V,
     cell: Vec<Cell<V>>,
+    /// The largest distance at which two touch, m, and how many cells far that is looked for.
+    range: f64,
+    reach: u8,
     starts: Vec<u32>,
     entries: Vec<u32>,
 }
@@ -44,12 +50,33 @@ impl<V: Space> Cells<V> {
             let whole = length.map_or(size, |length| length / *span as f64);
             sides = sides.with_axis(axis, whole);
         }
-        Self { size, full, periodic, span, sides, cell: Vec::new(), starts: vec![0, 0], entries: Vec::new() }
+        Self {
+            size,
+            full,
+            periodic,
+            span,
+            sides,
+            cell: Vec::new(),
+            range: 0.0,
+            reach: 1,
+            starts: vec![0, 0],
+            entries: Vec::new(),
+        }
     }
 
-    pub(super) fn check_range(&self, columns: &Columns<V>) -> Result<(), Failure> {
-        let needed = contact_range(columns);
+    pub(super) fn check_range(&mut self, columns: &Columns<V>) -> Result<(), Failure> {
+        self.range = contact_range(columns);
+        let needed = self.range;
         if needed > self.size { Err(Failure::CellsTooSmall { size: self.size, needed }) } else { Ok(()) }
+    }
+
+    /// Provides for pairs that are this far (m) from touching.
+    pub(super) fn look_ahead(&mut self, margin: f64) {
+        let cells = ((self.range + margin) / self.size).ceil();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 255")]
+        {
+            self.reach = cells.clamp(1.0, f64::from(u8::MAX)) as u8;
+        }
     }
 
     fn cell_of(&self, x: V) -> Cell<V> {
@@ -171,13 +198,18 @@ impl<V: Space> Partners<V> for Cells<V> {
         scratch.clear();
         let body = &columns.body[i];
         let wants = |j: u32| if self.full { j as usize != i } else { j as usize > i };
-        self.around(i, 1, wants, |j| {
+        let consider = |j: u32| {
             let other = &columns.body[j as usize];
-            let reach = body.radius + other.radius;
+            let reach = body.radius + other.radius + columns.margin;
             if columns.separation(body.position, other.position).length_squared() < reach * reach {
                 scratch.push(j);
             }
-        });
+        };
+        if self.reach <= MOST_CELLS {
+            self.around(i, self.reach, wants, consider);
+        } else {
+            (0u32..).take(columns.len()).filter(|&j| wants(j)).for_each(consider);
+        }
         scratch.sort_unstable();
         scratch
     }

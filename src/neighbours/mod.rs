@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use self::all_pairs::AllPairs;
 use self::cells::Cells;
 use self::verlet_list::VerletList;
-use crate::columns::{Columns, Gathered};
+use crate::columns::{Columns, Gathered, LookedAhead};
 use crate::contact::kernel::Partners;
 use crate::outcome::{Failure, Outcome};
 use crate::periodic::Periodic;
@@ -118,6 +118,7 @@ impl<V: Space> Search<V> {
                 if renumbered {
                     cells.check_range(columns)?;
                 }
+                cells.look_ahead(columns.margin);
                 true
             }
             Method::VerletList(list) => {
@@ -174,6 +175,6 @@ impl<V: Space> Plugin for NeighboursPlugin<V> {
         let full = app.world().resource::<Threads>().pool().is_some();
         app.insert_resource(Search::new(self.kind, full, self.periodic, self.largest_radius))
             .init_resource::<Rebuilds>()
-            .add_systems(Step, update_search::<V>.in_set(Phase::Neighbours).after(Gathered));
+            .add_systems(Step, update_search::<V>.in_set(Phase::Neighbours).after(Gathered).after(LookedAhead));
     }
 }

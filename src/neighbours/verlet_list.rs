@@ -10,15 +10,12 @@
 
 use crate::columns::{Body, Columns};
 use crate::contact::kernel::Partners;
-use crate::neighbours::cells::Cells;
+use crate::neighbours::cells::{Cells, MOST_CELLS};
 use crate::neighbours::contact_range;
 use crate::space::Space;
 
 /// For how many steps ahead the list provides at present speeds.
 const HORIZON: f64 = 25.0;
-
-/// How many cells a fast particle looks far.
-const MOST_CELLS: f64 = 8.0;
 
 /// The list, as compressed rows.
 pub struct VerletList<V: Space> {
@@ -43,7 +40,9 @@ impl<V: Space> VerletList<V> {
     /// Whether somebody has used up its allowance.
     pub(super) fn is_stale(&self, columns: &Columns<V>) -> bool {
         let moved = |(body, anchor): (&Body<V>, &Anchor<V>)| {
-            columns.separation(body.position, anchor.position).length_squared() >= anchor.allowance * anchor.allowance
+            // A scheme that looks ahead sees what may touch in that time.
+            let left = anchor.allowance - columns.lookahead * body.velocity.extent();
+            columns.separation(body.position, anchor.position).length_squared() >= left * left.max(0.0)
         };
         columns.body.iter().zip(&self.made_at).any(moved)
     }
@@ -90,7 +89,7 @@ impl<V: Space> VerletList<V> {
             match (fast, cells_to_go) {
                 (false, _) => cells.around(row, 1, |j| j < i, consider),
                 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most eight")]
-                (true, n) if n <= MOST_CELLS => cells.around(row, n as u8, |_| true, consider),
+                (true, n) if n <= f64::from(MOST_CELLS) => cells.around(row, n as u8, |_| true, consider),
                 (true, _) => (0u32..).take(columns.len()).for_each(&mut consider),
             }
         }

@@ -2,11 +2,12 @@
 
 use std::path::Path;
 
-use crate::contact::config::Contacts;
+use crate::contact::config::{Contact, Contacts};
 use crate::fault::Fault;
 use crate::grains::file::{self, GrainRow, Kind};
 use crate::grains::fill::FixedGrain;
 use crate::grains::spawner::RadiusLaw;
+use crate::integrate::Integrator;
 use crate::lattice::load::LoadedLattice;
 use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
@@ -146,6 +147,13 @@ impl Loaded {
         let Scene { contact, pairs, materials, .. } = &self.scene;
         let species = if pairs.is_empty() && materials.len() <= 1 { 1 } else { self.largest_species() + 1 };
         Contacts { usual: *contact, pairs, materials, species }
+    }
+
+    /// Whether contacts are centred: the scheme asks for it, and some contact has something to centre.
+    #[must_use]
+    pub fn is_centred(&self) -> bool {
+        let mut laws = std::iter::once(&self.scene.contact).chain(self.scene.pairs.iter().map(|pair| &pair.contact));
+        self.scene.integrator == Integrator::Centred && !laws.all(Contact::is_elastic)
     }
 
     /// The profiles, each with the area (m^2, in the plane length, m) of its section: the scene's, or the periodic box's.

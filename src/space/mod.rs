@@ -188,6 +188,13 @@ pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64
         (self - other).length_squared()
     }
 
+    /// The sum of the components without their signs: not less than the length, and without its root.
+    #[inline]
+    #[must_use]
+    fn extent(self) -> f64 {
+        (0..Self::COMPONENTS).map(|axis| self.axis(axis).abs()).sum()
+    }
+
     /// The components as a list.
     #[must_use]
     fn components(self) -> Vec<f64> {

@@ -32,13 +32,21 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
         let mut recall = L::MEMORY.then(|| Recall::new(before, i));
         let mut ended = Ended::default();
         for index in 0..if columns.is_fixed(i) { 0 } else { walls.0.len() } {
-            let Some(pair) = touching(&columns, i, &walls.0[index], dt) else { continue };
+            let pair = if L::AHEAD {
+                touching::<true, V>(&columns, i, &walls.0[index], dt)
+            } else {
+                touching::<false, V>(&columns, i, &walls.0[index], dt)
+            };
+            let Some(pair) = pair else { continue };
             let number = u32::try_from(index).expect("fewer than 2^32 walls");
             let mut memory = recall.as_mut().map_or_else(Memory::default, |recall| {
                 recall
                     .of::<L>(number, |wall, memory| forget(&mut ended, &*law.0, &columns, i, &walls, wall, memory, dt))
             });
             let on_i = law.0.force(&pair, &mut memory);
+            if L::AHEAD {
+                columns.contacts[i] += 1;
+            }
             add_load::<V, L>(&mut columns, i, &mut walls.0[index].load, &pair, &on_i);
             if L::MEMORY {
                 pages.push::<L>(number, &memory);

@@ -9,7 +9,7 @@
 use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
-use crate::contact::Pair;
+use crate::contact::{Ahead, Pair};
 use crate::particle::Species;
 use crate::space::{Linear, Plane, Space};
 
@@ -105,13 +105,33 @@ impl<V: Space> Surface<V> {
 #[derive(Resource, Clone, Debug)]
 pub struct Surfaces<V: Space = Plane>(pub Vec<FlatWall<V>>);
 
-/// The contact of movable entry `i` with a wall, if they touch.
+/// The contact of movable entry `i` with a wall, if they touch (`AHEAD`: within half a step).
 #[inline]
 #[must_use]
-pub fn touching<V: Space>(columns: &Columns<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Option<Pair<V>> {
+pub fn touching<const AHEAD: bool, V: Space>(
+    columns: &Columns<V>,
+    i: usize,
+    wall: &FlatWall<V>,
+    dt: f64,
+) -> Option<Pair<V>> {
     let body = &columns.body[i];
     let (distance, normal) = wall.surface.distance(body.position);
-    (distance < body.radius && wall.is_present).then(|| pair(columns, i, wall, distance, normal, dt))
+    let window = if AHEAD { 0.5 * dt * (body.velocity - wall.velocity).dot(normal).abs() } else { 0.0 };
+    if !(distance < body.radius + window && wall.is_present) {
+        return None;
+    }
+    let mut pair = pair(columns, i, wall, distance, normal, dt);
+    if AHEAD {
+        let (gain, spin) = (&columns.gain[i], columns.spin_gain.get(i).copied().unwrap_or_default());
+        pair.ahead = Ahead {
+            velocity: gain.velocity,
+            spins: [spin.spin, V::Spin::ZERO],
+            inverse_masses: [body.inverse_mass, 0.0],
+            inverse_inertias: [spin.inverse_inertia, 0.0],
+            lone: [gain.lone, 0.0],
+        };
+    }
+    Some(pair)
 }
 
 /// The geometry of entry `i` and a wall at this distance (m).
@@ -134,6 +154,7 @@ pub(super) fn pair<V: Space>(
         spins: [columns.spin.get(i).copied().unwrap_or_default(), V::Spin::ZERO],
         species: [columns.species[i], wall.species],
         dt,
+        ahead: Ahead::default(),
     }
 }
 

@@ -16,7 +16,7 @@ const MASSES: [f64; 2] = [0.16, 0.09];
 const PHASES: u32 = 40;
 
 #[derive(Clone, Copy, Debug)]
-enum Against {
+pub enum Against {
     Grain,
     Wall,
 }
@@ -62,8 +62,8 @@ fn exact(e: f64, attraction: bool, m: f64) -> Exact {
     Exact { duration: angle / w, largest_overlap: V / w0 * (-beta / w * (w / beta).atan()).exp() }
 }
 
-struct Bounce {
-    restitution: f64,
+pub struct Bounce {
+    pub restitution: f64,
     duration: f64,
     largest_overlap: f64,
     balance_error: f64,
@@ -71,7 +71,7 @@ struct Bounce {
 }
 
 /// One bounce that begins a share `phase` of a step after the start.
-fn bounce(against: Against, e: f64, attraction: bool, dt: f64, phase: f64) -> Bounce {
+fn bounce(scheme: &str, against: Against, e: f64, attraction: bool, dt: f64, phase: f64) -> Bounce {
     let rule = if attraction { "Allowed" } else { "Forbidden" };
     let gap = V * dt * (1.0 + phase);
     let wall = "walls: [HalfPlane(point: (0.0, 0.0), normal: (1.0, 0.0))],";
@@ -87,7 +87,7 @@ fn bounce(against: Against, e: f64, attraction: bool, dt: f64, phase: f64) -> Bo
     };
     let keys = format!(
         "gravity: (0.0, 0.0), contact: Linear(k: {K:?}, damping: Restitution({e:?}), attraction: {rule}), {walls} \
-         step: Fixed({dt:?}), until: 1.0"
+         integrator: {scheme}, step: Fixed({dt:?}), until: 1.0"
     );
     let mut simulation = simulation(&keys, grains);
     let duration = exact(e, attraction, against.reduced_mass()).duration;
@@ -112,15 +112,20 @@ fn bounce(against: Against, e: f64, attraction: bool, dt: f64, phase: f64) -> Bo
     }
 }
 
-/// All phases of a bounce with `n` steps a contact, `n` chosen incommensurate.
+/// All phases of a bounce by the plain scheme with `n` steps a contact, `n` chosen incommensurate.
 fn bounces(against: Against, e: f64, attraction: bool, n: f64) -> (f64, Exact, Vec<Bounce>) {
     let exact = exact(e, attraction, against.reduced_mass());
-    let dt = exact.duration / n;
-    let phases = (0..PHASES).map(|phase| bounce(against, e, attraction, dt, f64::from(phase) / f64::from(PHASES)));
-    (dt, exact, phases.collect())
+    (exact.duration / n, exact, bounces_by("Verlet", against, e, attraction, n))
 }
 
-const CASES: [(f64, bool); 8] =
+/// The bounces alone, by any scheme.
+pub fn bounces_by(scheme: &str, against: Against, e: f64, attraction: bool, n: f64) -> Vec<Bounce> {
+    let dt = exact(e, attraction, against.reduced_mass()).duration / n;
+    let phases = (0..PHASES).map(|phase| f64::from(phase) / f64::from(PHASES));
+    phases.map(|phase| bounce(scheme, against, e, attraction, dt, phase)).collect()
+}
+
+pub const CASES: [(f64, bool); 8] =
     [(0.9, true), (0.5, true), (0.2, true), (1.0, true), (0.9, false), (0.5, false), (0.2, false), (1.0, false)];
 
 #[test]

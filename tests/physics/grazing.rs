@@ -93,7 +93,8 @@ fn friction_has_no_part_along_the_normal_however_it_turns() {
     for solid in [true, false] {
         let (dt, grains) = (2.0e-5, grazing(solid));
         let (m, reach) = ([grains[0].mass, grains[1].mass], grains[0].radius + grains[1].radius);
-        let mut simulation = simulation(&keys(solid, &linear("Radius"), dt), grains);
+        let keys = format!("{}, integrator: Verlet", keys(solid, &linear("Radius"), dt));
+        let mut simulation = simulation(&keys, grains);
         // c = 2 zeta sqrt(k m_eff), and e = 1/2 is exp(-pi zeta/sqrt(1 - zeta^2)).
         let ln = 2.0f64.ln();
         let c = 2.0 * ln / ln.hypot(PI) * (K * m[0] * m[1] / (m[0] + m[1])).sqrt();

@@ -14,7 +14,7 @@ use crate::{motion, state};
 fn twenty_discs_follow_lammps_within_a_nanometre() {
     let keys = "(gravity: (0.0, -9.81), contact: Linear(k: 1.0e5, damping: PerMass(400.0), attraction: Allowed), \
          walls: [HalfPlane(point: (0.0, 0.0), normal: (1.0, 0.0)), HalfPlane(point: (0.5, 0.0), normal: (-1.0, 0.0)), \
-         HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))], step: Fixed(1.0e-5), grains: (file: \"A_initial.csv\"), until: 0.2)";
+         HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))], integrator: Verlet, step: Fixed(1.0e-5), grains: (file: \"A_initial.csv\"), until: 0.2)";
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");
     let loaded = load::from_text("a.ron", "a", &data, keys.to_owned(), &[]).unwrap();
     let mut simulation = Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN).unwrap();
@@ -50,7 +50,7 @@ fn twenty_spheres_with_friction_follow_lammps_within_a_nanometre() {
     let keys = format!(
         "(space: Solid, gravity: (0.0, 0.0, -9.81), contact: Linear(k: 1.0e5, damping: PerMass(4000.0), \
          attraction: Allowed, tangential: Spring(k: 28571.428571428572, damping: PerMass(1500.0), friction: 0.5), \
-         lever: Radius), walls: [{}], step: Fixed(2.0e-6), grains: (file: \"friction_initial.csv\"), until: 0.05)",
+         lever: Radius), walls: [{}], integrator: Verlet, step: Fixed(2.0e-6), grains: (file: \"friction_initial.csv\"), until: 0.05)",
         walls.join(", ")
     );
     let data = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data");

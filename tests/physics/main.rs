@@ -31,6 +31,7 @@ mod oblique;
 mod ride;
 mod rolling_resistance;
 mod same_bits;
+mod schemes;
 mod shear;
 mod sheared_bed;
 mod spring_slider;

@@ -47,10 +47,10 @@ pub(super) fn contacts(loaded: &Loaded) -> Result<(), Fault> {
             .fault("scene::missing_key", "materials", "Hertz's law needs to know the elastic materials")
             .help("add for example `materials: [(young: 1.0e9, poisson: 0.2)]`, in Pa, one for each species"));
     }
-    if scene.contact.spins() && scene.integrator == Integrator::ExplicitEuler {
+    if scene.contact.spins() && matches!(scene.integrator, Integrator::ExplicitEuler | Integrator::SymplecticEuler) {
         return Err(loaded
-            .fault("scene::integrator", "integrator", "explicit Euler does not turn grains")
-            .help("use `Verlet`, or leave `tangential` out of the contact law"));
+            .fault("scene::integrator", "integrator", "the Euler schemes do not turn grains")
+            .help("use `Centred` or `Verlet`, or leave `tangential` out of the contact law"));
     }
     if scene.materials.len() > 1 && loaded.largest_species() >= scene.materials.len() {
         let message =
