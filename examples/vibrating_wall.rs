@@ -54,7 +54,7 @@ fn vibrate(
 
 impl Behaviour for VibratingWall {
     fn check(&self, scene: &Loaded) -> Result<(), String> {
-        let per_period = 1.0 / (self.frequency * scene.scene.step.seconds());
+        let per_period = 1.0 / (self.frequency * scene.step());
         if per_period < 20.0 {
             return Err(format!("a period has only {per_period:.1} steps, 20 are needed: lower `frequency` or `step`"));
         }

@@ -93,7 +93,7 @@ pub(crate) fn add_all<V: Space>(
     let (scene, space) = (&loaded.scene, PhantomData::<V>);
     let periodic = Periodic::<V>::new(&scene.periodic);
     let largest_radius = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
-    app.add("step", StepPlugin { dt: scene.step.seconds() })
+    app.add("step", StepPlugin { dt: loaded.step() })
         .add("always", MessagesPlugin(space))
         .add("always", ColumnsPlugin(space))
         .add("always", ObservePlugin)

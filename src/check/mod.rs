@@ -1,10 +1,9 @@
 //! What can be told before a run: estimates from the scene, and warnings where they promise trouble.
 //!
-//! * The step: for one contact, velocity Verlet with its drag half a step old is stable for
-//!   dt < (2/w0) (sqrt(1 + zeta^2) - zeta); in a bed, each grain with six (in solid space twelve) equal neighbours,
-//!   w0^2 -> sum_j k (1/m_i + 1/m_j), so k and c grow 6 (12) times. Along the tangent rotation makes the mass lighter,
-//!   1/m -> 7/(2 m) for a sphere, and rolling has a stiffness and drag of its own: the worst of the three counts. The
-//!   lightest grain decides. Hertz's stiffness is that at the deepest point of the fastest impact.
+//! * The step ([`step`]): the limit of one contact of two of the lightest grains; in a bed, each grain with six (in solid
+//!   space twelve) equal neighbours, w0^2 -> sum_j k (1/m_i + 1/m_j), so k and c grow 6 (12) times. Along the tangent
+//!   rotation makes the mass lighter, 1/m -> 7/(2 m) for a sphere, and rolling has a stiffness and drag of its own:
+//!   the worst of the three counts. Hertz's stiffness is that at the deepest point of the fastest impact.
 //! * The walls: a grain that fell all the way carries m v^2/2; to squeeze between two neighbouring wall grains takes
 //!   2 (k/2) (R + R_w - d/2)^2 at half their distance d. And is there a way out for a grain as if all were hard
 //!   ([`leaks`])?
@@ -13,10 +12,13 @@
 //! * The path: faster than a wall is thick in one step, and a grain may pass unseen.
 
 pub mod leaks;
+pub mod step;
 
 use std::fmt;
 
 use crate::contact::Bounce;
+use crate::integrate::Integrator;
+use crate::scene::TimeStep;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane};
 use crate::spin::InertiaLaw;
@@ -45,6 +47,12 @@ impl fmt::Display for Warning {
 pub struct Estimates {
     /// The time step, s.
     pub dt: f64,
+    /// The scheme.
+    pub scheme: Integrator,
+    /// Whether contacts are without drag and friction.
+    pub is_elastic: bool,
+    /// w0 of two of the smallest grains, 1/s.
+    pub frequency: f64,
     /// Radius of the smallest grain, m.
     pub radius: f64,
     /// Its mass, kg.
@@ -75,21 +83,25 @@ impl Estimates {
         let scene = &loaded.scene;
         let lightest = loaded.grains.iter().map(|grain| grain.mass).fold(f64::INFINITY, f64::min);
         let mass = scene.mass.map_or(f64::INFINITY, |law| law.of(radius)).min(lightest);
+        let reduced_mass = lightest_pair(loaded, radius);
         // Estimates ask for no directions: the law in the plane answers for both spaces.
         let law = loaded.contacts().any::<Plane>().0;
         let impact_speed = impact_speed(loaded);
         // Where nothing falls, something like the speed that a grain's own weight gives it.
         let slow = 0.1 * (scene.gravity.padded().length() * radius).sqrt();
         let speed = impact_speed.max(slow).max(1e-6);
-        let bounce = Bounce { reduced_mass: 0.5 * mass, reduced_radius: 0.5 * radius, speed };
+        let bounce = Bounce { reduced_mass, reduced_radius: 0.5 * radius, speed };
         let inertia = scene.inertia.unwrap_or(InertiaLaw::usual(scene.space)).factor();
         let modes = law.modes(inertia, &bounce);
         let limit = |crowd: f64| {
-            let of_mode = |&[k, c]: &[f64; 2]| verlet_limit(crowd * k, crowd * c, bounce.reduced_mass);
+            let of_mode = |&[k, c]: &[f64; 2]| step::limit(scene.integrator, crowd * k, crowd * c, bounce.reduced_mass);
             modes.iter().map(of_mode).fold(f64::INFINITY, f64::min)
         };
-        Some(Self {
-            dt: scene.step.seconds(),
+        let mut estimates = Self {
+            dt: f64::NAN,
+            scheme: scene.integrator,
+            is_elastic: loaded.is_elastic(),
+            frequency: law.frequency(&bounce),
             radius,
             mass,
             contact_duration: law.contact_duration(&bounce),
@@ -100,16 +112,28 @@ impl Estimates {
             impact_overlap: law.deepest(&Bounce { speed: impact_speed, ..bounce }) / radius,
             static_overlap: carried_at_the_bottom(loaded, radius) / law.stiffness(&bounce) / radius,
             stiffness: law.stiffness(&bounce),
-        })
+        };
+        estimates.dt = match scene.step {
+            TimeStep::Fixed(dt) => dt.get(),
+            TimeStep::Auto { error } => step::automatic(&estimates, error.get()).dt,
+        };
+        Some(estimates)
     }
 }
 
-/// Largest stable step of velocity Verlet with lagged drag, s, for a stiffness k (N/m), a drag coefficient c (N s/m) and a
-/// mass (kg): 2/w0 (sqrt(1 + zeta^2) - zeta), written so that it holds without a spring too.
-#[must_use]
-pub fn verlet_limit(k: f64, c: f64, mass: f64) -> f64 {
-    let (w0, beta) = ((k / mass).sqrt(), 0.5 * c / mass);
-    2.0 / (w0.hypot(beta) + beta)
+/// m_eff of the two lightest grains, kg; with only one grain, that of its contacts with walls.
+fn lightest_pair(loaded: &Loaded, radius: f64) -> f64 {
+    let spawner = loaded.scene.spawner.iter().zip(loaded.scene.mass);
+    let released = spawner.flat_map(|(spawner, law)| (0..spawner.count.min(2)).map(move |_| law.of(radius)));
+    let masses = loaded.grains.iter().map(|grain| grain.mass).chain(released);
+    let [first, second] =
+        masses.fold(
+            [f64::INFINITY; 2],
+            |[first, second], mass| {
+                if mass < first { [mass, first] } else { [first, second.min(mass)] }
+            },
+        );
+    1.0 / (1.0 / first + 1.0 / second)
 }
 
 /// Speed at the lowest point of the walls, after a fall from where grains start, m/s.

@@ -5,12 +5,14 @@ use std::fmt::Write as _;
 use clap::Args;
 
 use crate::behaviour::Registry;
+use crate::check::step::automatic;
 use crate::check::{self, Estimates};
 use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
 use crate::fault::Fault;
 use crate::lattice;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::sites::Sites;
+use crate::scene::TimeStep;
 use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 
@@ -75,6 +77,9 @@ fn describe(loaded: &Loaded, text: &mut String) {
         e.impact_overlap,
         e.static_overlap,
     );
+    if let TimeStep::Auto { error } = loaded.scene.step {
+        let _ = writeln!(text, "automatic step    {}", automatic(&e, error.get()).reason);
+    }
 }
 
 fn describe_lattice(loaded: &LoadedLattice, text: &mut String) {

@@ -9,7 +9,8 @@ use std::time::Instant;
 use bevy_ecs::prelude::*;
 
 use crate::behaviour::Registry;
-use crate::check;
+use crate::check::step::{Automatic, automatic};
+use crate::check::{self, Estimates};
 use crate::cli::progress::{Pace, Progress};
 use crate::cli::run::{Report, unwritable};
 use crate::columns::Columns;
@@ -24,6 +25,7 @@ use crate::output::run_directory::RunDirectory;
 use crate::output::series::SeriesPlugin;
 use crate::output::summary::{Cost, Energy, Summary, movable_grains};
 use crate::output::walls::WallForcesPlugin;
+use crate::scene::TimeStep;
 use crate::scene::load::Loaded;
 use crate::simulation::Simulation;
 use crate::space::{Dimension, Plane, Solid, Space};
@@ -38,6 +40,10 @@ pub(super) fn run_into(
 ) -> Result<Report, Fault> {
     for warning in check::warnings(loaded) {
         tracing::warn!("{warning}");
+    }
+    if let (TimeStep::Auto { error }, Some(estimates)) = (loaded.scene.step, Estimates::of(loaded)) {
+        let Automatic { dt, reason } = automatic(&estimates, error.get());
+        tracing::info!("step {dt:.1e} s: {reason}");
     }
     // Everything that can be wrong with the input is found before the first file is written.
     Simulation::new(loaded, registry, NonZeroUsize::MIN)?;

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use crate::check::Estimates;
 use crate::contact::config::{Contact, Contacts};
 use crate::fault::Fault;
 use crate::grains::file::{self, GrainRow, Kind};
@@ -13,7 +14,7 @@ use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
 use crate::scene::source::Source;
 use crate::scene::values::Positive;
-use crate::scene::{Method, Scene, rules};
+use crate::scene::{Method, Scene, TimeStep, rules};
 use crate::space::{Dimension, Solid, Space};
 use crate::walls::config::Wall;
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
@@ -152,8 +153,23 @@ impl Loaded {
     /// Whether contacts are centred: the scheme asks for it, and some contact has something to centre.
     #[must_use]
     pub fn is_centred(&self) -> bool {
+        self.scene.integrator == Integrator::Centred && !self.is_elastic()
+    }
+
+    /// Whether all contacts are without drag and friction.
+    #[must_use]
+    pub fn is_elastic(&self) -> bool {
         let mut laws = std::iter::once(&self.scene.contact).chain(self.scene.pairs.iter().map(|pair| &pair.contact));
-        self.scene.integrator == Integrator::Centred && !laws.all(Contact::is_elastic)
+        laws.all(Contact::is_elastic)
+    }
+
+    /// The time step, s. Without grains there is nothing to choose one by, and nothing that would mind: `until`.
+    #[must_use]
+    pub fn step(&self) -> f64 {
+        match self.scene.step {
+            TimeStep::Fixed(dt) => dt.get(),
+            TimeStep::Auto { .. } => Estimates::of(self).map_or(self.scene.until.get(), |estimates| estimates.dt),
+        }
     }
 
     /// The profiles, each with the area (m^2, in the plane length, m) of its section: the scene's, or the periodic box's.

@@ -39,7 +39,7 @@ use crate::space::Dimension;
 use crate::spin::InertiaLaw;
 use crate::walls::config::Wall;
 use crate::walls::silo_file::Silo;
-use values::{FiniteVector, Positive};
+use values::{FiniteVector, ImpactError, Positive};
 
 /// A scene as its file says it.
 #[derive(Debug, Deserialize, Serialize)]
@@ -137,16 +137,11 @@ pub enum Method {
 pub enum TimeStep {
     /// This time step, s.
     Fixed(Positive),
-}
-
-impl TimeStep {
-    /// The step, s.
-    #[must_use]
-    pub fn seconds(self) -> f64 {
-        match self {
-            Self::Fixed(dt) => dt.get(),
-        }
-    }
+    /// One that keeps impacts within an error: [`crate::check::step`].
+    Auto {
+        /// rms error of the velocities after an impact, in units of its speed.
+        error: ImpactError,
+    },
 }
 
 #[expect(clippy::unnecessary_wraps, reason = "the default of a field of this type")]

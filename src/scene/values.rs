@@ -64,6 +64,10 @@ checked_number!(
     PoissonRatio, "a Poisson's ratio greater than -1 and at most 0.5", |nu| nu > -1.0 && nu <= 0.5
 );
 checked_number!(
+    /// The error of an impact, in units of its speed: from 1e-9 to 0.1.
+    ImpactError, "an error of impacts from 1e-9 to 0.1", |e| (1e-9..=0.1).contains(&e)
+);
+checked_number!(
     /// A share: from 0 to 1.
     Share, "a share from 0 to 1", |s| (0.0..=1.0).contains(&s)
 );

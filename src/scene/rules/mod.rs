@@ -8,12 +8,15 @@ pub use self::space::space;
 
 use self::contacts::contacts;
 use self::grains::{fill, spawner};
+use crate::check::Estimates;
+use crate::contact::Contact;
 use crate::door::{DoorMotion, DoorOpens};
 use crate::fault::Fault;
+use crate::integrate::Integrator;
 use crate::neighbours::Neighbours;
-use crate::scene::Scene;
 use crate::scene::load::Loaded;
 use crate::scene::values::FiniteVector;
+use crate::scene::{Scene, TimeStep};
 use crate::space::Solid;
 use crate::walls::config::Wall;
 
@@ -23,6 +26,7 @@ use crate::walls::config::Wall;
 /// The first rule that it breaks, pointing at the key.
 pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     contacts(loaded)?;
+    step(loaded)?;
     fill(loaded)?;
     walls(loaded)?;
     periodic(loaded)?;
@@ -32,6 +36,33 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     profiles(loaded)?;
     flow(loaded)?;
     pictures_and_bed(loaded)
+}
+
+/// A given step is stable for a contact of the two lightest grains, and an automatic one has a scheme to be chosen for.
+fn step(loaded: &Loaded) -> Result<(), Fault> {
+    let scheme = loaded.scene.integrator;
+    let is_explicit = scheme == Integrator::ExplicitEuler;
+    match loaded.scene.step {
+        TimeStep::Auto { .. } if is_explicit => Err(loaded
+            .fault("scene::auto_step", "step", "no step makes explicit Euler stable")
+            .help("give `Fixed(...)`, in s, to see it fail, or use `Centred`")),
+        // Hertz's stiffness hangs on how fast grains will be: that is for `check` to warn of.
+        TimeStep::Fixed(dt) if !is_explicit && !matches!(loaded.scene.contact, Contact::Hertz { .. }) => {
+            let Some(limit) = Estimates::of(loaded).map(|estimates| estimates.pair_limit) else { return Ok(()) };
+            if dt.get() <= limit {
+                return Ok(());
+            }
+            let message = format!(
+                "with a step of {:.3e} s a contact of the two lightest grains is unstable under `{scheme:?}`: the limit \
+                 is {limit:.3e} s",
+                dt.get()
+            );
+            Err(loaded
+                .fault("scene::unstable_step", "step", message)
+                .help("lower the step, soften the contacts, or let `Auto(error: 1.0e-3)` choose"))
+        }
+        _ => Ok(()),
+    }
 }
 
 fn profiles(loaded: &Loaded) -> Result<(), Fault> {
