@@ -1,0 +1,260 @@
+//! The watchdog: stops a run whose figures mean nothing any more, and names step, grain and remedy.
+//!
+//! Finite values are checked in every step by [`crate::finite`]. This file watches two more things.
+//!
+//! * **Energy that nobody put in.** Every `every` steps, and at the end: kinetic plus gravitational energy, less what the
+//!   books expect ([`EnergyFlows::expected`]), all in J. Springs count as empty: velocity Verlet conserves
+//!   K + (1 - (w0 dt)^2/4) E_elastic, so below its limit w0 dt = 2 what a contact seems to gain for a while is less than
+//!   what it holds. Drag cannot give energy back, so the largest amount ever dissipated counts: a drag that has become
+//!   unstable books negative work, and that shows here. The scale is what has been put in: energy of motion and of springs
+//!   of grains that entered, work of gravity, walls, belts and added forces, or expected - gravitational + dissipated,
+//!   the largest so far. It does not depend on where the heights count from. More than the share `energy` of it stops
+//!   the run. A round-off of 1e-9 sum m |g.x| is let pass.
+//! * **Overlap beyond the law.** Every step, by the largest overlap of the force pass, over the smaller radius. Both laws
+//!   are meant for small overlaps. From 0.586 (2 - sqrt 2, solid space) or 0.845 (2 - 2/sqrt 3, plane) on, equal grains in
+//!   dense order touch their second neighbours through the first; at 1 the centre of a grain has reached the surface of
+//!   its partner, a thin wall would push it on to the other side, and the direction of the force means nothing. That is
+//!   the default limit. From 0.3 on a run warns, once. (The assignment's silo reaches 0.73, where a grain falls 4 m.)
+//!
+//! Limits: energy is judged as a whole, so a few wild grains among many that carry much are seen late, by their overlap or by
+//! the ledger. A behaviour that sets velocities, or fixes and frees grains, changes energy without a force, which looks
+//! like growth: such a scene says `watchdog: (energy: None)`. Nothing is undone: what was written stands.
+
+use std::marker::PhantomData;
+use std::num::NonZeroU32;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::columns::Columns;
+use crate::contact::kernel::OverlapRatio;
+use crate::contact::survey::{Partner, Scenery};
+use crate::contact::{AnyLaw, Bounce, LargestOverlap};
+use crate::energy::EnergyFlows;
+use crate::gravity::Gravity;
+use crate::measure::ObserveStage;
+use crate::outcome::{End, Failure, Outcome};
+use crate::particle::GrainId;
+use crate::scene::values::Positive;
+use crate::space::Space;
+use crate::step::{Clock, Phase, Step};
+
+/// The scene's `watchdog`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Watchdog {
+    /// Steps between two looks at the energy.
+    pub every: NonZeroU32,
+    /// The share of the energy put in that may appear from nowhere; `None` does not look.
+    pub energy: Option<Positive>,
+    /// The largest overlap over the smaller radius; `None` does not look.
+    pub overlap: Option<Positive>,
+}
+
+impl Default for Watchdog {
+    fn default() -> Self {
+        let share = |number: f64| Positive::try_from(number).ok();
+        Self { every: NonZeroU32::new(100).unwrap_or(NonZeroU32::MIN), energy: share(0.1), overlap: share(1.0) }
+    }
+}
+
+/// From this overlap on a run warns.
+const DEEP: f64 = 0.3;
+
+/// Of sum m |g.x|: far above the round-off of the sums, far below any energy that matters.
+const ROUND_OFF: f64 = 1e-9;
+
+/// What the watchdog remembers.
+#[derive(Resource, Debug)]
+struct Watch {
+    every: u64,
+    energy: f64,
+    overlap: f64,
+    /// Largest energy dissipated so far, J.
+    dissipated: f64,
+    /// Largest energy put in so far, J.
+    put_in: f64,
+    has_warned: bool,
+}
+
+/// The energy of all grains without springs, J.
+#[derive(Clone, Copy, Debug, Default)]
+struct Motion {
+    kinetic: f64,
+    potential: f64,
+    /// Sum of m |g.x|.
+    magnitude: f64,
+}
+
+impl Motion {
+    fn of<V: Space>(columns: &Columns<V>, gravity: V) -> Self {
+        let mut motion = Self::default();
+        for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
+            let body = &columns.body[i];
+            let fall = columns.mass[i] * gravity.dot(body.position);
+            motion.kinetic += 0.5 * columns.mass[i] * body.velocity.length_squared() + columns.rotational_energy(i);
+            motion.potential -= fall;
+            motion.magnitude += fall.abs();
+        }
+        motion
+    }
+}
+
+impl Watch {
+    /// Energy from nowhere, J, if it is too much.
+    fn created(&mut self, motion: &Motion, flows: &EnergyFlows) -> Option<f64> {
+        self.dissipated = self.dissipated.max(flows.dissipated);
+        let expected = flows.expected() + flows.dissipated - self.dissipated;
+        self.put_in = self.put_in.max(expected - motion.potential + self.dissipated);
+        let created = motion.kinetic + motion.potential - expected;
+        (created > self.energy * self.put_in + ROUND_OFF * motion.magnitude).then_some(created)
+    }
+}
+
+fn watch_energy<V: Space>(
+    (clock, columns, gravity): (Res<Clock>, Res<Columns<V>>, Res<Gravity<V>>),
+    flows: Res<EnergyFlows>,
+    law: Res<AnyLaw<V>>,
+    mut watch: ResMut<Watch>,
+    mut outcome: ResMut<Outcome>,
+) {
+    let is_over = match outcome.end() {
+        Some(End::Failed(_)) => return,
+        end => end.is_some(),
+    };
+    if !is_over && !clock.steps.is_multiple_of(watch.every) {
+        return;
+    }
+    let Some(created_j) = watch.created(&Motion::of(&columns, gravity.0), &flows) else { return };
+    let movable = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
+    let speed = |&i: &usize| columns.body[i].velocity.length_squared();
+    let Some(fastest) = movable.max_by(|a, b| speed(a).total_cmp(&speed(b))) else { return };
+    let body = &columns.body[fastest];
+    let speed_m_s = body.velocity.length();
+    let bounce = Bounce { reduced_mass: columns.mass[fastest], reduced_radius: body.radius, speed: speed_m_s };
+    outcome.fail(Failure::EnergyGrew {
+        step: clock.steps,
+        grain: columns.id[fastest],
+        speed_m_s,
+        created_j,
+        put_in_j: watch.put_in,
+        stiffness: clock.dt * law.0.frequency(&bounce),
+    });
+}
+
+fn watch_overlap<V: Space>(
+    clock: Res<Clock>,
+    largest: Res<LargestOverlap>,
+    scenery: Scenery<V>,
+    mut watch: ResMut<Watch>,
+    mut outcome: ResMut<Outcome>,
+) {
+    let ratio = largest.0.get();
+    let is_too_deep = ratio > watch.overlap;
+    if !is_too_deep && (ratio <= DEEP || watch.has_warned) {
+        return;
+    }
+    let step = clock.steps;
+    let Some((grain, partner)) = deepest(&scenery) else { return };
+    if is_too_deep {
+        let remedy = if clock.is_step_zero() {
+            "they start like that: move them apart"
+        } else {
+            "stiffen the contacts, lower `step`, or let grains fall less far"
+        };
+        outcome.fail(Failure::TooDeep { step, grain, partner, ratio, limit: watch.overlap, remedy });
+    } else {
+        watch.has_warned = true;
+        tracing::warn!(
+            "step {step}: {grain} and {partner} overlap by {ratio:.2} of the smaller radius; the contact law is meant for \
+             small overlaps"
+        );
+    }
+}
+
+/// The deepest contact as it stands: its grain, and its partner in words.
+#[cold]
+fn deepest<V: Space>(scenery: &Scenery<V>) -> Option<(GrainId, String)> {
+    let survey = scenery.survey();
+    let (mut deepest, mut who) = (OverlapRatio::default(), None);
+    survey.contacts(|i, partner, pair, _| {
+        let before = deepest.get();
+        deepest.raise(pair.overlap, pair.radii[0].min(pair.radii[1]));
+        if deepest.get() > before {
+            who = Some((i, partner));
+        }
+    });
+    let columns = survey.columns;
+    who.map(|(i, partner)| match partner {
+        Partner::Particle(j) => (columns.id[i], columns.id[j].to_string()),
+        Partner::Wall(_) => (columns.id[i], "a flat wall".to_owned()),
+    })
+}
+
+/// Watches energy and overlap.
+pub struct WatchdogPlugin<V: Space>(pub Watchdog, pub PhantomData<V>);
+
+impl<V: Space> Plugin for WatchdogPlugin<V> {
+    fn build(&self, app: &mut App) {
+        let Watchdog { every, energy, overlap } = self.0;
+        let limit = |share: Option<Positive>| share.map_or(f64::INFINITY, Positive::get);
+        app.insert_resource(Watch {
+            every: u64::from(every.get()),
+            energy: limit(energy),
+            overlap: limit(overlap),
+            dissipated: 0.0,
+            put_in: 0.0,
+            has_warned: false,
+        });
+        // After the books of the step are closed, and before anybody writes what the end of the run looks like.
+        let looks =
+            (watch_overlap::<V>.run_if(move || overlap.is_some()), watch_energy::<V>.run_if(move || energy.is_some()));
+        app.add_systems(Step, looks.chain().in_set(Phase::Observe).before(ObserveStage::Due));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn watch() -> Watch {
+        Watch { every: 100, energy: 0.1, overlap: 1.0, dissipated: 0.0, put_in: 0.0, has_warned: false }
+    }
+
+    fn motion(kinetic: f64, potential: f64) -> Motion {
+        Motion { kinetic, potential, magnitude: potential.abs() }
+    }
+
+    #[test]
+    fn only_energy_that_nobody_put_in_counts() {
+        // 2 J of motion enter at 10 J of height and fall to 4 J: 8 J have been put in, and K may be 8 J and a tenth.
+        let flows = EnergyFlows { released: 12.0, ..EnergyFlows::default() };
+        assert_eq!(watch().created(&motion(8.7, 4.0), &flows), None);
+        let created = watch().created(&motion(8.9, 4.0), &flows).expect("too much");
+        // Three sums of numbers around 10.
+        assert!((created - 0.9).abs() < 1e-14, "{created}");
+        // Less than there should be is in springs, or lost.
+        assert_eq!(watch().created(&motion(1.0, 4.0), &flows), None);
+        // A wall that works puts energy in.
+        assert_eq!(watch().created(&motion(8.9, 4.0), &EnergyFlows { wall_work: 1.0, ..flows }), None);
+    }
+
+    #[test]
+    fn drag_cannot_give_energy_back() {
+        let mut watch = watch();
+        let flows = |dissipated: f64| EnergyFlows { released: 2.0, dissipated, ..EnergyFlows::default() };
+        assert_eq!(watch.created(&motion(1.0, 0.0), &flows(1.0)), None);
+        // The books balance, 2 J = 1.5 J + 0.5 J, because an unstable drag has taken back what it dissipated.
+        assert!(watch.created(&motion(1.5, 0.0), &flows(0.5)).is_some());
+    }
+
+    #[test]
+    fn the_height_of_zero_does_not_matter_beyond_round_off() {
+        for zero in [0.0, 1e6, -1e6] {
+            let flows = EnergyFlows { released: zero + 1.0, ..EnergyFlows::default() };
+            assert_eq!(watch().created(&motion(1.0, zero), &flows), None, "{zero}");
+            assert!(watch().created(&motion(1.2, zero), &flows).is_some(), "{zero}");
+        }
+    }
+}
