@@ -12,8 +12,9 @@
 //!   of motion and of springs of grains that entered, work of gravity, walls, belts and added forces, or
 //!   expected - gravitational + dissipated, the largest so far. It does not depend on where heights count from. More
 //!   than the share `energy` of it stops the run. A round-off of
-//!   1e-9 sum m |g.x| is let pass. Healthy runs stay far below: 7e-4 of it at most in `silo1` and its mixture, less in `silo2d`,
-//!   `chute3d`, `bed3d` and `couette`.
+//!   1e-9 sum m |g.x| is let pass. Healthy runs stay a hundred times below: looked at every 100 steps, `silo1` with its mixture
+//!   and polydisperse variants, `couette`, `column`, and the first tenths of a second of `silo2d`, `chute3d` and `bed3d` create
+//!   less than 1e-3 of it (`--set 'watchdog=(every: 100, energy: 1.0e-3)'` does not stop them).
 //! * **Overlap beyond the law.** Every step, by the largest overlap of the force pass, over the smaller radius. Both laws
 //!   are meant for small overlaps. From 0.586 (2 - sqrt 2, solid space) or 0.845 (2 - 2/sqrt 3, plane) on, equal grains in
 //!   dense order touch their second neighbours through the first; at 1 the centre of a grain has reached the surface of
@@ -117,77 +118,88 @@ impl Watch {
         let expected = flows.expected() - given_back;
         self.put_in = self.put_in.max(expected - held.potential + flows.dissipated + given_back);
         let counted = held.kinetic + held.potential + (1.0 - APPARENT) * held.elastic;
-        let created = (counted - expected).max(given_back);
-        (created > self.energy * self.put_in + ROUND_OFF * held.magnitude).then_some(created)
+        let created = if counted - expected < given_back { given_back } else { counted - expected };
+        // Written so that sums too large for a double, and their differences, are too much.
+        let is_right = created <= self.energy * self.put_in + ROUND_OFF * held.magnitude;
+        (!is_right).then_some(created)
     }
 }
 
-fn watch_energy<V: Space>(
+impl Watch {
+    /// Whether an overlap (over the smaller radius) is new to the watch.
+    fn is_deep(&self, ratio: f64) -> bool {
+        ratio > self.overlap || (ratio > DEEP && !self.has_warned)
+    }
+}
+
+/// Run condition, and all that most steps cost: is there something to look at?
+fn is_called(clock: Res<Clock>, largest: Res<LargestOverlap>, watch: Res<Watch>, outcome: Res<Outcome>) -> bool {
+    clock.steps.is_multiple_of(watch.every) || watch.is_deep(largest.0.get()) || outcome.end().is_some()
+}
+
+fn look<V: Space>(
     (clock, gravity, flows): (Res<Clock>, Res<Gravity<V>>, Res<EnergyFlows>),
-    scenery: Scenery<V>,
-    mut watch: ResMut<Watch>,
-    mut outcome: ResMut<Outcome>,
-) {
-    let is_over = match outcome.end() {
-        Some(End::Failed(_)) => return,
-        end => end.is_some(),
-    };
-    if !is_over && !clock.steps.is_multiple_of(watch.every) {
-        return;
-    }
-    let survey = scenery.survey();
-    let columns = survey.columns;
-    let Some(created_j) = watch.created(&Held::of(&survey, gravity.0), &flows) else { return };
-    let movable = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
-    let speed = |&i: &usize| columns.body[i].velocity.length_squared();
-    let Some(fastest) = movable.max_by(|a, b| speed(a).total_cmp(&speed(b))) else { return };
-    let body = &columns.body[fastest];
-    let speed_m_s = body.velocity.length();
-    let bounce = Bounce { reduced_mass: columns.mass[fastest], reduced_radius: body.radius, speed: speed_m_s };
-    outcome.fail(Failure::EnergyGrew {
-        step: clock.steps,
-        grain: columns.id[fastest],
-        speed_m_s,
-        created_j,
-        put_in_j: watch.put_in,
-        stiffness: clock.dt * survey.law.frequency(&bounce),
-    });
-}
-
-fn watch_overlap<V: Space>(
-    clock: Res<Clock>,
     largest: Res<LargestOverlap>,
     scenery: Scenery<V>,
     mut watch: ResMut<Watch>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let ratio = largest.0.get();
-    let is_too_deep = ratio > watch.overlap;
-    if !is_too_deep && (ratio <= DEEP || watch.has_warned) {
+    let is_time = clock.steps.is_multiple_of(watch.every) || outcome.end().is_some();
+    if matches!(outcome.end(), Some(End::Failed(_))) {
         return;
     }
+    let (survey, ratio) = (scenery.survey(), largest.0.get());
+    if watch.is_deep(ratio) {
+        watch.has_warned = true;
+        if let Some(failure) = judge_overlap(&survey, &clock, ratio, watch.overlap) {
+            outcome.fail(failure);
+        }
+    }
+    if is_time
+        && watch.energy < f64::INFINITY
+        && let Some(created_j) = watch.created(&Held::of(&survey, gravity.0), &flows)
+        && let Some(failure) = energy_grew(&survey, &clock, created_j, watch.put_in)
+    {
+        outcome.fail(failure);
+    }
+}
+
+/// The failure, unless nobody is there any more.
+fn energy_grew<V: Space>(survey: &Survey<V>, clock: &Clock, created_j: f64, put_in_j: f64) -> Option<Failure> {
+    let columns = survey.columns;
+    let movable = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
+    let fastest = movable.max_by(|&a, &b| {
+        let speed = |i: usize| columns.body[i].velocity.length_squared();
+        speed(a).total_cmp(&speed(b))
+    })?;
+    let speed_m_s = columns.body[fastest].velocity.length();
+    let (reduced_mass, reduced_radius) = (columns.mass[fastest], columns.body[fastest].radius);
+    let stiffness = clock.dt * survey.law.frequency(&Bounce { reduced_mass, reduced_radius, speed: speed_m_s });
+    let grain = columns.id[fastest];
+    Some(Failure::EnergyGrew { step: clock.steps, grain, speed_m_s, created_j, put_in_j, stiffness })
+}
+
+/// A failure if the overlap is beyond `limit`, else a warning.
+fn judge_overlap<V: Space>(survey: &Survey<V>, clock: &Clock, ratio: f64, limit: f64) -> Option<Failure> {
     let step = clock.steps;
-    let Some((grain, partner)) = deepest(&scenery) else { return };
-    if is_too_deep {
+    let (grain, partner) = deepest(survey)?;
+    if ratio > limit {
         let remedy = if clock.is_step_zero() {
             "they start like that: move them apart"
         } else {
             "stiffen the contacts, lower `step`, or let grains fall less far"
         };
-        outcome.fail(Failure::TooDeep { step, grain, partner, ratio, limit: watch.overlap, remedy });
-    } else {
-        watch.has_warned = true;
-        tracing::warn!(
-            "step {step}: {grain} and {partner} overlap by {ratio:.2} of the smaller radius; the contact law is meant for \
-             small overlaps"
-        );
+        return Some(Failure::TooDeep { step, grain, partner, ratio, limit, remedy });
     }
+    tracing::warn!(
+        "step {step}: {grain} and {partner} overlap by {ratio:.2} of the smaller radius; the contact law is meant for \
+         small overlaps"
+    );
+    None
 }
 
 /// The deepest contact as it stands: its grain, and its partner in words.
-#[cold]
-fn deepest<V: Space>(scenery: &Scenery<V>) -> Option<(GrainId, String)> {
-    let survey = scenery.survey();
+fn deepest<V: Space>(survey: &Survey<V>) -> Option<(GrainId, String)> {
     let (mut deepest, mut who) = (OverlapRatio::default(), None);
     survey.contacts(|i, partner, pair, _| {
         let before = deepest.get();
@@ -216,12 +228,10 @@ impl<V: Space> Plugin for WatchdogPlugin<V> {
             overlap: limit(overlap),
             dissipated: 0.0,
             put_in: 0.0,
-            has_warned: false,
+            has_warned: overlap.is_none(),
         });
         // After the books of the step are closed, and before anybody writes what the end of the run looks like.
-        let looks =
-            (watch_overlap::<V>.run_if(move || overlap.is_some()), watch_energy::<V>.run_if(move || energy.is_some()));
-        app.add_systems(Step, looks.chain().in_set(Phase::Observe).before(ObserveStage::Due));
+        app.add_systems(Step, look::<V>.run_if(is_called).in_set(Phase::Observe).before(ObserveStage::Due));
     }
 }
 
@@ -229,7 +239,7 @@ impl<V: Space> Plugin for WatchdogPlugin<V> {
 mod tests {
     use super::*;
 
-    fn watch() -> Watch {
+    fn fresh() -> Watch {
         Watch { every: 100, energy: 0.1, overlap: 1.0, dissipated: 0.0, put_in: 0.0, has_warned: false }
     }
 
@@ -241,23 +251,23 @@ mod tests {
     fn only_energy_that_nobody_put_in_counts() {
         // 2 J of motion enter at 10 J of height and fall to 4 J: 8 J have been put in, and K may be 8 J and a tenth.
         let flows = EnergyFlows { released: 12.0, ..EnergyFlows::default() };
-        assert_eq!(watch().created(&held(8.7, 4.0), &flows), None);
-        let created = watch().created(&held(8.9, 4.0), &flows).expect("too much");
+        assert_eq!(fresh().created(&held(8.7, 4.0), &flows), None);
+        let created = fresh().created(&held(8.9, 4.0), &flows).expect("too much");
         // Three sums of numbers around 10.
         assert!((created - 0.9).abs() < 1e-14, "{created}");
         // Of what springs seem to hold, 0.4375 is certain: 1.75 J of 4 J.
         let springs = |kinetic: f64| Held { elastic: 4.0, ..held(kinetic, 4.0) };
-        assert_eq!(watch().created(&springs(7.0), &flows), None);
-        assert!(watch().created(&springs(7.1), &flows).is_some());
+        assert_eq!(fresh().created(&springs(7.0), &flows), None);
+        assert!(fresh().created(&springs(7.1), &flows).is_some());
         // Less than there should be is lost.
-        assert_eq!(watch().created(&held(1.0, 4.0), &flows), None);
+        assert_eq!(fresh().created(&held(1.0, 4.0), &flows), None);
         // A wall that works puts energy in.
-        assert_eq!(watch().created(&held(8.9, 4.0), &EnergyFlows { wall_work: 1.0, ..flows }), None);
+        assert_eq!(fresh().created(&held(8.9, 4.0), &EnergyFlows { wall_work: 1.0, ..flows }), None);
     }
 
     #[test]
     fn drag_cannot_give_energy_back() {
-        let mut watch = watch();
+        let mut watch = fresh();
         let flows = |dissipated: f64| EnergyFlows { released: 2.0, dissipated, ..EnergyFlows::default() };
         assert_eq!(watch.created(&held(1.0, 0.0), &flows(1.0)), None);
         // The books balance, 2 J = 1.5 J + 0.5 J, because an unstable drag has taken back what it dissipated.
@@ -269,11 +279,17 @@ mod tests {
     }
 
     #[test]
+    fn energies_too_large_for_a_double_are_too_much() {
+        let flows = EnergyFlows { released: f64::INFINITY, ..EnergyFlows::default() };
+        assert!(fresh().created(&held(f64::INFINITY, 0.0), &flows).is_some());
+    }
+
+    #[test]
     fn the_height_of_zero_does_not_matter_beyond_round_off() {
         for zero in [0.0, 1e6, -1e6] {
             let flows = EnergyFlows { released: zero + 1.0, ..EnergyFlows::default() };
-            assert_eq!(watch().created(&held(1.0, zero), &flows), None, "{zero}");
-            assert!(watch().created(&held(1.2, zero), &flows).is_some(), "{zero}");
+            assert_eq!(fresh().created(&held(1.0, zero), &flows), None, "{zero}");
+            assert!(fresh().created(&held(1.2, zero), &flows).is_some(), "{zero}");
         }
     }
 }

@@ -510,7 +510,36 @@ fn thousands_at_once_are_all_booked() {
     assert_within_the_scheme(&run, (2.0 * 1e4 / m).sqrt() * 2e-5);
 }
 
-// The watchdog at the command line.
+// The watchdog.
+
+#[test]
+fn who_comes_too_deep_on_the_way_is_named() {
+    // At 30 m/s and more k = 1e4 N/m stops two of 0.16 kg after v/w0 = 8 cm: twice their radius.
+    let (_, end) = run("small-box", &[("fill[0].agitation", "(40.0, 40.0)")]);
+    let End::Failed(failure @ Failure::TooDeep { step, ratio, .. }) = end else { panic!("{end:?}") };
+    // In the step in which it happens: the overlap has grown by less than one step of it since it was allowed.
+    assert!(step > 0 && ratio > 1.0 && ratio < 1.0 + 2.0 * 2f64.sqrt() * 40.0 * 1e-4 / 0.04, "{failure}");
+    let message = failure.to_string();
+    assert!(message.contains(" and grain ") && message.contains("stiffen the contacts"), "{message}");
+}
+
+#[test]
+fn healthy_scenes_are_far_from_its_limits() {
+    // A hundredth of the default share, looked at ten times as often.
+    let strict = ("watchdog", "(every: 50, energy: 1.0e-3)");
+    let scenes: [(&str, &[(&str, &str)]); 5] = [
+        ("silo1.ron", &[("spawner.count", "100"), ("until", "8.0"), strict]),
+        ("silo1-mixture.ron", &[("spawner.count", "100"), ("until", "8.0"), strict]),
+        ("slip-to-roll.ron", &[("until", "0.05"), strict]),
+        ("couette.ron", &[("until", "0.05"), strict]),
+        ("hard/size-ratio.ron", &[strict]),
+    ];
+    for (name, settings) in scenes {
+        let mut settings = settings.to_vec();
+        settings.push(("pictures", "None"));
+        assert_eq!(simulation(&load(name, &settings), 1).run(), End::TimeReached, "{name}");
+    }
+}
 
 #[test]
 fn the_watchdog_keeps_what_was_written_and_exits_with_one() {
