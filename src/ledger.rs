@@ -7,7 +7,9 @@
 //!   orifice. Named by id, step, place and nearest wall grain.
 //!
 //! Paths are straight between two looks. A grain is looked at again when it has moved by a quarter of the smallest
-//! radius since the last look (or in one step, if it is faster), so that a bed at rest costs one comparison a grain.
+//! radius since the last look (or in one step, if it is faster), so that a bed at rest costs one comparison a grain. So a
+//! grain that is on the other side of a wall after one step, without having touched it, is seen in that step, and the
+//! loss tells how far it moved.
 //! In solid space the walls are flat ones, the orifice is where a door panel was, and there is no top to leave by. Wall
 //! grains that move ([`crate::walls::conveyor`]) have no line.
 //! Who releases a grain writes `GrainReleased`, or the ledger does not know of it.
@@ -166,6 +168,7 @@ fn watch_paths<V: Space>(
                 continue;
             }
             place.looked_at = Some(here);
+            let distance = way.length();
             // In a periodic scene, of where it was the image that is nearest to here.
             let before = here - way;
             match fate(&*enclosure.paths, door_is_closed, before, here) {
@@ -176,11 +179,18 @@ fn watch_paths<V: Space>(
                 }
                 Some(Fate::Lost(way)) => {
                     place.state = State::Lost;
+                    let way = swept(way, distance, enclosure.smallest_radius);
                     lost.write(GrainLost { id, position: here, way, nearest: nearest(here, &wall_grains) });
                 }
             }
         }
     }
+}
+
+/// How a grain was lost, and whether it was because it moves so far (m) in a step that no force can stop it.
+fn swept(way: String, distance: f64, radius: f64) -> String {
+    // Of a way that was looked at so late, at most a quarter of the smallest radius is of earlier steps.
+    if distance > radius { format!("{way}, moving {distance:.4} m in one step: lower `step`") } else { way }
 }
 
 /// How a grain left.

@@ -66,6 +66,7 @@ pub mod spin;
 pub mod step;
 pub mod threads;
 pub mod walls;
+pub mod watchdog;
 
 /// What a behaviour needs.
 pub mod prelude {

@@ -35,6 +35,46 @@ pub enum Failure {
         /// Where it comes from, and what to do.
         cause: String,
     },
+    /// Energy has appeared from nowhere.
+    #[error(
+        "step {step}: {created_j:.3e} J of energy have come from nowhere, {:.0} % of the {put_in_j:.3e} J that were put in; \
+         the fastest is {grain} at {speed_m_s:.3e} m/s, w0 dt = {stiffness:.2} for it in a single contact (`check` prints \
+         the limit): lower `step`, or if a behaviour changes velocities without a force, set `watchdog.energy`",
+        100.0 * created_j / put_in_j
+    )]
+    EnergyGrew {
+        /// The step at whose end it was found.
+        step: u64,
+        /// The fastest grain.
+        grain: GrainId,
+        /// Its speed, m/s.
+        speed_m_s: f64,
+        /// How much, J.
+        created_j: f64,
+        /// What was put in, J.
+        put_in_j: f64,
+        /// w0 dt of one contact of that grain with a wall.
+        stiffness: f64,
+    },
+    /// Two overlap so far that the contact law does not hold.
+    #[error(
+        "step {step}: {grain} and {partner} overlap by {ratio:.2} of the smaller radius, more than `watchdog.overlap`, \
+         {limit}: the contact law does not hold there; {remedy}, or set `watchdog.overlap`"
+    )]
+    TooDeep {
+        /// In which step.
+        step: u64,
+        /// Which grain.
+        grain: GrainId,
+        /// With whom.
+        partner: String,
+        /// Overlap over the smaller radius.
+        ratio: f64,
+        /// The largest that the scene allows.
+        limit: f64,
+        /// What to do.
+        remedy: &'static str,
+    },
     /// A grain was lost and the scene says `on_loss: Stop`.
     #[error("step {step}: {grain} was lost at {position} m: {way}; `on_loss: Continue` would go on")]
     GrainLost {

@@ -37,6 +37,7 @@ use crate::walls::conveyor::ConveyorPlugin;
 use crate::walls::forces::SurfacesPlugin;
 use crate::walls::outline::Outline;
 use crate::walls::paths::FlatWalls;
+use crate::watchdog::WatchdogPlugin;
 
 /// Which scene key asked for each system of the schedule [`Step`].
 #[derive(Resource, Default)]
@@ -103,6 +104,9 @@ pub(crate) fn add_all<V: Space>(
         .add("always", FinitePlugin(space))
         .add("always", EnergyPlugin(space))
         .add("always", LedgerPlugin(scene.on_loss, space));
+    if let Some(watchdog) = scene.watchdog {
+        app.add("watchdog", WatchdogPlugin(watchdog, space));
+    }
     if let Some(periodic) = periodic {
         app.add("periodic", PeriodicPlugin(periodic));
     }

@@ -288,7 +288,10 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
             help: "raise the stiffness: the contact law is meant for small overlaps".to_owned(),
         });
     }
-    let thickness = estimates.radius + loaded.wall_discs().iter().map(|disc| disc.radius).fold(f64::INFINITY, f64::min);
+    // Of a flat wall, what a centre goes from touching it to its other side.
+    let flat = loaded.scene.walls.iter().any(|wall| !matches!(wall, Wall::Disc { .. })).then_some(0.0);
+    let discs = loaded.wall_discs().into_iter().map(|disc| disc.radius);
+    let thickness = estimates.radius + discs.chain(flat).fold(f64::INFINITY, f64::min);
     let way = estimates.impact_speed * estimates.dt;
     if thickness.is_finite() && way > thickness {
         warnings.push(Warning {

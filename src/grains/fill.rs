@@ -64,7 +64,10 @@ impl Fill {
     /// Number of lattice cells along each axis.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e7, not negative")]
     fn cells(&self, dimension: Dimension) -> [u32; 3] {
-        let size = self.high.padded() - self.low.padded();
+        let (low, high) = (self.low.padded(), self.high.padded());
+        // Corners far from the origin are rounded themselves.
+        let round_off = (low.abs() + high.abs()) * f64::EPSILON;
+        let size = high - low + round_off;
         let along = |axis: usize| (size[axis] / self.spacing.get() * (1.0 + 1e-12)).clamp(0.0, MOST) as u32;
         [along(0), along(1), if dimension == Dimension::Solid { along(2) } else { 1 }]
     }
@@ -134,6 +137,13 @@ mod tests {
         let near = |n: usize, x: f64, y: f64, z: f64| grains[n].position.distance(Solid::new(x, y, z)) < 1e-16;
         assert!(near(0, 0.05, 0.05, 0.05) && near(3, 0.05, 0.15, 0.05) && near(11, 0.25, 0.15, 0.15));
         assert_eq!((grains[0].id, grains[11].id), (GrainId::grain(5).unwrap(), GrainId::grain(16).unwrap()));
+    }
+
+    #[test]
+    fn as_many_fit_far_from_the_origin() {
+        let far =
+            fill("(low: (999999.96, -1.0e6), high: (1000000.04, -999999.68), spacing: 0.08, radius: Fixed(0.04))");
+        assert_eq!(far.size(Dimension::Plane), Some(4));
     }
 
     #[test]

@@ -40,6 +40,7 @@ use crate::spin::InertiaLaw;
 use crate::walls::config::Wall;
 use crate::walls::silo_file::Silo;
 use values::{FiniteVector, ImpactError, Positive};
+use crate::watchdog::Watchdog;
 
 /// A scene as its file says it.
 #[derive(Debug, Deserialize, Serialize)]
@@ -102,6 +103,9 @@ pub struct Scene {
     /// What a lost grain does to the run.
     #[serde(default)]
     pub on_loss: OnLoss,
+    /// What stops a run that has gone wrong; `None` for nothing but numbers that are not finite.
+    #[serde(default = "default_watchdog")]
+    pub watchdog: Option<Watchdog>,
     /// When the run ends at the latest, s of simulated time.
     pub until: Positive,
     /// Measures fill height and packing fraction at rest.
@@ -147,4 +151,9 @@ pub enum TimeStep {
 #[expect(clippy::unnecessary_wraps, reason = "the default of a field of this type")]
 fn default_pictures() -> Option<Pictures> {
     Some(Pictures::default())
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "the default of a field of this type")]
+fn default_watchdog() -> Option<Watchdog> {
+    Some(Watchdog::default())
 }

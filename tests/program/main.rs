@@ -16,6 +16,7 @@
 mod behaviours;
 mod command_line;
 mod compare;
+mod hard;
 mod lattice;
 mod periodic;
 mod scenes;
