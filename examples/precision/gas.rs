@@ -78,7 +78,10 @@ impl Gas {
 impl Measure for Gas {
     /// Mean over the seeds.
     fn of<N: Numbers>(&self) -> (f64, Option<f64>) {
-        let changes: Vec<_> = (0..SEEDS).map(|seed| self.change::<N>(seed.into())).collect();
+        let changes: Vec<f64> = std::thread::scope(|scope| {
+            let runs: Vec<_> = (0..SEEDS).map(|seed| scope.spawn(move || self.change::<N>(seed.into()))).collect();
+            runs.into_iter().map(|run| run.join().unwrap_or(f64::NAN)).collect()
+        });
         let mean = changes.iter().sum::<f64>() / f64::from(SEEDS);
         let squares: f64 = changes.iter().map(|x| (x - mean).powi(2)).sum();
         (mean, Some((squares / f64::from(SEEDS * (SEEDS - 1))).sqrt()))

@@ -1,7 +1,7 @@
 //! What f32 would cost in error, and gain in time: `docs/precision.md` has the figures.
 //!
 //! ```text
-//! cargo run --release --example precision            # errors: two minutes
+//! cargo run --release --example precision            # errors: ten minutes
 //! cargo run --release --example precision -- --time  # the pair-force loop in f64 and in f32
 //! ```
 //!
