@@ -100,7 +100,7 @@ fn number(value: f64, is_log: bool) -> String {
 fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &[Curve]) {
     let (margin, top, margin_right, bottom) = MARGIN;
     let (width, height) = (SIZE.0 - margin - margin_right, SIZE.1 - top - bottom);
-    let at = |px: f64, py: f64| (left + margin + x.share(px) * width, top + (1.0 - y.share(py)) * height);
+    let at = |px: f64, py: f64| place(left, x, y, px, py);
     text(svg, left + margin, 26.0, "start", "", title);
     for &tick in &x.ticks {
         let (px, py) = at(tick, y.from);
@@ -141,6 +141,51 @@ fn draw(svg: &mut String, curve: &Curve, points: &[(f64, f64)], key: (f64, f64))
         }
     }
     text(svg, key_x + 14.0, key_y + 4.0, "start", "", &curve.name);
+}
+
+/// One panel of a sheet.
+#[derive(Clone, Debug)]
+pub struct Panel<'a> {
+    /// Above it.
+    pub title: &'a str,
+    /// Across.
+    pub x: Axis,
+    /// Up.
+    pub y: Axis,
+    /// What is drawn.
+    pub curves: Vec<Curve>,
+    /// Points that get a ring around them.
+    pub rings: Vec<(f64, f64)>,
+}
+
+/// A figure of panels in rows of `per_row`, at least one.
+#[must_use]
+pub fn sheet(panels: &[Panel], per_row: usize) -> String {
+    let per_row = per_row.max(1);
+    let share = |count: usize| f64::from(u16::try_from(count).unwrap_or(u16::MAX));
+    let (width, height) = (SIZE.0 * share(per_row.min(panels.len())), SIZE.1 * share(panels.len().div_ceil(per_row)));
+    let mut svg = format!(
+        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}"><rect width="{width}" height="{height}" fill="#ffffff"/>
+"##
+    );
+    for (number, at) in panels.iter().enumerate() {
+        let (left, down) = (SIZE.0 * share(number % per_row), SIZE.1 * share(number / per_row));
+        let _ = writeln!(svg, r#"<g transform="translate(0 {down})">"#);
+        panel(&mut svg, left, at.title, &at.x, &at.y, &at.curves);
+        for &(px, py) in &at.rings {
+            let (px, py) = place(left, &at.x, &at.y, px, py);
+            let _ = writeln!(svg, r##"<circle cx="{px:.1}" cy="{py:.1}" r="6.4" fill="none" stroke="#222222"/>"##);
+        }
+        svg += "</g>\n";
+    }
+    svg + "</svg>\n"
+}
+
+/// Where a point lies in a panel that begins `left` px from the left edge.
+fn place(left: f64, x: &Axis, y: &Axis, px: f64, py: f64) -> (f64, f64) {
+    let (margin, top, margin_right, bottom) = MARGIN;
+    let (width, height) = (SIZE.0 - margin - margin_right, SIZE.1 - top - bottom);
+    (left + margin + x.share(px) * width, top + (1.0 - y.share(py)) * height)
 }
 
 /// A figure of panels side by side: (title, x, y, curves).
