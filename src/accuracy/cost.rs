@@ -50,8 +50,9 @@ fn round(simulation: &mut Simulation) -> f64 {
     1e9 * seconds / steps.max(1) as f64
 }
 
-/// The middle one.
-pub(super) fn median(values: &mut [f64]) -> Option<f64> {
+/// The middle one; `None` of nothing.
+#[must_use]
+pub fn median(values: &mut [f64]) -> Option<f64> {
     values.sort_unstable_by(f64::total_cmp);
     values.get(values.len() / 2).copied()
 }

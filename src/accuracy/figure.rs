@@ -83,6 +83,6 @@ fn panel<'a>(
     let rings = all.iter().zip(pareto(&all)).filter(|(_, is_on_it)| *is_on_it).map(|(point, _)| *point);
     let rings = rings.filter(|point| point.1 > LEAST).collect();
     let x = Axis::logarithmic(label, all.iter().map(|point| point.0));
-    let y = Axis::logarithmic("rms error", all.iter().map(|point| point.1));
+    let y = Axis::logarithmic("rms error; ringed: nothing is as cheap and better", all.iter().map(|point| point.1));
     Panel { title, x, y, curves, rings }
 }

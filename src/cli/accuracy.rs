@@ -1,6 +1,8 @@
 //! `siloflow accuracy`: speed against error, of the canonical cases or of a scene.
+//!
+//! Which of the two is meant, the arguments say: names of cases, or one path that ends in `.ron`.
 
-use std::num::NonZeroUsize;
+use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -10,8 +12,10 @@ use rayon::prelude::*;
 use crate::accuracy::case::Case;
 use crate::accuracy::ladder::{self, Climb, Prepared};
 use crate::accuracy::report::Report;
+use crate::accuracy::scene_study::Question;
 use crate::accuracy::{SCHEMES, cases, cost, figure};
-use crate::cli::{Verdict, say};
+use crate::behaviour::Registry;
+use crate::cli::{Verdict, say, setting};
 use crate::fault::Fault;
 use crate::output::png;
 
@@ -21,12 +25,26 @@ use crate::output::png;
 Without arguments: all cases, each scheme, over a ladder of steps. See docs/accuracy.md.
   siloflow accuracy
   siloflow accuracy bounce-0.5 bed --quick
+Figure: out/accuracy/work-precision.png; figures: out/accuracy/accuracy.csv, accuracy.json
 
-Figure: out/accuracy/work-precision.png; figures: out/accuracy/accuracy.csv, accuracy.json")]
+With a scene: its own observables over a ladder of its own step, with seeds for what chance decides, and the step for a wanted \
+error.
+  siloflow accuracy scenes/column.ron --error 1e-3
+  siloflow accuracy scenes/silo1.ron --set spawner.count=100 --seeds 8
+Figures: out/accuracy/<scene>.json")]
 pub(super) struct AccuracyArgs {
-    /// Cases, by name. Default: all.
-    #[arg(value_name = "CASE")]
+    /// Cases, by name, or one scene, a RON file. Default: all cases.
+    #[arg(value_name = "CASE|SCENE")]
     what: Vec<String>,
+    /// Of a scene: change a key, as `run` has it. May be repeated.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = setting)]
+    set: Vec<(String, String)>,
+    /// Of a scene: how many seeds, from its own on. [default: 4]
+    #[arg(long, value_name = "N")]
+    seeds: Option<NonZeroU32>,
+    /// Of a scene: the wanted relative error of its observables. [default: 1e-2]
+    #[arg(long, value_name = "E", value_parser = positive)]
+    error: Option<f64>,
     /// Where the results go.
     #[arg(long, value_name = "DIR", default_value = "out/accuracy")]
     out: PathBuf,
@@ -41,8 +59,12 @@ pub(super) struct AccuracyArgs {
     json: bool,
 }
 
-pub(super) fn accuracy(args: &AccuracyArgs, quiet: bool) -> Result<Verdict, Fault> {
-    let cases = chosen(&args.what)?;
+fn positive(text: &str) -> Result<f64, String> {
+    let number = text.parse().ok().filter(|number: &f64| *number > 0.0 && number.is_finite());
+    number.ok_or_else(|| "expected a positive number, for example 1e-2".to_owned())
+}
+
+pub(super) fn accuracy(args: &AccuracyArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
     let start = Instant::now();
     let tell = |what: &str| {
         if !quiet {
@@ -53,18 +75,60 @@ pub(super) fn accuracy(args: &AccuracyArgs, quiet: bool) -> Result<Verdict, Faul
         Fault::new("call::threads", format!("could not start the threads: {error}"))
             .help("ask for fewer with --threads")
     })?;
+    let is_scene = |what: &String| Path::new(what).extension().is_some_and(|ending| ending == "ron");
+    match args.what.as_slice() {
+        [scene] if is_scene(scene) => pool.install(|| of_scene(args, Path::new(scene), registry, &tell)),
+        all if all.iter().any(is_scene) => {
+            Err(Fault::new("accuracy::one_scene", "a scene is studied alone").help("give one scene, or names of cases"))
+        }
+        _ if !args.set.is_empty() || args.seeds.is_some() || args.error.is_some() => {
+            Err(Fault::new("accuracy::no_scene", "--set, --seeds and --error belong to a scene, and there is none")
+                .help("give a scene, for example scenes/silo1.ron"))
+        }
+        names => pool.install(|| of_cases(args, chosen(names)?, &tell)),
+    }
+}
+
+fn of_scene(
+    args: &AccuracyArgs,
+    scene: &Path,
+    registry: &Registry,
+    tell: &(dyn Fn(&str) + Sync),
+) -> Result<Verdict, Fault> {
+    let question = Question {
+        scene,
+        settings: &args.set,
+        seeds: args.seeds.map_or(4, NonZeroU32::get),
+        error: args.error.unwrap_or(1e-2),
+        quick: args.quick,
+        registry,
+    };
+    let study = question.answer(tell)?;
+    let path = args.out.join(&study.scene).with_added_extension("json");
+    let failed = |error: std::io::Error| unwritable(&args.out, &error);
+    std::fs::create_dir_all(&args.out).map_err(failed)?;
+    std::fs::write(&path, json(&study)).map_err(failed)?;
+    if args.json {
+        say(&json(&study));
+    } else {
+        say(&format!("{}written to {}\n", study.table(), path.display()));
+    }
+    Ok(Verdict::Done)
+}
+
+fn of_cases(args: &AccuracyArgs, cases: Vec<Case>, tell: &(dyn Fn(&str) + Sync)) -> Result<Verdict, Fault> {
     tell("what a step costs, in the bed");
     let cost = cost::measure(if args.quick { 3 } else { 7 });
     tell("reference solutions");
-    let prepared: Vec<Prepared> =
-        pool.install(|| cases.into_par_iter().with_max_len(1).map(|case| ladder::prepare(case, args.quick)).collect());
+    let prepare = |case| ladder::prepare(case, args.quick);
+    let prepared: Vec<Prepared> = cases.into_par_iter().with_max_len(1).map(prepare).collect();
     let tasks: Vec<_> = prepared.iter().flat_map(|case| (0..SCHEMES.len()).map(move |scheme| (case, scheme))).collect();
     let climb = |(prepared, scheme): (&Prepared, usize)| {
         let climb = prepared.climb(scheme);
         tell(&format!("{}, {}", climb.case, SCHEMES[scheme].name()));
         climb
     };
-    let climbs: Vec<Climb> = pool.install(|| tasks.into_par_iter().with_max_len(1).map(climb).collect());
+    let climbs: Vec<Climb> = tasks.into_par_iter().with_max_len(1).map(climb).collect();
     let report = Report::new(&climbs, &cost);
     write(&args.out, &report)?;
     if args.json {
@@ -95,10 +159,7 @@ fn json(report: &impl serde::Serialize) -> String {
 }
 
 fn write(out: &Path, report: &Report) -> Result<(), Fault> {
-    let failed = |error: std::io::Error| {
-        Fault::new("accuracy::write", format!("could not write to {}: {error}", out.display()))
-            .help("give another directory with --out")
-    };
+    let failed = |error: std::io::Error| unwritable(out, &error);
     std::fs::create_dir_all(out).map_err(failed)?;
     std::fs::write(out.join("accuracy.csv"), report.csv()).map_err(failed)?;
     std::fs::write(out.join("accuracy.json"), json(report)).map_err(failed)?;
@@ -106,4 +167,9 @@ fn write(out: &Path, report: &Report) -> Result<(), Fault> {
     std::fs::write(&path, figure::work_precision(report)).map_err(failed)?;
     png::render_file(&path)?;
     Ok(())
+}
+
+fn unwritable(out: &Path, error: &std::io::Error) -> Fault {
+    Fault::new("accuracy::write", format!("could not write to {}: {error}", out.display()))
+        .help("give another directory with --out")
 }

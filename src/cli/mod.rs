@@ -133,7 +133,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Explain(args) => explain::explain(args, registry),
         Command::Study(args) => study::study(args, cli.quiet),
         Command::Compare(args) => compare::compare(args, registry, cli.quiet),
-        Command::Accuracy(args) => accuracy::accuracy(args, cli.quiet),
+        Command::Accuracy(args) => accuracy::accuracy(args, registry, cli.quiet),
         Command::Render(args) => render::render(args),
     };
     match result {

@@ -96,8 +96,8 @@ fn number(value: f64, is_log: bool) -> String {
     }
 }
 
-/// One panel as an SVG group, `left` px from the left edge.
-fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &[Curve]) {
+/// One panel, `left` px from the left edge, with the names of its curves from `key` px down.
+fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &[Curve], key: f64) {
     let (margin, top, margin_right, bottom) = MARGIN;
     let (width, height) = (SIZE.0 - margin - margin_right, SIZE.1 - top - bottom);
     let at = |px: f64, py: f64| place(left, x, y, px, py);
@@ -122,7 +122,7 @@ fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &
     text(svg, px, py, "middle", &format!(r#" transform="rotate(-90 {px} {py})""#), y.label);
     for (row, curve) in (0u32..).zip(curves) {
         let points: Vec<_> = curve.points.iter().map(|&(px, py)| at(px, py)).collect();
-        draw(svg, curve, &points, (frame + 14.0, top + 18.0 + 18.0 * f64::from(row)));
+        draw(svg, curve, &points, (frame + 14.0, key + 18.0 * f64::from(row)));
     }
 }
 
@@ -171,7 +171,9 @@ pub fn sheet(panels: &[Panel], per_row: usize) -> String {
     for (number, at) in panels.iter().enumerate() {
         let (left, down) = (SIZE.0 * share(number % per_row), SIZE.1 * share(number / per_row));
         let _ = writeln!(svg, r#"<g transform="translate(0 {down})">"#);
-        panel(&mut svg, left, at.title, &at.x, &at.y, &at.curves);
+        // A falling curve leaves the lower left free.
+        let rows = share(at.curves.len());
+        panel(&mut svg, left, at.title, &at.x, &at.y, &at.curves, SIZE.1 - MARGIN.3 - 18.0 * rows);
         for &(px, py) in &at.rings {
             let (px, py) = place(left, &at.x, &at.y, px, py);
             let _ = writeln!(svg, r##"<circle cx="{px:.1}" cy="{py:.1}" r="6.4" fill="none" stroke="#222222"/>"##);
@@ -199,7 +201,7 @@ pub fn figure(panels: &[(&str, Axis, Axis, Vec<Curve>)]) -> String {
     );
     let mut left = 0.0;
     for (title, x, y, curves) in panels {
-        panel(&mut svg, left, title, x, y, curves);
+        panel(&mut svg, left, title, x, y, curves, MARGIN.1 + 18.0);
         left += SIZE.0;
     }
     svg + "</svg>\n"

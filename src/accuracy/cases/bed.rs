@@ -10,34 +10,36 @@ use super::draw;
 use super::gas::walls;
 
 const SIDE: u32 = 20;
+const R: f64 = 0.04;
+const M: f64 = 0.16;
 
 /// The case; it also serves to measure what a step costs.
 #[must_use]
 pub fn bed() -> Case {
-    let (k, b, r, m) = (1.0e4, 5.0, 0.04, 0.16);
+    let (k, b) = (1.0e4, 5.0);
     // zeta = b/(2 sqrt(k m_eff)) lengthens a contact by 0.4 %.
-    let zeta: f64 = b / (2.0 * f64::sqrt(k * 0.5 * m));
-    let contact_duration = duration(k, 1.0, true, 0.5 * m) / (1.0 - zeta * zeta).sqrt();
+    let zeta: f64 = b / (2.0 * f64::sqrt(k * 0.5 * M));
+    let contact_duration = duration(k, 1.0, true, 0.5 * M) / (1.0 - zeta * zeta).sqrt();
     Case {
         name: "bed",
         title: "silo1's bed, falling",
-        systems: vec![falling(1, k, b, r, m), falling(2, k, b, r, m)],
+        systems: vec![falling(1, k, b), falling(2, k, b)],
         contact_duration,
         end: 12.0 * contact_duration,
         truth: Truth::Integrated,
-        measure: Measure::Place(r),
+        measure: Measure::Place(R),
         finest: 500.0,
     }
 }
 
-fn falling(seed: u64, k: f64, b: f64, r: f64, m: f64) -> System {
-    let (spacing, mut state) = (2.08 * r, seed);
+fn falling(seed: u64, k: f64, b: f64) -> System {
+    let (spacing, mut state) = (2.08 * R, seed);
     let mut discs = Vec::new();
     for row in 0..SIDE {
         for column in 0..SIDE {
             let mut around = |width: f64| DVec2::new(draw(&mut state) - 0.5, draw(&mut state) - 0.5) * width;
-            let x = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5) * spacing + around(0.06 * r);
-            discs.push(disc(r, m, x, around(1.0) - DVec2::Y));
+            let x = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5) * spacing + around(0.06 * R);
+            discs.push(disc(R, M, x, around(1.0) - DVec2::Y));
         }
     }
     let floors = walls(spacing * f64::from(SIDE), None);

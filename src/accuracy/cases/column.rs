@@ -7,11 +7,11 @@ use super::super::reference::closed::duration;
 use super::super::reference::{Floor, System};
 
 pub(super) fn case() -> Case {
-    let (k, e, r, m, v) = (1.0e5, 0.5, 0.04, 0.16, 0.5);
-    let contact_duration = duration(k, e, false, 0.5 * m);
-    let gap = 0.3 * v * contact_duration;
-    let height = |i: u32| f64::from(i) * (2.0 * r + 0.3 * gap) + r + 1.5 * gap;
-    let discs = (0..10).map(|i| disc(r, m, DVec2::new(0.0, height(i)), DVec2::new(0.0, -v))).collect();
+    let (k, e, radius, mass, speed) = (1.0e5, 0.5, 0.04, 0.16, 0.5);
+    let contact_duration = duration(k, e, false, 0.5 * mass);
+    let gap = 0.3 * speed * contact_duration;
+    let height = |i: u32| f64::from(i) * (2.0 * radius + 0.3 * gap) + radius + 1.5 * gap;
+    let discs = (0..10).map(|i| disc(radius, mass, DVec2::new(0.0, height(i)), DVec2::new(0.0, -speed))).collect();
     let floors = vec![Floor { point: DVec2::ZERO, normal: DVec2::Y }];
     Case {
         name: "column",
@@ -20,7 +20,7 @@ pub(super) fn case() -> Case {
         contact_duration,
         end: 20.0 * contact_duration,
         truth: Truth::Integrated,
-        measure: Measure::Velocity(v),
+        measure: Measure::Velocity(speed),
         finest: 500.0,
     }
 }

@@ -7,12 +7,12 @@ use super::super::reference::closed::duration;
 use super::super::reference::{Floor, System};
 
 pub(super) fn case() -> Case {
-    let (k, e, r, m) = (1.0e5, 0.8, 0.04, 0.16);
-    let (top, g) = (3.6 * r, 9.81);
-    let contact_duration = duration(k, e, true, m * 2.0 * m / (3.0 * m));
+    let (k, e, radius, mass) = (1.0e5, 0.8, 0.04, 0.16);
+    let (top, g) = (3.6 * radius, 9.81);
+    let contact_duration = duration(k, e, true, 2.0 / 3.0 * mass);
     let at = |share: f64| DVec2::new(0.0, share * top);
     let floors = vec![Floor { point: DVec2::ZERO, normal: DVec2::Y }, Floor { point: at(1.0), normal: DVec2::NEG_Y }];
-    let discs = vec![disc(r, 2.0 * m, at(0.27), DVec2::ZERO), disc(r, m, at(0.75), DVec2::ZERO)];
+    let discs = vec![disc(radius, 2.0 * mass, at(0.27), DVec2::ZERO), disc(radius, mass, at(0.75), DVec2::ZERO)];
     Case {
         name: "stacked-pair",
         title: "stacked pair between walls, e = 0.8",
