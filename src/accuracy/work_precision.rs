@@ -2,6 +2,8 @@
 //!
 //! Between two neighbouring points of a ladder an error is taken for a power of the cost, error = A n^-p.
 
+use std::fmt;
+
 use serde::Serialize;
 
 /// Errors below this are rounding, and have no order: thousands of steps, each rounding a place tens of metres from the
@@ -53,6 +55,16 @@ impl Needed {
         match self {
             Self::Steps(n) | Self::AtMost(n) => Some(n),
             Self::NotReached => None,
+        }
+    }
+}
+
+impl fmt::Display for Needed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Steps(n) => write!(f, "{n:.0}"),
+            Self::AtMost(n) => write!(f, "<{n:.0}"),
+            Self::NotReached => f.write_str("-"),
         }
     }
 }

@@ -235,4 +235,15 @@ mod tests {
         // The panel goes from 72 to 504 px and from 44 to 344 px: its middle.
         assert!(svg.contains(r#"<circle cx="288.0" cy="194.0""#) && svg.contains("a &lt; b &amp; c"), "{svg}");
     }
+
+    #[test]
+    fn a_sheet_has_rows_and_rings() {
+        let axis = || Axis { label: "", from: 1.0, to: 100.0, is_log: true, ticks: vec![] };
+        let panel = || Panel { title: "", x: axis(), y: axis(), curves: vec![], rings: vec![(10.0, 10.0)] };
+        let svg = sheet(&[panel(), panel(), panel()], 2);
+        // Two panels wide and two high; the third is below the first, its ring in the middle of it.
+        assert!(svg.contains(r#"viewBox="0 0 1040 800""#), "{svg}");
+        let third = svg.split_once("translate(0 400)").unwrap().1;
+        assert!(third.contains(r#"<circle cx="288.0" cy="194.0" r="6.4" fill="none""#), "{svg}");
+    }
 }

@@ -97,7 +97,7 @@ fn what_it_cannot_do_is_told_with_what_it_can() {
     for (arguments, code, hint) in [
         (vec!["bounce-0.7"], "accuracy::unknown_case", "bounce-0.9"),
         (vec!["bed", "--seeds", "3"], "accuracy::no_scene", "scenes/silo1.ron"),
-        (vec!["--error", "-1", "bed"], "error", "--error"),
+        (vec!["--error", "0", "bed"], "expected a positive number", "--error"),
         (vec![&column, "bed"], "accuracy::one_scene", "one scene"),
         (vec![&lattice], "accuracy::lattice", "a scene of grains"),
         (vec!["missing.ron"], "scene::unreadable", "missing.ron"),

@@ -23,7 +23,7 @@ pub fn bed() -> Case {
     Case {
         name: "bed",
         title: "silo1's bed, falling",
-        systems: vec![falling(1, k, b), falling(2, k, b)],
+        systems: (1..=4).map(|seed| falling(seed, k, b)).collect(),
         contact_duration,
         end: 12.0 * contact_duration,
         truth: Truth::Integrated,
