@@ -1,7 +1,7 @@
 //! Speed against error: how wrong a scheme is at a step, and what less error would cost.
 //!
 //! * [`cases`]: small systems with a known answer, run by [`trial`] through the product's own app over a [`ladder`] of steps
-//!   and all schemes, and held against [`reference`], which shares nothing with the product.
+//!   and all schemes, and held against [`mod@reference`], which shares nothing with the product.
 //! * [`work_precision`]: orders, the step that a wanted error needs, Pareto fronts. [`report`] and [`figure`] show them.
 //! * [`scene_study`]: the same question for a scene of the user's, which has no closed form: its own observables over steps
 //!   and seeds.
