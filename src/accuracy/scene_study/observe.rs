@@ -25,7 +25,7 @@ pub enum Kind {
 }
 
 /// All observables: name with unit, and kind.
-pub const OBSERVABLES: [(&str, Kind); 9] = [
+pub const OBSERVABLES: [(&str, Kind); 10] = [
     ("rest_time_s", Kind::Value),
     ("empty_time_s", Kind::Value),
     ("discharge_rate_per_s", Kind::Value),
@@ -34,6 +34,7 @@ pub const OBSERVABLES: [(&str, Kind); 9] = [
     ("mean_height_m", Kind::Value),
     ("largest_overlap_ratio", Kind::Value),
     ("dissipated_j", Kind::Value),
+    ("kinetic_j", Kind::Value),
     ("energy_balance_error", Kind::Error),
 ];
 
@@ -68,11 +69,15 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     };
     cost.wall_s = start.elapsed().as_secs_f64();
     // Of what stays inside: grains that have fallen out are on their way to nowhere.
-    let height = mean_height(simulation.world()).filter(|_| simulation.world().resource::<Ledger>().out() == 0);
+    let is_whole = simulation.world().resource::<Ledger>().out() == 0;
+    let height = mean_height(simulation.world()).filter(|_| is_whole);
     let summary = Summary::of(simulation.world_mut(), loaded, &end, cost);
     let energy = &summary.energy;
     // Over what went through the books: the lost, or what is there.
     let turnover = energy.flows.dissipated.max(energy.kinetic + energy.rotational + energy.elastic);
+    // What still moves at the end, unless that is what a bed at rest is left with.
+    let kinetic = energy.kinetic + energy.rotational;
+    let kinetic = Some(kinetic).filter(|kinetic| is_whole && *kinetic > 1e-3 * energy.flows.dissipated);
     let failure = if summary.is_done() {
         None
     } else {
@@ -89,6 +94,7 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
             height,
             Some(summary.max_overlap_ratio).filter(|&ratio| ratio > 0.0),
             Some(energy.flows.dissipated).filter(|&lost| lost > 0.0),
+            kinetic.filter(|&kinetic| kinetic > 0.0),
             Some(energy.balance_error.abs() / turnover).filter(|error| error.is_finite()),
         ],
         failure,
