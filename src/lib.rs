@@ -33,6 +33,7 @@
 //! # Ok::<(), siloflow::fault::Fault>(())
 //! ```
 
+pub mod accuracy;
 pub mod behaviour;
 pub mod check;
 pub mod cli;

@@ -2,6 +2,7 @@
 //!
 //! Exit status: 0 done; 1 the simulation failed; 2 the input or the call was wrong.
 
+mod accuracy;
 mod check;
 mod compare;
 mod explain;
@@ -57,6 +58,8 @@ enum Command {
     Study(study::StudyArgs),
     /// Compare the flow patterns of runs or scenes with that of a reference, and what each cost.
     Compare(compare::CompareArgs),
+    /// Measure speed against error: of canonical cases, by every scheme and over a ladder of steps.
+    Accuracy(accuracy::AccuracyArgs),
     /// Turn snapshots (SVG) into PNGs beside them.
     Render(render::RenderArgs),
 }
@@ -130,6 +133,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Explain(args) => explain::explain(args, registry),
         Command::Study(args) => study::study(args, cli.quiet),
         Command::Compare(args) => compare::compare(args, registry, cli.quiet),
+        Command::Accuracy(args) => accuracy::accuracy(args, registry, cli.quiet),
         Command::Render(args) => render::render(args),
     };
     match result {

@@ -96,11 +96,11 @@ fn number(value: f64, is_log: bool) -> String {
     }
 }
 
-/// One panel as an SVG group, `left` px from the left edge.
-fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &[Curve]) {
+/// One panel, `left` px from the left edge, with the names of its curves from `key` px down.
+fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &[Curve], key: f64) {
     let (margin, top, margin_right, bottom) = MARGIN;
     let (width, height) = (SIZE.0 - margin - margin_right, SIZE.1 - top - bottom);
-    let at = |px: f64, py: f64| (left + margin + x.share(px) * width, top + (1.0 - y.share(py)) * height);
+    let at = |px: f64, py: f64| place(left, x, y, px, py);
     text(svg, left + margin, 26.0, "start", "", title);
     for &tick in &x.ticks {
         let (px, py) = at(tick, y.from);
@@ -122,7 +122,7 @@ fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &
     text(svg, px, py, "middle", &format!(r#" transform="rotate(-90 {px} {py})""#), y.label);
     for (row, curve) in (0u32..).zip(curves) {
         let points: Vec<_> = curve.points.iter().map(|&(px, py)| at(px, py)).collect();
-        draw(svg, curve, &points, (frame + 14.0, top + 18.0 + 18.0 * f64::from(row)));
+        draw(svg, curve, &points, (frame + 14.0, key + 18.0 * f64::from(row)));
     }
 }
 
@@ -143,6 +143,53 @@ fn draw(svg: &mut String, curve: &Curve, points: &[(f64, f64)], key: (f64, f64))
     text(svg, key_x + 14.0, key_y + 4.0, "start", "", &curve.name);
 }
 
+/// One panel of a sheet.
+#[derive(Clone, Debug)]
+pub struct Panel<'a> {
+    /// Above it.
+    pub title: &'a str,
+    /// Across.
+    pub x: Axis,
+    /// Up.
+    pub y: Axis,
+    /// What is drawn.
+    pub curves: Vec<Curve>,
+    /// Points that get a ring around them.
+    pub rings: Vec<(f64, f64)>,
+}
+
+/// A figure of panels in rows of `per_row`, at least one.
+#[must_use]
+pub fn sheet(panels: &[Panel], per_row: usize) -> String {
+    let per_row = per_row.max(1);
+    let share = |count: usize| f64::from(u16::try_from(count).unwrap_or(u16::MAX));
+    let (width, height) = (SIZE.0 * share(per_row.min(panels.len())), SIZE.1 * share(panels.len().div_ceil(per_row)));
+    let mut svg = format!(
+        r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}"><rect width="{width}" height="{height}" fill="#ffffff"/>
+"##
+    );
+    for (number, at) in panels.iter().enumerate() {
+        let (left, down) = (SIZE.0 * share(number % per_row), SIZE.1 * share(number / per_row));
+        let _ = writeln!(svg, r#"<g transform="translate(0 {down})">"#);
+        // A falling curve leaves the lower left free.
+        let rows = share(at.curves.len());
+        panel(&mut svg, left, at.title, &at.x, &at.y, &at.curves, SIZE.1 - MARGIN.3 - 18.0 * rows);
+        for &(px, py) in &at.rings {
+            let (px, py) = place(left, &at.x, &at.y, px, py);
+            let _ = writeln!(svg, r##"<circle cx="{px:.1}" cy="{py:.1}" r="6.4" fill="none" stroke="#222222"/>"##);
+        }
+        svg += "</g>\n";
+    }
+    svg + "</svg>\n"
+}
+
+/// Where a point lies in a panel that begins `left` px from the left edge.
+fn place(left: f64, x: &Axis, y: &Axis, px: f64, py: f64) -> (f64, f64) {
+    let (margin, top, margin_right, bottom) = MARGIN;
+    let (width, height) = (SIZE.0 - margin - margin_right, SIZE.1 - top - bottom);
+    (left + margin + x.share(px) * width, top + (1.0 - y.share(py)) * height)
+}
+
 /// A figure of panels side by side: (title, x, y, curves).
 #[must_use]
 pub fn figure(panels: &[(&str, Axis, Axis, Vec<Curve>)]) -> String {
@@ -154,7 +201,7 @@ pub fn figure(panels: &[(&str, Axis, Axis, Vec<Curve>)]) -> String {
     );
     let mut left = 0.0;
     for (title, x, y, curves) in panels {
-        panel(&mut svg, left, title, x, y, curves);
+        panel(&mut svg, left, title, x, y, curves, MARGIN.1 + 18.0);
         left += SIZE.0;
     }
     svg + "</svg>\n"
@@ -187,5 +234,16 @@ mod tests {
         let svg = figure(&[("", Axis::linear("x", 0.0, 1.0), y, vec![curve])]);
         // The panel goes from 72 to 504 px and from 44 to 344 px: its middle.
         assert!(svg.contains(r#"<circle cx="288.0" cy="194.0""#) && svg.contains("a &lt; b &amp; c"), "{svg}");
+    }
+
+    #[test]
+    fn a_sheet_has_rows_and_rings() {
+        let axis = || Axis { label: "", from: 1.0, to: 100.0, is_log: true, ticks: vec![] };
+        let panel = || Panel { title: "", x: axis(), y: axis(), curves: vec![], rings: vec![(10.0, 10.0)] };
+        let svg = sheet(&[panel(), panel(), panel()], 2);
+        // Two panels wide and two high; the third is below the first, its ring in the middle of it.
+        assert!(svg.contains(r#"viewBox="0 0 1040 800""#), "{svg}");
+        let third = svg.split_once("translate(0 400)").unwrap().1;
+        assert!(third.contains(r#"<circle cx="288.0" cy="194.0" r="6.4" fill="none""#), "{svg}");
     }
 }

@@ -14,6 +14,7 @@
     reason = "tests count in small numbers and compare exact values"
 )]
 
+mod accuracy;
 mod bounce;
 mod column;
 mod conservation;

@@ -13,6 +13,7 @@
     reason = "tests count in small numbers and compare exact values"
 )]
 
+mod accuracy;
 mod behaviours;
 mod command_line;
 mod compare;

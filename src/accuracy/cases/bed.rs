@@ -1,0 +1,47 @@
+//! The grains of silo1, 400 of them, as a dense bed that falls on a floor: the assignment's law, where they are after
+//! 12 contact durations. Longer, and chance would take over.
+
+use glam::DVec2;
+
+use super::super::case::{Case, Measure, Truth, disc};
+use super::super::reference::closed::duration;
+use super::super::reference::{Law, System};
+use super::draw;
+use super::gas::walls;
+
+const SIDE: u32 = 20;
+const R: f64 = 0.04;
+const M: f64 = 0.16;
+
+/// The case; it also serves to measure what a step costs.
+#[must_use]
+pub fn bed() -> Case {
+    let (k, b) = (1.0e4, 5.0);
+    // zeta = b/(2 sqrt(k m_eff)) lengthens a contact by 0.4 %.
+    let zeta: f64 = b / (2.0 * f64::sqrt(k * 0.5 * M));
+    let contact_duration = duration(k, 1.0, true, 0.5 * M) / (1.0 - zeta * zeta).sqrt();
+    Case {
+        name: "bed",
+        title: "silo1's bed, falling",
+        systems: (1..=4).map(|seed| falling(seed, k, b)).collect(),
+        contact_duration,
+        end: 12.0 * contact_duration,
+        truth: Truth::Integrated,
+        measure: Measure::Place(R),
+        finest: 500.0,
+    }
+}
+
+fn falling(seed: u64, k: f64, b: f64) -> System {
+    let (spacing, mut state) = (2.08 * R, seed);
+    let mut discs = Vec::new();
+    for row in 0..SIDE {
+        for column in 0..SIDE {
+            let mut around = |width: f64| DVec2::new(draw(&mut state) - 0.5, draw(&mut state) - 0.5) * width;
+            let x = DVec2::new(f64::from(column) + 0.5, f64::from(row) + 0.5) * spacing + around(0.06 * R);
+            discs.push(disc(R, M, x, around(1.0) - DVec2::Y));
+        }
+    }
+    let floors = walls(spacing * f64::from(SIDE), None);
+    System { gravity: DVec2::new(0.0, -9.81), law: Law::Full { k, b }, discs, floors }
+}

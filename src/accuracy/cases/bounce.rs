@@ -1,0 +1,52 @@
+//! A head-on bounce of two unlike grains: error of the restitution, against its closed form, with attraction and without.
+
+use glam::DVec2;
+
+use super::super::case::{Case, Measure, Truth, disc, linear};
+use super::super::reference::closed::{after_bounce, duration};
+use super::super::reference::{Law, State, System};
+
+const K: f64 = 1.0e5;
+const V: f64 = 1.0;
+const MASSES: [f64; 2] = [0.16, 0.09];
+
+const CASES: [(&str, &str, f64, bool); 6] = [
+    ("bounce-0.9", "bounce, e = 0.9", 0.9, true),
+    ("bounce-0.5", "bounce, e = 0.5", 0.5, true),
+    ("bounce-0.2", "bounce, e = 0.2", 0.2, true),
+    ("bounce-cut-0.9", "bounce, no attraction, e = 0.9", 0.9, false),
+    ("bounce-cut-0.5", "bounce, no attraction, e = 0.5", 0.5, false),
+    ("bounce-cut-0.2", "bounce, no attraction, e = 0.2", 0.2, false),
+];
+
+pub(super) fn cases() -> Vec<Case> {
+    CASES.map(|(name, title, e, attracts)| case(name, title, e, attracts)).to_vec()
+}
+
+fn case(name: &'static str, title: &'static str, e: f64, attracts: bool) -> Case {
+    let contact_duration = duration(K, e, attracts, MASSES[0] * MASSES[1] / (MASSES[0] + MASSES[1]));
+    // A start within the first step at t_c/5 does not touch.
+    let gap = 0.3 * V * contact_duration;
+    let discs = vec![
+        disc(0.04, MASSES[0], DVec2::ZERO, DVec2::ZERO),
+        disc(0.03, MASSES[1], DVec2::new(0.0, 0.07 + gap), DVec2::new(0.0, -V)),
+    ];
+    Case {
+        name,
+        title,
+        systems: vec![System { gravity: DVec2::ZERO, law: linear(K, e, attracts), discs, floors: vec![] }],
+        contact_duration,
+        end: 4.0 * contact_duration,
+        truth: Truth::Closed(parted),
+        measure: Measure::Parting(V),
+        finest: 1000.0,
+    }
+}
+
+/// Velocities after it; places do not count.
+fn parted(system: &System, _: f64) -> State {
+    let e = if let Law::Linear { e, .. } = system.law { e } else { 1.0 };
+    let d = &system.discs;
+    let v = after_bounce([d[0].mass, d[1].mass], [d[0].v, d[1].v], e);
+    State { x: vec![d[0].x, d[1].x], v: v.to_vec(), w: vec![0.0; 2] }
+}

@@ -1,0 +1,27 @@
+//! Two grains squeezed between a floor and a lid, the lower one twice as heavy: contacts that ring and never open.
+
+use glam::DVec2;
+
+use super::super::case::{Case, Measure, Truth, disc, linear};
+use super::super::reference::closed::duration;
+use super::super::reference::{Floor, System};
+
+pub(super) fn case() -> Case {
+    let (k, e, radius, mass) = (1.0e5, 0.8, 0.04, 0.16);
+    let (top, g) = (3.6 * radius, 9.81);
+    let contact_duration = duration(k, e, true, 2.0 / 3.0 * mass);
+    let at = |share: f64| DVec2::new(0.0, share * top);
+    let floors = vec![Floor { point: DVec2::ZERO, normal: DVec2::Y }, Floor { point: at(1.0), normal: DVec2::NEG_Y }];
+    let discs = vec![disc(radius, 2.0 * mass, at(0.27), DVec2::ZERO), disc(radius, mass, at(0.75), DVec2::ZERO)];
+    Case {
+        name: "stacked-pair",
+        title: "stacked pair between walls, e = 0.8",
+        systems: vec![System { gravity: DVec2::new(0.0, -g), law: linear(k, e, true), discs, floors }],
+        contact_duration,
+        end: 6.0 * contact_duration,
+        truth: Truth::Integrated,
+        // It is let go some 0.02 of the length from where it will rest.
+        measure: Measure::Place(0.02 * top),
+        finest: 1000.0,
+    }
+}

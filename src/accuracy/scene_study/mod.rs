@@ -1,0 +1,119 @@
+//! A scene of the user's over steps and seeds: what its own observables make of them.
+//!
+//! There is no closed form for a silo, and its motion is chaotic: two runs that differ by a rounding differ by a grain's width
+//! a second later. What a step can change is the statistics, and these have noise: each rung of a ladder of steps is run with
+//! several seeds, [`observe`] takes the observables of each run, and [`verdict`] holds their means against those of the finest
+//! rung. A scene in which the seed changes nothing is run once a rung, and every difference is the step's.
+
+pub mod observe;
+pub mod report;
+pub mod verdict;
+
+use std::path::Path;
+
+use rayon::prelude::*;
+
+use self::observe::{Observed, run};
+use self::report::Study;
+use crate::behaviour::Registry;
+use crate::check;
+use crate::fault::Fault;
+use crate::scene::load::{self, AnyScene, Loaded};
+
+/// Rungs, in the scene's own step, coarse to fine.
+pub const FACTORS: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
+/// Those of a short ladder.
+pub const SHORT: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
+
+/// What is asked.
+pub struct Question<'a> {
+    /// The scene's file.
+    pub scene: &'a Path,
+    /// Changes to it.
+    pub settings: &'a [(String, String)],
+    /// How many seeds, from the scene's own on.
+    pub seeds: u32,
+    /// The wanted relative error.
+    pub error: f64,
+    /// Whether the ladder is short.
+    pub quick: bool,
+    /// What the program can do.
+    pub registry: &'a Registry,
+}
+
+/// One step of the ladder.
+pub struct Rung {
+    /// In the scene's own step.
+    pub factor: f64,
+    /// s.
+    pub step: f64,
+    /// What each seed came to.
+    pub runs: Vec<Observed>,
+    /// Why it was not run, or what was warned of.
+    pub refusal: Option<String>,
+}
+
+impl Question<'_> {
+    /// Runs the ladder; `tell` hears what is being done.
+    ///
+    /// # Errors
+    /// If the scene is at fault, or its own step and all finer ones are refused.
+    pub fn answer(&self, tell: &(dyn Fn(&str) + Sync)) -> Result<Study, Fault> {
+        let own = self.load(None, None)?;
+        let (step, first) = (own.scene.step.seconds(), own.scene.seed);
+        let factors = if self.quick { &SHORT[..] } else { &FACTORS[..] };
+        let mut seeds: Vec<u64> = (0..u64::from(self.seeds)).map(|n| first.wrapping_add(n)).collect();
+        let mut rungs: Vec<Rung> = Vec::new();
+        for &factor in factors {
+            let mut rung = Rung { factor, step: step * factor, runs: Vec::new(), refusal: None };
+            tell(&format!("step {:.3e} s, {} seeds", rung.step, seeds.len()));
+            rung.refusal = self.refusal(rung.step);
+            if rung.refusal.is_none() {
+                rung.runs = self.run(rung.step, &seeds)?;
+                // The first rung that runs tells whether the seed matters at all.
+                let same = rung.runs.iter().all(|run| run.state_hash == rung.runs[0].state_hash);
+                if seeds.len() > 1 && same && rung.runs[0].failure.is_none() {
+                    rung.runs.truncate(1);
+                    seeds.truncate(1);
+                }
+            }
+            rungs.push(rung);
+        }
+        if rungs.iter().all(|rung| rung.runs.iter().all(|run| run.failure.is_some())) {
+            let reason = rungs.iter().find_map(|rung| rung.refusal.clone().or(rung.runs.first()?.failure.clone()));
+            let message = format!("no step of the ladder can be run: {}", reason.unwrap_or_default());
+            return Err(Fault::new("accuracy::no_rung", message).help("`siloflow check` tells more about the step"));
+        }
+        Ok(Study::new(&own.source.name, &rungs, self.seeds, seeds.len() > 1, self.error))
+    }
+
+    fn load(&self, step: Option<f64>, seed: Option<u64>) -> Result<Loaded, Fault> {
+        let mut settings = self.settings.to_vec();
+        settings.extend(step.map(|step| ("step".to_owned(), format!("Fixed({step:?})"))));
+        settings.extend(seed.map(|seed| ("seed".to_owned(), seed.to_string())));
+        match load::any(self.scene, &settings)? {
+            AnyScene::Grains(loaded) => Ok(*loaded),
+            AnyScene::Lattice(loaded) => Err(loaded
+                .source
+                .fault("accuracy::lattice", "method", "a lattice gas has no time step to choose")
+                .help("give a scene of grains")),
+        }
+    }
+
+    /// Why a step cannot be used: the scene refuses it, or it is beyond the limit of a single contact.
+    fn refusal(&self, step: f64) -> Option<String> {
+        match self.load(Some(step), None) {
+            Err(fault) => Some(fault.to_string()),
+            Ok(loaded) => {
+                let warnings = check::warnings(&loaded).into_iter();
+                warnings.filter(|warning| warning.code == "check::unstable_step").map(|warning| warning.message).next()
+            }
+        }
+    }
+
+    fn run(&self, step: f64, seeds: &[u64]) -> Result<Vec<Observed>, Fault> {
+        let one = |&seed: &u64| run(&self.load(Some(step), Some(seed))?, self.registry);
+        // In the caller's pool: as many side by side as it has threads.
+        seeds.par_iter().with_max_len(1).map(one).collect()
+    }
+}

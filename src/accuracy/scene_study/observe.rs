@@ -1,0 +1,124 @@
+//! One run of a scene, and what is observed of it.
+
+use std::num::NonZeroUsize;
+use std::time::Instant;
+
+use bevy_ecs::prelude::*;
+
+use crate::behaviour::Registry;
+use crate::columns::Columns;
+use crate::fault::Fault;
+use crate::gravity::Gravity;
+use crate::ledger::Ledger;
+use crate::output::summary::{Cost, Summary, movable_grains};
+use crate::scene::load::Loaded;
+use crate::simulation::Simulation;
+use crate::space::{Dimension, Plane, Solid, Space};
+
+/// How an observable is judged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Kind {
+    /// Against that of the finest step, relatively.
+    Value,
+    /// An error by itself: 0 is right.
+    Error,
+}
+
+/// All observables: name with unit, and kind.
+pub const OBSERVABLES: [(&str, Kind); 10] = [
+    ("rest_time_s", Kind::Value),
+    ("empty_time_s", Kind::Value),
+    ("discharge_rate_per_s", Kind::Value),
+    ("packing_fraction", Kind::Value),
+    ("fill_height_m", Kind::Value),
+    ("mean_height_m", Kind::Value),
+    ("largest_overlap_ratio", Kind::Value),
+    ("dissipated_j", Kind::Value),
+    ("kinetic_j", Kind::Value),
+    ("energy_balance_error", Kind::Error),
+];
+
+/// What came of a run.
+#[derive(Clone, Debug)]
+pub struct Observed {
+    /// In the order of [`OBSERVABLES`]; `None` for what the scene does not have or what did not happen.
+    pub values: [Option<f64>; OBSERVABLES.len()],
+    /// Why it failed.
+    pub failure: Option<String>,
+    /// Of the final state.
+    pub state_hash: String,
+    /// Wall-clock time of its steps, s.
+    pub wall_s: f64,
+    /// Nanoseconds a particle-step.
+    pub ns_per_particle_step: f64,
+}
+
+/// Runs a scene to its end on one thread, without writing anything.
+///
+/// # Errors
+/// If the scene is refused.
+pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
+    let mut simulation = Simulation::new(loaded, registry, NonZeroUsize::MIN)?;
+    let (mut cost, start) = (Cost::default(), Instant::now());
+    let end = loop {
+        let end = simulation.step();
+        cost.particle_steps += movable_grains(simulation.world()) as u64;
+        if let Some(end) = end {
+            break end;
+        }
+    };
+    cost.wall_s = start.elapsed().as_secs_f64();
+    // Of what stays inside: grains that have fallen out are on their way to nowhere.
+    let is_whole = simulation.world().resource::<Ledger>().out() == 0;
+    let height = mean_height(simulation.world()).filter(|_| is_whole);
+    let summary = Summary::of(simulation.world_mut(), loaded, &end, cost);
+    let energy = &summary.energy;
+    // Over what went through the books: the lost, or what is there.
+    let turnover = energy.flows.dissipated.max(energy.kinetic + energy.rotational + energy.elastic);
+    // What still moves at the end, unless that is what a bed at rest is left with.
+    let kinetic = energy.kinetic + energy.rotational;
+    let kinetic = Some(kinetic).filter(|kinetic| is_whole && *kinetic > 1e-3 * energy.flows.dissipated);
+    let failure = if summary.is_done() {
+        None
+    } else {
+        Some(summary.failure.clone().unwrap_or_else(|| format!("{} grains were lost", summary.grains.lost)))
+    };
+    Ok(Observed {
+        values: [
+            summary.rest_time_s,
+            summary.empty_time_s,
+            summary.discharge.map(|flow| flow.rate_per_s),
+            // Nothing in the window is not a packing.
+            summary.bed.map(|bed| bed.packing_fraction).filter(|&share| share > 0.0),
+            summary.bed.map(|bed| bed.fill_height_m),
+            height,
+            Some(summary.max_overlap_ratio).filter(|&ratio| ratio > 0.0),
+            Some(energy.flows.dissipated).filter(|&lost| lost > 0.0),
+            kinetic.filter(|&kinetic| kinetic > 0.0),
+            Some(energy.balance_error.abs() / turnover).filter(|error| error.is_finite()),
+        ],
+        failure,
+        state_hash: summary.state_hash.clone(),
+        wall_s: cost.wall_s,
+        ns_per_particle_step: 1e9 / summary.performance.particle_steps_per_s,
+    })
+}
+
+/// Mean height of the grains at the end over that of the lowest, against gravity, m.
+fn mean_height(world: &World) -> Option<f64> {
+    match Dimension::of_world(world) {
+        Dimension::Plane => mean_height_in::<Plane>(world),
+        Dimension::Solid => mean_height_in::<Solid>(world),
+    }
+}
+
+fn mean_height_in<V: Space>(world: &World) -> Option<f64> {
+    let (columns, gravity) = (world.resource::<Columns<V>>(), world.resource::<Gravity<V>>().0);
+    let up = gravity * (-1.0 / gravity.length_squared().sqrt());
+    let grains = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
+    let heights: Vec<f64> = grains.map(|i| columns.body[i].position.dot(up)).collect();
+    let lowest = heights.iter().copied().reduce(f64::min)?;
+    #[expect(clippy::cast_precision_loss, reason = "fewer than 2^32 grains")]
+    let mean = heights.iter().sum::<f64>() / heights.len() as f64;
+    Some(mean - lowest).filter(|height| height.is_finite() && *height > 0.0)
+}

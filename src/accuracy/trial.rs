@@ -1,0 +1,132 @@
+//! One trial: a case at one step by one scheme, as a scene in the product's own app.
+
+use std::fmt::Write as _;
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use bevy_ecs::prelude::*;
+use glam::DVec2;
+
+use super::Scheme;
+use super::case::{Answer, Case};
+use super::reference::{Floor, Law, State, System};
+use crate::behaviour::Registry;
+use crate::fault::Fault;
+use crate::grains::file::GrainRow;
+use crate::outcome::End;
+use crate::particle::{Grain, GrainId, Position, Species, Velocity};
+use crate::scene::load::{self, Loaded};
+use crate::scene::rules;
+use crate::simulation::Simulation;
+use crate::space::Solid;
+use crate::spin::Spin;
+
+/// The scene of these copies: its text, and its grains.
+///
+/// # Errors
+/// If the scene is refused.
+pub fn scene(name: &str, answers: &[Answer], scheme: &Scheme, dt: f64, until: f64) -> Result<Loaded, Fault> {
+    let Some(first) = answers.first() else { return Err(Fault::new("accuracy::empty", "a case without a system")) };
+    let text = keys(&first.system, scheme, dt, until);
+    let mut loaded = load::from_text(&format!("{name}.ron"), name, Path::new(""), text, &[])?;
+    let width = spacing(answers);
+    for (copy, answer) in answers.iter().enumerate() {
+        for (i, disc) in answer.system.discs.iter().enumerate() {
+            let number = u32::try_from(copy * answer.system.discs.len() + i + 1).unwrap_or(u32::MAX);
+            let id = GrainId::grain(number).ok_or_else(|| Fault::new("accuracy::size", "a case of too many grains"))?;
+            let position = (answer.start.x[i] + offset(width, copy)).extend(0.0);
+            let (velocity, spin) = (answer.start.v[i].extend(0.0), Solid::Z * answer.start.w[i]);
+            let row =
+                GrainRow { id, radius: disc.radius, mass: disc.mass, position, velocity, spin, species: Species(0) };
+            loaded.grains.push(row);
+        }
+    }
+    // The rules once more, now that the grains are there.
+    rules::check(&loaded)?;
+    Ok(loaded)
+}
+
+/// The error of each copy; infinite where the run did not reach its end.
+///
+/// # Errors
+/// If the scene is refused.
+pub fn errors(case: &Case, answers: &[Answer], scheme: &Scheme, dt: f64) -> Result<Vec<f64>, Fault> {
+    // Copies of one system share a scene; different systems have one each.
+    let size = case.phases() as usize;
+    let mut errors = Vec::with_capacity(answers.len());
+    for answers in answers.chunks(size) {
+        let loaded = scene(case.name, answers, scheme, dt, 2.0 * case.end + 10.0 * dt)?;
+        let mut simulation = Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN)?;
+        if let Some(End::Failed(_)) = simulation.run_steps(case.steps(dt)) {
+            errors.extend(answers.iter().map(|_| f64::INFINITY));
+            continue;
+        }
+        let states = states(&mut simulation, answers);
+        errors
+            .extend(answers.iter().zip(&states).map(|(answer, state)| case.error(&answer.system, state, &answer.end)));
+    }
+    Ok(errors)
+}
+
+/// Copies stand side by side along x, far enough apart never to meet.
+fn spacing(answers: &[Answer]) -> f64 {
+    let Some(first) = answers.first() else { return 0.0 };
+    let ends = |state: &State| {
+        let x = |i: usize| (state.x[i].x - first.system.discs[i].radius, state.x[i].x + first.system.discs[i].radius);
+        (0..state.x.len()).map(x).fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)))
+    };
+    let (before, after) = (ends(&first.start), ends(&first.end));
+    // Thrice the ground that one needs: a wrong scheme may throw its grains farther.
+    3.0 * (before.1.max(after.1) - before.0.min(after.0))
+}
+
+#[expect(clippy::cast_precision_loss, reason = "a small number")]
+fn offset(width: f64, copy: usize) -> DVec2 {
+    DVec2::new(width * copy as f64, 0.0)
+}
+
+/// The state of each copy, in its own place.
+fn states(simulation: &mut Simulation, answers: &[Answer]) -> Vec<State> {
+    let width = spacing(answers);
+    let world = simulation.world_mut();
+    let mut query = world.query_filtered::<(&GrainId, &Position, &Velocity, Option<&Spin>), With<Grain>>();
+    let mut rows: Vec<_> = query.iter(world).map(|(id, x, v, w)| (*id, x.0, v.0, w.map_or(0.0, |w| w.0))).collect();
+    rows.sort_unstable_by_key(|row| row.0);
+    let mut rows = rows.into_iter();
+    let of_copy = |copy: usize| {
+        let own: Vec<_> = rows.by_ref().take(answers[copy].system.discs.len()).collect();
+        State {
+            x: own.iter().map(|row| row.1 - offset(width, copy)).collect(),
+            v: own.iter().map(|row| row.2).collect(),
+            w: own.iter().map(|row| row.3).collect(),
+        }
+    };
+    (0..answers.len()).map(of_copy).collect()
+}
+
+/// The scene's text, without its grains.
+fn keys(system: &System, scheme: &Scheme, dt: f64, until: f64) -> String {
+    let vector = |v: DVec2| format!("({:?}, {:?})", v.x, v.y);
+    let contact = match system.law {
+        Law::Full { k, b } => format!("Assignment(k: {k:?}, b: {b:?})"),
+        Law::Linear { k, e, attracts, friction } => {
+            let attraction = if attracts { "Allowed" } else { "Forbidden" };
+            let friction = friction.map_or_else(String::new, |f| {
+                let (k, share, mu) = (f.k, f.share, f.mu);
+                format!(", tangential: Spring(k: {k:?}, damping: OfNormal({share:?}), friction: {mu:?})")
+            });
+            format!("Linear(k: {k:?}, damping: Restitution({e:?}), attraction: {attraction}{friction})")
+        }
+    };
+    let mut walls = String::new();
+    for Floor { point, normal } in &system.floors {
+        // Writing to a string cannot fail.
+        let _ = write!(walls, "HalfPlane(point: {}, normal: {}), ", vector(*point), vector(*normal));
+    }
+    format!(
+        "(gravity: {}, contact: {contact}, walls: [{walls}], integrator: {}, step: Fixed({dt:?}), until: {until:?}, \
+         pictures: None)",
+        vector(system.gravity),
+        scheme.name()
+    )
+}
