@@ -34,6 +34,8 @@ pub struct Scheme {
 /// All schemes, the plain one first: others are measured by it.
 pub const SCHEMES: &[Scheme] = &[
     Scheme { integrator: Integrator::Verlet, evaluations: 1.0 },
+    Scheme { integrator: Integrator::Centred, evaluations: 1.0 },
+    Scheme { integrator: Integrator::SymplecticEuler, evaluations: 1.0 },
     Scheme { integrator: Integrator::ExplicitEuler, evaluations: 1.0 },
 ];
 

@@ -39,8 +39,8 @@ use crate::space::Dimension;
 use crate::spin::InertiaLaw;
 use crate::walls::config::Wall;
 use crate::walls::silo_file::Silo;
-use values::{FiniteVector, ImpactError, Positive};
 use crate::watchdog::Watchdog;
+use values::{FiniteVector, ImpactError, Positive};
 
 /// A scene as its file says it.
 #[derive(Debug, Deserialize, Serialize)]

@@ -12,7 +12,7 @@ use siloflow::prelude::*;
 const K: f64 = 1.0e5;
 const V: f64 = 1.0;
 const R: f64 = 0.04;
-const MASSES: [f64; 2] = [0.16, 0.09];
+pub const MASSES: [f64; 2] = [0.16, 0.09];
 const PHASES: u32 = 40;
 
 #[derive(Clone, Copy, Debug)]
@@ -116,6 +116,11 @@ fn bounce(scheme: &str, against: Against, e: f64, attraction: bool, dt: f64, pha
 fn bounces(against: Against, e: f64, attraction: bool, n: f64) -> (f64, Exact, Vec<Bounce>) {
     let exact = exact(e, attraction, against.reduced_mass());
     (exact.duration / n, exact, bounces_by("Verlet", against, e, attraction, n))
+}
+
+/// How many steps of `dt` a contact lasts.
+pub fn steps_of(against: Against, e: f64, attraction: bool, dt: f64) -> f64 {
+    exact(e, attraction, against.reduced_mass()).duration / dt
 }
 
 /// The bounces alone, by any scheme.

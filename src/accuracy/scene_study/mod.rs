@@ -60,7 +60,7 @@ impl Question<'_> {
     /// If the scene is at fault, or its own step and all finer ones are refused.
     pub fn answer(&self, tell: &(dyn Fn(&str) + Sync)) -> Result<Study, Fault> {
         let own = self.load(None, None)?;
-        let (step, first) = (own.scene.step.seconds(), own.scene.seed);
+        let (step, first) = (own.step(), own.scene.seed);
         let factors = if self.quick { &SHORT[..] } else { &FACTORS[..] };
         let mut seeds: Vec<u64> = (0..u64::from(self.seeds)).map(|n| first.wrapping_add(n)).collect();
         let mut rungs: Vec<Rung> = Vec::new();
