@@ -1,7 +1,7 @@
 //! The other side of every comparison: grains, law and integration written out anew, in plain vectors of the plane.
 //!
 //! Nothing here uses the product's contacts, schemes or searches, so an error of theirs cannot hide here. The forces
-//! are those of `DESIGN`'s physics: with overlap delta, normal n from j to i, v_n = v_ij.n and slip
+//! are, with overlap delta, normal n from j to i, v_n = v_ij.n and slip
 //! v_s = v_ij.t - (R_i w_i + R_j w_j), t = z x n,
 //!
 //! * [`Law::Full`]: F = k delta n - b v_ij (the assignment's);
