@@ -143,7 +143,7 @@ def siloflow(folder, seed, command):
     ),
     walls: [HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0))],
     grains: (file: "bed.csv"),
-    step: Fixed({number(DT)}),
+    integrator: Verlet, step: Fixed({number(DT)}),
     until: {number(STEPS * DT)},
     series: (interval: {number(EVERY * DT)}),
     pictures: None,

@@ -5,7 +5,7 @@
 //! lasts as long as its overlap; near its end the drag may pull. Source: Remmers, "The grain silo", 2009. (There
 //! the force "that i exerts on j" is the one on i.)
 
-use crate::contact::centred::{CentredLaw, Window};
+use crate::contact::centred::{Ahead, CentredLaw, Window};
 use crate::contact::damping::Attraction;
 use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
 use crate::scene::values::{NonNegative, Positive};
@@ -68,14 +68,16 @@ impl<V: Space> CentredLaw<V> for Assignment {
         } else {
             [pair.overlap, before].map(|overlap| self.b * window.share(overlap))
         };
-        let (mass, half, gained) = (pair.reduced_mass, 0.5 * pair.dt, pair.ahead.velocity);
+        // h/m of the pair, and of its lone grains.
+        let Ahead { velocity: gained, inverse_masses, .. } = pair.ahead;
+        let [half, half_lone] =
+            [inverse_masses[0] + inverse_masses[1], pair.ahead.lone_mobility()].map(|m| 0.5 * pair.dt * m);
         let spring = self.k * pair.overlap.max(0.0);
         // The normal of the step before was this one, to first order.
-        let spring_change = spring - self.k * before.max(0.0);
-        let change = pair.normal * (mass * pair.ahead.lone_mobility() * spring_change);
-        let impulse = (pair.relative_velocity + gained) * mass
-            + (change + (pair.relative_velocity - gained) * drag_before) * half;
-        PairForce::smooth(pair.normal * spring, impulse * (-drag / (mass + half * drag)))
+        let change = pair.normal * (half_lone * (spring - self.k * before.max(0.0)));
+        let drag_then = (pair.relative_velocity - gained) * (half * drag_before);
+        let velocity = pair.relative_velocity + gained + change + drag_then;
+        PairForce::smooth(pair.normal * spring, velocity * (-drag / (1.0 + half * drag)))
     }
 }
 

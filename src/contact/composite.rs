@@ -3,7 +3,7 @@
 //! The terms are types, so each combination that a scene can ask for is compiled into a kernel of its own, and a term
 //! that is not asked for ([`Smooth`](super::tangential::Smooth), [`Free`](super::rolling::Free)) leaves nothing behind.
 
-use crate::contact::centred::{CentredLaw, Window};
+use crate::contact::centred::{Ahead, CentredLaw, Window};
 use crate::contact::rolling::Rolling;
 use crate::contact::tangential::{Grip, Tangential};
 use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
@@ -130,13 +130,16 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite
         } else {
             [overlap, before].map(|overlap| self.normal.mean_drag(pair, &window, overlap))
         };
-        let (mass, half) = (pair.reduced_mass, 0.5 * pair.dt);
-        let gained = -pair.ahead.velocity.dot(pair.normal);
+        let Ahead { velocity: gained, inverse_masses, .. } = &pair.ahead;
+        let gained = -gained.dot(pair.normal);
+        // h/m of the pair, and of its lone grains.
+        let [half, half_lone] =
+            [inverse_masses[0] + inverse_masses[1], pair.ahead.lone_mobility()].map(|m| 0.5 * pair.dt * m);
         let spring_before = self.normal.spring(&pair.at_overlap(before));
         let floor = self.normal.floor();
         let force_before = (spring_before + mean_before * (window.closing - gained)).max(floor);
-        let change = mass * pair.ahead.lone_mobility() * (spring_before - spring) + (force_before - spring_before);
-        let closing = (mass * (window.closing + gained) + half * change) / (mass + half * mean);
+        let change = half_lone * (spring_before - spring) + half * (force_before - spring_before);
+        let closing = (window.closing + gained + change) / (1.0 + half * mean);
         let total = (spring + mean * closing).max(floor);
         let mut force = PairForce::smooth(pair.normal * spring, pair.normal * (total - spring));
         if T::SPIN {

@@ -1,6 +1,6 @@
 //! Velocity Verlet with centred contacts: of second order in damped and frictional contacts too.
 //!
-//! The motion is that of [`super::verlet`], and the forces are those of [`crate::contact::centred`], which need to know
+//! The motion is that of `verlet`, and the forces are those of [`crate::contact::centred`], which need to know
 //! how fast everything was accelerated a step ago: a(t) dt/2, what the first half kick has just added.
 
 use std::marker::PhantomData;

@@ -1,8 +1,8 @@
 //! The lattice gas: silo flow by cellular automaton.
 //!
 //! Particles sit on a triangular lattice, at most thirteen at a site: one at rest and one on its way in each of twelve
-//! directions ([`velocities`]). In a step they enter ([`enter`]), collide ([`stop`], [`scatter`], [`collide`]), rub at walls
-//! ([`friction`]), trickle down ([`trickle`]) and move on ([`propagate`]). Six probabilities rule them ([`rules`]). After J.
+//! directions ([`velocities`]). In a step they enter ([`enter`]), collide (`stop`, `scatter`, `collide`), rub at walls
+//! (`friction`), trickle down (`trickle`) and move on (`propagate`). Six probabilities rule them ([`rules`]). After J.
 //! Kozicki and J. Tejchman, Simulations of flow patterns in silos with a cellular automaton, part 2, TASK Quarterly 9(1),
 //! 2005; where the paper leaves something open, the module that decides says so.
 //!

@@ -11,7 +11,7 @@ const V0: Vector = Vector::new(3.0, 2.0);
 fn thrown(integrator: &str, steps: u32) -> Vector {
     let keys = format!(
         "gravity: (0.0, -{G}), contact: Linear(k: 1.0e5, damping: B(0.0)), integrator: {integrator}, \
-         step: Fixed({:?}), until: {T}",
+         step: Fixed({:?}), until: {T}, watchdog: None",
         T / f64::from(steps)
     );
     let mut simulation = simulation(&keys, vec![grain(1, Vector::ZERO, V0, 0.04, 0.16)]);

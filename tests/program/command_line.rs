@@ -187,30 +187,14 @@ fn a_lost_grain_stops_the_run_unless_told_otherwise() {
 }
 
 #[test]
-fn an_unstable_step_is_warned_of_and_named_when_it_blows_up() {
+fn an_unstable_step_is_refused_with_its_limit() {
     let here = tempfile::tempdir().unwrap();
-    let output = siloflow(
-        here.path(),
-        &[
-            "run",
-            &path("silo1.ron"),
-            "--out",
-            "run",
-            "--set",
-            "contact.k=1.0e9",
-            "--set",
-            "on_loss=Continue",
-            "--set",
-            "cull=None",
-            "--until",
-            "60",
-            "--set",
-            "pictures=None",
-        ],
-    );
+    let output = siloflow(here.path(), &["run", &path("silo1.ron"), "--out", "run", "--set", "contact.k=1.0e9"]);
     let message = text(&output.stderr);
-    assert!(message.contains("check::unstable_step"), "{message}");
-    assert_eq!(output.status.code(), Some(1));
+    // 2 (sqrt(1 + zeta^2) - zeta)/w0, with w0 = sqrt(1e9/0.08) and a drag of no account.
+    assert!(message.contains("scene::unstable_step") && message.contains("1.788e-5 s"), "{message}");
+    assert_eq!(output.status.code(), Some(2));
+    assert!(!here.path().join("run").exists());
 }
 
 #[test]

@@ -322,7 +322,7 @@ fn a_wall_that_throws_a_bullet_back_creates_energy_and_is_stopped() {
     // Half a metre into a half-plane: the spring pays k delta^2/2 for nothing.
     let settings = [
         ("walls", "[HalfPlane(point: (0.5, 0.0), normal: (-1.0, 0.0))]"),
-        ("contact.k", "1.0e6"),
+        ("contact.k", "3.0e4"),
         ("on_loss", "Continue"),
         DEEP,
     ];

@@ -26,7 +26,6 @@ use crate::walls::config::Wall;
 /// The first rule that it breaks, pointing at the key.
 pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     contacts(loaded)?;
-    step(loaded)?;
     fill(loaded)?;
     walls(loaded)?;
     periodic(loaded)?;
@@ -35,7 +34,9 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     cells(loaded)?;
     profiles(loaded)?;
     flow(loaded)?;
-    pictures_and_bed(loaded)
+    pictures_and_bed(loaded)?;
+    // Last: what it is estimated from has been found to be right.
+    step(loaded)
 }
 
 /// A given step is stable for a contact of the two lightest grains, and an automatic one has a scheme to be chosen for.
