@@ -124,12 +124,12 @@ impl Contact {
     #[must_use]
     pub fn is_elastic(&self) -> bool {
         match self {
-            Self::Assignment { b, .. } => b.get() == 0.0,
+            Self::Assignment { b, .. } => b.get() <= 0.0,
             Self::Linear { damping, tangential: None, .. } => match damping {
-                Damping::B(b) | Damping::PerMass(b) => b.get() == 0.0,
-                Damping::Restitution(e) => e.get() == 1.0,
+                Damping::B(b) | Damping::PerMass(b) => b.get() <= 0.0,
+                Damping::Restitution(e) => e.get() >= 1.0,
             },
-            Self::Hertz { restitution, tangential: None, .. } => restitution.get() == 1.0,
+            Self::Hertz { restitution, tangential: None, .. } => restitution.get() >= 1.0,
             Self::Linear { .. } | Self::Hertz { .. } => false,
         }
     }

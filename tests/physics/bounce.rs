@@ -118,9 +118,9 @@ fn bounces(against: Against, e: f64, attraction: bool, n: f64) -> (f64, Exact, V
     (exact.duration / n, exact, bounces_by("Verlet", against, e, attraction, n))
 }
 
-/// How many steps of `dt` a contact lasts.
-pub fn steps_of(against: Against, e: f64, attraction: bool, dt: f64) -> f64 {
-    exact(e, attraction, against.reduced_mass()).duration / dt
+/// How long a contact lasts, s.
+pub fn duration_of(against: Against, e: f64, attraction: bool) -> f64 {
+    exact(e, attraction, against.reduced_mass()).duration
 }
 
 /// The bounces alone, by any scheme.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::bounce::{Against, CASES, bounces_by, steps_of};
+use crate::bounce::{Against, CASES, bounces_by, duration_of};
 use crate::{grain, motion, rms, simulation, state};
 use siloflow::prelude::*;
 
@@ -78,9 +78,7 @@ fn a_contact_is_stable_up_to_the_limit_of_its_scheme_and_no_further() {
 
 /// An oblique impact on a floor at 1 m/s each way; what it ends with.
 fn oblique(rule: &str, scheme: &str, e: f64, friction: f64, vt: f64, n: f64, phase: f64) -> [f64; 3] {
-    let zeta = -e.ln() / PI.hypot(e.ln());
-    let duration = PI / ((K / M).sqrt() * (1.0 - zeta * zeta).sqrt());
-    let dt = duration / n;
+    let dt = duration_of(Against::Wall, e, rule == "Allowed") / n;
     let keys = format!(
         "gravity: (0.0, 0.0), contact: Linear(k: {K:?}, damping: Restitution({e:?}), attraction: {rule}, \
          tangential: Spring(k: {:?}, damping: OfNormal(0.5), friction: {friction:?})), integrator: {scheme}, \
@@ -134,7 +132,7 @@ fn an_automatic_step_keeps_its_word() {
                     "gravity: (0.0, 0.0), contact: Linear(k: {K:?}, damping: Restitution({e:?}), attraction: {rule}), \
                      integrator: {scheme}, step: Auto(error: {wanted:?}), until: 1.0"
                 ));
-                let n = steps_of(Against::Grain, e, attraction, step);
+                let n = duration_of(Against::Grain, e, attraction) / step;
                 let error = restitution_error(scheme, Against::Grain, e, attraction, n);
                 assert!(error <= wanted, "{scheme}, e = {e}, {rule}: {error:e} with {n} steps, not {wanted:e}");
                 // And it is not wasteful: no more than ten times the steps that the worst case needs.
