@@ -1,7 +1,7 @@
-//! The work-precision figure: error against cost, a panel a case, the Pareto front ringed.
+//! The work-precision figures: error against cost, the Pareto front ringed.
 //!
-//! Cost is force evaluations per contact duration, which is the same on every machine; the last panels have the bed and the
-//! mean of the bounces against measured nanoseconds.
+//! One has a panel a case, against force evaluations per contact duration, which are the same on every machine; the other
+//! has the bed and the mean of the bounces against measured nanoseconds.
 
 use super::report::{Entry, Report, SUMMARY};
 use super::work_precision::{geometric_mean, pareto};
@@ -14,7 +14,7 @@ const LEAST: f64 = 1e-13;
 /// ... and up to here: what is above is none.
 const MOST: f64 = 10.0;
 
-/// As SVG.
+/// Every case against force evaluations, as SVG.
 #[must_use]
 pub fn work_precision(report: &Report) -> String {
     let mut panels = Vec::new();
@@ -26,6 +26,13 @@ pub fn work_precision(report: &Report) -> String {
         let curves = group.iter().map(|entry| (entry.scheme.clone(), evaluations(entry))).collect();
         panels.push(panel(report, group[0].title, "force evaluations a contact", curves));
     }
+    sheet(&panels, PER_ROW)
+}
+
+/// The bed and the mean of the bounces against measured time, as SVG; none if neither was run.
+#[must_use]
+pub fn in_time(report: &Report) -> Option<String> {
+    let mut panels = Vec::new();
     let bed: Vec<_> = report.entries.iter().filter(|entry| entry.case == "bed").collect();
     let in_time = |points: Vec<(f64, f64)>, scheme: &str| -> Vec<(f64, f64)> {
         let cost = report.schemes.iter().find(|figures| figures.scheme == scheme).and_then(|f| f.ns_per_particle_step);
@@ -45,7 +52,7 @@ pub fn work_precision(report: &Report) -> String {
     if !curves.is_empty() {
         panels.push(panel(report, "bounces, mean of e = 0.9, 0.5, 0.2, in time", TIME, curves));
     }
-    sheet(&panels, PER_ROW)
+    (!panels.is_empty()).then(|| sheet(&panels, PER_ROW))
 }
 
 const TIME: &str = "ns for a grain and a contact";

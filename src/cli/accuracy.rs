@@ -25,7 +25,7 @@ use crate::output::png;
 Without arguments: all cases, each scheme, over a ladder of steps. See docs/accuracy.md.
   siloflow accuracy
   siloflow accuracy bounce-0.5 bed --quick
-Figure: out/accuracy/work-precision.png; figures: out/accuracy/accuracy.csv, .json, .md
+Figures: out/accuracy/work-precision.png, in-time.png; figures: out/accuracy/accuracy.csv, .json, .md
 
 With a scene: its own observables over a ladder of its own step, with seeds for what chance decides, and the step for a wanted \
 error.
@@ -164,9 +164,12 @@ fn write(out: &Path, report: &Report) -> Result<(), Fault> {
     std::fs::write(out.join("accuracy.csv"), report.csv()).map_err(failed)?;
     std::fs::write(out.join("accuracy.json"), json(report)).map_err(failed)?;
     std::fs::write(out.join("accuracy.md"), report.markdown()).map_err(failed)?;
-    let path = out.join("work-precision.svg");
-    std::fs::write(&path, figure::work_precision(report)).map_err(failed)?;
-    png::render_file(&path)?;
+    let figures = [("work-precision", Some(figure::work_precision(report))), ("in-time", figure::in_time(report))];
+    for (name, svg) in figures.into_iter().filter_map(|(name, svg)| Some((name, svg?))) {
+        let path = out.join(name).with_extension("svg");
+        std::fs::write(&path, svg).map_err(failed)?;
+        png::render_file(&path)?;
+    }
     Ok(())
 }
 

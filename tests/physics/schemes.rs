@@ -31,6 +31,27 @@ fn centred_contacts_are_of_second_order() {
     }
 }
 
+#[test]
+fn without_drag_and_friction_centred_is_verlet_to_the_last_bit() {
+    // Five grains that fly at each other in a box.
+    let end = |scheme: &str| {
+        let keys = format!(
+            "gravity: (0.0, 0.0), contact: Linear(k: {K:?}, damping: Restitution(1.0)), integrator: {scheme}, \
+             walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0)), HalfPlane(point: (0.0, 0.4), normal: (0.0, -1.0)), \
+             HalfPlane(point: (0.0, 0.0), normal: (1.0, 0.0)), HalfPlane(point: (0.4, 0.0), normal: (-1.0, 0.0))], \
+             step: Fixed(1.0e-4), until: 10.0"
+        );
+        let flier = |id: u32| {
+            let turn = f64::from(id).to_radians() * 77.0;
+            grain(id, Vector::splat(0.2) + 0.12 * Vector::from_angle(turn), -Vector::from_angle(2.0 * turn), R, M)
+        };
+        let mut simulation = simulation(&keys, (1..=5).map(flier).collect());
+        simulation.run_steps(20_000);
+        state(&mut simulation)
+    };
+    assert_eq!(end("Centred"), end("Verlet"));
+}
+
 /// How far an oscillation about the static overlap of a disc on a floor has grown after 4000 steps of `share` of the limit.
 fn growth(scheme: &str, zeta: f64, share: f64) -> f64 {
     let (w0, c) = ((K / M).sqrt(), 2.0 * zeta * (K * M).sqrt());
