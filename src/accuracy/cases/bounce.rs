@@ -10,13 +10,14 @@ const K: f64 = 1.0e5;
 const V: f64 = 1.0;
 const MASSES: [f64; 2] = [0.16, 0.09];
 
-const CASES: [(&str, &str, f64, bool); 6] = [
+const CASES: [(&str, &str, f64, bool); 7] = [
     ("bounce-0.9", "bounce, e = 0.9", 0.9, true),
     ("bounce-0.5", "bounce, e = 0.5", 0.5, true),
     ("bounce-0.2", "bounce, e = 0.2", 0.2, true),
     ("bounce-cut-0.9", "bounce, no attraction, e = 0.9", 0.9, false),
     ("bounce-cut-0.5", "bounce, no attraction, e = 0.5", 0.5, false),
     ("bounce-cut-0.2", "bounce, no attraction, e = 0.2", 0.2, false),
+    ("bounce-cut-0.05", "bounce, strong drag, e = 0.05", 0.05, false),
 ];
 
 pub(super) fn cases() -> Vec<Case> {

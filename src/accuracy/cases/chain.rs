@@ -1,4 +1,5 @@
-//! Three grains in a row, the third nearly touching the second: two damped contacts at once.
+//! Three grains in a row, two contacts at once: one hits two that nearly touch; two heavy ones squeeze a light one, which
+//! hardly moves between forces that are much larger than what is left of them.
 
 use glam::DVec2;
 
@@ -6,24 +7,41 @@ use super::super::case::{Case, Measure, Truth, disc, linear};
 use super::super::reference::System;
 use super::super::reference::closed::duration;
 
-pub(super) fn case() -> Case {
-    let (k, e, v) = (1.0e5, 0.5, 1.0);
-    let contact_duration = duration(k, e, false, 0.09 * 0.12 / 0.21);
-    let (lead, gap) = (0.3 * v * contact_duration, 0.1 * v * contact_duration);
+const K: f64 = 1.0e5;
+const E: f64 = 0.5;
+const V: f64 = 1.0;
+
+pub(super) fn cases() -> [Case; 2] {
+    // Durations are those of the two lightest.
+    let hit = chain("chain", "chain of three, e = 0.5", [0.12, 0.09, 0.16], 0.09 * 0.12 / 0.21, 6.0);
+    let squeezed = chain(
+        "squeezed",
+        "a light grain between two a hundred times as heavy",
+        [0.16, 0.0016, 0.16],
+        0.0016 / 1.01,
+        40.0,
+    );
+    [hit, squeezed]
+}
+
+/// From below; the third comes down.
+fn chain(name: &'static str, title: &'static str, masses: [f64; 3], reduced_mass: f64, end: f64) -> Case {
+    let contact_duration = duration(K, E, false, reduced_mass);
+    let (lead, gap) = (0.3 * V * contact_duration, 0.1 * V * contact_duration);
     let at = |y: f64| DVec2::new(0.0, y);
     let discs = vec![
-        disc(0.03, 0.12, DVec2::ZERO, DVec2::ZERO),
-        disc(0.03, 0.09, at(0.06 + gap), DVec2::ZERO),
-        disc(0.04, 0.16, at(0.13 + gap + lead), at(-v)),
+        disc(0.03, masses[0], DVec2::ZERO, DVec2::ZERO),
+        disc(0.03, masses[1], at(0.06 + gap), DVec2::ZERO),
+        disc(0.04, masses[2], at(0.13 + gap + lead), at(-V)),
     ];
     Case {
-        name: "chain",
-        title: "chain of three, e = 0.5",
-        systems: vec![System { gravity: DVec2::ZERO, law: linear(k, e, false), discs, floors: vec![] }],
+        name,
+        title,
+        systems: vec![System { gravity: DVec2::ZERO, law: linear(K, E, false), discs, floors: vec![] }],
         contact_duration,
-        end: 6.0 * contact_duration,
+        end: end * contact_duration,
         truth: Truth::Integrated,
-        measure: Measure::Velocity(v),
+        measure: Measure::Velocity(V),
         finest: 1000.0,
     }
 }

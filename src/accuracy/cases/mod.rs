@@ -27,7 +27,7 @@ fn draw(state: &mut u64) -> f64 {
 pub fn all() -> Vec<Case> {
     let mut cases = vec![free_flight::case()];
     cases.extend(bounce::cases());
-    cases.push(chain::case());
+    cases.extend(chain::cases());
     cases.extend(oblique::cases());
     cases.extend([stacked::case(), roll::case(), gas::case(), column::case(), bed()]);
     cases
