@@ -1,0 +1,242 @@
+#!/usr/bin/env python3
+"""The same settled bed in LAMMPS and in siloflow: forces, coordination, nanoseconds a particle-step, ratio.
+
+    apt-get install --no-install-recommends lammps
+    cargo build --release
+    docs/speed/side-by-side.py settle w1-1e4                 (makes the bed in LAMMPS: once, minutes for 1e5)
+    docs/speed/side-by-side.py compare w1-1e4                (times both alternately, pinned to one core)
+    docs/speed/side-by-side.py tile w1-1e5 10 --steps 200    (siloflow alone, ten such beds side by side)
+
+Beds: w1-1e4, w1-1e5 (2D, frictionless, half R = 0.03 m and half 0.04 m) and w2-1e4, w2-1e5 (3D, friction with history).
+All files are kept in --dir (default target/side-by-side). No packages needed.
+
+LAMMPS's settled state becomes the grains file of a scene, with all its digits. Both programs then take one step from
+it: what their velocities differ by, times m/dt, is how far their forces are apart, and must be round-off. Then both run
+the same number of steps by turns; the figure is the median of the runs, LAMMPS's from its loop time, siloflow's from
+its own summary, set-up left out in both. Skins are those that each program is fastest with: --skin, --lammps-skin.
+
+The laws, in both: F_n = k delta - gamma m_eff v_n, which may pull, on flat walls with m_eff = m. W1: k = 1e5 N/m, e = 0.55 for
+two grains of R = 0.04 m, m = 100 R^2, dt = 1e-4 s, g = 9.81 m/s2. W2: d = 1 mm, 2500 kg/m3, k = 2e5 m g/d, k_t = 2/7 k,
+gamma_t = gamma/2, e = 0.55, mu = 0.5, periodic in x and y, dt = 1e-6 s.
+"""
+
+import argparse
+import csv
+import json
+import math
+import os
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+
+HERE = pathlib.Path(__file__).resolve().parent
+DECREMENT = -math.log(0.55)
+HALF_LOG = 2.0 * DECREMENT / math.hypot(math.pi, DECREMENT)
+D, M, G = 1.0e-3, math.pi / 6 * 1.0e-3**3 * 2500, 9.81
+W1 = {"k": 1e5, "gamma": HALF_LOG * math.sqrt(1e5 / 0.08), "dt": 1e-4, "skin": 0.02, "lammps_skin": 0.01}
+W2 = {"k": 2e5 * M * G / D, "dt": 1e-6, "skin": 0.04e-3, "lammps_skin": 0.1}
+W2["gamma"] = HALF_LOG * math.sqrt(2 * W2["k"] / M)
+BEDS = {
+    "w1-1e4": {**W1, "grains": 10_000, "steps": 3000, "settle": {"mix": 1}},
+    "w1-1e5": {**W1, "grains": 100_000, "steps": 400, "settle": {"mix": 1, "nset": 9000, "nset2": 4000}},
+    "w2-1e4": {**W2, "grains": 10_000, "steps": 2000, "settle": {"L": 25}, "again": (16000, 8000, 2000)},
+    "w2-1e5": {**W2, "grains": 100_000, "steps": 200, "settle": {"L": 50}, "again": (16000, 5000, 300)},
+}
+
+
+def is_planar(name):
+    return name.startswith("w1")
+
+
+def sh(command, **more):
+    done = subprocess.run([str(word) for word in command], capture_output=True, text=True, check=False, **more)
+    if done.returncode:
+        sys.exit(f"{' '.join(map(str, command))}\n{done.stdout[-2000:]}{done.stderr[-2000:]}")
+    return done.stdout
+
+
+def lammps(args, script, **variables):
+    text = (HERE / script).read_text()
+    words = [word for key, value in variables.items() for word in ("-var", key, value)]
+    (args.dir / script).write_text(text)
+    command = ["taskset", "-c", args.core, args.lmp, "-in", script, *words, "-log", "none"]
+    return sh(command, cwd=args.dir, env={**os.environ, "OMP_NUM_THREADS": "1"})
+
+
+def settle(args, name):
+    bed, data = BEDS[name], f"{name}.data"
+    kind = name[:2]
+    lammps(args, f"{kind}-settle.in", N=bed["grains"], out=data, **bed["settle"])
+    if "again" in bed:
+        lammps(args, "w2-resettle.in", data=data, **dict(zip(("n1", "n2", "n3"), bed["again"], strict=True)))
+    elif bed["grains"] > 10_000:
+        lammps(args, "w1-relax.in", data=data)
+    print(f"{args.dir / data} written")
+
+
+def read_data(path):
+    """Box sides, and per atom (id, radius, mass, position, velocity, spin)."""
+    lines = path.read_text().splitlines()
+    box = {}
+    for line in lines[:20]:
+        words = line.split()
+        if len(words) == 4 and words[2].endswith("lo"):
+            box[words[2][0]] = (float(words[0]), float(words[1]))
+    at = {line.split()[0]: number for number, line in enumerate(lines) if line[:5] in ("Atoms", "Veloc")}
+    rows = {}
+    for line in lines[at["Atoms"] + 2 :]:
+        if not line.strip():
+            break
+        words = line.split()
+        d, density = float(words[2]), float(words[3])
+        # As LAMMPS forms it.
+        r = 0.5 * d
+        rows[int(words[0])] = [r, 4.0 * math.pi / 3.0 * r * r * r * density, [float(w) for w in words[4:7]]]
+    for line in lines[at["Velocities"] + 2 :]:
+        if not line.strip():
+            break
+        words = line.split()
+        rows[int(words[0])].append([float(w) for w in words[1:7]])
+    return box, rows
+
+
+def write_scene(args, name, copies=1):
+    """The bed as scene and grains file, `copies` times side by side."""
+    bed, planar = BEDS[name], is_planar(name)
+    box, rows = read_data(args.dir / f"{name}.data")
+    width = box["x"][1] - box["x"][0]
+    stem = args.dir / (name if copies == 1 else f"{name}-x{copies}")
+    with stem.with_suffix(".csv").open("w", newline="") as file:
+        out = csv.writer(file)
+        out.writerow("id radius mass x y vx vy".split() + ([] if planar else "z vz wx wy wz".split()))
+        number = 0
+        for copy in range(copies):
+            for atom in sorted(rows):
+                r, m, x, v = rows[atom]
+                number += 1
+                named = atom if copies == 1 else number
+                place = [named, r, m, repr(x[0] + copy * width), x[1], v[0], v[1]]
+                out.writerow(place + ([] if planar else [x[2], v[2], *v[3:6]]))
+    law = f"k: {bed['k']!r}, damping: PerMass({bed['gamma']!r}), attraction: Allowed"
+    if planar:
+        floor = [f"HalfPlane(point: ({box['x'][0]!r}, 0.0), normal: (1.0, 0.0))",
+                 f"HalfPlane(point: ({box['x'][0] + copies * width!r}, 0.0), normal: (-1.0, 0.0))",
+                 "HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))"]
+        space = f"gravity: (0.0, -{G}),"
+    else:
+        friction = f"Spring(k: {bed['k'] * 2 / 7!r}, damping: PerMass({bed['gamma'] / 2!r}), friction: 0.5)"
+        law += f", tangential: {friction}"
+        floor = ["HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0))"]
+        sides = ", ".join(f"{axis}: ({box[axis][0]!r}, {box[axis][1]!r})" for axis in "xy")
+        space = f"space: Solid, gravity: (0.0, 0.0, -{G}), periodic: ({sides}),"
+    stem.with_suffix(".ron").write_text(
+        f"({space}\n contact: Linear({law}),\n walls: [{', '.join(floor)}],\n"
+        f' grains: (file: "{stem.name}.csv"), integrator: {args.integrator}, step: Fixed({bed["dt"]}),\n'
+        f" neighbours: VerletList(skin: {args.skin or bed['skin']}), pictures: None, series: (interval: 1.0e9),"
+        f" until: 1.0,)\n")
+    return stem.with_suffix(".ron"), rows
+
+
+def siloflow(args, scene, dt, steps):
+    """One run: its summary."""
+    out = args.dir / "out"
+    command = ["taskset", "-c", args.core if args.threads == 1 else "0-63", args.siloflow, "run", scene, "--out", out,
+               "--quiet", "--json", "--until", repr(steps * dt), "--threads", args.threads]
+    return json.loads(sh(command)), out
+
+
+def loop_time(text):
+    """Of the second of LAMMPS's runs, s, and its last coordination number."""
+    times = re.findall(r"Loop time of (\S+) on .* for (\d+) steps with (\d+) atoms", text)
+    rows = re.findall(r"^ *\d+(?: +\S+)+ *$", text, re.M)
+    seconds, steps, atoms = times[-1]
+    return float(seconds) / int(steps) / int(atoms) * 1e9, float(rows[-1].split()[-1])
+
+
+def forces_apart(args, name, scene, rows):
+    """Largest difference of the forces over their rms, from one step of both."""
+    bed, planar = BEDS[name], is_planar(name)
+    lammps(args, f"{name[:2]}-run.in", data=f"{name}.data", nsteps=0, first=1, dump="after.dump")
+    lines = (args.dir / "after.dump").read_text().splitlines()
+    theirs = {int(line.split()[0]): [float(word) for word in line.split()[1:]] for line in lines[9:]}
+    _, out = siloflow(args, scene, bed["dt"], 1)
+    axes = ("vx", "vy") if planar else ("vx", "vy", "vz")
+    largest, squares, count = 0.0, 0.0, 0
+    with (out / "state.csv").open() as file:
+        for row in csv.DictReader(file):
+            atom = int(row["id"])
+            for axis, v in enumerate(axes):
+                scale = rows[atom][1] / bed["dt"]
+                largest = max(largest, abs(float(row[v]) - theirs[atom][axis]) * scale)
+                squares += ((theirs[atom][axis] - rows[atom][3][axis]) * scale) ** 2
+                count += 1
+    speed = max(abs(v) for row in rows.values() for v in row[3][:3])
+    heaviest = max(row[1] for row in rows.values())
+    # Velocities carry a rounding of their own: as force, that is eps v m/dt.
+    floor = 2.0**-52 * speed * heaviest / bed["dt"]
+    return largest, math.sqrt(squares / count), floor
+
+
+def compare(args, name):
+    bed = BEDS[name]
+    scene, rows = write_scene(args, name)
+    steps = args.steps or bed["steps"]
+    largest, rms, floor = forces_apart(args, name, scene, rows)
+    print(f"{name}: {len(rows)} grains, {steps} steps, {args.integrator}, core {args.core}")
+    print(f"forces differ by at most {largest:.1e} N; rms of what a step adds {rms:.1e} N; rounding of velocities {floor:.1e} N")
+    ours, theirs = [], []
+    for _ in range(args.rounds):
+        skin = args.lammps_skin or bed["lammps_skin"]
+        ns, z_theirs = loop_time(lammps(args, f"{name[:2]}-run.in", data=f"{name}.data", nsteps=steps, skin=skin))
+        theirs.append(ns)
+        summary, _ = siloflow(args, scene, bed["dt"], steps)
+        ours.append(1e9 / summary["performance"]["particle_steps_per_s"])
+    z_ours = summary["coordination"]
+    a, b = statistics.median(theirs), statistics.median(ours)
+    print(f"LAMMPS   {a:7.1f} ns a particle-step ({min(theirs):.1f} to {max(theirs):.1f}), {z_theirs:.3f} contacts a grain, walls left out")
+    print(f"siloflow {b:7.1f} ns a particle-step ({min(ours):.1f} to {max(ours):.1f}), {z_ours:.3f} contacts a grain, walls too")
+    print(f"ratio {a / b:.2f}")
+
+
+def tile(args, name, copies):
+    bed = BEDS[name]
+    scene, _ = write_scene(args, name, copies)
+    summary, _ = siloflow(args, scene, bed["dt"], args.steps or 2000)
+    speed = summary["performance"]
+    print(json.dumps({"grains": summary["grains"]["released"] if "grains" in summary else None,
+                      "coordination": summary["coordination"], **speed}))
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=("settle", "compare", "tile", "scene"))
+    parser.add_argument("bed", choices=BEDS)
+    parser.add_argument("copies", nargs="?", type=int, default=1)
+    parser.add_argument("--lmp", default="lmp")
+    parser.add_argument("--siloflow", type=pathlib.Path, default=pathlib.Path("target/release/siloflow"))
+    parser.add_argument("--dir", type=pathlib.Path, default=pathlib.Path("target/side-by-side"))
+    parser.add_argument("--integrator", default="Verlet", help="the same as LAMMPS's; or Centred")
+    parser.add_argument("--skin", type=float, help="m")
+    parser.add_argument("--lammps-skin", type=float, help="m in W1, diameters in W2")
+    parser.add_argument("--steps", type=int)
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--core", default="0")
+    parser.add_argument("--threads", type=int, default=1)
+    args = parser.parse_args()
+    args.dir = args.dir.resolve()
+    args.dir.mkdir(parents=True, exist_ok=True)
+    args.siloflow = args.siloflow.resolve()
+    if args.what == "settle":
+        settle(args, args.bed)
+    elif args.what == "compare":
+        compare(args, args.bed)
+    elif args.what == "scene":
+        print(write_scene(args, args.bed, args.copies)[0])
+    else:
+        tile(args, args.bed, args.copies)
+
+
+if __name__ == "__main__":
+    main()
