@@ -14,7 +14,7 @@
 //! rolling dashpots in the same way, and what sliding and rolling beyond their caps take out of the springs as
 //! [`crate::contact::spring`] says.
 //!
-//! Sums run over the columns, so in ascending order of id. Limit: a grain that a behaviour fixes or frees takes its
+//! Sums run over the columns, so in ascending order of slots. Limit: a grain that a behaviour fixes or frees takes its
 //! kinetic energy out of or into the balance, which then shows as error; so does the work of one that is fixed and spins.
 
 use std::marker::PhantomData;
@@ -23,8 +23,9 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::columns::{BeforeRenumbering, Columns, GatheredVelocities, Renumbering};
+use crate::columns::{BeforeRenumbering, Columns, Renumbering};
 use crate::contact::Memory;
+use crate::contact::history::History;
 use crate::contact::survey::{Partner, Scenery};
 use crate::gravity::Gravity;
 use crate::messages::DoorOpened;
@@ -100,7 +101,7 @@ fn book_removed<V: Space>(
         return;
     }
     for i in (0..columns.movable_end).filter(|&i| gone[i] && !columns.is_fixed(i)) {
-        flows.removed += mechanical(columns.mass[i], columns.body[i].position, columns.body[i].velocity, gravity.0);
+        flows.removed += mechanical(columns.mass[i], columns.body[i].position, columns.velocity[i], gravity.0);
         flows.removed += columns.rotational_energy(i);
     }
     flows.removed +=
@@ -159,11 +160,11 @@ fn book_contact_work<V: Space>(
     mut last: ResMut<Powers>,
 ) {
     let (mut dissipation, mut wall) = (0.0, 0.0);
-    for (load, body) in columns.load.iter().zip(&columns.body) {
-        dissipation -= load.drag.dot(body.velocity);
+    for (load, velocity) in columns.load.iter().zip(&columns.velocity) {
+        dissipation -= load.drag.dot(*velocity);
     }
-    for i in (0..columns.len()).filter(|&i| columns.is_fixed(i)) {
-        wall -= columns.load[i].force.dot(columns.body[i].velocity);
+    for i in columns.movable_end..columns.len() {
+        wall -= columns.load[i].force.dot(columns.velocity[i]);
     }
     for belt in &walls.0 {
         dissipation -= belt.load.drag.dot(belt.velocity);
@@ -179,18 +180,20 @@ fn book_contact_work<V: Space>(
 fn book_friction<V: Space>(
     clock: Res<Clock>,
     columns: Res<Columns<V>>,
+    history: Res<History<V>>,
     walls: Res<Surfaces<V>>,
     mut flows: ResMut<EnergyFlows>,
     mut channels: ResMut<Channels>,
     mut last: ResMut<ChannelPowers>,
 ) {
     let mut power = ChannelPowers::default();
-    let mut gone = Channels::default();
-    for (turn, (body, &spin)) in columns.turn.iter().zip(columns.body.iter().zip(&columns.spin)) {
-        power.tangential -= turn.friction_drag.dot(body.velocity) + turn.friction_drag_torque.dot(spin);
-        power.rolling -= turn.rolling_drag_torque.dot(spin);
-        gone.tangential += turn.lost_by_sliding;
-        gone.rolling += turn.lost_by_rolling;
+    let [tangential, rolling] = history.lost();
+    let mut gone = Channels { tangential, rolling };
+    for (turn, (&velocity, &spin)) in columns.turn.iter().zip(columns.velocity.iter().zip(&columns.spin)) {
+        power.tangential -= turn.friction_drag.dot(velocity) + turn.friction_drag_torque.dot(spin);
+    }
+    for (drag, &spin) in columns.rolling_drag.iter().zip(&columns.spin) {
+        power.rolling -= drag.dot(spin);
     }
     for belt in &walls.0 {
         power.tangential -= belt.load.friction_drag.dot(belt.velocity);
@@ -217,7 +220,7 @@ fn book_added_work<V: Space>(
     let mut added = 0.0;
     for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
         if let Ok(total) = forces.get(columns.entity[i]) {
-            added += (total.0 - columns.load[i].force).dot(columns.body[i].velocity);
+            added += (total.0 - columns.load[i].force).dot(columns.velocity[i]);
         }
     }
     if !clock.is_step_zero() {
@@ -225,6 +228,10 @@ fn book_added_work<V: Space>(
     }
     last.added = added;
 }
+
+/// The books of the step are kept after this set of [`Phase::Control`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct EnergyBooked;
 
 /// Keeps the energy balance.
 pub struct EnergyPlugin<V: Space>(pub PhantomData<V>);
@@ -236,7 +243,7 @@ impl<V: Space> Plugin for EnergyPlugin<V> {
             (
                 book_removed::<V>.in_set(BeforeRenumbering),
                 book_released::<V>.in_set(Renumbering),
-                book_contact_work::<V>.in_set(Phase::Control).after(GatheredVelocities),
+                book_contact_work::<V>.in_set(Phase::Control).in_set(EnergyBooked),
                 book_initial_overlaps::<V>.in_set(Phase::Cull).run_if(is_step_zero),
             ),
         );
@@ -250,7 +257,7 @@ impl<V: Space> Plugin for SpinEnergyPlugin<V> {
     fn build(&self, app: &mut App) {
         app.init_resource::<Channels>().init_resource::<ChannelPowers>().add_systems(
             Step,
-            book_friction::<V>.in_set(Phase::Control).after(GatheredVelocities).after(book_contact_work::<V>),
+            book_friction::<V>.in_set(Phase::Control).in_set(EnergyBooked).after(book_contact_work::<V>),
         );
     }
 }

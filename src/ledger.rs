@@ -6,8 +6,8 @@
 //!   wall, or it left the walls' bounding box over the top; or it fell below `cull.below` by any way but the
 //!   orifice. Named by id, step, place and nearest wall grain.
 //!
-//! Paths are straight between two looks. A grain is looked at again when it has moved by a quarter of the smallest
-//! radius since the last look (or in one step, if it is faster), so that a bed at rest costs one comparison a grain. So a
+//! Paths are straight between two looks. A grain is looked at again at the latest when it has moved by a quarter of the
+//! smallest radius since the last look (or in one step, if it is faster), so that a bed at rest costs next to nothing. So a
 //! grain that is on the other side of a wall after one step, without having touched it, is seen in that step, and the
 //! loss tells how far it moved.
 //! In solid space the walls are flat ones, the orifice is where a door panel was, and there is no top to leave by. Wall
@@ -33,6 +33,7 @@ use crate::particle::{Fixed, Grain, GrainId, Position};
 use crate::scene::values::Finite;
 use crate::space::{Plane, Space};
 use crate::step::{Clock, Phase, Step};
+use crate::wait::Wait;
 use crate::walls::paths::{Crossing, Paths};
 
 /// The scene's `cull`.
@@ -154,7 +155,12 @@ fn watch_paths<V: Space>(
     mut lost: MessageWriter<GrainLost<V>>,
     mut grains: Query<(&GrainId, &Position<V>, &mut Whereabouts<V>), With<Grain>>,
     wall_grains: Query<(&GrainId, &Position<V>), With<Fixed>>,
+    mut wait: Local<Wait>,
 ) {
+    if !wait.is_over(&columns, 0.0) {
+        return;
+    }
+    let (mut longest, mut lowest) = (0.0f64, f64::INFINITY);
     let patience = (0.25 * enclosure.smallest_radius).powi(2);
     let door_is_closed = door.is_none_or(|door| !door.is_open());
     let last_chance = cull.map_or(f64::NEG_INFINITY, |line| line.0);
@@ -163,8 +169,14 @@ fn watch_paths<V: Space>(
         let places = places.bypass_change_detection().iter_mut();
         for ((&id, &Position(here)), place) in ids.iter().zip(xs.iter()).zip(places) {
             let way = columns.separation(here, *place.looked_at.get_or_insert(here));
-            let may_wait = way.length_squared() < patience && here.height() >= last_chance;
-            if may_wait || place.state != State::Inside {
+            if place.state != State::Inside {
+                continue;
+            }
+            lowest = lowest.min(here.height());
+            let squared = way.length_squared();
+            // Whoever will soon have moved so far is looked at now, so that there is time until the next pass.
+            if squared < 0.25 * patience && here.height() >= last_chance {
+                longest = longest.max(squared);
                 continue;
             }
             place.looked_at = Some(here);
@@ -185,6 +197,9 @@ fn watch_paths<V: Space>(
             }
         }
     }
+    // Nobody's next look is due before somebody has gone this far.
+    let way_left = patience.sqrt() - longest.sqrt();
+    *wait = Wait::for_distance(&columns, way_left.min(lowest - last_chance));
 }
 
 /// How a grain was lost, and whether it was because it moves so far (m) in a step that no force can stop it.
@@ -228,14 +243,16 @@ fn cull<V: Space>(
     mut ledger: ResMut<Ledger>,
     mut expected: ResMut<Culled>,
     mut lost: MessageWriter<GrainLost<V>>,
-    heights: Query<&Position<V>, With<Grain>>,
+    columns: Res<Columns<V>>,
+    mut wait: Local<Wait>,
     grains: Query<(Entity, &GrainId, &Position<V>, Option<&Whereabouts<V>>), With<Grain>>,
 ) {
-    let mut tables = heights.contiguous_iter().expect(DENSE);
-    if !tables.any(|xs| xs.iter().any(|x| x.0.height() < line.0)) {
+    if !wait.is_over(&columns, 0.0) {
         return;
     }
+    let mut lowest = f64::INFINITY;
     for (entity, &id, x, place) in &grains {
+        lowest = lowest.min(x.0.height());
         if x.0.height() < line.0 {
             commands.entity(entity).despawn();
             expected.0.insert(entity);
@@ -246,6 +263,8 @@ fn cull<V: Space>(
             }
         }
     }
+    // Nobody is below the line before somebody has gone this far.
+    *wait = Wait::for_distance(&columns, lowest - line.0);
 }
 
 /// Grains that left the world by somebody else's hand are lost too; the columns still know their names.

@@ -19,7 +19,6 @@ use crate::ending::EndingPlugin;
 use crate::energy::{AddedWorkPlugin, EnergyPlugin, PanelDoorEnergyPlugin, SpinEnergyPlugin};
 use crate::finite::FinitePlugin;
 use crate::grains::spawner::SpawnerPlugin;
-use crate::gravity::GravityPlugin;
 use crate::integrate::IntegratorPlugin;
 use crate::integrate::centred::LookAheadPlugin;
 use crate::ledger::{CullPlugin, LedgerPlugin, PathsPlugin};
@@ -29,6 +28,7 @@ use crate::messages::MessagesPlugin;
 use crate::neighbours::NeighboursPlugin;
 use crate::periodic::{Periodic, PeriodicPlugin};
 use crate::rest::RestPlugin;
+use crate::rows::RowsPlugin;
 use crate::scene::load::Loaded;
 use crate::space::{Solid, Space};
 use crate::spin::{InertiaLaw, SpinPlugin};
@@ -94,12 +94,17 @@ pub(crate) fn add_all<V: Space>(
     let (scene, space) = (&loaded.scene, PhantomData::<V>);
     let periodic = Periodic::<V>::new(&scene.periodic);
     let largest_radius = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
+    let passes = scene.integrator.passes(!behaviours.is_empty(), periodic.is_some());
     app.add("step", StepPlugin { dt: loaded.step() })
         .add("always", MessagesPlugin(space))
-        .add("always", ColumnsPlugin(space))
+        .add(
+            "always",
+            ColumnsPlugin { passes, space },
+        )
+        .add("always", RowsPlugin)
         .add("always", ObservePlugin)
         .add("neighbours", NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius })
-        .add("integrator", IntegratorPlugin(scene.integrator, space))
+        .add("integrator", IntegratorPlugin { kind: scene.integrator, passes, space })
         .add("until", EndingPlugin { until: scene.until.get(), at_rest: scene.rest.is_some_and(|rest| rest.stop) })
         .add("always", FinitePlugin(space))
         .add("always", EnergyPlugin(space))
@@ -118,7 +123,11 @@ pub(crate) fn add_all<V: Space>(
         app.add("behaviours", AddedWorkPlugin(space));
     }
     if scene.contact.spins() {
-        app.add("contact.tangential", SpinPlugin(scene.inertia.unwrap_or(InertiaLaw::usual(scene.space)), space))
+        app.add("contact.tangential", SpinPlugin {
+                inertia: scene.inertia.unwrap_or(InertiaLaw::usual(scene.space)),
+                behaviours: !behaviours.is_empty(),
+                space,
+            })
             .add("contact.tangential", SpinEnergyPlugin(space));
     }
     if !behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law()) {
@@ -131,9 +140,6 @@ pub(crate) fn add_all<V: Space>(
     }
     if loaded.fixed.iter().any(|grain| grain.velocity != Solid::ZERO) {
         app.add("fill", ConveyorPlugin(space));
-    }
-    if scene.gravity.padded() != Solid::ZERO {
-        app.add("gravity", GravityPlugin(space));
     }
     if let (Some(config), Some(mass)) = (scene.spawner.clone(), scene.mass) {
         let first_id = loaded.first_free_id();

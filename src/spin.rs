@@ -11,8 +11,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{self, Columns, DENSE, Gathered, GatheredVelocities, Renumbering, Slot, Turn};
-use crate::contact::ContactForces;
+use crate::columns::{self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, Renumbering, Slot, Turn};
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
 use crate::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
@@ -79,12 +78,30 @@ fn equip<V: Space>(
 
 type Turning<V> = (&'static mut Spin<<V as Space>::Spin>, &'static Torque<<V as Space>::Spin>, &'static Inertia);
 
-/// Half a step of w; before the drift and after the forces alike.
+/// Half a step of w, before the drift.
 fn half_kick<V: Space>(clock: Res<Clock>, mut grains: Query<Turning<V>, Without<Fixed>>) {
     for (mut spins, torques, inertias) in grains.contiguous_iter_mut().expect(DENSE) {
         let spins = spins.bypass_change_detection().iter_mut();
         for (spin, (torque, inertia)) in spins.zip(torques.iter().zip(inertias.iter())) {
             spin.0 += torque.0 * (0.5 * clock.dt / inertia.0);
+        }
+    }
+}
+
+/// The same, after the forces; into the columns too, which saves a pass.
+fn last_half_kick<V: Space>(
+    clock: Res<Clock>,
+    mut columns: ResMut<Columns<V>>,
+    mut grains: Query<(&Slot, Turning<V>), Without<Fixed>>,
+) {
+    let columns = &mut *columns;
+    for (slots, (mut spins, torques, inertias)) in grains.contiguous_iter_mut().expect(DENSE) {
+        let spins = spins.bypass_change_detection().iter_mut();
+        for (slot, (spin, (torque, inertia))) in slots.iter().zip(spins.zip(torques.iter().zip(inertias.iter()))) {
+            spin.0 += torque.0 * (0.5 * clock.dt / inertia.0);
+            if let Some(place) = columns.spin.get_mut(slot.index()) {
+                *place = spin.0;
+            }
         }
     }
 }
@@ -115,10 +132,6 @@ fn make_room<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<(&Slot, &I
     columns.turn.resize(particles, Turn::default());
 }
 
-fn clear<V: Space>(mut columns: ResMut<Columns<V>>) {
-    columns.turn.fill(Turn::default());
-}
-
 fn write<V: Space>(columns: Res<Columns<V>>, mut grains: Query<(&Slot, &mut Torque<V::Spin>)>) {
     for (slots, mut torques) in grains.contiguous_iter_mut().expect(DENSE) {
         for (slot, torque) in slots.iter().zip(torques.bypass_change_detection()) {
@@ -129,22 +142,32 @@ fn write<V: Space>(columns: Res<Columns<V>>, mut grains: Query<(&Slot, &mut Torq
     }
 }
 
-/// Rotation of grains whose inertia is `law`.
-pub struct SpinPlugin<V: Space>(pub InertiaLaw, pub PhantomData<V>);
+/// Rotation of grains.
+pub struct SpinPlugin<V: Space> {
+    /// What moments of inertia follow from.
+    pub inertia: InertiaLaw,
+    /// Whether there are behaviours, which may change spins by the end of a step.
+    pub behaviours: bool,
+    /// The space.
+    pub space: PhantomData<V>,
+}
 
 impl<V: Space> Plugin for SpinPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(InertiaFactor(self.0.factor())).add_observer(equip::<V>).add_systems(
+        app.insert_resource(InertiaFactor(self.inertia.factor())).add_observer(equip::<V>).add_systems(
             Step,
             (
                 make_room::<V>.in_set(Renumbering).after(columns::renumber::<V>),
                 half_kick::<V>.in_set(Phase::Drift).after(ClockAdvanced),
-                gather::<V>.in_set(Phase::Neighbours).in_set(Gathered).after(columns::gather::<V>),
-                clear::<V>.in_set(ForceStage::Contacts).after(columns::clear_forces::<V>).before(ContactForces),
+                gather::<V>.in_set(Phase::Neighbours).in_set(Gathered).after(columns::gather::<V, ()>).after(columns::gather::<V, With<Fixed>>)
+                    .after(columns::gather::<V, Without<Fixed>>),
                 write::<V>.in_set(ForceStage::Written),
-                half_kick::<V>.in_set(Phase::Kick).before(GatheredVelocities),
-                gather::<V>.in_set(Phase::Kick).in_set(GatheredVelocities).after(columns::gather_velocities::<V>),
+                last_half_kick::<V>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities),
             ),
         );
+        if self.behaviours {
+            let again = gather::<V>.in_set(Phase::Kick).in_set(GatheredVelocities);
+            app.add_systems(Step, again.after(columns::gather_velocities::<V>));
+        }
     }
 }

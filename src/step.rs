@@ -37,11 +37,11 @@ pub enum Phase {
 /// The stages of [`Phase::Forces`], in this order, which is also the order of summation in each grain.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ForceStage {
-    /// Between grains, and between grains and wall grains.
+    /// Weight; then contacts between grains, and between grains and wall grains.
     Contacts,
     /// On the flat walls of the scene, in the scene's order.
     Walls,
-    /// Weight.
+    /// Weight, of what has no contacts: that of grains is what their sums begin with.
     Gravity,
     /// The sum is written to [`Force`](crate::particle::Force).
     Written,

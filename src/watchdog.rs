@@ -32,7 +32,6 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::contact::kernel::OverlapRatio;
 use crate::contact::survey::{Partner, Scenery, Survey};
 use crate::contact::{Bounce, LargestOverlap};
 use crate::energy::EnergyFlows;
@@ -102,7 +101,7 @@ impl Held {
         for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
             let body = &columns.body[i];
             let fall = columns.mass[i] * gravity.dot(body.position);
-            held.kinetic += 0.5 * columns.mass[i] * body.velocity.length_squared() + columns.rotational_energy(i);
+            held.kinetic += 0.5 * columns.mass[i] * columns.velocity[i].length_squared() + columns.rotational_energy(i);
             held.potential -= fall;
             held.magnitude += fall.abs();
         }
@@ -134,7 +133,7 @@ impl Watch {
 
 /// Run condition, and all that most steps cost: is there something to look at?
 fn is_called(clock: Res<Clock>, largest: Res<LargestOverlap>, watch: Res<Watch>, outcome: Res<Outcome>) -> bool {
-    clock.steps.is_multiple_of(watch.every) || watch.is_deep(largest.0.get()) || outcome.end().is_some()
+    clock.steps.is_multiple_of(watch.every) || watch.is_deep(largest.0) || outcome.end().is_some()
 }
 
 fn look<V: Space>(
@@ -148,7 +147,7 @@ fn look<V: Space>(
     if matches!(outcome.end(), Some(End::Failed(_))) {
         return;
     }
-    let (survey, ratio) = (scenery.survey(), largest.0.get());
+    let (survey, ratio) = (scenery.survey(), largest.0);
     if watch.is_deep(ratio) {
         watch.has_warned = true;
         if let Some(failure) = judge_overlap(&survey, &clock, ratio, watch.overlap) {
@@ -169,10 +168,10 @@ fn energy_grew<V: Space>(survey: &Survey<V>, clock: &Clock, created_j: f64, put_
     let columns = survey.columns;
     let movable = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
     let fastest = movable.max_by(|&a, &b| {
-        let speed = |i: usize| columns.body[i].velocity.length_squared();
+        let speed = |i: usize| columns.velocity[i].length_squared();
         speed(a).total_cmp(&speed(b))
     })?;
-    let speed_m_s = columns.body[fastest].velocity.length();
+    let speed_m_s = columns.velocity[fastest].length();
     let (reduced_mass, reduced_radius) = (columns.mass[fastest], columns.body[fastest].radius);
     let stiffness = clock.dt * survey.law.frequency(&Bounce { reduced_mass, reduced_radius, speed: speed_m_s });
     let grain = columns.id[fastest];
@@ -200,12 +199,11 @@ fn judge_overlap<V: Space>(survey: &Survey<V>, clock: &Clock, ratio: f64, limit:
 
 /// The deepest contact as it stands: its grain, and its partner in words.
 fn deepest<V: Space>(survey: &Survey<V>) -> Option<(GrainId, String)> {
-    let (mut deepest, mut who) = (OverlapRatio::default(), None);
+    let (mut deepest, mut who) = (0.0, None);
     survey.contacts(|i, partner, pair, _| {
-        let before = deepest.get();
-        deepest.raise(pair.overlap, pair.radii[0].min(pair.radii[1]));
-        if deepest.get() > before {
-            who = Some((i, partner));
+        let ratio = pair.overlap / pair.radii[0].min(pair.radii[1]);
+        if ratio > deepest {
+            (deepest, who) = (ratio, Some((i, partner)));
         }
     });
     let columns = survey.columns;

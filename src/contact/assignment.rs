@@ -29,7 +29,7 @@ impl Assignment {
 impl Demands for Assignment {}
 
 impl<V: Space> PairLaw<V> for Assignment {
-    #[inline]
+    #[inline(always)]
     fn force(&self, pair: &Pair<V>, _: &mut Memory<V>) -> PairForce<V> {
         PairForce::smooth(pair.normal * (self.k * pair.overlap), pair.relative_velocity * -self.b)
     }
@@ -59,7 +59,7 @@ impl<V: Space> PairLaw<V> for Assignment {
 
 impl<V: Space> CentredLaw<V> for Assignment {
     /// As along the normal, with vectors: this drag acts on the whole relative velocity.
-    #[inline]
+    #[inline(always)]
     fn centred(&self, pair: &Pair<V>, _: &mut Memory<V>) -> PairForce<V> {
         let window = Window::of(pair);
         let before = pair.overlap - window.moved;

@@ -50,7 +50,7 @@ pub struct Ahead<V: Space = Plane> {
 
 impl<V: Space> Ahead<V> {
     /// How fast a force along the normal changes the closing speed, counting only grains without another contact, 1/kg.
-    #[inline]
+    #[inline(always)]
     pub(super) fn lone_mobility(&self) -> f64 {
         self.lone[0] * self.inverse_masses[0] + self.lone[1] * self.inverse_masses[1]
     }
@@ -58,7 +58,7 @@ impl<V: Space> Ahead<V> {
 
 impl<V: Space> Pair<V> {
     /// The pair with the velocities predicted for the end of the step.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn predicted(&self) -> Self {
         let mut pair = *self;
@@ -69,7 +69,7 @@ impl<V: Space> Pair<V> {
     }
 
     /// The pair at another overlap, m; none if that is negative.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn at_overlap(&self, overlap: f64) -> Self {
         Self { overlap: overlap.max(0.0), ..*self }
@@ -89,7 +89,7 @@ pub struct Window {
 
 impl Window {
     /// That of a pair.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn of<V: Space>(pair: &Pair<V>) -> Self {
         let closing = -pair.normal_velocity();
@@ -98,14 +98,14 @@ impl Window {
     }
 
     /// Whether the contact exists in any part of the step.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn touches(&self, overlap: f64) -> bool {
         overlap + self.half_width > 0.0
     }
 
     /// theta, for an evaluation at this overlap, m.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn share(&self, overlap: f64) -> f64 {
         let w = self.half_width;
@@ -113,7 +113,7 @@ impl Window {
     }
 
     /// How long ago the contact opened, s, if it did so in this step.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn opened(&self, overlap: f64, dt: f64) -> Option<f64> {
         (overlap > 0.0 && overlap < self.moved).then(|| (overlap / self.closing).min(dt))
@@ -141,7 +141,7 @@ impl<L: Demands> Demands for Centred<L> {
 }
 
 impl<V: Space, L: CentredLaw<V>> PairLaw<V> for Centred<L> {
-    #[inline]
+    #[inline(always)]
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         self.0.centred(pair, memory)
     }
@@ -184,7 +184,7 @@ impl<V: Space, L: CentredLaw<V>> PairLaw<V> for Centred<L> {
 }
 
 /// Whether `a` is longer than `cap`, and what shortens it to that.
-#[inline]
+#[inline(always)]
 pub(super) fn cut<V: Linear>(a: V, cap: f64) -> (bool, V) {
     let squared = a.length_squared();
     if squared > cap * cap { (true, a * (cap / squared.sqrt())) } else { (false, a) }

@@ -67,7 +67,7 @@ impl<N: Normal, T: Tangential, R: Rolling> Demands for Composite<N, T, R> {
 }
 
 impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N, T, R> {
-    #[inline]
+    #[inline(always)]
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         let spring = self.normal.spring(pair);
         let drag = self.normal.drag(pair);
@@ -119,7 +119,7 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
 }
 
 impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite<N, T, R> {
-    #[inline]
+    #[inline(always)]
     fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         let window = Window::of(pair);
         let (overlap, before) = (pair.overlap, pair.overlap - window.moved);

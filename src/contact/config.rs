@@ -180,7 +180,7 @@ impl Contacts<'_> {
     /// Hands the law to `visitor`: the one choice of what the kernel is compiled for.
     pub fn visit<V: Space, R: LawVisitor<V>>(&self, visitor: R) -> R::Output {
         match self.usual {
-            // Grains of one material need no table; with friction, looking up is lost in the work.
+            // Grains of one material need no table.
             Contact::Assignment { k, b } if self.species == 1 => visitor.take(Assignment::new(k, b)),
             Contact::Assignment { .. } => visitor.take(self.table(|a, b| self.assignment(a, b))),
             Contact::Linear { tangential: None, .. } if self.species == 1 => {
@@ -192,6 +192,7 @@ impl Contacts<'_> {
             Contact::Linear { tangential: Some(Friction::Dashpot { .. }), .. } => {
                 visitor.take(self.table(|a, b| self.dashpot(a, b)))
             }
+            Contact::Linear { rolling: None, .. } if self.species == 1 => visitor.take(self.stick(0, 0, Free)),
             Contact::Linear { rolling: None, .. } => visitor.take(self.table(|a, b| self.stick(a, b, Free))),
             Contact::Linear { .. } => visitor.take(self.table(|a, b| self.stick(a, b, self.rolling(a, b)))),
             Contact::Hertz { tangential: None, .. } => visitor.take(self.table(|a, b| smooth(self.hertz(a, b)))),
@@ -234,7 +235,7 @@ impl Contacts<'_> {
         else {
             unreachable!("{SAME_KIND}")
         };
-        Composite { normal, tangential: Dashpot { damping, friction: friction.get(), lever }, rolling: Free }
+        Composite { normal, tangential: Dashpot { damping: damping.into(), friction: friction.get(), lever }, rolling: Free }
     }
 
     fn stick<R>(&self, a: u8, b: u8, rolling: R) -> Composite<LinearNormal, Stick<Constant>, R> {
@@ -243,7 +244,7 @@ impl Contacts<'_> {
         else {
             unreachable!("{SAME_KIND}")
         };
-        let modulus = Constant { k: k.get(), damping };
+        let modulus = Constant { k: k.get(), damping: damping.into() };
         Composite { normal, tangential: Stick { modulus, friction: friction.get(), lever }, rolling }
     }
 

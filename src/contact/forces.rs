@@ -7,12 +7,15 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
-use crate::contact::history::{CHUNK, History};
-use crate::contact::kernel::{OverlapRatio, Pass};
+use crate::contact::history::History;
+use crate::contact::kernel::Pass;
 use crate::contact::{AnyLaw, Demands, PairLaw};
 use crate::energy::SpinEnergyPlugin;
+use crate::gravity::Gravity;
+use crate::instructions::Instructions;
+use crate::integrate::centred::LookAheadPlugin;
 use crate::neighbours::Search;
-use crate::periodic::{Metric, Open};
+use crate::periodic::Open;
 use crate::space::{Plane, Space};
 use crate::spin::{InertiaLaw, SpinPlugin};
 use crate::step::{Clock, ForceStage, Step};
@@ -22,9 +25,9 @@ use crate::threads::Threads;
 #[derive(Resource)]
 pub struct Law<L>(pub Arc<L>);
 
-/// The largest overlap so far, of grains with grains and with walls.
+/// The largest overlap so far, of grains with grains and with walls, over the smaller radius.
 #[derive(Resource, Default)]
-pub struct LargestOverlap(pub OverlapRatio);
+pub struct LargestOverlap(pub f64);
 
 /// The set of the contact pass.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
@@ -37,36 +40,28 @@ pub(crate) fn memory_step(clock: &Clock) -> f64 {
 
 fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
     law: Res<Law<L>>,
-    clock: Res<Clock>,
+    (clock, gravity): (Res<Clock>, Res<Gravity<V>>),
     search: Res<Search<V>>,
-    threads: Res<Threads>,
+    (threads, instructions): (Res<Threads>, Res<Instructions>),
     mut columns: ResMut<Columns<V>>,
     mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
 ) {
-    let (law, dt) = (&*law.0, memory_step(&clock));
     if L::MEMORY {
-        let books = if threads.pool().is_some() { columns.len().div_ceil(CHUNK) } else { 1 };
-        history.follow(&columns.id, columns.generation, books);
+        history.follow::<L>(&columns);
     }
-    let partners = search.partners();
-    let pass = match columns.periodic {
-        None => sum(&Pass { law, metric: Open, partners, dt }, &mut columns, &threads, &mut history),
-        Some(metric) => sum(&Pass { law, metric, partners, dt }, &mut columns, &threads, &mut history),
+    let pass = Pass {
+        law: &*law.0,
+        metric: Open,
+        list: &search.list,
+        dt: memory_step(&clock),
+        gravity: gravity.0,
+        instructions: *instructions,
     };
-    largest.0.merge(pass);
-}
-
-fn sum<V: Space, L: PairLaw<V> + Demands, M: Metric<V>>(
-    pass: &Pass<V, L, M>,
-    columns: &mut Columns<V>,
-    threads: &Threads,
-    history: &mut History<V>,
-) -> OverlapRatio {
-    match threads.pool() {
-        None => pass.half(columns, &mut history.pairs[0]),
-        Some(pool) => pool.install(|| pass.full(columns, history)),
-    }
+    largest.0 = match columns.periodic {
+        None => pass.sum(&mut columns, &mut history, &threads, largest.0),
+        Some(metric) => pass.with(metric).sum(&mut columns, &mut history, &threads, largest.0),
+    };
 }
 
 /// Contacts with the law `law`. Outsiders' laws enter here: `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
@@ -95,13 +90,21 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
     fn build(&self, app: &mut App) {
         // A law that a behaviour brings may turn grains where the scene's own does not.
         if L::SPIN && !app.is_plugin_added::<SpinPlugin<V>>() {
-            app.add_plugins(SpinPlugin::<V>(InertiaLaw::usual(V::DIMENSION), PhantomData))
+            app.add_plugins(SpinPlugin::<V> {
+                inertia: InertiaLaw::usual(V::DIMENSION),
+                behaviours: true,
+                space: PhantomData,
+            })
                 .add_plugins(SpinEnergyPlugin::<V>(PhantomData));
+        }
+        if L::AHEAD && !app.is_plugin_added::<LookAheadPlugin<V>>() {
+            app.add_plugins(LookAheadPlugin { spins: L::SPIN, space: PhantomData::<V> });
         }
         app.insert_resource(Law(self.law.clone()))
             .insert_resource(AnyLaw::<V>(self.law.clone()))
             .init_resource::<History<V>>()
             .init_resource::<LargestOverlap>()
+            .init_resource::<Instructions>()
             .add_systems(Step, contact_forces::<V, L>.in_set(ForceStage::Contacts).in_set(ContactForces));
     }
 }

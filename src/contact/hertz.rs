@@ -81,17 +81,17 @@ impl Normal for Hertz {
     // What the mean of delta^(1/4) is beyond its middle's (w/delta)^2/32 is 0.02 (w/delta)^4 there, below 1e-5.
     const EVEN: f64 = 8.0;
 
-    #[inline]
+    #[inline(always)]
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64 {
         2.0 / 3.0 * self.tangent(pair.reduced_radius(), pair.overlap) * pair.overlap
     }
 
-    #[inline]
+    #[inline(always)]
     fn drag<V: Space>(&self, pair: &Pair<V>) -> f64 {
         2.0 * self.ratio * (self.tangent(pair.reduced_radius(), pair.overlap) * pair.reduced_mass).sqrt()
     }
 
-    #[inline]
+    #[inline(always)]
     fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
         // c = C delta^(1/4), whose integral is 4/5 C delta^(5/4) = 4/5 c delta.
         let w = window.half_width;
@@ -99,12 +99,12 @@ impl Normal for Hertz {
         if w > 0.0 { 0.5 * (integral(overlap + w) - integral(overlap - w)) / w } else { self.drag(pair) }
     }
 
-    #[inline]
+    #[inline(always)]
     fn even_drag(&self, drag: f64, window: &Window, overlap: f64) -> f64 {
         drag * (1.0 - (window.half_width / overlap).powi(2) / 32.0)
     }
 
-    #[inline]
+    #[inline(always)]
     fn floor(&self) -> f64 {
         self.floor
     }
@@ -157,7 +157,7 @@ impl Mindlin {
 impl Modulus for Mindlin {
     const VARIES: bool = true;
 
-    #[inline]
+    #[inline(always)]
     fn of<V: Space>(&self, pair: &Pair<V>, _: f64) -> (f64, f64) {
         let k = 8.0 * self.shear_modulus * (pair.reduced_radius() * pair.overlap).sqrt();
         (k, 2.0 * self.ratio * (k * pair.reduced_mass).sqrt())

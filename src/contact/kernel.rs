@@ -1,61 +1,30 @@
 //! The kernel: the sum of pair forces over the columns.
 //!
-//! Two loops give the same bits. On one thread each pair is evaluated once, walked i < j with both ascending, and
-//! added to both: grain i has then received its partners in ascending order. On several threads every particle
-//! sums its own partners in ascending order, so each pair is evaluated twice. Laws are odd under the exchange of i
-//! and j to the last bit, and only touching pairs add, so the candidates that a neighbour search offers beyond those
-//! leave no trace. What a law does not demand ([`Demands`]) is not compiled.
+//! Each pair is evaluated once, walked i < j with both ascending, and added to both: a particle receives its partners in
+//! ascending order of slots. Three things happen by turns: candidates are filtered by distance, without a branch, into a
+//! [`Batch`]; when it is full, the law answers for all its lanes at once; the answers are added one by one, in order. What a
+//! law does not demand ([`Demands`]) is not compiled.
+//!
+//! Threads sum a range of rows each, and evaluate for themselves what rows of others do to theirs ([`PairList`]): the order
+//! of every sum, and so its bits, do not depend on their number. Memories are written in pages of [`BLOCK`] rows, and a batch
+//! ends with its block, so that neither do the books.
 
 use rayon::prelude::*;
 
 use crate::columns::{Columns, Load, Turn};
-use crate::contact::geometry::{filter, touching};
-use crate::contact::history::{Book, CHUNK, History, Recall};
-use crate::contact::sums::{Ended, book_losses, total, turn};
-use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw};
+use crate::contact::batch::Batch;
+use crate::contact::geometry::coincident;
+use crate::contact::history::{BLOCK, History, Pages, Recall};
+use crate::contact::lanes::LANES;
+use crate::contact::{Demands, PairLaw, sums};
+use crate::instructions::Instructions;
+use crate::neighbours::list::{Candidate, PairList, Task};
 use crate::periodic::Metric;
-use crate::space::Space;
+use crate::space::{Linear, Space};
+use crate::threads::Threads;
 
-/// Where candidates come from.
-pub trait Partners<V: Space>: Sync {
-    /// Every particle that may touch `i`, ascending: those above `i` for a half walk, all others (`i` itself may be
-    /// among them) for a full one. `scratch` is the caller's, to be used at will.
-    fn of<'a>(&'a self, columns: &Columns<V>, i: usize, scratch: &'a mut Vec<u32>) -> &'a [u32];
-}
-
-/// The largest overlap of a pass, over the smaller radius of its pair.
-#[derive(Clone, Copy, Debug)]
-pub struct OverlapRatio {
-    overlap: f64,
-    radius: f64,
-}
-
-impl Default for OverlapRatio {
-    fn default() -> Self {
-        Self { overlap: 0.0, radius: 1.0 }
-    }
-}
-
-impl OverlapRatio {
-    /// Takes an overlap (m) into account; cross-multiplied, to save the division.
-    #[inline]
-    pub fn raise(&mut self, overlap: f64, radius: f64) {
-        if overlap * self.radius > self.overlap * radius {
-            *self = Self { overlap, radius };
-        }
-    }
-
-    /// Takes another pass into account.
-    pub fn merge(&mut self, other: Self) {
-        self.raise(other.overlap, other.radius);
-    }
-
-    /// Overlap over radius.
-    #[must_use]
-    pub fn get(self) -> f64 {
-        self.overlap / self.radius
-    }
-}
+/// How many candidates a batch takes at a time.
+const PIECE: usize = 8;
 
 /// What a pass needs besides the columns.
 pub struct Pass<'a, V: Space, L, M> {
@@ -63,206 +32,345 @@ pub struct Pass<'a, V: Space, L, M> {
     pub law: &'a L,
     /// How separations are measured.
     pub metric: M,
-    /// Where candidates come from.
-    pub partners: &'a dyn Partners<V>,
+    /// Candidates.
+    pub list: &'a PairList,
     /// By how much memories advance, s.
     pub dt: f64,
+    /// m/s^2.
+    pub gravity: V,
+    /// What lanes are computed with.
+    pub instructions: Instructions,
 }
 
 impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
-    /// How far apart two may be for the law to look at them, m.
-    fn margin(columns: &Columns<V>) -> f64 {
-        if L::AHEAD { columns.margin } else { 0.0 }
+    /// The same with separations measured otherwise.
+    pub fn with<N>(&self, metric: N) -> Pass<'_, V, L, N> {
+        let Self { law, list, dt, gravity, instructions, .. } = *self;
+        Pass { law, metric, list, dt, gravity, instructions }
     }
 
-    #[inline(always)]
-    #[expect(clippy::inline_always, reason = "the body of the innermost loop: a call would double its cost")]
-    fn touching(&self, columns: &Columns<V>, i: usize, j: usize) -> Option<Pair<V>> {
-        if L::AHEAD {
-            touching::<true, V>(&self.metric, columns, i, j, self.dt)
-        } else {
-            touching::<false, V>(&self.metric, columns, i, j, self.dt)
-        }
-    }
-
-    /// The pair and the force on `i`, if it touches `j`.
-    #[inline(always)]
-    #[expect(clippy::inline_always, reason = "the body of the innermost loop: a call would double its cost")]
-    fn meet(
-        &self,
-        columns: &Columns<V>,
-        i: usize,
-        j: usize,
-        recall: &mut Option<Recall<V>>,
-        ended: &mut Ended,
-    ) -> Option<(Pair<V>, PairForce<V>, Memory<V>)> {
-        let mut pair = self.touching(columns, i, j)?;
-        if L::SPIN {
-            pair.spins = [columns.spin[i], columns.spin[j]];
-            if L::AHEAD {
-                let [gain_i, gain_j] = [columns.spin_gain[i], columns.spin_gain[j]];
-                pair.ahead.spins = [gain_i.spin, gain_j.spin];
-                pair.ahead.inverse_inertias = [gain_i.inverse_inertia, gain_j.inverse_inertia];
-            }
-        }
-        if L::SPECIES {
-            pair.species = [columns.species[i], columns.species[j]];
-        }
-        #[expect(clippy::cast_possible_truncation, reason = "fewer than 2^32 particles")]
-        let mut memory = match recall {
-            Some(recall) if L::MEMORY => {
-                recall.of::<L>(j as u32, |partner, memory| ended.add(self, columns, i, partner, memory))
-            }
-            _ => Memory::default(),
-        };
-        let force = self.law.force(&pair, &mut memory);
-        Some((pair, force, memory))
-    }
-
-    /// Adds all pair forces to the loads of `columns`, each pair once.
-    pub fn half(&self, columns: &mut Columns<V>, book: &mut Book<V>) -> OverlapRatio {
+    /// Sets the loads of `columns` to the sums of weight and all pair forces. `deepest` is the largest overlap so
+    /// far over the smaller radius of its pair; gives that with these.
+    pub fn sum(&self, columns: &mut Columns<V>, history: &mut History<V>, threads: &Threads, deepest: f64) -> f64 {
         let (mut loads, mut turns) = (std::mem::take(&mut columns.load), std::mem::take(&mut columns.turn));
         let mut contacts = std::mem::take(&mut columns.contacts);
-        let (before, pages) = book.turn();
-        let mut largest = OverlapRatio::default();
-        let (mut scratch, mut buffer) = (Vec::new(), Vec::new());
-        let margin = Self::margin(columns);
-        for i in 0..columns.movable_end {
-            let mut on_i = loads[i];
-            let mut turn_i = if L::SPIN { turns[i] } else { Turn::default() };
-            let mut recall = L::MEMORY.then(|| Recall::new(before, i));
-            let mut ended = Ended::default();
-            let candidates = self.partners.of(columns, i, &mut scratch);
-            for &partner in filter(&self.metric, &columns.body, i, margin, candidates, &mut buffer) {
-                let j = partner as usize;
-                if let Some((pair, force, memory)) = self.meet(columns, i, j, &mut recall, &mut ended) {
-                    if L::AHEAD {
-                        contacts[i] += 1;
-                        contacts[j] += 1;
-                    }
-                    let (sum, on_j) = (total::<L, V>(&force), &mut loads[j]);
-                    on_i.force += sum;
-                    on_i.drag += force.drag;
-                    on_j.force -= sum;
-                    on_j.drag -= force.drag;
-                    if L::SPIN {
-                        turn::<L, V>(&mut turn_i, &pair, &force, 0);
-                        turn::<L, V>(&mut turns[j], &pair, &force, 1);
-                        book_losses::<L, V>(&mut turn_i, &force);
-                    }
-                    if L::MEMORY {
-                        pages.push::<L>(partner, &memory);
-                    }
-                    largest.raise(pair.overlap, pair.radii[0].min(pair.radii[1]));
-                }
-            }
-            loads[i] = on_i;
-            if let Some(recall) = &mut recall {
-                recall.finish::<L>(|partner, memory| ended.add(self, columns, i, partner, memory));
-                pages.end_row();
-            }
-            if L::SPIN {
-                turns[i] = turn_i;
-                ended.book(&mut turns[i]);
-            }
+        let mut rolling = std::mem::take(&mut columns.rolling_drag);
+        if L::ROLLING {
+            rolling.resize(columns.len(), V::Spin::ZERO);
         }
-        (columns.load, columns.turn, columns.contacts) = (loads, turns, contacts);
-        largest
-    }
-
-    /// The same sums, each particle for itself, on the threads of the current rayon pool.
-    pub fn full(&self, columns: &mut Columns<V>, history: &mut History<V>) -> OverlapRatio {
-        let (mut loads, mut turns) = (std::mem::take(&mut columns.load), std::mem::take(&mut columns.turn));
-        let mut contacts = std::mem::take(&mut columns.contacts);
+        let (before, mut now) = history.turn(columns);
         let view = &*columns;
-        let mut turn_chunks = turns.chunks_mut(CHUNK);
-        let mut contact_chunks = contacts.chunks_mut(CHUNK);
-        let mut books = history.pairs.iter_mut();
-        let shares: Vec<Share<V>> = (0..)
-            .step_by(CHUNK)
-            .zip(loads.chunks_mut(CHUNK))
-            .map(|(first, loads)| Share {
-                first,
-                loads,
-                turns: turn_chunks.next().unwrap_or_default(),
-                contacts: contact_chunks.next().unwrap_or_default(),
-                book: if L::MEMORY { books.next() } else { None },
-            })
-            .collect();
-        let largest = share_out(shares, &|share, buffers| self.full_share(view, share, buffers));
-        (columns.load, columns.turn, columns.contacts) = (loads, turns, contacts);
-        largest
-    }
-
-    fn full_share(&self, view: &Columns<V>, share: Share<V>, (scratch, buffer): &mut Buffers) -> OverlapRatio {
-        let mut largest = OverlapRatio::default();
-        let margin = Self::margin(view);
-        let mut pages = share.book.map(Book::turn);
-        for (row, load) in share.loads.iter_mut().enumerate() {
-            let i = share.first + row;
-            let mut recall = pages.as_ref().map(|(before, _)| Recall::new(before, row));
-            let mut ended = Ended::default();
-            let candidates = self.partners.of(view, i, scratch);
-            for &partner in filter(&self.metric, &view.body, i, margin, candidates, buffer) {
-                let j = partner as usize;
-                if i == j {
-                    continue;
-                }
-                if let Some((pair, force, memory)) = self.meet(view, i, j, &mut recall, &mut ended) {
-                    if L::AHEAD {
-                        share.contacts[row] += 1;
-                    }
-                    load.force += total::<L, V>(&force);
-                    load.drag += force.drag;
-                    if L::SPIN {
-                        turn::<L, V>(&mut share.turns[row], &pair, &force, 0);
-                        if i < j {
-                            book_losses::<L, V>(&mut share.turns[row], &force);
-                        }
-                    }
-                    if let Some((_, pages)) = &mut pages {
-                        pages.push::<L>(partner, &memory);
-                    }
-                    largest.raise(pair.overlap, pair.radii[0].min(pair.radii[1]));
-                }
-            }
-            if let Some((_, pages)) = &mut pages {
-                if let Some(recall) = &mut recall {
-                    recall.finish::<L>(|partner, memory| ended.add(self, view, i, partner, memory));
-                }
-                pages.end_row();
-            }
-            if L::SPIN {
-                ended.book(&mut share.turns[row]);
-            }
+        let mut rest = (&mut loads[..], &mut turns[..], &mut contacts[..], &mut rolling[..]);
+        let mut shares = Vec::with_capacity(self.list.tasks().len());
+        for task in self.list.tasks() {
+            let rows = task.rows.len();
+            shares.push(Share {
+                task,
+                before,
+                now: part(&mut now, rows.div_ceil(BLOCK)),
+                loads: part(&mut rest.0, rows),
+                turns: part(&mut rest.1, rows),
+                contacts: part(&mut rest.2, rows),
+                rolling: part(&mut rest.3, rows),
+            });
         }
+        let work = |share: Share<V>| {
+            let begun = share.task.rows.start;
+            Worker { pass: self, view, share, batch: Batch::default(), largest: deepest, begun }.sum()
+        };
+        let largest = match threads.pool() {
+            None => shares.into_iter().map(work).fold(deepest, f64::max),
+            Some(pool) => pool.install(|| shares.into_par_iter().map(work).reduce(|| deepest, f64::max)),
+        };
+        (columns.load, columns.turn, columns.contacts, columns.rolling_drag) = (loads, turns, contacts, rolling);
         largest
     }
 }
 
-/// Does the work of all shares on the threads of the pool. Behind one pointer, so that it is compiled once a space and
-/// not once a law.
-fn share_out<V: Space>(
-    shares: Vec<Share<V>>,
-    work: &(dyn Fn(Share<V>, &mut Buffers) -> OverlapRatio + Sync),
-) -> OverlapRatio {
-    shares.into_par_iter().map_init(Buffers::default, |buffers, share| work(share, buffers)).reduce(
-        OverlapRatio::default,
-        |mut a, b| {
-            a.merge(b);
-            a
-        },
-    )
+/// The first `count` entries, which leave `rest`; all of a shorter one.
+fn part<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
+    let whole = std::mem::take(rest);
+    let (first, others) = whole.split_at_mut(count.min(whole.len()));
+    *rest = others;
+    first
 }
 
-/// Candidates of a particle, and those that it touches.
-type Buffers = (Vec<u32>, Vec<u32>);
-
-/// The rows that one thread sums at a time.
+/// What one thread reads and writes.
 struct Share<'a, V: Space> {
-    first: usize,
+    task: &'a Task,
+    before: &'a [Pages<V>],
+    now: &'a mut [Pages<V>],
     loads: &'a mut [Load<V>],
     turns: &'a mut [Turn<V>],
     contacts: &'a mut [u32],
-    book: Option<&'a mut Book<V>>,
+    rolling: &'a mut [V::Spin],
+}
+
+/// One thread at work.
+struct Worker<'a, V: Space, L, M> {
+    pass: &'a Pass<'a, V, L, M>,
+    view: &'a Columns<V>,
+    share: Share<'a, V>,
+    batch: Batch<V>,
+    largest: f64,
+    /// Entries before this one have begun their sums.
+    begun: usize,
+}
+
+impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
+    fn sum(mut self) -> f64 {
+        let task = self.share.task;
+        for piece in task.incoming.chunks(PIECE) {
+            piece.iter().for_each(|pair| self.begin_sums_up_to(pair[1] as usize));
+            if self.offer(piece) {
+                self.flush_incoming();
+            }
+        }
+        self.flush_incoming();
+        for (number, first) in task.rows.clone().step_by(BLOCK).enumerate() {
+            let mut block = Block {
+                number,
+                first,
+                recall: Recall::new(&self.share.before[first / BLOCK]),
+                remembered: [false; LANES],
+                lost: [0.0; 2],
+                forgotten: [0.0; 2],
+            };
+            self.share.now[number].clear();
+            let (rows, candidates) = self.pass.list.block(first / BLOCK);
+            self.begin_sums_up_to(rows.reach.max(first + BLOCK - 1));
+            for piece in candidates.chunks(PIECE) {
+                if self.offer(piece) {
+                    self.flush(&mut block);
+                }
+            }
+            self.flush(&mut block);
+            self.end(&mut block);
+        }
+        self.largest
+    }
+
+    /// Begins the sums of all entries of the share up to this one, if they have not: shortly before they are added to, while
+    /// their memory is at hand.
+    #[inline]
+    fn begin_sums_up_to(&mut self, entry: usize) {
+        let rows = &self.share.task.rows;
+        let end = (entry + 1).min(rows.end);
+        for entry in self.begun..end {
+            let place = entry - rows.start;
+            self.share.loads[place] = Load::weight(self.pass.gravity, self.view.mass[entry]);
+            if L::SPIN {
+                self.share.turns[place] = Turn::default();
+                if L::ROLLING {
+                    self.share.rolling[place] = V::Spin::ZERO;
+                }
+            }
+            if L::AHEAD {
+                self.share.contacts[place] = 0;
+            }
+        }
+        self.begun = self.begun.max(end);
+    }
+
+    /// Adds those candidates to the batch that overlap, or that the law looks at ahead of that. Whether one does is hard to
+    /// foresee, so there is no branch on it: each is written, and the end moves on if it counts. There is room for [`PIECE`]
+    /// of them; tells whether there is none for as many again.
+    #[inline]
+    fn offer(&mut self, candidates: &[Candidate]) -> bool {
+        let bodies = &self.view.body[..];
+        let margin = if L::AHEAD { self.view.margin } else { 0.0 };
+        let batch = &mut self.batch;
+        let mut end = batch.len;
+        for &[i, j] in candidates {
+            let (body, other) = (&bodies[i as usize], &bodies[j as usize]);
+            let separation = self.pass.metric.separation(body.position, other.position);
+            let (squared, reach) = (separation.length_squared(), body.radius + margin + other.radius);
+            // Never beyond; so the compiler knows as well.
+            let lane = end % LANES;
+            batch.entries[0][lane] = i;
+            batch.entries[1][lane] = j;
+            batch.separation.set(lane, separation);
+            batch.squared[lane] = squared;
+            // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
+            end += usize::from(squared < reach * reach);
+        }
+        batch.len = end;
+        end > LANES - PIECE
+    }
+
+    /// Gives coincident centres a normal: a separation so near to nothing that the overlap stays what it is.
+    #[cold]
+    fn part_coincident(&mut self) {
+        for lane in 0..self.batch.len {
+            if self.batch.squared[lane] > 0.0 {
+                continue;
+            }
+            let [i, j] = self.batch.entries.map(|entries| entries[lane] as usize);
+            let separation = coincident::<V>(self.view.id[i], self.view.id[j]) * 1e-150;
+            self.batch.separation.set(lane, separation);
+            self.batch.squared[lane] = separation.length_squared();
+        }
+    }
+
+    /// Fills in what the law needs to know of the contacts besides separations.
+    #[inline]
+    fn describe_all(&mut self) {
+        let squared = &self.batch.squared[..self.batch.len];
+        if squared.iter().any(|&squared| squared <= 0.0) {
+            self.part_coincident();
+        }
+        for lane in 0..self.batch.len.min(LANES) {
+            self.describe(lane);
+        }
+    }
+
+    #[inline]
+    fn describe(&mut self, lane: usize) {
+        let (batch, view) = (&mut self.batch, self.view);
+        let [i, j] = [batch.entries[0][lane] as usize, batch.entries[1][lane] as usize];
+        batch.relative_velocity.set(lane, view.velocity[i] - view.velocity[j]);
+        for (side, entry) in [i, j].into_iter().enumerate() {
+            let make = &view.make[entry];
+            batch.radii[side][lane] = make.radius;
+            batch.inverse_masses[side][lane] = make.inverse_mass;
+            if L::SPECIES {
+                batch.species[side][lane] = view.species[entry];
+            }
+            if L::SPIN {
+                batch.spins[side].set(lane, view.spin[entry]);
+            }
+            if L::AHEAD {
+                batch.ahead.lone[side][lane] = view.gain[entry].lone;
+                if L::SPIN {
+                    batch.ahead.spins[side].set(lane, view.spin_gain[entry].spin);
+                    batch.ahead.inverse_inertias[side][lane] = view.spin_gain[entry].inverse_inertia;
+                }
+            }
+        }
+        if L::AHEAD {
+            batch.ahead.velocity.set(lane, view.gain[i].velocity - view.gain[j].velocity);
+        }
+    }
+
+    /// Sums what the batch does to the particles of this share, the first ones being in others.
+    fn flush_incoming(&mut self) {
+        for lane in 0..if L::MEMORY { self.batch.len } else { 0 } {
+            let (i, j) = (self.batch.entries[0][lane] as usize, self.batch.entries[1][lane]);
+            let memory = self.share.before[i / BLOCK].look_up(i % BLOCK, j).unwrap_or_default();
+            self.batch.memory.set::<L>(lane, &memory);
+        }
+        self.describe_all();
+        self.batch.ask(self.pass.law, self.pass.dt, self.pass.instructions, &mut self.largest);
+        for lane in 0..self.batch.len.min(LANES) {
+            if !L::AHEAD || self.batch.answer.touches[lane] > 0.0 {
+                self.add_to_second(lane, self.batch.entries[1][lane] as usize - self.share.task.rows.start);
+            }
+        }
+        self.batch.len = 0;
+    }
+
+    /// Sums what the batch does to both members, and keeps the books.
+    fn flush(&mut self, block: &mut Block<'_, V>) {
+        let forgotten = &mut block.forgotten;
+        for lane in 0..self.batch.len.min(LANES) {
+            if L::MEMORY {
+                let (i, j) = (self.batch.entries[0][lane] as usize, self.batch.entries[1][lane]);
+                let (row, first) = (i - block.first, block.first);
+                let memory = block.recall.of::<L>(row, j, |row, partner, memory| {
+                    self.pass.forget(self.view, first + row, partner, memory, forgotten);
+                });
+                block.remembered[lane] = memory.is_some();
+                self.batch.memory.set::<L>(lane, &memory.unwrap_or_default());
+            }
+        }
+        self.describe_all();
+        self.batch.ask(self.pass.law, self.pass.dt, self.pass.instructions, &mut self.largest);
+        for lane in 0..self.batch.len.min(LANES) {
+            self.add(block, lane);
+        }
+        self.batch.len = 0;
+    }
+
+    #[inline]
+    fn add(&mut self, block: &mut Block<'_, V>, lane: usize) {
+        let [i, j] = [self.batch.entries[0][lane] as usize, self.batch.entries[1][lane] as usize];
+        let pages = &mut self.share.now[block.number];
+        if L::AHEAD && self.batch.answer.touches[lane] <= 0.0 {
+            if L::MEMORY && block.remembered[lane] {
+                // It has ended, and its memory been moved on all the same: what it held before is lost.
+                let partner = self.batch.entries[1][lane];
+                let memory = self.share.before[i / BLOCK].look_up(i % BLOCK, partner).unwrap_or_default();
+                self.pass.forget(self.view, i, partner, &memory, &mut block.lost);
+            }
+            return;
+        }
+        if L::MEMORY {
+            let memory = self.batch.memory.get::<L>(lane);
+            pages.push::<L>(i - block.first, self.batch.entries[1][lane], &memory);
+        }
+        let answer = &self.batch.answer;
+        let first = i - self.share.task.rows.start;
+        if L::SPIN {
+            let more = [answer.lost[0][lane], if L::ROLLING { answer.lost[1][lane] } else { 0.0 }];
+            sums::add(&mut block.lost, more);
+            self.share.turns[first].add(answer, lane, 0);
+            if L::ROLLING {
+                self.share.rolling[first] += answer.rolling_drag_torque.get(lane);
+            }
+        }
+        if L::AHEAD {
+            self.share.contacts[first] += 1;
+        }
+        let load = &mut self.share.loads[first];
+        load.force += answer.force.get(lane);
+        load.drag += answer.drag.get(lane);
+        if j < self.share.task.rows.end {
+            self.add_to_second(lane, j - self.share.task.rows.start);
+        }
+    }
+
+    #[inline]
+    fn add_to_second(&mut self, lane: usize, second: usize) {
+        let answer = &self.batch.answer;
+        let load = &mut self.share.loads[second];
+        load.force -= answer.force.get(lane);
+        load.drag -= answer.drag.get(lane);
+        if L::SPIN {
+            self.share.turns[second].add(answer, lane, 1);
+            if L::ROLLING {
+                self.share.rolling[second] -= answer.rolling_drag_torque.get(lane);
+            }
+        }
+        if L::AHEAD {
+            self.share.contacts[second] += 1;
+        }
+    }
+
+    /// Ends a block: what its contacts of the pass before have left is forgotten.
+    fn end(&mut self, block: &mut Block<'_, V>) {
+        let pages = &mut self.share.now[block.number];
+        if L::MEMORY {
+            let (first, forgotten) = (block.first, &mut block.forgotten);
+            block.recall.finish::<L>(BLOCK, |row, partner, memory| {
+                self.pass.forget(self.view, first + row, partner, memory, forgotten);
+            });
+            pages.end_rows(BLOCK);
+        }
+        pages.lost = block.lost;
+        sums::add(&mut pages.lost, block.forgotten);
+    }
+}
+
+/// The rows that are being summed.
+struct Block<'a, V: Space> {
+    /// Among those of the share.
+    number: usize,
+    /// Its first row.
+    first: usize,
+    recall: Recall<'a, V>,
+    /// Which lanes are contacts of the pass before.
+    remembered: [bool; LANES],
+    /// What contacts lose, and what ended ones held, J: each in order, whenever the batch is full.
+    lost: [f64; 2],
+    forgotten: [f64; 2],
 }

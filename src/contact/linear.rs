@@ -20,15 +20,16 @@ pub struct LinearNormal {
     floor: f64,
 }
 
-/// c for a pair.
-#[derive(Clone, Copy, Debug)]
-enum Drag {
-    /// c, N s/m.
-    Constant(f64),
-    /// c/m_eff, 1/s.
-    PerMass(f64),
-    /// c/sqrt(m_eff), N s/(m sqrt(kg)).
-    PerRootMass(f64),
+/// c = constant + per_mass m_eff + per_root sqrt(m_eff), N s/m, of which one term is there: a sum, so that the loop over
+/// many contacts has no branch.
+#[derive(Clone, Copy, Debug, Default)]
+struct Drag {
+    /// N s/m.
+    constant: f64,
+    /// 1/s.
+    per_mass: f64,
+    /// N s/(m sqrt(kg)).
+    per_root: f64,
 }
 
 impl LinearNormal {
@@ -37,20 +38,18 @@ impl LinearNormal {
     pub fn new(k: Positive, damping: Damping, attraction: Attraction) -> Self {
         let k = k.get();
         let drag = match damping {
-            Damping::B(b) => Drag::Constant(b.get()),
-            Damping::PerMass(gamma) => Drag::PerMass(gamma.get()),
-            Damping::Restitution(e) => Drag::PerRootMass(2.0 * attraction.damping_ratio(e) * k.sqrt()),
+            Damping::B(b) => Drag { constant: b.get(), ..Drag::default() },
+            Damping::PerMass(gamma) => Drag { per_mass: gamma.get(), ..Drag::default() },
+            Damping::Restitution(e) => {
+                Drag { per_root: 2.0 * attraction.damping_ratio(e) * k.sqrt(), ..Drag::default() }
+            }
         };
         Self { k, drag, attraction, floor: attraction.floor() }
     }
 
-    #[inline]
+    #[inline(always)]
     fn coefficient(&self, reduced_mass: f64) -> f64 {
-        match self.drag {
-            Drag::Constant(b) => b,
-            Drag::PerMass(gamma) => gamma * reduced_mass,
-            Drag::PerRootMass(z) => z * reduced_mass.sqrt(),
-        }
+        self.drag.constant + self.drag.per_mass * reduced_mass + self.drag.per_root * reduced_mass.sqrt()
     }
 
     fn damping_ratio(&self, reduced_mass: f64) -> f64 {
@@ -62,27 +61,27 @@ impl Normal for LinearNormal {
     // From there on the step before lies in the contact as a whole, too.
     const EVEN: f64 = 3.0;
 
-    #[inline]
+    #[inline(always)]
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64 {
         self.k * pair.overlap
     }
 
-    #[inline]
+    #[inline(always)]
     fn drag<V: Space>(&self, pair: &Pair<V>) -> f64 {
         self.coefficient(pair.reduced_mass)
     }
 
-    #[inline]
+    #[inline(always)]
     fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
         self.coefficient(pair.reduced_mass) * window.share(overlap)
     }
 
-    #[inline]
+    #[inline(always)]
     fn even_drag(&self, drag: f64, _: &Window, _: f64) -> f64 {
         drag
     }
 
-    #[inline]
+    #[inline(always)]
     fn floor(&self) -> f64 {
         self.floor
     }

@@ -10,6 +10,7 @@
 //! curvature and infinite mass ([`crate::walls::surfaces`]).
 
 pub mod assignment;
+pub(crate) mod batch;
 pub mod centred;
 pub mod composite;
 pub mod config;
@@ -19,6 +20,7 @@ pub mod geometry;
 pub mod hertz;
 pub mod history;
 pub mod kernel;
+pub(crate) mod lanes;
 pub mod linear;
 pub mod rolling;
 pub mod spring;
@@ -64,7 +66,7 @@ pub struct Pair<V: Space = Plane> {
 
 impl<V: Space> Pair<V> {
     /// R_i R_j/(R_i + R_j), m; R_i against a flat wall.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn reduced_radius(&self) -> f64 {
         let [i, j] = self.radii;
@@ -72,7 +74,7 @@ impl<V: Space> Pair<V> {
     }
 
     /// (v_i - v_j).n, m/s: negative while the two approach.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn normal_velocity(&self) -> f64 {
         self.relative_velocity.dot(self.normal)
@@ -80,7 +82,7 @@ impl<V: Space> Pair<V> {
 
     /// Relative velocity of the surfaces in the tangent plane, m/s, with these arms (m) from the centres to the contact:
     /// v_ij - v_n n - (l_i w_i + l_j w_j) x n.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn sliding_velocity(&self, arms: [f64; 2]) -> V {
         let turning = self.spins[0] * arms[0] + self.spins[1] * arms[1];

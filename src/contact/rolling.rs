@@ -67,13 +67,13 @@ pub trait Rolling: Copy + Send + Sync + 'static {
 }
 
 /// v_r = R_eff (w_i - w_j) x n, m/s.
-#[inline]
+#[inline(always)]
 fn rolling_velocity<V: Space>(pair: &Pair<V>) -> V {
     pair.normal.turned_by((pair.spins[0] - pair.spins[1]) * pair.reduced_radius())
 }
 
 /// Turns a pull at R_eff into torques.
-#[inline]
+#[inline(always)]
 fn resist<V: Space>(pair: &Pair<V>, pull: &Pull<V>, turning: &mut Turning<V>) {
     let arm = pair.normal * pair.reduced_radius();
     turning.rolling = arm.cross(pull.force);
@@ -88,10 +88,10 @@ pub struct Free;
 impl Rolling for Free {
     const ROLLING: bool = false;
 
-    #[inline]
+    #[inline(always)]
     fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: &mut Memory<V>, _: &mut Turning<V>) {}
 
-    #[inline]
+    #[inline(always)]
     fn add_centred<V: Space>(&self, _: &Pair<V>, _: &Grip, _: &mut Memory<V>, _: &mut Turning<V>) {}
 
     fn energy<V: Space>(&self, _: &Memory<V>) -> f64 {
@@ -110,7 +110,7 @@ impl Rolling for Free {
 impl Rolling for RollingResistance {
     const ROLLING: bool = true;
 
-    #[inline]
+    #[inline(always)]
     fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>) {
         let velocity = rolling_velocity(pair);
         let drag = self.damping.of(pair.reduced_mass);
@@ -119,7 +119,7 @@ impl Rolling for RollingResistance {
         resist(pair, &pull, turning);
     }
 
-    #[inline]
+    #[inline(always)]
     fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, memory: &mut Memory<V>, turning: &mut Turning<V>) {
         let (drag, friction) = (self.damping.of(pair.reduced_mass), self.friction.get());
         let slider = Slider { stiffness: self.k.get(), drag, cap: friction * grip.whole.abs() };

@@ -41,7 +41,7 @@ pub struct Pull<V> {
 
 impl Slider {
     /// Moves `spring` (m) on by `velocity` (m/s) for `dt` (s) and gives the force; `normal` is the plane's.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn pull<V: Space>(&self, spring: &mut V, velocity: V, normal: V, dt: f64) -> Pull<V> {
         let before = *spring;
@@ -53,7 +53,7 @@ impl Slider {
         let is_sliding = squared > self.cap * self.cap;
         if is_sliding {
             force = force * (self.cap / squared.sqrt());
-            after = (force - drag) / -self.stiffness;
+            after = (force - drag) * (-1.0 / self.stiffness);
         }
         *spring = after;
         let lost = 0.5 * self.stiffness * (before + after).dot(moved - after);
@@ -97,7 +97,7 @@ pub struct Event {
 impl Slider {
     /// As [`Slider::pull`], with the event's place in the step, and the dashpot at the velocity of the end: solved for in
     /// this force, with all others as they were. The force is weighed with the share, and cut at the averaged cap.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn pull_centred<V: Space>(&self, spring: &mut V, sweep: &Sweep<V>, normal: V) -> Pull<V> {
         let Sweep { middle, gained, dt, shares: [share_before, share], averaged_caps: [cap_before, cap], .. } = *sweep;
@@ -123,13 +123,13 @@ impl Slider {
     }
 
     /// The spring that, with a dashpot at this velocity, makes a force at the cap; without stiffness, as it was.
-    #[inline]
+    #[inline(always)]
     fn slipped<V: Space>(&self, force: V, velocity: V, spring: V) -> V {
         if self.stiffness > 0.0 { (force + velocity * self.drag) / -self.stiffness } else { spring }
     }
 
     /// The spring after the event, if there was one.
-    #[inline]
+    #[inline(always)]
     fn started<V: Space>(&self, spring: V, sweep: &Sweep<V>) -> V {
         let Some(Event { ago, cap }) = sweep.event else { return spring };
         let then = sweep.middle + sweep.gained * (1.0 - 2.0 * ago / sweep.dt);

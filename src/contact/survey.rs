@@ -76,7 +76,7 @@ impl<'a, V: Space> Survey<'a, V> {
     }
 
     /// Calls `visit` once for each contact: with the index of one particle, its partner, and the pair and its memory as
-    /// seen from that particle. Between particles the first is the one with the lower id.
+    /// seen from that particle. Between particles the first is the one with the lower slot.
     pub fn contacts(&self, mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>)) {
         match self.columns.periodic {
             None => self.pairs(&Open, &mut visit),
@@ -94,19 +94,11 @@ impl<'a, V: Space> Survey<'a, V> {
     }
 
     fn pairs(&self, metric: &impl Metric<V>, visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>)) {
-        let (columns, partners, mut scratch) = (self.columns, self.search.partners(), Vec::new());
-        for i in 0..columns.movable_end {
-            for &j in partners.of(columns, i, &mut scratch) {
-                let j = j as usize;
-                // A full search offers each pair from both sides.
-                if j > i
-                    && let Some(mut pair) = geometry::touching::<false, V>(metric, columns, i, j, 0.0)
-                {
-                    pair.spins = [i, j].map(|k| columns.spin.get(k).copied().unwrap_or_default());
-                    pair.species = [i, j].map(|k| columns.species[k]);
-                    let memory = self.history.of_pair(i, j).unwrap_or_default();
-                    visit(i, Partner::Particle(j), &pair, &memory);
-                }
+        for &candidate in self.search.list.pairs() {
+            let [i, j] = candidate.map(|entry| entry as usize);
+            if let Some(pair) = geometry::touching(metric, self.columns, i, j) {
+                let memory = self.history.of_pair(i, j).unwrap_or_default();
+                visit(i, Partner::Particle(j), &pair, &memory);
             }
         }
     }

@@ -24,7 +24,7 @@ impl<L> Table<L> {
         Self { species, laws: laws.collect() }
     }
 
-    #[inline]
+    #[inline(always)]
     fn of(&self, species: [Species; 2]) -> &L {
         let last = self.species - 1;
         let [a, b] = species.map(|species| usize::from(species.0).min(last));
@@ -38,7 +38,7 @@ impl<L> Table<L> {
 }
 
 impl<V: Space, L: CentredLaw<V>> CentredLaw<V> for Table<L> {
-    #[inline]
+    #[inline(always)]
     fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         self.of(pair.species).centred(pair, memory)
     }
@@ -53,7 +53,7 @@ impl<L: Demands> Demands for Table<L> {
 }
 
 impl<V: Space, L: PairLaw<V>> PairLaw<V> for Table<L> {
-    #[inline]
+    #[inline(always)]
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         self.of(pair.species).force(pair, memory)
     }

@@ -30,7 +30,7 @@ pub enum Lever {
 
 impl Lever {
     /// The arms of i and j, m; none for a flat wall.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn arms<V: Space>(self, pair: &Pair<V>) -> [f64; 2] {
         let [i, j] = pair.radii;
@@ -57,16 +57,31 @@ pub enum TangentialDamping {
     OfNormal(NonNegative),
 }
 
-impl TangentialDamping {
+/// c_t = constant + per_mass m_eff + of_normal c, N s/m, of which one term is there: a sum, so that the loop over many
+/// contacts has no branch.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct TangentialDrag {
+    constant: f64,
+    per_mass: f64,
+    of_normal: f64,
+}
+
+impl From<TangentialDamping> for TangentialDrag {
+    fn from(damping: TangentialDamping) -> Self {
+        match damping {
+            TangentialDamping::B(b) => Self { constant: b.get(), ..Self::default() },
+            TangentialDamping::PerMass(gamma) => Self { per_mass: gamma.get(), ..Self::default() },
+            TangentialDamping::OfNormal(share) => Self { of_normal: share.get(), ..Self::default() },
+        }
+    }
+}
+
+impl TangentialDrag {
     /// c_t, N s/m, for a pair whose normal drag coefficient is `normal`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn of(self, reduced_mass: f64, normal: f64) -> f64 {
-        match self {
-            Self::B(b) => b.get(),
-            Self::PerMass(gamma) => gamma.get() * reduced_mass,
-            Self::OfNormal(share) => share.get() * normal,
-        }
+        self.constant + self.per_mass * reduced_mass + self.of_normal * normal
     }
 }
 
@@ -91,7 +106,7 @@ pub struct Grip {
 impl Grip {
     /// The step, for a motion with this velocity in its middle and what that gains (m/s), the mobilities (1/kg) of such a
     /// motion, and a coefficient of friction.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn sweep<V: Space>(&self, motion: [V; 2], mobilities: [f64; 2], friction: f64, dt: f64) -> Sweep<V> {
         let [middle, gained] = motion;
@@ -112,7 +127,7 @@ impl Grip {
 impl<V: Space> Pair<V> {
     /// The sliding velocity in the middle of the step and what it gains until its end, m/s, and how fast a tangential
     /// force changes it, of all and of lone grains, 1/kg: 1/m + l^2/I of i and j.
-    #[inline]
+    #[inline(always)]
     fn sliding(&self, arms: [f64; 2]) -> ([V; 2], [f64; 2]) {
         let middle = self.sliding_velocity(arms);
         let Ahead { inverse_masses: m, inverse_inertias: i, lone, .. } = self.ahead;
@@ -167,10 +182,10 @@ pub struct Smooth;
 impl Tangential for Smooth {
     const SPIN: bool = false;
 
-    #[inline]
+    #[inline(always)]
     fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: f64, _: &mut Memory<V>, _: &mut Turning<V>) {}
 
-    #[inline]
+    #[inline(always)]
     fn add_centred<V: Space>(&self, _: &Pair<V>, _: &Grip, _: &mut Memory<V>, _: &mut Turning<V>) {}
 
     fn mode(&self, _: &Bounce, _: f64) -> [f64; 2] {
@@ -186,7 +201,7 @@ impl Tangential for Smooth {
 #[derive(Clone, Copy, Debug)]
 pub struct Dashpot {
     /// c_t.
-    pub damping: TangentialDamping,
+    pub damping: TangentialDrag,
     /// mu.
     pub friction: f64,
     /// Where it acts.
@@ -194,7 +209,7 @@ pub struct Dashpot {
 }
 
 impl Tangential for Dashpot {
-    #[inline]
+    #[inline(always)]
     fn add<V: Space>(
         &self,
         pair: &Pair<V>,
@@ -213,7 +228,7 @@ impl Tangential for Dashpot {
         turning.friction_drag = turning.friction;
     }
 
-    #[inline]
+    #[inline(always)]
     fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, _: &mut Memory<V>, turning: &mut Turning<V>) {
         turning.arms = self.lever.arms(pair);
         let (motion, mobilities) = pair.sliding(turning.arms);
@@ -258,13 +273,13 @@ pub struct Constant {
     /// k_t, N/m.
     pub k: f64,
     /// c_t.
-    pub damping: TangentialDamping,
+    pub damping: TangentialDrag,
 }
 
 impl Modulus for Constant {
     const VARIES: bool = false;
 
-    #[inline]
+    #[inline(always)]
     fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64) {
         (self.k, self.damping.of(pair.reduced_mass, normal_drag))
     }
@@ -294,7 +309,7 @@ pub struct Stick<M> {
 impl<M: Modulus> Stick<M> {
     /// The mean stiffness of a step over that of its end: what is gathered while a spring stiffens keeps its force. From
     /// nothing it grows like the root of time.
-    #[inline]
+    #[inline(always)]
     fn mean_stiffness(before: f64, now: f64) -> f64 {
         if before >= now {
             1.0
@@ -306,7 +321,7 @@ impl<M: Modulus> Stick<M> {
     }
 
     /// Adapts the spring to a changed stiffness; gives what it loses, J.
-    #[inline]
+    #[inline(always)]
     fn adapt<V: Space>(k: f64, memory: &mut Memory<V>) -> f64 {
         let before = memory.stiffness * memory.spring.length_squared();
         if k > memory.stiffness {
@@ -321,7 +336,7 @@ impl<M: Modulus> Tangential for Stick<M> {
     const SPRING: bool = true;
     const STIFFNESS: bool = M::VARIES;
 
-    #[inline]
+    #[inline(always)]
     fn add<V: Space>(
         &self,
         pair: &Pair<V>,
@@ -344,7 +359,7 @@ impl<M: Modulus> Tangential for Stick<M> {
         turning.is_sliding = pull.is_sliding;
     }
 
-    #[inline]
+    #[inline(always)]
     fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, memory: &mut Memory<V>, turning: &mut Turning<V>) {
         // Across a gap too the arms meet: what the contact point's keep of the angular momentum, they keep there.
         let (stiffness, drag) = self.modulus.of(&pair.at_overlap(pair.overlap), grip.drag);
@@ -417,7 +432,7 @@ mod tests {
     #[test]
     fn a_dashpot_is_cut_at_the_cap() {
         let zero = NonNegative::try_from(2.0).unwrap();
-        let law = Dashpot { damping: TangentialDamping::B(zero), friction: 0.5, lever: Lever::Radius };
+        let law = Dashpot { damping: TangentialDamping::B(zero).into(), friction: 0.5, lever: Lever::Radius };
         let slow = Pair { relative_velocity: Vector::new(0.0, 1.0), ..pair() };
         let fast = Pair { relative_velocity: Vector::new(0.0, 10.0), ..pair() };
         let mut turning = Turning::default();

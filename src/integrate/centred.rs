@@ -8,7 +8,7 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, DENSE, Gain, Gathered, LookedAhead, Slot, SpinGain};
+use crate::columns::{Columns, DENSE, Gain, Gathered, LookedAhead, MANY, Slot, SpinGain};
 use crate::particle::{Fixed, Force, Mass};
 use crate::space::Space;
 use crate::spin::{Inertia, Torque};
@@ -21,13 +21,13 @@ fn look_ahead<V: Space>(
 ) {
     let columns = &mut *columns;
     columns.lookahead = 0.5 * clock.dt;
-    let fastest = columns.body.iter().map(|body| body.velocity.length_squared()).fold(0.0, f64::max);
-    columns.margin = clock.dt * fastest.sqrt();
+    let fastest = columns.velocity.iter().map(|v| v.length_squared()).fold(0.0, f64::max);
+    // A hair more than any pair can close, so that only the pair's own speed decides.
+    columns.margin = clock.dt * fastest.sqrt() * (1.0 + 1e-12);
     // What is fixed gains nothing.
     columns.gain.clear();
     columns.gain.resize(columns.body.len(), Gain::default());
-    // Where the force pass before knew other slots, or there was none, everything counts as touched by many.
-    columns.contacts.resize(columns.body.len(), 2);
+    columns.contacts.resize(columns.body.len(), MANY);
     for (slots, forces, masses) in grains.contiguous_iter().expect(DENSE) {
         for (slot, (force, mass)) in slots.iter().zip(forces.iter().zip(masses.iter())) {
             if let Some(gain) = columns.gain.get_mut(slot.index()) {
@@ -36,7 +36,6 @@ fn look_ahead<V: Space>(
             }
         }
     }
-    columns.contacts.fill(0);
 }
 
 fn look_ahead_of_spins<V: Space>(

@@ -10,6 +10,7 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use serde::{Deserialize, Serialize};
 
+use crate::columns::Passes;
 use crate::space::Space;
 
 /// The scene's `integrator`.
@@ -28,13 +29,29 @@ pub enum Integrator {
     ExplicitEuler,
 }
 
+impl Integrator {
+    /// Which passes it needs: `behaviours` may do anything, `others` move grains before forces are evaluated.
+    #[must_use]
+    pub fn passes(self, behaviours: bool, others: bool) -> Passes {
+        let is_verlet = matches!(self, Self::Verlet | Self::Centred);
+        Passes { drift_gathers: is_verlet && !behaviours && !others, kick_writes: is_verlet && !behaviours }
+    }
+}
+
 /// The integrator of a scene.
-pub struct IntegratorPlugin<V: Space>(pub Integrator, pub PhantomData<V>);
+pub struct IntegratorPlugin<V: Space> {
+    /// Which.
+    pub kind: Integrator,
+    /// What its passes do besides.
+    pub passes: Passes,
+    /// The space.
+    pub space: PhantomData<V>,
+}
 
 impl<V: Space> Plugin for IntegratorPlugin<V> {
     fn build(&self, app: &mut App) {
-        match self.0 {
-            Integrator::Verlet | Integrator::Centred => verlet::add::<V>(app),
+        match self.kind {
+            Integrator::Verlet | Integrator::Centred => verlet::add::<V>(app, self.passes),
             Integrator::SymplecticEuler => symplectic_euler::add::<V>(app),
             Integrator::ExplicitEuler => explicit_euler::add::<V>(app),
         }

@@ -14,17 +14,16 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::{DENSE, GatheredVelocities};
+use crate::columns::{Columns, DENSE, GatheredVelocities, Kicked, Longest, Passes, Slot};
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
 
 type Movable = Without<Fixed>;
 
-fn drift<V: Space>(
-    clock: Res<Clock>,
-    mut grains: Query<(&mut Position<V>, &mut Velocity<V>, &Force<V>, &Mass), Movable>,
-) {
+type Drifting<V> = (&'static mut Position<V>, &'static mut Velocity<V>, &'static Force<V>, &'static Mass);
+
+fn drift<V: Space>(clock: Res<Clock>, mut grains: Query<Drifting<V>, Movable>) {
     let dt = clock.dt;
     for (mut x, mut v, force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
         let columns = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection());
@@ -33,6 +32,31 @@ fn drift<V: Space>(
             x.0 += v.0 * dt;
         }
     }
+}
+
+/// The same, into the columns too, which saves a pass.
+fn drift_and_gather<V: Space>(
+    clock: Res<Clock>,
+    mut columns: ResMut<Columns<V>>,
+    mut grains: Query<(&Slot, Drifting<V>), Movable>,
+) {
+    let (dt, columns) = (clock.dt, &mut *columns);
+    let mut longest = Longest::default();
+    for (slots, (mut x, mut v, force, mass)) in grains.contiguous_iter_mut().expect(DENSE) {
+        let states = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection());
+        for (slot, ((x, v), (force, mass))) in slots.iter().zip(states.zip(force.iter().zip(mass.iter()))) {
+            v.0 += force.0 * (0.5 * dt / mass.0);
+            let way = v.0 * dt;
+            x.0 += way;
+            longest.raise(way);
+            let slot = slot.index();
+            if let (Some(body), Some(velocity)) = (columns.body.get_mut(slot), columns.velocity.get_mut(slot)) {
+                body.position = x.0;
+                *velocity = v.0;
+            }
+        }
+    }
+    columns.travel += longest.length();
 }
 
 fn kick<V: Space>(clock: Res<Clock>, mut grains: Query<(&mut Velocity<V>, &Force<V>, &Mass), Movable>) {
@@ -44,12 +68,36 @@ fn kick<V: Space>(clock: Res<Clock>, mut grains: Query<(&mut Velocity<V>, &Force
     }
 }
 
-pub(super) fn add<V: Space>(app: &mut App) {
-    app.add_systems(
-        Step,
-        (
-            drift::<V>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced),
-            kick::<V>.in_set(Phase::Kick).before(GatheredVelocities),
-        ),
-    );
+/// The same, with the forces from the columns and the velocities into them, which saves two passes.
+fn kick_and_write<V: Space>(
+    clock: Res<Clock>,
+    mut columns: ResMut<Columns<V>>,
+    mut grains: Query<(&Slot, &mut Velocity<V>, &mut Force<V>, &Mass), Movable>,
+) {
+    let dt = clock.dt;
+    let Columns { load, velocity, .. } = &mut *columns;
+    for (slots, mut v, mut force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
+        let grains = v.bypass_change_detection().iter_mut().zip(force.bypass_change_detection()).zip(mass.iter());
+        for (slot, ((v, force), mass)) in slots.iter().zip(grains) {
+            let slot = slot.index();
+            if let (Some(load), Some(velocity)) = (load.get(slot), velocity.get_mut(slot)) {
+                force.0 = load.force;
+                v.0 += force.0 * (0.5 * dt / mass.0);
+                *velocity = v.0;
+            }
+        }
+    }
+}
+
+pub(super) fn add<V: Space>(app: &mut App, passes: Passes) {
+    if passes.drift_gathers {
+        app.add_systems(Step, drift_and_gather::<V>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
+    } else {
+        app.add_systems(Step, drift::<V>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
+    }
+    if passes.kick_writes {
+        app.add_systems(Step, kick_and_write::<V>.in_set(Phase::Kick).in_set(Kicked).before(GatheredVelocities));
+    } else {
+        app.add_systems(Step, kick::<V>.in_set(Phase::Kick).in_set(Kicked).before(GatheredVelocities));
+    }
 }

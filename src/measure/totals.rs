@@ -7,7 +7,6 @@
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::contact::kernel::OverlapRatio;
 use crate::contact::survey::{Partner, Survey};
 use crate::gravity::Gravity;
 use crate::space::{Dimension, Plane, Solid, Space};
@@ -44,19 +43,19 @@ impl Totals {
             totals.kinetic += columns.kinetic_energy(i);
             totals.rotational += columns.rotational_energy(i);
             totals.potential -= columns.mass[i] * gravity.dot(columns.body[i].position);
-            totals.largest_speed = totals.largest_speed.max(columns.body[i].velocity.length());
+            totals.largest_speed = totals.largest_speed.max(columns.velocity[i].length());
         }
-        let (mut largest, mut ends) = (OverlapRatio::default(), 0u32);
+        let (mut largest, mut ends) = (0.0f64, 0u32);
         survey.contacts(|i, partner, pair, memory| {
             totals.elastic += survey.law.elastic_energy(pair, memory);
             let (radius, other_is_grain) = match partner {
                 Partner::Particle(j) => (columns.body[i].radius.min(columns.body[j].radius), !columns.is_fixed(j)),
                 Partner::Wall(_) => (columns.body[i].radius, false),
             };
-            largest.raise(pair.overlap, radius);
+            largest = largest.max(pair.overlap / radius);
             ends += u32::from(!columns.is_fixed(i)) + u32::from(other_is_grain);
         });
-        totals.largest_overlap_ratio = largest.get();
+        totals.largest_overlap_ratio = largest;
         #[expect(clippy::cast_precision_loss, reason = "fewer than 2^32 grains")]
         let grains = totals.grains.max(1) as f64;
         totals.coordination = f64::from(ends) / grains;

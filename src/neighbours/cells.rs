@@ -11,8 +11,8 @@
 //! L must be at least the largest distance at which two particles touch, 2 R_max for grains.
 
 use crate::columns::Columns;
-use crate::contact::kernel::Partners;
 use crate::neighbours::contact_range;
+use crate::neighbours::list::PairList;
 use crate::outcome::Failure;
 use crate::periodic::Periodic;
 use crate::space::Space;
@@ -26,7 +26,6 @@ type Cell<V> = (i64, <V as Space>::Row);
 /// Particles sorted by cell.
 pub struct Cells<V: Space> {
     size: f64,
-    full: bool,
     /// The box, and by axis how many cells span it; 0 where it is open.
     periodic: Option<Periodic<V>>,
     span: [i64; 3],
@@ -41,7 +40,7 @@ pub struct Cells<V: Space> {
 
 impl<V: Space> Cells<V> {
     /// Cells of side `size` (m) or, to fit a whole number into a periodic box, somewhat more.
-    pub(super) fn new(size: f64, full: bool, periodic: Option<Periodic<V>>) -> Self {
+    pub(super) fn new(size: f64, periodic: Option<Periodic<V>>) -> Self {
         let (mut span, mut sides) = ([0; 3], V::ZERO);
         for (axis, span) in span.iter_mut().enumerate().take(V::COMPONENTS) {
             let length = periodic.and_then(|periodic| periodic.side(axis));
@@ -52,7 +51,6 @@ impl<V: Space> Cells<V> {
         }
         Self {
             size,
-            full,
             periodic,
             span,
             sides,
@@ -192,26 +190,26 @@ impl<V: Space> Cells<V> {
     }
 }
 
-impl<V: Space> Partners<V> for Cells<V> {
-    #[inline]
-    fn of<'a>(&'a self, columns: &Columns<V>, i: usize, scratch: &'a mut Vec<u32>) -> &'a [u32] {
-        scratch.clear();
-        let body = &columns.body[i];
-        let wants = |j: u32| if self.full { j as usize != i } else { j as usize > i };
-        let consider = |j: u32| {
-            let other = &columns.body[j as usize];
-            let reach = body.radius + other.radius + columns.margin;
-            if columns.separation(body.position, other.position).length_squared() < reach * reach {
-                scratch.push(j);
+impl<V: Space> Cells<V> {
+    /// Lists who may touch.
+    pub(super) fn find(&self, columns: &Columns<V>, list: &mut PairList) {
+        list.clear();
+        for i in 0..columns.len() {
+            if i < columns.movable_end {
+                let wants = |j: u32| j as usize > i;
+                let consider = |j: u32| {
+                    if columns.may_touch(i, j as usize) {
+                        list.push(j);
+                    }
+                };
+                if self.reach <= MOST_CELLS {
+                    self.around(i, self.reach, wants, consider);
+                } else {
+                    (0u32..).take(columns.len()).filter(|&j| wants(j)).for_each(consider);
+                }
             }
-        };
-        if self.reach <= MOST_CELLS {
-            self.around(i, self.reach, wants, consider);
-        } else {
-            (0u32..).take(columns.len()).filter(|&j| wants(j)).for_each(consider);
+            list.end_row();
         }
-        scratch.sort_unstable();
-        scratch
     }
 }
 
@@ -260,7 +258,7 @@ mod tests {
     /// Everyone within a side of the cells is found, and nobody twice.
     fn check<V: Space>(points: &[V], periodic: Option<Periodic<V>>) -> Result<(), TestCaseError> {
         let size = 0.7;
-        let mut cells = Cells::new(size, true, periodic);
+        let mut cells = Cells::new(size, periodic);
         cells.fill(points.iter().copied());
         prop_assert!(cells.entries.len() == points.len() && cells.starts.len() <= 4 * points.len() + 2);
         for i in 0..points.len() {

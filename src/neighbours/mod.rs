@@ -10,17 +10,18 @@
 
 mod all_pairs;
 pub mod cells;
+pub mod list;
 mod verlet_list;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use self::all_pairs::AllPairs;
 use self::cells::Cells;
+use self::list::PairList;
 use self::verlet_list::VerletList;
 use crate::columns::{Columns, Gathered, LookedAhead};
-use crate::contact::kernel::Partners;
+use crate::contact::history::BLOCK;
 use crate::outcome::{Failure, Outcome};
 use crate::periodic::Periodic;
 use crate::scene::values::Positive;
@@ -54,7 +55,7 @@ pub enum Neighbours {
 /// The search and its state.
 pub enum Method<V: Space> {
     /// Every pair.
-    AllPairs(AllPairs),
+    AllPairs,
     /// Cells, filled every step.
     Cells(Cells<V>),
     /// A list, renewed on displacement.
@@ -69,34 +70,25 @@ pub struct Rebuilds(pub u64);
 #[derive(Resource)]
 pub struct Search<V: Space = Plane> {
     /// Which, with its state.
-    pub method: Method<V>,
-    /// Whether partners below the particle are listed too, as several threads need them.
-    full: bool,
+    method: Method<V>,
+    /// What it has found.
+    pub list: PairList,
+    /// How many threads share the list.
+    threads: usize,
     generation: u64,
 }
 
 impl<V: Space> Search<V> {
-    /// The search `kind` in a box with these periodic sides, for grains of at most `largest_radius` (m); `full` offers
-    /// each pair from both sides.
+    /// The search `kind` in a box with these periodic sides, for grains of at most `largest_radius` (m).
     #[must_use]
-    pub fn new(kind: Neighbours, full: bool, periodic: Option<Periodic<V>>, largest_radius: f64) -> Self {
+    pub fn new(kind: Neighbours, threads: usize, periodic: Option<Periodic<V>>, largest_radius: f64) -> Self {
         let method = match kind {
-            Neighbours::AllPairs => Method::AllPairs(AllPairs::new(full)),
-            Neighbours::Cells { size } => Method::Cells(Cells::new(size.get(), full, periodic)),
-            Neighbours::CellsOfRange { rng } => Method::Cells(Cells::new(rng.get() * largest_radius, full, periodic)),
+            Neighbours::AllPairs => Method::AllPairs,
+            Neighbours::Cells { size } => Method::Cells(Cells::new(size.get(), periodic)),
+            Neighbours::CellsOfRange { rng } => Method::Cells(Cells::new(rng.get() * largest_radius, periodic)),
             Neighbours::VerletList { skin } => Method::VerletList(VerletList::new(skin.get())),
         };
-        Self { method, full, generation: 0 }
-    }
-
-    /// The candidates.
-    #[must_use]
-    pub fn partners(&self) -> &dyn Partners<V> {
-        match &self.method {
-            Method::AllPairs(all) => all,
-            Method::Cells(cells) => cells,
-            Method::VerletList(list) => list,
-        }
+        Self { method, list: PairList::default(), threads, generation: 0 }
     }
 
     /// Makes the search valid for the positions in `columns`; `dt` is the time step, s. Tells whether cells were filled
@@ -108,28 +100,41 @@ impl<V: Space> Search<V> {
         let renumbered = self.generation != columns.generation;
         self.generation = columns.generation;
         let rebuilt = match &mut self.method {
-            Method::AllPairs(all) => {
-                all.resize(columns.len());
-                false
+            Method::AllPairs => {
+                all_pairs::find(columns, &mut self.list);
+                true
             }
             Method::Cells(cells) => {
-                // Filled first, so that what is left of a step that fails finds valid cells.
                 cells.fill(columns.body.iter().map(|body| body.position));
-                if renumbered {
-                    cells.check_range(columns)?;
-                }
+                let is_right = if renumbered { cells.check_range(columns) } else { Ok(()) };
                 cells.look_ahead(columns.margin);
+                // Found in any case, so that what is left of a step that fails has a valid list.
+                cells.find(columns, &mut self.list);
+                self.list.share_out(columns.len(), self.threads, BLOCK);
+                is_right?;
                 true
             }
             Method::VerletList(list) => {
                 let stale = renumbered || list.is_stale(columns);
                 if stale {
-                    list.renew(columns, self.full, dt);
+                    list.renew(columns, &mut self.list, dt);
                 }
                 stale
             }
         };
+        if rebuilt {
+            self.list.share_out(columns.len(), self.threads, BLOCK);
+        }
         Ok(rebuilt)
+    }
+}
+
+impl<V: Space> Columns<V> {
+    /// Whether two are so near that the law has to look at them.
+    fn may_touch(&self, i: usize, j: usize) -> bool {
+        // Summed as the kernel does it, to the last bit.
+        let reach = self.body[i].radius + self.margin + self.body[j].radius;
+        self.separation(self.body[i].position, self.body[j].position).length_squared() < reach * reach
     }
 }
 
@@ -172,8 +177,8 @@ pub struct NeighboursPlugin<V: Space> {
 
 impl<V: Space> Plugin for NeighboursPlugin<V> {
     fn build(&self, app: &mut App) {
-        let full = app.world().resource::<Threads>().pool().is_some();
-        app.insert_resource(Search::new(self.kind, full, self.periodic, self.largest_radius))
+        let threads = app.world().resource::<Threads>().count();
+        app.insert_resource(Search::new(self.kind, threads, self.periodic, self.largest_radius))
             .init_resource::<Rebuilds>()
             .add_systems(Step, update_search::<V>.in_set(Phase::Neighbours).after(Gathered).after(LookedAhead));
     }

@@ -9,20 +9,20 @@
 //! particle's partners are listed in ascending order.
 
 use crate::columns::{Body, Columns};
-use crate::contact::kernel::Partners;
 use crate::neighbours::cells::{Cells, MOST_CELLS};
 use crate::neighbours::contact_range;
+use crate::neighbours::list::PairList;
 use crate::space::Space;
+use crate::wait::Wait;
 
 /// For how many steps ahead the list provides at present speeds.
 const HORIZON: f64 = 25.0;
 
-/// The list, as compressed rows.
+/// What tells when the list is to be renewed.
 pub struct VerletList<V: Space> {
     skin: f64,
-    starts: Vec<u32>,
-    partners: Vec<u32>,
     made_at: Vec<Anchor<V>>,
+    wait: Wait,
 }
 
 /// Where a particle was when the list was made, and how far it may go.
@@ -34,28 +34,35 @@ struct Anchor<V> {
 
 impl<V: Space> VerletList<V> {
     pub(super) fn new(skin: f64) -> Self {
-        Self { skin, starts: vec![0], partners: Vec::new(), made_at: Vec::new() }
+        Self { skin, made_at: Vec::new(), wait: Wait::default() }
     }
 
     /// Whether somebody has used up its allowance.
-    pub(super) fn is_stale(&self, columns: &Columns<V>) -> bool {
-        let moved = |(body, anchor): (&Body<V>, &Anchor<V>)| {
+    pub(super) fn is_stale(&mut self, columns: &Columns<V>) -> bool {
+        if !self.wait.is_over(columns, columns.margin) {
+            return false;
+        }
+        let left = |((body, velocity), anchor): ((&Body<V>, &V), &Anchor<V>)| {
             // A scheme that looks ahead sees what may touch in that time.
-            let left = anchor.allowance - columns.lookahead * body.velocity.extent();
-            columns.separation(body.position, anchor.position).length_squared() >= left * left.max(0.0)
+            let ahead = columns.lookahead * velocity.extent();
+            anchor.allowance - ahead - columns.separation(body.position, anchor.position).length()
         };
-        columns.body.iter().zip(&self.made_at).any(moved)
+        let least = columns.body.iter().zip(&columns.velocity).zip(&self.made_at).map(left).fold(f64::INFINITY, f64::min);
+        self.wait = Wait::for_distance(columns, least);
+        least <= 0.0
     }
 
-    /// Makes the list anew for the positions in `columns`; `dt` is the time step, s.
-    pub(super) fn renew(&mut self, columns: &Columns<V>, full: bool, dt: f64) {
-        let anchor = |body: &Body<V>| Anchor {
+    /// Makes `list` anew for the positions in `columns`; `dt` is the time step, s.
+    pub(super) fn renew(&mut self, columns: &Columns<V>, list: &mut PairList, dt: f64) {
+        let anchor = |(body, velocity): (&Body<V>, &V)| Anchor {
             position: body.position,
-            allowance: 0.5 * self.skin + HORIZON * dt * body.velocity.length(),
+            allowance: 0.5 * self.skin + HORIZON * dt * velocity.length(),
         };
-        self.made_at = columns.body.iter().map(anchor).collect();
-        let pairs = self.pairs(columns);
-        self.list(&pairs, full);
+        self.made_at.clear();
+        self.made_at.extend(columns.body.iter().zip(&columns.velocity).map(anchor));
+        self.wait = Wait::default();
+        let pairs = self.pairs(columns, list.pairs().len());
+        list.take(&pairs, columns.len(), |i| !self.is_fast(i));
     }
 
     fn is_fast(&self, i: usize) -> bool {
@@ -63,13 +70,13 @@ impl<V: Space> VerletList<V> {
     }
 
     /// All pairs (i, j), i < j, that belong on the list, each once, ascending in j except where i is fast.
-    fn pairs(&self, columns: &Columns<V>) -> Vec<(u32, u32)> {
+    fn pairs(&self, columns: &Columns<V>, expected: usize) -> Vec<(u32, u32)> {
         let widest = self.made_at.iter().map(|anchor| anchor.allowance).fold(0.0, f64::max);
         let range = contact_range(columns);
         let side = (range + 2.0 * self.skin).max(f64::MIN_POSITIVE);
-        let mut cells = Cells::new(side, false, columns.periodic);
+        let mut cells = Cells::new(side, columns.periodic);
         cells.fill(columns.body.iter().map(|body| body.position));
-        let mut pairs = Vec::with_capacity(self.partners.len());
+        let mut pairs = Vec::with_capacity(expected);
         for (i, row) in (0u32..).zip(0..columns.len()) {
             let (body, allowance, fast) = (&columns.body[row], self.made_at[row].allowance, self.is_fast(row));
             let mut consider = |j: u32| {
@@ -79,7 +86,7 @@ impl<V: Space> VerletList<V> {
                 let mine = if fast == self.is_fast(j as usize) { j < i } else { fast };
                 if mine
                     && columns.separation(body.position, other.position).length_squared() < reach * reach
-                    && !(body.is_fixed() && other.is_fixed())
+                    && !(columns.is_fixed(row) && columns.is_fixed(j as usize))
                 {
                     pairs.push((i.min(j), i.max(j)));
                 }
@@ -94,40 +101,5 @@ impl<V: Space> VerletList<V> {
             }
         }
         pairs
-    }
-
-    /// Sorts pairs into rows by counting; a row is sorted itself where it did not come out ascending.
-    fn list(&mut self, pairs: &[(u32, u32)], full: bool) {
-        let both = |&(i, j): &(u32, u32)| [(i, j), (j, i)].into_iter().take(if full { 2 } else { 1 });
-        let particles = self.made_at.len();
-        self.starts.clear();
-        self.starts.resize(particles + 1, 0);
-        for (i, _) in pairs.iter().flat_map(both) {
-            self.starts[i as usize + 1] += 1;
-        }
-        for i in 0..particles {
-            self.starts[i + 1] += self.starts[i];
-        }
-        let mut next = self.starts.clone();
-        self.partners.clear();
-        self.partners.resize(self.starts[particles] as usize, 0);
-        for (i, j) in pairs.iter().flat_map(both) {
-            let place = &mut next[i as usize];
-            self.partners[*place as usize] = j;
-            *place += 1;
-        }
-        for i in 0..particles {
-            if !full && !self.is_fast(i) {
-                continue;
-            }
-            self.partners[self.starts[i] as usize..self.starts[i + 1] as usize].sort_unstable();
-        }
-    }
-}
-
-impl<V: Space> Partners<V> for VerletList<V> {
-    #[inline]
-    fn of<'a>(&'a self, _: &Columns<V>, i: usize, _: &'a mut Vec<u32>) -> &'a [u32] {
-        &self.partners[self.starts[i] as usize..self.starts[i + 1] as usize]
     }
 }

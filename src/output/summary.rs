@@ -172,7 +172,7 @@ impl Summary {
             rest_time_s: world.get_resource::<RestDetector>().and_then(|rest| rest.rest_time),
             door_open_time_s: world.get_resource::<DoorState>().and_then(|door| door.open_time),
             empty_time_s: world.resource::<EmptyTime>().0,
-            max_overlap_ratio: world.resource::<LargestOverlap>().0.get(),
+            max_overlap_ratio: world.resource::<LargestOverlap>().0,
             bed: world.get_resource().copied(),
             discharge: Discharge::of(ledger),
             releases: world.get_resource().copied(),

@@ -66,6 +66,16 @@ pub trait Linear:
 {
     /// Nothing.
     const ZERO: Self;
+    /// Number of components.
+    const COUNT: usize;
+
+    /// One component.
+    #[must_use]
+    fn component(self, axis: usize) -> f64;
+
+    /// What has these components.
+    #[must_use]
+    fn from_components(component: impl FnMut(usize) -> f64) -> Self;
 
     /// The scalar product.
     #[must_use]
@@ -211,6 +221,17 @@ pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64
 
 impl Linear for f64 {
     const ZERO: Self = 0.0;
+    const COUNT: usize = 1;
+
+    #[inline]
+    fn component(self, _: usize) -> f64 {
+        self
+    }
+
+    #[inline]
+    fn from_components(mut component: impl FnMut(usize) -> f64) -> Self {
+        component(0)
+    }
 
     #[inline]
     fn dot(self, other: Self) -> f64 {

@@ -4,6 +4,17 @@ use crate::space::{Dimension, Linear, Plane, Solid, Space, mix};
 
 impl Linear for Plane {
     const ZERO: Self = Self::ZERO;
+    const COUNT: usize = 2;
+
+    #[inline]
+    fn component(self, axis: usize) -> f64 {
+        self[axis]
+    }
+
+    #[inline]
+    fn from_components(mut component: impl FnMut(usize) -> f64) -> Self {
+        Self::new(component(0), component(1))
+    }
 
     #[inline]
     fn dot(self, other: Self) -> f64 {

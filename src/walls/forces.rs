@@ -10,11 +10,12 @@ use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
 use crate::contact::history::{History, Recall};
-use crate::contact::sums::{self, Ended};
+use crate::contact::sums;
 use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairForce, PairLaw, memory_step};
 use crate::messages::DoorOpened;
 use crate::space::Space;
 use crate::step::{Clock, ForceStage, Phase, Step};
+use crate::walls::near::NearWalls;
 use crate::walls::surfaces::{Surfaces, WallLoad, pair, touching};
 
 fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
@@ -24,52 +25,57 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
     mut columns: ResMut<Columns<V>>,
     mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
+    mut near: Local<NearWalls>,
 ) {
     let dt = memory_step(&clock);
-    let (before, pages) = history.walls.turn();
+    let (before, pages) = history.turn_walls();
+    let (mut recall, mut lost) = (Recall::new(before), [0.0; 2]);
+    // This system's own writes do not count as changes.
+    let have_changed = walls.is_changed();
     walls.0.iter_mut().for_each(|wall| wall.load = WallLoad::default());
-    for i in 0..columns.movable_end {
-        let mut recall = L::MEMORY.then(|| Recall::new(before, i));
-        let mut ended = Ended::default();
-        for index in 0..if columns.is_fixed(i) { 0 } else { walls.0.len() } {
-            let pair = if L::AHEAD {
-                touching::<true, V>(&columns, i, &walls.0[index], dt)
-            } else {
-                touching::<false, V>(&columns, i, &walls.0[index], dt)
+    let near = near.of(&columns, &walls.0, have_changed);
+    for &(i, number) in near {
+        let (i, index) = (i as usize, number as usize);
+        let pair = if L::AHEAD {
+            touching::<true, V>(&columns, i, &walls.0[index], dt)
+        } else {
+            touching::<false, V>(&columns, i, &walls.0[index], dt)
+        };
+        let Some(pair) = pair else { continue };
+        let mut memory = Memory::default();
+        if L::MEMORY {
+            let forgotten = |row, wall, memory: &Memory<V>| {
+                sums::add(&mut lost, forget(&*law.0, &columns, row, &walls, wall, memory, dt));
             };
-            let Some(pair) = pair else { continue };
-            let number = u32::try_from(index).expect("fewer than 2^32 walls");
-            let mut memory = recall.as_mut().map_or_else(Memory::default, |recall| {
-                recall
-                    .of::<L>(number, |wall, memory| forget(&mut ended, &*law.0, &columns, i, &walls, wall, memory, dt))
-            });
-            let on_i = law.0.force(&pair, &mut memory);
-            if L::AHEAD {
-                columns.contacts[i] += 1;
-            }
-            add_load::<V, L>(&mut columns, i, &mut walls.0[index].load, &pair, &on_i);
-            if L::MEMORY {
-                pages.push::<L>(number, &memory);
-            }
-            largest.0.raise(pair.overlap, pair.radii[0]);
+            memory = recall.of::<L>(i, number, forgotten).unwrap_or_default();
         }
-        if let Some(recall) = &mut recall {
-            recall.finish::<L>(|wall, memory| forget(&mut ended, &*law.0, &columns, i, &walls, wall, memory, dt));
-            pages.end_row();
+        let on_i = law.0.force(&pair, &mut memory);
+        if L::AHEAD {
+            columns.contacts[i] += 1;
         }
-        // Most grains are far from every wall: their entries are left alone.
-        if L::SPIN && ended.is_any() {
-            ended.book(&mut columns.turn[i]);
+        add_load::<V, L>(&mut columns, i, &mut walls.0[index].load, &pair, &on_i);
+        if L::SPIN {
+            let rolling = if L::ROLLING { on_i.turning.lost_by_rolling } else { 0.0 };
+            sums::add(&mut lost, [on_i.turning.lost_by_sliding, rolling]);
         }
+        if L::MEMORY {
+            pages.push::<L>(i, number, &memory);
+        }
+        largest.0 = largest.0.max(pair.overlap / pair.radii[0]);
     }
+    if L::MEMORY {
+        recall.finish::<L>(usize::MAX, |row, wall, memory| {
+            sums::add(&mut lost, forget(&*law.0, &columns, row, &walls, wall, memory, dt));
+        });
+        pages.end_rows(columns.len());
+    }
+    pages.lost = lost;
 }
 
-/// Books the contact of entry `i` with a wall that it has just left; not of a door that has gone, which took all its
-/// contacts' energy with it.
+/// What goes with the contact of entry `i` with a wall that it has just left, J; nothing if it is a door that has gone,
+/// which took all its contacts' energy with it.
 #[cold]
-#[expect(clippy::too_many_arguments, reason = "one contact, and where to book it")]
 fn forget<V: Space, L: PairLaw<V>>(
-    ended: &mut Ended,
     law: &L,
     columns: &Columns<V>,
     i: usize,
@@ -77,12 +83,13 @@ fn forget<V: Space, L: PairLaw<V>>(
     wall: u32,
     memory: &Memory<V>,
     dt: f64,
-) {
+) -> [f64; 2] {
     let wall = &walls.0[wall as usize];
-    if wall.is_present {
-        let (distance, normal) = wall.surface.distance(columns.body[i].position);
-        ended.add_pair(law, &pair(columns, i, wall, distance, normal, dt), memory);
+    if !wall.is_present {
+        return [0.0; 2];
     }
+    let (distance, normal) = wall.surface.distance(columns.body[i].position);
+    law.forget(&pair(columns, i, wall, distance, normal, dt), memory)
 }
 
 /// Adds what a contact does to grain and wall.
@@ -100,8 +107,10 @@ fn add_load<V: Space, L: Demands>(
     on_wall.force -= sum;
     on_wall.drag -= on_i.drag;
     if L::SPIN {
-        sums::turn::<L, V>(&mut columns.turn[i], pair, on_i, 0);
-        sums::book_losses::<L, V>(&mut columns.turn[i], on_i);
+        columns.turn[i].add_wall::<L>(pair, on_i);
+        if L::ROLLING {
+            columns.rolling_drag[i] += on_i.turning.rolling_drag;
+        }
         on_wall.friction_drag -= on_i.turning.friction_drag;
     }
 }

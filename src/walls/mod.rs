@@ -3,6 +3,7 @@
 pub mod config;
 pub mod conveyor;
 pub mod forces;
+pub(crate) mod near;
 pub mod outline;
 pub mod paths;
 pub mod silo_file;

@@ -99,9 +99,10 @@ fn bounce(scheme: &str, against: Against, e: f64, attraction: bool, dt: f64, pha
     }
     let world = simulation.world_mut();
     let columns = world.resource::<Columns>();
-    let parting = columns.body[0].velocity.x - columns.body.get(1).map_or(0.0, |body| body.velocity.x);
+    let entries = columns.by_id();
+    let parting = columns.velocity[entries[0]].x - entries.get(1).map_or(0.0, |&second| columns.velocity[second].x);
     let smaller = if matches!(against, Against::Grain) { 0.75 * R } else { R };
-    let largest_overlap = world.resource::<LargestOverlap>().0.get() * smaller;
+    let largest_overlap = world.resource::<LargestOverlap>().0 * smaller;
     let flows = *world.resource::<EnergyFlows>();
     Bounce {
         restitution: parting.abs() / V,

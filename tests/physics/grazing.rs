@@ -16,10 +16,14 @@ fn pair(simulation: &Simulation, solid: bool) -> (DVec3, DVec3) {
     let world = simulation.world();
     if solid {
         let columns = world.resource::<Columns<Solid>>();
-        (columns.body[0].position - columns.body[1].position, columns.load[0].force)
+        let entries = columns.by_id();
+        let [first, second] = [0, 1].map(|grain| columns.body[entries[grain]].position);
+        (first - second, columns.load[entries[0]].force)
     } else {
         let columns = world.resource::<Columns<Plane>>();
-        ((columns.body[0].position - columns.body[1].position).extend(0.0), columns.load[0].force.extend(0.0))
+        let entries = columns.by_id();
+        let [first, second] = [0, 1].map(|grain| columns.body[entries[grain]].position);
+        ((first - second).extend(0.0), columns.load[entries[0]].force.extend(0.0))
     }
 }
 

@@ -110,12 +110,14 @@ pub fn watch(impact: &Impact, e: f64, n: f64, phase: f64) -> ([f64; 3], f64) {
     for step in 0..(6.0 * n) as u64 {
         simulation.run_steps(step);
         let columns = simulation.world().resource::<Columns<Solid>>();
-        let (first, second) = (columns.body[0], columns.body.get(1));
+        let entries = columns.by_id();
+        let (first, second) = (columns.body[entries[0]], entries.get(1).map(|&entry| columns.body[entry]));
         let depth = second.map_or(first.radius - first.position.z, |second| {
             first.radius + second.radius - (first.position.z - second.position.z)
         });
-        let parting = first.velocity.z - second.map_or(0.0, |second| second.velocity.z);
-        force = force.max(columns.load[0].force.z);
+        let speed = |grain: usize| entries.get(grain).map_or(0.0, |&entry| columns.velocity[entry].z);
+        let parting = speed(0) - speed(1);
+        force = force.max(columns.load[entries[0]].force.z);
         overlap = overlap.max(depth);
         if parting > 0.0 && depth < 0.0 {
             // Flight before and after is exact, so the moments of touch and of parting are found by going back in it.

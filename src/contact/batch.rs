@@ -1,0 +1,192 @@
+//! A batch of contacts: what the law needs to know of each, in lanes, and what it answers.
+//!
+//! The loop over the lanes has no branch but those of the law, and touches nothing but the batch: the compiler makes vector
+//! instructions of it. Each lane does what a single contact would, operation by operation, so that how many are computed at
+//! once leaves no trace. Lanes beyond the last contact are computed too, from what an earlier one left there, and not read.
+
+#![expect(clippy::inline_always, reason = "the innermost loop, compiled for several kinds of instructions")]
+
+use crate::contact::centred::{Ahead, Window};
+use crate::contact::lanes::{LANES, Lanes, Scalars};
+use crate::contact::{Demands, Memory, Pair, PairLaw};
+use crate::instructions::Instructions;
+use crate::particle::Species;
+use crate::space::{Linear, Space};
+
+/// Contacts i, j side by side; SI, as in [`Pair`].
+#[derive(Clone, Debug, Default)]
+pub struct Batch<V: Space> {
+    /// How many there are.
+    pub len: usize,
+    /// Entries of the columns.
+    pub entries: [[u32; LANES]; 2],
+    /// From j to i, m, and its square.
+    pub separation: Lanes<V>,
+    pub squared: Scalars,
+    pub relative_velocity: Lanes<V>,
+    pub radii: [Scalars; 2],
+    pub inverse_masses: [Scalars; 2],
+    pub spins: [Lanes<V::Spin>; 2],
+    pub species: [[Species; LANES]; 2],
+    pub ahead: AheadLanes<V>,
+    pub memory: MemoryLanes<V>,
+    pub answer: Answer<V>,
+}
+
+/// As [`Ahead`].
+#[derive(Clone, Debug, Default)]
+pub struct AheadLanes<V: Space> {
+    pub velocity: Lanes<V>,
+    pub spins: [Lanes<V::Spin>; 2],
+    pub inverse_inertias: [Scalars; 2],
+    pub lone: [Scalars; 2],
+}
+
+/// As [`Memory`].
+#[derive(Clone, Debug, Default)]
+pub struct MemoryLanes<V: Space> {
+    spring: Lanes<V>,
+    rolling: Lanes<V>,
+    stiffness: Scalars,
+}
+
+/// What contacts do to their two.
+#[derive(Clone, Debug, Default)]
+pub struct Answer<V: Space> {
+    /// Whether the two touch: 1 or 0. Where not, nothing else is to be read.
+    pub touches: Scalars,
+    /// Overlap, m.
+    pub overlap: Scalars,
+    /// Force on i, N, and the part of it that the normal damping makes.
+    pub force: Lanes<V>,
+    pub drag: Lanes<V>,
+    /// Torques on i and j, N m.
+    pub torques: [Lanes<V::Spin>; 2],
+    /// The part of the force on i, and of the torques, that tangential dashpots make.
+    pub friction_drag: Lanes<V>,
+    pub friction_drag_torques: [Lanes<V::Spin>; 2],
+    /// Torque on i of the dashpots of rolling resistance, N m.
+    pub rolling_drag_torque: Lanes<V::Spin>,
+    /// What sliding and rolling beyond the cap took, J.
+    pub lost: [Scalars; 2],
+}
+
+impl<V: Space> MemoryLanes<V> {
+    #[inline(always)]
+    pub fn get<L: Demands>(&self, lane: usize) -> Memory<V> {
+        Memory {
+            spring: if L::SPRING { self.spring.get(lane) } else { V::ZERO },
+            rolling: if L::ROLLING { self.rolling.get(lane) } else { V::ZERO },
+            stiffness: if L::STIFFNESS { self.stiffness[lane] } else { 0.0 },
+        }
+    }
+
+    #[inline(always)]
+    pub fn set<L: Demands>(&mut self, lane: usize, memory: &Memory<V>) {
+        if L::SPRING {
+            self.spring.set(lane, memory.spring);
+        }
+        if L::ROLLING {
+            self.rolling.set(lane, memory.rolling);
+        }
+        if L::STIFFNESS {
+            self.stiffness[lane] = memory.stiffness;
+        }
+    }
+}
+
+impl<V: Space> Batch<V> {
+    /// The contact of a lane, moved on by `dt` (s), as the law sees it.
+    #[inline(always)]
+    fn pair<L: Demands>(&self, lane: usize, dt: f64) -> Pair<V> {
+        let distance = self.squared[lane].sqrt();
+        let of = |both: &[Scalars; 2]| [both[0][lane], both[1][lane]];
+        let spins_of = |both: &[Lanes<V::Spin>; 2]| [both[0].get(lane), both[1].get(lane)];
+        let (radii, inverse_masses) = (of(&self.radii), of(&self.inverse_masses));
+        let mut pair = Pair {
+            normal: self.separation.get(lane) * (1.0 / distance),
+            overlap: radii[0] + radii[1] - distance,
+            relative_velocity: self.relative_velocity.get(lane),
+            reduced_mass: 1.0 / (inverse_masses[0] + inverse_masses[1]),
+            radii,
+            spins: [V::Spin::ZERO; 2],
+            species: [Species(0); 2],
+            dt,
+            ahead: Ahead::default(),
+        };
+        if L::SPIN {
+            pair.spins = spins_of(&self.spins);
+        }
+        if L::SPECIES {
+            pair.species = [self.species[0][lane], self.species[1][lane]];
+        }
+        if L::AHEAD {
+            let ahead = &self.ahead;
+            pair.ahead.velocity = ahead.velocity.get(lane);
+            pair.ahead.inverse_masses = inverse_masses;
+            pair.ahead.lone = of(&ahead.lone);
+            if L::SPIN {
+                pair.ahead.spins = spins_of(&ahead.spins);
+                pair.ahead.inverse_inertias = of(&ahead.inverse_inertias);
+            }
+        }
+        pair
+    }
+
+    /// Asks `law` about all lanes; gives how many overlap by more than `deepest` of a radius.
+    #[inline(always)]
+    fn answer_all<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, deepest: f64) -> u32 {
+        let mut deeper = 0;
+        // A whole number of vectors.
+        for lane in 0..self.len.next_multiple_of(8).min(LANES) {
+            let pair = self.pair::<L>(lane, dt);
+            let mut memory = self.memory.get::<L>(lane);
+            let force = law.force(&pair, &mut memory);
+            let answer = &mut self.answer;
+            if L::AHEAD {
+                answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
+            }
+            answer.overlap[lane] = pair.overlap;
+            deeper += u32::from(pair.overlap > deepest * pair.radii[0] || pair.overlap > deepest * pair.radii[1]);
+            let smooth = force.elastic + force.drag;
+            answer.force.set(lane, if L::SPIN { smooth + force.turning.friction } else { smooth });
+            answer.drag.set(lane, force.drag);
+            if L::SPIN {
+                let turning = &force.turning;
+                let moment = pair.normal.cross(turning.friction);
+                let moment_of_drag = pair.normal.cross(turning.friction_drag);
+                let rolling = if L::ROLLING { turning.rolling } else { V::Spin::ZERO };
+                let [arm_i, arm_j] = turning.arms;
+                answer.torques[0].set(lane, moment * -arm_i + rolling);
+                answer.torques[1].set(lane, moment * -arm_j - rolling);
+                answer.friction_drag.set(lane, turning.friction_drag);
+                answer.friction_drag_torques[0].set(lane, moment_of_drag * -arm_i);
+                answer.friction_drag_torques[1].set(lane, moment_of_drag * -arm_j);
+                answer.lost[0][lane] = turning.lost_by_sliding;
+                if L::ROLLING {
+                    answer.rolling_drag_torque.set(lane, turning.rolling_drag);
+                    answer.lost[1][lane] = turning.lost_by_rolling;
+                }
+            }
+            self.memory.set::<L>(lane, &memory);
+        }
+        deeper
+    }
+
+    /// Asks `law` about all contacts of the batch. `deepest` is the largest overlap over the smaller radius so far, and
+    /// becomes that with these.
+    pub fn ask<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, instructions: Instructions, deepest: &mut f64) {
+        // A division is dear: it is made only for what may be a record, a rounding off included.
+        let nearly = *deepest * (1.0 - 4.0 * f64::EPSILON);
+        let deeper = instructions.run(
+            #[inline(always)]
+            || self.answer_all(law, dt, nearly),
+        );
+        if deeper > 0 {
+            for lane in 0..self.len {
+                let smaller = self.radii[0][lane].min(self.radii[1][lane]);
+                *deepest = deepest.max(self.answer.overlap[lane] / smaller);
+            }
+        }
+    }
+}

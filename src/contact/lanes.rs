@@ -1,0 +1,43 @@
+//! Lanes: numbers of many contacts side by side, so that one instruction works on several.
+
+use crate::space::Linear;
+
+/// Contacts in a batch. A multiple of every vector width; with all that a law may ask for, a batch stays in the first cache.
+pub const LANES: usize = 32;
+
+/// One number a lane.
+pub type Scalars = [f64; LANES];
+
+/// One vector or spin a lane, component by component.
+#[derive(Clone, Debug)]
+pub struct Lanes<T> {
+    components: [Scalars; 3],
+    kind: std::marker::PhantomData<T>,
+}
+
+impl<T> Default for Lanes<T> {
+    fn default() -> Self {
+        Self { components: [[0.0; LANES]; 3], kind: std::marker::PhantomData }
+    }
+}
+
+#[expect(clippy::inline_always, reason = "part of the innermost loop, compiled for several kinds of instructions")]
+impl<T: Linear> Lanes<T> {
+    /// That of a lane.
+    #[inline(always)]
+    #[must_use]
+    pub fn get(&self, lane: usize) -> T {
+        T::from_components(
+            #[inline(always)]
+            |axis| self.components[axis][lane],
+        )
+    }
+
+    /// Sets that of a lane.
+    #[inline(always)]
+    pub fn set(&mut self, lane: usize, value: T) {
+        for axis in 0..T::COUNT {
+            self.components[axis][lane] = value.component(axis);
+        }
+    }
+}

@@ -1,0 +1,48 @@
+//! Which instructions the lanes of the force pass are computed with: those that every processor of the kind has, or
+//! AVX2 where it is found at run time.
+//!
+//! The same source is compiled for each, so they do the same operations in the same order: additions, multiplications,
+//! divisions and roots as IEEE 754 has them, never fused. The bits are the same; `tests/program/paths.rs` forces each.
+
+use bevy_ecs::prelude::*;
+#[cfg(target_arch = "x86_64")]
+use fearless_simd::{Avx2, Level, Simd};
+
+/// One of the ways to compute.
+#[derive(Resource, Clone, Copy, Debug)]
+pub enum Instructions {
+    /// What the program was compiled for.
+    Baseline,
+    /// AVX2, four lanes at a time.
+    #[cfg(target_arch = "x86_64")]
+    Avx2(Avx2),
+}
+
+impl Default for Instructions {
+    /// The widest.
+    fn default() -> Self {
+        Self::all().pop().unwrap_or(Self::Baseline)
+    }
+}
+
+impl Instructions {
+    /// All that this machine can do, the widest last.
+    #[must_use]
+    pub fn all() -> Vec<Self> {
+        #[cfg(target_arch = "x86_64")]
+        if let Some(avx2) = Level::new().as_avx2() {
+            return vec![Self::Baseline, Self::Avx2(avx2)];
+        }
+        vec![Self::Baseline]
+    }
+
+    /// Runs `work` with them: all of it that is inlined is compiled for them.
+    #[inline]
+    pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
+        match self {
+            Self::Baseline => work(),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(avx2) => avx2.vectorize(work),
+        }
+    }
+}

@@ -1,0 +1,171 @@
+//! The candidates: pairs of particles that may touch, the first of lower slot than the second, ascending; and how they are
+//! shared among threads.
+//!
+//! A flat list, with both members of a pair, so that walking it has nothing to foresee. It is cut into blocks of rows; a
+//! row is the pairs of one first member. A thread sums the rows of a [`Task`] and adds each pair to both members, as one
+//! thread does for all rows. What a row of another task does to its own particles it evaluates itself, before its own
+//! rows: those pairs are `incoming`. So each particle receives its partners in ascending order of slots on any number of
+//! threads, and only pairs across the border of two tasks are evaluated twice.
+
+use std::ops::Range;
+
+/// A candidate: entries of the columns, the lower one first.
+pub type Candidate = [u32; 2];
+
+/// The candidates.
+#[derive(Debug, Default)]
+pub struct PairList {
+    pairs: Vec<Candidate>,
+    /// Of rows: where each begins; made with the list.
+    starts: Vec<u32>,
+    /// Of the row that is being written.
+    row: u32,
+    blocks: Vec<Block>,
+    tasks: Vec<Task>,
+}
+
+/// Rows that are summed together.
+#[derive(Debug, Clone, Default)]
+pub struct Block {
+    /// Its pairs.
+    pairs: Range<usize>,
+    /// The highest entry that occurs.
+    pub reach: usize,
+}
+
+/// What one thread sums.
+#[derive(Debug, Default, Clone)]
+pub struct Task {
+    /// Its rows.
+    pub rows: Range<usize>,
+    /// Pairs (i, j) with i before these rows and j among them, ascending.
+    pub incoming: Vec<Candidate>,
+}
+
+impl PairList {
+    /// All candidates.
+    #[must_use]
+    pub fn pairs(&self) -> &[Candidate] {
+        &self.pairs
+    }
+
+    /// A block and its candidates.
+    #[must_use]
+    pub fn block(&self, number: usize) -> (&Block, &[Candidate]) {
+        let block = &self.blocks[number];
+        (block, &self.pairs[block.pairs.clone()])
+    }
+
+    /// The shares of the threads.
+    #[must_use]
+    pub fn tasks(&self) -> &[Task] {
+        &self.tasks
+    }
+
+    /// Starts anew.
+    pub(super) fn clear(&mut self) {
+        self.pairs.clear();
+        self.row = 0;
+    }
+
+    /// Adds a candidate to the row that is being written.
+    #[inline]
+    pub(super) fn push(&mut self, j: u32) {
+        self.pairs.push([self.row, j]);
+    }
+
+    /// Ends that row, whose candidates came in any order.
+    pub(super) fn end_row(&mut self) {
+        let written = self.pairs.iter().rposition(|pair| pair[0] != self.row).map_or(0, |last| last + 1);
+        self.pairs[written..].sort_unstable();
+        self.row += 1;
+    }
+
+    /// Takes pairs (i, j), i < j, in ascending order of j within a row (`is_sorted` of it), of `rows` particles.
+    pub(super) fn take(&mut self, pairs: &[(u32, u32)], rows: usize, is_sorted: impl Fn(usize) -> bool) {
+        self.starts.clear();
+        self.starts.resize(rows + 1, 0);
+        for &(i, _) in pairs {
+            self.starts[i as usize + 1] += 1;
+        }
+        for row in 0..rows {
+            self.starts[row + 1] += self.starts[row];
+        }
+        self.pairs.clear();
+        self.pairs.resize(pairs.len(), [0, 0]);
+        // Filling moves each start to the next one's place.
+        for &(i, j) in pairs {
+            let place = &mut self.starts[i as usize];
+            self.pairs[*place as usize] = [i, j];
+            *place += 1;
+        }
+        for i in (0..rows).filter(|&i| !is_sorted(i)) {
+            let start = if i == 0 { 0 } else { self.starts[i - 1] as usize };
+            self.pairs[start..self.starts[i] as usize].sort_unstable();
+        }
+    }
+
+    /// Shares `rows` rows among `threads`, in whole blocks of `size` rows.
+    pub(super) fn share_out(&mut self, rows: usize, threads: usize, size: usize) {
+        let pairs = &self.pairs;
+        let row_of = |border: usize| pairs.partition_point(|pair| (pair[0] as usize) < border);
+        self.blocks.clear();
+        self.blocks.extend((0..rows.div_ceil(size)).map(|number| {
+            let pairs = row_of(number * size)..row_of((number + 1) * size);
+            let reach = self.pairs[pairs.clone()].iter().map(|pair| pair[1] as usize).max().unwrap_or(0);
+            Block { pairs, reach }
+        }));
+        let (blocks, shares) = (self.blocks.len(), threads.min(self.blocks.len()).max(1));
+        self.tasks.resize_with(shares, Task::default);
+        for (number, task) in self.tasks.iter_mut().enumerate() {
+            let border = |number: usize| (number * blocks / shares * size).min(rows);
+            task.rows = border(number)..border(number + 1);
+            task.incoming.clear();
+        }
+        let mut own = 0;
+        for &[i, j] in if shares > 1 { &self.pairs[..] } else { &[] } {
+            while i as usize >= self.tasks[own].rows.end {
+                own += 1;
+            }
+            if j as usize >= self.tasks[own].rows.end {
+                let theirs = self.tasks.partition_point(|task| task.rows.end <= j as usize);
+                self.tasks[theirs].incoming.push([i, j]);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_come_out_in_order_whichever_way_they_go_in() {
+        let mut taken = PairList::default();
+        taken.take(&[(0, 3), (2, 3), (0, 1), (1, 2)], 4, |i| i != 0);
+        let mut written = PairList::default();
+        for row in [&[3, 1][..], &[2], &[3], &[]] {
+            row.iter().for_each(|&j| written.push(j));
+            written.end_row();
+        }
+        for list in [taken, written] {
+            assert_eq!(list.pairs(), [[0, 1], [0, 3], [1, 2], [2, 3]]);
+        }
+    }
+
+    #[test]
+    fn tasks_cover_all_rows_and_know_who_comes_in() {
+        let mut list = PairList::default();
+        list.take(&[(0, 5), (1, 3), (2, 3), (3, 5), (4, 5)], 6, |_| true);
+        list.share_out(6, 3, 2);
+        let tasks: Vec<_> = list.tasks().iter().map(|task| (task.rows.clone(), task.incoming.clone())).collect();
+        assert_eq!(tasks, [(0..2, vec![]), (2..4, vec![[1, 3]]), (4..6, vec![[0, 5], [3, 5]])]);
+        let (block, pairs) = list.block(1);
+        assert_eq!((block.reach, pairs), (5, &[[2, 3], [3, 5]][..]));
+        // More threads than blocks: as many tasks as blocks.
+        list.share_out(6, 8, 4);
+        assert_eq!(list.tasks().len(), 2);
+        list.share_out(6, 1, 4);
+        assert_eq!((list.tasks().len(), list.tasks()[0].rows.clone()), (1, 0..6));
+    }
+}

@@ -1,0 +1,37 @@
+//! Which grains are near which walls: all others are spared the look at every wall in every step.
+//!
+//! A grain is near a wall if its surface is less than a diameter of the largest grain away from it. The list holds until
+//! somebody can have gone that far, or a wall has changed.
+
+use crate::columns::Columns;
+use crate::space::Space;
+use crate::wait::Wait;
+use crate::walls::surfaces::FlatWall;
+
+/// Pairs of an entry of the columns and a wall's index, ascending.
+#[derive(Debug, Default)]
+pub struct NearWalls {
+    pairs: Vec<(u32, u32)>,
+    wait: Wait,
+}
+
+impl NearWalls {
+    /// Those of now.
+    pub fn of<V: Space>(&mut self, columns: &Columns<V>, walls: &[FlatWall<V>], has_changed: bool) -> &[(u32, u32)] {
+        if has_changed || self.wait.is_over(columns, columns.margin) {
+            let grains = &columns.body[..columns.movable_end];
+            let slack = 2.0 * grains.iter().map(|body| body.radius).fold(0.0, f64::max);
+            self.pairs.clear();
+            for (i, body) in (0u32..).zip(grains) {
+                for (number, wall) in (0u32..).zip(walls) {
+                    // Written so that a NaN is near nothing.
+                    if wall.surface.distance(body.position).0 < body.radius + slack {
+                        self.pairs.push((i, number));
+                    }
+                }
+            }
+            self.wait = Wait::for_distance(columns, slack);
+        }
+        &self.pairs
+    }
+}
