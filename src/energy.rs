@@ -278,7 +278,11 @@ impl<V: Space> Plugin for AddedWorkPlugin<V> {
     fn build(&self, app: &mut App) {
         app.add_systems(
             Step,
-            book_added_work::<V>.in_set(Phase::Control).after(book_contact_work::<V>).after(book_friction::<V>),
+            book_added_work::<V>
+                .in_set(Phase::Control)
+                .in_set(EnergyBooked)
+                .after(book_contact_work::<V>)
+                .after(book_friction::<V>),
         );
     }
 }

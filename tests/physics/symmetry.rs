@@ -130,12 +130,19 @@ fn a_rotated_mirrored_or_shifted_rush_is_the_image_of_the_rush() {
 #[test]
 fn a_mirror_across_an_axis_changes_no_bit() {
     // Rounding does not know signs, so changing the sign of all x, of v_x and of the two other components of spins must
-    // change no other bit.
+    // change no other bit. Of two grains: forces of more are summed in the order of their places, which a mirror turns round.
     let mirror = Image { turn: DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)), shift: DVec3::ZERO };
     for (solid, contact) in [(true, LINEAR), (true, HERTZ), (false, LINEAR), (false, HERTZ)] {
         let keys = keys(solid, contact);
-        let grains = rush(solid);
-        for (a, b) in end(&keys, &grains).iter().zip(end(&keys, &mirror.start(&grains))) {
+        let mut grains = rush(solid);
+        grains.truncate(2);
+        // They meet: one flies into the other's way.
+        grains[1].velocity = (grains[0].position - grains[1].position).normalize() * SPEED + 0.1 * SPEED * DVec3::Y;
+        grains[0].velocity = DVec3::ZERO;
+        let free = grains[1].velocity;
+        let after = end(&keys, &grains);
+        assert!(after[1].velocity.distance(free) > 0.1 * SPEED, "the two have not met");
+        for (a, b) in after.iter().zip(end(&keys, &mirror.start(&grains))) {
             let a = mirror.of(a.position, a.velocity, a.spin);
             assert_eq!((a.position, a.velocity, a.spin), (b.position, b.velocity, b.spin), "{contact}, solid {solid}");
         }
