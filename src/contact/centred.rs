@@ -178,8 +178,8 @@ impl<V: Space, L: CentredLaw<V>> PairLaw<V> for Centred<L> {
         self.0.restitution(bounce)
     }
 
-    fn modes(&self, q: f64, bounce: &Bounce) -> Vec<[f64; 2]> {
-        self.0.modes(q, bounce)
+    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
+        self.0.modes(bounce)
     }
 }
 

@@ -110,11 +110,9 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         self.normal.restitution(bounce)
     }
 
-    fn modes(&self, q: f64, bounce: &Bounce) -> Vec<[f64; 2]> {
+    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
         let normal = [self.normal.stiffness(bounce), self.normal.damping(bounce)];
-        let tangential = self.tangential.mode(bounce, normal[1]).map(|figure| figure * (1.0 + 1.0 / q));
-        let rolling = self.rolling.mode(bounce).map(|figure| figure / q);
-        vec![normal, tangential, rolling]
+        [normal, self.tangential.mode(bounce, normal[1]), self.rolling.mode(bounce)]
     }
 }
 
