@@ -1,7 +1,6 @@
 //! The time step: how long it may be, and how long `step: Auto(error: ...)` makes it.
 //!
-//! A lone contact, of two that touch nothing else (walls may touch what they like), w0 = sqrt(k/m), beta = c/(2 m), is
-//! stable for
+//! w0 = sqrt(k/m), beta = c/(2 m). A lone contact, of grains that touch nothing else, is stable for
 //!
 //! | scheme | dt below, one lone contact |
 //! |---|---|
@@ -9,17 +8,18 @@
 //! | `Centred` ([`crate::contact::centred`]) | min(2/w0, 1/beta) |
 //! | `ExplicitEuler` | 2 beta/w0^2: nothing without drag; overdamped 2/(beta + sqrt(beta^2 - w0^2)) |
 //!
-//! In a crowd ([`in_crowd`]) the motion turns its sign each step, v = -x 2/dt, where the springs and drags that meet in it,
-//! each with a weight W, reach
+//! In a crowd ([`in_crowd`]) the motion that is lost first turns its sign each step. Where contacts meet in it with weights W,
+//! m being its mass, the limit is
 //!
-//! * sum W (k dt^2 + 2 c dt) = 4 m with lagged drag, which for one contact is the above;
-//! * sum W (k dt^2 + 4 c dt/(1 + b)) = 4 m centred, b = c dt/(2 m_c), m_c the reduced mass of that contact alone: it
-//!   sees its own drag at the end of the step, and that of all others as it was, x_(n+1) - 2 x_n + x_(n-1) =: s_n with
-//!   s_(n+1) = -(dt^2/m) K x_(n+1) - (C dt/m) (x_(n+1) - x_n + (1 - b)/(1 + b) s_n/2), at x_n = (-1)^n.
+//! * sum W (k dt^2 + 2 c dt) = 4 m with lagged drag, for one contact the above;
+//! * sum W (k dt^2 + 4 c dt/(1 + b)) = 4 m centred, b = c dt/(2 m_c) with the reduced mass m_c of that contact alone. Its drag
+//!   at the end of the step is solved for in its own force, with that of all others as it was: with the second difference
+//!   s_(n+1) = x_(n+1) - 2 x_n + x_(n-1) the motion is s_(n+2) = -(K dt^2/m) x_(n+1) - (C dt/m) (x_(n+1) - x_n +
+//!   (1 - b)/(1 + b) s_(n+1)/2), and x_n = (-1)^n gives the limit. Its other two roots are within the unit circle
+//!   until then (Jury's conditions).
 //!
-//! So in a crowd `Centred` takes shorter steps than `Verlet` wherever b < 1: half as long, where drag decides. Its other roots are
-//! within the unit circle before that one leaves it (Jury's conditions of the cubic). What the change of a spring's force counts for a
-//! lone grain helps, but only there.
+//! So in a crowd `Centred` needs shorter steps than `Verlet` wherever b < 1, down to half as long where drag decides. Alone it
+//! is the other way round, because there the change of the spring's force is counted.
 //!
 //! An automatic step is the shortest of three, rounded down to two digits:
 //!

@@ -21,11 +21,15 @@
 //!   the velocity of t+dt, solved for as along the normal, with 1/m_t = 1/m + l_i^2/I_i + l_j^2/I_j. The force is cut at the
 //!   cap of the contact as it stands, weighed with theta, and cut at the cap of the averaged normal force.
 //!
-//! One linear contact is stable for w0 dt < min(2, 1/zeta), in the normal and in the tangential direction: the motion has
+//! One lone linear contact is stable for w0 dt < min(2, 1/zeta), in the normal and in the tangential direction: the motion has
 //! det = (1 - h c/m)/(1 + h c/m) and trace = (2 - (w0 dt)^2)/(1 + h c/m), and what F_t is wrong by shrinks by -h c/m a step.
-//! Plain Verlet with lagged drag stays below that at every zeta. Against simulation: `tests/physics/schemes.rs`.
+//! Plain Verlet with lagged drag stays below that at every zeta. With more contacts it is the other way round: n that meet in a
+//! motion are stable for n ((w0 dt)^2 + 8 zeta w0 dt/(1 + zeta w0 dt)) < 4, each alone having w0 and zeta, and with
+//! plain Verlet for n ((w0 dt)^2 + 4 zeta w0 dt) < 4 ([`crate::check::step`]). Against simulation:
+//! `tests/physics/schemes.rs`.
 //!
-//! Limits: bookkeeping of energy is of second order; theta uses u_h, so that grazing contacts, where the normal turns
+//! Limits: what is fixed gains nothing, so that contacts with a wall that a behaviour accelerates are of first order (the
+//! drag misses what the wall gains in half a step); bookkeeping of energy is of second order; theta uses u_h, so that grazing contacts, where the normal turns
 //! within a step, are of second order with a larger constant. Sources: the averaged drag is exact for a linear dashpot;
 //! the implicit drag is the trapezoidal rule; their union with forces of other contacts lagged is ours.
 
