@@ -168,15 +168,15 @@ mod tests {
     fn in_a_crowd_the_spectral_radius_passes_one_at_the_limit() {
         // x_n = lambda^n in the recurrence: p(lambda) = lambda^3 + (a + 2 B + B r - 2) lambda^2 + (1 - 2 B - 2 B r) lambda + B r.
         let radius = |n: f64, zeta: f64, dt: f64| {
-            let [a, b] = [n * dt * dt, zeta * dt];
-            let [big, r] = [n * b, (1.0 - b) / (1.0 + b)];
-            let p = [a + 2.0 * big + big * r - 2.0, 1.0 - 2.0 * big - 2.0 * big * r, big * r];
+            let (spring, own) = (n * dt * dt, zeta * dt);
+            let [drag, rest] = [2.0 * n * own, n * own * (1.0 - own) / (1.0 + own)];
+            let factors = [spring + drag + rest - 2.0, 1.0 - drag - 2.0 * rest, rest];
             // Powers of the recurrence itself, scaled as they go: no root finder to trust.
-            let (mut x, mut log, steps) = ([1.0, -0.7, 0.4], 0.0f64, 20_000);
+            let (mut last, mut log, steps) = ([1.0, -0.7, 0.4], 0.0f64, 20_000);
             for _ in 0..steps {
-                let next = -(p[0] * x[2] + p[1] * x[1] + p[2] * x[0]);
-                let size = [x[1], x[2], next].iter().fold(0.0f64, |m, v: &f64| m.max(v.abs()));
-                x = [x[1] / size, x[2] / size, next / size];
+                let next = -(factors[0] * last[2] + factors[1] * last[1] + factors[2] * last[0]);
+                let size = [last[1], last[2], next].iter().fold(0.0f64, |size, x: &f64| size.max(x.abs()));
+                last = [last[1] / size, last[2] / size, next / size];
                 log += size.ln();
             }
             (log / f64::from(steps)).exp()

@@ -75,7 +75,7 @@ pub struct Sweep<V> {
     pub dt: f64,
     /// What happened within it, if anything did.
     pub event: Option<Event>,
-    /// For how long the spring gathers, s: from that event on.
+    /// For how long the spring gathers, s: from that event on; 0 across a gap.
     pub gathering: f64,
     /// The shares of the steps centred on its beginning and end in which there is a contact.
     pub shares: [f64; 2],
@@ -111,7 +111,10 @@ impl Slider {
         let undragged = middle + gained - (earlier - pulled) * half + (elastic * share - pulled) * half_lone;
         let end = undragged * (1.0 / (1.0 + half * share * self.drag));
         let (is_beyond, whole) = cut(elastic - end * self.drag, self.cap);
-        if is_beyond {
+        if sweep.gathering <= 0.0 {
+            // Across a gap nothing is kept: what ended is gone, and what will begin begins at its event in the next step.
+            after = V::ZERO;
+        } else if is_beyond {
             after = self.slipped(whole, middle + gained + (whole * share - earlier) * half_lone, after);
         }
         let (is_beyond_average, force) = cut(whole * share, cap);
