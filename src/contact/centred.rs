@@ -29,8 +29,8 @@
 //! `tests/physics/schemes.rs`.
 //!
 //! Limits: what is fixed gains nothing, so that contacts with a wall that a behaviour accelerates are of first order (the
-//! drag misses what the wall gains in half a step); where the force of one contact, as it sets in, makes another one with a
-//! tangential dashpot change from slip to stick, that one learns of it a step later, of first order too; bookkeeping of energy is of second order; theta uses u_h, so that grazing contacts, where the normal turns
+//! drag misses what the wall gains in half a step); where the force of one contact, as it sets in, makes another one stick whose
+//! dashpot slips, that one learns of it a step later, of first order too; bookkeeping of energy is of second order; theta uses u_h, so that grazing contacts, where the normal turns
 //! within a step, are of second order with a larger constant. Sources: the averaged drag is exact for a linear dashpot;
 //! the implicit drag is the trapezoidal rule; their union with forces of other contacts lagged is ours.
 
@@ -115,13 +115,6 @@ impl Window {
     pub fn share(&self, overlap: f64) -> f64 {
         let w = self.half_width;
         if overlap >= w { 1.0 } else { (0.5 * (overlap + w) / w).clamp(0.0, 1.0) }
-    }
-
-    /// How long ago the contact opened, s, if it did so in this step.
-    #[inline]
-    #[must_use]
-    pub fn opened(&self, overlap: f64, dt: f64) -> Option<f64> {
-        (overlap > 0.0 && overlap < self.moved).then(|| (overlap / self.closing).min(dt))
     }
 }
 
@@ -219,12 +212,5 @@ mod tests {
         let still = window(0.0);
         assert_eq!([still.share(1e-9), still.share(0.0)], [1.0, 1.0]);
         assert!(!still.touches(0.0) && still.touches(1e-300));
-    }
-
-    #[test]
-    fn a_contact_that_opened_in_this_step_knows_when() {
-        let opened = |speed, overlap| window(speed).opened(overlap, 1e-3);
-        assert_eq!([-1e-4, 0.5e-3, 2e-3].map(|overlap| opened(2.0, overlap)), [None, Some(2.5e-4), None]);
-        assert_eq!(opened(-2.0, 0.5e-3), None);
     }
 }

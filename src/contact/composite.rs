@@ -142,16 +142,20 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite
         let mut force = PairForce::smooth(pair.normal * spring, pair.normal * (total - spring));
         if T::SPIN {
             let whole = (spring + drag * closing).max(floor);
-            let event = if before <= 0.0 {
-                window.opened(overlap, pair.dt).map(|ago| {
-                    let speed = window.closing + gained * (1.0 - 2.0 * ago / pair.dt);
-                    (ago, (self.normal.drag(&pair.at_overlap(0.0)) * speed).max(floor))
+            // Turning normals and rounding may put the beginning of the step into a contact that was not there: it holds nothing.
+            let is_new = before <= 0.0 || T::SPRING && before < window.moved && memory.spring == V::ZERO;
+            let event = if is_new {
+                (overlap > 0.0).then(|| (overlap / window.closing).min(pair.dt)).map(|ago| {
+                    // As the spring's: without what this contact's averaged force has taken before its time.
+                    let own = half * force_before;
+                    let speed = window.closing + (gained + own) * (1.0 - 2.0 * ago / pair.dt) + 2.0 * own;
+                    (ago, (self.normal.drag(&pair.at_overlap(0.0)) * speed).max(floor), true)
                 })
             } else {
                 let earlier = (spring_before + drag * (window.closing - gained)).max(floor);
-                (overlap > 0.0 && earlier * whole < 0.0).then(|| (pair.dt * whole / (whole - earlier), 0.0))
+                (overlap > 0.0 && earlier * whole < 0.0).then(|| (pair.dt * whole / (whole - earlier), 0.0, false))
             };
-            let gathering = if overlap > 0.0 { event.map_or(pair.dt, |(ago, _)| ago) } else { 0.0 };
+            let gathering = if overlap > 0.0 { event.map_or(pair.dt, |(ago, ..)| ago) } else { 0.0 };
             let shares = [before, overlap].map(|overlap| window.share(overlap));
             let grip = Grip { whole, averaged: [force_before, total], shares, drag, gathering, event };
             self.tangential.add_centred(pair, &grip, memory, &mut force.turning);

@@ -92,6 +92,8 @@ pub struct Event {
     pub ago: f64,
     /// The cap then, N.
     pub cap: f64,
+    /// Whether the contact opens.
+    pub opens: bool,
 }
 
 impl Slider {
@@ -105,7 +107,7 @@ impl Slider {
         let (_, earlier) = cut(pulled - (middle - gained) * (self.drag * share_before), cap_before);
         let [half, half_lone] = sweep.mobilities.map(|mobility| 0.5 * dt * mobility);
         let before = *spring;
-        let swept = self.started(before, sweep) + middle * sweep.gathering;
+        let swept = self.started(before, sweep, earlier * half) + middle * sweep.gathering;
         let mut after = swept - normal * swept.dot(normal);
         let elastic = after * -self.stiffness;
         let undragged = middle + gained - (earlier - pulled) * half + (elastic * share - pulled) * half_lone;
@@ -131,11 +133,14 @@ impl Slider {
         if self.stiffness > 0.0 { (force + velocity * self.drag) / -self.stiffness } else { spring }
     }
 
-    /// The spring after the event, if there was one.
+    /// The spring after the event, if there was one; `own` is what the contact's own force of the step before has gained
+    /// in half a step, m/s.
     #[inline]
-    fn started<V: Space>(&self, spring: V, sweep: &Sweep<V>) -> V {
-        let Some(Event { ago, cap }) = sweep.event else { return spring };
-        let then = sweep.middle + sweep.gained * (1.0 - 2.0 * ago / sweep.dt);
+    fn started<V: Space>(&self, spring: V, sweep: &Sweep<V>, own: V) -> V {
+        let Some(Event { ago, cap, opens }) = sweep.event else { return spring };
+        // A contact that opens only now has had that force, averaged, before its time: twice half a step of it.
+        let own = if opens { own } else { V::ZERO };
+        let then = sweep.middle + (sweep.gained - own) * (1.0 - 2.0 * ago / sweep.dt) - own * 2.0;
         let (is_beyond, force) = cut(spring * -self.stiffness - then * self.drag, cap);
         if is_beyond { self.slipped(force, then, spring) } else { spring }
     }

@@ -279,8 +279,8 @@ fn oblique_errors(case: Oblique) -> ([f64; 3], f64) {
 fn friction_is_of_second_order_and_of_the_same_law() {
     for rule in ["Allowed", "Forbidden"] {
         for e in [0.9, 0.5, 0.2] {
-            // Sticks at once; slips at first; slips throughout.
-            for (friction, vt) in [(0.5, 0.3), (0.5, 1.0), (0.1, 1.0)] {
+            // Sticks; slips later; slips throughout; its dashpot alone is beyond the cap in the first moment, and then it sticks.
+            for (friction, vt) in [(0.5, 0.3), (0.5, 1.0), (0.1, 1.0), (0.5, 1.1), (0.5, 1.5)] {
                 let case = Oblique { rule, e, friction, vt, dashpot: 0.5, side: false };
                 let ([coarse, fine, plain], order) = oblique_errors(case);
                 // Slip and stick change places within a step at some phases only: errors scatter by their own size over 48
@@ -293,23 +293,18 @@ fn friction_is_of_second_order_and_of_the_same_law() {
 }
 
 #[test]
-fn friction_in_company_is_of_second_order_but_where_a_landing_makes_another_stick() {
-    // Here the side wall's force, as it sets in, slows the slip on the floor so much that with a dashpot it sticks at once, and
-    // the floor's contact learns of it a step later: of first order.
-    let sticks_at_once = [
-        ("Allowed", 0.2, 0.1, 1.0),
-        ("Forbidden", 0.5, 0.5, 1.0),
-        ("Forbidden", 0.2, 0.5, 0.3),
-        ("Forbidden", 0.2, 0.5, 1.0),
-    ];
+fn friction_in_company_is_of_second_order_too() {
+    // A side wall is met while the floor is: its contact slips for a moment and sticks, or slips on, or makes the floor's stick.
     for rule in ["Allowed", "Forbidden"] {
-        for (e, dashpot) in [(0.9, 0.5), (0.5, 0.5), (0.2, 0.5), (0.5, 0.0), (0.2, 0.0)] {
+        for (e, dashpot) in [(0.9, 0.5), (0.5, 0.5), (0.2, 0.5), (0.2, 0.0)] {
             for (friction, vt) in [(0.5, 0.3), (0.5, 1.0), (0.1, 1.0)] {
                 let case = Oblique { rule, e, friction, vt, dashpot, side: true };
                 let ([coarse, fine, plain], order) = oblique_errors(case);
-                let is_second = dashpot == 0.0 || !sticks_at_once.contains(&(rule, e, friction, vt));
-                // As with one contact; with two, whose moments are each somewhere in a step, the scatter is sqrt 2 larger.
-                let least = if is_second { 1.65 } else { 0.85 };
+                // As with one contact; with two, whose moments are each somewhere in a step, the scatter is sqrt 2 larger. But where
+                // a force, as it sets in, makes another contact stick whose dashpot slips, that one learns of it a step later:
+                // of first order. With attraction forbidden that is too little to show.
+                let sticks_at_once = (rule, e, dashpot, friction) == ("Allowed", 0.2, 0.5, 0.1);
+                let least = if sticks_at_once { 0.85 } else { 1.65 };
                 assert!(order > least, "{case:?}: order {order:.2}, {coarse:e} {fine:e}");
                 assert!(coarse < plain, "{case:?}: {coarse:e} {plain:e}");
             }
