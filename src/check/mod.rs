@@ -241,7 +241,7 @@ fn step(estimates: &Estimates, warnings: &mut Vec<Warning>) {
         warnings.push(Warning {
             code,
             message: format!(
-                "the step of {dt:.3e} s is beyond the stability limit {what}, {limit:.3e} s: energy will grow"
+                "the step of {dt:.3e} s is beyond the stability limit {what}, {limit:.3e} s: energy may grow"
             ),
             help: format!("lower `step` below {:.2e} s, or soften the contacts", bed_limit.min(pair_limit)),
         });
