@@ -28,11 +28,12 @@
 //! plain Verlet for n ((w0 dt)^2 + 4 zeta w0 dt) < 4 ([`crate::check::step`]). Against simulation:
 //! `tests/physics/schemes.rs`.
 //!
-//! Limits: what is fixed gains nothing, so that contacts with a wall that a behaviour accelerates are of first order (the
-//! drag misses what the wall gains in half a step); where the force of one contact, as it sets in, makes another one stick whose
-//! dashpot slips, that one learns of it a step later, of first order too; bookkeeping of energy is of second order; theta uses u_h, so that grazing contacts, where the normal turns
-//! within a step, are of second order with a larger constant. Sources: the averaged drag is exact for a linear dashpot;
-//! the implicit drag is the trapezoidal rule; their union with forces of other contacts lagged is ours.
+//! Limits: what is fixed gains nothing, so that contacts with a wall that a behaviour accelerates are of first order
+//! (the drag misses what the wall gains in half a step); where the force of one contact, as it sets in, makes another
+//! one stick whose dashpot slips, that one learns of it a step later, of first order too; bookkeeping of energy is of
+//! second order; theta uses u_h, so that grazing contacts, where the normal turns within a step, are of second order
+//! with a larger constant. Sources: the averaged drag is exact for a linear dashpot; the implicit drag is the
+//! trapezoidal rule; their union with forces of other contacts lagged is ours.
 
 use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
 use crate::space::{Linear, Plane, Space};
