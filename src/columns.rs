@@ -162,6 +162,8 @@ pub struct Columns<V: Space = Plane> {
     /// The sum over the steps of the longest move of any particle in a step, m: how far anyone can have gone. Not a number
     /// once somebody's position is not.
     pub travel: f64,
+    /// Of all particles, m.
+    pub smallest_radius: f64,
     /// What the order of slots goes by.
     pub(crate) order: Order,
 }
@@ -190,6 +192,7 @@ impl<V: Space> Default for Columns<V> {
             movable_end: 0,
             generation: 0,
             travel: 0.0,
+            smallest_radius: 0.0,
             order: Order::default(),
         }
     }
@@ -250,6 +253,7 @@ impl<V: Space> Columns<V> {
         let largest = rows.iter().filter(|row| !row.7).map(|row| row.4.0).fold(0.0, f64::max);
         self.order = Order::of(rows.iter().filter(|row| !row.7).map(|row| row.2.0), 2.0 * largest);
         rows.sort_by_cached_key(|row| (inverse(row.5, row.7) == 0.0, self.order.place(row.2.0), *row.1));
+        self.smallest_radius = rows.iter().map(|row| row.4.0).fold(f64::INFINITY, f64::min);
         let contacts = |row: &ParticleItem<V>| self.contacts.get(row.8.index()).copied().unwrap_or(MANY);
         if !self.contacts.is_empty() {
             self.contacts = rows.iter().map(contacts).collect();
@@ -472,6 +476,14 @@ pub struct Renumbering;
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Gathered;
 
+/// The columns hold x(t+dt), v(t+dt/2) after this part of [`Gathered`]; the rest of it is about spins.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct PlacesGathered;
+
+/// Spins are w(t+dt/2) after this set of [`Phase::Drift`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct SpinsDrifted;
+
 /// The columns know what a scheme that looks ahead needs after this set, before the neighbour search.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct LookedAhead;
@@ -519,14 +531,15 @@ impl<V: Space> Plugin for ColumnsPlugin<V> {
                     .run_if(not(resource_exists::<History<V>>)),
             ),
         );
-        let gathered = (Phase::Neighbours, Gathered);
-        if self.passes.drift_gathers {
-            app.add_systems(Step, gather::<V, With<Fixed>>.in_set(gathered.0).in_set(gathered.1));
+                if self.passes.drift_gathers {
+            let fixed = gather::<V, With<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
+            app.add_systems(Step, fixed);
             // In step zero nothing drifts.
-            let rest = gather::<V, Without<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).run_if(is_step_zero);
-            app.add_systems(Step, rest.after(gather::<V, With<Fixed>>));
+            let rest = gather::<V, Without<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
+            app.add_systems(Step, rest.after(gather::<V, With<Fixed>>).run_if(is_step_zero));
         } else {
-            app.add_systems(Step, gather::<V, ()>.in_set(gathered.0).in_set(gathered.1));
+            let all = gather::<V, ()>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
+            app.add_systems(Step, all);
         }
         if self.passes.kick_writes {
             app.add_systems(Step, write_forces::<V, With<Fixed>>.in_set(ForceStage::Written));

@@ -2,9 +2,9 @@
 //! order in which grains entered.
 //!
 //! Positions are put on a grid whose cells are as wide as the largest grain. Cells are ordered along the axis on which the
-//! grains reach farthest, within a slice of one cell along the next, and so on. A force pass then reads two or three rows
-//! of a slice (in solid space, two slices) side by side, each from its beginning to its end, which processors foresee;
-//! and ranges of slots, the shares of threads, meet in one cross-section.
+//! grains reach farthest, slice by slice. A force pass then reads two or three rows side by side, each from its beginning to
+//! its end, which processors foresee. Ranges of slots, the shares of threads, meet in one cross-section. (Curves and beams that keep neighbours nearer in
+//! memory were slower: processors foresee them less.)
 
 use crate::space::Space;
 

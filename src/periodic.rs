@@ -12,9 +12,10 @@
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::ArchetypeFilter;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{Columns, DENSE, Slot};
+use crate::columns::{Columns, DENSE, Slot, SpinsDrifted};
 use crate::energy::EnergyFlows;
 use crate::gravity::Gravity;
 use crate::particle::{Fixed, Mass, Position};
@@ -142,7 +143,8 @@ impl<V: Space> Metric<V> for Periodic<V> {
     }
 }
 
-fn wrap<V: Space>(columns: Res<Columns<V>>, mut particles: Query<&mut Position<V>>) {
+/// Of those whom `F` accepts.
+fn wrap<V: Space, F: ArchetypeFilter + 'static>(columns: Res<Columns<V>>, mut particles: Query<&mut Position<V>, F>) {
     let Some(periodic) = columns.periodic else { return };
     for mut positions in particles.contiguous_iter_mut().expect(DENSE) {
         for x in positions.bypass_change_detection() {
@@ -180,16 +182,31 @@ fn wrap_and_book<V: Space>(
 }
 
 /// The sides of a periodic scene.
-pub struct PeriodicPlugin<V: Space>(pub Periodic<V>);
+pub struct PeriodicPlugin<V: Space> {
+    /// The box.
+    pub periodic: Periodic<V>,
+    /// Whether the drift sets grains back itself.
+    pub drift_wraps: bool,
+}
+
+impl<V: Space> Periodic<V> {
+    /// Whether gravity acts along a periodic axis, so that setting back lifts.
+    #[must_use]
+    pub fn lifts(&self, gravity: V) -> bool {
+        (0..V::COMPONENTS).any(|axis| self.side(axis).is_some() && gravity.axis(axis) != 0.0)
+    }
+}
 
 impl<V: Space> Plugin for PeriodicPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.world_mut().resource_mut::<Columns<V>>().periodic = Some(self.0);
+        app.world_mut().resource_mut::<Columns<V>>().periodic = Some(self.periodic);
         let gravity = app.world().resource::<Gravity<V>>().0;
-        if (0..V::COMPONENTS).any(|axis| self.0.side(axis).is_some() && gravity.axis(axis) != 0.0) {
-            app.add_systems(Step, wrap_and_book::<V>.in_set(Phase::Drift).after(Drifted));
+        if self.periodic.lifts(gravity) {
+            app.add_systems(Step, wrap_and_book::<V>.in_set(Phase::Drift).after(Drifted).before(SpinsDrifted));
+        } else if self.drift_wraps {
+            app.add_systems(Step, wrap::<V, With<Fixed>>.in_set(Phase::Drift).after(Drifted).before(SpinsDrifted));
         } else {
-            app.add_systems(Step, wrap::<V>.in_set(Phase::Drift).after(Drifted));
+            app.add_systems(Step, wrap::<V, ()>.in_set(Phase::Drift).after(Drifted).before(SpinsDrifted));
         }
     }
 }

@@ -94,7 +94,8 @@ pub(crate) fn add_all<V: Space>(
     let (scene, space) = (&loaded.scene, PhantomData::<V>);
     let periodic = Periodic::<V>::new(&scene.periodic);
     let largest_radius = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
-    let passes = scene.integrator.passes(!behaviours.is_empty(), periodic.is_some());
+    let lifts = periodic.is_some_and(|periodic| periodic.lifts(scene.gravity.get::<V>()));
+    let passes = scene.integrator.passes(!behaviours.is_empty(), lifts);
     app.add("step", StepPlugin { dt: loaded.step() })
         .add("always", MessagesPlugin(space))
         .add(
@@ -113,7 +114,7 @@ pub(crate) fn add_all<V: Space>(
         app.add("watchdog", WatchdogPlugin(watchdog, space));
     }
     if let Some(periodic) = periodic {
-        app.add("periodic", PeriodicPlugin(periodic));
+        app.add("periodic", PeriodicPlugin { periodic, drift_wraps: passes.drift_gathers });
     }
     paths(app, loaded);
     if let Some(line) = scene.cull {

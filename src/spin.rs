@@ -9,12 +9,13 @@ use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::ArchetypeFilter;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, Renumbering, Slot, Turn};
+use crate::columns::{self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, Renumbering, PlacesGathered, Slot, SpinsDrifted, Turn};
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
-use crate::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
+use crate::step::{Clock, ClockAdvanced, Drifted, ForceStage, Phase, Step, is_step_zero};
 
 /// Angular velocity, rad/s; in the plane a number, positive counter-clockwise.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
@@ -88,25 +89,33 @@ fn half_kick<V: Space>(clock: Res<Clock>, mut grains: Query<Turning<V>, Without<
     }
 }
 
-/// The same, after the forces; into the columns too, which saves a pass.
-fn last_half_kick<V: Space>(
+/// The same, into the columns too, which saves a pass; after the forces, with the torques from there, which saves another.
+fn half_kick_through<V: Space, const LAST: bool>(
     clock: Res<Clock>,
     mut columns: ResMut<Columns<V>>,
-    mut grains: Query<(&Slot, Turning<V>), Without<Fixed>>,
+    mut grains: Query<(&Slot, &mut Spin<V::Spin>, &mut Torque<V::Spin>, &Inertia), Without<Fixed>>,
 ) {
-    let columns = &mut *columns;
-    for (slots, (mut spins, torques, inertias)) in grains.contiguous_iter_mut().expect(DENSE) {
-        let spins = spins.bypass_change_detection().iter_mut();
-        for (slot, (spin, (torque, inertia))) in slots.iter().zip(spins.zip(torques.iter().zip(inertias.iter()))) {
-            spin.0 += torque.0 * (0.5 * clock.dt / inertia.0);
-            if let Some(place) = columns.spin.get_mut(slot.index()) {
+    let Columns { turn, spin: column, .. } = &mut *columns;
+    for (slots, mut spins, mut torques, inertias) in grains.contiguous_iter_mut().expect(DENSE) {
+        let states = spins.bypass_change_detection().iter_mut().zip(torques.bypass_change_detection());
+        for (slot, ((spin, torque), inertia)) in slots.iter().zip(states.zip(inertias)) {
+            let slot = slot.index();
+            if let (Some(place), Some(turn)) = (column.get_mut(slot), turn.get(slot)) {
+                if LAST {
+                    torque.0 = turn.torque;
+                }
+                spin.0 += torque.0 * (0.5 * clock.dt / inertia.0);
                 *place = spin.0;
             }
         }
     }
 }
 
-fn gather<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<(&Slot, &Spin<V::Spin>)>) {
+/// Copies the spins of those whom `F` accepts into the columns.
+fn gather<V: Space, F: ArchetypeFilter + 'static>(
+    mut columns: ResMut<Columns<V>>,
+    grains: Query<(&Slot, &Spin<V::Spin>), F>,
+) {
     for (slots, spins) in grains.contiguous_iter().expect(DENSE) {
         for (slot, spin) in slots.iter().zip(spins.iter()) {
             if let Some(place) = columns.spin.get_mut(slot.index()) {
@@ -132,7 +141,11 @@ fn make_room<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<(&Slot, &I
     columns.turn.resize(particles, Turn::default());
 }
 
-fn write<V: Space>(columns: Res<Columns<V>>, mut grains: Query<(&Slot, &mut Torque<V::Spin>)>) {
+/// Writes the torques of those whom `F` accepts.
+fn write<V: Space, F: ArchetypeFilter + 'static>(
+    columns: Res<Columns<V>>,
+    mut grains: Query<(&Slot, &mut Torque<V::Spin>), F>,
+) {
     for (slots, mut torques) in grains.contiguous_iter_mut().expect(DENSE) {
         for (slot, torque) in slots.iter().zip(torques.bypass_change_detection()) {
             if let Some(turn) = columns.turn.get(slot.index()) {
@@ -154,20 +167,43 @@ pub struct SpinPlugin<V: Space> {
 
 impl<V: Space> Plugin for SpinPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(InertiaFactor(self.inertia.factor())).add_observer(equip::<V>).add_systems(
-            Step,
-            (
-                make_room::<V>.in_set(Renumbering).after(columns::renumber::<V>),
-                half_kick::<V>.in_set(Phase::Drift).after(ClockAdvanced),
-                gather::<V>.in_set(Phase::Neighbours).in_set(Gathered).after(columns::gather::<V, ()>).after(columns::gather::<V, With<Fixed>>)
-                    .after(columns::gather::<V, Without<Fixed>>),
-                write::<V>.in_set(ForceStage::Written),
-                last_half_kick::<V>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities),
-            ),
-        );
+        app.insert_resource(InertiaFactor(self.inertia.factor()))
+            .add_observer(equip::<V>)
+            .add_systems(Step, make_room::<V>.in_set(Renumbering).after(columns::renumber::<V>));
         if self.behaviours {
-            let again = gather::<V>.in_set(Phase::Kick).in_set(GatheredVelocities);
-            app.add_systems(Step, again.after(columns::gather_velocities::<V>));
+            let again = gather::<V, ()>.in_set(Phase::Kick).in_set(GatheredVelocities);
+            app.add_systems(
+                Step,
+                (
+                    half_kick::<V>.in_set(Phase::Drift).after(ClockAdvanced),
+                    gather::<V, ()>.in_set(Phase::Neighbours).in_set(Gathered).after(PlacesGathered),
+                    write::<V, ()>.in_set(ForceStage::Written),
+                    half_kick::<V>.in_set(Phase::Kick).before(GatheredVelocities),
+                    again.after(columns::gather_velocities::<V>),
+                ),
+            );
+        } else {
+            app.add_systems(
+                Step,
+                (
+                    half_kick_through::<V, false>
+                        .in_set(Phase::Drift)
+                        .in_set(SpinsDrifted)
+                        .after(ClockAdvanced)
+                        .after(Drifted),
+                    gather::<V, With<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).after(PlacesGathered),
+                    // In step zero nothing is kicked.
+                    gather::<V, Without<Fixed>>
+                        .in_set(Phase::Neighbours)
+                        .in_set(Gathered)
+                        .after(gather::<V, With<Fixed>>)
+                        .after(PlacesGathered)
+                        .run_if(is_step_zero),
+                    write::<V, With<Fixed>>.in_set(ForceStage::Written),
+                    write::<V, Without<Fixed>>.in_set(ForceStage::Written).run_if(is_step_zero),
+                    half_kick_through::<V, true>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities),
+                ),
+            );
         }
     }
 }

@@ -1,9 +1,7 @@
 //! What can be told before a run: estimates from the scene, and warnings where they promise trouble.
 //!
-//! * The step ([`step`]): the limit of one contact of two of the lightest grains; in a bed, each grain with six (in solid
-//!   space twelve) equal neighbours, w0^2 -> sum_j k (1/m_i + 1/m_j), so k and c grow 6 (12) times. Along the tangent
-//!   rotation makes the mass lighter, 1/m -> 7/(2 m) for a sphere, and rolling has a stiffness and drag of its own:
-//!   the worst of the three counts. Hertz's stiffness is that at the deepest point of the fastest impact.
+//! * The step ([`step`]): of all who can meet ([`meetings`]), the limit of the worst lone contact, and of the worst dense bed,
+//!   along the normal, the tangent and in rolling. Hertz's stiffness is that at the deepest point of the fastest impact.
 //! * The walls: a grain that fell all the way carries m v^2/2; to squeeze between two neighbouring wall grains takes
 //!   2 (k/2) (R + R_w - d/2)^2 at half their distance d. And is there a way out for a grain as if all were hard
 //!   ([`leaks`])?
@@ -12,16 +10,17 @@
 //! * The path: faster than a wall is thick in one step, and a grain may pass unseen.
 
 pub mod leaks;
+pub mod meetings;
 pub mod step;
 
 use std::fmt;
 
+use crate::check::meetings::Meeting;
 use crate::contact::Bounce;
 use crate::integrate::Integrator;
 use crate::scene::TimeStep;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane};
-use crate::spin::InertiaLaw;
 use crate::walls::config::Wall;
 use crate::walls::outline::Outline;
 
@@ -51,17 +50,17 @@ pub struct Estimates {
     pub scheme: Integrator,
     /// Whether contacts are without drag and friction.
     pub is_elastic: bool,
-    /// w0 of two of the smallest grains, 1/s.
+    /// w0 of the fastest contact, 1/s.
     pub frequency: f64,
     /// Radius of the smallest grain, m.
     pub radius: f64,
     /// Its mass, kg.
     pub mass: f64,
-    /// Duration of a contact of two of the smallest grains, s.
+    /// Duration of the shortest contact, s.
     pub contact_duration: f64,
-    /// Its restitution.
+    /// Restitution of two of the smallest grains.
     pub restitution: f64,
-    /// Largest stable step of one contact, s.
+    /// Largest stable step of every lone contact, s; infinite where nobody meets anybody.
     pub pair_limit: f64,
     /// Largest stable step in a dense bed, s.
     pub bed_limit: f64,
@@ -83,31 +82,31 @@ impl Estimates {
         let scene = &loaded.scene;
         let lightest = loaded.grains.iter().map(|grain| grain.mass).fold(f64::INFINITY, f64::min);
         let mass = scene.mass.map_or(f64::INFINITY, |law| law.of(radius)).min(lightest);
-        let reduced_mass = lightest_pair(loaded, radius);
         // Estimates ask for no directions: the law in the plane answers for both spaces.
         let law = loaded.contacts().any::<Plane>().0;
         let impact_speed = impact_speed(loaded);
         // Where nothing falls, something like the speed that a grain's own weight gives it.
         let slow = 0.1 * (scene.gravity.padded().length() * radius).sqrt();
         let speed = impact_speed.max(slow).max(1e-6);
+        let meetings = meetings::all(loaded, speed);
+        // Of two of the lightest; with one grain alone, of that and a wall.
+        let lightest = meetings.iter().map(|meeting| meeting.bounce.reduced_mass).fold(f64::INFINITY, f64::min);
+        let reduced_mass = if lightest.is_finite() { lightest } else { mass };
         let bounce = Bounce { reduced_mass, reduced_radius: 0.5 * radius, speed };
-        let inertia = scene.inertia.unwrap_or(InertiaLaw::usual(scene.space)).factor();
-        let modes = law.modes(inertia, &bounce);
-        let limit = |crowd: f64| {
-            let of_mode = |&[k, c]: &[f64; 2]| step::limit(scene.integrator, crowd * k, crowd * c, bounce.reduced_mass);
-            modes.iter().map(of_mode).fold(f64::INFINITY, f64::min)
-        };
+        let least = |of: &dyn Fn(&Meeting) -> f64| meetings.iter().map(of).fold(f64::INFINITY, f64::min);
+        let fastest = meetings.iter().map(|meeting| meeting.law.0.frequency(&meeting.bounce)).fold(0.0, f64::max);
+        let shortest = least(&|meeting| meeting.law.0.contact_duration(&meeting.bounce));
         let mut estimates = Self {
             dt: f64::NAN,
             scheme: scene.integrator,
             is_elastic: loaded.is_elastic(),
-            frequency: law.frequency(&bounce),
+            frequency: if meetings.is_empty() { law.frequency(&bounce) } else { fastest },
             radius,
             mass,
-            contact_duration: law.contact_duration(&bounce),
+            contact_duration: if meetings.is_empty() { law.contact_duration(&bounce) } else { shortest },
             restitution: law.restitution(&bounce),
-            pair_limit: limit(1.0),
-            bed_limit: limit(f64::from(neighbours(scene.space))),
+            pair_limit: least(&|meeting| meeting.lone_limit(scene.integrator)),
+            bed_limit: least(&|meeting| meeting.bed_limit(scene.integrator, scene.space)),
             impact_speed,
             impact_overlap: law.deepest(&Bounce { speed: impact_speed, ..bounce }) / radius,
             static_overlap: carried_at_the_bottom(loaded, radius) / law.stiffness(&bounce) / radius,
@@ -121,19 +120,16 @@ impl Estimates {
     }
 }
 
-/// m_eff of the two lightest grains, kg; with only one grain, that of its contacts with walls.
-fn lightest_pair(loaded: &Loaded, radius: f64) -> f64 {
-    let spawner = loaded.scene.spawner.iter().zip(loaded.scene.mass);
-    let released = spawner.flat_map(|(spawner, law)| (0..spawner.count.min(2)).map(move |_| law.of(radius)));
-    let masses = loaded.grains.iter().map(|grain| grain.mass).chain(released);
-    let [first, second] =
-        masses.fold(
-            [f64::INFINITY; 2],
-            |[first, second], mass| {
-                if mass < first { [mass, first] } else { [first, second.min(mass)] }
-            },
-        );
-    1.0 / (1.0 / first + 1.0 / second)
+/// The meeting whose normal contact, lone, is the first to be unstable, and its largest step, s: beyond that it is, whoever else
+/// is there. A tangential or a rolling one that is goes no farther than its cap.
+#[must_use]
+pub fn hardest(loaded: &Loaded) -> Option<(Meeting, f64)> {
+    let speed = impact_speed(loaded);
+    let all = meetings::all(loaded, speed).into_iter().map(|meeting| {
+        let limit = meeting.normal_limit(loaded.scene.integrator);
+        (meeting, limit)
+    });
+    all.min_by(|a, b| a.1.total_cmp(&b.1))
 }
 
 /// Speed at the lowest point of the walls, after a fall from where grains start, m/s.
@@ -161,14 +157,6 @@ fn lowest_point(loaded: &Loaded) -> f64 {
     let lowest = discs.chain(surfaces).fold(f64::INFINITY, f64::min);
     let grains = loaded.grains.iter().map(|grain| grain.position[up]).fold(f64::INFINITY, f64::min);
     if lowest.is_finite() { lowest } else { grains.min(loaded.scene.cull.map_or(0.0, |cull| cull.below.get())) }
-}
-
-/// Neighbours of a grain in a dense bed of equal ones.
-fn neighbours(space: Dimension) -> u32 {
-    match space {
-        Dimension::Plane => 6,
-        Dimension::Solid => 12,
-    }
 }
 
 /// What a contact at the bottom of the bed carries, N: the weight of all grains over the ground that they stand on, times
@@ -212,7 +200,7 @@ fn extent(loaded: &Loaded, axis: usize) -> Option<f64> {
 pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
     let Some(estimates) = Estimates::of(loaded) else { return Vec::new() };
     let mut warnings = Vec::new();
-    step(loaded.scene.space, &estimates, &mut warnings);
+    step(&estimates, &mut warnings);
     softness(loaded, &estimates, &mut warnings);
     if let Some(place) = leaks::way_out(loaded) {
         warnings.push(Warning {
@@ -242,21 +230,20 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
     warnings
 }
 
-fn step(space: Dimension, estimates: &Estimates, warnings: &mut Vec<Warning>) {
+fn step(estimates: &Estimates, warnings: &mut Vec<Warning>) {
     let Estimates { dt, pair_limit, bed_limit, .. } = *estimates;
-    if dt >= bed_limit {
-        let bed = format!("of a dense bed, {} neighbours a grain", neighbours(space));
+    if dt >= bed_limit.min(pair_limit) {
         let (code, what, limit) = if dt >= pair_limit {
             ("check::unstable_step", "of a single contact", pair_limit)
         } else {
-            ("check::unstable_bed", bed.as_str(), bed_limit)
+            ("check::unstable_bed", "of a dense bed", bed_limit)
         };
         warnings.push(Warning {
             code,
             message: format!(
-                "the step of {dt:.3e} s is beyond the stability limit {what}, {limit:.3e} s: energy will grow"
+                "the step of {dt:.3e} s is beyond the stability limit {what}, {limit:.3e} s: energy may grow"
             ),
-            help: format!("lower `step` below {bed_limit:.2e} s, or soften the contacts"),
+            help: format!("lower `step` below {:.2e} s, or soften the contacts", bed_limit.min(pair_limit)),
         });
     }
 }

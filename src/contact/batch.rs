@@ -23,6 +23,8 @@ pub struct Batch<V: Space> {
     /// From j to i, m, and its square.
     pub separation: Lanes<V>,
     pub squared: Scalars,
+    /// R_i + R_j, m.
+    pub reach: Scalars,
     pub relative_velocity: Lanes<V>,
     pub radii: [Scalars; 2],
     pub inverse_masses: [Scalars; 2],
@@ -102,10 +104,11 @@ impl<V: Space> Batch<V> {
         let distance = self.squared[lane].sqrt();
         let of = |both: &[Scalars; 2]| [both[0][lane], both[1][lane]];
         let spins_of = |both: &[Lanes<V::Spin>; 2]| [both[0].get(lane), both[1].get(lane)];
-        let (radii, inverse_masses) = (of(&self.radii), of(&self.inverse_masses));
+        let (reach, inverse_masses) = (self.reach[lane], of(&self.inverse_masses));
+        let radii = if L::RADII { of(&self.radii) } else { [0.5 * reach; 2] };
         let mut pair = Pair {
             normal: self.separation.get(lane) * (1.0 / distance),
-            overlap: radii[0] + radii[1] - distance,
+            overlap: reach - distance,
             relative_velocity: self.relative_velocity.get(lane),
             reduced_mass: 1.0 / (inverse_masses[0] + inverse_masses[1]),
             radii,
@@ -133,7 +136,7 @@ impl<V: Space> Batch<V> {
         pair
     }
 
-    /// Asks `law` about all lanes; gives how many overlap by more than `deepest` of a radius.
+    /// Asks `law` about all lanes; gives how many overlap by more than `deepest`, m.
     #[inline(always)]
     fn answer_all<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, deepest: f64) -> u32 {
         let mut deeper = 0;
@@ -147,7 +150,7 @@ impl<V: Space> Batch<V> {
                 answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
             }
             answer.overlap[lane] = pair.overlap;
-            deeper += u32::from(pair.overlap > deepest * pair.radii[0] || pair.overlap > deepest * pair.radii[1]);
+            deeper += u32::from(pair.overlap > deepest);
             let smooth = force.elastic + force.drag;
             answer.force.set(lane, if L::SPIN { smooth + force.turning.friction } else { smooth });
             answer.drag.set(lane, force.drag);
@@ -173,20 +176,18 @@ impl<V: Space> Batch<V> {
         deeper
     }
 
-    /// Asks `law` about all contacts of the batch. `deepest` is the largest overlap over the smaller radius so far, and
-    /// becomes that with these.
-    pub fn ask<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, instructions: Instructions, deepest: &mut f64) {
-        // A division is dear: it is made only for what may be a record, a rounding off included.
-        let nearly = *deepest * (1.0 - 4.0 * f64::EPSILON);
+    /// Asks `law` about all contacts of the batch. Tells whether any of them may overlap by more than `deepest`, m.
+    pub fn ask<L: PairLaw<V> + Demands>(
+        &mut self,
+        law: &L,
+        dt: f64,
+        instructions: Instructions,
+        deepest: f64,
+    ) -> bool {
         let deeper = instructions.run(
             #[inline(always)]
-            || self.answer_all(law, dt, nearly),
+            || self.answer_all(law, dt, deepest),
         );
-        if deeper > 0 {
-            for lane in 0..self.len {
-                let smaller = self.radii[0][lane].min(self.radii[1][lane]);
-                *deepest = deepest.max(self.answer.overlap[lane] / smaller);
-            }
-        }
+        deeper > 0
     }
 }

@@ -11,6 +11,9 @@ use crate::space::Space;
 
 /// A force along the normal: max(spring - c v_n, floor) n.
 pub trait Normal: Copy + Send + Sync + 'static {
+    /// Whether it depends on the radii.
+    const RADII: bool;
+
     /// Where the overlap is at least this many times the half-width of a step, [`Normal::even_drag`] is its mean there.
     const EVEN: f64;
 
@@ -61,6 +64,7 @@ pub struct Composite<N, T, R> {
 
 impl<N: Normal, T: Tangential, R: Rolling> Demands for Composite<N, T, R> {
     const SPIN: bool = T::SPIN;
+    const RADII: bool = N::RADII || T::SPIN || R::ROLLING;
     const SPRING: bool = T::SPRING;
     const STIFFNESS: bool = T::STIFFNESS;
     const ROLLING: bool = R::ROLLING;
@@ -110,11 +114,9 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         self.normal.restitution(bounce)
     }
 
-    fn modes(&self, q: f64, bounce: &Bounce) -> Vec<[f64; 2]> {
+    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
         let normal = [self.normal.stiffness(bounce), self.normal.damping(bounce)];
-        let tangential = self.tangential.mode(bounce, normal[1]).map(|figure| figure * (1.0 + 1.0 / q));
-        let rolling = self.rolling.mode(bounce).map(|figure| figure / q);
-        vec![normal, tangential, rolling]
+        [normal, self.tangential.mode(bounce, normal[1]), self.rolling.mode(bounce)]
     }
 }
 
@@ -144,16 +146,20 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite
         let mut force = PairForce::smooth(pair.normal * spring, pair.normal * (total - spring));
         if T::SPIN {
             let whole = (spring + drag * closing).max(floor);
-            let event = if before <= 0.0 {
-                window.opened(overlap, pair.dt).map(|ago| {
-                    let speed = window.closing + gained * (1.0 - 2.0 * ago / pair.dt);
-                    (ago, (self.normal.drag(&pair.at_overlap(0.0)) * speed).max(floor))
+            // Turning normals and rounding may put the beginning of the step into a contact that was not there: it holds nothing.
+            let is_new = before <= 0.0 || T::SPRING && before < window.moved && memory.spring == V::ZERO;
+            let event = if is_new {
+                (overlap > 0.0).then(|| (overlap / window.closing).min(pair.dt)).map(|ago| {
+                    // As the spring's: without what this contact's averaged force has taken before its time.
+                    let own = half * force_before;
+                    let speed = window.closing + (gained + own) * (1.0 - 2.0 * ago / pair.dt) + 2.0 * own;
+                    (ago, (self.normal.drag(&pair.at_overlap(0.0)) * speed).max(floor), true)
                 })
             } else {
                 let earlier = (spring_before + drag * (window.closing - gained)).max(floor);
-                (overlap > 0.0 && earlier * whole < 0.0).then(|| (pair.dt * whole / (whole - earlier), 0.0))
+                (overlap > 0.0 && earlier * whole < 0.0).then(|| (pair.dt * whole / (whole - earlier), 0.0, false))
             };
-            let gathering = if overlap > 0.0 { event.map_or(pair.dt, |(ago, _)| ago) } else { 0.0 };
+            let gathering = if overlap > 0.0 { event.map_or(pair.dt, |(ago, ..)| ago) } else { 0.0 };
             let shares = [before, overlap].map(|overlap| window.share(overlap));
             let grip = Grip { whole, averaged: [force_before, total], shares, drag, gathering, event };
             self.tangential.add_centred(pair, &grip, memory, &mut force.turning);

@@ -152,6 +152,8 @@ pub struct Contacts<'a> {
     pub materials: &'a [Material],
     /// How many species there are.
     pub species: usize,
+    /// The only two that are asked for, if not all are.
+    pub only: Option<(u8, u8)>,
 }
 
 /// Takes the law of a scene in its own type.
@@ -207,8 +209,17 @@ impl Contacts<'_> {
         self.visit(Erase)
     }
 
+    /// The law between two species alone.
+    #[must_use]
+    pub fn between<V: Space>(&self, a: u8, b: u8) -> AnyLaw<V> {
+        Self { usual: self.of(a, b), pairs: &[], species: 1, only: Some((a, b)), ..*self }.any()
+    }
+
     fn table<L>(&self, of: impl Fn(u8, u8) -> L) -> Table<L> {
-        Table::new(self.species, of)
+        match self.only {
+            Some((a, b)) => Table::new(1, |_, _| of(a, b)),
+            None => Table::new(self.species, of),
+        }
     }
 
     /// What the scene says of a pair.

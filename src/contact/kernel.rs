@@ -121,7 +121,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     fn sum(mut self) -> f64 {
         let task = self.share.task;
         for piece in task.incoming.chunks(PIECE) {
-            piece.iter().for_each(|pair| self.begin_sums_up_to(pair[1] as usize));
+            self.begin_sums_up_to(piece.iter().fold(0, |last, pair| pair[1].max(last)) as usize);
             if self.offer(piece) {
                 self.flush_incoming();
             }
@@ -137,9 +137,8 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
                 forgotten: [0.0; 2],
             };
             self.share.now[number].clear();
-            let (rows, candidates) = self.pass.list.block(first / BLOCK);
-            self.begin_sums_up_to(rows.reach.max(first + BLOCK - 1));
-            for piece in candidates.chunks(PIECE) {
+            for piece in self.pass.list.block(first / BLOCK).chunks(PIECE) {
+                self.begin_sums_up_to(piece.iter().fold(0, |last, pair| pair[1].max(last)) as usize);
                 if self.offer(piece) {
                     self.flush(&mut block);
                 }
@@ -147,6 +146,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.flush(&mut block);
             self.end(&mut block);
         }
+        self.begin_sums_up_to(task.rows.end);
         self.largest
     }
 
@@ -154,8 +154,12 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// their memory is at hand.
     #[inline]
     fn begin_sums_up_to(&mut self, entry: usize) {
+        if entry < self.begun {
+            return;
+        }
+        // Some more at once: how many each time is hard to foresee.
         let rows = &self.share.task.rows;
-        let end = (entry + 1).min(rows.end);
+        let end = (entry + 64).min(rows.end);
         for entry in self.begun..end {
             let place = entry - rows.start;
             self.share.loads[place] = Load::weight(self.pass.gravity, self.view.mass[entry]);
@@ -184,15 +188,17 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         for &[i, j] in candidates {
             let (body, other) = (&bodies[i as usize], &bodies[j as usize]);
             let separation = self.pass.metric.separation(body.position, other.position);
-            let (squared, reach) = (separation.length_squared(), body.radius + margin + other.radius);
+            let (squared, reach) = (separation.length_squared(), body.radius + other.radius);
             // Never beyond; so the compiler knows as well.
             let lane = end % LANES;
             batch.entries[0][lane] = i;
             batch.entries[1][lane] = j;
             batch.separation.set(lane, separation);
             batch.squared[lane] = squared;
+            batch.reach[lane] = reach;
+            let farthest = reach + margin;
             // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
-            end += usize::from(squared < reach * reach);
+            end += usize::from(squared < farthest * farthest);
         }
         batch.len = end;
         end > LANES - PIECE
@@ -231,8 +237,10 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         batch.relative_velocity.set(lane, view.velocity[i] - view.velocity[j]);
         for (side, entry) in [i, j].into_iter().enumerate() {
             let make = &view.make[entry];
-            batch.radii[side][lane] = make.radius;
             batch.inverse_masses[side][lane] = make.inverse_mass;
+            if L::RADII {
+                batch.radii[side][lane] = make.radius;
+            }
             if L::SPECIES {
                 batch.species[side][lane] = view.species[entry];
             }
@@ -252,6 +260,21 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         }
     }
 
+    /// Asks the law, and takes records of overlap into account.
+    #[inline]
+    fn ask(&mut self) {
+        // What may be a record is found by the smallest radius of all, a rounding off included; only then is divided.
+        let nearly = self.largest * self.view.smallest_radius * (1.0 - 4.0 * f64::EPSILON);
+        let Pass { law, dt, instructions, .. } = self.pass;
+        if self.batch.ask(*law, *dt, *instructions, nearly) {
+            for lane in 0..self.batch.len {
+                let [a, b] = self.batch.entries.map(|entries| self.view.make[entries[lane] as usize].radius);
+                let ratio = self.batch.answer.overlap[lane] / a.min(b);
+                self.largest = self.largest.max(ratio);
+            }
+        }
+    }
+
     /// Sums what the batch does to the particles of this share, the first ones being in others.
     fn flush_incoming(&mut self) {
         for lane in 0..if L::MEMORY { self.batch.len } else { 0 } {
@@ -260,7 +283,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.batch.memory.set::<L>(lane, &memory);
         }
         self.describe_all();
-        self.batch.ask(self.pass.law, self.pass.dt, self.pass.instructions, &mut self.largest);
+        self.ask();
         for lane in 0..self.batch.len.min(LANES) {
             if !L::AHEAD || self.batch.answer.touches[lane] > 0.0 {
                 self.add_to_second(lane, self.batch.entries[1][lane] as usize - self.share.task.rows.start);
@@ -284,7 +307,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             }
         }
         self.describe_all();
-        self.batch.ask(self.pass.law, self.pass.dt, self.pass.instructions, &mut self.largest);
+        self.ask();
         for lane in 0..self.batch.len.min(LANES) {
             self.add(block, lane);
         }

@@ -180,10 +180,10 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     /// Restitution of a head-on bounce, for reports.
     fn restitution(&self, bounce: &Bounce) -> f64;
 
-    /// Stiffness (N/m) and drag coefficient (N s/m) of each way in which a contact of this reduced mass can swing: along
-    /// the normal; along the tangent, both 1 + 1/q times with I = q m R^2; in rolling, 1/q times.
-    fn modes(&self, _q: f64, bounce: &Bounce) -> Vec<[f64; 2]> {
-        vec![[self.stiffness(bounce), self.damping(bounce)]]
+    /// Stiffness (N/m) and drag coefficient (N s/m) of each way in which a contact can swing: along the normal, along the
+    /// tangent, in rolling. How much faster than along the normal a force moves the last two is the pair's affair.
+    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
+        [[self.stiffness(bounce), self.damping(bounce)], [0.0; 2], [0.0; 2]]
     }
 
     /// w0 = sqrt(k/m_eff), 1/s.
@@ -212,6 +212,8 @@ pub struct Bounce {
 pub trait Demands {
     /// Spins, and the torques that come with them.
     const SPIN: bool = false;
+    /// Radii; where it does not, both are given as half the sum.
+    const RADII: bool = true;
     /// Materials by species.
     const SPECIES: bool = false;
     /// [`Memory::spring`].

@@ -75,7 +75,7 @@ pub struct Sweep<V> {
     pub dt: f64,
     /// What happened within it, if anything did.
     pub event: Option<Event>,
-    /// For how long the spring gathers, s: from that event on.
+    /// For how long the spring gathers, s: from that event on; 0 across a gap.
     pub gathering: f64,
     /// The shares of the steps centred on its beginning and end in which there is a contact.
     pub shares: [f64; 2],
@@ -92,6 +92,8 @@ pub struct Event {
     pub ago: f64,
     /// The cap then, N.
     pub cap: f64,
+    /// Whether the contact opens.
+    pub opens: bool,
 }
 
 impl Slider {
@@ -105,13 +107,16 @@ impl Slider {
         let (_, earlier) = cut(pulled - (middle - gained) * (self.drag * share_before), cap_before);
         let [half, half_lone] = sweep.mobilities.map(|mobility| 0.5 * dt * mobility);
         let before = *spring;
-        let swept = self.started(before, sweep) + middle * sweep.gathering;
+        let swept = self.started(before, sweep, earlier * half) + middle * sweep.gathering;
         let mut after = swept - normal * swept.dot(normal);
         let elastic = after * -self.stiffness;
         let undragged = middle + gained - (earlier - pulled) * half + (elastic * share - pulled) * half_lone;
         let end = undragged * (1.0 / (1.0 + half * share * self.drag));
         let (is_beyond, whole) = cut(elastic - end * self.drag, self.cap);
-        if is_beyond {
+        if sweep.gathering <= 0.0 {
+            // Across a gap nothing is kept: what ended is gone, and what will begin begins at its event in the next step.
+            after = V::ZERO;
+        } else if is_beyond {
             after = self.slipped(whole, middle + gained + (whole * share - earlier) * half_lone, after);
         }
         let (is_beyond_average, force) = cut(whole * share, cap);
@@ -128,11 +133,14 @@ impl Slider {
         if self.stiffness > 0.0 { (force + velocity * self.drag) / -self.stiffness } else { spring }
     }
 
-    /// The spring after the event, if there was one.
+    /// The spring after the event, if there was one; `own` is what the contact's own force of the step before has gained
+    /// in half a step, m/s.
     #[inline(always)]
-    fn started<V: Space>(&self, spring: V, sweep: &Sweep<V>) -> V {
-        let Some(Event { ago, cap }) = sweep.event else { return spring };
-        let then = sweep.middle + sweep.gained * (1.0 - 2.0 * ago / sweep.dt);
+    fn started<V: Space>(&self, spring: V, sweep: &Sweep<V>, own: V) -> V {
+        let Some(Event { ago, cap, opens }) = sweep.event else { return spring };
+        // A contact that opens only now has had that force, averaged, before its time: twice half a step of it.
+        let own = if opens { own } else { V::ZERO };
+        let then = sweep.middle + (sweep.gained - own) * (1.0 - 2.0 * ago / sweep.dt) - own * 2.0;
         let (is_beyond, force) = cut(spring * -self.stiffness - then * self.drag, cap);
         if is_beyond { self.slipped(force, then, spring) } else { spring }
     }

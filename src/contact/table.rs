@@ -47,6 +47,7 @@ impl<V: Space, L: CentredLaw<V>> CentredLaw<V> for Table<L> {
 impl<L: Demands> Demands for Table<L> {
     const SPIN: bool = L::SPIN;
     const SPECIES: bool = true;
+    const RADII: bool = L::RADII;
     const SPRING: bool = L::SPRING;
     const ROLLING: bool = L::ROLLING;
     const STIFFNESS: bool = L::STIFFNESS;
@@ -92,8 +93,8 @@ impl<V: Space, L: PairLaw<V>> PairLaw<V> for Table<L> {
         self.laws[0].restitution(bounce)
     }
 
-    fn modes(&self, q: f64, bounce: &Bounce) -> Vec<[f64; 2]> {
-        self.laws.iter().flat_map(|law| law.modes(q, bounce)).collect()
+    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
+        std::array::from_fn(|mode| [0, 1].map(|figure| self.largest(|law| law.modes(bounce)[mode][figure])))
     }
 }
 

@@ -99,8 +99,8 @@ pub struct Grip {
     /// For how long springs gather, s: from the event on.
     pub gathering: f64,
     /// The moment of this step in which the contact opened or the normal force changed its sign, s before the end, with
-    /// the normal force just after, N.
-    pub event: Option<(f64, f64)>,
+    /// the normal force just after, N, and whether it opened.
+    pub event: Option<(f64, f64, bool)>,
 }
 
 impl Grip {
@@ -115,7 +115,7 @@ impl Grip {
             gained,
             mobilities,
             dt,
-            event: self.event.map(|(ago, force)| Event { ago, cap: friction * force.abs() }),
+            event: self.event.map(|(ago, force, opens)| Event { ago, cap: friction * force.abs(), opens }),
             gathering: self.gathering,
             shares: self.shares,
             averaged_caps: self.averaged.map(|force| friction * force.abs()),

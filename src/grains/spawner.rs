@@ -78,7 +78,7 @@ impl RadiusLaw {
     }
 
     /// How many of `count` grains each size of a mixture gets: shares rounded, the last size takes the rest.
-    pub(super) fn quotas(&self, count: u32) -> Vec<u32> {
+    pub(crate) fn quotas(&self, count: u32) -> Vec<u32> {
         let Self::Mixture(sizes) = self else { return Vec::new() };
         let mut left = count;
         let mut quotas: Vec<u32> = sizes
@@ -101,7 +101,7 @@ impl RadiusLaw {
     }
 
     /// Radius (m) and species of a grain from its random number; `quotas` are what is left of each size.
-    pub(super) fn choose(&self, u: f64, quotas: &mut [u32]) -> (f64, Species) {
+    pub(crate) fn choose(&self, u: f64, quotas: &mut [u32]) -> (f64, Species) {
         match self {
             Self::Fixed(radius) => (radius.get(), Species(0)),
             Self::Uniform(a, b) => (a.get() + u * (b.get() - a.get()), Species(0)),

@@ -48,6 +48,9 @@ fn drift_and_gather<V: Space>(
             v.0 += force.0 * (0.5 * dt / mass.0);
             let way = v.0 * dt;
             x.0 += way;
+            if let Some(periodic) = columns.periodic {
+                x.0 = periodic.wrapped(x.0);
+            }
             longest.raise(way);
             let slot = slot.index();
             if let (Some(body), Some(velocity)) = (columns.body.get_mut(slot), columns.velocity.get_mut(slot)) {

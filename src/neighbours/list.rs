@@ -20,17 +20,9 @@ pub struct PairList {
     starts: Vec<u32>,
     /// Of the row that is being written.
     row: u32,
-    blocks: Vec<Block>,
+    /// Where the pairs of each block of rows end.
+    blocks: Vec<usize>,
     tasks: Vec<Task>,
-}
-
-/// Rows that are summed together.
-#[derive(Debug, Clone, Default)]
-pub struct Block {
-    /// Its pairs.
-    pairs: Range<usize>,
-    /// The highest entry that occurs.
-    pub reach: usize,
 }
 
 /// What one thread sums.
@@ -49,11 +41,11 @@ impl PairList {
         &self.pairs
     }
 
-    /// A block and its candidates.
+    /// The candidates of a block of rows.
     #[must_use]
-    pub fn block(&self, number: usize) -> (&Block, &[Candidate]) {
-        let block = &self.blocks[number];
-        (block, &self.pairs[block.pairs.clone()])
+    pub fn block(&self, number: usize) -> &[Candidate] {
+        let start = if number == 0 { 0 } else { self.blocks[number - 1] };
+        &self.pairs[start..self.blocks[number]]
     }
 
     /// The shares of the threads.
@@ -110,11 +102,7 @@ impl PairList {
         let pairs = &self.pairs;
         let row_of = |border: usize| pairs.partition_point(|pair| (pair[0] as usize) < border);
         self.blocks.clear();
-        self.blocks.extend((0..rows.div_ceil(size)).map(|number| {
-            let pairs = row_of(number * size)..row_of((number + 1) * size);
-            let reach = self.pairs[pairs.clone()].iter().map(|pair| pair[1] as usize).max().unwrap_or(0);
-            Block { pairs, reach }
-        }));
+        self.blocks.extend((1..=rows.div_ceil(size)).map(|number| row_of(number * size)));
         let (blocks, shares) = (self.blocks.len(), threads.min(self.blocks.len()).max(1));
         self.tasks.resize_with(shares, Task::default);
         for (number, task) in self.tasks.iter_mut().enumerate() {
@@ -160,8 +148,7 @@ mod tests {
         list.share_out(6, 3, 2);
         let tasks: Vec<_> = list.tasks().iter().map(|task| (task.rows.clone(), task.incoming.clone())).collect();
         assert_eq!(tasks, [(0..2, vec![]), (2..4, vec![[1, 3]]), (4..6, vec![[0, 5], [3, 5]])]);
-        let (block, pairs) = list.block(1);
-        assert_eq!((block.reach, pairs), (5, &[[2, 3], [3, 5]][..]));
+        assert_eq!(list.block(1), [[2, 3], [3, 5]]);
         // More threads than blocks: as many tasks as blocks.
         list.share_out(6, 8, 4);
         assert_eq!(list.tasks().len(), 2);

@@ -133,7 +133,7 @@ impl<V: Space> Columns<V> {
     /// Whether two are so near that the law has to look at them.
     fn may_touch(&self, i: usize, j: usize) -> bool {
         // Summed as the kernel does it, to the last bit.
-        let reach = self.body[i].radius + self.margin + self.body[j].radius;
+        let reach = self.body[i].radius + self.body[j].radius + self.margin;
         self.separation(self.body[i].position, self.body[j].position).length_squared() < reach * reach
     }
 }

@@ -21,7 +21,6 @@ const HORIZON: f64 = 25.0;
 /// What tells when the list is to be renewed.
 pub struct VerletList<V: Space> {
     skin: f64,
-    horizon: f64,
     made_at: Vec<Anchor<V>>,
     wait: Wait,
 }
@@ -35,7 +34,7 @@ struct Anchor<V> {
 
 impl<V: Space> VerletList<V> {
     pub(super) fn new(skin: f64) -> Self {
-        Self { skin, horizon: std::env::var("HZ").ok().and_then(|s| s.parse().ok()).unwrap_or(HORIZON), made_at: Vec::new(), wait: Wait::default() }
+        Self { skin, made_at: Vec::new(), wait: Wait::default() }
     }
 
     /// Whether somebody has used up its allowance.
@@ -57,7 +56,7 @@ impl<V: Space> VerletList<V> {
     pub(super) fn renew(&mut self, columns: &Columns<V>, list: &mut PairList, dt: f64) {
         let anchor = |(body, velocity): (&Body<V>, &V)| Anchor {
             position: body.position,
-            allowance: 0.5 * self.skin + self.horizon * dt * velocity.length(),
+            allowance: 0.5 * self.skin + HORIZON * dt * velocity.length(),
         };
         self.made_at.clear();
         self.made_at.extend(columns.body.iter().zip(&columns.velocity).map(anchor));

@@ -147,7 +147,7 @@ impl Loaded {
     pub fn contacts(&self) -> Contacts<'_> {
         let Scene { contact, pairs, materials, .. } = &self.scene;
         let species = if pairs.is_empty() && materials.len() <= 1 { 1 } else { self.largest_species() + 1 };
-        Contacts { usual: *contact, pairs, materials, species }
+        Contacts { usual: *contact, pairs, materials, species, only: None }
     }
 
     /// Whether contacts are centred: the scheme asks for it, and some contact has something to centre.

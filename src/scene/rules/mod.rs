@@ -8,7 +8,7 @@ pub use self::space::space;
 
 use self::contacts::contacts;
 use self::grains::{fill, spawner};
-use crate::check::Estimates;
+use crate::check;
 use crate::contact::Contact;
 use crate::door::{DoorMotion, DoorOpens};
 use crate::fault::Fault;
@@ -39,24 +39,28 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     step(loaded)
 }
 
-/// A given step is stable for a contact of the two lightest grains, and an automatic one has a scheme to be chosen for.
+/// A given step is stable for every contact of two that can meet, and an automatic one has a scheme to be chosen for.
 fn step(loaded: &Loaded) -> Result<(), Fault> {
     let scheme = loaded.scene.integrator;
     let is_explicit = scheme == Integrator::ExplicitEuler;
     match loaded.scene.step {
         TimeStep::Auto { .. } if is_explicit => Err(loaded
-            .fault("scene::auto_step", "step", "no step makes explicit Euler stable")
+            .fault("scene::auto_step", "step", "no step makes explicit Euler stable without drag")
             .help("give `Fixed(...)`, in s, to see it fail, or use `Centred`")),
-        // Hertz's stiffness hangs on how fast grains will be: that is for `check` to warn of.
-        TimeStep::Fixed(dt) if !is_explicit && !matches!(loaded.scene.contact, Contact::Hertz { .. }) => {
-            let Some(limit) = Estimates::of(loaded).map(|estimates| estimates.pair_limit) else { return Ok(()) };
-            if dt.get() <= limit {
+        TimeStep::Fixed(dt) if is_known(loaded) => {
+            let Some((meeting, limit)) = check::hardest(loaded).filter(|&(_, limit)| dt.get() > limit) else {
                 return Ok(());
-            }
+            };
+            let (a, b) = meeting.species;
             let message = format!(
-                "with a step of {:.3e} s a contact of the two lightest grains is unstable under `{scheme:?}`: the limit \
-                 is {limit:.3e} s",
-                dt.get()
+                "with a step of {:.3e} s a contact of {} is unstable under `{scheme:?}`: the limit is {limit:.3e} s",
+                dt.get(),
+                match (meeting.is_wall, a.max(b)) {
+                    (false, 0) => "the two lightest grains".to_owned(),
+                    (true, 0) => "the lightest grain with a wall".to_owned(),
+                    (false, _) => format!("the lightest grains of species {a} and {b}"),
+                    (true, _) => format!("the lightest grain of species {a} with a wall of species {b}"),
+                }
             );
             Err(loaded
                 .fault("scene::unstable_step", "step", message)
@@ -64,6 +68,13 @@ fn step(loaded: &Loaded) -> Result<(), Fault> {
         }
         _ => Ok(()),
     }
+}
+
+/// Whether contacts are sure to be as stiff as the scene says. Hertz's depend on how fast grains will be, a behaviour may bring a
+/// law or masses of its own, and explicit Euler is there to fail: `check` warns.
+fn is_known(loaded: &Loaded) -> bool {
+    let Scene { integrator, contact, behaviours, .. } = &loaded.scene;
+    *integrator != Integrator::ExplicitEuler && !matches!(contact, Contact::Hertz { .. }) && behaviours.is_empty()
 }
 
 fn profiles(loaded: &Loaded) -> Result<(), Fault> {
