@@ -14,8 +14,8 @@
 use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
-use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::change_detection::ContiguousRef;
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::ArchetypeFilter;
 use bevy_ecs::world::DeferredWorld;
@@ -260,10 +260,7 @@ impl<V: Space> Columns<V> {
         }
         self.id = rows.iter().map(|row| *row.1).collect();
         self.entity = rows.iter().map(|row| row.0).collect();
-        self.body = rows
-            .iter()
-            .map(|&(_, _, x, _, radius, ..)| Body { position: x.0, radius: radius.0 })
-            .collect();
+        self.body = rows.iter().map(|&(_, _, x, _, radius, ..)| Body { position: x.0, radius: radius.0 }).collect();
         self.velocity = rows.iter().map(|row| row.3.0).collect();
         let make = |row: &ParticleItem<V>| Make { radius: row.4.0, inverse_mass: inverse(row.5, row.7) };
         self.make = rows.iter().map(make).collect();
@@ -531,7 +528,7 @@ impl<V: Space> Plugin for ColumnsPlugin<V> {
                     .run_if(not(resource_exists::<History<V>>)),
             ),
         );
-                if self.passes.drift_gathers {
+        if self.passes.drift_gathers {
             let fixed = gather::<V, With<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
             app.add_systems(Step, fixed);
             // In step zero nothing drifts.

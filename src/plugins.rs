@@ -98,10 +98,7 @@ pub(crate) fn add_all<V: Space>(
     let passes = scene.integrator.passes(!behaviours.is_empty(), lifts);
     app.add("step", StepPlugin { dt: loaded.step() })
         .add("always", MessagesPlugin(space))
-        .add(
-            "always",
-            ColumnsPlugin { passes, space },
-        )
+        .add("always", ColumnsPlugin { passes, space })
         .add("always", RowsPlugin)
         .add("always", ObservePlugin)
         .add("neighbours", NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius })
@@ -124,12 +121,15 @@ pub(crate) fn add_all<V: Space>(
         app.add("behaviours", AddedWorkPlugin(space));
     }
     if scene.contact.spins() {
-        app.add("contact.tangential", SpinPlugin {
+        app.add(
+            "contact.tangential",
+            SpinPlugin {
                 inertia: scene.inertia.unwrap_or(InertiaLaw::usual(scene.space)),
                 behaviours: !behaviours.is_empty(),
                 space,
-            })
-            .add("contact.tangential", SpinEnergyPlugin(space));
+            },
+        )
+        .add("contact.tangential", SpinEnergyPlugin(space));
     }
     if !behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law()) {
         let has_walls = !loaded.surfaces::<V>().is_empty();

@@ -12,7 +12,9 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::ArchetypeFilter;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, Renumbering, PlacesGathered, Slot, SpinsDrifted, Turn};
+use crate::columns::{
+    self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Slot, SpinsDrifted, Turn,
+};
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
 use crate::step::{Clock, ClockAdvanced, Drifted, ForceStage, Phase, Step, is_step_zero};

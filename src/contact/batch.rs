@@ -177,13 +177,7 @@ impl<V: Space> Batch<V> {
     }
 
     /// Asks `law` about all contacts of the batch. Tells whether any of them may overlap by more than `deepest`, m.
-    pub fn ask<L: PairLaw<V> + Demands>(
-        &mut self,
-        law: &L,
-        dt: f64,
-        instructions: Instructions,
-        deepest: f64,
-    ) -> bool {
+    pub fn ask<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, instructions: Instructions, deepest: f64) -> bool {
         let deeper = instructions.run(
             #[inline(always)]
             || self.answer_all(law, dt, deepest),

@@ -246,7 +246,11 @@ impl Contacts<'_> {
         else {
             unreachable!("{SAME_KIND}")
         };
-        Composite { normal, tangential: Dashpot { damping: damping.into(), friction: friction.get(), lever }, rolling: Free }
+        Composite {
+            normal,
+            tangential: Dashpot { damping: damping.into(), friction: friction.get(), lever },
+            rolling: Free,
+        }
     }
 
     fn stick<R>(&self, a: u8, b: u8, rolling: R) -> Composite<LinearNormal, Stick<Constant>, R> {

@@ -95,7 +95,7 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
                 behaviours: true,
                 space: PhantomData,
             })
-                .add_plugins(SpinEnergyPlugin::<V>(PhantomData));
+            .add_plugins(SpinEnergyPlugin::<V>(PhantomData));
         }
         if L::AHEAD && !app.is_plugin_added::<LookAheadPlugin<V>>() {
             app.add_plugins(LookAheadPlugin { spins: L::SPIN, space: PhantomData::<V> });

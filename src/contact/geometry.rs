@@ -19,7 +19,8 @@ pub fn touching<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usiz
             return None;
         }
         let distance = squared.sqrt();
-        let normal = if distance > 0.0 { separation * (1.0 / distance) } else { coincident(columns.id[i], columns.id[j]) };
+        let normal =
+            if distance > 0.0 { separation * (1.0 / distance) } else { coincident(columns.id[i], columns.id[j]) };
         Some(Pair {
             normal,
             overlap: reach - distance,

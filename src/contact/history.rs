@@ -114,7 +114,8 @@ impl<V: Space> Pages<V> {
 
     /// Every contact: row, partner, memory.
     fn contacts(&self) -> impl Iterator<Item = (usize, u32, Memory<V>)> {
-        (0..self.ends.len()).flat_map(move |row| self.row(row).map(move |at| (row, self.partner[at], self.any_memory(at))))
+        (0..self.ends.len())
+            .flat_map(move |row| self.row(row).map(move |at| (row, self.partner[at], self.any_memory(at))))
     }
 }
 
@@ -247,8 +248,7 @@ impl<V: Space> History<V> {
             }
         }
         let on_walls = self.walls[0].contacts();
-        let mut walls: Vec<_> =
-            on_walls.filter_map(|(row, wall, memory)| Some((place(row)?, wall, memory))).collect();
+        let mut walls: Vec<_> = on_walls.filter_map(|(row, wall, memory)| Some((place(row)?, wall, memory))).collect();
         pairs.sort_unstable_by_key(|&(i, j, _)| (i, j));
         walls.sort_unstable_by_key(|&(i, wall, _)| (i, wall));
         self.now.clear();

@@ -47,7 +47,8 @@ impl<V: Space> VerletList<V> {
             let ahead = columns.lookahead * velocity.extent();
             anchor.allowance - ahead - columns.separation(body.position, anchor.position).length()
         };
-        let least = columns.body.iter().zip(&columns.velocity).zip(&self.made_at).map(left).fold(f64::INFINITY, f64::min);
+        let least =
+            columns.body.iter().zip(&columns.velocity).zip(&self.made_at).map(left).fold(f64::INFINITY, f64::min);
         self.wait = Wait::for_distance(columns, least);
         least <= 0.0
     }

@@ -1,6 +1,8 @@
 //! The promise of determinism: thread count, neighbour search and skin change no bit, nor do components of users.
 
 use crate::{hash, load, simulation};
+use siloflow::energy::EnergyFlows;
+use siloflow::instructions::Instructions;
 use siloflow::prelude::*;
 use siloflow::scene::places;
 
@@ -132,4 +134,48 @@ fn a_grain_far_away_costs_no_memory_and_no_time() {
     let mut run = simulation(&loaded, 1);
     // A grid of squares from here to there would have 1e19 cells.
     assert_eq!(run.run_steps(10), None);
+}
+
+/// Every way in which the machine can compute the lanes of the force pass, forced in turn, on several threads.
+#[test]
+fn instructions_change_no_bit() {
+    let scenes: [(&str, &[(&str, &str)], u64); 4] = [
+        ("silo1-mixture.ron", &[("spawner.count", "60"), ("pictures", "None")], 6_000),
+        ("silo1.ron", &[("spawner.count", "60"), ("pictures", "None"), ("integrator", "Centred")], 6_000),
+        ("bed3d.ron", &[("fill[0].count", "2500"), ("profiles", "[]"), ("pictures", "None")], 3_000),
+        ("chute3d.ron", &[("pictures", "None"), ("integrator", "Centred"), ("profiles", "[]")], 300),
+    ];
+    assert!(
+        !cfg!(target_arch = "x86_64") || Instructions::all().len() > 1,
+        "this machine has one way only: nothing to compare"
+    );
+    for (name, settings, steps) in scenes {
+        let run = |instructions: Instructions, threads: usize| {
+            let mut run = simulation(&load(name, settings), threads);
+            run.world_mut().insert_resource(instructions);
+            run.run_steps(steps);
+            (hash(&mut run), run.world().resource::<EnergyFlows>().dissipated.to_bits())
+        };
+        let reference = run(Instructions::Baseline, 1);
+        for instructions in Instructions::all() {
+            for threads in [1, 2, 3] {
+                assert_eq!(run(instructions, threads), reference, "{name}: {instructions:?} on {threads} threads");
+            }
+        }
+    }
+}
+
+/// Grains that entered in no order: the order of slots and of rows changes no bit.
+#[test]
+fn the_order_of_entering_changes_no_bit() {
+    let run = |turned: bool| {
+        let mut loaded = load("bed3d.ron", &[("fill[0].count", "5000"), ("profiles", "[]"), ("pictures", "None")]);
+        if turned {
+            loaded.grains.reverse();
+        }
+        let mut run = simulation(&loaded, 1);
+        run.run_steps(1_500);
+        hash(&mut run)
+    };
+    assert_eq!(run(false), run(true));
 }
