@@ -239,11 +239,10 @@ fn nearest<V: Space>(x: V, wall_grains: &Query<(&GrainId, &Position<V>), With<Fi
 
 fn cull<V: Space>(
     mut commands: Commands,
-    line: Res<CullLine>,
+    (line, columns): (Res<CullLine>, Res<Columns<V>>),
     mut ledger: ResMut<Ledger>,
     mut expected: ResMut<Culled>,
     mut lost: MessageWriter<GrainLost<V>>,
-    columns: Res<Columns<V>>,
     mut wait: Local<Wait>,
     grains: Query<(Entity, &GrainId, &Position<V>, Option<&Whereabouts<V>>), With<Grain>>,
 ) {

@@ -194,6 +194,7 @@ fn words(summary: &Summary, directory: &RunDirectory) -> String {
     line("overlap", format!("largest {:.4} of the radius", summary.max_overlap_ratio));
     let Energy { balance_error, flows, .. } = &summary.energy;
     line("energy", format!("{:.3e} J dissipated, balance error {balance_error:.3e} J", flows.dissipated));
+    line("contacts", format!("{:.3} a grain at the end", summary.coordination));
     let nanoseconds = 1e9 / performance.particle_steps_per_s;
     line(
         "wall clock",

@@ -4,8 +4,6 @@
 //! instructions of it. Each lane does what a single contact would, operation by operation, so that how many are computed at
 //! once leaves no trace. Lanes beyond the last contact are computed too, from what an earlier one left there, and not read.
 
-#![expect(clippy::inline_always, reason = "the innermost loop, compiled for several kinds of instructions")]
-
 use crate::contact::centred::{Ahead, Window};
 use crate::contact::lanes::{LANES, Lanes, Scalars};
 use crate::contact::{Demands, Memory, Pair, PairLaw};

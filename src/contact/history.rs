@@ -292,7 +292,9 @@ mod tests {
         for &(row, partner, x) in contacts {
             pages[row / BLOCK].push::<Springs>(row % BLOCK, partner, &memory(x));
         }
-        pages.iter_mut().for_each(|pages| pages.end_rows(BLOCK));
+        for pages in pages {
+            pages.end_rows(BLOCK);
+        }
     }
 
     #[test]

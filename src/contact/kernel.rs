@@ -60,6 +60,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
         }
         let (before, mut now) = history.turn(columns);
         let view = &*columns;
+        // What is left for the tasks to come; of what the law does not demand, nothing.
         let mut rest = (&mut loads[..], &mut turns[..], &mut contacts[..], &mut rolling[..]);
         let mut shares = Vec::with_capacity(self.list.tasks().len());
         for task in self.list.tasks() {
@@ -67,11 +68,11 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
             shares.push(Share {
                 task,
                 before,
-                now: part(&mut now, rows.div_ceil(BLOCK)),
-                loads: part(&mut rest.0, rows),
-                turns: part(&mut rest.1, rows),
-                contacts: part(&mut rest.2, rows),
-                rolling: part(&mut rest.3, rows),
+                now: now.split_off_mut(..rows.div_ceil(BLOCK)).unwrap_or_default(),
+                loads: rest.0.split_off_mut(..rows).unwrap_or_default(),
+                turns: rest.1.split_off_mut(..rows).unwrap_or_default(),
+                contacts: rest.2.split_off_mut(..rows).unwrap_or_default(),
+                rolling: rest.3.split_off_mut(..rows).unwrap_or_default(),
             });
         }
         let work = |share: Share<V>| {
@@ -85,14 +86,6 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
         (columns.load, columns.turn, columns.contacts, columns.rolling_drag) = (loads, turns, contacts, rolling);
         largest
     }
-}
-
-/// The first `count` entries, which leave `rest`; all of a shorter one.
-fn part<'a, T>(rest: &mut &'a mut [T], count: usize) -> &'a mut [T] {
-    let whole = std::mem::take(rest);
-    let (first, others) = whole.split_at_mut(count.min(whole.len()));
-    *rest = others;
-    first
 }
 
 /// What one thread reads and writes.

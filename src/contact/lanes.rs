@@ -20,8 +20,6 @@ impl<T> Default for Lanes<T> {
         Self { components: [[0.0; LANES]; 3], kind: std::marker::PhantomData }
     }
 }
-
-#[expect(clippy::inline_always, reason = "part of the innermost loop, compiled for several kinds of instructions")]
 impl<T: Linear> Lanes<T> {
     /// That of a lane.
     #[inline(always)]

@@ -133,7 +133,9 @@ mod tests {
         taken.take(&[(0, 3), (2, 3), (0, 1), (1, 2)], 4, |i| i != 0);
         let mut written = PairList::default();
         for row in [&[3, 1][..], &[2], &[3], &[]] {
-            row.iter().for_each(|&j| written.push(j));
+            for &j in row {
+                written.push(j);
+            }
             written.end_row();
         }
         for list in [taken, written] {

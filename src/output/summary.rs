@@ -54,6 +54,8 @@ pub struct Summary {
     pub empty_time_s: Option<f64>,
     /// Largest overlap of the whole run, over the smaller radius of the pair.
     pub max_overlap_ratio: f64,
+    /// Mean number of contacts of a grain at the end, with grains and walls alike.
+    pub coordination: f64,
     /// The bed at rest, if the scene measures it.
     pub bed: Option<BedFigures>,
     /// The flow through the orifice.
@@ -173,6 +175,7 @@ impl Summary {
             door_open_time_s: world.get_resource::<DoorState>().and_then(|door| door.open_time),
             empty_time_s: world.resource::<EmptyTime>().0,
             max_overlap_ratio: world.resource::<LargestOverlap>().0,
+            coordination: totals.coordination,
             bed: world.get_resource().copied(),
             discharge: Discharge::of(ledger),
             releases: world.get_resource().copied(),
