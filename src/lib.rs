@@ -5,7 +5,7 @@
 //! * Particles are entities: [`particle`]. One step is one run of one schedule with public phases: [`step`].
 //! * A scene says what is in the silo and thereby which plugins, components and systems exist: [`scene`], [`plugins`].
 //! * One behaviour, one file: [`grains::spawner`], [`rest`], [`door`], [`ledger`], [`energy`], [`gravity`], ...
-//! * Contact laws are [`contact::PairLaw`]s, summed by one kernel over the [`columns`], in ascending order of id,
+//! * Contact laws are [`contact::PairLaw`]s, summed by one kernel over the [`columns`], in the order of their slots,
 //!   with candidates from a search in [`neighbours`].
 //! * The lattice gas runs in the same phases, with systems of its own and no particle: [`lattice`].
 //! * Behaviours of your own: [`behaviour`].

@@ -173,7 +173,7 @@ fn wrap_and_book<V: Space>(
             }
         }
     }
-    // In ascending order of the ids, as every sum.
+    // In ascending order of slots, as every sum.
     lifted.sort_unstable_by_key(|(slot, _)| *slot);
     flows.lifted += lifted.iter().map(|(_, energy)| energy).sum::<f64>();
     for mut x in &mut fixed {

@@ -241,7 +241,7 @@ impl<V: Space> History<V> {
             for (row, partner, mut memory) in pages.contacts() {
                 if let (Some(i), Some(j)) = (place(block * BLOCK + row), place(partner as usize)) {
                     if i > j {
-                        memory.spring = -memory.spring;
+                        memory = memory.turned();
                     }
                     pairs.push((i.min(j), i.max(j), memory));
                 }

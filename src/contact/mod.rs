@@ -65,6 +65,21 @@ pub struct Pair<V: Space = Plane> {
 }
 
 impl<V: Space> Pair<V> {
+    /// As seen from j, without what is ahead.
+    #[must_use]
+    pub fn turned(&self) -> Self {
+        let swapped = |[i, j]: [f64; 2]| [j, i];
+        Self {
+            normal: -self.normal,
+            relative_velocity: -self.relative_velocity,
+            radii: swapped(self.radii),
+            spins: [self.spins[1], self.spins[0]],
+            species: [self.species[1], self.species[0]],
+            ahead: Ahead::default(),
+            ..*self
+        }
+    }
+
     /// R_i R_j/(R_i + R_j), m; R_i against a flat wall.
     #[inline(always)]
     #[must_use]
@@ -100,6 +115,14 @@ pub struct Memory<V: Space = Plane> {
     pub rolling: V,
     /// Tangential stiffness at the last evaluation, N/m, for laws whose stiffness changes; 0 in a new contact.
     pub stiffness: f64,
+}
+
+impl<V: Space> Memory<V> {
+    /// As seen from the other one.
+    #[must_use]
+    pub fn turned(&self) -> Self {
+        Self { spring: -self.spring, ..*self }
+    }
 }
 
 /// What the pair does to i; on j acts the opposite force. The total is `elastic + drag + friction`.

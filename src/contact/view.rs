@@ -61,11 +61,23 @@ pub struct ContactState<V: Space = Plane> {
 }
 
 impl<V: Space> Survey<'_, V> {
-    /// All contacts, in ascending order of the ids; a grain's contacts with flat walls come after all others. `dt` in s.
+    /// All contacts, in ascending order of the ids; contacts with flat walls come after all others. `dt` in s.
     #[must_use]
     pub fn view(&self, dt: f64) -> Vec<ContactState<V>> {
         let mut all = Vec::new();
-        self.contacts(|i, partner, pair, memory| all.push(self.state(i, partner, pair, memory, dt)));
+        self.contacts(|i, partner, pair, memory| {
+            // Seen from the grain of lower id, whichever has the lower slot.
+            all.push(match partner {
+                Partner::Particle(j) if self.columns.id[j] < self.columns.id[i] => {
+                    self.state(j, Partner::Particle(i), &pair.turned(), &memory.turned(), dt)
+                }
+                _ => self.state(i, partner, pair, memory, dt),
+            });
+        });
+        all.sort_by_key(|contact| match contact.with {
+            Touched::Particle(partner) => (false, contact.grain, Some(partner), 0),
+            Touched::Wall(wall) => (true, contact.grain, None, wall),
+        });
         all
     }
 

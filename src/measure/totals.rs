@@ -2,7 +2,7 @@
 //!
 //! Kinetic energy is that of the full-step velocities; gravitational energy is -m g.x, zero at the origin; the
 //! coordination number is the mean number of contacts of a grain, with grains and walls alike. Sums run in
-//! ascending order of id.
+//! ascending order of slots.
 
 use bevy_ecs::prelude::*;
 use serde::Serialize;
