@@ -54,7 +54,6 @@ pub mod ledger;
 pub mod measure;
 pub mod messages;
 pub mod neighbours;
-pub(crate) mod order;
 pub mod outcome;
 pub mod output;
 pub mod particle;

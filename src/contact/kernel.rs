@@ -2,7 +2,7 @@
 //!
 //! Each pair is evaluated once, walked i < j with both ascending, and added to both: a particle receives its partners in
 //! ascending order of slots. Three things happen by turns: candidates are filtered by distance, without a branch, into a
-//! [`Batch`]; when it is full, the law answers for all its lanes at once; the answers are added one by one, in order. What a
+//! batch; when it is full, the law answers for all its lanes at once; the answers are added one by one, in order. What a
 //! law does not demand ([`Demands`]) is not compiled.
 //!
 //! Threads sum a range of rows each, and evaluate for themselves what rows of others do to theirs ([`PairList`]): the order

@@ -1,0 +1,170 @@
+//! The passes between components and columns, and who makes them.
+//!
+//! Where nobody else moves grains or adds forces, the integrator's own passes write through to the columns ([`Passes`]).
+
+use std::marker::PhantomData;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::ArchetypeFilter;
+
+use crate::columns::{Columns, Load, Slot, slots};
+use crate::contact::ContactForces;
+use crate::contact::history::History;
+use crate::gravity::Gravity;
+use crate::particle::{Fixed, Force, Position, Velocity};
+use crate::space::Space;
+use crate::step::{ForceStage, Phase, Step, is_step_zero};
+
+/// Why contiguous iteration cannot fail: every component of a particle's columns is stored in tables.
+pub(crate) const DENSE: &str = "table components are contiguous";
+
+/// The longest of many ways.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Longest {
+    squared: f64,
+    are_finite: bool,
+}
+
+impl Default for Longest {
+    fn default() -> Self {
+        Self { squared: 0.0, are_finite: true }
+    }
+}
+
+impl Longest {
+    /// Takes another one into account, m.
+    #[inline]
+    pub(crate) fn raise<V: Space>(&mut self, way: V) {
+        let squared = way.length_squared();
+        self.squared = if squared > self.squared { squared } else { self.squared };
+        self.are_finite &= squared < f64::INFINITY;
+    }
+
+    /// Its length, m; not a number if one of them had none.
+    pub(crate) fn length(self) -> f64 {
+        if self.are_finite { self.squared.sqrt() } else { f64::NAN }
+    }
+}
+
+/// Copies positions and velocities of those whom `F` accepts into the columns.
+pub(crate) fn gather<V: Space, F: ArchetypeFilter + 'static>(
+    mut columns: ResMut<Columns<V>>,
+    particles: Query<(&Slot, &Position<V>, &Velocity<V>), F>,
+) {
+    let columns = &mut *columns;
+    let mut longest = Longest::default();
+    for (slots, xs, vs) in particles.contiguous_iter().expect(DENSE) {
+        for (slot, (x, v)) in slots.iter().zip(xs.iter().zip(vs.iter())) {
+            let slot = slot.index();
+            if let (Some(body), Some(velocity)) = (columns.body.get_mut(slot), columns.velocity.get_mut(slot)) {
+                let way = x.0 - body.position;
+                longest.raise(columns.periodic.map_or(way, |periodic| periodic.shortest(way)));
+                body.position = x.0;
+                *velocity = v.0;
+            }
+        }
+    }
+    columns.travel += longest.length();
+}
+
+/// Where behaviours may have changed them.
+pub(crate) fn gather_velocities<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<(&Slot, &Velocity<V>)>) {
+    for (slots, vs) in particles.contiguous_iter().expect(DENSE) {
+        for (slot, v) in slots.iter().zip(vs.iter()) {
+            if let Some(velocity) = columns.velocity.get_mut(slot.index()) {
+                *velocity = v.0;
+            }
+        }
+    }
+}
+
+/// Where no contact pass sets them.
+pub(crate) fn clear_forces<V: Space>(gravity: Res<Gravity<V>>, mut columns: ResMut<Columns<V>>) {
+    let Columns { load, mass, .. } = &mut *columns;
+    for (load, mass) in load.iter_mut().zip(mass) {
+        *load = Load::weight(gravity.0, *mass);
+    }
+}
+
+/// Writes the sums to the forces of those whom `F` accepts.
+pub(crate) fn write_forces<V: Space, F: ArchetypeFilter + 'static>(
+    columns: Res<Columns<V>>,
+    mut particles: Query<(&Slot, &mut Force<V>), F>,
+) {
+    for (slots, mut forces) in particles.contiguous_iter_mut().expect(DENSE) {
+        for (slot, force) in slots.iter().zip(forces.bypass_change_detection()) {
+            if let Some(from) = columns.load.get(slot.index()) {
+                force.0 = from.force;
+            }
+        }
+    }
+}
+
+/// The columns hold x(t+dt), v(t+dt/2) after this set of [`Phase::Neighbours`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Gathered;
+
+/// The columns hold x(t+dt), v(t+dt/2) after this part of [`Gathered`]; the rest of it is about spins.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct PlacesGathered;
+
+/// Spins are w(t+dt/2) after this set of [`Phase::Drift`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct SpinsDrifted;
+
+/// The columns know what a scheme that looks ahead needs after this set, before the neighbour search.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct LookedAhead;
+
+/// Velocities are v(t+dt) after this set of [`Phase::Kick`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Kicked;
+
+/// The columns hold v(t+dt) after this set, at the end of [`Phase::Kick`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct GatheredVelocities;
+
+/// Which passes between components and columns a scene needs.
+#[derive(Clone, Copy, Debug)]
+pub struct Passes {
+    /// Whether the drift writes positions to the columns: where nobody else moves grains before forces are evaluated.
+    pub drift_gathers: bool,
+    /// Whether the kick writes forces and velocities: where no behaviour adds forces or changes velocities.
+    pub kick_writes: bool,
+}
+
+/// The columns and the passes that fill and empty them.
+pub struct ColumnsPlugin<V: Space> {
+    /// Which passes there are.
+    pub passes: Passes,
+    /// The space.
+    pub space: PhantomData<V>,
+}
+
+impl<V: Space> Plugin for ColumnsPlugin<V> {
+    fn build(&self, app: &mut App) {
+        app.init_resource::<Columns<V>>();
+        slots::add::<V>(app);
+        let clear = clear_forces::<V>.in_set(ForceStage::Contacts).before(ContactForces);
+        app.add_systems(Step, clear.run_if(not(resource_exists::<History<V>>)));
+        if self.passes.drift_gathers {
+            let fixed = gather::<V, With<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
+            app.add_systems(Step, fixed);
+            // In step zero nothing drifts.
+            let rest = gather::<V, Without<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
+            app.add_systems(Step, rest.after(gather::<V, With<Fixed>>).run_if(is_step_zero));
+        } else {
+            let all = gather::<V, ()>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
+            app.add_systems(Step, all);
+        }
+        if self.passes.kick_writes {
+            app.add_systems(Step, write_forces::<V, With<Fixed>>.in_set(ForceStage::Written));
+            let rest = write_forces::<V, Without<Fixed>>.in_set(ForceStage::Written).run_if(is_step_zero);
+            app.add_systems(Step, rest.after(write_forces::<V, With<Fixed>>));
+        } else {
+            app.add_systems(Step, write_forces::<V, ()>.in_set(ForceStage::Written));
+            app.add_systems(Step, gather_velocities::<V>.in_set(Phase::Kick).in_set(GatheredVelocities));
+        }
+    }
+}
