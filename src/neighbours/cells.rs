@@ -8,7 +8,8 @@
 //! entry is taken only if its own cell is one that was asked for.
 //!
 //! A pair is found if its cells are the same or neighbours, so for certain if its centres are at most L apart:
-//! L must be at least the largest distance at which two particles touch, 2 R_max for grains.
+//! L must be at least the largest distance at which two particles touch, 2 R_max for grains. A scheme that looks ahead asks
+//! for what the fastest grain goes in a step on top: where L has no room for it, grains look another cell far.
 
 use crate::columns::Columns;
 use crate::neighbours::contact_range;
