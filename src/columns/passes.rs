@@ -47,6 +47,20 @@ impl Longest {
     }
 }
 
+impl<V: Space> Columns<V> {
+    /// Copies a position and a velocity, whoever has changed them, and takes note of the way.
+    #[inline]
+    pub(crate) fn put(&mut self, slot: Slot, x: V, v: V, longest: &mut Longest) {
+        let slot = slot.index();
+        if let (Some(body), Some(velocity)) = (self.body.get_mut(slot), self.velocity.get_mut(slot)) {
+            let way = x - body.position;
+            longest.raise(self.periodic.map_or(way, |periodic| periodic.shortest(way)));
+            body.position = x;
+            *velocity = v;
+        }
+    }
+}
+
 /// Copies positions and velocities of those whom `F` accepts into the columns.
 pub(crate) fn gather<V: Space, F: ArchetypeFilter + 'static>(
     mut columns: ResMut<Columns<V>>,
@@ -56,13 +70,7 @@ pub(crate) fn gather<V: Space, F: ArchetypeFilter + 'static>(
     let mut longest = Longest::default();
     for (slots, xs, vs) in particles.contiguous_iter().expect(DENSE) {
         for (slot, (x, v)) in slots.iter().zip(xs.iter().zip(vs.iter())) {
-            let slot = slot.index();
-            if let (Some(body), Some(velocity)) = (columns.body.get_mut(slot), columns.velocity.get_mut(slot)) {
-                let way = x.0 - body.position;
-                longest.raise(columns.periodic.map_or(way, |periodic| periodic.shortest(way)));
-                body.position = x.0;
-                *velocity = v.0;
-            }
+            columns.put(*slot, x.0, v.0, &mut longest);
         }
     }
     columns.travel += longest.length();

@@ -46,17 +46,11 @@ fn drift_and_gather<V: Space>(
         let states = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection());
         for (slot, ((x, v), (force, mass))) in slots.iter().zip(states.zip(force.iter().zip(mass.iter()))) {
             v.0 += force.0 * (0.5 * dt / mass.0);
-            let way = v.0 * dt;
-            x.0 += way;
+            x.0 += v.0 * dt;
             if let Some(periodic) = columns.periodic {
                 x.0 = periodic.wrapped(x.0);
             }
-            longest.raise(way);
-            let slot = slot.index();
-            if let (Some(body), Some(velocity)) = (columns.body.get_mut(slot), columns.velocity.get_mut(slot)) {
-                body.position = x.0;
-                *velocity = v.0;
-            }
+            columns.put(*slot, x.0, v.0, &mut longest);
         }
     }
     columns.travel += longest.length();

@@ -179,3 +179,35 @@ fn the_order_of_entering_changes_no_bit() {
     };
     assert_eq!(run(false), run(true));
 }
+
+/// A grain that is set on others between two steps is found by every search, as by all pairs.
+#[test]
+fn a_grain_that_is_moved_between_steps_is_found() {
+    let run = |neighbours: &str| {
+        let settings = [
+            ("spawner.count", "40"),
+            ("pictures", "None"),
+            ("neighbours", neighbours),
+            ("door", "(opens: Never)"),
+            ("bed", "None"),
+        ];
+        let mut run = simulation(&load("silo1.ron", &settings), 1);
+        // At rest, so that nobody looks again for long.
+        run.run_steps(20_000);
+        let world = run.world_mut();
+        let mut grains = world.query_filtered::<&mut Position, With<Grain>>();
+        let lowest = grains.iter(world).map(|x| x.0).min_by(|a, b| a.y.total_cmp(&b.y)).unwrap();
+        let highest = grains.iter(world).map(|x| x.0.y).fold(f64::NEG_INFINITY, f64::max);
+        for mut x in grains.iter_mut(world) {
+            if x.0.y == highest {
+                x.0 = lowest + Vector::new(0.0, 0.05);
+            }
+        }
+        run.run_steps(20_050);
+        hash(&mut run)
+    };
+    let reference = run("AllPairs");
+    for neighbours in ["Cells(size: 0.25)", "VerletList(skin: 0.02)", "VerletList(skin: 0.3)"] {
+        assert_eq!(run(neighbours), reference, "{neighbours}");
+    }
+}
