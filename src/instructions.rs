@@ -2,7 +2,7 @@
 //! AVX2 where it is found at run time.
 //!
 //! The same source is compiled for each, so they do the same operations in the same order: additions, multiplications,
-//! divisions and roots as IEEE 754 has them, never fused. The bits are the same; `tests/program/paths.rs` forces each.
+//! divisions and roots as IEEE 754 has them, never fused. The bits are the same; `tests/program/searches.rs` forces each.
 
 use bevy_ecs::prelude::*;
 #[cfg(target_arch = "x86_64")]

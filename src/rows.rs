@@ -3,7 +3,7 @@
 //! The ECS keeps rows in the order in which entities came. When slots are dealt out anew and more than a tenth of the rows
 //! would be read out of order, every grain is moved to another archetype and so to the end of its table, slot by slot: a
 //! marker without data, [`Sorted`], is added to all, or taken away again. Nothing that is computed hangs on the order of
-//! rows; without this, a bed of a million grains that entered in no order takes several times as long.
+//! rows.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;

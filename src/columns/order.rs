@@ -3,8 +3,7 @@
 //!
 //! Positions are put on a grid whose cells are as wide as the largest grain. Cells are ordered along the axis on which the
 //! grains reach farthest, slice by slice. A force pass then reads two or three rows side by side, each from its beginning to
-//! its end, which processors foresee. Ranges of slots, the shares of threads, meet in one cross-section. (Curves and beams
-//! that keep neighbours nearer in memory were slower: processors foresee them less.)
+//! its end, which processors foresee. Ranges of slots, the shares of threads, meet in one cross-section.
 
 use crate::space::Space;
 
