@@ -95,7 +95,8 @@ pub(crate) fn add_all<V: Space>(
     let periodic = Periodic::<V>::new(&scene.periodic);
     let largest_radius = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
     let lifts = periodic.is_some_and(|periodic| periodic.lifts(scene.gravity.get::<V>()));
-    let passes = scene.integrator.passes(!behaviours.is_empty(), lifts);
+    let own_contacts = behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law());
+    let passes = scene.integrator.passes(!behaviours.is_empty(), own_contacts, lifts);
     app.add("step", StepPlugin { dt: loaded.step() })
         .add("always", MessagesPlugin(space))
         .add("always", ColumnsPlugin { passes, space })
@@ -131,7 +132,7 @@ pub(crate) fn add_all<V: Space>(
         )
         .add("contact.tangential", SpinEnergyPlugin(space));
     }
-    if !behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law()) {
+    if !own_contacts {
         let has_walls = !loaded.surfaces::<V>().is_empty();
         let centred = loaded.is_centred();
         if centred {

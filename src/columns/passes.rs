@@ -138,6 +138,8 @@ pub struct GatheredVelocities;
 pub struct Passes {
     /// Whether the drift writes positions to the columns: where nobody else moves grains before forces are evaluated.
     pub drift_gathers: bool,
+    /// Whether the sums of forces may have to be begun here: where a behaviour brings the contacts, and maybe not our pass.
+    pub begins_sums: bool,
     /// Whether the kick writes forces and velocities: where no behaviour adds forces or changes velocities.
     pub kick_writes: bool,
 }
@@ -154,8 +156,10 @@ impl<V: Space> Plugin for ColumnsPlugin<V> {
     fn build(&self, app: &mut App) {
         app.init_resource::<Columns<V>>();
         slots::add::<V>(app);
-        let clear = clear_forces::<V>.in_set(ForceStage::Contacts).before(ContactForces);
-        app.add_systems(Step, clear.run_if(not(resource_exists::<History<V>>)));
+        if self.passes.begins_sums {
+            let clear = clear_forces::<V>.in_set(ForceStage::Contacts).before(ContactForces);
+            app.add_systems(Step, clear.run_if(not(resource_exists::<History<V>>)));
+        }
         if self.passes.drift_gathers {
             let fixed = gather::<V, With<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
             app.add_systems(Step, fixed);

@@ -6,6 +6,7 @@
 
 use crate::contact::centred::{Ahead, Window};
 use crate::contact::lanes::{LANES, Lanes, Scalars};
+use crate::contact::sums::total;
 use crate::contact::{Demands, Memory, Pair, PairLaw};
 use crate::instructions::Instructions;
 use crate::particle::Species;
@@ -149,8 +150,7 @@ impl<V: Space> Batch<V> {
             }
             answer.overlap[lane] = pair.overlap;
             deeper += u32::from(pair.overlap > deepest);
-            let smooth = force.elastic + force.drag;
-            answer.force.set(lane, if L::SPIN { smooth + force.turning.friction } else { smooth });
+            answer.force.set(lane, total::<L, V>(&force));
             answer.drag.set(lane, force.drag);
             if L::SPIN {
                 let turning = &force.turning;

@@ -14,24 +14,13 @@ pub fn touching<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usiz
     let reach = a.radius + b.radius;
     let squared = separation.length_squared();
     if squared < reach * reach {
-        let inverse_mass = columns.make[i].inverse_mass + columns.make[j].inverse_mass;
-        if inverse_mass == 0.0 {
+        if columns.is_fixed(i) && columns.is_fixed(j) {
             return None;
         }
         let distance = squared.sqrt();
         let normal =
             if distance > 0.0 { separation * (1.0 / distance) } else { coincident(columns.id[i], columns.id[j]) };
-        Some(Pair {
-            normal,
-            overlap: reach - distance,
-            relative_velocity: columns.velocity[i] - columns.velocity[j],
-            reduced_mass: 1.0 / inverse_mass,
-            radii: [a.radius, b.radius],
-            spins: [i, j].map(|k| columns.spin.get(k).copied().unwrap_or_default()),
-            species: [columns.species[i], columns.species[j]],
-            dt: 0.0,
-            ahead: Ahead::default(),
-        })
+        Some(pair(columns, i, j, normal, reach - distance, 0.0))
     } else {
         None
     }
@@ -41,15 +30,20 @@ pub fn touching<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usiz
 pub(super) fn parted<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
     let (a, b) = (&columns.body[i], &columns.body[j]);
     let separation = metric.separation(a.position, b.position);
-    let spin = |i: usize| columns.spin.get(i).copied().unwrap_or_default();
+    pair(columns, i, j, separation.unit_or_zero(), a.radius + b.radius - separation.length(), dt)
+}
+
+/// Two with this normal and overlap (m).
+fn pair<V: Space>(columns: &Columns<V>, i: usize, j: usize, normal: V, overlap: f64, dt: f64) -> Pair<V> {
+    let both = [i, j];
     Pair {
-        normal: separation.unit_or_zero(),
-        overlap: a.radius + b.radius - separation.length(),
+        normal,
+        overlap,
         relative_velocity: columns.velocity[i] - columns.velocity[j],
         reduced_mass: 1.0 / (columns.make[i].inverse_mass + columns.make[j].inverse_mass),
-        radii: [a.radius, b.radius],
-        spins: [spin(i), spin(j)],
-        species: [columns.species[i], columns.species[j]],
+        radii: both.map(|entry| columns.body[entry].radius),
+        spins: both.map(|entry| columns.spin.get(entry).copied().unwrap_or_default()),
+        species: both.map(|entry| columns.species[entry]),
         dt,
         ahead: Ahead::default(),
     }

@@ -25,7 +25,7 @@ pub(crate) fn add(lost: &mut [f64; 2], more: [f64; 2]) {
 }
 
 /// The whole force on i.
-#[inline]
+#[inline(always)]
 pub(crate) fn total<L: Demands, V: Space>(force: &PairForce<V>) -> V {
     let smooth = force.elastic + force.drag;
     if L::SPIN { smooth + force.turning.friction } else { smooth }

@@ -30,11 +30,16 @@ pub enum Integrator {
 }
 
 impl Integrator {
-    /// Which passes it needs: `behaviours` may do anything, `others` move grains before forces are evaluated.
+    /// Which passes it needs: `behaviours` may do anything, and bring the contacts if `own_contacts`; `others` move grains
+    /// before forces are evaluated.
     #[must_use]
-    pub fn passes(self, behaviours: bool, others: bool) -> Passes {
+    pub fn passes(self, behaviours: bool, own_contacts: bool, others: bool) -> Passes {
         let is_verlet = matches!(self, Self::Verlet | Self::Centred);
-        Passes { drift_gathers: is_verlet && !behaviours && !others, kick_writes: is_verlet && !behaviours }
+        Passes {
+            drift_gathers: is_verlet && !behaviours && !others,
+            begins_sums: own_contacts,
+            kick_writes: is_verlet && !behaviours,
+        }
     }
 }
 
