@@ -29,18 +29,13 @@ use crate::particle::{GrainId, Species};
 use crate::periodic::Periodic;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 
-/// Where a particle is: all that tells whether it touches another.
+/// What every contact asks of a particle, side by side in memory.
 #[derive(Clone, Copy, Debug)]
 pub struct Body<V: Space = Plane> {
     /// Centre, m.
     pub position: V,
-    /// Radius, m.
-    pub radius: f64,
-}
-
-/// What a particle is made of.
-#[derive(Clone, Copy, Debug)]
-pub struct Make {
+    /// v(t+dt/2) while forces are evaluated, v(t) from the end of [`Phase::Kick`](crate::step::Phase::Kick) on, m/s.
+    pub velocity: V,
     /// Radius, m.
     pub radius: f64,
     /// Inverse mass as contacts see it, 1/kg: 0 for what is fixed.
@@ -101,12 +96,8 @@ pub struct Columns<V: Space = Plane> {
     pub id: Vec<GrainId>,
     /// Whose entry this is.
     pub entity: Vec<Entity>,
-    /// Positions and radii.
+    /// What every contact asks for.
     pub body: Vec<Body<V>>,
-    /// v(t+dt/2) while forces are evaluated, v(t) from the end of [`Phase::Kick`](crate::step::Phase::Kick) on, m/s.
-    pub velocity: Vec<V>,
-    /// What a contact asks for besides.
-    pub make: Vec<Make>,
     /// Masses, kg; 0 for what has none.
     pub mass: Vec<f64>,
     /// Kinds.
@@ -152,8 +143,6 @@ impl<V: Space> Default for Columns<V> {
             id: Vec::new(),
             entity: Vec::new(),
             body: Vec::new(),
-            velocity: Vec::new(),
-            make: Vec::new(),
             mass: Vec::new(),
             species: Vec::new(),
             load: Vec::new(),
@@ -213,7 +202,7 @@ impl<V: Space> Columns<V> {
     /// Kinetic energy of translation of entry `i`, J; nothing for what is fixed.
     #[must_use]
     pub fn kinetic_energy(&self, i: usize) -> f64 {
-        if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.velocity[i].length_squared() }
+        if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.body[i].velocity.length_squared() }
     }
 
     /// Kinetic energy of rotation of entry `i`, J; nothing for what is fixed or does not spin.

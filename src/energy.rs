@@ -101,7 +101,7 @@ fn book_removed<V: Space>(
         return;
     }
     for i in (0..columns.movable_end).filter(|&i| gone[i] && !columns.is_fixed(i)) {
-        flows.removed += mechanical(columns.mass[i], columns.body[i].position, columns.velocity[i], gravity.0);
+        flows.removed += mechanical(columns.mass[i], columns.body[i].position, columns.body[i].velocity, gravity.0);
         flows.removed += columns.rotational_energy(i);
     }
     flows.removed +=
@@ -160,11 +160,11 @@ fn book_contact_work<V: Space>(
     mut last: ResMut<Powers>,
 ) {
     let (mut dissipation, mut wall) = (0.0, 0.0);
-    for (load, velocity) in columns.load.iter().zip(&columns.velocity) {
-        dissipation -= load.drag.dot(*velocity);
+    for (load, body) in columns.load.iter().zip(&columns.body) {
+        dissipation -= load.drag.dot(body.velocity);
     }
     for i in columns.movable_end..columns.len() {
-        wall -= columns.load[i].force.dot(columns.velocity[i]);
+        wall -= columns.load[i].force.dot(columns.body[i].velocity);
     }
     for belt in &walls.0 {
         dissipation -= belt.load.drag.dot(belt.velocity);
@@ -189,8 +189,8 @@ fn book_friction<V: Space>(
     let mut power = ChannelPowers::default();
     let [tangential, rolling] = history.lost();
     let mut gone = Channels { tangential, rolling };
-    for (turn, (&velocity, &spin)) in columns.turn.iter().zip(columns.velocity.iter().zip(&columns.spin)) {
-        power.tangential -= turn.friction_drag.dot(velocity) + turn.friction_drag_torque.dot(spin);
+    for (turn, (body, &spin)) in columns.turn.iter().zip(columns.body.iter().zip(&columns.spin)) {
+        power.tangential -= turn.friction_drag.dot(body.velocity) + turn.friction_drag_torque.dot(spin);
     }
     for (drag, &spin) in columns.rolling_drag.iter().zip(&columns.spin) {
         power.rolling -= drag.dot(spin);
@@ -220,7 +220,7 @@ fn book_added_work<V: Space>(
     let mut added = 0.0;
     for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
         if let Ok(total) = forces.get(columns.entity[i]) {
-            added += (total.0 - columns.load[i].force).dot(columns.velocity[i]);
+            added += (total.0 - columns.load[i].force).dot(columns.body[i].velocity);
         }
     }
     if !clock.is_step_zero() {

@@ -29,7 +29,7 @@ fn check<V: Space>(
         return;
     }
     for i in 0..columns.len() {
-        let quantity = match (columns.velocity[i].is_finite(), columns.body[i].position.is_finite()) {
+        let quantity = match (columns.body[i].velocity.is_finite(), columns.body[i].position.is_finite()) {
             (_, false) => "position",
             (false, _) => "velocity",
             _ if columns.spin.get(i).is_some_and(|spin| !spin.is_finite()) => "spin",
@@ -37,7 +37,7 @@ fn check<V: Space>(
         };
         let total = forces.get(columns.entity[i]).map_or(columns.load[i].force, |force| force.0);
         let cause = if !columns.load[i].force.is_finite() {
-            let (mass, radius) = (1.0 / columns.make[i].inverse_mass, columns.body[i].radius);
+            let (mass, radius) = (1.0 / columns.body[i].inverse_mass, columns.body[i].radius);
             let bounce = Bounce { reduced_mass: mass, reduced_radius: radius, speed: 1.0 };
             let step = law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(&bounce));
             format!(

@@ -71,7 +71,7 @@ fn is_quiet<V: Space>(columns: &Columns<V>, thresholds: &Rest, g: f64) -> bool {
     let speed_limit = thresholds.speed.get().powi(2) * g;
     let (mut kinetic, mut scale) = (0.0, 0.0);
     for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
-        if columns.velocity[i].length_squared() > speed_limit * columns.body[i].radius {
+        if columns.body[i].velocity.length_squared() > speed_limit * columns.body[i].radius {
             return false;
         }
         kinetic += columns.kinetic_energy(i) + columns.rotational_energy(i);

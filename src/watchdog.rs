@@ -101,7 +101,7 @@ impl Held {
         for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
             let body = &columns.body[i];
             let fall = columns.mass[i] * gravity.dot(body.position);
-            held.kinetic += 0.5 * columns.mass[i] * columns.velocity[i].length_squared() + columns.rotational_energy(i);
+            held.kinetic += 0.5 * columns.mass[i] * body.velocity.length_squared() + columns.rotational_energy(i);
             held.potential -= fall;
             held.magnitude += fall.abs();
         }
@@ -168,10 +168,10 @@ fn energy_grew<V: Space>(survey: &Survey<V>, clock: &Clock, created_j: f64, put_
     let columns = survey.columns;
     let movable = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
     let fastest = movable.max_by(|&a, &b| {
-        let speed = |i: usize| columns.velocity[i].length_squared();
+        let speed = |i: usize| columns.body[i].velocity.length_squared();
         speed(a).total_cmp(&speed(b))
     })?;
-    let speed_m_s = columns.velocity[fastest].length();
+    let speed_m_s = columns.body[fastest].velocity.length();
     let (reduced_mass, reduced_radius) = (columns.mass[fastest], columns.body[fastest].radius);
     let stiffness = clock.dt * survey.law.frequency(&Bounce { reduced_mass, reduced_radius, speed: speed_m_s });
     let grain = columns.id[fastest];

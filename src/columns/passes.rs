@@ -51,12 +51,10 @@ impl<V: Space> Columns<V> {
     /// Copies a position and a velocity, whoever has changed them, and takes note of the way.
     #[inline]
     pub(crate) fn put(&mut self, slot: Slot, x: V, v: V, longest: &mut Longest) {
-        let slot = slot.index();
-        if let (Some(body), Some(velocity)) = (self.body.get_mut(slot), self.velocity.get_mut(slot)) {
+        if let Some(body) = self.body.get_mut(slot.index()) {
             let way = x - body.position;
             longest.raise(self.periodic.map_or(way, |periodic| periodic.shortest(way)));
-            body.position = x;
-            *velocity = v;
+            (body.position, body.velocity) = (x, v);
         }
     }
 }
@@ -80,8 +78,8 @@ pub(crate) fn gather<V: Space, F: ArchetypeFilter + 'static>(
 pub(crate) fn gather_velocities<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<(&Slot, &Velocity<V>)>) {
     for (slots, vs) in particles.contiguous_iter().expect(DENSE) {
         for (slot, v) in slots.iter().zip(vs.iter()) {
-            if let Some(velocity) = columns.velocity.get_mut(slot.index()) {
-                *velocity = v.0;
+            if let Some(body) = columns.body.get_mut(slot.index()) {
+                body.velocity = v.0;
             }
         }
     }

@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 
 use crate::columns::order::Order;
-use crate::columns::{Body, Columns, DENSE, Load, Make};
+use crate::columns::{Body, Columns, DENSE, Load};
 use crate::particle::{Fixed, GrainId, Mass, Position, Radius, Species, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
@@ -45,14 +45,17 @@ impl<V: Space> Columns<V> {
         }
         self.id = rows.iter().map(|row| *row.1).collect();
         self.entity = rows.iter().map(|row| row.0).collect();
-        self.body = rows.iter().map(|&(_, _, x, _, radius, ..)| Body { position: x.0, radius: radius.0 }).collect();
-        self.velocity = rows.iter().map(|row| row.3.0).collect();
-        let make = |row: &ParticleItem<V>| Make { radius: row.4.0, inverse_mass: inverse(row.5, row.7) };
-        self.make = rows.iter().map(make).collect();
+        let body = |row: &ParticleItem<V>| Body {
+            position: row.2.0,
+            velocity: row.3.0,
+            radius: row.4.0,
+            inverse_mass: inverse(row.5, row.7),
+        };
+        self.body = rows.iter().map(body).collect();
         self.mass = rows.iter().map(|row| row.5.map_or(0.0, |mass| mass.0)).collect();
         self.species = rows.iter().map(|row| row.6.copied().unwrap_or_default()).collect();
         self.load = vec![Load::default(); rows.len()];
-        self.movable_end = self.make.partition_point(|make| make.inverse_mass != 0.0);
+        self.movable_end = self.body.partition_point(|body| body.inverse_mass != 0.0);
         self.generation += 1;
     }
 

@@ -4,11 +4,13 @@
 //! instructions of it. Each lane does what a single contact would, operation by operation, so that how many are computed at
 //! once leaves no trace. Lanes beyond the last contact are computed too, from what an earlier one left there, and not read.
 
+use crate::columns::Columns;
 use crate::contact::centred::{Ahead, Window};
 use crate::contact::lanes::{LANES, Lanes, Scalars};
 use crate::contact::sums::total;
 use crate::contact::{Demands, Memory, Pair, PairLaw};
 use crate::instructions::Instructions;
+use crate::neighbours::list::Candidate;
 use crate::particle::Species;
 use crate::space::{Linear, Space};
 
@@ -18,15 +20,16 @@ pub struct Batch<V: Space> {
     /// How many there are.
     pub len: usize,
     /// Entries of the columns.
-    pub entries: [[u32; LANES]; 2],
-    /// From j to i, m, and its square.
+    pub pairs: [Candidate; LANES],
+    /// From j to i, m, and how long that is.
     pub separation: Lanes<V>,
-    pub squared: Scalars,
+    pub distance: Scalars,
     /// R_i + R_j, m.
     pub reach: Scalars,
     pub relative_velocity: Lanes<V>,
+    /// 1/m_i + 1/m_j, 1/kg.
+    pub mobility: Scalars,
     pub radii: [Scalars; 2],
-    pub inverse_masses: [Scalars; 2],
     pub spins: [Lanes<V::Spin>; 2],
     pub species: [[Species; LANES]; 2],
     pub ahead: AheadLanes<V>,
@@ -39,6 +42,7 @@ pub struct Batch<V: Space> {
 pub struct AheadLanes<V: Space> {
     pub velocity: Lanes<V>,
     pub spins: [Lanes<V::Spin>; 2],
+    pub inverse_masses: [Scalars; 2],
     pub inverse_inertias: [Scalars; 2],
     pub lone: [Scalars; 2],
 }
@@ -72,6 +76,23 @@ pub struct Answer<V: Space> {
     pub lost: [Scalars; 2],
 }
 
+impl<V: Space> AheadLanes<V> {
+    /// Fills in what is to come for a pair of entries.
+    #[inline]
+    pub fn describe<L: Demands>(&mut self, lane: usize, pair: [usize; 2], columns: &Columns<V>) {
+        let [i, j] = pair.map(|entry| columns.gain[entry]);
+        self.velocity.set(lane, i.velocity - j.velocity);
+        for (side, entry) in pair.into_iter().enumerate() {
+            self.inverse_masses[side][lane] = columns.body[entry].inverse_mass;
+            self.lone[side][lane] = columns.gain[entry].lone;
+            if L::SPIN {
+                self.spins[side].set(lane, columns.spin_gain[entry].spin);
+                self.inverse_inertias[side][lane] = columns.spin_gain[entry].inverse_inertia;
+            }
+        }
+    }
+}
+
 impl<V: Space> MemoryLanes<V> {
     #[inline(always)]
     pub fn get<L: Demands>(&self, lane: usize) -> Memory<V> {
@@ -100,16 +121,16 @@ impl<V: Space> Batch<V> {
     /// The contact of a lane, moved on by `dt` (s), as the law sees it.
     #[inline(always)]
     fn pair<L: Demands>(&self, lane: usize, dt: f64) -> Pair<V> {
-        let distance = self.squared[lane].sqrt();
+        let distance = self.distance[lane];
         let of = |both: &[Scalars; 2]| [both[0][lane], both[1][lane]];
         let spins_of = |both: &[Lanes<V::Spin>; 2]| [both[0].get(lane), both[1].get(lane)];
-        let (reach, inverse_masses) = (self.reach[lane], of(&self.inverse_masses));
+        let reach = self.reach[lane];
         let radii = if L::RADII { of(&self.radii) } else { [0.5 * reach; 2] };
         let mut pair = Pair {
             normal: self.separation.get(lane) * (1.0 / distance),
             overlap: reach - distance,
             relative_velocity: self.relative_velocity.get(lane),
-            reduced_mass: 1.0 / (inverse_masses[0] + inverse_masses[1]),
+            reduced_mass: 1.0 / self.mobility[lane],
             radii,
             spins: [V::Spin::ZERO; 2],
             species: [Species(0); 2],
@@ -125,7 +146,7 @@ impl<V: Space> Batch<V> {
         if L::AHEAD {
             let ahead = &self.ahead;
             pair.ahead.velocity = ahead.velocity.get(lane);
-            pair.ahead.inverse_masses = inverse_masses;
+            pair.ahead.inverse_masses = of(&ahead.inverse_masses);
             pair.ahead.lone = of(&ahead.lone);
             if L::SPIN {
                 pair.ahead.spins = spins_of(&ahead.spins);
@@ -135,12 +156,50 @@ impl<V: Space> Batch<V> {
         pair
     }
 
+    /// Whether the contact of a lane is one: what a law only looks at ahead of that does nothing.
+    #[inline(always)]
+    pub fn touches<L: Demands>(&self, lane: usize) -> bool {
+        !L::AHEAD || self.answer.touches[lane] > 0.0
+    }
+
+    /// The highest entry.
+    #[inline]
+    pub fn highest(&self) -> usize {
+        self.pairs[..self.len.min(LANES)].iter().fold(0, |highest, pair| pair[1].max(highest)) as usize
+    }
+
+    /// How many lanes are computed: a whole number of vectors.
+    #[inline(always)]
+    fn lanes(&self) -> usize {
+        self.len.next_multiple_of(8).min(LANES)
+    }
+
+    /// Finds all distances; gives how many are nothing.
+    #[inline(always)]
+    fn measure_all(&mut self) -> u32 {
+        let mut coincident = 0;
+        for lane in 0..self.lanes() {
+            let distance = self.separation.get(lane).length_squared().sqrt();
+            self.distance[lane] = distance;
+            coincident += u32::from(distance <= 0.0);
+        }
+        coincident
+    }
+
+    /// Finds the distances. Tells whether any may be nothing.
+    pub fn measure(&mut self, instructions: Instructions) -> bool {
+        let coincident = instructions.run(
+            #[inline(always)]
+            || self.measure_all(),
+        );
+        coincident > 0
+    }
+
     /// Asks `law` about all lanes; gives how many overlap by more than `deepest`, m.
     #[inline(always)]
     fn answer_all<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, deepest: f64) -> u32 {
         let mut deeper = 0;
-        // A whole number of vectors.
-        for lane in 0..self.len.next_multiple_of(8).min(LANES) {
+        for lane in 0..self.lanes() {
             let pair = self.pair::<L>(lane, dt);
             let mut memory = self.memory.get::<L>(lane);
             let force = law.force(&pair, &mut memory);

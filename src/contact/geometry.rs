@@ -35,13 +35,13 @@ pub(super) fn parted<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i:
 
 /// Two with this normal and overlap (m).
 fn pair<V: Space>(columns: &Columns<V>, i: usize, j: usize, normal: V, overlap: f64, dt: f64) -> Pair<V> {
-    let both = [i, j];
+    let ((a, b), both) = ((&columns.body[i], &columns.body[j]), [i, j]);
     Pair {
         normal,
         overlap,
-        relative_velocity: columns.velocity[i] - columns.velocity[j],
-        reduced_mass: 1.0 / (columns.make[i].inverse_mass + columns.make[j].inverse_mass),
-        radii: both.map(|entry| columns.body[entry].radius),
+        relative_velocity: a.velocity - b.velocity,
+        reduced_mass: 1.0 / (a.inverse_mass + b.inverse_mass),
+        radii: [a.radius, b.radius],
         spins: both.map(|entry| columns.spin.get(entry).copied().unwrap_or_default()),
         species: both.map(|entry| columns.species[entry]),
         dt,

@@ -13,18 +13,38 @@ use std::collections::HashMap;
 use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
+use crate::contact::batch::MemoryLanes;
+use crate::contact::lanes::LANES;
 use crate::contact::{Demands, Memory};
+use crate::neighbours::list::Candidate;
 use crate::particle::GrainId;
 use crate::space::{Plane, Space};
 
 /// Rows of a page: what a force pass does at a time, on however many threads.
 pub const BLOCK: usize = 1024;
 
+/// Row and partner of a contact, in one number that orders contacts by row, then by partner.
+type Key = u64;
+
+#[inline(always)]
+fn key(row: usize, partner: u32) -> Key {
+    (row as u64) << 32 | u64::from(partner)
+}
+
+fn row_of(key: Key) -> usize {
+    (key >> 32) as usize
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "the lower half of the key")]
+fn partner_of(key: Key) -> u32 {
+    key as u32
+}
+
 /// Memories of the contacts of consecutive rows.
 #[derive(Clone, Debug)]
 pub struct Pages<V: Space> {
-    ends: Vec<u32>,
-    partner: Vec<u32>,
+    /// Row and partner of each contact, ascending.
+    keys: Vec<Key>,
     spring: Vec<V>,
     rolling: Vec<V>,
     stiffness: Vec<f64>,
@@ -34,31 +54,18 @@ pub struct Pages<V: Space> {
 
 impl<V: Space> Default for Pages<V> {
     fn default() -> Self {
-        Self {
-            ends: Vec::new(),
-            partner: Vec::new(),
-            spring: Vec::new(),
-            rolling: Vec::new(),
-            stiffness: Vec::new(),
-            lost: [0.0; 2],
-        }
+        Self { keys: Vec::new(), spring: Vec::new(), rolling: Vec::new(), stiffness: Vec::new(), lost: [0.0; 2] }
     }
 }
 
 impl<V: Space> Pages<V> {
     /// Makes them empty.
     pub fn clear(&mut self) {
-        self.ends.clear();
-        self.partner.clear();
+        self.keys.clear();
         self.spring.clear();
         self.rolling.clear();
         self.stiffness.clear();
         self.lost = [0.0; 2];
-    }
-
-    fn row(&self, row: usize) -> std::ops::Range<usize> {
-        let end = |row: usize| self.ends.get(row).map_or(self.partner.len(), |&end| end as usize);
-        (if row == 0 { 0 } else { end(row - 1) })..end(row)
     }
 
     #[inline]
@@ -79,11 +86,10 @@ impl<V: Space> Pages<V> {
         }
     }
 
-    /// Adds a contact of `row`, which is not before the last one's; rows between the two have none.
+    /// Adds a contact of `row`, which comes after the last one.
     #[inline]
     pub fn push<L: Demands>(&mut self, row: usize, partner: u32, memory: &Memory<V>) {
-        self.end_rows(row);
-        self.partner.push(partner);
+        self.keys.push(key(row, partner));
         if L::SPRING {
             self.spring.push(memory.spring);
         }
@@ -95,27 +101,32 @@ impl<V: Space> Pages<V> {
         }
     }
 
-    /// Ends all rows before `row`.
+    /// Adds the first of these contacts that were asked about together, as many as there are `pairs`; the rows of these
+    /// pages begin with `first`.
     #[inline]
-    #[expect(clippy::cast_possible_truncation, reason = "fewer than 2^32 contacts")]
-    pub fn end_rows(&mut self, row: usize) {
-        while self.ends.len() < row {
-            self.ends.push(self.partner.len() as u32);
+    pub(super) fn extend<L: Demands>(&mut self, first: usize, pairs: &[Candidate], memories: &MemoryLanes<V>) {
+        self.keys.extend(pairs.iter().map(|&[i, j]| key(i as usize - first, j)));
+        let lanes = 0..pairs.len().min(LANES);
+        if L::SPRING {
+            self.spring.extend(lanes.clone().map(|lane| memories.get::<L>(lane).spring));
+        }
+        if L::ROLLING {
+            self.rolling.extend(lanes.clone().map(|lane| memories.get::<L>(lane).rolling));
+        }
+        if L::STIFFNESS {
+            self.stiffness.extend(lanes.map(|lane| memories.get::<L>(lane).stiffness));
         }
     }
 
     /// The memory of the contact of `row` with `partner`.
     #[must_use]
     pub fn look_up(&self, row: usize, partner: u32) -> Option<Memory<V>> {
-        let row = self.row(row);
-        let at = self.partner[row.clone()].binary_search(&partner).ok()?;
-        Some(self.any_memory(row.start + at))
+        Some(self.any_memory(self.keys.binary_search(&key(row, partner)).ok()?))
     }
 
     /// Every contact: row, partner, memory.
     fn contacts(&self) -> impl Iterator<Item = (usize, u32, Memory<V>)> {
-        (0..self.ends.len())
-            .flat_map(move |row| self.row(row).map(move |at| (row, self.partner[at], self.any_memory(at))))
+        self.keys.iter().enumerate().map(|(at, &key)| (row_of(key), partner_of(key), self.any_memory(at)))
     }
 }
 
@@ -123,25 +134,15 @@ impl<V: Space> Pages<V> {
 #[derive(Clone, Copy)]
 pub struct Recall<'a, V: Space> {
     pages: &'a Pages<V>,
-    row: usize,
-    at: usize,
+    /// Of the contacts that are still to come.
+    keys: &'a [Key],
 }
 
 impl<'a, V: Space> Recall<'a, V> {
     /// At the start.
     #[must_use]
     pub fn new(pages: &'a Pages<V>) -> Self {
-        Self { pages, row: 0, at: 0 }
-    }
-
-    /// The contact that comes next, unless it is beyond this one.
-    #[inline]
-    fn next_up_to(&mut self, row: usize, partner: u32) -> Option<(usize, u32)> {
-        let next = *self.pages.partner.get(self.at)?;
-        while self.pages.ends[self.row] as usize <= self.at {
-            self.row += 1;
-        }
-        (self.row < row || (self.row == row && next <= partner)).then_some((self.row, next))
+        Self { pages, keys: &pages.keys }
     }
 
     /// What the contact of `row` with `partner` remembers, if it is not new. Contacts that are passed over have ended:
@@ -153,21 +154,24 @@ impl<'a, V: Space> Recall<'a, V> {
         partner: u32,
         mut forgotten: impl FnMut(usize, u32, &Memory<V>),
     ) -> Option<Memory<V>> {
-        while let Some(next) = self.next_up_to(row, partner) {
-            let memory = self.pages.memory::<L>(self.at);
-            self.at += 1;
-            if next == (row, partner) {
+        let wanted = key(row, partner);
+        while let Some((&next, rest)) = self.keys.split_first()
+            && next <= wanted
+        {
+            let memory = self.pages.memory::<L>(self.pages.keys.len() - self.keys.len());
+            self.keys = rest;
+            if next == wanted {
                 return Some(memory);
             }
-            forgotten(next.0, next.1, &memory);
+            forgotten(row_of(next), partner_of(next), &memory);
         }
         None
     }
 
-    /// Passes over what is left up to the end of `row`.
+    /// Passes over what is left.
     #[inline]
-    pub fn finish<L: Demands>(&mut self, row: usize, forgotten: impl FnMut(usize, u32, &Memory<V>)) {
-        let nobody = self.of::<L>(row, u32::MAX, forgotten);
+    pub fn finish<L: Demands>(&mut self, forgotten: impl FnMut(usize, u32, &Memory<V>)) {
+        let nobody = self.of::<L>(u32::MAX as usize, u32::MAX, forgotten);
         debug_assert!(nobody.is_none(), "no particle has the largest index");
     }
 }
@@ -256,12 +260,10 @@ impl<V: Space> History<V> {
         for (i, j, memory) in &pairs {
             self.now[*i as usize / BLOCK].push::<L>(*i as usize % BLOCK, *j, memory);
         }
-        self.now.iter_mut().for_each(|pages| pages.end_rows(BLOCK));
         self.walls[0].clear();
         for (i, wall, memory) in &walls {
             self.walls[0].push::<L>(*i as usize, *wall, memory);
         }
-        self.walls[0].end_rows(columns.len());
         self.names.clone_from(&columns.id);
     }
 }
@@ -292,9 +294,6 @@ mod tests {
         for &(row, partner, x) in contacts {
             pages[row / BLOCK].push::<Springs>(row % BLOCK, partner, &memory(x));
         }
-        for pages in pages {
-            pages.end_rows(BLOCK);
-        }
     }
 
     #[test]
@@ -310,10 +309,12 @@ mod tests {
         assert_eq!(recall.of::<Springs>(0, 2, |_, _, _| panic!("nothing ended")), None);
         // Row 1 is passed over as a whole.
         assert_eq!(recall.of::<Springs>(2, 3, |row, partner, _| forgotten.push((row, partner))), Some(memory(2.3)));
-        recall.finish::<Springs>(BLOCK, |_, _, _| panic!("they are at their end"));
+        recall.finish::<Springs>(|_, _, _| panic!("they are at their end"));
         assert_eq!(forgotten, [(0, 3), (1, 2)]);
-        Recall::new(&before[0]).finish::<Springs>(0, |row, partner, _| forgotten.push((row, partner)));
-        assert_eq!(forgotten[2..], [(0, 1), (0, 3)]);
+        let mut recall = Recall::new(&before[0]);
+        assert_eq!(recall.of::<Springs>(0, 3, |row, partner, _| forgotten.push((row, partner))), Some(memory(0.3)));
+        recall.finish::<Springs>(|row, partner, _| forgotten.push((row, partner)));
+        assert_eq!(forgotten[2..], [(0, 1), (1, 2), (2, 3)]);
     }
 
     #[test]
@@ -333,7 +334,7 @@ mod tests {
         assert_eq!(spring(10230, 10240), Some(-2.5));
         assert_eq!(spring(15000, 15010), Some(-5.2));
         assert_eq!(spring(5, 10), None);
-        let kept: usize = history.now.iter().map(|pages| pages.partner.len()).sum();
+        let kept: usize = history.now.iter().map(|pages| pages.keys.len()).sum();
         assert_eq!(kept, 3);
     }
 }

@@ -16,6 +16,7 @@ use crate::contact::batch::Batch;
 use crate::contact::geometry::coincident;
 use crate::contact::history::{BLOCK, History, Pages, Recall};
 use crate::contact::lanes::LANES;
+use crate::contact::sums::Sums;
 use crate::contact::{Demands, PairLaw, sums};
 use crate::instructions::Instructions;
 use crate::neighbours::list::{Candidate, PairList, Task};
@@ -76,8 +77,9 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
             });
         }
         let work = |share: Share<V>| {
-            let begun = share.task.rows.start;
-            Worker { pass: self, view, share, batch: Batch::default(), largest: deepest, begun }.sum()
+            let sums = Sums::new(share.task.rows.clone(), share.loads, share.turns, share.contacts, share.rolling);
+            let Share { task, before, now, .. } = share;
+            Worker { pass: self, view, task, before, now, sums, batch: Batch::default(), largest: deepest }.sum()
         };
         let largest = match threads.pool() {
             None => shares.into_iter().map(work).fold(deepest, f64::max),
@@ -103,35 +105,33 @@ struct Share<'a, V: Space> {
 struct Worker<'a, V: Space, L, M> {
     pass: &'a Pass<'a, V, L, M>,
     view: &'a Columns<V>,
-    share: Share<'a, V>,
+    task: &'a Task,
+    before: &'a [Pages<V>],
+    now: &'a mut [Pages<V>],
+    sums: Sums<'a, V>,
     batch: Batch<V>,
     largest: f64,
-    /// Entries before this one have begun their sums.
-    begun: usize,
 }
 
 impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     fn sum(mut self) -> f64 {
-        let task = self.share.task;
-        for piece in task.incoming.chunks(PIECE) {
-            self.begin_sums_up_to(piece.iter().fold(0, |last, pair| pair[1].max(last)) as usize);
+        for piece in self.task.incoming.chunks(PIECE) {
             if self.offer(piece) {
                 self.flush_incoming();
             }
         }
         self.flush_incoming();
-        for (number, first) in task.rows.clone().step_by(BLOCK).enumerate() {
+        for (number, first) in self.task.rows.clone().step_by(BLOCK).enumerate() {
             let mut block = Block {
                 number,
                 first,
-                recall: Recall::new(&self.share.before[first / BLOCK]),
+                recall: Recall::new(&self.before[first / BLOCK]),
                 remembered: [false; LANES],
                 lost: [0.0; 2],
                 forgotten: [0.0; 2],
             };
-            self.share.now[number].clear();
+            self.now[number].clear();
             for piece in self.pass.list.block(first / BLOCK).chunks(PIECE) {
-                self.begin_sums_up_to(piece.iter().fold(0, |last, pair| pair[1].max(last)) as usize);
                 if self.offer(piece) {
                     self.flush(&mut block);
                 }
@@ -139,34 +139,8 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.flush(&mut block);
             self.end(&mut block);
         }
-        self.begin_sums_up_to(task.rows.end);
+        self.sums.begin_up_to::<L>(self.task.rows.end, self.pass.gravity, self.view);
         self.largest
-    }
-
-    /// Begins the sums of all entries of the share up to this one, if they have not: shortly before they are added to, while
-    /// their memory is at hand.
-    #[inline]
-    fn begin_sums_up_to(&mut self, entry: usize) {
-        if entry < self.begun {
-            return;
-        }
-        // Some more at once: how many each time is hard to foresee.
-        let rows = &self.share.task.rows;
-        let end = (entry + 64).min(rows.end);
-        for entry in self.begun..end {
-            let place = entry - rows.start;
-            self.share.loads[place] = Load::weight(self.pass.gravity, self.view.mass[entry]);
-            if L::SPIN {
-                self.share.turns[place] = Turn::default();
-                if L::ROLLING {
-                    self.share.rolling[place] = V::Spin::ZERO;
-                }
-            }
-            if L::AHEAD {
-                self.share.contacts[place] = 0;
-            }
-        }
-        self.begun = self.begun.max(end);
     }
 
     /// Adds those candidates to the batch that overlap, or that the law looks at ahead of that. Whether one does is hard to
@@ -181,17 +155,13 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         for &[i, j] in candidates {
             let (body, other) = (&bodies[i as usize], &bodies[j as usize]);
             let separation = self.pass.metric.separation(body.position, other.position);
-            let (squared, reach) = (separation.length_squared(), body.radius + other.radius);
+            let farthest = body.radius + other.radius + margin;
             // Never beyond; so the compiler knows as well.
             let lane = end % LANES;
-            batch.entries[0][lane] = i;
-            batch.entries[1][lane] = j;
+            batch.pairs[lane] = [i, j];
             batch.separation.set(lane, separation);
-            batch.squared[lane] = squared;
-            batch.reach[lane] = reach;
-            let farthest = reach + margin;
             // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
-            end += usize::from(squared < farthest * farthest);
+            end += usize::from(separation.length_squared() < farthest * farthest);
         }
         batch.len = end;
         end > LANES - PIECE
@@ -200,178 +170,139 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// Gives coincident centres a normal: a separation so near to nothing that the overlap stays what it is.
     #[cold]
     fn part_coincident(&mut self) {
-        for lane in 0..self.batch.len {
-            if self.batch.squared[lane] > 0.0 {
-                continue;
-            }
-            let [i, j] = self.batch.entries.map(|entries| entries[lane] as usize);
-            let separation = coincident::<V>(self.view.id[i], self.view.id[j]) * 1e-150;
-            self.batch.separation.set(lane, separation);
-            self.batch.squared[lane] = separation.length_squared();
+        for lane in (0..self.batch.len).filter(|&lane| self.batch.distance[lane] <= 0.0) {
+            let [i, j] = self.batch.pairs[lane].map(|entry| self.view.id[entry as usize]);
+            self.batch.separation.set(lane, coincident::<V>(i, j) * 1e-150);
         }
+        self.batch.measure(self.pass.instructions);
     }
 
     /// Fills in what the law needs to know of the contacts besides separations.
     #[inline]
-    fn describe_all(&mut self) {
-        let squared = &self.batch.squared[..self.batch.len];
-        if squared.iter().any(|&squared| squared <= 0.0) {
-            self.part_coincident();
-        }
-        for lane in 0..self.batch.len.min(LANES) {
-            self.describe(lane);
-        }
-    }
-
-    #[inline]
-    fn describe(&mut self, lane: usize) {
+    fn describe(&mut self) {
         let (batch, view) = (&mut self.batch, self.view);
-        let [i, j] = [batch.entries[0][lane] as usize, batch.entries[1][lane] as usize];
-        batch.relative_velocity.set(lane, view.velocity[i] - view.velocity[j]);
-        for (side, entry) in [i, j].into_iter().enumerate() {
-            let make = &view.make[entry];
-            batch.inverse_masses[side][lane] = make.inverse_mass;
-            if L::RADII {
-                batch.radii[side][lane] = make.radius;
-            }
-            if L::SPECIES {
-                batch.species[side][lane] = view.species[entry];
-            }
-            if L::SPIN {
-                batch.spins[side].set(lane, view.spin[entry]);
-            }
-            if L::AHEAD {
-                batch.ahead.lone[side][lane] = view.gain[entry].lone;
+        for lane in 0..batch.len.min(LANES) {
+            let pair = batch.pairs[lane].map(|entry| entry as usize);
+            let [a, b] = pair.map(|entry| &view.body[entry]);
+            batch.relative_velocity.set(lane, a.velocity - b.velocity);
+            batch.reach[lane] = a.radius + b.radius;
+            batch.mobility[lane] = a.inverse_mass + b.inverse_mass;
+            for (side, entry) in pair.into_iter().enumerate() {
+                if L::RADII {
+                    batch.radii[side][lane] = [a, b][side].radius;
+                }
+                if L::SPECIES {
+                    batch.species[side][lane] = view.species[entry];
+                }
                 if L::SPIN {
-                    batch.ahead.spins[side].set(lane, view.spin_gain[entry].spin);
-                    batch.ahead.inverse_inertias[side][lane] = view.spin_gain[entry].inverse_inertia;
+                    batch.spins[side].set(lane, view.spin[entry]);
                 }
             }
-        }
-        if L::AHEAD {
-            batch.ahead.velocity.set(lane, view.gain[i].velocity - view.gain[j].velocity);
+            if L::AHEAD {
+                batch.ahead.describe::<L>(lane, pair, view);
+            }
         }
     }
 
     /// Asks the law, and takes records of overlap into account.
     #[inline]
     fn ask(&mut self) {
+        self.describe();
+        let Pass { law, dt, instructions, .. } = *self.pass;
+        if self.batch.measure(instructions) {
+            self.part_coincident();
+        }
         // What may be a record is found by the smallest radius of all, a rounding off included; only then is divided.
         let nearly = self.largest * self.view.smallest_radius * (1.0 - 4.0 * f64::EPSILON);
-        let Pass { law, dt, instructions, .. } = self.pass;
-        if self.batch.ask(*law, *dt, *instructions, nearly) {
+        if self.batch.ask(law, dt, instructions, nearly) {
             for lane in 0..self.batch.len {
-                let [a, b] = self.batch.entries.map(|entries| self.view.make[entries[lane] as usize].radius);
+                let [a, b] = self.batch.pairs[lane].map(|entry| self.view.body[entry as usize].radius);
                 let ratio = self.batch.answer.overlap[lane] / a.min(b);
                 self.largest = self.largest.max(ratio);
             }
         }
+        self.sums.begin_up_to::<L>(self.batch.highest(), self.pass.gravity, self.view);
     }
 
     /// Sums what the batch does to the particles of this share, the first ones being in others.
     fn flush_incoming(&mut self) {
         for lane in 0..if L::MEMORY { self.batch.len } else { 0 } {
-            let (i, j) = (self.batch.entries[0][lane] as usize, self.batch.entries[1][lane]);
-            let memory = self.share.before[i / BLOCK].look_up(i % BLOCK, j).unwrap_or_default();
+            let [i, j] = self.batch.pairs[lane];
+            let memory = self.before[i as usize / BLOCK].look_up(i as usize % BLOCK, j).unwrap_or_default();
             self.batch.memory.set::<L>(lane, &memory);
         }
-        self.describe_all();
         self.ask();
-        for lane in 0..self.batch.len.min(LANES) {
-            if !L::AHEAD || self.batch.answer.touches[lane] > 0.0 {
-                self.add_to_second(lane, self.batch.entries[1][lane] as usize - self.share.task.rows.start);
-            }
-        }
+        self.sums.add_to_second::<L>(&self.batch);
         self.batch.len = 0;
     }
 
     /// Sums what the batch does to both members, and keeps the books.
     fn flush(&mut self, block: &mut Block<'_, V>) {
-        let forgotten = &mut block.forgotten;
-        for lane in 0..self.batch.len.min(LANES) {
-            if L::MEMORY {
-                let (i, j) = (self.batch.entries[0][lane] as usize, self.batch.entries[1][lane]);
-                let (row, first) = (i - block.first, block.first);
-                let memory = block.recall.of::<L>(row, j, |row, partner, memory| {
-                    self.pass.forget(self.view, first + row, partner, memory, forgotten);
-                });
-                block.remembered[lane] = memory.is_some();
-                self.batch.memory.set::<L>(lane, &memory.unwrap_or_default());
+        if L::MEMORY {
+            self.recall(block);
+        }
+        self.ask();
+        if L::SPIN {
+            for lane in 0..self.batch.len.min(LANES) {
+                let [sliding, rolling] = &self.batch.answer.lost;
+                let more = [sliding[lane], if L::ROLLING { rolling[lane] } else { 0.0 }];
+                sums::add(&mut block.lost, if L::AHEAD && !self.batch.touches::<L>(lane) { [0.0; 2] } else { more });
             }
         }
-        self.describe_all();
-        self.ask();
-        for lane in 0..self.batch.len.min(LANES) {
-            self.add(block, lane);
+        if L::MEMORY {
+            self.remember(block);
         }
+        self.sums.add_to_both::<L>(&self.batch);
         self.batch.len = 0;
     }
 
+    /// Fetches what contacts remember.
     #[inline]
-    fn add(&mut self, block: &mut Block<'_, V>, lane: usize) {
-        let [i, j] = [self.batch.entries[0][lane] as usize, self.batch.entries[1][lane] as usize];
-        let pages = &mut self.share.now[block.number];
-        if L::AHEAD && self.batch.answer.touches[lane] <= 0.0 {
-            if L::MEMORY && block.remembered[lane] {
-                // It has ended, and its memory been moved on all the same: what it held before is lost.
-                let partner = self.batch.entries[1][lane];
-                let memory = self.share.before[i / BLOCK].look_up(i % BLOCK, partner).unwrap_or_default();
-                self.pass.forget(self.view, i, partner, &memory, &mut block.lost);
+    fn recall(&mut self, block: &mut Block<'_, V>) {
+        let Block { first, recall: walk, remembered, forgotten, .. } = block;
+        let mut recall = *walk;
+        for lane in 0..self.batch.len.min(LANES) {
+            let [i, j] = self.batch.pairs[lane];
+            let memory = recall.of::<L>(i as usize - *first, j, |row, partner, memory| {
+                self.pass.forget(self.view, *first + row, partner, memory, forgotten);
+            });
+            if L::AHEAD {
+                remembered[lane] = memory.is_some();
             }
-            return;
+            self.batch.memory.set::<L>(lane, &memory.unwrap_or_default());
         }
-        if L::MEMORY {
-            let memory = self.batch.memory.get::<L>(lane);
-            pages.push::<L>(i - block.first, self.batch.entries[1][lane], &memory);
-        }
-        let answer = &self.batch.answer;
-        let first = i - self.share.task.rows.start;
-        if L::SPIN {
-            let more = [answer.lost[0][lane], if L::ROLLING { answer.lost[1][lane] } else { 0.0 }];
-            sums::add(&mut block.lost, more);
-            self.share.turns[first].add(answer, lane, 0);
-            if L::ROLLING {
-                self.share.rolling[first] += answer.rolling_drag_torque.get(lane);
-            }
-        }
-        if L::AHEAD {
-            self.share.contacts[first] += 1;
-        }
-        let load = &mut self.share.loads[first];
-        load.force += answer.force.get(lane);
-        load.drag += answer.drag.get(lane);
-        if j < self.share.task.rows.end {
-            self.add_to_second(lane, j - self.share.task.rows.start);
-        }
+        *walk = recall;
     }
 
+    /// Writes down what contacts remember.
     #[inline]
-    fn add_to_second(&mut self, lane: usize, second: usize) {
-        let answer = &self.batch.answer;
-        let load = &mut self.share.loads[second];
-        load.force -= answer.force.get(lane);
-        load.drag -= answer.drag.get(lane);
-        if L::SPIN {
-            self.share.turns[second].add(answer, lane, 1);
-            if L::ROLLING {
-                self.share.rolling[second] -= answer.rolling_drag_torque.get(lane);
-            }
+    fn remember(&mut self, block: &mut Block<'_, V>) {
+        let (pages, batch) = (&mut self.now[block.number], &self.batch);
+        if !L::AHEAD {
+            pages.extend::<L>(block.first, &batch.pairs[..batch.len.min(LANES)], &batch.memory);
+            return;
         }
-        if L::AHEAD {
-            self.share.contacts[second] += 1;
+        for lane in 0..batch.len {
+            let (i, partner) = (batch.pairs[lane][0] as usize, batch.pairs[lane][1]);
+            if batch.touches::<L>(lane) {
+                pages.push::<L>(i - block.first, partner, &batch.memory.get::<L>(lane));
+            } else if block.remembered[lane] {
+                // It has ended, and its memory been moved on all the same: what it held before is lost.
+                let memory = self.before[i / BLOCK].look_up(i % BLOCK, partner).unwrap_or_default();
+                self.pass.forget(self.view, i, partner, &memory, &mut block.lost);
+            }
         }
     }
 
     /// Ends a block: what its contacts of the pass before have left is forgotten.
     fn end(&mut self, block: &mut Block<'_, V>) {
-        let pages = &mut self.share.now[block.number];
         if L::MEMORY {
             let (first, forgotten) = (block.first, &mut block.forgotten);
-            block.recall.finish::<L>(BLOCK, |row, partner, memory| {
+            block.recall.finish::<L>(|row, partner, memory| {
                 self.pass.forget(self.view, first + row, partner, memory, forgotten);
             });
-            pages.end_rows(BLOCK);
         }
+        let pages = &mut self.now[block.number];
         pages.lost = block.lost;
         sums::add(&mut pages.lost, block.forgotten);
     }

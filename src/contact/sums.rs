@@ -1,12 +1,15 @@
-//! What a contact adds to the loads of its two, and what ends with it.
+//! Sums: what contacts add to the loads of their two, and what ends with them. Each begins with the weight.
 
-use crate::columns::{Columns, Turn};
-use crate::contact::batch::Answer;
+use std::ops::Range;
+
+use crate::columns::{Columns, Load, Turn};
+use crate::contact::batch::{Answer, Batch};
 use crate::contact::geometry::parted;
 use crate::contact::kernel::Pass;
+use crate::contact::lanes::LANES;
 use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw};
 use crate::periodic::Metric;
-use crate::space::Space;
+use crate::space::{Linear, Space};
 
 impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
     /// What the springs of a contact that has ended held, J: it is lost to friction and rolling resistance.
@@ -31,13 +34,131 @@ pub(crate) fn total<L: Demands, V: Space>(force: &PairForce<V>) -> V {
     if L::SPIN { smooth + force.turning.friction } else { smooth }
 }
 
+/// The sums of the particles of a share of rows, entry by entry; of what the law does not demand, nothing.
+pub(super) struct Sums<'a, V: Space> {
+    rows: Range<usize>,
+    /// Entries before this one have begun.
+    begun: usize,
+    loads: &'a mut [Load<V>],
+    turns: &'a mut [Turn<V>],
+    contacts: &'a mut [u32],
+    rolling: &'a mut [V::Spin],
+}
+
+impl<'a, V: Space> Sums<'a, V> {
+    pub(super) fn new(
+        rows: Range<usize>,
+        loads: &'a mut [Load<V>],
+        turns: &'a mut [Turn<V>],
+        contacts: &'a mut [u32],
+        rolling: &'a mut [V::Spin],
+    ) -> Self {
+        let begun = rows.start;
+        Self { rows, begun, loads, turns, contacts, rolling }
+    }
+
+    /// Begins the sums of all entries up to this one, if they have not: shortly before they are added to, while their memory
+    /// is at hand.
+    #[inline]
+    pub(super) fn begin_up_to<L: Demands>(&mut self, entry: usize, gravity: V, columns: &Columns<V>) {
+        if entry >= self.begun {
+            // Some more at once: how many each time is hard to foresee.
+            let end = (entry + 64).min(self.rows.end);
+            self.begin::<L>(end.max(self.begun), gravity, columns);
+        }
+    }
+
+    fn begin<L: Demands>(&mut self, end: usize, gravity: V, columns: &Columns<V>) {
+        let (masses, start) = (&columns.mass[self.begun..end], self.rows.start);
+        let places = self.begun - start..end - start;
+        for (load, mass) in self.loads[places.clone()].iter_mut().zip(masses) {
+            *load = Load::weight(gravity, *mass);
+        }
+        if L::SPIN {
+            self.turns[places.clone()].fill(Turn::default());
+        }
+        if L::ROLLING {
+            self.rolling[places.clone()].fill(V::Spin::ZERO);
+        }
+        if L::AHEAD {
+            self.contacts[places].fill(0);
+        }
+        self.begun = end;
+    }
+
+    /// Adds what the contacts of a batch do to both, unless the second is in another share.
+    #[inline]
+    pub(super) fn add_to_both<L: Demands>(&mut self, batch: &Batch<V>) {
+        let start = self.rows.start;
+        let Self { loads, turns, contacts, rolling, .. } = self;
+        // What is of its own cannot change under the loop.
+        let (loads, turns, contacts, rolling) = (&mut **loads, &mut **turns, &mut **contacts, &mut **rolling);
+        let answer = &batch.answer;
+        for lane in (0..batch.len.min(LANES)).filter(|&lane| batch.touches::<L>(lane)) {
+            let [first, second] = batch.pairs[lane].map(|entry| entry as usize - start);
+            let (force, drag) = (answer.force.get(lane), answer.drag.get(lane));
+            let load = &mut loads[first];
+            load.force += force;
+            load.drag += drag;
+            let is_here = second < loads.len();
+            if is_here {
+                let load = &mut loads[second];
+                load.force -= force;
+                load.drag -= drag;
+            }
+            if L::SPIN {
+                turns[first].add(answer, lane, 0);
+                if is_here {
+                    turns[second].add(answer, lane, 1);
+                }
+            }
+            if L::ROLLING {
+                let drag = answer.rolling_drag_torque.get(lane);
+                rolling[first] += drag;
+                if is_here {
+                    rolling[second] -= drag;
+                }
+            }
+            if L::AHEAD {
+                contacts[first] += 1;
+                if is_here {
+                    contacts[second] += 1;
+                }
+            }
+        }
+    }
+
+    /// Adds what the contacts of a batch do to their second members.
+    pub(super) fn add_to_second<L: Demands>(&mut self, batch: &Batch<V>) {
+        let answer = &batch.answer;
+        for lane in (0..batch.len.min(LANES)).filter(|&lane| batch.touches::<L>(lane)) {
+            let second = batch.pairs[lane][1] as usize - self.rows.start;
+            self.loads[second].force -= answer.force.get(lane);
+            self.loads[second].drag -= answer.drag.get(lane);
+            if L::SPIN {
+                self.turns[second].add(answer, lane, 1);
+            }
+            if L::ROLLING {
+                self.rolling[second] -= answer.rolling_drag_torque.get(lane);
+            }
+            if L::AHEAD {
+                self.contacts[second] += 1;
+            }
+        }
+    }
+}
+
 impl<V: Space> Turn<V> {
     /// Adds what the contact of a lane does to its first (`side` 0) or second member.
     #[inline]
-    pub(super) fn add(&mut self, answer: &Answer<V>, lane: usize, side: usize) {
-        let sign = if side == 0 { 1.0 } else { -1.0 };
+    fn add(&mut self, answer: &Answer<V>, lane: usize, side: usize) {
         self.torque += answer.torques[side].get(lane);
-        self.friction_drag += answer.friction_drag.get(lane) * sign;
+        let drag = answer.friction_drag.get(lane);
+        if side == 0 {
+            self.friction_drag += drag;
+        } else {
+            self.friction_drag -= drag;
+        }
         self.friction_drag_torque += answer.friction_drag_torques[side].get(lane);
     }
 

@@ -21,7 +21,7 @@ fn look_ahead<V: Space>(
 ) {
     let columns = &mut *columns;
     columns.lookahead = 0.5 * clock.dt;
-    let fastest = columns.velocity.iter().map(|v| v.length_squared()).fold(0.0, f64::max);
+    let fastest = columns.body.iter().map(|body| body.velocity.length_squared()).fold(0.0, f64::max);
     // A hair more than any pair can close, so that only the pair's own speed decides.
     columns.margin = clock.dt * fastest.sqrt() * (1.0 + 1e-12);
     // What is fixed gains nothing.

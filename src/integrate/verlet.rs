@@ -72,15 +72,15 @@ fn kick_and_write<V: Space>(
     mut grains: Query<(&Slot, &mut Velocity<V>, &mut Force<V>, &Mass), Movable>,
 ) {
     let dt = clock.dt;
-    let Columns { load, velocity, .. } = &mut *columns;
+    let Columns { load, body, .. } = &mut *columns;
     for (slots, mut v, mut force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
         let grains = v.bypass_change_detection().iter_mut().zip(force.bypass_change_detection()).zip(mass.iter());
         for (slot, ((v, force), mass)) in slots.iter().zip(grains) {
             let slot = slot.index();
-            if let (Some(load), Some(velocity)) = (load.get(slot), velocity.get_mut(slot)) {
+            if let (Some(load), Some(body)) = (load.get(slot), body.get_mut(slot)) {
                 force.0 = load.force;
                 v.0 += force.0 * (0.5 * dt / mass.0);
-                *velocity = v.0;
+                body.velocity = v.0;
             }
         }
     }

@@ -150,7 +150,7 @@ impl<V: Space> Sampler<V> {
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a bin")]
         let sums = &mut self.bins[bin as usize];
-        let (mass, v) = (columns.mass[i], columns.velocity[i]);
+        let (mass, v) = (columns.mass[i], columns.body[i].velocity);
         sums.count += 1;
         sums.mass += mass;
         sums.momentum += v * mass;
@@ -211,8 +211,7 @@ mod tests {
         for (n, &(position, velocity, radius)) in (0u32..).zip(grains) {
             columns.id.push(GrainId::grain(n).unwrap());
             columns.entity.push(Entity::PLACEHOLDER);
-            columns.body.push(Body { position, radius });
-            columns.velocity.push(velocity);
+            columns.body.push(Body { position, velocity, radius, inverse_mass: 0.5 });
             columns.mass.push(2.0);
             columns.species.push(Species(u8::try_from(n % 2).unwrap()));
         }

@@ -43,7 +43,7 @@ impl Totals {
             totals.kinetic += columns.kinetic_energy(i);
             totals.rotational += columns.rotational_energy(i);
             totals.potential -= columns.mass[i] * gravity.dot(columns.body[i].position);
-            totals.largest_speed = totals.largest_speed.max(columns.velocity[i].length());
+            totals.largest_speed = totals.largest_speed.max(columns.body[i].velocity.length());
         }
         let (mut largest, mut ends) = (0.0f64, 0u32);
         survey.contacts(|i, partner, pair, memory| {

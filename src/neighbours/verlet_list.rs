@@ -42,25 +42,24 @@ impl<V: Space> VerletList<V> {
         if !self.wait.is_over(columns, columns.margin) {
             return false;
         }
-        let left = |((body, velocity), anchor): ((&Body<V>, &V), &Anchor<V>)| {
+        let left = |(body, anchor): (&Body<V>, &Anchor<V>)| {
             // A scheme that looks ahead sees what may touch in that time.
-            let ahead = columns.lookahead * velocity.extent();
+            let ahead = columns.lookahead * body.velocity.extent();
             anchor.allowance - ahead - columns.separation(body.position, anchor.position).length()
         };
-        let least =
-            columns.body.iter().zip(&columns.velocity).zip(&self.made_at).map(left).fold(f64::INFINITY, f64::min);
+        let least = columns.body.iter().zip(&self.made_at).map(left).fold(f64::INFINITY, f64::min);
         self.wait = Wait::for_distance(columns, least);
         least <= 0.0
     }
 
     /// Makes `list` anew for the positions in `columns`; `dt` is the time step, s.
     pub(super) fn renew(&mut self, columns: &Columns<V>, list: &mut PairList, dt: f64) {
-        let anchor = |(body, velocity): (&Body<V>, &V)| Anchor {
+        let anchor = |body: &Body<V>| Anchor {
             position: body.position,
-            allowance: 0.5 * self.skin + HORIZON * dt * velocity.length(),
+            allowance: 0.5 * self.skin + HORIZON * dt * body.velocity.length(),
         };
         self.made_at.clear();
-        self.made_at.extend(columns.body.iter().zip(&columns.velocity).map(anchor));
+        self.made_at.extend(columns.body.iter().map(anchor));
         self.wait = Wait::default();
         let pairs = self.pairs(columns, list.pairs().len());
         list.take(&pairs, columns.len(), |i| !self.is_fast(i));

@@ -83,7 +83,7 @@ fn sample(
     if config.samples_at(ledger.out().into(), ledger.released.into()) {
         let grains = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
         for i in grains.filter(|&i| !ledger.is_gone(columns.id[i])) {
-            let (x, v) = (columns.body[i].position, columns.velocity[i]);
+            let (x, v) = (columns.body[i].position, columns.body[i].velocity);
             field.add(x.x, x.y, columns.mass[i], v.x, v.y);
         }
         field.end_sample();

@@ -121,7 +121,7 @@ fn write_centres<V: Space>(
             count += 1;
             mass += columns.mass[i];
             moment += columns.body[i].position * columns.mass[i];
-            momentum += columns.velocity[i] * columns.mass[i];
+            momentum += columns.body[i].velocity * columns.mass[i];
         }
         if count > 0 {
             let (x, v) = (numbers(moment / mass), numbers(momentum / mass));

@@ -64,10 +64,9 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
         largest.0 = largest.0.max(pair.overlap / pair.radii[0]);
     }
     if L::MEMORY {
-        recall.finish::<L>(usize::MAX, |row, wall, memory| {
+        recall.finish::<L>(|row, wall, memory| {
             sums::add(&mut lost, forget(&*law.0, &columns, row, &walls, wall, memory, dt));
         });
-        pages.end_rows(columns.len());
     }
     pages.lost = lost;
 }

@@ -114,9 +114,9 @@ pub fn touching<const AHEAD: bool, V: Space>(
     wall: &FlatWall<V>,
     dt: f64,
 ) -> Option<Pair<V>> {
-    let (body, velocity, inverse_mass) = (&columns.body[i], columns.velocity[i], columns.make[i].inverse_mass);
+    let body = &columns.body[i];
     let (distance, normal) = wall.surface.distance(body.position);
-    let window = if AHEAD { 0.5 * dt * (velocity - wall.velocity).dot(normal).abs() } else { 0.0 };
+    let window = if AHEAD { 0.5 * dt * (body.velocity - wall.velocity).dot(normal).abs() } else { 0.0 };
     if !(distance < body.radius + window && wall.is_present) {
         return None;
     }
@@ -126,7 +126,7 @@ pub fn touching<const AHEAD: bool, V: Space>(
         pair.ahead = Ahead {
             velocity: gain.velocity,
             spins: [spin.spin, V::Spin::ZERO],
-            inverse_masses: [inverse_mass, 0.0],
+            inverse_masses: [body.inverse_mass, 0.0],
             inverse_inertias: [spin.inverse_inertia, 0.0],
             lone: [gain.lone, 0.0],
         };
@@ -144,12 +144,12 @@ pub(super) fn pair<V: Space>(
     normal: V,
     dt: f64,
 ) -> Pair<V> {
-    let (body, velocity, inverse_mass) = (&columns.body[i], columns.velocity[i], columns.make[i].inverse_mass);
+    let body = &columns.body[i];
     Pair {
         normal,
         overlap: body.radius - distance,
-        relative_velocity: velocity - wall.velocity,
-        reduced_mass: 1.0 / inverse_mass,
+        relative_velocity: body.velocity - wall.velocity,
+        reduced_mass: 1.0 / body.inverse_mass,
         radii: [body.radius, f64::INFINITY],
         spins: [columns.spin.get(i).copied().unwrap_or_default(), V::Spin::ZERO],
         species: [columns.species[i], wall.species],

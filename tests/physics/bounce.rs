@@ -100,7 +100,8 @@ fn bounce(scheme: &str, against: Against, e: f64, attraction: bool, dt: f64, pha
     let world = simulation.world_mut();
     let columns = world.resource::<Columns>();
     let entries = columns.by_id();
-    let parting = columns.velocity[entries[0]].x - entries.get(1).map_or(0.0, |&second| columns.velocity[second].x);
+    let parting =
+        columns.body[entries[0]].velocity.x - entries.get(1).map_or(0.0, |&second| columns.body[second].velocity.x);
     let smaller = if matches!(against, Against::Grain) { 0.75 * R } else { R };
     let largest_overlap = world.resource::<LargestOverlap>().0 * smaller;
     let flows = *world.resource::<EnergyFlows>();

@@ -115,7 +115,7 @@ pub fn watch(impact: &Impact, e: f64, n: f64, phase: f64) -> ([f64; 3], f64) {
         let depth = second.map_or(first.radius - first.position.z, |second| {
             first.radius + second.radius - (first.position.z - second.position.z)
         });
-        let speed = |grain: usize| entries.get(grain).map_or(0.0, |&entry| columns.velocity[entry].z);
+        let speed = |grain: usize| entries.get(grain).map_or(0.0, |&entry| columns.body[entry].velocity.z);
         let parting = speed(0) - speed(1);
         force = force.max(columns.load[entries[0]].force.z);
         overlap = overlap.max(depth);

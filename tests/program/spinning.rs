@@ -163,7 +163,7 @@ fn a_mixture_of_materials_meets_by_pairs() {
     let columns = run.world_mut().resource::<Columns>();
     let entries = columns.by_id();
     for (pair, e) in [0.9, 0.6, 0.3].into_iter().enumerate() {
-        let [first, second] = [2 * pair, 2 * pair + 1].map(|grain| columns.velocity[entries[grain]].x);
+        let [first, second] = [2 * pair, 2 * pair + 1].map(|grain| columns.body[entries[grain]].velocity.x);
         let parting = second - first;
         // Drag half a step old and a jump at both ends: 3 zeta w0 dt, zeta up to 0.36, w0 = sqrt(1e5/0.08)/s.
         assert!((parting - e).abs() < 3.0 * 0.36 * 1118.0 * 1e-6, "{pair}: {parting}, not {e}");
