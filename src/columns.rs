@@ -12,12 +12,14 @@
 //! state. Until then a particle that vanished in the middle of a step keeps a ghost in its slot, and one that appeared has
 //! none.
 
+mod along;
 mod order;
 mod passes;
 mod slots;
 
 use bevy_ecs::prelude::*;
 
+pub(crate) use self::along::along;
 use self::order::Order;
 pub use self::passes::{
     ColumnsPlugin, Gathered, GatheredVelocities, Kicked, LookedAhead, Passes, PlacesGathered, SpinsDrifted,

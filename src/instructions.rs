@@ -6,7 +6,7 @@
 
 use bevy_ecs::prelude::*;
 #[cfg(target_arch = "x86_64")]
-use fearless_simd::{Avx2, Level, Simd};
+use fearless_simd::{Avx2, Avx512, Level, Simd};
 
 /// One of the ways to compute.
 #[derive(Resource, Clone, Copy, Debug)]
@@ -16,6 +16,9 @@ pub enum Instructions {
     /// AVX2, four lanes at a time.
     #[cfg(target_arch = "x86_64")]
     Avx2(Avx2),
+    /// AVX-512, eight lanes at a time.
+    #[cfg(target_arch = "x86_64")]
+    Avx512(Avx512),
 }
 
 impl Default for Instructions {
@@ -29,11 +32,13 @@ impl Instructions {
     /// All that this machine can do, the widest last.
     #[must_use]
     pub fn all() -> Vec<Self> {
+        let mut all = vec![Self::Baseline];
         #[cfg(target_arch = "x86_64")]
-        if let Some(avx2) = Level::new().as_avx2() {
-            return vec![Self::Baseline, Self::Avx2(avx2)];
+        {
+            all.extend(Level::new().as_avx2().map(Self::Avx2));
+            all.extend(Level::new().as_avx512().map(Self::Avx512));
         }
-        vec![Self::Baseline]
+        all
     }
 
     /// Runs `work` with them: all of it that is inlined is compiled for them.
@@ -43,6 +48,8 @@ impl Instructions {
             Self::Baseline => work(),
             #[cfg(target_arch = "x86_64")]
             Self::Avx2(avx2) => avx2.vectorize(work),
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(avx512) => avx512.vectorize(work),
         }
     }
 }

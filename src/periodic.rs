@@ -55,6 +55,8 @@ pub struct Periodic<V: Space> {
     pub low: V,
     /// Lengths; 0 where the axis is open.
     pub length: V,
+    /// Upper ends; infinite where the axis is open.
+    high: V,
     /// Half lengths; infinite where the axis is open.
     half: V,
 }
@@ -66,11 +68,12 @@ impl<V: Space> Periodic<V> {
         if sides.is_open() {
             return None;
         }
-        let mut periodic = Self { low: V::ZERO, length: V::ZERO, half: V::ZERO };
+        let mut periodic = Self { low: V::ZERO, length: V::ZERO, high: V::ZERO, half: V::ZERO };
         for (axis, side) in sides.axes().into_iter().take(V::COMPONENTS).enumerate() {
             let length = side.map_or(0.0, |(low, high)| high - low);
             periodic.low = periodic.low.with_axis(axis, side.map_or(f64::NEG_INFINITY, |(low, _)| low));
             periodic.length = periodic.length.with_axis(axis, length);
+            periodic.high = periodic.high.with_axis(axis, side.map_or(f64::INFINITY, |(low, _)| low + length));
             periodic.half = periodic.half.with_axis(axis, side.map_or(f64::INFINITY, |_| 0.5 * length));
         }
         Some(periodic)
@@ -103,13 +106,12 @@ impl<V: Space> Periodic<V> {
     #[must_use]
     pub fn wrapped(&self, mut position: V) -> V {
         for axis in 0..V::COMPONENTS {
-            let Some(length) = self.side(axis) else { continue };
-            let low = self.low.axis(axis);
-            let mut x = position.axis(axis);
-            if x < low || x >= low + length {
+            let (mut x, low, high) = (position.axis(axis), self.low.axis(axis), self.high.axis(axis));
+            if x < low || x >= high {
+                let length = self.length.axis(axis);
                 x -= length * ((x - low) / length).floor();
                 // A tiny step below `low` rounds to the upper end, which is the lower one.
-                if x >= low + length || x < low {
+                if x >= high || x < low {
                     x = low;
                 }
                 position = position.with_axis(axis, x);

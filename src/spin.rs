@@ -97,19 +97,16 @@ fn half_kick_through<V: Space, const LAST: bool>(
     mut columns: ResMut<Columns<V>>,
     mut grains: Query<(&Slot, &mut Spin<V::Spin>, &mut Torque<V::Spin>, &Inertia), Without<Fixed>>,
 ) {
-    let Columns { turn, spin: column, .. } = &mut *columns;
+    let (dt, Columns { turn, spin: column, .. }) = (clock.dt, &mut *columns);
     for (slots, mut spins, mut torques, inertias) in grains.contiguous_iter_mut().expect(DENSE) {
-        let states = spins.bypass_change_detection().iter_mut().zip(torques.bypass_change_detection());
-        for (slot, ((spin, torque), inertia)) in slots.iter().zip(states.zip(inertias)) {
-            let slot = slot.index();
-            if let (Some(place), Some(turn)) = (column.get_mut(slot), turn.get(slot)) {
-                if LAST {
-                    torque.0 = turn.torque;
-                }
-                spin.0 += torque.0 * (0.5 * clock.dt / inertia.0);
-                *place = spin.0;
+        let states = spins.bypass_change_detection().iter_mut().zip(torques.bypass_change_detection()).zip(inertias);
+        columns::along(slots, (turn, column), states, |turn, place, ((spin, torque), inertia)| {
+            if LAST {
+                torque.0 = turn.torque;
             }
-        }
+            spin.0 += torque.0 * (0.5 * dt / inertia.0);
+            *place = spin.0;
+        });
     }
 }
 

@@ -24,6 +24,11 @@ impl Default for Slot {
 }
 
 impl Slot {
+    #[cfg(test)]
+    pub(super) fn at(index: u32) -> Self {
+        Self(index)
+    }
+
     /// The index, out of range as long as the particle has no place.
     #[must_use]
     pub fn index(self) -> usize {

@@ -14,7 +14,7 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, DENSE, GatheredVelocities, Kicked, Longest, Passes, Slot};
+use crate::columns::{self, Columns, DENSE, GatheredVelocities, Kicked, Longest, Passes, Slot};
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
@@ -38,20 +38,23 @@ fn drift<V: Space>(clock: Res<Clock>, mut grains: Query<Drifting<V>, Movable>) {
 fn drift_and_gather<V: Space>(
     clock: Res<Clock>,
     mut columns: ResMut<Columns<V>>,
-    mut grains: Query<(&Slot, Drifting<V>), Movable>,
+    mut grains: Query<(&Slot, &mut Position<V>, &mut Velocity<V>, &Force<V>), Movable>,
 ) {
     let (dt, columns) = (clock.dt, &mut *columns);
     let mut longest = Longest::default();
-    for (slots, (mut x, mut v, force, mass)) in grains.contiguous_iter_mut().expect(DENSE) {
-        let states = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection());
-        for (slot, ((x, v), (force, mass))) in slots.iter().zip(states.zip(force.iter().zip(mass.iter()))) {
-            v.0 += force.0 * (0.5 * dt / mass.0);
+    let Columns { mass, body, periodic, .. } = columns;
+    for (slots, mut x, mut v, force) in grains.contiguous_iter_mut().expect(DENSE) {
+        let states = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection()).zip(force.iter());
+        columns::along(slots, (mass, body), states, |mass, body, ((x, v), force)| {
+            v.0 += force.0 * (0.5 * dt / mass);
             x.0 += v.0 * dt;
-            if let Some(periodic) = columns.periodic {
+            // From where the columns had it, before it is set back: whoever has moved it meanwhile.
+            longest.raise(x.0 - body.position);
+            if let Some(periodic) = periodic {
                 x.0 = periodic.wrapped(x.0);
             }
-            columns.put(*slot, x.0, v.0, &mut longest);
-        }
+            (body.position, body.velocity) = (x.0, v.0);
+        });
     }
     columns.travel += longest.length();
 }
@@ -74,15 +77,12 @@ fn kick_and_write<V: Space>(
     let dt = clock.dt;
     let Columns { load, body, .. } = &mut *columns;
     for (slots, mut v, mut force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
-        let grains = v.bypass_change_detection().iter_mut().zip(force.bypass_change_detection()).zip(mass.iter());
-        for (slot, ((v, force), mass)) in slots.iter().zip(grains) {
-            let slot = slot.index();
-            if let (Some(load), Some(body)) = (load.get(slot), body.get_mut(slot)) {
-                force.0 = load.force;
-                v.0 += force.0 * (0.5 * dt / mass.0);
-                body.velocity = v.0;
-            }
-        }
+        let states = v.bypass_change_detection().iter_mut().zip(force.bypass_change_detection()).zip(mass.iter());
+        columns::along(slots, (load, body), states, |load, body, ((v, force), mass)| {
+            force.0 = load.force;
+            v.0 += force.0 * (0.5 * dt / mass.0);
+            body.velocity = v.0;
+        });
     }
 }
 
