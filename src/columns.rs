@@ -26,7 +26,7 @@ pub use self::passes::{
 };
 pub(crate) use self::passes::{DENSE, Longest, gather_velocities};
 pub use self::slots::{BeforeRenumbering, PopulationChanged, Renumbering, Slot, TIDY_EVERY, renumbering_due};
-pub(crate) use self::slots::{MANY, has_renumbered, population_changed, renumber};
+pub(crate) use self::slots::{MANY, has_renumbered, is_time_to_tidy, population_changed, renumber};
 use crate::particle::{GrainId, Species};
 use crate::periodic::Periodic;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
@@ -133,8 +133,6 @@ pub struct Columns<V: Space = Plane> {
     /// The sum over the steps of the longest move of any particle in a step, m: how far anyone can have gone. Not a number
     /// once somebody's position is not.
     pub travel: f64,
-    /// Of all particles, m.
-    pub smallest_radius: f64,
     /// What the order of slots goes by.
     pub(crate) order: Order,
 }
@@ -161,7 +159,6 @@ impl<V: Space> Default for Columns<V> {
             movable_end: 0,
             generation: 0,
             travel: 0.0,
-            smallest_radius: 0.0,
             order: Order::default(),
         }
     }

@@ -43,7 +43,6 @@ impl<V: Space> Columns<V> {
         let largest = rows.iter().filter(|row| !row.7).map(|row| row.4.0).fold(0.0, f64::max);
         self.order = Order::of(rows.iter().filter(|row| !row.7).map(|row| row.2.0), 2.0 * largest);
         rows.sort_by_cached_key(|row| (inverse(row.5, row.7) == 0.0, self.order.place(row.2.0), *row.1));
-        self.smallest_radius = rows.iter().map(|row| row.4.0).fold(f64::INFINITY, f64::min);
         let contacts = |row: &ParticleItem<V>| self.contacts.get(row.8.index()).copied().unwrap_or(MANY);
         if !self.contacts.is_empty() {
             self.contacts = rows.iter().map(contacts).collect();
@@ -144,7 +143,8 @@ pub(crate) fn has_renumbered(count: Res<Renumberings>, mut known: Local<u64>) ->
 #[derive(Resource, Default)]
 pub(crate) struct Renumberings(u64);
 
-fn is_time_to_tidy(clock: Res<Clock>) -> bool {
+/// Run condition: every [`TIDY_EVERY`] steps.
+pub(crate) fn is_time_to_tidy(clock: Res<Clock>) -> bool {
     clock.steps.is_multiple_of(TIDY_EVERY) && !clock.is_step_zero()
 }
 

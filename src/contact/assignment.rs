@@ -26,9 +26,7 @@ impl Assignment {
     }
 }
 
-impl Demands for Assignment {
-    const RADII: bool = false;
-}
+impl Demands for Assignment {}
 
 impl<V: Space> PairLaw<V> for Assignment {
     #[inline(always)]

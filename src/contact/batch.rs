@@ -24,8 +24,6 @@ pub struct Batch<V: Space> {
     /// From j to i, m, and how long that is.
     pub separation: Lanes<V>,
     pub distance: Scalars,
-    /// R_i + R_j, m.
-    pub reach: Scalars,
     pub relative_velocity: Lanes<V>,
     /// 1/m_i + 1/m_j, 1/kg.
     pub mobility: Scalars,
@@ -124,11 +122,10 @@ impl<V: Space> Batch<V> {
         let distance = self.distance[lane];
         let of = |both: &[Scalars; 2]| [both[0][lane], both[1][lane]];
         let spins_of = |both: &[Lanes<V::Spin>; 2]| [both[0].get(lane), both[1].get(lane)];
-        let reach = self.reach[lane];
-        let radii = if L::RADII { of(&self.radii) } else { [0.5 * reach; 2] };
+        let radii = of(&self.radii);
         let mut pair = Pair {
             normal: self.separation.get(lane) * (1.0 / distance),
-            overlap: reach - distance,
+            overlap: radii[0] + radii[1] - distance,
             relative_velocity: self.relative_velocity.get(lane),
             reduced_mass: 1.0 / self.mobility[lane],
             radii,
@@ -195,7 +192,8 @@ impl<V: Space> Batch<V> {
         coincident > 0
     }
 
-    /// Asks `law` about all lanes; gives how many overlap by more than `deepest`, m.
+    /// Asks `law` about all lanes; gives how many overlap by more than `deepest` times
+    /// the smaller radius.
     #[inline(always)]
     fn answer_all<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, deepest: f64) -> u32 {
         let mut deeper = 0;
@@ -208,7 +206,7 @@ impl<V: Space> Batch<V> {
                 answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
             }
             answer.overlap[lane] = pair.overlap;
-            deeper += u32::from(pair.overlap > deepest);
+            deeper += u32::from(pair.overlap > deepest * pair.radii[0].min(pair.radii[1]));
             answer.force.set(lane, total::<L, V>(&force));
             answer.drag.set(lane, force.drag);
             if L::SPIN {
@@ -233,7 +231,8 @@ impl<V: Space> Batch<V> {
         deeper
     }
 
-    /// Asks `law` about all contacts of the batch. Tells whether any of them may overlap by more than `deepest`, m.
+    /// Asks `law` about all contacts of the batch. Tells whether any of them overlaps by more than `deepest`
+    /// times the smaller radius.
     pub fn ask<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, instructions: Instructions, deepest: f64) -> bool {
         let deeper = instructions.run(
             #[inline(always)]

@@ -133,7 +133,6 @@ pub struct Centred<L>(pub L);
 impl<L: Demands> Demands for Centred<L> {
     const SPIN: bool = L::SPIN;
     const SPECIES: bool = L::SPECIES;
-    const RADII: bool = L::RADII;
     const SPRING: bool = L::SPRING;
     const ROLLING: bool = L::ROLLING;
     const STIFFNESS: bool = L::STIFFNESS;

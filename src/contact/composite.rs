@@ -11,9 +11,6 @@ use crate::space::Space;
 
 /// A force along the normal: max(spring - c v_n, floor) n.
 pub trait Normal: Copy + Send + Sync + 'static {
-    /// Whether it depends on the radii.
-    const RADII: bool;
-
     /// Where the overlap is at least this many times the half-width of a step, [`Normal::even_drag`] is its mean there.
     const EVEN: f64;
 
@@ -64,7 +61,6 @@ pub struct Composite<N, T, R> {
 
 impl<N: Normal, T: Tangential, R: Rolling> Demands for Composite<N, T, R> {
     const SPIN: bool = T::SPIN;
-    const RADII: bool = N::RADII || T::SPIN || R::ROLLING;
     const SPRING: bool = T::SPRING;
     const STIFFNESS: bool = T::STIFFNESS;
     const ROLLING: bool = R::ROLLING;

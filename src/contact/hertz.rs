@@ -78,7 +78,6 @@ impl Hertz {
 }
 
 impl Normal for Hertz {
-    const RADII: bool = true;
     // What the mean of delta^(1/4) is beyond its middle's (w/delta)^2/32 is 0.02 (w/delta)^4 there, below 1e-5.
     const EVEN: f64 = 8.0;
 

@@ -149,13 +149,13 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     #[inline]
     fn offer(&mut self, candidates: &[Candidate]) -> bool {
         let bodies = &self.view.body[..];
-        let margin = if L::AHEAD { self.view.margin } else { 0.0 };
         let batch = &mut self.batch;
         let mut end = batch.len;
         for &[i, j] in candidates {
             let (body, other) = (&bodies[i as usize], &bodies[j as usize]);
             let separation = self.pass.metric.separation(body.position, other.position);
-            let farthest = body.radius + other.radius + margin;
+            let reach = body.radius + other.radius;
+            let farthest = if L::AHEAD { reach + self.view.margin } else { reach };
             // Never beyond; so the compiler knows as well.
             let lane = end % LANES;
             batch.pairs[lane] = [i, j];
@@ -185,12 +185,9 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             let pair = batch.pairs[lane].map(|entry| entry as usize);
             let [a, b] = pair.map(|entry| &view.body[entry]);
             batch.relative_velocity.set(lane, a.velocity - b.velocity);
-            batch.reach[lane] = a.radius + b.radius;
+            (batch.radii[0][lane], batch.radii[1][lane]) = (a.radius, b.radius);
             batch.mobility[lane] = a.inverse_mass + b.inverse_mass;
             for (side, entry) in pair.into_iter().enumerate() {
-                if L::RADII {
-                    batch.radii[side][lane] = [a, b][side].radius;
-                }
                 if L::SPECIES {
                     batch.species[side][lane] = view.species[entry];
                 }
@@ -212,12 +209,10 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         if self.batch.measure(instructions) {
             self.part_coincident();
         }
-        // What may be a record is found by the smallest radius of all, a rounding off included; only then is divided.
-        let nearly = self.largest * self.view.smallest_radius * (1.0 - 4.0 * f64::EPSILON);
-        if self.batch.ask(law, dt, instructions, nearly) {
+        // What may be a record is found without dividing, a rounding off included.
+        if self.batch.ask(law, dt, instructions, self.largest * (1.0 - 4.0 * f64::EPSILON)) {
             for lane in 0..self.batch.len {
-                let [a, b] = self.batch.pairs[lane].map(|entry| self.view.body[entry as usize].radius);
-                let ratio = self.batch.answer.overlap[lane] / a.min(b);
+                let ratio = self.batch.answer.overlap[lane] / self.batch.radii[0][lane].min(self.batch.radii[1][lane]);
                 self.largest = self.largest.max(ratio);
             }
         }

@@ -58,7 +58,6 @@ impl LinearNormal {
 }
 
 impl Normal for LinearNormal {
-    const RADII: bool = false;
     // From there on the step before lies in the contact as a whole, too.
     const EVEN: f64 = 3.0;
 

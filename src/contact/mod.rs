@@ -235,8 +235,6 @@ pub struct Bounce {
 pub trait Demands {
     /// Spins, and the torques that come with them.
     const SPIN: bool = false;
-    /// Radii; where it does not, both are given as half the sum.
-    const RADII: bool = true;
     /// Materials by species.
     const SPECIES: bool = false;
     /// [`Memory::spring`].

@@ -47,7 +47,6 @@ impl<V: Space, L: CentredLaw<V>> CentredLaw<V> for Table<L> {
 impl<L: Demands> Demands for Table<L> {
     const SPIN: bool = L::SPIN;
     const SPECIES: bool = true;
-    const RADII: bool = L::RADII;
     const SPRING: bool = L::SPRING;
     const ROLLING: bool = L::ROLLING;
     const STIFFNESS: bool = L::STIFFNESS;
