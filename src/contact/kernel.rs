@@ -51,8 +51,15 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
     }
 
     /// Sets the loads of `columns` to the sums of weight and all pair forces. `deepest` is the largest overlap so
-    /// far over the smaller radius of its pair; gives that with these.
-    pub fn sum(&self, columns: &mut Columns<V>, history: &mut History<V>, threads: &Threads, deepest: f64) -> f64 {
+    /// far over the smaller radius of its pair; gives that with these. `batches` are kept for the next pass.
+    pub fn sum(
+        &self,
+        columns: &mut Columns<V>,
+        history: &mut History<V>,
+        threads: &Threads,
+        batches: &mut Vec<Batch<V>>,
+        deepest: f64,
+    ) -> f64 {
         let (mut loads, mut turns) = (std::mem::take(&mut columns.load), std::mem::take(&mut columns.turn));
         let mut contacts = std::mem::take(&mut columns.contacts);
         let mut rolling = std::mem::take(&mut columns.rolling_drag);
@@ -76,14 +83,15 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
                 rolling: rest.3.split_off_mut(..rows).unwrap_or_default(),
             });
         }
-        let work = |share: Share<V>| {
+        batches.resize_with(shares.len(), Batch::default);
+        let work = |(share, batch): (Share<V>, &mut Batch<V>)| {
             let sums = Sums::new(share.task.rows.clone(), share.loads, share.turns, share.contacts, share.rolling);
             let Share { task, before, now, .. } = share;
-            Worker { pass: self, view, task, before, now, sums, batch: Batch::default(), largest: deepest }.sum()
+            Worker { pass: self, view, task, before, now, sums, batch, largest: deepest }.sum()
         };
         let largest = match threads.pool() {
-            None => shares.into_iter().map(work).fold(deepest, f64::max),
-            Some(pool) => pool.install(|| shares.into_par_iter().map(work).reduce(|| deepest, f64::max)),
+            None => shares.into_iter().zip(batches).map(work).fold(deepest, f64::max),
+            Some(pool) => pool.install(|| shares.into_par_iter().zip(batches).map(work).reduce(|| deepest, f64::max)),
         };
         (columns.load, columns.turn, columns.contacts, columns.rolling_drag) = (loads, turns, contacts, rolling);
         largest
@@ -109,7 +117,7 @@ struct Worker<'a, V: Space, L, M> {
     before: &'a [Pages<V>],
     now: &'a mut [Pages<V>],
     sums: Sums<'a, V>,
-    batch: Batch<V>,
+    batch: &'a mut Batch<V>,
     largest: f64,
 }
 
@@ -149,7 +157,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     #[inline]
     fn offer(&mut self, candidates: &[Candidate]) -> bool {
         let bodies = &self.view.body[..];
-        let batch = &mut self.batch;
+        let batch = &mut *self.batch;
         let mut end = batch.len;
         for &[i, j] in candidates {
             let (body, other) = (&bodies[i as usize], &bodies[j as usize]);
@@ -180,7 +188,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// Fills in what the law needs to know of the contacts besides separations.
     #[inline]
     fn describe(&mut self) {
-        let (batch, view) = (&mut self.batch, self.view);
+        let (batch, view) = (&mut *self.batch, self.view);
         for lane in 0..batch.len.min(LANES) {
             let pair = batch.pairs[lane].map(|entry| entry as usize);
             let [a, b] = pair.map(|entry| &view.body[entry]);
@@ -227,7 +235,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.batch.memory.set::<L>(lane, &memory);
         }
         self.ask();
-        self.sums.add_to_second::<L>(&self.batch);
+        self.sums.add_to_second::<L>(self.batch);
         self.batch.len = 0;
     }
 
@@ -247,7 +255,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         if L::MEMORY {
             self.remember(block);
         }
-        self.sums.add_to_both::<L>(&self.batch);
+        self.sums.add_to_both::<L>(self.batch);
         self.batch.len = 0;
     }
 
@@ -256,13 +264,13 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     fn recall(&mut self, block: &mut Block<'_, V>) {
         let Block { first, recall: walk, remembered, forgotten, .. } = block;
         let mut recall = *walk;
-        for lane in 0..self.batch.len.min(LANES) {
+        for (lane, remembered) in remembered.iter_mut().enumerate().take(self.batch.len) {
             let [i, j] = self.batch.pairs[lane];
             let memory = recall.of::<L>(i as usize - *first, j, |row, partner, memory| {
                 self.pass.forget(self.view, *first + row, partner, memory, forgotten);
             });
             if L::AHEAD {
-                remembered[lane] = memory.is_some();
+                *remembered = memory.is_some();
             }
             self.batch.memory.set::<L>(lane, &memory.unwrap_or_default());
         }
@@ -272,7 +280,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// Writes down what contacts remember.
     #[inline]
     fn remember(&mut self, block: &mut Block<'_, V>) {
-        let (pages, batch) = (&mut self.now[block.number], &self.batch);
+        let (pages, batch) = (&mut self.now[block.number], &*self.batch);
         if !L::AHEAD {
             pages.extend::<L>(block.first, &batch.pairs[..batch.len.min(LANES)], &batch.memory);
             return;
