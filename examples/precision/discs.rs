@@ -1,6 +1,6 @@
 //! Discs of one mass that touch by springs and dashpots: velocity Verlet, pairs from a list, nothing else.
 
-use crate::numbers::{Numbers, Real};
+use crate::numbers::{Numbers, Place, Real};
 
 /// What the cases have in common: N/m, kg, m, m/s^2.
 pub const STIFFNESS: f64 = 1.0e5;
@@ -70,8 +70,8 @@ impl<N: Numbers> Discs<N> {
         let velocity: Vec<_> = discs.iter().map(|disc| disc.v.map(N::Motion::of)).collect();
         let mut all = Self {
             setting,
-            floor: N::place(setting.floor.max(-1.0e9)),
-            place: discs.iter().map(|disc| disc.x.map(N::place)).collect(),
+            floor: N::Place::at(setting.floor.max(-1.0e9)),
+            place: discs.iter().map(|disc| disc.x.map(N::Place::at)).collect(),
             seen: velocity.clone(),
             acceleration: vec![[N::Motion::ZERO; 2]; discs.len()],
             velocity,
@@ -93,7 +93,7 @@ impl<N: Numbers> Discs<N> {
         {
             for axis in 0..2 {
                 v[axis] += half * a[axis];
-                x[axis] = N::moved(x[axis], dt * v[axis]);
+                x[axis] = x[axis].moved(dt * v[axis]);
                 seen[axis] = match self.setting.scheme {
                     Scheme::Plain => v[axis],
                     Scheme::Averaged => v[axis] + half * a[axis],
@@ -121,7 +121,7 @@ impl<N: Numbers> Discs<N> {
     /// The state as it is now.
     pub fn discs(&self) -> Vec<Disc> {
         let all = self.place.iter().zip(&self.velocity).zip(&self.radius);
-        all.map(|((x, v), r)| Disc { x: x.map(N::wide), v: v.map(Real::wide), radius: r.wide() }).collect()
+        all.map(|((x, v), r)| Disc { x: x.map(Place::metres), v: v.map(Real::wide), radius: r.wide() }).collect()
     }
 
     /// Accelerations, m/s^2.
@@ -137,7 +137,8 @@ impl<N: Numbers> Discs<N> {
 
     /// Normal from j to i, and overlap.
     fn meet(&self, i: usize, j: usize) -> ([N::Force; 2], N::Force) {
-        let d = [0, 1].map(|axis| N::apart(self.place[i][axis], self.place[j][axis], self.setting.periods[axis]));
+        let (a, b) = (self.place[i], self.place[j]);
+        let d: [N::Force; 2] = [0, 1].map(|axis| a[axis].apart(b[axis], self.setting.periods[axis]));
         let distance = (d[0] * d[0] + d[1] * d[1]).root();
         // Rounding may bring two centres together.
         let normal = if distance > N::Force::ZERO {
@@ -182,7 +183,7 @@ impl<N: Numbers> Discs<N> {
             }
         }
         for (i, sum) in sums.iter_mut().enumerate() {
-            let overlap = self.radius[i] - N::apart(self.place[i][1], self.floor, f64::INFINITY);
+            let overlap = self.radius[i] - self.place[i][1].apart(self.floor, f64::INFINITY);
             let closing = N::Force::ZERO - N::Force::of(self.seen[i][1].wide());
             sum[1] += N::Motion::of(self.force(overlap, closing).wide());
             *sum = [sum[0] * inverse, sum[1] * inverse - N::Motion::of(self.setting.gravity)];
@@ -199,10 +200,10 @@ impl<N: Numbers> Discs<N> {
         let Setting { corner, periods, .. } = self.setting;
         for x in &mut self.place {
             for axis in 0..2 {
-                if N::wide(x[axis]) >= corner + periods[axis] {
-                    x[axis] = N::shifted(x[axis], -periods[axis]);
-                } else if periods[axis].is_finite() && N::wide(x[axis]) < corner {
-                    x[axis] = N::shifted(x[axis], periods[axis]);
+                if x[axis].metres() >= corner + periods[axis] {
+                    x[axis] = x[axis].shifted(-periods[axis]);
+                } else if periods[axis].is_finite() && x[axis].metres() < corner {
+                    x[axis] = x[axis].shifted(periods[axis]);
                 }
             }
         }
@@ -210,7 +211,7 @@ impl<N: Numbers> Discs<N> {
         for i in 0..self.place.len() {
             for j in i + 1..self.place.len() {
                 let (a, b) = (self.place[i], self.place[j]);
-                let d = [0, 1].map(|axis| N::apart(a[axis], b[axis], periods[axis]).wide());
+                let d = [0, 1].map(|axis| a[axis].apart::<N::Force>(b[axis], periods[axis]).wide());
                 if d[0] * d[0] + d[1] * d[1] < (2.02 * RADIUS + SKIN).powi(2) {
                     self.pairs.push((i, j));
                 }

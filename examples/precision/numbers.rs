@@ -56,25 +56,6 @@ impl Real for f32 {
     }
 }
 
-/// Which numbers hold what.
-pub trait Numbers {
-    const NAME: &'static str;
-    /// One coordinate of a place, m.
-    type Place: Copy;
-    /// Velocities, accelerations, sums of forces and the time step.
-    type Motion: Real;
-    /// A pair's separation, closing velocity and force.
-    type Force: Real;
-
-    fn place(x: f64) -> Self::Place;
-    fn wide(x: Self::Place) -> f64;
-    fn moved(x: Self::Place, by: Self::Motion) -> Self::Place;
-    /// Moved by a period of the box.
-    fn shifted(x: Self::Place, by: f64) -> Self::Place;
-    /// a - b, to the nearest image.
-    fn apart(a: Self::Place, b: Self::Place, period: f64) -> Self::Force;
-}
-
 /// The nearest image of a separation.
 fn nearest<T: Real>(d: T, period: T) -> T {
     let half = T::of(0.5) * period;
@@ -87,6 +68,81 @@ fn nearest<T: Real>(d: T, period: T) -> T {
     }
 }
 
+/// One coordinate of a place, m.
+pub trait Place: Copy {
+    /// What it moves by.
+    type Motion: Real;
+
+    fn at(x: f64) -> Self;
+    fn metres(self) -> f64;
+    fn moved(self, by: Self::Motion) -> Self;
+    /// Moved by a period of the box.
+    fn shifted(self, by: f64) -> Self;
+    /// From `other` to here, to the nearest image, rounded to `F` at the end.
+    fn apart<F: Real>(self, other: Self, period: f64) -> F;
+}
+
+impl<T: Real> Place for T {
+    type Motion = T;
+
+    fn at(x: f64) -> T {
+        T::of(x)
+    }
+    fn metres(self) -> f64 {
+        self.wide()
+    }
+    fn moved(self, by: T) -> T {
+        self + by
+    }
+    fn shifted(self, by: f64) -> T {
+        self + T::of(by)
+    }
+    fn apart<F: Real>(self, other: T, period: f64) -> F {
+        F::of(nearest(self - other, T::of(period)).wide())
+    }
+}
+
+/// Side of a cell, m: a power of two, so that a change of cell rounds nothing.
+const CELL: f64 = 0.125;
+
+/// The centre of a cell and an offset of at most [`CELL`]/2 from there.
+impl Place for (f64, f32) {
+    type Motion = f32;
+
+    fn at(x: f64) -> Self {
+        let anchor = (x / CELL).round() * CELL;
+        (anchor, f32::of(x - anchor))
+    }
+    fn metres(self) -> f64 {
+        self.0 + self.1.wide()
+    }
+    fn moved(self, by: f32) -> Self {
+        let offset = self.1 + by;
+        if offset.abs() <= f32::of(0.5 * CELL) {
+            return (self.0, offset);
+        }
+        let cells = (offset.wide() / CELL).round() * CELL;
+        (self.0 + cells, offset - f32::of(cells))
+    }
+    fn shifted(self, by: f64) -> Self {
+        (self.0 + by, self.1)
+    }
+    fn apart<F: Real>(self, other: Self, period: f64) -> F {
+        F::of((f32::of(nearest(self.0 - other.0, period)) + (self.1 - other.1)).wide())
+    }
+}
+
+/// Which numbers hold what.
+pub trait Numbers {
+    const NAME: &'static str;
+    /// One coordinate of a place.
+    type Place: Place<Motion = Self::Motion>;
+    /// Velocities, accelerations, sums of forces and the time step.
+    type Motion: Real;
+    /// A pair's separation, closing velocity and force.
+    type Force: Real;
+}
+
 /// All in f64.
 pub struct Double;
 
@@ -95,22 +151,6 @@ impl Numbers for Double {
     type Place = f64;
     type Motion = f64;
     type Force = f64;
-
-    fn place(x: f64) -> f64 {
-        x
-    }
-    fn wide(x: f64) -> f64 {
-        x
-    }
-    fn moved(x: f64, by: f64) -> f64 {
-        x + by
-    }
-    fn shifted(x: f64, by: f64) -> f64 {
-        x + by
-    }
-    fn apart(a: f64, b: f64, period: f64) -> f64 {
-        nearest(a - b, period)
-    }
 }
 
 /// Separations and relative velocities are taken in f64 and rounded, pair forces worked out in f32, summed in f64.
@@ -121,57 +161,16 @@ impl Numbers for SingleForces {
     type Place = f64;
     type Motion = f64;
     type Force = f32;
-
-    fn place(x: f64) -> f64 {
-        x
-    }
-    fn wide(x: f64) -> f64 {
-        x
-    }
-    fn moved(x: f64, by: f64) -> f64 {
-        x + by
-    }
-    fn shifted(x: f64, by: f64) -> f64 {
-        x + by
-    }
-    fn apart(a: f64, b: f64, period: f64) -> f32 {
-        f32::of(nearest(a - b, period))
-    }
 }
 
-/// All in f32, places as offsets of at most [`CELL`]/2 from a cell's centre, which is kept in f64.
+/// All in f32, places as offsets from the centres of cells, which are kept in f64.
 pub struct Anchored;
-
-/// Side of a cell, m: a power of two, so that a change of cell rounds nothing.
-const CELL: f64 = 0.125;
 
 impl Numbers for Anchored {
     const NAME: &'static str = "f32 in cells";
     type Place = (f64, f32);
     type Motion = f32;
     type Force = f32;
-
-    fn place(x: f64) -> (f64, f32) {
-        let anchor = (x / CELL).round() * CELL;
-        (anchor, f32::of(x - anchor))
-    }
-    fn wide((anchor, offset): (f64, f32)) -> f64 {
-        anchor + offset.wide()
-    }
-    fn moved((anchor, offset): (f64, f32), by: f32) -> (f64, f32) {
-        let offset = offset + by;
-        if offset.abs() <= f32::of(0.5 * CELL) {
-            return (anchor, offset);
-        }
-        let cells = (offset.wide() / CELL).round() * CELL;
-        (anchor + cells, offset - f32::of(cells))
-    }
-    fn shifted((anchor, offset): (f64, f32), by: f64) -> (f64, f32) {
-        (anchor + by, offset)
-    }
-    fn apart(a: (f64, f32), b: (f64, f32), period: f64) -> f32 {
-        f32::of(nearest(a.0 - b.0, period)) + (a.1 - b.1)
-    }
 }
 
 /// All in f32.
@@ -182,20 +181,4 @@ impl Numbers for Single {
     type Place = f32;
     type Motion = f32;
     type Force = f32;
-
-    fn place(x: f64) -> f32 {
-        f32::of(x)
-    }
-    fn wide(x: f32) -> f64 {
-        x.wide()
-    }
-    fn moved(x: f32, by: f32) -> f32 {
-        x + by
-    }
-    fn shifted(x: f32, by: f64) -> f32 {
-        x + f32::of(by)
-    }
-    fn apart(a: f32, b: f32, period: f64) -> f32 {
-        nearest(a - b, f32::of(period))
-    }
 }

@@ -5,8 +5,6 @@
 //! the walls' bounding box other than at the top. Limit: a gap whose free width is less than the grid's diagonal,
 //! a third of the radius, may be overlooked.
 
-use std::collections::HashSet;
-
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Vector};
 use crate::walls::outline::Outline;
@@ -40,13 +38,15 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     if points(high - low, radius) + blocked_by_discs + blocked_by_segments.sum::<f64>() > PATIENCE {
         return None;
     }
-    let mut blocked: HashSet<(i64, i64)> = HashSet::new();
+    // What discs block of the places around the box, too.
+    let margin = discs.iter().map(|disc| disc.radius).fold(0.0, f64::max) + radius + 2.0 * spacing;
+    let mut field = Field::new(low - Vector::splat(margin), high + Vector::splat(margin), spacing);
     for disc in &discs {
-        block(&mut blocked, disc.centre, disc.centre, spacing, disc.radius + radius, &|x| x.distance(disc.centre));
+        field.block(disc.centre, disc.centre, disc.radius + radius, |x| x.distance(disc.centre));
     }
     for surface in &surfaces {
         if let Surface::Segment { from, to } = *surface {
-            block(&mut blocked, from, to, spacing, radius, &|x| surface.distance(x).0);
+            field.block(from, to, radius, |x| surface.distance(x).0);
         }
     }
     let behind = |x: Vector| {
@@ -55,17 +55,19 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     let starts =
         loaded.scene.spawner.iter().map(|s| s.point.get()).chain(loaded.grains.iter().map(|g| g.position.truncate()));
     let mut stack: Vec<_> = starts.map(|x| grid(x, spacing)).collect();
-    let mut seen: HashSet<_> = stack.iter().copied().collect();
+    stack.iter().for_each(|&point| {
+        field.see(point);
+    });
     while let Some((i, j)) = stack.pop() {
         let x = place((i, j), spacing);
-        if x.y >= high.y || blocked.contains(&(i, j)) || behind(x) {
+        if x.y >= high.y || field.is_blocked((i, j)) || behind(x) {
             continue;
         }
         if x.x <= low.x || x.x >= high.x || x.y <= low.y {
             return Some(x);
         }
         for next in [(i + 1, j), (i - 1, j), (i, j + 1), (i, j - 1)] {
-            if seen.insert(next) {
+            if field.see(next) {
                 stack.push(next);
             }
         }
@@ -73,32 +75,100 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     None
 }
 
+/// A point of the grid.
+type Point = (i64, i64);
+
+const BLOCKED: u8 = 1;
+const SEEN: u8 = 2;
+
+/// What is known of the points of a rectangle. Beyond it nothing is blocked, and nobody walks on from there.
+struct Field {
+    spacing: f64,
+    low: Point,
+    high: Point,
+    marks: Vec<u8>,
+}
+
+impl Field {
+    fn new(low: Vector, high: Vector, spacing: f64) -> Self {
+        let (low, high) = (grid(low, spacing), grid(high, spacing));
+        let side = |from: i64, to: i64| usize::try_from(to - from + 1).unwrap_or(0);
+        let marks = vec![0; side(low.0, high.0) * side(low.1, high.1)];
+        Self { spacing, low, high, marks }
+    }
+
+    fn mark(&mut self, (i, j): Point) -> Option<&mut u8> {
+        if !(self.low.0..=self.high.0).contains(&i) || !(self.low.1..=self.high.1).contains(&j) {
+            return None;
+        }
+        let index = (i - self.low.0) * (self.high.1 - self.low.1 + 1) + j - self.low.1;
+        self.marks.get_mut(usize::try_from(index).ok()?)
+    }
+
+    fn is_blocked(&mut self, point: Point) -> bool {
+        self.mark(point).is_some_and(|mark| *mark & BLOCKED != 0)
+    }
+
+    /// Whether it is seen for the first time.
+    fn see(&mut self, point: Point) -> bool {
+        self.mark(point).is_none_or(|mark| std::mem::replace(mark, *mark | SEEN) & SEEN == 0)
+    }
+
+    /// Blocks the points nearer than `reach` to a body between `from` and `to`.
+    fn block(&mut self, from: Vector, to: Vector, reach: f64, distance: impl Fn(Vector) -> f64) {
+        let margin = Vector::splat(reach + self.spacing);
+        let (low, high) = (grid(from.min(to) - margin, self.spacing), grid(from.max(to) + margin, self.spacing));
+        for i in low.0..=high.0 {
+            for j in low.1..=high.1 {
+                if distance(place((i, j), self.spacing)) < reach
+                    && let Some(mark) = self.mark((i, j))
+                {
+                    *mark |= BLOCKED;
+                }
+            }
+        }
+    }
+}
+
 #[expect(clippy::cast_possible_truncation, reason = "saturates far outside any scene")]
-fn grid(x: Vector, spacing: f64) -> (i64, i64) {
+fn grid(x: Vector, spacing: f64) -> Point {
     ((x.x / spacing).round() as i64, (x.y / spacing).round() as i64)
 }
 
 #[expect(clippy::cast_precision_loss, reason = "grid indices are small")]
-fn place((i, j): (i64, i64), spacing: f64) -> Vector {
+fn place((i, j): Point, spacing: f64) -> Vector {
     Vector::new(i as f64, j as f64) * spacing
 }
 
-/// Blocks the grid points nearer than `reach` to a body between `from` and `to`.
-fn block(
-    blocked: &mut HashSet<(i64, i64)>,
-    from: Vector,
-    to: Vector,
-    spacing: f64,
-    reach: f64,
-    distance: &dyn Fn(Vector) -> f64,
-) {
-    let margin = Vector::splat(reach + spacing);
-    let (low, high) = (grid(from.min(to) - margin, spacing), grid(from.max(to) + margin, spacing));
-    for i in low.0..=high.0 {
-        for j in low.1..=high.1 {
-            if distance(place((i, j), spacing)) < reach {
-                blocked.insert((i, j));
-            }
-        }
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::load::from_text;
+
+    /// A box with a gap in its floor, and grains of R = 5 cm.
+    fn way_through(gap: f64) -> Option<Vector> {
+        let wall = |from: (f64, f64), to: (f64, f64)| format!("Segment(from: {from:?}, to: {to:?})");
+        let half = 0.5 * gap;
+        let walls = [
+            wall((-0.5, 1.0), (-0.5, 0.0)),
+            wall((-0.5, 0.0), (-half, 0.0)),
+            wall((half, 0.0), (0.5, 0.0)),
+            wall((0.5, 0.0), (0.5, 1.0)),
+        ];
+        let text = format!(
+            "(gravity: (0.0, -9.81), contact: Assignment(k: 1.0e5, b: 0.0), mass: ArealSquare(100.0), step: Fixed(1.0e-4),
+              walls: [{}], until: 1.0, spawner: (point: (0.2, 0.8), velocity: (0.0, 0.0), interval: 1.0, count: 1,
+              radius: Fixed(0.05)))",
+            walls.join(", ")
+        );
+        way_out(&from_text("box.ron", "box", std::path::Path::new("."), text, &[]).unwrap())
+    }
+
+    #[test]
+    fn grains_get_out_where_they_are_narrower_than_the_gap() {
+        assert_eq!((way_through(0.0), way_through(0.099)), (None, None));
+        // Wider than a grain by more than the grid's diagonal, 1.8 cm.
+        let place = way_through(0.12).expect("a way out");
+        assert!(place.x.abs() < 0.06 && place.y <= 0.0, "{place}");
     }
 }

@@ -4,6 +4,7 @@ use bevy_app::App;
 use bevy_ecs::change_detection::ContiguousRef;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
 use bevy_ecs::world::DeferredWorld;
 
 use crate::columns::order::Order;
@@ -36,28 +37,49 @@ impl Slot {
     }
 }
 
+/// What the columns hold of a particle.
+#[derive(QueryData)]
+pub(crate) struct Particle<V: Space> {
+    entity: Entity,
+    id: &'static GrainId,
+    position: &'static Position<V>,
+    velocity: &'static Velocity<V>,
+    radius: &'static Radius,
+    mass: Option<&'static Mass>,
+    species: Option<&'static Species>,
+    is_fixed: Has<Fixed>,
+    slot: &'static Slot,
+}
+
+impl<V: Space> ParticleItem<'_, '_, V> {
+    /// As contacts see it, 1/kg.
+    fn inverse_mass(&self) -> f64 {
+        self.mass.map_or(0.0, |mass| if self.is_fixed { 0.0 } else { 1.0 / mass.0 })
+    }
+}
+
 impl<V: Space> Columns<V> {
-    fn refill<'a>(&mut self, particles: impl Iterator<Item = ParticleItem<'a, V>>) {
+    fn refill<'w, 's>(&mut self, particles: impl Iterator<Item = ParticleItem<'w, 's, V>>) {
         let mut rows: Vec<_> = particles.collect();
-        let inverse = |mass: Option<&Mass>, fixed: bool| mass.map_or(0.0, |m| if fixed { 0.0 } else { 1.0 / m.0 });
-        let largest = rows.iter().filter(|row| !row.7).map(|row| row.4.0).fold(0.0, f64::max);
-        self.order = Order::of(rows.iter().filter(|row| !row.7).map(|row| row.2.0), 2.0 * largest);
-        rows.sort_by_cached_key(|row| (inverse(row.5, row.7) == 0.0, self.order.place(row.2.0), *row.1));
-        let contacts = |row: &ParticleItem<V>| self.contacts.get(row.8.index()).copied().unwrap_or(MANY);
+        let movable = || rows.iter().filter(|row| !row.is_fixed);
+        let largest = movable().map(|row| row.radius.0).fold(0.0, f64::max);
+        self.order = Order::of(movable().map(|row| row.position.0), 2.0 * largest);
+        rows.sort_by_cached_key(|row| (row.inverse_mass() == 0.0, self.order.place(row.position.0), *row.id));
         if !self.contacts.is_empty() {
+            let contacts = |row: &ParticleItem<V>| self.contacts.get(row.slot.index()).copied().unwrap_or(MANY);
             self.contacts = rows.iter().map(contacts).collect();
         }
-        self.id = rows.iter().map(|row| *row.1).collect();
-        self.entity = rows.iter().map(|row| row.0).collect();
+        self.id = rows.iter().map(|row| *row.id).collect();
+        self.entity = rows.iter().map(|row| row.entity).collect();
         let body = |row: &ParticleItem<V>| Body {
-            position: row.2.0,
-            velocity: row.3.0,
-            radius: row.4.0,
-            inverse_mass: inverse(row.5, row.7),
+            position: row.position.0,
+            velocity: row.velocity.0,
+            radius: row.radius.0,
+            inverse_mass: row.inverse_mass(),
         };
         self.body = rows.iter().map(body).collect();
-        self.mass = rows.iter().map(|row| row.5.map_or(0.0, |mass| mass.0)).collect();
-        self.species = rows.iter().map(|row| row.6.copied().unwrap_or_default()).collect();
+        self.mass = rows.iter().map(|row| row.mass.map_or(0.0, |mass| mass.0)).collect();
+        self.species = rows.iter().map(|row| row.species.copied().unwrap_or_default()).collect();
         self.load = vec![Load::default(); rows.len()];
         self.movable_end = self.body.partition_point(|body| body.inverse_mass != 0.0);
         self.generation += 1;
@@ -69,30 +91,6 @@ impl<V: Space> Columns<V> {
         10 * places.clone().zip(places.skip(1)).filter(|(one, next)| next < one).count() > self.movable_end
     }
 }
-
-type ParticleData<V> = (
-    Entity,
-    &'static GrainId,
-    &'static Position<V>,
-    &'static Velocity<V>,
-    &'static Radius,
-    Option<&'static Mass>,
-    Option<&'static Species>,
-    Has<Fixed>,
-    &'static Slot,
-);
-
-type ParticleItem<'a, V> = (
-    Entity,
-    &'a GrainId,
-    &'a Position<V>,
-    &'a Velocity<V>,
-    &'a Radius,
-    Option<&'a Mass>,
-    Option<&'a Species>,
-    bool,
-    &'a Slot,
-);
 
 /// Whether particles were added, removed, fixed or freed since slots were dealt out.
 #[derive(Resource, Default)]
@@ -151,7 +149,7 @@ pub(crate) fn is_time_to_tidy(clock: Res<Clock>) -> bool {
 pub(crate) fn renumber<V: Space>(
     mut columns: ResMut<Columns<V>>,
     (mut changed, mut count): (ResMut<PopulationChanged>, ResMut<Renumberings>),
-    mut particles: ParamSet<(Query<ParticleData<V>>, Query<&mut Slot>)>,
+    mut particles: ParamSet<(Query<Particle<V>>, Query<&mut Slot>)>,
 ) {
     columns.refill(particles.p0().iter());
     let mut slots = particles.p1();

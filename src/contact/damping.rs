@@ -27,6 +27,27 @@ pub enum Damping {
     Restitution(Restitution),
 }
 
+/// A drag coefficient, N s/m: constant + per_mass m_eff + per_other x, of which one term is there: a sum, so that the loop
+/// over many contacts has no branch. What x is, whoever asks decides.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Coefficient {
+    /// N s/m.
+    pub constant: f64,
+    /// 1/s.
+    pub per_mass: f64,
+    /// N s/m in units of x.
+    pub per_other: f64,
+}
+
+impl Coefficient {
+    /// That of a pair, N s/m.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(self, reduced_mass: f64, other: f64) -> f64 {
+        self.constant + self.per_mass * reduced_mass + self.per_other * other
+    }
+}
+
 /// May the normal force pull?
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize, Serialize)]
 pub enum Attraction {

@@ -6,7 +6,7 @@
 
 use crate::contact::centred::Window;
 use crate::contact::composite::Normal;
-use crate::contact::damping::{Attraction, Damping};
+use crate::contact::damping::{Attraction, Coefficient, Damping};
 use crate::contact::{Bounce, Pair};
 use crate::scene::values::Positive;
 use crate::space::Space;
@@ -15,21 +15,10 @@ use crate::space::Space;
 #[derive(Clone, Copy, Debug)]
 pub struct LinearNormal {
     k: f64,
-    drag: Drag,
+    /// c, from m_eff and its root.
+    drag: Coefficient,
     attraction: Attraction,
     floor: f64,
-}
-
-/// c = constant + per_mass m_eff + per_root sqrt(m_eff), N s/m, of which one term is there: a sum, so that the loop over
-/// many contacts has no branch.
-#[derive(Clone, Copy, Debug, Default)]
-struct Drag {
-    /// N s/m.
-    constant: f64,
-    /// 1/s.
-    per_mass: f64,
-    /// N s/(m sqrt(kg)).
-    per_root: f64,
 }
 
 impl LinearNormal {
@@ -38,10 +27,10 @@ impl LinearNormal {
     pub fn new(k: Positive, damping: Damping, attraction: Attraction) -> Self {
         let k = k.get();
         let drag = match damping {
-            Damping::B(b) => Drag { constant: b.get(), ..Drag::default() },
-            Damping::PerMass(gamma) => Drag { per_mass: gamma.get(), ..Drag::default() },
+            Damping::B(b) => Coefficient { constant: b.get(), ..Coefficient::default() },
+            Damping::PerMass(gamma) => Coefficient { per_mass: gamma.get(), ..Coefficient::default() },
             Damping::Restitution(e) => {
-                Drag { per_root: 2.0 * attraction.damping_ratio(e) * k.sqrt(), ..Drag::default() }
+                Coefficient { per_other: 2.0 * attraction.damping_ratio(e) * k.sqrt(), ..Coefficient::default() }
             }
         };
         Self { k, drag, attraction, floor: attraction.floor() }
@@ -49,7 +38,7 @@ impl LinearNormal {
 
     #[inline(always)]
     fn coefficient(&self, reduced_mass: f64) -> f64 {
-        self.drag.constant + self.drag.per_mass * reduced_mass + self.drag.per_root * reduced_mass.sqrt()
+        self.drag.of(reduced_mass, reduced_mass.sqrt())
     }
 
     fn damping_ratio(&self, reduced_mass: f64) -> f64 {

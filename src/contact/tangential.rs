@@ -13,6 +13,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::contact::damping::Coefficient;
 use crate::contact::spring::{Event, Slider, Sweep, lost_at_the_end};
 use crate::contact::{Ahead, Bounce, Memory, Pair, Turning};
 use crate::scene::values::NonNegative;
@@ -57,31 +58,14 @@ pub enum TangentialDamping {
     OfNormal(NonNegative),
 }
 
-/// c_t = constant + per_mass m_eff + of_normal c, N s/m, of which one term is there: a sum, so that the loop over many
-/// contacts has no branch.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct TangentialDrag {
-    constant: f64,
-    per_mass: f64,
-    of_normal: f64,
-}
-
-impl From<TangentialDamping> for TangentialDrag {
+/// c_t: what it is given besides the effective mass is the normal c.
+impl From<TangentialDamping> for Coefficient {
     fn from(damping: TangentialDamping) -> Self {
         match damping {
             TangentialDamping::B(b) => Self { constant: b.get(), ..Self::default() },
             TangentialDamping::PerMass(gamma) => Self { per_mass: gamma.get(), ..Self::default() },
-            TangentialDamping::OfNormal(share) => Self { of_normal: share.get(), ..Self::default() },
+            TangentialDamping::OfNormal(share) => Self { per_other: share.get(), ..Self::default() },
         }
-    }
-}
-
-impl TangentialDrag {
-    /// c_t, N s/m, for a pair whose normal drag coefficient is `normal`.
-    #[inline(always)]
-    #[must_use]
-    pub fn of(self, reduced_mass: f64, normal: f64) -> f64 {
-        self.constant + self.per_mass * reduced_mass + self.of_normal * normal
     }
 }
 
@@ -200,8 +184,8 @@ impl Tangential for Smooth {
 /// A dashpot cut at mu |F_n|.
 #[derive(Clone, Copy, Debug)]
 pub struct Dashpot {
-    /// c_t.
-    pub damping: TangentialDrag,
+    /// c_t, from the effective mass and the normal c.
+    pub damping: Coefficient,
     /// mu.
     pub friction: f64,
     /// Where it acts.
@@ -272,8 +256,8 @@ pub trait Modulus: Copy + Send + Sync + 'static {
 pub struct Constant {
     /// k_t, N/m.
     pub k: f64,
-    /// c_t.
-    pub damping: TangentialDrag,
+    /// c_t, from the effective mass and the normal c.
+    pub damping: Coefficient,
 }
 
 impl Modulus for Constant {

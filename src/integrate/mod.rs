@@ -1,8 +1,7 @@
-//! Time integration: how positions and velocities follow from forces. One file a scheme.
+//! Time integration: how positions and velocities follow from forces. One file a scheme, or a kind of them.
 
 pub mod centred;
-mod explicit_euler;
-mod symplectic_euler;
+mod euler;
 mod verlet;
 
 use std::marker::PhantomData;
@@ -57,8 +56,8 @@ impl<V: Space> Plugin for IntegratorPlugin<V> {
     fn build(&self, app: &mut App) {
         match self.kind {
             Integrator::Verlet | Integrator::Centred => verlet::add::<V>(app, self.passes),
-            Integrator::SymplecticEuler => symplectic_euler::add::<V>(app),
-            Integrator::ExplicitEuler => explicit_euler::add::<V>(app),
+            Integrator::SymplecticEuler => euler::add_symplectic::<V>(app),
+            Integrator::ExplicitEuler => euler::add_explicit::<V>(app),
         }
     }
 }

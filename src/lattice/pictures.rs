@@ -4,6 +4,7 @@
 //! over 13. `frames/NNNNN.svg` every `pictures.interval` steps and at the end, and PNGs beside them if asked.
 
 use std::num::{NonZeroU16, NonZeroU32};
+use std::path::PathBuf;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -16,8 +17,8 @@ use crate::lattice::sites::Sites;
 use crate::lattice::velocities::in_bonds;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
+use crate::output::album::Album;
 use crate::output::colour::{self, Rgb};
-use crate::output::frames::Album;
 use crate::output::svg::{Legend, Picture};
 use crate::scene::values::Positive;
 use crate::space::Vector;
@@ -138,24 +139,22 @@ fn take(
     let doors =
         studio.door.iter().map(|&(from, to)| (from, to, if closed.is_some() { colour::DOOR } else { [255; 3] }));
     let picture = Picture { lines: picture.lines.iter().copied().chain(doors).collect(), ..picture };
-    if let Err(failure) = album.save(&picture.to_svg()) {
-        outcome.fail(failure);
-    }
+    album.add(picture, &mut outcome);
 }
 
 /// Takes snapshots.
-pub(crate) struct PicturesPlugin(Studio, Album);
+pub(crate) struct PicturesPlugin(Studio, PathBuf);
 
 impl PicturesPlugin {
     /// For a scene, if it wants pictures.
-    pub fn of(loaded: &LoadedLattice, directory: std::path::PathBuf) -> Option<Self> {
+    pub fn of(loaded: &LoadedLattice, directory: PathBuf) -> Option<Self> {
         let pictures = loaded.scene.pictures.clone()?;
         let title = if loaded.scene.title.is_empty() { &loaded.source.name } else { &loaded.scene.title };
         let (low, high) = loaded.outline().bounds();
         let margin = Vector::splat(0.04 * (high - low).max_element());
         let door = loaded.scene.door.map(|door| (door.from.get(), door.to.get()));
-        let album = Album::new(directory, pictures.png);
-        Some(Self(Studio { pictures, title: title.clone(), view: (low - margin, high + margin), door }, album))
+        let view = (low - margin, high + margin);
+        Some(Self(Studio { pictures, title: title.clone(), view, door }, directory))
     }
 }
 
@@ -163,7 +162,7 @@ impl Plugin for PicturesPlugin {
     fn build(&self, app: &mut App) {
         observe_every::<Pictures>(app, f64::from(self.0.pictures.interval.get()));
         app.insert_resource(self.0.clone())
-            .insert_resource(self.1.clone())
+            .insert_resource(Album::new(self.1.clone(), self.0.pictures.png))
             .add_systems(Step, take.in_set(ObserveStage::Write).run_if(due::<Pictures>));
     }
 }

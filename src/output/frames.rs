@@ -20,9 +20,9 @@ use crate::contact::survey::{Partner, Scenery, Survey};
 use crate::grains::spawner::RadiusLaw;
 use crate::ledger::Ledger;
 use crate::measure::{ObserveStage, due, observe_every};
-use crate::outcome::{Failure, Outcome};
+use crate::outcome::Outcome;
+use crate::output::album::Album;
 use crate::output::colour::{self, Rgb};
-use crate::output::png;
 use crate::output::svg::{Legend, Picture};
 use crate::particle::{Door, Grain, Position, Radius, Species, Velocity};
 use crate::scene::load::Loaded;
@@ -93,39 +93,6 @@ pub struct Studio {
     pub smallest_radius: f64,
 }
 
-/// The pictures taken so far, by number, in a directory.
-#[derive(Resource, Clone, Debug)]
-pub struct Album {
-    directory: PathBuf,
-    png: bool,
-    taken: u32,
-}
-
-impl Album {
-    /// An empty album, of PNGs too if wanted.
-    #[must_use]
-    pub fn new(directory: PathBuf, png: bool) -> Self {
-        Self { directory, png, taken: 0 }
-    }
-
-    /// Writes the next picture.
-    ///
-    /// # Errors
-    /// If it cannot be written.
-    pub fn save(&mut self, svg: &str) -> Result<(), Failure> {
-        let path = self.directory.join(format!("{:05}.svg", self.taken));
-        self.taken += 1;
-        let failed = |path: &PathBuf, reason: String| Failure::Output { path: path.display().to_string(), reason };
-        std::fs::write(&path, svg).map_err(|error| failed(&path, error.to_string()))?;
-        if self.png {
-            let png_path = path.with_extension("png");
-            let bytes = png::encode(svg).map_err(|reason| failed(&png_path, reason))?;
-            std::fs::write(&png_path, bytes).map_err(|error| failed(&png_path, error.to_string()))?;
-        }
-        Ok(())
-    }
-}
-
 type Bodies<'w, 's, V> = Query<
     'w,
     's,
@@ -186,9 +153,7 @@ fn take<V: Space>(
             .collect(),
         ..Picture::default()
     };
-    if let Err(failure) = album.save(&picture.to_svg()) {
-        outcome.fail(failure);
-    }
+    album.add(picture, &mut outcome);
 }
 
 /// Sum of the elastic contact forces over circumference or surface, for each entry of the columns, N/m or N/m^2.

@@ -1,5 +1,6 @@
 //! What a run leaves behind: rows, pictures, the final state and the summary, in one run directory.
 
+pub mod album;
 pub mod colour;
 pub mod flow;
 pub mod frames;
