@@ -18,7 +18,7 @@ mod slots;
 
 use bevy_ecs::prelude::*;
 
-use self::order::Order;
+pub(crate) use self::order::Order;
 pub use self::passes::{
     ColumnsPlugin, Gathered, GatheredVelocities, Kicked, LookedAhead, Passes, PlacesGathered, SpinsDrifted,
 };

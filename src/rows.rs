@@ -8,8 +8,10 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{DENSE, Renumbering, Slot};
+use crate::columns::{DENSE, Order, Renumbering, Slot};
+use crate::grains::file::GrainRow;
 use crate::particle::Fixed;
+use crate::space::Space;
 use crate::step::{Phase, Step};
 
 /// On the grains of every second sorting.
@@ -42,6 +44,21 @@ fn sort_rows(
     } else {
         world.insert_batch(grains.into_iter().map(|(_, entity, _)| (entity, Sorted)));
     }
+}
+
+/// In which order grains are spawned: of many, that of the slots that they will get, so that they need not be moved
+/// at once to a second table, while the first keeps its memory; of few, as they come. `place` gives positions, m.
+pub(crate) fn first_order<V: Space>(grains: &[GrainRow], place: impl Fn(&GrainRow) -> V) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..).zip(grains).map(|(row, _)| row).collect();
+    if grains.len() >= WORTHWHILE {
+        let largest = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+        let places = Order::of(grains.iter().map(&place), 2.0 * largest);
+        order.sort_by_cached_key(|&row| {
+            let grain = &grains[row as usize];
+            (places.place(place(grain)), grain.id)
+        });
+    }
+    order
 }
 
 /// Keeps rows in the order of slots.

@@ -31,29 +31,62 @@ impl Slot {
     }
 }
 
+/// 1/m as contacts see it, 1/kg.
+fn inverse_mass(mass: Option<&Mass>, is_fixed: bool) -> f64 {
+    mass.map_or(0.0, |mass| if is_fixed { 0.0 } else { 1.0 / mass.0 })
+}
+
 impl<V: Space> Columns<V> {
-    fn refill<'a>(&mut self, particles: impl Iterator<Item = ParticleItem<'a, V>>) {
-        let mut rows: Vec<_> = particles.collect();
-        let inverse = |mass: Option<&Mass>, fixed: bool| mass.map_or(0.0, |m| if fixed { 0.0 } else { 1.0 / m.0 });
-        let largest = rows.iter().filter(|row| !row.7).map(|row| row.4.0).fold(0.0, f64::max);
-        self.order = Order::of(rows.iter().filter(|row| !row.7).map(|row| row.2.0), 2.0 * largest);
-        rows.sort_by_cached_key(|row| (inverse(row.5, row.7) == 0.0, self.order.place(row.2.0), *row.1));
-        self.smallest_radius = rows.iter().map(|row| row.4.0).fold(f64::INFINITY, f64::min);
-        let contacts = |row: &ParticleItem<V>| self.contacts.get(row.8.index()).copied().unwrap_or(MANY);
-        if !self.contacts.is_empty() {
-            self.contacts = rows.iter().map(contacts).collect();
+    /// Deals out slots to all particles, and fills the columns.
+    fn refill(&mut self, particles: &mut Query<ParticleData<V>>) {
+        let grains = || particles.iter().filter(|row| !row.7);
+        let largest = grains().map(|row| row.4.0).fold(0.0, f64::max);
+        self.order = Order::of(grains().map(|row| row.2.0), 2.0 * largest);
+        self.smallest_radius = particles.iter().map(|row| row.4.0).fold(f64::INFINITY, f64::min);
+        let key = |row: ParticleItem<V>| (inverse_mass(row.5, row.7) == 0.0, self.order.place(row.2.0), *row.1);
+        // Tables are walked twice: that takes less room than to keep who was met.
+        let mut keys: Vec<_> = (0u32..).zip(particles.iter().map(key)).map(|(row, key)| (key, row)).collect();
+        keys.sort_unstable_by_key(|&(key, _)| key);
+        self.movable_end = keys.partition_point(|&((is_fixed, ..), _)| !is_fixed);
+        self.id.clear();
+        self.id.extend(keys.iter().map(|&((.., id), _)| id));
+        let mut slots = vec![0; keys.len()];
+        for (slot, (_, row)) in (0u32..).zip(keys) {
+            slots[row as usize] = slot;
         }
-        self.id = rows.iter().map(|row| *row.1).collect();
-        self.entity = rows.iter().map(|row| row.0).collect();
-        self.body = rows.iter().map(|&(_, _, x, _, radius, ..)| Body { position: x.0, radius: radius.0 }).collect();
-        self.velocity = rows.iter().map(|row| row.3.0).collect();
-        let make = |row: &ParticleItem<V>| Make { radius: row.4.0, inverse_mass: inverse(row.5, row.7) };
-        self.make = rows.iter().map(make).collect();
-        self.mass = rows.iter().map(|row| row.5.map_or(0.0, |mass| mass.0)).collect();
-        self.species = rows.iter().map(|row| row.6.copied().unwrap_or_default()).collect();
-        self.load = vec![Load::default(); rows.len()];
-        self.movable_end = self.make.partition_point(|make| make.inverse_mass != 0.0);
+        self.fill(particles, &slots);
         self.generation += 1;
+    }
+
+    /// Fills the columns but the names with particles as they come, who have these slots.
+    fn fill(&mut self, particles: &mut Query<ParticleData<V>>, slots: &[u32]) {
+        let size = slots.len();
+        let contacts = std::mem::take(&mut self.contacts);
+        if !contacts.is_empty() {
+            self.contacts.resize(size, MANY);
+        }
+        self.entity.resize(size, Entity::PLACEHOLDER);
+        self.body.resize(size, Body { position: V::ZERO, radius: 0.0 });
+        self.velocity.resize(size, V::ZERO);
+        self.make.resize(size, Make { radius: 0.0, inverse_mass: 0.0 });
+        self.mass.resize(size, 0.0);
+        self.species.resize(size, Species::default());
+        self.load.clear();
+        self.load.resize(size, Load::default());
+        for (row, &slot) in particles.iter_mut().zip(slots) {
+            let (entity, _, x, v, radius, mass, species, is_fixed, mut own) = row;
+            let i = slot as usize;
+            if let (Some(entry), Some(&count)) = (self.contacts.get_mut(i), contacts.get(own.index())) {
+                *entry = count;
+            }
+            self.entity[i] = entity;
+            self.body[i] = Body { position: x.0, radius: radius.0 };
+            self.velocity[i] = v.0;
+            self.make[i] = Make { radius: radius.0, inverse_mass: inverse_mass(mass, is_fixed) };
+            self.mass[i] = mass.map_or(0.0, |mass| mass.0);
+            self.species[i] = species.copied().unwrap_or_default();
+            own.0 = slot;
+        }
     }
 
     /// Whether more than a tenth of the grains come after one whose place is later.
@@ -72,7 +105,7 @@ type ParticleData<V> = (
     Option<&'static Mass>,
     Option<&'static Species>,
     Has<Fixed>,
-    &'static Slot,
+    &'static mut Slot,
 );
 
 type ParticleItem<'a, V> = (
@@ -143,15 +176,9 @@ fn is_time_to_tidy(clock: Res<Clock>) -> bool {
 pub(crate) fn renumber<V: Space>(
     mut columns: ResMut<Columns<V>>,
     (mut changed, mut count): (ResMut<PopulationChanged>, ResMut<Renumberings>),
-    mut particles: ParamSet<(Query<ParticleData<V>>, Query<&mut Slot>)>,
+    mut particles: Query<ParticleData<V>>,
 ) {
-    columns.refill(particles.p0().iter());
-    let mut slots = particles.p1();
-    for (slot, &entity) in (0..).zip(&columns.entity) {
-        if let Ok(mut place) = slots.get_mut(entity) {
-            place.0 = slot;
-        }
-    }
+    columns.refill(&mut particles);
     changed.0 = false;
     count.0 += 1;
 }
