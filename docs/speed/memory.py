@@ -6,7 +6,7 @@
     docs/speed/memory.py target/side-by-side/w1-1e5.ron [--steps 200] [--set KEY=VALUE]...
 
 What is counted is resident memory, as Linux tells it in /proc/PID/status: the whole program, so with few grains its own
-10 MB show. The peak is the kernel's (what `/usr/bin/time -v` calls maximum resident set size); "stepping" is the median
+13 MB show (and in the peak no less than the 15 MB of this script, which starts it). The peak is the kernel's (what `/usr/bin/time -v` calls maximum resident set size); "stepping" is the median
 of samples, 50 a second, so let steps take most of the time.
 """
 
