@@ -20,7 +20,7 @@ mod slots;
 use bevy_ecs::prelude::*;
 
 pub(crate) use self::along::along;
-use self::order::Order;
+pub(crate) use self::order::Order;
 pub use self::passes::{
     ColumnsPlugin, Gathered, GatheredVelocities, Kicked, LookedAhead, Passes, PlacesGathered, SpinsDrifted,
 };

@@ -121,11 +121,15 @@ fn book_released<V: Space>(
     new: Query<Newcomer<V>, Added<Grain>>,
     mut flows: ResMut<EnergyFlows>,
 ) {
-    let mut new: Vec<_> = new.iter().collect();
-    new.sort_unstable_by_key(|(id, ..)| **id);
-    for (_, x, v, mass, rotation) in new {
-        flows.released += mechanical(mass.0, x.0, v.0, gravity.0);
-        flows.released += rotation.map_or(0.0, |(spin, inertia)| 0.5 * inertia.0 * spin.0.length_squared());
+    let energies = new.iter().map(|(id, x, v, mass, rotation)| {
+        let rotation = rotation.map_or(0.0, |(spin, inertia)| 0.5 * inertia.0 * spin.0.length_squared());
+        (*id, mechanical(mass.0, x.0, v.0, gravity.0), rotation)
+    });
+    let mut new: Vec<_> = energies.collect();
+    new.sort_unstable_by_key(|&(id, ..)| id);
+    for (_, mechanical, rotation) in new {
+        flows.released += mechanical;
+        flows.released += rotation;
     }
 }
 

@@ -56,15 +56,15 @@ pub enum OnLoss {
 
 /// Where the ledger holds a grain to be.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Whereabouts<V: Space> {
-    state: State,
-    looked_at: Option<V>,
-}
+pub struct Whereabouts<V: Space>(Place<V>);
 
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum State {
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+enum Place<V> {
+    /// It has just entered.
     #[default]
-    Inside,
+    New,
+    /// It was there when it was looked at, m.
+    Inside(V),
     Out,
     Lost,
 }
@@ -167,30 +167,33 @@ fn watch_paths<V: Space>(
     for (ids, xs, mut places) in grains.contiguous_iter_mut().expect(DENSE) {
         // Nothing watches whereabouts for changes.
         let places = places.bypass_change_detection().iter_mut();
-        for ((&id, &Position(here)), place) in ids.iter().zip(xs.iter()).zip(places) {
-            let way = columns.separation(here, *place.looked_at.get_or_insert(here));
-            if place.state != State::Inside {
-                continue;
-            }
+        for ((&id, &Position(here)), Whereabouts(place)) in ids.iter().zip(xs.iter()).zip(places) {
+            let looked_at = match *place {
+                Place::New => here,
+                Place::Inside(looked_at) => looked_at,
+                Place::Out | Place::Lost => continue,
+            };
+            let way = columns.separation(here, looked_at);
             lowest = lowest.min(here.height());
             let squared = way.length_squared();
             // Whoever will soon have moved so far is looked at now, so that there is time until the next pass.
             if squared < 0.25 * patience && here.height() >= last_chance {
                 longest = longest.max(squared);
+                *place = Place::Inside(looked_at);
                 continue;
             }
-            place.looked_at = Some(here);
+            *place = Place::Inside(here);
             let distance = way.length();
             // In a periodic scene, of where it was the image that is nearest to here.
             let before = here - way;
             match fate(&*enclosure.paths, door_is_closed, before, here) {
                 None => {}
                 Some(Fate::Out) => {
-                    place.state = State::Out;
+                    *place = Place::Out;
                     out.write(GrainOut { id, position: here });
                 }
                 Some(Fate::Lost(way)) => {
-                    place.state = State::Lost;
+                    *place = Place::Lost;
                     let way = swept(way, distance, enclosure.smallest_radius);
                     lost.write(GrainLost { id, position: here, way, nearest: nearest(here, &wall_grains) });
                 }
@@ -256,7 +259,7 @@ fn cull<V: Space>(
             commands.entity(entity).despawn();
             expected.0.insert(entity);
             ledger.culled += 1;
-            if place.is_none_or(|place| place.state == State::Inside) {
+            if place.is_none_or(|place| !matches!(place.0, Place::Out | Place::Lost)) {
                 let way = "below the cull line, without having crossed the orifice".to_owned();
                 lost.write(GrainLost { id, position: x.0, way, nearest: None });
             }

@@ -31,7 +31,7 @@ use crate::rest::RestPlugin;
 use crate::rows::RowsPlugin;
 use crate::scene::load::Loaded;
 use crate::space::{Solid, Space};
-use crate::spin::{InertiaLaw, SpinPlugin};
+use crate::spin::SpinPlugin;
 use crate::step::{Step, StepPlugin};
 use crate::walls::conveyor::ConveyorPlugin;
 use crate::walls::forces::SurfacesPlugin;
@@ -124,11 +124,7 @@ pub(crate) fn add_all<V: Space>(
     if scene.contact.spins() {
         app.add(
             "contact.tangential",
-            SpinPlugin {
-                inertia: scene.inertia.unwrap_or(InertiaLaw::usual(scene.space)),
-                behaviours: !behaviours.is_empty(),
-                space,
-            },
+            SpinPlugin { inertia: loaded.inertia(), behaviours: !behaviours.is_empty(), space },
         )
         .add("contact.tangential", SpinEnergyPlugin(space));
     }

@@ -1,31 +1,31 @@
 //! The order of rows in the ECS tables: that of slots, so that passes over components and columns go along both.
 //!
-//! The ECS keeps rows in the order in which entities came. When slots are dealt out anew and more than a tenth of the rows
-//! would be read out of order, and every [`TIDY_EVERY`] steps if any would, every grain is moved to another archetype and so to the end of its table, slot by slot: a
-//! marker without data, [`Sorted`], is added to all, or taken away again. Nothing that is computed hangs on the order of
-//! rows.
+//! The ECS keeps rows in the order in which entities came. Many grains of the start enter in the order of the slots that
+//! they will get. When slots are dealt out anew and more than a tenth of the rows would be read out of order, and every
+//! [`TIDY_EVERY`] steps if any would, the tables are sorted in place: a grain that leaves its table ([`Astray`] is added to it) leaves its row to the last one, and when it
+//! comes back (it is taken away again) it becomes the last one itself. So any row is exchanged with the last, and a cycle of
+//! k rows takes k + 1 exchanges. No second table is filled, whose memory the ECS would keep. Nothing that is computed hangs
+//! on the order of rows.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{DENSE, Renumbering, Slot, TIDY_EVERY, has_renumbered, is_time_to_tidy};
+use crate::columns::{DENSE, Order, Renumbering, Slot, TIDY_EVERY, has_renumbered, is_time_to_tidy};
+use crate::grains::file::GrainRow;
 use crate::particle::Fixed;
+use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 
-/// On the grains of every second sorting.
+/// On a grain that is out of its table.
 #[derive(Component, Clone, Copy, Debug)]
-struct Sorted;
+struct Astray;
 
 /// Below this number it is not worth the trouble.
 const WORTHWHILE: usize = 512;
 
-fn sort_rows(
-    world: &mut World,
-    rows: &mut QueryState<&Slot, Without<Fixed>>,
-    grains: &mut QueryState<(Entity, &Slot, Has<Sorted>), Without<Fixed>>,
-) {
+fn sort_rows(world: &mut World, rows: &mut QueryState<(Entity, &Slot), Without<Fixed>>) {
     let (mut all, mut astray) = (0, 0);
-    for slots in rows.contiguous_iter(world).expect(DENSE) {
+    for (_, slots) in rows.contiguous_iter(world).expect(DENSE) {
         all += slots.len();
         astray += slots.windows(2).filter(|pair| pair[1].index() < pair[0].index()).count();
     }
@@ -33,16 +33,59 @@ fn sort_rows(
     if all < WORTHWHILE || astray <= tolerated {
         return;
     }
-    let mut grains: Vec<_> = grains.iter(world).map(|(entity, slot, marked)| (slot.index(), entity, marked)).collect();
-    let are_marked = 2 * grains.iter().filter(|grain| grain.2).count() > all;
-    grains.sort_unstable_by_key(|grain| grain.0);
-    if are_marked {
-        for (_, entity, _) in grains {
-            world.entity_mut(entity).remove::<Sorted>();
-        }
-    } else {
-        world.insert_batch(grains.into_iter().map(|(_, entity, _)| (entity, Sorted)));
+    let tables = rows.contiguous_iter(world).expect(DENSE);
+    let tables: Vec<_> = tables.map(|(grains, slots)| (grains.to_vec(), ranks(slots))).collect();
+    for (grains, ranks) in tables {
+        arrange(world, grains, ranks);
     }
+}
+
+/// The row that each one belongs to.
+fn ranks(slots: &[Slot]) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..).zip(slots).map(|(row, _)| row).collect();
+    order.sort_unstable_by_key(|&row| slots[row as usize].index());
+    let mut ranks = vec![0; order.len()];
+    for (rank, row) in (0..).zip(order) {
+        ranks[row as usize] = rank;
+    }
+    ranks
+}
+
+/// Brings the entities of a table, row by row, to the rows `ranks`.
+fn arrange(world: &mut World, mut grains: Vec<Entity>, mut ranks: Vec<u32>) {
+    let Some(last) = grains.len().checked_sub(1) else { return };
+    let mut exchange = |row: usize, ranks: &mut [u32]| {
+        world.entity_mut(grains[row]).insert(Astray).remove::<Astray>();
+        grains.swap(row, last);
+        ranks.swap(row, last);
+    };
+    for row in 0..last {
+        // Whoever is last goes where it belongs, until one comes back that belongs there.
+        while ranks[last] as usize != last {
+            exchange(ranks[last] as usize, &mut ranks);
+        }
+        if ranks[row] as usize != row {
+            exchange(row, &mut ranks);
+        }
+    }
+    while ranks[last] as usize != last {
+        exchange(ranks[last] as usize, &mut ranks);
+    }
+}
+
+/// In which order grains are spawned: of many, that of the slots that they will get; of few, as they come. `place` gives
+/// positions, m.
+pub(crate) fn first_order<V: Space>(grains: &[GrainRow], place: impl Fn(&GrainRow) -> V) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..).zip(grains).map(|(row, _)| row).collect();
+    if grains.len() >= WORTHWHILE {
+        let largest = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
+        let places = Order::of(grains.iter().map(&place), 2.0 * largest);
+        order.sort_by_cached_key(|&row| {
+            let grain = &grains[row as usize];
+            (places.place(place(grain)), grain.id)
+        });
+    }
+    order
 }
 
 /// Keeps rows in the order of slots.
@@ -52,5 +95,31 @@ impl Plugin for RowsPlugin {
     fn build(&self, app: &mut App) {
         let due = has_renumbered.or_eager(is_time_to_tidy);
         app.add_systems(Step, sort_rows.in_set(Phase::Spawn).after(Renumbering).run_if(due));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Component)]
+    struct Rank(u32);
+
+    #[derive(Component)]
+    struct Other;
+
+    #[test]
+    fn a_table_is_sorted_in_place() {
+        for size in [0u32, 1, 2, 3, 10, 1009] {
+            // Multiples of a number without common divisor: all of them, in cycles of several lengths.
+            let ranks: Vec<u32> = (0..size).map(|row| row * 7 % size).collect();
+            let mut world = World::new();
+            let grains: Vec<_> = ranks.iter().map(|&rank| world.spawn((Rank(rank), Other)).id()).collect();
+            world.spawn(Rank(0));
+            arrange(&mut world, grains, ranks);
+            let mut rows = world.query_filtered::<&Rank, With<Other>>();
+            assert!(rows.iter(&world).map(|rank| rank.0).eq(0..size), "{size}");
+            assert!(world.query_filtered::<(), With<Astray>>().iter(&world).next().is_none());
+        }
     }
 }

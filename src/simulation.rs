@@ -8,6 +8,7 @@ use bevy_ecs::prelude::*;
 
 use crate::behaviour::{Behaviour, Registry};
 use crate::fault::Fault;
+use crate::grains::file::GrainRow;
 use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
 use crate::lattice;
@@ -17,9 +18,9 @@ use crate::outcome::{End, Outcome};
 use crate::particle::{Door, GrainId, Species, wall_grain};
 use crate::periodic::Periodic;
 use crate::plugins::{AddPaths, Assembly, add_all, planar_paths, solid_paths};
+use crate::rows;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
-use crate::spin::Spin;
 use crate::step::{Clock, Phase, Step};
 use crate::threads::Threads;
 use crate::walls::config::Wall;
@@ -48,6 +49,26 @@ impl Simulation {
         threads: NonZeroUsize,
         more: impl FnOnce(&mut Assembly<'_>),
     ) -> Result<Self, Fault> {
+        let mut app = Self::assemble(loaded, registry, threads, more)?;
+        match loaded.scene.space {
+            Dimension::Plane => populate::<Plane>(app.world_mut(), loaded),
+            Dimension::Solid => populate::<Solid>(app.world_mut(), loaded),
+        }
+        Self::ready(app)
+    }
+
+    /// Whether [`Simulation::new`] would succeed, at the cost of no grain.
+    pub(crate) fn check(loaded: &Loaded, registry: &Registry) -> Result<(), Fault> {
+        Self::assemble(loaded, registry, NonZeroUsize::MIN, |_| {}).and_then(Self::ready).map(|_| ())
+    }
+
+    /// The app without what is in the world.
+    fn assemble(
+        loaded: &Loaded,
+        registry: &Registry,
+        threads: NonZeroUsize,
+        more: impl FnOnce(&mut Assembly<'_>),
+    ) -> Result<App, Fault> {
         let behaviours = registry.of_scene(loaded)?;
         let mut app = empty(threads)?;
         let mut assembly = Assembly::new(&mut app);
@@ -57,11 +78,7 @@ impl Simulation {
         }
         more(&mut assembly);
         assembly.finish();
-        match loaded.scene.space {
-            Dimension::Plane => populate::<Plane>(app.world_mut(), loaded),
-            Dimension::Solid => populate::<Solid>(app.world_mut(), loaded),
-        }
-        Self::ready(app)
+        Ok(app)
     }
 
     /// Builds the app of a scene of the lattice gas; nothing has run yet.
@@ -209,14 +226,21 @@ fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
             spawned.insert(Conveyed);
         }
     }
-    let spins = loaded.scene.contact.spins();
-    for grain in &loaded.grains {
-        let mut bundle = grain.bundle::<V>();
+    world.write_message_batch(loaded.grains.iter().map(|grain| GrainReleased { id: grain.id }));
+    let bundle = |row: &GrainRow| {
+        let mut bundle = row.bundle::<V>();
         bundle.particle.position.0 = in_box(bundle.particle.position.0);
-        let mut spawned = world.spawn(bundle);
-        if spins {
-            spawned.insert(Spin(V::narrow_spin(grain.spin)));
-        }
-        world.write_message(GrainReleased { id: grain.id });
+        bundle
+    };
+    // All at once: tables are made for as many.
+    let order = rows::first_order(&loaded.grains, |row| bundle(row).particle.position.0);
+    let grains = order.iter().map(|&row| &loaded.grains[row as usize]);
+    if loaded.scene.contact.spins() {
+        let inertia = loaded.inertia();
+        world.spawn_batch(
+            grains.map(|row| (bundle(row), inertia.turning::<V>(row.mass, row.radius, V::narrow_spin(row.spin)))),
+        );
+    } else {
+        world.spawn_batch(grains.map(bundle));
     }
 }

@@ -58,19 +58,29 @@ impl InertiaLaw {
             Self::Disc => 0.5,
         }
     }
+
+    /// What a grain of this mass (kg), radius (m) and spin (rad/s) needs to turn.
+    pub(crate) fn turning<V: Space>(self, mass: f64, radius: f64, spin: V::Spin) -> TurningBundle<V> {
+        (Spin(spin), Torque(V::Spin::ZERO), Inertia(self.factor() * mass * radius * radius))
+    }
 }
+
+pub(crate) type TurningBundle<V> = (Spin<<V as Space>::Spin>, Torque<<V as Space>::Spin>, Inertia);
 
 #[derive(Resource, Clone, Copy)]
 struct InertiaFactor(f64);
 
-/// Every grain that enters gets what it needs to turn.
+/// Every grain that enters gets what it needs to turn, unless it brings all of it.
 fn equip<V: Space>(
     added: On<Add<Grain>>,
     factor: Res<InertiaFactor>,
-    grains: Query<(&Mass, &Radius, Has<Spin<V::Spin>>)>,
+    grains: Query<(&Mass, &Radius, Has<Spin<V::Spin>>, Has<Torque<V::Spin>>, Has<Inertia>)>,
     mut commands: Commands,
 ) {
-    let Ok((mass, radius, spins)) = grains.get(added.entity) else { return };
+    let Ok((mass, radius, spins, has_torque, has_inertia)) = grains.get(added.entity) else { return };
+    if spins && has_torque && has_inertia {
+        return;
+    }
     let inertia = Inertia(factor.0 * mass.0 * radius.0 * radius.0);
     let mut grain = commands.entity(added.entity);
     grain.insert((Torque(V::Spin::ZERO), inertia));

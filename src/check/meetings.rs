@@ -20,7 +20,6 @@ use crate::integrate::Integrator;
 use crate::random::Stream;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane};
-use crate::spin::InertiaLaw;
 use crate::walls::config::Wall;
 
 /// As many radii to come are looked at, where each is drawn.
@@ -54,7 +53,7 @@ impl Meeting {
         let reduced = |x: f64, y: f64| 1.0 / (1.0 / x + 1.0 / y);
         let reduced_mass = reduced(first.mass, second.mass);
         let reduced_radius = reduced(first.radius, second.radius);
-        let inertia = loaded.scene.inertia.unwrap_or(InertiaLaw::usual(loaded.scene.space)).factor();
+        let inertia = loaded.inertia().factor();
         let turning = |body: Body| (reduced_radius / body.radius).powi(2) * reduced_mass / body.mass;
         Self {
             // Estimates ask for no directions: the law in the plane answers for both spaces.

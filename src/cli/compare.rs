@@ -47,7 +47,7 @@ pub(super) struct CompareArgs {
 pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
     let paths: Vec<&Path> = std::iter::once(&args.reference).chain(&args.others).map(PathBuf::as_path).collect();
     // All that can be wrong with the arguments is found before the first scene is run.
-    let scenes = paths.iter().map(|path| scene(path)).collect::<Result<Vec<_>, Fault>>()?;
+    let mut scenes = paths.iter().map(|path| scene(path)).collect::<Result<Vec<_>, Fault>>()?;
     let directories: Vec<PathBuf> =
         paths.iter().zip(&scenes).map(|(path, scene)| scene.as_ref().map_or(path.into(), default_directory)).collect();
     distinct(&directories, &scenes)?;
@@ -56,7 +56,7 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
     for ((directory, scene), name) in directories.iter().zip(&scenes).zip(&names) {
         runs.push(if scene.is_none() { Some(read::run(directory, name)?) } else { None });
     }
-    for (((run, scene), directory), name) in runs.iter_mut().zip(&scenes).zip(&directories).zip(&names) {
+    for (((run, scene), directory), name) in runs.iter_mut().zip(&mut scenes).zip(&directories).zip(&names) {
         let Some(loaded) = scene else { continue };
         if !run_into(directory, loaded, registry, ONE_THREAD, quiet)?.is_done {
             tracing::error!("{name} did not end as it should: nothing was compared");

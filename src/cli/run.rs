@@ -35,9 +35,9 @@ pub(super) struct RunArgs {
 }
 
 pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
-    let scene = args.load()?;
+    let mut scene = args.load()?;
     let path = args.out.clone().unwrap_or_else(|| default_directory(&scene));
-    let report = run_into(&path, &scene, registry, args.threads, quiet)?;
+    let report = run_into(&path, &mut scene, registry, args.threads, quiet)?;
     say(if args.json { &report.json } else { &report.words });
     Ok(if report.is_done { Verdict::Done } else { Verdict::SimulationFailed })
 }
@@ -57,9 +57,10 @@ impl RunArgs {
 }
 
 /// Steps a scene to its end and leaves the run directory at `path`. A failure of the simulation is told, and in the summary.
+/// The scene's own list of grains is empty afterwards.
 pub(super) fn run_into(
     path: &Path,
-    scene: &AnyScene,
+    scene: &mut AnyScene,
     registry: &Registry,
     threads: NonZeroUsize,
     quiet: bool,

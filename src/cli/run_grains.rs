@@ -33,7 +33,7 @@ use crate::step::Clock;
 
 pub(super) fn run_into(
     path: &Path,
-    loaded: &Loaded,
+    loaded: &mut Loaded,
     registry: &Registry,
     threads: NonZeroUsize,
     quiet: bool,
@@ -46,17 +46,19 @@ pub(super) fn run_into(
         tracing::info!("step {dt:.1e} s: {reason}");
     }
     // Everything that can be wrong with the input is found before the first file is written.
-    Simulation::new(loaded, registry, NonZeroUsize::MIN)?;
+    Simulation::check(loaded, registry)?;
     let directory = RunDirectory::prepare(path, &loaded.source)?;
     let mut simulation = build(loaded, registry, threads, &directory)?;
+    // They are entities now.
+    loaded.grains = Vec::new();
     let (end, cost) = drive(&mut simulation, loaded, quiet);
     let world = simulation.world_mut();
     let summary = Summary::of(world, loaded, &end, cost);
-    let state = match loaded.scene.space {
-        Dimension::Plane => file::write::<Plane>(world),
-        Dimension::Solid => file::write::<Solid>(world),
+    let written = match loaded.scene.space {
+        Dimension::Plane => directory.finish(|state| file::write_to::<Plane>(world, state), &summary),
+        Dimension::Solid => directory.finish(|state| file::write_to::<Solid>(world, state), &summary),
     };
-    directory.finish(&state, &summary).map_err(|error| unwritable(&directory, &error))?;
+    written.map_err(|error| unwritable(&directory, &error))?;
     if let Some(failure) = &summary.failure {
         tracing::error!("{failure}");
     }

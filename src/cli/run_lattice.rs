@@ -41,7 +41,8 @@ pub(super) fn run_into(
     let world = simulation.world();
     let summary = Summary::of(world, loaded, &end, start.elapsed().as_secs_f64());
     let state = state_csv(world.resource::<Sites>(), world.resource::<Gas>());
-    directory.finish(&state, &summary).map_err(|error| unwritable(&directory, &error))?;
+    let written = directory.finish(|file| file.write_all(state.as_bytes()), &summary);
+    written.map_err(|error| unwritable(&directory, &error))?;
     if let Some(failure) = &summary.failure {
         tracing::error!("{failure}");
     }

@@ -21,7 +21,7 @@ impl Default for Order {
 }
 
 /// Number of a cell along each axis, the first one first.
-pub type Place = [i64; 3];
+pub type Place = [i32; 3];
 
 impl Order {
     /// For grains at `positions` (m), the widest of which has this diameter (m).
@@ -44,7 +44,7 @@ impl Order {
     pub fn place<V: Space>(&self, x: V) -> Place {
         self.axes.map(|axis| {
             #[expect(clippy::cast_possible_truncation, reason = "saturates; NaN becomes 0")]
-            if axis < V::COMPONENTS { (x.axis(axis) / self.cell).floor() as i64 } else { 0 }
+            if axis < V::COMPONENTS { (x.axis(axis) / self.cell).floor() as i32 } else { 0 }
         })
     }
 }
@@ -67,6 +67,6 @@ mod tests {
     #[test]
     fn nothing_is_too_far_or_too_few() {
         let order = Order::of(std::iter::empty::<Plane>(), 0.0);
-        assert!(order.place(Plane::new(1e300, f64::NAN)).contains(&i64::MAX));
+        assert!(order.place(Plane::new(1e300, f64::NAN)).contains(&i32::MAX));
     }
 }

@@ -37,8 +37,9 @@ impl Slot {
     }
 }
 
-/// What the columns hold of a particle.
+/// What the columns hold of a particle, and its slot.
 #[derive(QueryData)]
+#[query_data(mutable)]
 pub(crate) struct Particle<V: Space> {
     entity: Entity,
     id: &'static GrainId,
@@ -48,41 +49,67 @@ pub(crate) struct Particle<V: Space> {
     mass: Option<&'static Mass>,
     species: Option<&'static Species>,
     is_fixed: Has<Fixed>,
-    slot: &'static Slot,
+    slot: &'static mut Slot,
 }
 
-impl<V: Space> ParticleItem<'_, '_, V> {
-    /// As contacts see it, 1/kg.
-    fn inverse_mass(&self) -> f64 {
-        self.mass.map_or(0.0, |mass| if self.is_fixed { 0.0 } else { 1.0 / mass.0 })
-    }
+/// 1/m as contacts see it, 1/kg.
+fn inverse_mass(mass: Option<&Mass>, is_fixed: bool) -> f64 {
+    mass.map_or(0.0, |mass| if is_fixed { 0.0 } else { 1.0 / mass.0 })
 }
 
 impl<V: Space> Columns<V> {
-    fn refill<'w, 's>(&mut self, particles: impl Iterator<Item = ParticleItem<'w, 's, V>>) {
-        let mut rows: Vec<_> = particles.collect();
-        let movable = || rows.iter().filter(|row| !row.is_fixed);
-        let largest = movable().map(|row| row.radius.0).fold(0.0, f64::max);
-        self.order = Order::of(movable().map(|row| row.position.0), 2.0 * largest);
-        rows.sort_by_cached_key(|row| (row.inverse_mass() == 0.0, self.order.place(row.position.0), *row.id));
-        if !self.contacts.is_empty() {
-            let contacts = |row: &ParticleItem<V>| self.contacts.get(row.slot.index()).copied().unwrap_or(MANY);
-            self.contacts = rows.iter().map(contacts).collect();
+    /// Deals out slots to all particles, and fills the columns.
+    fn refill(&mut self, particles: &mut Query<Particle<V>>) {
+        let grains = || particles.iter().filter(|row| !row.is_fixed);
+        let largest = grains().map(|row| row.radius.0).fold(0.0, f64::max);
+        self.order = Order::of(grains().map(|row| row.position.0), 2.0 * largest);
+        let keys = particles.iter().map(|row| {
+            let is_fixed = inverse_mass(row.mass, row.is_fixed) == 0.0;
+            (is_fixed, self.order.place(row.position.0), *row.id)
+        });
+        // Tables are walked twice: that takes less room than to keep who was met.
+        let mut keys: Vec<_> = (0u32..).zip(keys).map(|(row, key)| (key, row)).collect();
+        keys.sort_unstable_by_key(|&(key, _)| key);
+        self.movable_end = keys.partition_point(|&((is_fixed, ..), _)| !is_fixed);
+        self.id.clear();
+        self.id.extend(keys.iter().map(|&((.., id), _)| id));
+        let mut slots = vec![0; keys.len()];
+        for (slot, (_, row)) in (0u32..).zip(keys) {
+            slots[row as usize] = slot;
         }
-        self.id = rows.iter().map(|row| *row.id).collect();
-        self.entity = rows.iter().map(|row| row.entity).collect();
-        let body = |row: &ParticleItem<V>| Body {
-            position: row.position.0,
-            velocity: row.velocity.0,
-            radius: row.radius.0,
-            inverse_mass: row.inverse_mass(),
-        };
-        self.body = rows.iter().map(body).collect();
-        self.mass = rows.iter().map(|row| row.mass.map_or(0.0, |mass| mass.0)).collect();
-        self.species = rows.iter().map(|row| row.species.copied().unwrap_or_default()).collect();
-        self.load = vec![Load::default(); rows.len()];
-        self.movable_end = self.body.partition_point(|body| body.inverse_mass != 0.0);
+        self.fill(particles, &slots);
         self.generation += 1;
+    }
+
+    /// Fills the columns but the names with particles as they come, who have these slots.
+    fn fill(&mut self, particles: &mut Query<Particle<V>>, slots: &[u32]) {
+        let size = slots.len();
+        let contacts = std::mem::take(&mut self.contacts);
+        if !contacts.is_empty() {
+            self.contacts.resize(size, MANY);
+        }
+        self.entity.resize(size, Entity::PLACEHOLDER);
+        self.body.resize(size, Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 });
+        self.mass.resize(size, 0.0);
+        self.species.resize(size, Species::default());
+        self.load.clear();
+        self.load.resize(size, Load::default());
+        for (mut particle, &slot) in particles.iter_mut().zip(slots) {
+            let i = slot as usize;
+            if let (Some(entry), Some(&count)) = (self.contacts.get_mut(i), contacts.get(particle.slot.index())) {
+                *entry = count;
+            }
+            self.entity[i] = particle.entity;
+            self.body[i] = Body {
+                position: particle.position.0,
+                velocity: particle.velocity.0,
+                radius: particle.radius.0,
+                inverse_mass: inverse_mass(particle.mass, particle.is_fixed),
+            };
+            self.mass[i] = particle.mass.map_or(0.0, |mass| mass.0);
+            self.species[i] = particle.species.copied().unwrap_or_default();
+            particle.slot.0 = slot;
+        }
     }
 
     /// Whether more than a tenth of the grains come after one whose place is later.
@@ -149,15 +176,9 @@ pub(crate) fn is_time_to_tidy(clock: Res<Clock>) -> bool {
 pub(crate) fn renumber<V: Space>(
     mut columns: ResMut<Columns<V>>,
     (mut changed, mut count): (ResMut<PopulationChanged>, ResMut<Renumberings>),
-    mut particles: ParamSet<(Query<Particle<V>>, Query<&mut Slot>)>,
+    mut particles: Query<Particle<V>>,
 ) {
-    columns.refill(particles.p0().iter());
-    let mut slots = particles.p1();
-    for (slot, &entity) in (0..).zip(&columns.entity) {
-        if let Ok(mut place) = slots.get_mut(entity) {
-            place.0 = slot;
-        }
-    }
+    columns.refill(&mut particles);
     changed.0 = false;
     count.0 += 1;
 }

@@ -6,18 +6,18 @@
 //! one without friction those of the spin. Numbers are written with as many digits as they need to be read back to the
 //! same bits.
 
-use std::collections::BTreeSet;
-use std::fmt::Write as _;
+mod read;
+mod write;
+
 use std::path::PathBuf;
 
-use bevy_ecs::prelude::*;
-use csv::{ReaderBuilder, StringRecord};
 use serde::{Deserialize, Serialize};
 
-use crate::fault::Fault;
+pub use self::read::{parse, read};
+pub(crate) use self::write::by_id;
+pub use self::write::{write, write_to};
 use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
-use crate::space::{Dimension, Linear, Solid, Space};
-use crate::spin::Spin;
+use crate::space::{Dimension, Solid, Space};
 
 /// The scene's `grains`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -98,171 +98,12 @@ impl Kind {
     }
 }
 
-/// Reads a grain file's text. `name` is the file's name in messages.
-///
-/// # Errors
-/// If a column is missing or unknown, or a value not in range; the fault points at line and column.
-pub fn parse(name: &str, text: &str, kind: Kind) -> Result<Vec<GrainRow>, Fault> {
-    let mut reader = ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(text.as_bytes());
-    let header = reader.headers().map_err(|error| broken(name, text, &error))?.clone();
-    check_header(name, text, &header, kind)?;
-    let mut seen = BTreeSet::new();
-    let mut rows = Vec::new();
-    for record in reader.records() {
-        let record = record.map_err(|error| broken(name, text, &error))?;
-        let line = Line { name, text, header: &header, record: &record, kind };
-        let row = line.grain()?;
-        if !seen.insert(row.id) {
-            return Err(line.fault(
-                "grain_file::duplicate_id",
-                "id",
-                format!("the id {} occurs twice", row.id.number()),
-            ));
-        }
-        rows.push(row);
-    }
-    Ok(rows)
-}
-
-fn check_header(name: &str, text: &str, header: &StringRecord, kind: Kind) -> Result<(), Fault> {
-    let first_line = 0..text.find('\n').unwrap_or(text.len());
-    let fault = |code, message: String| {
-        let needed: Vec<_> = kind.needed().collect();
-        let help = format!("the columns are {} and, if wanted, species, wx, wy, wz", needed.join(", "));
-        Err(Fault::new(code, message).help(help).at(name, text, first_line.clone()))
-    };
-    if let Some(missing) = kind.needed().find(|&column| !header.iter().any(|found| found == column)) {
-        return fault("grain_file::missing_column", format!("the column `{missing}` is missing"));
-    }
-    let known = |column: &str| {
-        ALWAYS.contains(&column) || IN_SPACE.contains(&column) || SPIN.contains(&column) || column == "species"
-    };
-    if let Some(unknown) = header.iter().find(|column| !known(column)) {
-        return fault("grain_file::unknown_column", format!("there is no column `{unknown}`"));
-    }
-    Ok(())
-}
-
-fn broken(name: &str, text: &str, error: &csv::Error) -> Fault {
-    let at = error.position().and_then(|position| usize::try_from(position.byte()).ok()).unwrap_or(0);
-    Fault::new("grain_file::syntax", format!("this is not CSV: {error}")).help("separate values by commas").at(
-        name,
-        text,
-        at..at,
-    )
-}
-
-struct Line<'a> {
-    name: &'a str,
-    text: &'a str,
-    header: &'a StringRecord,
-    record: &'a StringRecord,
-    kind: Kind,
-}
-
-impl Line<'_> {
-    fn value(&self, column: &str) -> Option<&str> {
-        self.record.get(self.header.iter().position(|found| found == column)?)
-    }
-
-    fn fault(&self, code: &'static str, column: &str, message: String) -> Fault {
-        let from = self.record.position().and_then(|position| usize::try_from(position.byte()).ok()).unwrap_or(0);
-        // A record starts where the one before it ended; skip the line break in between.
-        let from = from + self.text[from..].len() - self.text[from..].trim_start().len();
-        let line = &self.text[from..from + self.text[from..].find('\n').unwrap_or(self.text.len() - from)];
-        let index = self.header.iter().position(|found| found == column).unwrap_or(0);
-        let start: usize = line.split(',').take(index).map(|cell| cell.len() + 1).sum();
-        let start = start.min(line.len());
-        let length = line[start..].find(',').unwrap_or(line.len() - start);
-        Fault::new(code, format!("column `{column}`: {message}")).help("one grain a row; numbers in SI units").at(
-            self.name,
-            self.text,
-            from + start..from + start + length,
-        )
-    }
-
-    fn number(&self, column: &str, holds: impl Fn(f64) -> bool, expected: &str) -> Result<f64, Fault> {
-        let found = self.value(column).unwrap_or("");
-        match found.parse::<f64>() {
-            Ok(number) if number.is_finite() && holds(number) => Ok(number),
-            _ => Err(self.fault("grain_file::value", column, format!("expected {expected}, got `{found}`"))),
-        }
-    }
-
-    fn grain(&self) -> Result<GrainRow, Fault> {
-        let any = |column| self.number(column, |_| true, "a finite number");
-        let positive = |column| self.number(column, |x| x > 0.0, "a number greater than 0");
-        let id = self.value("id").and_then(|id| id.parse().ok()).and_then(GrainId::grain).ok_or_else(|| {
-            let found = self.value("id").unwrap_or("");
-            let message = format!("expected a whole number from 0 to {}, got `{found}`", GrainId::MAX_GRAIN);
-            self.fault("grain_file::value", "id", message)
-        })?;
-        let has = |column: &str| self.value(column).is_some();
-        for column in IN_SPACE.into_iter().chain(SPIN).filter(|column| self.kind.must_be_zero(column) && has(column)) {
-            self.number(column, |x| x == 0.0, "0, for this scene is planar or its grains do not spin")?;
-        }
-        let or_zero = |column: &'static str| if has(column) { any(column) } else { Ok(0.0) };
-        let species = match self.value("species") {
-            None => 0,
-            Some(found) => found.parse().map_err(|_| {
-                let message = format!("expected a whole number from 0 to 255, got `{found}`");
-                self.fault("grain_file::value", "species", message)
-            })?,
-        };
-        Ok(GrainRow {
-            id,
-            radius: positive("radius")?,
-            mass: positive("mass")?,
-            position: Solid::new(any("x")?, any("y")?, or_zero("z")?),
-            velocity: Solid::new(any("vx")?, any("vy")?, or_zero("vz")?),
-            spin: Solid::new(or_zero("wx")?, or_zero("wy")?, or_zero("wz")?),
-            species: Species(species),
-        })
-    }
-}
-
-/// The grains of a world as such a file, in ascending order of id.
-pub fn write<V: Space>(world: &mut World) -> String {
-    type Row<'a, V> = (
-        &'a GrainId,
-        &'a Radius,
-        &'a Mass,
-        &'a Position<V>,
-        &'a Velocity<V>,
-        &'a Species,
-        Option<&'a Spin<<V as Space>::Spin>>,
-    );
-    let mut grains = world.query_filtered::<Row<V>, With<Grain>>();
-    let mut rows: Vec<_> = grains.iter(world).collect();
-    rows.sort_unstable_by_key(|row| *row.0);
-    let is_solid = V::DIMENSION == Dimension::Solid;
-    let mut text =
-        if is_solid { "id,radius,mass,x,y,z,vx,vy,vz,species" } else { "id,radius,mass,x,y,vx,vy,species" }.to_owned();
-    let spins = rows.iter().any(|row| row.6.is_some());
-    if spins {
-        text += if is_solid { ",wx,wy,wz" } else { ",wz" };
-    }
-    text.push('\n');
-    for (id, radius, mass, x, v, species, spin) in rows {
-        // Writing to a string cannot fail.
-        let _ = write!(text, "{},{},{}", id.number(), radius.0, mass.0);
-        for number in x.0.components().into_iter().chain(v.0.components()) {
-            let _ = write!(text, ",{number}");
-        }
-        let _ = write!(text, ",{}", species.0);
-        let spin = spin.map_or(Solid::ZERO, |spin| spin.0.spread());
-        for number in spin.to_array().into_iter().skip(if is_solid { 0 } else { 2 }).filter(|_| spins) {
-            let _ = write!(text, ",{number}");
-        }
-        text.push('\n');
-    }
-    text
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::space::Plane;
+    use crate::spin::Spin;
+    use bevy_ecs::prelude::*;
 
     const PLANE: Kind = Kind { dimension: Dimension::Plane, spins: false };
 

@@ -5,8 +5,8 @@
 //! `summary.json`. A directory that holds an earlier run is cleared of it first; one that holds anything else is refused.
 //! Copies have names of their own, `input-...`, which no result has.
 
-use std::fs;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -57,13 +57,21 @@ impl RunDirectory {
         for (key, ..) in &source.files {
             text = places::set(&text, key, &format!("{:?}", copy_name(key)))?;
         }
-        directory.clear().map_err(fault)?;
         fs::create_dir_all(directory.frames()).map_err(fault)?;
-        for (key, content) in &source.files {
-            fs::write(directory.0.join(copy_name(key)), content).map_err(fault)?;
-        }
+        directory.renew(&source.files).map_err(fault)?;
         fs::write(directory.0.join(SCENE), text).map_err(fault)?;
         Ok(directory)
+    }
+
+    /// Exchanges what an earlier run left for copies of these files, which may be its own.
+    fn renew(&self, files: &[(&'static str, PathBuf)]) -> io::Result<()> {
+        let whole = |key: &str| self.0.join(copy_name(key));
+        let part = |key: &str| whole(key).with_extension("part");
+        for (key, from) in files {
+            io::copy(&mut File::open(from)?, &mut File::create(part(key))?)?;
+        }
+        self.clear()?;
+        files.iter().try_for_each(|(key, _)| fs::rename(part(key), whole(key)))
     }
 
     /// Removes what an earlier run left.
@@ -128,12 +136,18 @@ impl RunDirectory {
         self.0.join(FLOW)
     }
 
-    /// Writes the final state and the summary.
+    /// Writes the final state, as `write_state` puts it, and the summary.
     ///
     /// # Errors
     /// If they cannot be written.
-    pub fn finish(&self, state: &str, summary: &impl Serialize) -> io::Result<()> {
-        fs::write(self.0.join("state.csv"), state)?;
+    pub fn finish(
+        &self,
+        write_state: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+        summary: &impl Serialize,
+    ) -> io::Result<()> {
+        let mut state = BufWriter::new(File::create(self.0.join("state.csv"))?);
+        write_state(&mut state)?;
+        state.flush()?;
         let json = serde_json::to_string_pretty(summary).map_err(io::Error::other)?;
         // Under its name only when it is whole.
         let (half, whole) = (self.0.join("summary.json.part"), self.0.join("summary.json"));

@@ -7,6 +7,7 @@
 
 use bevy_ecs::prelude::*;
 
+use crate::grains::file::by_id;
 use crate::particle::{Grain, GrainId, Mass, Position, Radius, Velocity};
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::spin::Spin;
@@ -24,10 +25,9 @@ type Row<'a, V> =
 
 fn of<V: Space>(world: &mut World) -> u64 {
     let mut grains = world.query_filtered::<Row<V>, With<Grain>>();
-    let mut rows: Vec<_> = grains.iter(world).collect();
-    rows.sort_unstable_by_key(|row| *row.0);
     let mut hash = Fnv::default();
-    for (id, x, v, radius, mass, spin) in rows {
+    for entity in by_id(world) {
+        let Ok((id, x, v, radius, mass, spin)) = grains.get(world, entity) else { continue };
         hash.eat(&id.number().to_le_bytes());
         let mut numbers = x.0.components();
         numbers.extend(v.0.components());

@@ -1,5 +1,6 @@
 //! Loading: the scene's text with `--set` applied, its files read, its rules checked.
 
+use std::fs;
 use std::path::Path;
 
 use crate::check::Estimates;
@@ -16,6 +17,7 @@ use crate::scene::source::Source;
 use crate::scene::values::Positive;
 use crate::scene::{Method, Scene, TimeStep, rules};
 use crate::space::{Dimension, Solid, Space};
+use crate::spin::InertiaLaw;
 use crate::walls::config::Wall;
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
 use crate::walls::surfaces::FlatWall;
@@ -100,15 +102,15 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
     // Nobody looks at a vector before its length is known to be right.
     rules::space(&loaded)?;
     if let Some(silo) = loaded.scene.silo.clone() {
-        let (shown, text) = loaded.source.read_named(&silo.file, "silo.file")?;
-        loaded.silo = silo_file::parse(&shown, &text, silo.unit)?;
-        loaded.source.files.push(("silo.file", text));
+        let path = loaded.source.name_file("silo.file", &silo.file);
+        let text = fs::read_to_string(&path).map_err(|error| loaded.source.unreadable("silo.file", &path, &error))?;
+        loaded.silo = silo_file::parse(&path.display().to_string(), &text, silo.unit)?;
     }
     if let Some(grains) = loaded.scene.grains.clone() {
-        let (shown, text) = loaded.source.read_named(&grains.file, "grains.file")?;
+        let path = loaded.source.name_file("grains.file", &grains.file);
         let kind = Kind { dimension: loaded.scene.space, spins: loaded.scene.contact.spins() };
-        loaded.grains = file::parse(&shown, &text, kind)?;
-        loaded.source.files.push(("grains.file", text));
+        let grains = file::read(&path.display().to_string(), &path, kind);
+        loaded.grains = grains.map_err(|error| loaded.source.unreadable("grains.file", &path, &error))??;
     }
     loaded.fill();
     rules::check(&loaded)?;
@@ -148,6 +150,12 @@ impl Loaded {
         let Scene { contact, pairs, materials, .. } = &self.scene;
         let species = if pairs.is_empty() && materials.len() <= 1 { 1 } else { self.largest_species() + 1 };
         Contacts { usual: *contact, pairs, materials, species, only: None }
+    }
+
+    /// The law of moments of inertia: the scene's, or the usual one of its space.
+    #[must_use]
+    pub fn inertia(&self) -> InertiaLaw {
+        self.scene.inertia.unwrap_or(InertiaLaw::usual(self.scene.space))
     }
 
     /// Whether contacts are centred: the scheme asks for it, and some contact has something to centre.

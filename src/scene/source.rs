@@ -1,6 +1,7 @@
 //! The text of a scene: where it comes from, where each key stands in it, and the files that it names.
 
 use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
@@ -16,8 +17,8 @@ pub struct Source {
     pub name: String,
     /// The text as resolved.
     pub text: String,
-    /// The files that the scene names: key and content, to be kept with the run.
-    pub files: Vec<(&'static str, String)>,
+    /// The files that the scene names: key and path, to be kept with the run.
+    pub files: Vec<(&'static str, PathBuf)>,
     path: String,
     directory: PathBuf,
     places: Places,
@@ -100,16 +101,17 @@ impl Source {
         self.places.get(key).map(|place| self.text[place.value.clone()].trim())
     }
 
-    /// The content of a file that `key` names, and its path as messages show it.
-    ///
-    /// # Errors
-    /// If it cannot be read.
-    pub fn read_named(&self, file: &Path, key: &str) -> Result<(String, String), Fault> {
+    /// Takes note of a file that `key` names, and gives its path.
+    pub fn name_file(&mut self, key: &'static str, file: &Path) -> PathBuf {
         let path = self.directory.join(file);
-        let text = fs::read_to_string(&path).map_err(|error| {
-            self.fault("scene::unreadable_file", key, format!("could not read {}: {error}", path.display()))
-                .help("the path counts from the directory of the scene file")
-        })?;
-        Ok((path.display().to_string(), text))
+        self.files.push((key, path.clone()));
+        path
+    }
+
+    /// A fault that says why such a file cannot be read.
+    #[must_use]
+    pub fn unreadable(&self, key: &str, path: &Path, error: &io::Error) -> Fault {
+        self.fault("scene::unreadable_file", key, format!("could not read {}: {error}", path.display()))
+            .help("the path counts from the directory of the scene file")
     }
 }

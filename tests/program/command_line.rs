@@ -107,6 +107,42 @@ fn a_run_leaves_a_run_directory_that_can_be_run_again() {
 }
 
 #[test]
+fn a_run_may_be_run_again_in_its_own_place() {
+    let here = tempfile::tempdir().unwrap();
+    let run = |scene: &str| {
+        let output = siloflow(here.path(), &["run", scene, "--until", "0.1", "--out", "run", "--quiet"]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let copy = fs::read_to_string(here.path().join("run/input-grains.csv")).unwrap();
+        (summary(&here.path().join("run"))["state_hash"].clone(), copy)
+    };
+    let first = run(&path("column.ron"));
+    assert_eq!(first.1, fs::read_to_string(crate::scene("column.csv")).unwrap());
+    // The grains file is the directory's own copy.
+    assert_eq!(run("run/scene.ron"), first);
+    assert!(!here.path().join("run/input-grains.part").exists());
+}
+
+#[test]
+fn a_grains_file_that_cannot_be_read_is_named_with_its_key() {
+    let here = tempfile::tempdir().unwrap();
+    let run = |file: &str| {
+        let grains = format!("grains.file={file:?}");
+        let output = siloflow(here.path(), &["check", &path("column.ron"), "--set", &grains]);
+        assert_eq!(output.status.code(), Some(2));
+        text(&output.stderr)
+    };
+    let missing = run("no-such-file.csv");
+    assert!(missing.contains("scene::unreadable_file") && missing.contains("no-such-file.csv"), "{missing}");
+    // A directory can be opened, but not read.
+    let directory = run(here.path().to_str().unwrap());
+    assert!(directory.contains("scene::unreadable_file"), "{directory}");
+    let broken = here.path().join("broken.csv");
+    fs::write(&broken, b"id,radius,mass,x,y,vx,vy\n1,0.1,\xff,0,0,0,0\n").unwrap();
+    let broken = run(broken.to_str().unwrap());
+    assert!(broken.contains("grain_file::syntax") && broken.contains("broken.csv:2"), "{broken}");
+}
+
+#[test]
 fn series_rows_carry_the_ledger_and_a_header() {
     let here = tempfile::tempdir().unwrap();
     siloflow(here.path(), &["run", &path("silo1.ron"), "--until", "1.0", "--out", "run", "--quiet"]);
