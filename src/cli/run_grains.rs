@@ -56,7 +56,8 @@ pub(super) fn run_into(
         Dimension::Plane => file::write::<Plane>(world),
         Dimension::Solid => file::write::<Solid>(world),
     };
-    directory.finish(&state, &summary).map_err(|error| unwritable(&directory, &error))?;
+    let written = directory.finish(|file| file.write_all(state.as_bytes()), &summary);
+    written.map_err(|error| unwritable(&directory, &error))?;
     if let Some(failure) = &summary.failure {
         tracing::error!("{failure}");
     }

@@ -5,8 +5,8 @@
 //! `summary.json`. A directory that holds an earlier run is cleared of it first; one that holds anything else is refused.
 //! Copies have names of their own, `input-...`, which no result has.
 
-use std::fs;
-use std::io;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 use serde::Serialize;
@@ -128,12 +128,18 @@ impl RunDirectory {
         self.0.join(FLOW)
     }
 
-    /// Writes the final state and the summary.
+    /// Writes the final state, as `write_state` puts it, and the summary.
     ///
     /// # Errors
     /// If they cannot be written.
-    pub fn finish(&self, state: &str, summary: &impl Serialize) -> io::Result<()> {
-        fs::write(self.0.join("state.csv"), state)?;
+    pub fn finish(
+        &self,
+        write_state: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+        summary: &impl Serialize,
+    ) -> io::Result<()> {
+        let mut state = BufWriter::new(File::create(self.0.join("state.csv"))?);
+        write_state(&mut state)?;
+        state.flush()?;
         let json = serde_json::to_string_pretty(summary).map_err(io::Error::other)?;
         // Under its name only when it is whole.
         let (half, whole) = (self.0.join("summary.json.part"), self.0.join("summary.json"));
