@@ -153,7 +153,7 @@ fn outputs(criterion: &mut Criterion) {
         ("a picture, SVG", "(interval: 1.0e-4)"),
         ("a picture, SVG and PNG", "(interval: 1.0e-4, png: true)"),
     ] {
-        let loaded = bed.load(&[("pictures", pictures), ("series.interval", "1.0e-4")]);
+        let loaded = bed.load(&[("pictures", pictures)]);
         let mut simulation = Simulation::with_plugins(&loaded, &Registry::default(), NonZeroUsize::MIN, |app| {
             match Studio::of(&loaded, directory.path().to_owned()) {
                 Some(studio) => app.add_plugins(FramesPlugin::<Plane>(studio, std::marker::PhantomData)),
