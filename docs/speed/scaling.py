@@ -17,7 +17,7 @@ Sites: a closed box of 250 rows, as many columns as that takes, filled with 6 pa
 scenes/funnel-flow.ron. The mean is over the first --lattice-steps from the fill on, the same for every size, for a bed that has
 settled costs less; of small lattices, the median of up to nine runs.
 
-Bytes are the largest resident set of all runs (VmHWM), program, set-up, reading and writing included, over grains or sites.
+Bytes are the largest resident set of all runs up to their last step (VmHWM), program (10 MB) and set-up included, over grains or sites.
 """
 
 import argparse
