@@ -60,6 +60,12 @@ impl<'a> Assembly<'a> {
         self
     }
 
+    /// What a program brings along.
+    pub(crate) fn add_own(&mut self, build: impl FnOnce(&mut App)) {
+        build(self.app);
+        self.note("the program");
+    }
+
     pub(crate) fn add_behaviours(&mut self, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
         for (name, behaviour) in behaviours {
             behaviour.build(self.app);

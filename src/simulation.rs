@@ -42,6 +42,20 @@ impl Simulation {
         Self::with(loaded, registry, threads, |_| {})
     }
 
+    /// The same, with what a program adds on top: outputs, say, which look and write no physics. (What does is a
+    /// [`Behaviour`].)
+    ///
+    /// # Errors
+    /// As [`Simulation::new`].
+    pub fn with_plugins(
+        loaded: &Loaded,
+        registry: &Registry,
+        threads: NonZeroUsize,
+        more: impl FnOnce(&mut App),
+    ) -> Result<Self, Fault> {
+        Self::with(loaded, registry, threads, |assembly| assembly.add_own(more))
+    }
+
     /// The same, with plugins of the caller's on top.
     pub(crate) fn with(
         loaded: &Loaded,

@@ -7,7 +7,7 @@
     docs/speed/side-by-side.py compare w1-1e4                (times both alternately, pinned to one core)
     docs/speed/side-by-side.py tile w1-1e5 10 --steps 200    (siloflow alone, ten such beds side by side)
 
-Beds: w1-1e4, w1-1e5 (2D, frictionless, half R = 0.03 m and half 0.04 m) and w2-1e4, w2-1e5 (3D, friction with history).
+Beds: w1-1e3, w1-1e4, w1-1e5 (2D, frictionless, half R = 0.03 m and half 0.04 m) and w2-1e4, w2-1e5 (3D, friction with history).
 All files are kept in --dir (default target/side-by-side). No packages needed.
 
 LAMMPS's settled state becomes the grains file of a scene, with all its digits. Both programs then take one step from
@@ -42,6 +42,7 @@ W2 = {"k": 2e5 * M * G / D, "dt": 1e-6, "skin": 0.02e-3, "lammps_skin": 0.05}
 STICKING = 1.0e4  # the largest that LAMMPS takes
 W2["gamma"] = HALF_LOG * math.sqrt(2 * W2["k"] / M)
 BEDS = {
+    "w1-1e3": {**W1, "grains": 1_000, "steps": 30_000, "settle": {"mix": 1}},
     "w1-1e4": {**W1, "grains": 10_000, "steps": 3000, "settle": {"mix": 1}},
     "w1-1e5": {**W1, "grains": 100_000, "steps": 400, "settle": {"mix": 1, "nset": 9000, "nset2": 4000}},
     "w2-1e4": {**W2, "grains": 10_000, "steps": 2000, "settle": {"L": 25}, "again": (16000, 8000, 2000)},
@@ -105,23 +106,30 @@ def read_data(path):
     return box, rows
 
 
+def write_grains(path, rows, planar, width, copies):
+    """A grains file; all of a row but its number and x is the same in every copy, and is made into text once."""
+    atoms = []
+    for atom in sorted(rows):
+        r, m, x, v = rows[atom]
+        rest = [x[1], v[0], v[1]] + ([] if planar else [x[2], v[2], *v[3:6]])
+        atoms.append((atom, f"{r!r},{m!r},", x[0], "".join(f",{number!r}" for number in rest)))
+    with path.open("w") as file:
+        file.write("id,radius,mass,x,y,vx,vy" + ("\n" if planar else ",z,vz,wx,wy,wz\n"))
+        for copy in range(copies):
+            first, shift = copy * len(atoms) + 1, copy * width
+            file.writelines(
+                f"{atom if copies == 1 else first + place},{made}{x + shift!r}{rest}\n"
+                for place, (atom, made, x, rest) in enumerate(atoms)
+            )
+
+
 def write_scene(args, name, copies=1):
     """The bed as scene and grains file, `copies` times side by side."""
     bed, planar = BEDS[name], is_planar(name)
     box, rows = read_data(args.dir / f"{name}.data")
     width = box["x"][1] - box["x"][0]
     stem = args.dir / (name if copies == 1 else f"{name}-x{copies}")
-    with stem.with_suffix(".csv").open("w", newline="") as file:
-        out = csv.writer(file)
-        out.writerow("id radius mass x y vx vy".split() + ([] if planar else "z vz wx wy wz".split()))
-        number = 0
-        for copy in range(copies):
-            for atom in sorted(rows):
-                r, m, x, v = rows[atom]
-                number += 1
-                named = atom if copies == 1 else number
-                place = [named, r, m, repr(x[0] + copy * width), x[1], v[0], v[1]]
-                out.writerow(place + ([] if planar else [x[2], v[2], *v[3:6]]))
+    write_grains(stem.with_suffix(".csv"), rows, planar, width, copies)
     law = f"k: {bed['k']!r}, damping: PerMass({bed['gamma']!r}), attraction: Allowed"
     if planar:
         floor = [f"HalfPlane(point: ({box['x'][0]!r}, 0.0), normal: (1.0, 0.0))",

@@ -1,8 +1,11 @@
-//! Draws the figures of the documentation, each from runs made here and now:
+//! Draws the figures of the documentation, from runs made here and now, or from a table (`scaling`):
 //!
 //! ```text
-//! cargo run --release --example figures        # writes docs/figures/{free-fall,step-error}.{svg,png}
+//! cargo run --release --example figures              # writes docs/figures/{free-fall,step-error,scaling}.{svg,png}
+//! cargo run --release --example figures -- scaling   # one of them
 //! ```
+
+mod scaling;
 
 use std::f64::consts::PI;
 use std::num::NonZeroUsize;
@@ -154,7 +157,11 @@ fn step_error() -> String {
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let directory = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/figures");
-    for (name, svg) in [("free-fall", free_fall()), ("step-error", step_error())] {
+    let figures: [(&str, fn() -> Result<String, Box<dyn std::error::Error>>); 3] =
+        [("free-fall", || Ok(free_fall())), ("step-error", || Ok(step_error())), ("scaling", scaling::figure)];
+    let wanted: Vec<String> = std::env::args().skip(1).collect();
+    for (name, draw) in figures.into_iter().filter(|(name, _)| wanted.is_empty() || wanted.iter().any(|w| w == name)) {
+        let svg = draw()?;
         let path = directory.join(format!("{name}.svg"));
         std::fs::write(&path, svg)?;
         png::render_file(&path)?;

@@ -55,9 +55,9 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     let starts =
         loaded.scene.spawner.iter().map(|s| s.point.get()).chain(loaded.grains.iter().map(|g| g.position.truncate()));
     let mut stack: Vec<_> = starts.map(|x| grid(x, spacing)).collect();
-    stack.iter().for_each(|&point| {
+    for &point in &stack {
         field.see(point);
-    });
+    }
     while let Some((i, j)) = stack.pop() {
         let x = place((i, j), spacing);
         if x.y >= high.y || field.is_blocked((i, j)) || behind(x) {

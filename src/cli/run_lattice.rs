@@ -16,7 +16,7 @@ use crate::lattice::load::LoadedLattice;
 use crate::lattice::pictures::PicturesPlugin;
 use crate::lattice::series::SeriesPlugin;
 use crate::lattice::sites::Sites;
-use crate::lattice::summary::{Summary, state_csv};
+use crate::lattice::summary::{Summary, write_state};
 use crate::outcome::End;
 use crate::output::run_directory::RunDirectory;
 use crate::simulation::Simulation;
@@ -40,8 +40,8 @@ pub(super) fn run_into(
     let end = drive(&mut simulation, loaded, quiet);
     let world = simulation.world();
     let summary = Summary::of(world, loaded, &end, start.elapsed().as_secs_f64());
-    let state = state_csv(world.resource::<Sites>(), world.resource::<Gas>());
-    let written = directory.finish(|file| file.write_all(state.as_bytes()), &summary);
+    let (sites, gas) = (world.resource::<Sites>(), world.resource::<Gas>());
+    let written = directory.finish(|file| write_state(sites, gas, file), &summary);
     written.map_err(|error| unwritable(&directory, &error))?;
     if let Some(failure) = &summary.failure {
         tracing::error!("{failure}");

@@ -59,6 +59,27 @@ impl<V: Space> Default for Pages<V> {
 }
 
 impl<V: Space> Pages<V> {
+    /// Makes them empty, with room for about as many contacts as those had: vectors that double would hold twice as much.
+    pub(super) fn begin<L: Demands>(&mut self, earlier: &Self) {
+        fn make_room<T>(column: &mut Vec<T>, expected: usize) {
+            if column.capacity() < expected || column.capacity() > 2 * expected + LANES {
+                *column = Vec::with_capacity(expected + expected / 16);
+            }
+        }
+        self.clear();
+        let expected = earlier.keys.len();
+        make_room(&mut self.keys, expected);
+        if L::SPRING {
+            make_room(&mut self.spring, expected);
+        }
+        if L::ROLLING {
+            make_room(&mut self.rolling, expected);
+        }
+        if L::STIFFNESS {
+            make_room(&mut self.stiffness, expected);
+        }
+    }
+
     /// Makes them empty.
     pub fn clear(&mut self) {
         self.keys.clear();
@@ -238,6 +259,10 @@ impl<V: Space> History<V> {
             return;
         }
         self.generation = columns.generation;
+        if self.now.iter().chain(&self.walls[..1]).all(|pages| pages.keys.is_empty()) {
+            self.names.clone_from(&columns.id);
+            return;
+        }
         let slots: HashMap<GrainId, u32> = columns.id.iter().copied().zip(0..).collect();
         let place = |old: usize| self.names.get(old).and_then(|name| slots.get(name)).copied();
         let mut pairs = Vec::new();

@@ -138,7 +138,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
                 lost: [0.0; 2],
                 forgotten: [0.0; 2],
             };
-            self.now[number].clear();
+            self.now[number].begin::<L>(&self.before[first / BLOCK]);
             for piece in self.pass.list.block(first / BLOCK).chunks(PIECE) {
                 if self.offer(piece) {
                     self.flush(&mut block);

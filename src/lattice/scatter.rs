@@ -31,9 +31,9 @@ pub(super) fn place(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
     scatter(sites, spare, resting, &rounds, |s| numbers[s], |donor| held[donor] += 1);
 }
 
-/// What one donor asks in one round.
+/// What one donor, by its place on the list, asks in one round.
 struct Proposal {
-    donor: usize,
+    place: usize,
     to: usize,
     direction: usize,
 }
@@ -52,8 +52,9 @@ pub(super) fn scatter(
     for round in 0..ROUNDS {
         let streams = |sub_step| Streams::new(rounds.seed, rounds.t, rounds.purpose, 2 * round + sub_step);
         proposals.clear();
-        for &(donor, left) in spare.iter().filter(|(_, left)| *left > 0) {
-            propose(sites, donor, left, resting, &number, streams(0).of(donor), &mut proposals);
+        for (place, &(donor, left)) in spare.iter().enumerate().filter(|(_, (_, left))| *left > 0) {
+            let to = propose(sites, donor, left, resting, &number, streams(0).of(donor));
+            proposals.extend(to.map(|(to, direction)| Proposal { place, to, direction }));
         }
         // One neighbour's proposals side by side, in ascending order of direction.
         proposals.sort_unstable_by_key(|p| (p.to, p.direction));
@@ -63,16 +64,14 @@ pub(super) fn scatter(
             let direction = nth(chosen, below(accept.of(asked[0].to).high(0), chosen.count_ones()));
             let Some(winner) = asked.iter().find(|p| p.direction == direction) else { continue };
             resting[winner.to] = 1;
-            taken(winner.donor);
-            // Donors are few and in ascending order.
-            if let Ok(place) = spare.binary_search_by_key(&winner.donor, |&(site, _)| site) {
-                spare[place].1 -= 1;
-            }
+            let (donor, left) = &mut spare[winner.place];
+            *left -= 1;
+            taken(*donor);
         }
     }
 }
 
-/// The proposals of one donor for `left` particles.
+/// The sites to which one donor proposes for `left` particles, and in which directions they are.
 fn propose(
     sites: &Sites,
     donor: usize,
@@ -80,8 +79,7 @@ fn propose(
     resting: &[u8],
     number: &impl Fn(usize) -> u8,
     draws: Draws,
-    proposals: &mut Vec<Proposal>,
-) {
+) -> impl Iterator<Item = (usize, usize)> {
     let mut free = [(0, 0, 0); 6];
     let mut count = 0;
     for direction in 1..=6 {
@@ -92,7 +90,6 @@ fn propose(
         }
     }
     free[..count].sort_unstable();
-    for &(_, _, direction) in free[..count].iter().take(usize::from(left)) {
-        proposals.push(Proposal { donor, to: sites.neighbour(donor, direction), direction });
-    }
+    let chosen = free.into_iter().take(count.min(usize::from(left)));
+    chosen.map(move |(_, _, direction)| (sites.neighbour(donor, direction), direction))
 }

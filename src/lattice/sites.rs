@@ -151,11 +151,11 @@ impl Sites {
 
     /// What is blocked, and how it is reflected.
     fn find_edges(&mut self) {
-        let fluid: Vec<usize> = self.fluid().collect();
-        let top = fluid.iter().map(|&s| self.coordinates(s).1).max().unwrap_or(0);
+        let top = self.runs.iter().map(|run| self.coordinates(run.start + run.len - 1).1).max().unwrap_or(0);
         let mut mirrors = Mirrors::default();
         self.edges.clear();
-        for s in fluid {
+        let runs = std::mem::take(&mut self.runs);
+        for s in runs.iter().flat_map(|run| run.start..run.start + run.len) {
             let is_wall = |d: usize| self.kinds[self.neighbour(s, d)] == Kind::Wall;
             let is_squeezed = |d: usize| d >= 7 && is_wall(FLANKS[d - 7].0) && is_wall(FLANKS[d - 7].1);
             let blocked = (1..=12).filter(|&d| is_wall(d) || is_squeezed(d)).fold(0, |set, d| set | 1 << d);
@@ -166,6 +166,7 @@ impl Sites {
                 self.edges.push(Edge { site: s, blocked, rough: if touches_lid { 0 } else { blocked }, reflection });
             }
         }
+        self.runs = runs;
     }
 
     /// Opens the door: the doorway becomes a sink.

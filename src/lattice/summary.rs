@@ -2,7 +2,7 @@
 //!
 //! `format` is raised when a key changes its meaning or goes; keys may be added. `null` stands for what did not happen.
 
-use std::fmt::Write as _;
+use std::io::{self, Write};
 
 use bevy_ecs::prelude::*;
 use serde::Serialize;
@@ -15,6 +15,7 @@ use crate::lattice::rest::RestDetector;
 use crate::lattice::rules::Rules;
 use crate::lattice::sites::Sites;
 use crate::outcome::End;
+use crate::output::peak::peak_memory;
 use crate::output::state_hash::Fnv;
 use crate::output::summary::FORMAT;
 use crate::step::Clock;
@@ -71,6 +72,9 @@ pub struct Performance {
     pub site_updates: u64,
     /// Their quotient.
     pub site_updates_per_s: f64,
+    /// The largest resident set of the program up to the end of the last step, set-up included, bytes; `null` where the system
+    /// does not tell.
+    pub peak_memory_bytes: Option<u64>,
     /// Threads.
     pub threads: usize,
     /// The rules.
@@ -87,15 +91,16 @@ pub fn state_hash(sites: &Sites, gas: &Gas) -> u64 {
 }
 
 /// `state.csv`: the sites with particles, their places (m) and their states, bit i for a particle with velocity i.
-#[must_use]
-pub fn state_csv(sites: &Sites, gas: &Gas) -> String {
-    let mut text = "x_m,y_m,state\n".to_owned();
+///
+/// # Errors
+/// If it cannot be written.
+pub fn write_state(sites: &Sites, gas: &Gas, file: &mut dyn Write) -> io::Result<()> {
+    writeln!(file, "x_m,y_m,state")?;
     for s in sites.fluid().filter(|&s| gas.states()[s] != 0) {
         let x = sites.position(s);
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "{:.9},{:.9},{}", x.x, x.y, gas.states()[s]);
+        writeln!(file, "{:.9},{:.9},{}", x.x, x.y, gas.states()[s])?;
     }
-    text
+    Ok(())
 }
 
 impl Summary {
@@ -128,6 +133,7 @@ impl Summary {
                 wall_s,
                 site_updates,
                 site_updates_per_s: speed,
+                peak_memory_bytes: peak_memory(),
                 threads: world.resource::<Threads>().count(),
                 rules: loaded.rules,
             },

@@ -12,8 +12,8 @@ use crate::lattice::scene::LatticeScene;
 use crate::lattice::sites::Sites;
 use crate::scene::source::Source;
 
-/// Stored sites of the largest lattice: a few hundred MB.
-const MOST_SITES: usize = 20_000_000;
+/// Stored sites of the largest lattice: 3 GB or so.
+const MOST_SITES: usize = 200_000_000;
 
 /// Checks what the sites are made of.
 ///

@@ -4,6 +4,7 @@ pub mod album;
 pub mod colour;
 pub mod flow;
 pub mod frames;
+pub mod peak;
 pub mod plot;
 pub mod png;
 pub mod profiles;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
 
 use ::png::{ColorType, Compression, Encoder, EncodingError};
-use resvg::tiny_skia::{Pixmap, Transform};
+use resvg::tiny_skia::{Pixmap, PremultipliedColorU8, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 
 use crate::fault::Fault;
@@ -39,7 +39,7 @@ fn compressed(pixels: Pixmap) -> Result<Vec<u8>, EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, pixels.width(), pixels.height());
     encoder.set_compression(Compression::Fast);
-    let is_opaque = pixels.pixels().iter().all(|pixel| pixel.is_opaque());
+    let is_opaque = pixels.pixels().iter().all(PremultipliedColorU8::is_opaque);
     encoder.set_color(if is_opaque { ColorType::Rgb } else { ColorType::Rgba });
     let colours = if is_opaque {
         pixels.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect()

@@ -19,6 +19,7 @@ use crate::measure::discharge::Discharge;
 use crate::measure::totals;
 use crate::neighbours::Rebuilds;
 use crate::outcome::End;
+use crate::output::peak::peak_memory;
 use crate::output::state_hash;
 use crate::rest::RestDetector;
 use crate::scene::load::Loaded;
@@ -115,6 +116,9 @@ pub struct Performance {
     pub particle_steps: u64,
     /// Their quotient.
     pub particle_steps_per_s: f64,
+    /// The largest resident set of the program up to the end of the last step, set-up included, bytes; `null` where the system
+    /// does not tell.
+    pub peak_memory_bytes: Option<u64>,
     /// How often cells were filled or the list was renewed.
     pub neighbour_rebuilds: u64,
     /// Threads of the force pass.
@@ -192,6 +196,7 @@ impl Summary {
                 wall_s: cost.wall_s,
                 particle_steps: cost.particle_steps,
                 particle_steps_per_s: speed,
+                peak_memory_bytes: peak_memory(),
                 neighbour_rebuilds: world.resource::<Rebuilds>().0,
                 threads: world.resource::<Threads>().count(),
                 integrator: loaded.scene.integrator,

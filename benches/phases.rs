@@ -1,0 +1,179 @@
+#![allow(missing_docs, reason = "criterion's macros")]
+#![allow(clippy::print_stdout, reason = "a benchmark prints")]
+//! Nanoseconds per particle-step of every phase, measured within whole steps, so that they add up to the whole.
+//!
+//! For each bed, first a table of all systems: what each takes, what they take together, and what a whole step takes without
+//! the stopwatch; the rest is what the loop does between steps. Then criterion times every phase. What does not happen in
+//! every step is provoked in each: a list that has to be looked through, slots dealt out because a grain has changed, rows
+//! of tables sorted in step zero; and the outputs, a row and a picture a step. Beds are those of `crystal`: divide by
+//! criterion's elements.
+
+mod crystal;
+mod stopwatch;
+
+use std::num::NonZeroUsize;
+use std::time::{Duration, Instant};
+
+use criterion::measurement::WallTime;
+use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
+use siloflow::columns::Columns;
+use siloflow::grains::file;
+use siloflow::measure::totals;
+use siloflow::output::frames::{FramesPlugin, Studio};
+use siloflow::output::series::{Series, SeriesPlugin};
+use siloflow::prelude::*;
+use stopwatch::{PARTS, Stopwatch};
+
+use self::crystal::{Crystal, R, go_on};
+
+/// One layer of discs, all of which touch the floor.
+const LAYER: Crystal = Crystal { is_solid: false, grains: 10_000, wide: 10_000, is_mixed: false };
+
+fn group<'a>(criterion: &'a mut Criterion, name: &str, grains: u32) -> BenchmarkGroup<'a, WallTime> {
+    let mut group = criterion.benchmark_group(name);
+    group.throughput(Throughput::Elements(u64::from(grains))).sample_size(10);
+    group.warm_up_time(Duration::from_millis(300)).measurement_time(Duration::from_secs(1));
+    group
+}
+
+fn watch(simulation: &mut Simulation) -> Mut<'_, Stopwatch> {
+    simulation.world_mut().resource_mut::<Stopwatch>()
+}
+
+/// Prints what every system takes, ns a grain and step.
+fn table(name: &str, bed: Crystal, simulation: &mut Simulation) {
+    let steps = (4_000_000 / bed.grains).max(10);
+    let share = |time: Duration| time.as_secs_f64() * 1e9 / f64::from(steps) / f64::from(bed.grains);
+    let mut bare = bed.simulation();
+    let begin = Instant::now();
+    go_on(&mut bare, u64::from(steps));
+    let whole = share(begin.elapsed());
+    watch(simulation).reset();
+    go_on(simulation, u64::from(steps));
+    let coordination = totals::of_world(simulation.world()).coordination;
+    println!("\n{name}: {coordination:.2} contacts a grain, {steps} steps; ns a grain and step");
+    let watch = watch(simulation);
+    for (part, (phase, _)) in PARTS.iter().enumerate() {
+        println!("{:>8.3}  {phase}", share(watch.part(part)));
+        for (entry, &spent) in watch.systems.iter().zip(&watch.spent).filter(|(entry, _)| entry.part == Some(part)) {
+            println!("          {:>8.3}  {}", share(spent), entry.name);
+        }
+    }
+    println!("{:>8.3}  all of them; a whole step without the stopwatch {whole:.3}\n", share(watch.total()));
+}
+
+/// What a stopwatch reads after so many steps, each begun by `before`.
+fn timed(
+    simulation: &mut Simulation,
+    steps: u64,
+    mut before: impl FnMut(&mut World),
+    read: impl Fn(&Stopwatch) -> Duration,
+) -> Duration {
+    watch(simulation).reset();
+    for _ in 0..steps {
+        before(simulation.world_mut());
+        go_on(simulation, 1);
+    }
+    read(&watch(simulation))
+}
+
+fn phases(criterion: &mut Criterion) {
+    let beds = [
+        ("discs, 10000", Crystal::of(false, 10_000)),
+        ("discs, 100000", Crystal::of(false, 100_000)),
+        ("a layer of discs, 10000", LAYER),
+        ("frictional spheres, 10000", Crystal::of(true, 10_000)),
+    ];
+    for (name, bed) in beds {
+        let mut simulation = bed.simulation();
+        stopwatch::put_into(&mut simulation);
+        table(name, bed, &mut simulation);
+        let mut group = group(criterion, name, bed.grains);
+        for (part, (phase, _)) in PARTS.iter().enumerate() {
+            if watch(&mut simulation).part(part) > Duration::ZERO {
+                group.bench_function(*phase, |bencher| {
+                    bencher.iter_custom(|steps| timed(&mut simulation, steps, |_| {}, |watch| watch.part(part)));
+                });
+            }
+        }
+        group.finish();
+    }
+}
+
+/// Somebody can have gone so far that all who wait must look.
+fn startle(world: &mut World) {
+    world.resource_mut::<Columns>().travel += R;
+}
+
+/// A grain has changed, as if it had just come: slots are dealt out anew, and the list is made anew.
+fn touch(world: &mut World) {
+    let grain = world.resource::<Columns>().entity[0];
+    world.get_mut::<Mass>(grain).expect("a grain has a mass").set_changed();
+}
+
+fn seldom(criterion: &mut Criterion) {
+    let bed = Crystal::of(false, 10_000);
+    let mut simulation = bed.simulation();
+    stopwatch::put_into(&mut simulation);
+    let mut group = group(criterion, "what is seldom, discs, 10000", bed.grains);
+    let provoked: [(&str, fn(&mut World), usize); 5] = [
+        ("the list looked through", startle, 2),
+        ("grains near walls looked for", startle, 4),
+        ("paths looked at", startle, 8),
+        ("slots dealt out", touch, 0),
+        ("the list renewed", touch, 2),
+    ];
+    for (name, before, part) in provoked {
+        group.bench_function(name, |bencher| {
+            bencher.iter_custom(|steps| timed(&mut simulation, steps, before, |watch| watch.part(part)));
+        });
+    }
+    let mixed = Crystal { is_mixed: true, ..bed };
+    group.bench_function("rows sorted", |bencher| {
+        bencher.iter_custom(|times| {
+            let once = |_| {
+                let mut simulation = mixed.fresh();
+                stopwatch::put_into(&mut simulation);
+                simulation.step();
+                watch(&mut simulation).system("rows::sort_rows")
+            };
+            (0..times).map(once).sum()
+        });
+    });
+    group.finish();
+}
+
+fn outputs(criterion: &mut Criterion) {
+    let bed = Crystal::of(false, 10_000);
+    let directory = tempfile::tempdir().expect("a directory for outputs");
+    let series = directory.path().join("series.csv");
+    let mut group = group(criterion, "outputs, discs, 10000", bed.grains);
+    for (name, pictures) in [
+        ("a row of series.csv", "None"),
+        ("a picture, SVG", "(interval: 1.0e-4)"),
+        ("a picture, SVG and PNG", "(interval: 1.0e-4, png: true)"),
+    ] {
+        let loaded = bed.load(&[("pictures", pictures)]);
+        let mut simulation = Simulation::with_plugins(&loaded, &Registry::default(), NonZeroUsize::MIN, |app| {
+            if let Some(studio) = Studio::of(&loaded, directory.path().to_owned()) {
+                app.add_plugins(FramesPlugin::<Plane>(studio, std::marker::PhantomData));
+            } else {
+                let interval = Series { interval: 1.0e-4.try_into().expect("positive") };
+                app.add_plugins(SeriesPlugin::<Plane>::create(interval, &series).expect("a file can be written"));
+            }
+        });
+        let simulation = simulation.as_mut().expect("the scene needs no behaviours");
+        stopwatch::put_into(simulation);
+        group.bench_function(name, |bencher| {
+            bencher.iter_custom(|steps| timed(simulation, steps, |_| {}, |watch| watch.part(9)));
+        });
+    }
+    let mut simulation = bed.simulation();
+    group.bench_function("state.csv", |bencher| {
+        bencher.iter(|| file::write::<Plane>(simulation.world_mut()));
+    });
+    group.finish();
+}
+
+criterion_group!(benches, phases, seldom, outputs);
+criterion_main!(benches);

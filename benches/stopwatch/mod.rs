@@ -1,0 +1,122 @@
+//! A stopwatch for the systems of a step: which of them takes how long, within whole steps of a running simulation.
+//!
+//! A small system that reads the clock is put behind every system of the schedule [`Step`], in the order in which they run
+//! anyhow; what a system's run conditions cost counts as its own. A reading costs some 50 ns, a step has about thirty.
+
+use std::time::{Duration, Instant};
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::SystemKey;
+use siloflow::prelude::*;
+
+/// The parts of a step that are told apart.
+pub const PARTS: [(&str, Part); 11] = [
+    ("grains enter, slots", Part::Phase(Phase::Spawn)),
+    ("drift, into the columns", Part::Phase(Phase::Drift)),
+    ("neighbour list", Part::Phase(Phase::Neighbours)),
+    ("contacts", Part::Stage(ForceStage::Contacts)),
+    ("walls", Part::Stage(ForceStage::Walls)),
+    ("forces written", Part::Stage(ForceStage::Written)),
+    ("kick, from the columns", Part::Phase(Phase::Kick)),
+    ("energy books, finite values", Part::Phase(Phase::Control)),
+    ("paths, culling, ledger, end", Part::Phase(Phase::Cull)),
+    ("watchdog, who is due", Part::Phase(Phase::Observe)),
+    ("forces added", Part::Stage(ForceStage::Added)),
+];
+
+/// A phase or one stage of the forces.
+#[derive(Clone, Copy, Debug)]
+pub enum Part {
+    /// A phase.
+    Phase(Phase),
+    /// A stage of [`Phase::Forces`].
+    Stage(ForceStage),
+}
+
+/// A system: its name without generic arguments, and the number of its part in [`PARTS`].
+#[derive(Clone, Debug)]
+pub struct Entry {
+    pub name: String,
+    pub part: Option<usize>,
+}
+
+/// The readings.
+#[derive(Resource)]
+pub struct Stopwatch {
+    /// In the order in which they run.
+    pub systems: Vec<Entry>,
+    /// Of each, since the last call of [`reset`](Self::reset).
+    pub spent: Vec<Duration>,
+    last: Instant,
+}
+
+impl Stopwatch {
+    fn lap(&mut self, system: usize) {
+        let now = Instant::now();
+        self.spent[system] += now - std::mem::replace(&mut self.last, now);
+    }
+
+    /// Begins anew.
+    pub fn reset(&mut self) {
+        self.spent.fill(Duration::ZERO);
+    }
+
+    /// Time in all systems.
+    pub fn total(&self) -> Duration {
+        self.spent.iter().sum()
+    }
+
+    /// Time in a part, by its number in [`PARTS`].
+    pub fn part(&self, part: usize) -> Duration {
+        self.systems
+            .iter()
+            .zip(&self.spent)
+            .filter(|(entry, _)| entry.part == Some(part))
+            .map(|(_, &spent)| spent)
+            .sum()
+    }
+
+    /// Time in systems of this name.
+    pub fn system(&self, name: &str) -> Duration {
+        self.systems.iter().zip(&self.spent).filter(|(entry, _)| entry.name == name).map(|(_, &spent)| spent).sum()
+    }
+}
+
+fn start(mut watch: ResMut<Stopwatch>) {
+    watch.last = Instant::now();
+}
+
+/// Puts a stopwatch into a simulation.
+pub fn put_into(simulation: &mut Simulation) {
+    simulation.world_mut().schedule_scope(Step, |world, schedule| {
+        let part = |key: SystemKey| {
+            PARTS.iter().position(|(_, part)| {
+                let set = match part {
+                    Part::Phase(phase) => phase.intern(),
+                    Part::Stage(stage) => stage.intern(),
+                };
+                schedule.graph().systems_in_set(set).is_ok_and(|members| members.contains(&key))
+            })
+        };
+        let systems = schedule.systems().expect("the schedule has been initialised");
+        // Points where commands are applied are the ECS's own, and count with the system after them.
+        let named = systems.filter(|(_, system)| !system.name().to_string().contains("apply_deferred"));
+        let (entries, sets): (Vec<_>, Vec<_>) = named
+            .map(|(key, system)| {
+                let name = system.name().to_string();
+                let name = name.split('<').next().unwrap_or_default().trim_start_matches("siloflow::").to_owned();
+                (Entry { name, part: part(key) }, system.default_system_sets()[0])
+            })
+            .unzip();
+        schedule.add_systems(start.before(sets[0]));
+        for (n, &set) in sets.iter().enumerate() {
+            let stop = (move |mut watch: ResMut<Stopwatch>| watch.lap(n)).after(set);
+            match sets.get(n + 1) {
+                Some(&next) => schedule.add_systems(stop.before(next)),
+                None => schedule.add_systems(stop),
+            };
+        }
+        let spent = vec![Duration::ZERO; entries.len()];
+        world.insert_resource(Stopwatch { systems: entries, spent, last: Instant::now() });
+    });
+}

@@ -1,0 +1,71 @@
+//! Time and memory against size, from the table that docs/speed/scaling.py writes.
+
+use std::error::Error;
+use std::path::Path;
+
+use siloflow::output::plot::{Axis, Curve, Panel, colour, sheet};
+
+/// Size, ns, bytes.
+type Row = (f64, f64, f64);
+
+/// The size to which the others are compared, and by how much more may be taken: time, memory.
+const BASE: f64 = 1e5;
+const BOUNDS: (f64, f64) = (2.5, 1.2);
+
+fn rows(table: &str, method: &str) -> Result<Vec<Row>, Box<dyn Error>> {
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let headers = reader.headers()?.clone();
+    let place = |name: &str| headers.iter().position(|header| header == name).ok_or(format!("no column {name}"));
+    let (kind, places) = (place("method")?, [place("count")?, place("ns")?, place("bytes")?]);
+    let mut rows = Vec::new();
+    for record in reader.records() {
+        let record = record?;
+        if &record[kind] == method {
+            let [count, ns, bytes] = places.map(|place| record[place].parse::<f64>());
+            rows.push((count?, ns?, bytes?));
+        }
+    }
+    Ok(rows)
+}
+
+/// The dots of one method, and from the base on what they may take, `bound` times what the base takes.
+fn curves(name: &str, number: usize, points: Vec<(f64, f64)>, bound: f64) -> Vec<Curve> {
+    let colour = colour(number);
+    let largest = points.iter().map(|point| point.0).fold(BASE, f64::max);
+    // Beds have not exactly as many grains as they are called after.
+    let base = points.iter().find(|point| (point.0 / BASE - 1.0).abs() < 0.1).map(|point| bound * point.1);
+    let line = base.map(|limit| Curve {
+        name: format!("{bound} times that of 1e5"),
+        colour,
+        points: vec![(BASE, limit), (largest, limit)],
+        has_line: true,
+        has_dots: false,
+    });
+    let dots = Curve { name: name.to_owned(), colour, points, has_line: false, has_dots: true };
+    std::iter::once(dots).chain(line).collect()
+}
+
+/// The figure.
+pub fn figure() -> Result<String, Box<dyn Error>> {
+    let table = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/speed/scaling.csv"))?;
+    let (grains, sites) = (rows(&table, "grains")?, rows(&table, "lattice")?);
+    let panel = |title, label, value: fn(&Row) -> f64, bound| {
+        let points = |rows: &[Row]| rows.iter().map(|row| (row.0, value(row))).collect::<Vec<_>>();
+        let mut all = curves("grains: settled bed, plane, no friction", 1, points(&grains), bound);
+        all.extend(curves("sites of the lattice gas", 2, points(&sites), bound));
+        let within = |axis: fn(&(f64, f64)) -> f64| all.iter().flat_map(move |curve| curve.points.iter().map(axis));
+        let mut y = Axis::logarithmic(label, within(|point| point.1));
+        // Room for the names of the curves below.
+        y.from /= 10.0;
+        Panel {
+            title,
+            x: Axis::logarithmic("grains, sites", within(|point| point.0)),
+            y,
+            curves: all,
+            rings: Vec::new(),
+        }
+    };
+    let time = panel("One core: time of a step", "ns a particle-step, a site-step", |row| row.1, BOUNDS.0);
+    let memory = panel("Largest memory of the run", "bytes a grain, a site", |row| row.2, BOUNDS.1);
+    Ok(sheet(&[time, memory], 2))
+}
