@@ -138,11 +138,14 @@ impl<N: Numbers> Discs<N> {
     /// Normal from j to i, and overlap.
     fn meet(&self, i: usize, j: usize) -> ([N::Force; 2], N::Force) {
         let (a, b) = (self.place[i], self.place[j]);
-        let [x, y] = [0, 1].map(|axis| a[axis].apart(b[axis], self.setting.periods[axis]));
-        let distance = (x * x + y * y).root();
+        let way: [N::Force; 2] = [0, 1].map(|axis| a[axis].apart(b[axis], self.setting.periods[axis]));
+        let distance = (way[0] * way[0] + way[1] * way[1]).root();
         // Rounding may bring two centres together.
-        let normal =
-            if distance > N::Force::ZERO { [x / distance, y / distance] } else { [N::Force::ONE, N::Force::ZERO] };
+        let normal = if distance > N::Force::ZERO {
+            [way[0] / distance, way[1] / distance]
+        } else {
+            [N::Force::ONE, N::Force::ZERO]
+        };
         (normal, self.radius[i] + self.radius[j] - distance)
     }
 
