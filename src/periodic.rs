@@ -92,8 +92,10 @@ impl<V: Space> Periodic<V> {
     pub fn shortest(&self, mut separation: V) -> V {
         for axis in 0..V::COMPONENTS {
             let (s, half, length) = (separation.axis(axis), self.half.axis(axis), self.length.axis(axis));
-            if s.abs() > half {
-                separation = separation.with_axis(axis, s - length.copysign(s));
+            if s > half {
+                separation = separation.with_axis(axis, s - length);
+            } else if s < -half {
+                separation = separation.with_axis(axis, s + length);
             }
         }
         separation

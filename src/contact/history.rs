@@ -166,6 +166,26 @@ impl<'a, V: Space> Recall<'a, V> {
         Self { pages, keys: &pages.keys }
     }
 
+    /// What these contacts remember, if they are the next ones, all of them, and no other is among them: in a bed at rest. The
+    /// rows of the pages begin with `first`.
+    #[inline]
+    pub(super) fn of_all<L: Demands>(
+        &mut self,
+        first: usize,
+        pairs: &[Candidate],
+    ) -> Option<impl Iterator<Item = Memory<V>> + use<'a, V, L>> {
+        let (next, rest) = self.keys.split_at_checked(pairs.len())?;
+        let is_next = |(&next, &[i, j]): (&Key, &Candidate)| next == key(i as usize - first, j);
+        // Without a branch, several at a time.
+        if !next.iter().zip(pairs).fold(true, |all, contact| all & is_next(contact)) {
+            return None;
+        }
+        let start = self.pages.keys.len() - self.keys.len();
+        self.keys = rest;
+        let pages = self.pages;
+        Some((start..start + next.len()).map(move |at| pages.memory::<L>(at)))
+    }
+
     /// What the contact of `row` with `partner` remembers, if it is not new. Contacts that are passed over have ended:
     /// `forgotten` gets their rows, partners and memories.
     #[inline]

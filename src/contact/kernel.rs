@@ -255,7 +255,11 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         if L::MEMORY {
             self.remember(block);
         }
-        self.sums.add_to_both::<L>(self.batch);
+        let (sums, batch) = (&mut self.sums, &*self.batch);
+        self.pass.instructions.run(
+            #[inline(always)]
+            || sums.add_to_both::<L>(batch),
+        );
         self.batch.len = 0;
     }
 
@@ -264,6 +268,14 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     fn recall(&mut self, block: &mut Block<'_, V>) {
         let Block { first, recall: walk, remembered, forgotten, .. } = block;
         let mut recall = *walk;
+        if let Some(memories) = recall.of_all::<L>(*first, &self.batch.pairs[..self.batch.len]) {
+            for (lane, memory) in memories.enumerate().take(LANES) {
+                self.batch.memory.set::<L>(lane, &memory);
+            }
+            remembered.fill(true);
+            *walk = recall;
+            return;
+        }
         for (lane, remembered) in remembered.iter_mut().enumerate().take(self.batch.len) {
             let [i, j] = self.batch.pairs[lane];
             let memory = recall.of::<L>(i as usize - *first, j, |row, partner, memory| {

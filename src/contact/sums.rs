@@ -87,7 +87,7 @@ impl<'a, V: Space> Sums<'a, V> {
     }
 
     /// Adds what the contacts of a batch do to both, unless the second is in another share.
-    #[inline]
+    #[inline(always)]
     pub(super) fn add_to_both<L: Demands>(&mut self, batch: &Batch<V>) {
         let start = self.rows.start;
         let Self { loads, turns, contacts, rolling, .. } = self;
@@ -150,7 +150,7 @@ impl<'a, V: Space> Sums<'a, V> {
 
 impl<V: Space> Turn<V> {
     /// Adds what the contact of a lane does to its first (`side` 0) or second member.
-    #[inline]
+    #[inline(always)]
     fn add(&mut self, answer: &Answer<V>, lane: usize, side: usize) {
         self.torque += answer.torques[side].get(lane);
         let drag = answer.friction_drag.get(lane);
