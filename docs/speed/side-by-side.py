@@ -6,6 +6,7 @@
     docs/speed/side-by-side.py settle w1-1e4                 (makes the bed in LAMMPS: once, minutes for 1e5)
     docs/speed/side-by-side.py compare w1-1e4                (times both alternately, pinned to one core)
     docs/speed/side-by-side.py tile w1-1e5 10 --steps 200    (siloflow alone, ten such beds side by side)
+    docs/speed/side-by-side.py shuffle w1-1e5                (siloflow alone, grains entering in random order)
 
 Beds: w1-1e3, w1-1e4, w1-1e5 (2D, frictionless, half R = 0.03 m and half 0.04 m) and w2-1e4, w2-1e5 (3D, friction with history).
 All files are kept in --dir (default target/side-by-side). No packages needed.
@@ -28,6 +29,7 @@ import json
 import math
 import os
 import pathlib
+import random
 import re
 import statistics
 import subprocess
@@ -222,9 +224,28 @@ def tile(args, name, copies):
                       "coordination": summary["coordination"], **speed}))
 
 
+def shuffle(args, name):
+    """The bed as it is and with its grains entering, and named, in random order: siloflow alone, by turns."""
+    bed = BEDS[name]
+    scene, _ = write_scene(args, name)
+    header, *rows = scene.with_suffix(".csv").read_text().splitlines()
+    random.Random(1).shuffle(rows)
+    shuffled = args.dir / f"{name}-shuffled.ron"
+    named = (f"{number},{row.split(',', 1)[1]}" for number, row in enumerate(rows))
+    shuffled.with_suffix(".csv").write_text("\n".join([header, *named]) + "\n")
+    shuffled.write_text(scene.read_text().replace(f"{name}.csv", f"{name}-shuffled.csv"))
+    times = {scene: [], shuffled: []}
+    for _ in range(args.rounds):
+        for each, found in times.items():
+            summary, _ = siloflow(args, each, bed["dt"], args.steps or bed["steps"])
+            found.append(1e9 / summary["performance"]["particle_steps_per_s"])
+    for each, found in times.items():
+        print(f"{each.stem:20} {statistics.median(found):7.1f} ns a particle-step ({min(found):.1f} to {max(found):.1f})")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("settle", "compare", "tile", "scene"))
+    parser.add_argument("what", choices=("settle", "compare", "tile", "shuffle", "scene"))
     parser.add_argument("bed", choices=BEDS)
     parser.add_argument("copies", nargs="?", type=int, default=1)
     parser.add_argument("--lmp", default="lmp")
@@ -245,6 +266,8 @@ def main():
         settle(args, args.bed)
     elif args.what == "compare":
         compare(args, args.bed)
+    elif args.what == "shuffle":
+        shuffle(args, args.bed)
     elif args.what == "scene":
         print(write_scene(args, args.bed, args.copies)[0])
     else:

@@ -8,214 +8,21 @@
 //! the pass before. When slots are dealt out anew, pages are rewritten by the names of the particles, which do not change.
 //! Columns that the law does not demand stay empty.
 
+mod pages;
+
 use std::collections::HashMap;
 
 use bevy_ecs::prelude::*;
 
+pub use self::pages::{Pages, Recall};
 use crate::columns::Columns;
-use crate::contact::batch::MemoryLanes;
-use crate::contact::lanes::LANES;
-use crate::contact::{Demands, Memory};
-use crate::neighbours::list::Candidate;
+use crate::contact::Demands;
+use crate::contact::Memory;
 use crate::particle::GrainId;
 use crate::space::{Plane, Space};
 
 /// Rows of a page: what a force pass does at a time, on however many threads.
 pub const BLOCK: usize = 1024;
-
-/// Row and partner of a contact, in one number that orders contacts by row, then by partner.
-type Key = u64;
-
-#[inline(always)]
-fn key(row: usize, partner: u32) -> Key {
-    (row as u64) << 32 | u64::from(partner)
-}
-
-fn row_of(key: Key) -> usize {
-    (key >> 32) as usize
-}
-
-#[expect(clippy::cast_possible_truncation, reason = "the lower half of the key")]
-fn partner_of(key: Key) -> u32 {
-    key as u32
-}
-
-/// Memories of the contacts of consecutive rows.
-#[derive(Clone, Debug)]
-pub struct Pages<V: Space> {
-    /// Row and partner of each contact, ascending.
-    keys: Vec<Key>,
-    spring: Vec<V>,
-    rolling: Vec<V>,
-    stiffness: Vec<f64>,
-    /// What sliding and rolling took in these rows, J.
-    pub lost: [f64; 2],
-}
-
-impl<V: Space> Default for Pages<V> {
-    fn default() -> Self {
-        Self { keys: Vec::new(), spring: Vec::new(), rolling: Vec::new(), stiffness: Vec::new(), lost: [0.0; 2] }
-    }
-}
-
-impl<V: Space> Pages<V> {
-    /// Makes them empty, with room for about as many contacts as those had: vectors that double would hold twice as much.
-    pub(super) fn begin<L: Demands>(&mut self, earlier: &Self) {
-        fn make_room<T>(column: &mut Vec<T>, expected: usize) {
-            if column.capacity() < expected || column.capacity() > 2 * expected + LANES {
-                *column = Vec::with_capacity(expected + expected / 16);
-            }
-        }
-        self.clear();
-        let expected = earlier.keys.len();
-        make_room(&mut self.keys, expected);
-        if L::SPRING {
-            make_room(&mut self.spring, expected);
-        }
-        if L::ROLLING {
-            make_room(&mut self.rolling, expected);
-        }
-        if L::STIFFNESS {
-            make_room(&mut self.stiffness, expected);
-        }
-    }
-
-    /// Makes them empty.
-    pub fn clear(&mut self) {
-        self.keys.clear();
-        self.spring.clear();
-        self.rolling.clear();
-        self.stiffness.clear();
-        self.lost = [0.0; 2];
-    }
-
-    #[inline]
-    fn memory<L: Demands>(&self, at: usize) -> Memory<V> {
-        Memory {
-            spring: if L::SPRING { self.spring[at] } else { V::ZERO },
-            rolling: if L::ROLLING { self.rolling[at] } else { V::ZERO },
-            stiffness: if L::STIFFNESS { self.stiffness[at] } else { 0.0 },
-        }
-    }
-
-    /// The memory at a place, of whatever the pages hold.
-    fn any_memory(&self, at: usize) -> Memory<V> {
-        Memory {
-            spring: self.spring.get(at).copied().unwrap_or_default(),
-            rolling: self.rolling.get(at).copied().unwrap_or_default(),
-            stiffness: self.stiffness.get(at).copied().unwrap_or_default(),
-        }
-    }
-
-    /// Adds a contact of `row`, which comes after the last one.
-    #[inline]
-    pub fn push<L: Demands>(&mut self, row: usize, partner: u32, memory: &Memory<V>) {
-        self.keys.push(key(row, partner));
-        if L::SPRING {
-            self.spring.push(memory.spring);
-        }
-        if L::ROLLING {
-            self.rolling.push(memory.rolling);
-        }
-        if L::STIFFNESS {
-            self.stiffness.push(memory.stiffness);
-        }
-    }
-
-    /// Adds the first of these contacts that were asked about together, as many as there are `pairs`; the rows of these
-    /// pages begin with `first`.
-    #[inline]
-    pub(super) fn extend<L: Demands>(&mut self, first: usize, pairs: &[Candidate], memories: &MemoryLanes<V>) {
-        self.keys.extend(pairs.iter().map(|&[i, j]| key(i as usize - first, j)));
-        let lanes = 0..pairs.len().min(LANES);
-        if L::SPRING {
-            self.spring.extend(lanes.clone().map(|lane| memories.get::<L>(lane).spring));
-        }
-        if L::ROLLING {
-            self.rolling.extend(lanes.clone().map(|lane| memories.get::<L>(lane).rolling));
-        }
-        if L::STIFFNESS {
-            self.stiffness.extend(lanes.map(|lane| memories.get::<L>(lane).stiffness));
-        }
-    }
-
-    /// The memory of the contact of `row` with `partner`.
-    #[must_use]
-    pub fn look_up(&self, row: usize, partner: u32) -> Option<Memory<V>> {
-        Some(self.any_memory(self.keys.binary_search(&key(row, partner)).ok()?))
-    }
-
-    /// Every contact: row, partner, memory.
-    fn contacts(&self) -> impl Iterator<Item = (usize, u32, Memory<V>)> {
-        self.keys.iter().enumerate().map(|(at, &key)| (row_of(key), partner_of(key), self.any_memory(at)))
-    }
-}
-
-/// Walks along earlier pages while the kernel comes by in ascending order of rows and partners.
-#[derive(Clone, Copy)]
-pub struct Recall<'a, V: Space> {
-    pages: &'a Pages<V>,
-    /// Of the contacts that are still to come.
-    keys: &'a [Key],
-}
-
-impl<'a, V: Space> Recall<'a, V> {
-    /// At the start.
-    #[must_use]
-    pub fn new(pages: &'a Pages<V>) -> Self {
-        Self { pages, keys: &pages.keys }
-    }
-
-    /// What these contacts remember, if they are the next ones, all of them, and no other is among them: in a bed at rest. The
-    /// rows of the pages begin with `first`.
-    #[inline]
-    pub(super) fn of_all<L: Demands>(
-        &mut self,
-        first: usize,
-        pairs: &[Candidate],
-    ) -> Option<impl Iterator<Item = Memory<V>> + use<'a, V, L>> {
-        let (next, rest) = self.keys.split_at_checked(pairs.len())?;
-        let is_next = |(&next, &[i, j]): (&Key, &Candidate)| next == key(i as usize - first, j);
-        // Without a branch, several at a time.
-        if !next.iter().zip(pairs).fold(true, |all, contact| all & is_next(contact)) {
-            return None;
-        }
-        let start = self.pages.keys.len() - self.keys.len();
-        self.keys = rest;
-        let pages = self.pages;
-        Some((start..start + next.len()).map(move |at| pages.memory::<L>(at)))
-    }
-
-    /// What the contact of `row` with `partner` remembers, if it is not new. Contacts that are passed over have ended:
-    /// `forgotten` gets their rows, partners and memories.
-    #[inline]
-    pub fn of<L: Demands>(
-        &mut self,
-        row: usize,
-        partner: u32,
-        mut forgotten: impl FnMut(usize, u32, &Memory<V>),
-    ) -> Option<Memory<V>> {
-        let wanted = key(row, partner);
-        while let Some((&next, rest)) = self.keys.split_first()
-            && next <= wanted
-        {
-            let memory = self.pages.memory::<L>(self.pages.keys.len() - self.keys.len());
-            self.keys = rest;
-            if next == wanted {
-                return Some(memory);
-            }
-            forgotten(row_of(next), partner_of(next), &memory);
-        }
-        None
-    }
-
-    /// Passes over what is left.
-    #[inline]
-    pub fn finish<L: Demands>(&mut self, forgotten: impl FnMut(usize, u32, &Memory<V>)) {
-        let nobody = self.of::<L>(u32::MAX as usize, u32::MAX, forgotten);
-        debug_assert!(nobody.is_none(), "no particle has the largest index");
-    }
-}
 
 /// The memories of all contacts between particles, and of those with flat walls.
 #[derive(Resource, Clone, Debug)]
@@ -279,7 +86,7 @@ impl<V: Space> History<V> {
             return;
         }
         self.generation = columns.generation;
-        if self.now.iter().chain(&self.walls[..1]).all(|pages| pages.keys.is_empty()) {
+        if self.now.iter().chain(&self.walls[..1]).all(Pages::is_empty) {
             self.names.clone_from(&columns.id);
             return;
         }
@@ -316,6 +123,7 @@ impl<V: Space> History<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::neighbours::list::Candidate;
 
     struct Springs;
     impl Demands for Springs {
@@ -363,6 +171,28 @@ mod tests {
     }
 
     #[test]
+    fn contacts_that_all_last_are_recalled_together() {
+        let mut history = History::default();
+        let four = columns(&[1, 2, 3, 4], 1);
+        history.follow::<Springs>(&four);
+        write(&mut history, &four, &[(0, 1, 0.1), (0, 3, 0.3), (1, 2, 1.2), (2, 3, 2.3)]);
+        let (before, _) = history.turn(&four);
+        let mut recall = Recall::new(&before[0]);
+        let mut springs = |pairs: &[Candidate]| {
+            recall
+                .of_all::<Springs>(0, pairs)
+                .map(|memories| memories.map(|memory| memory.spring.x).collect::<Vec<_>>())
+        };
+        // A new one among them, one that has ended, more than there are: then one by one.
+        assert_eq!(springs(&[[0, 1], [0, 2]]), None);
+        assert_eq!(springs(&[[0, 3]]), None);
+        assert_eq!(springs(&[[0, 1], [0, 3], [1, 2], [2, 3], [3, 4]]), None);
+        assert_eq!(springs(&[[0, 1], [0, 3]]), Some(vec![0.1, 0.3]));
+        assert_eq!(springs(&[[1, 2]]), Some(vec![1.2]));
+        assert_eq!(recall.of::<Springs>(2, 3, |_, _, _| panic!("nothing ended")), Some(memory(2.3)));
+    }
+
+    #[test]
     fn memories_follow_their_particles() {
         let old: Vec<u32> = (0..3000).map(|n| 10 * n).collect();
         let before = columns(&old, 1);
@@ -379,7 +209,7 @@ mod tests {
         assert_eq!(spring(10230, 10240), Some(-2.5));
         assert_eq!(spring(15000, 15010), Some(-5.2));
         assert_eq!(spring(5, 10), None);
-        let kept: usize = history.now.iter().map(|pages| pages.keys.len()).sum();
+        let kept: usize = history.now.iter().map(Pages::len).sum();
         assert_eq!(kept, 3);
     }
 }

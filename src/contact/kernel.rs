@@ -9,23 +9,21 @@
 //! of every sum, and so its bits, do not depend on their number. Memories are written in pages of [`BLOCK`] rows, and a batch
 //! ends with its block, so that neither do the books.
 
+mod worker;
+
 use rayon::prelude::*;
 
+use self::worker::Worker;
 use crate::columns::{Columns, Load, Turn};
 use crate::contact::batch::Batch;
-use crate::contact::geometry::coincident;
-use crate::contact::history::{BLOCK, History, Pages, Recall};
-use crate::contact::lanes::LANES;
+use crate::contact::history::{BLOCK, History, Pages};
 use crate::contact::sums::Sums;
-use crate::contact::{Demands, PairLaw, sums};
+use crate::contact::{Demands, PairLaw};
 use crate::instructions::Instructions;
-use crate::neighbours::list::{Candidate, PairList, Task};
+use crate::neighbours::list::{PairList, Task};
 use crate::periodic::Metric;
 use crate::space::{Linear, Space};
 use crate::threads::Threads;
-
-/// How many candidates a batch takes at a time.
-const PIECE: usize = 8;
 
 /// What a pass needs besides the columns.
 pub struct Pass<'a, V: Space, L, M> {
@@ -107,232 +105,4 @@ struct Share<'a, V: Space> {
     turns: &'a mut [Turn<V>],
     contacts: &'a mut [u32],
     rolling: &'a mut [V::Spin],
-}
-
-/// One thread at work.
-struct Worker<'a, V: Space, L, M> {
-    pass: &'a Pass<'a, V, L, M>,
-    view: &'a Columns<V>,
-    task: &'a Task,
-    before: &'a [Pages<V>],
-    now: &'a mut [Pages<V>],
-    sums: Sums<'a, V>,
-    batch: &'a mut Batch<V>,
-    largest: f64,
-}
-
-impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
-    fn sum(mut self) -> f64 {
-        for piece in self.task.incoming.chunks(PIECE) {
-            if self.offer(piece) {
-                self.flush_incoming();
-            }
-        }
-        self.flush_incoming();
-        for (number, first) in self.task.rows.clone().step_by(BLOCK).enumerate() {
-            let mut block = Block {
-                number,
-                first,
-                recall: Recall::new(&self.before[first / BLOCK]),
-                remembered: [false; LANES],
-                lost: [0.0; 2],
-                forgotten: [0.0; 2],
-            };
-            self.now[number].begin::<L>(&self.before[first / BLOCK]);
-            for piece in self.pass.list.block(first / BLOCK).chunks(PIECE) {
-                if self.offer(piece) {
-                    self.flush(&mut block);
-                }
-            }
-            self.flush(&mut block);
-            self.end(&mut block);
-        }
-        self.sums.begin_up_to::<L>(self.task.rows.end, self.pass.gravity, self.view);
-        self.largest
-    }
-
-    /// Adds those candidates to the batch that overlap, or that the law looks at ahead of that. Whether one does is hard to
-    /// foresee, so there is no branch on it: each is written, and the end moves on if it counts. There is room for [`PIECE`]
-    /// of them; tells whether there is none for as many again.
-    #[inline]
-    fn offer(&mut self, candidates: &[Candidate]) -> bool {
-        let bodies = &self.view.body[..];
-        let batch = &mut *self.batch;
-        let mut end = batch.len;
-        for &[i, j] in candidates {
-            let (body, other) = (&bodies[i as usize], &bodies[j as usize]);
-            let separation = self.pass.metric.separation(body.position, other.position);
-            let reach = body.radius + other.radius;
-            let farthest = if L::AHEAD { reach + self.view.margin } else { reach };
-            // Never beyond; so the compiler knows as well.
-            let lane = end % LANES;
-            batch.pairs[lane] = [i, j];
-            batch.separation.set(lane, separation);
-            // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
-            end += usize::from(separation.length_squared() < farthest * farthest);
-        }
-        batch.len = end;
-        end > LANES - PIECE
-    }
-
-    /// Gives coincident centres a normal: a separation so near to nothing that the overlap stays what it is.
-    #[cold]
-    fn part_coincident(&mut self) {
-        for lane in (0..self.batch.len).filter(|&lane| self.batch.distance[lane] <= 0.0) {
-            let [i, j] = self.batch.pairs[lane].map(|entry| self.view.id[entry as usize]);
-            self.batch.separation.set(lane, coincident::<V>(i, j) * 1e-150);
-        }
-        self.batch.measure(self.pass.instructions);
-    }
-
-    /// Fills in what the law needs to know of the contacts besides separations.
-    #[inline]
-    fn describe(&mut self) {
-        let (batch, view) = (&mut *self.batch, self.view);
-        for lane in 0..batch.len.min(LANES) {
-            let pair = batch.pairs[lane].map(|entry| entry as usize);
-            let [a, b] = pair.map(|entry| &view.body[entry]);
-            batch.relative_velocity.set(lane, a.velocity - b.velocity);
-            (batch.radii[0][lane], batch.radii[1][lane]) = (a.radius, b.radius);
-            batch.mobility[lane] = a.inverse_mass + b.inverse_mass;
-            for (side, entry) in pair.into_iter().enumerate() {
-                if L::SPECIES {
-                    batch.species[side][lane] = view.species[entry];
-                }
-                if L::SPIN {
-                    batch.spins[side].set(lane, view.spin[entry]);
-                }
-            }
-            if L::AHEAD {
-                batch.ahead.describe::<L>(lane, pair, view);
-            }
-        }
-    }
-
-    /// Asks the law, and takes records of overlap into account.
-    #[inline]
-    fn ask(&mut self) {
-        self.describe();
-        let Pass { law, dt, instructions, .. } = *self.pass;
-        if self.batch.measure(instructions) {
-            self.part_coincident();
-        }
-        // What may be a record is found without dividing, a rounding off included.
-        if self.batch.ask(law, dt, instructions, self.largest * (1.0 - 4.0 * f64::EPSILON)) {
-            for lane in 0..self.batch.len {
-                let ratio = self.batch.answer.overlap[lane] / self.batch.radii[0][lane].min(self.batch.radii[1][lane]);
-                self.largest = self.largest.max(ratio);
-            }
-        }
-        self.sums.begin_up_to::<L>(self.batch.highest(), self.pass.gravity, self.view);
-    }
-
-    /// Sums what the batch does to the particles of this share, the first ones being in others.
-    fn flush_incoming(&mut self) {
-        for lane in 0..if L::MEMORY { self.batch.len } else { 0 } {
-            let [i, j] = self.batch.pairs[lane];
-            let memory = self.before[i as usize / BLOCK].look_up(i as usize % BLOCK, j).unwrap_or_default();
-            self.batch.memory.set::<L>(lane, &memory);
-        }
-        self.ask();
-        self.sums.add_to_second::<L>(self.batch);
-        self.batch.len = 0;
-    }
-
-    /// Sums what the batch does to both members, and keeps the books.
-    fn flush(&mut self, block: &mut Block<'_, V>) {
-        if L::MEMORY {
-            self.recall(block);
-        }
-        self.ask();
-        if L::SPIN {
-            for lane in 0..self.batch.len.min(LANES) {
-                let [sliding, rolling] = &self.batch.answer.lost;
-                let more = [sliding[lane], if L::ROLLING { rolling[lane] } else { 0.0 }];
-                sums::add(&mut block.lost, if L::AHEAD && !self.batch.touches::<L>(lane) { [0.0; 2] } else { more });
-            }
-        }
-        if L::MEMORY {
-            self.remember(block);
-        }
-        let (sums, batch) = (&mut self.sums, &*self.batch);
-        self.pass.instructions.run(
-            #[inline(always)]
-            || sums.add_to_both::<L>(batch),
-        );
-        self.batch.len = 0;
-    }
-
-    /// Fetches what contacts remember.
-    #[inline]
-    fn recall(&mut self, block: &mut Block<'_, V>) {
-        let Block { first, recall: walk, remembered, forgotten, .. } = block;
-        let mut recall = *walk;
-        if let Some(memories) = recall.of_all::<L>(*first, &self.batch.pairs[..self.batch.len]) {
-            for (lane, memory) in memories.enumerate().take(LANES) {
-                self.batch.memory.set::<L>(lane, &memory);
-            }
-            remembered.fill(true);
-            *walk = recall;
-            return;
-        }
-        for (lane, remembered) in remembered.iter_mut().enumerate().take(self.batch.len) {
-            let [i, j] = self.batch.pairs[lane];
-            let memory = recall.of::<L>(i as usize - *first, j, |row, partner, memory| {
-                self.pass.forget(self.view, *first + row, partner, memory, forgotten);
-            });
-            if L::AHEAD {
-                *remembered = memory.is_some();
-            }
-            self.batch.memory.set::<L>(lane, &memory.unwrap_or_default());
-        }
-        *walk = recall;
-    }
-
-    /// Writes down what contacts remember.
-    #[inline]
-    fn remember(&mut self, block: &mut Block<'_, V>) {
-        let (pages, batch) = (&mut self.now[block.number], &*self.batch);
-        if !L::AHEAD {
-            pages.extend::<L>(block.first, &batch.pairs[..batch.len.min(LANES)], &batch.memory);
-            return;
-        }
-        for lane in 0..batch.len {
-            let (i, partner) = (batch.pairs[lane][0] as usize, batch.pairs[lane][1]);
-            if batch.touches::<L>(lane) {
-                pages.push::<L>(i - block.first, partner, &batch.memory.get::<L>(lane));
-            } else if block.remembered[lane] {
-                // It has ended, and its memory been moved on all the same: what it held before is lost.
-                let memory = self.before[i / BLOCK].look_up(i % BLOCK, partner).unwrap_or_default();
-                self.pass.forget(self.view, i, partner, &memory, &mut block.lost);
-            }
-        }
-    }
-
-    /// Ends a block: what its contacts of the pass before have left is forgotten.
-    fn end(&mut self, block: &mut Block<'_, V>) {
-        if L::MEMORY {
-            let (first, forgotten) = (block.first, &mut block.forgotten);
-            block.recall.finish::<L>(|row, partner, memory| {
-                self.pass.forget(self.view, first + row, partner, memory, forgotten);
-            });
-        }
-        let pages = &mut self.now[block.number];
-        pages.lost = block.lost;
-        sums::add(&mut pages.lost, block.forgotten);
-    }
-}
-
-/// The rows that are being summed.
-struct Block<'a, V: Space> {
-    /// Among those of the share.
-    number: usize,
-    /// Its first row.
-    first: usize,
-    recall: Recall<'a, V>,
-    /// Which lanes are contacts of the pass before.
-    remembered: [bool; LANES],
-    /// What contacts lose, and what ended ones held, J: each in order, whenever the batch is full.
-    lost: [f64; 2],
-    forgotten: [f64; 2],
 }
