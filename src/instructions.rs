@@ -1,5 +1,5 @@
 //! Which instructions the lanes of the force pass are computed with: those that every processor of the kind has, or
-//! AVX2 where it is found at run time.
+//! AVX2 or AVX-512 where they are found at run time.
 //!
 //! The same source is compiled for each, so they do the same operations in the same order: additions, multiplications,
 //! divisions and roots as IEEE 754 has them, never fused. The bits are the same; `tests/program/searches.rs` forces each.

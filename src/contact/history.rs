@@ -16,8 +16,7 @@ use bevy_ecs::prelude::*;
 
 pub use self::pages::{Pages, Recall};
 use crate::columns::Columns;
-use crate::contact::Demands;
-use crate::contact::Memory;
+use crate::contact::{Demands, Memory};
 use crate::particle::GrainId;
 use crate::space::{Plane, Space};
 
@@ -149,22 +148,27 @@ mod tests {
         }
     }
 
-    #[test]
-    fn pages_are_recalled_in_passing() {
+    /// The first page of four particles with four contacts.
+    fn page() -> Pages<Plane> {
         let mut history = History::default();
         let four = columns(&[1, 2, 3, 4], 1);
         history.follow::<Springs>(&four);
         write(&mut history, &four, &[(0, 1, 0.1), (0, 3, 0.3), (1, 2, 1.2), (2, 3, 2.3)]);
-        let (before, _) = history.turn(&four);
+        history.turn(&four).0[0].clone()
+    }
+
+    #[test]
+    fn pages_are_recalled_in_passing() {
+        let page = page();
         let mut forgotten = Vec::new();
-        let mut recall = Recall::new(&before[0]);
+        let mut recall = Recall::new(&page);
         assert_eq!(recall.of::<Springs>(0, 1, |_, _, _| panic!("nothing ended")), Some(memory(0.1)));
         assert_eq!(recall.of::<Springs>(0, 2, |_, _, _| panic!("nothing ended")), None);
         // Row 1 is passed over as a whole.
         assert_eq!(recall.of::<Springs>(2, 3, |row, partner, _| forgotten.push((row, partner))), Some(memory(2.3)));
         recall.finish::<Springs>(|_, _, _| panic!("they are at their end"));
         assert_eq!(forgotten, [(0, 3), (1, 2)]);
-        let mut recall = Recall::new(&before[0]);
+        let mut recall = Recall::new(&page);
         assert_eq!(recall.of::<Springs>(0, 3, |row, partner, _| forgotten.push((row, partner))), Some(memory(0.3)));
         recall.finish::<Springs>(|row, partner, _| forgotten.push((row, partner)));
         assert_eq!(forgotten[2..], [(0, 1), (1, 2), (2, 3)]);
@@ -172,12 +176,8 @@ mod tests {
 
     #[test]
     fn contacts_that_all_last_are_recalled_together() {
-        let mut history = History::default();
-        let four = columns(&[1, 2, 3, 4], 1);
-        history.follow::<Springs>(&four);
-        write(&mut history, &four, &[(0, 1, 0.1), (0, 3, 0.3), (1, 2, 1.2), (2, 3, 2.3)]);
-        let (before, _) = history.turn(&four);
-        let mut recall = Recall::new(&before[0]);
+        let page = page();
+        let mut recall = Recall::new(&page);
         let mut springs = |pairs: &[Candidate]| {
             recall
                 .of_all::<Springs>(0, pairs)

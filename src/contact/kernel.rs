@@ -14,13 +14,13 @@ mod worker;
 use rayon::prelude::*;
 
 use self::worker::Worker;
-use crate::columns::{Columns, Load, Turn};
+use crate::columns::Columns;
 use crate::contact::batch::Batch;
-use crate::contact::history::{BLOCK, History, Pages};
+use crate::contact::history::{BLOCK, History};
 use crate::contact::sums::Sums;
 use crate::contact::{Demands, PairLaw};
 use crate::instructions::Instructions;
-use crate::neighbours::list::{PairList, Task};
+use crate::neighbours::list::PairList;
 use crate::periodic::Metric;
 use crate::space::{Linear, Space};
 use crate::threads::Threads;
@@ -68,41 +68,26 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
         let view = &*columns;
         // What is left for the tasks to come; of what the law does not demand, nothing.
         let mut rest = (&mut loads[..], &mut turns[..], &mut contacts[..], &mut rolling[..]);
-        let mut shares = Vec::with_capacity(self.list.tasks().len());
-        for task in self.list.tasks() {
+        let tasks = self.list.tasks();
+        batches.resize_with(tasks.len(), Batch::default);
+        let mut workers = Vec::with_capacity(tasks.len());
+        for (task, batch) in tasks.iter().zip(batches) {
             let rows = task.rows.len();
-            shares.push(Share {
-                task,
-                before,
-                now: now.split_off_mut(..rows.div_ceil(BLOCK)).unwrap_or_default(),
-                loads: rest.0.split_off_mut(..rows).unwrap_or_default(),
-                turns: rest.1.split_off_mut(..rows).unwrap_or_default(),
-                contacts: rest.2.split_off_mut(..rows).unwrap_or_default(),
-                rolling: rest.3.split_off_mut(..rows).unwrap_or_default(),
-            });
+            let sums = Sums::new(
+                task.rows.clone(),
+                rest.0.split_off_mut(..rows).unwrap_or_default(),
+                rest.1.split_off_mut(..rows).unwrap_or_default(),
+                rest.2.split_off_mut(..rows).unwrap_or_default(),
+                rest.3.split_off_mut(..rows).unwrap_or_default(),
+            );
+            let now = now.split_off_mut(..rows.div_ceil(BLOCK)).unwrap_or_default();
+            workers.push(Worker { pass: self, view, task, before, now, sums, batch, largest: deepest });
         }
-        batches.resize_with(shares.len(), Batch::default);
-        let work = |(share, batch): (Share<V>, &mut Batch<V>)| {
-            let sums = Sums::new(share.task.rows.clone(), share.loads, share.turns, share.contacts, share.rolling);
-            let Share { task, before, now, .. } = share;
-            Worker { pass: self, view, task, before, now, sums, batch, largest: deepest }.sum()
-        };
         let largest = match threads.pool() {
-            None => shares.into_iter().zip(batches).map(work).fold(deepest, f64::max),
-            Some(pool) => pool.install(|| shares.into_par_iter().zip(batches).map(work).reduce(|| deepest, f64::max)),
+            None => workers.into_iter().map(Worker::sum).fold(deepest, f64::max),
+            Some(pool) => pool.install(|| workers.into_par_iter().map(Worker::sum).reduce(|| deepest, f64::max)),
         };
         (columns.load, columns.turn, columns.contacts, columns.rolling_drag) = (loads, turns, contacts, rolling);
         largest
     }
-}
-
-/// What one thread reads and writes.
-struct Share<'a, V: Space> {
-    task: &'a Task,
-    before: &'a [Pages<V>],
-    now: &'a mut [Pages<V>],
-    loads: &'a mut [Load<V>],
-    turns: &'a mut [Turn<V>],
-    contacts: &'a mut [u32],
-    rolling: &'a mut [V::Spin],
 }
