@@ -19,7 +19,7 @@ mod slots;
 
 use bevy_ecs::prelude::*;
 
-pub(crate) use self::along::along;
+pub(crate) use self::along::{along, along_one};
 pub(crate) use self::order::Order;
 pub use self::passes::{
     ColumnsPlugin, Gathered, GatheredVelocities, Kicked, LookedAhead, Passes, PlacesGathered, SpinsDrifted,

@@ -57,9 +57,12 @@ pub struct Periodic<V: Space> {
     pub length: V,
     /// Upper ends; infinite where the axis is open.
     high: V,
-    /// Half lengths; infinite where the axis is open.
-    half: V,
+    /// One over the lengths; 0 where the axis is open.
+    inverse_length: V,
 }
+
+/// 3/2 2^52: doubles of this size are whole numbers.
+const WHOLE: f64 = 6_755_399_441_055_744.0;
 
 impl<V: Space> Periodic<V> {
     /// The box of `sides`; `None` if no axis repeats itself.
@@ -68,13 +71,13 @@ impl<V: Space> Periodic<V> {
         if sides.is_open() {
             return None;
         }
-        let mut periodic = Self { low: V::ZERO, length: V::ZERO, high: V::ZERO, half: V::ZERO };
+        let mut periodic = Self { low: V::ZERO, length: V::ZERO, high: V::ZERO, inverse_length: V::ZERO };
         for (axis, side) in sides.axes().into_iter().take(V::COMPONENTS).enumerate() {
             let length = side.map_or(0.0, |(low, high)| high - low);
             periodic.low = periodic.low.with_axis(axis, side.map_or(f64::NEG_INFINITY, |(low, _)| low));
             periodic.length = periodic.length.with_axis(axis, length);
             periodic.high = periodic.high.with_axis(axis, side.map_or(f64::INFINITY, |(low, _)| low + length));
-            periodic.half = periodic.half.with_axis(axis, side.map_or(f64::INFINITY, |_| 0.5 * length));
+            periodic.inverse_length = periodic.inverse_length.with_axis(axis, side.map_or(0.0, |_| 1.0 / length));
         }
         Some(periodic)
     }
@@ -86,23 +89,39 @@ impl<V: Space> Periodic<V> {
         (length > 0.0).then_some(length)
     }
 
-    /// The shortest of all separations that a separation of two positions in the box stands for.
+    /// The shortest of all separations that a separation of two positions in the box stands for: s - L round(s/L).
     #[inline]
     #[must_use]
     pub fn shortest(&self, mut separation: V) -> V {
         for axis in 0..V::COMPONENTS {
-            let (s, half, length) = (separation.axis(axis), self.half.axis(axis), self.length.axis(axis));
-            if s > half {
-                separation = separation.with_axis(axis, s - length);
-            } else if s < -half {
-                separation = separation.with_axis(axis, s + length);
-            }
+            let s = separation.axis(axis);
+            // Where doubles are whole numbers, adding rounds: an instruction that every processor has.
+            let boxes = (s * self.inverse_length.axis(axis) + WHOLE) - WHOLE;
+            separation = separation.with_axis(axis, s - self.length.axis(axis) * boxes);
         }
         separation
     }
 
-    /// The position in the box that a position not far outside stands for.
+    /// Whether a position is in the box.
     #[inline]
+    fn contains(&self, position: V) -> bool {
+        // Not cut short: few are outside.
+        (0..V::COMPONENTS).fold(true, |inside, axis| {
+            inside & (position.axis(axis) >= self.low.axis(axis)) & (position.axis(axis) < self.high.axis(axis))
+        })
+    }
+
+    /// Sets a position back into the box, if it is outside: few are.
+    #[inline]
+    pub(crate) fn wrap(&self, position: &mut V) {
+        if !self.contains(*position) {
+            *position = self.wrapped(*position);
+        }
+    }
+
+    /// The position in the box that a position not far outside stands for.
+    #[cold]
+    #[inline(never)]
     #[must_use]
     pub fn wrapped(&self, mut position: V) -> V {
         for axis in 0..V::COMPONENTS {
@@ -150,7 +169,7 @@ fn wrap<V: Space, F: ArchetypeFilter + 'static>(columns: Res<Columns<V>>, mut pa
     let Some(periodic) = columns.periodic else { return };
     for mut positions in particles.contiguous_iter_mut().expect(DENSE) {
         for x in positions.bypass_change_detection() {
-            x.0 = periodic.wrapped(x.0);
+            periodic.wrap(&mut x.0);
         }
     }
 }

@@ -29,6 +29,18 @@ pub(crate) fn along<A, B, S>(
     }
 }
 
+/// The same with one column.
+#[inline]
+pub(crate) fn along_one<B, S>(
+    slots: &[Slot],
+    written: &mut [B],
+    states: impl Iterator<Item = S>,
+    mut each: impl FnMut(&mut B, S),
+) {
+    let nothing = vec![(); written.len()];
+    along(slots, (&nothing, written), states, |(), b, state| each(b, state));
+}
+
 /// The entries of these slots, if they follow one upon another.
 fn run_of(slots: &[Slot]) -> Option<Range<usize>> {
     let (first, last) = (slots.first()?.index(), slots.last()?.index());

@@ -20,16 +20,11 @@ use crate::step::{ForceStage, Phase, Step, is_step_zero};
 pub(crate) const DENSE: &str = "table components are contiguous";
 
 /// The longest of many ways.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Longest {
     squared: f64,
-    are_finite: bool,
-}
-
-impl Default for Longest {
-    fn default() -> Self {
-        Self { squared: 0.0, are_finite: true }
-    }
+    /// Of all squares: it tells at the end whether one of them was not a number, which a maximum forgets.
+    sum: f64,
 }
 
 impl Longest {
@@ -38,12 +33,12 @@ impl Longest {
     pub(crate) fn raise<V: Space>(&mut self, way: V) {
         let squared = way.length_squared();
         self.squared = if squared > self.squared { squared } else { self.squared };
-        self.are_finite &= squared < f64::INFINITY;
+        self.sum += squared;
     }
 
     /// Its length, m; not a number if one of them had none.
     pub(crate) fn length(self) -> f64 {
-        if self.are_finite { self.squared.sqrt() } else { f64::NAN }
+        if self.sum.is_finite() { self.squared.sqrt() } else { f64::NAN }
     }
 }
 

@@ -23,37 +23,53 @@ type Movable = Without<Fixed>;
 
 type Drifting<V> = (&'static mut Position<V>, &'static mut Velocity<V>, &'static Force<V>, &'static Mass);
 
+/// What a force (N) adds to the velocity in half a step of `dt` (s), m/s.
+#[inline]
+fn half_kick<V: Space>(force: V, dt: f64, inverse_mass: f64) -> V {
+    force * (0.5 * dt * inverse_mass)
+}
+
 fn drift<V: Space>(clock: Res<Clock>, mut grains: Query<Drifting<V>, Movable>) {
     let dt = clock.dt;
     for (mut x, mut v, force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
         let columns = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection());
         for ((x, v), (force, mass)) in columns.zip(force.iter().zip(mass.iter())) {
-            v.0 += force.0 * (0.5 * dt / mass.0);
+            v.0 += half_kick(force.0, dt, 1.0 / mass.0);
             x.0 += v.0 * dt;
         }
     }
 }
 
+type Gathering<V> = (&'static Slot, &'static mut Position<V>, &'static mut Velocity<V>, &'static Force<V>);
+
 /// The same, into the columns too, which saves a pass.
-fn drift_and_gather<V: Space>(
-    clock: Res<Clock>,
+fn drift_and_gather<V: Space>(clock: Res<Clock>, columns: ResMut<Columns<V>>, grains: Query<Gathering<V>, Movable>) {
+    // An open scene pays nothing for sides.
+    match columns.periodic {
+        None => drift_along(clock.dt, columns, grains, |_| {}),
+        Some(periodic) => drift_along(clock.dt, columns, grains, |x| periodic.wrap(x)),
+    }
+}
+
+#[inline]
+fn drift_along<V: Space>(
+    dt: f64,
     mut columns: ResMut<Columns<V>>,
-    mut grains: Query<(&Slot, &mut Position<V>, &mut Velocity<V>, &Force<V>), Movable>,
+    mut grains: Query<Gathering<V>, Movable>,
+    set_back: impl Fn(&mut V),
 ) {
-    let (dt, columns) = (clock.dt, &mut *columns);
+    let columns = &mut *columns;
     let mut longest = Longest::default();
-    let Columns { mass, body, periodic, .. } = columns;
     for (slots, mut x, mut v, force) in grains.contiguous_iter_mut().expect(DENSE) {
         let states = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection()).zip(force.iter());
-        columns::along(slots, (mass, body), states, |mass, body, ((x, v), force)| {
-            v.0 += force.0 * (0.5 * dt / mass);
-            x.0 += v.0 * dt;
+        columns::along_one(slots, &mut columns.body, states, |body, ((x, v), force)| {
+            let velocity = v.0 + half_kick(force.0, dt, body.inverse_mass);
+            let mut position = x.0 + velocity * dt;
             // From where the columns had it, before it is set back: whoever has moved it meanwhile.
-            longest.raise(x.0 - body.position);
-            if let Some(periodic) = periodic {
-                x.0 = periodic.wrapped(x.0);
-            }
-            (body.position, body.velocity) = (x.0, v.0);
+            longest.raise(position - body.position);
+            set_back(&mut position);
+            (body.position, body.velocity) = (position, velocity);
+            (x.0, v.0) = (position, velocity);
         });
     }
     columns.travel += longest.length();
@@ -63,7 +79,7 @@ fn kick<V: Space>(clock: Res<Clock>, mut grains: Query<(&mut Velocity<V>, &Force
     let dt = clock.dt;
     for (mut v, force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
         for (v, (force, mass)) in v.bypass_change_detection().iter_mut().zip(force.iter().zip(mass.iter())) {
-            v.0 += force.0 * (0.5 * dt / mass.0);
+            v.0 += half_kick(force.0, dt, 1.0 / mass.0);
         }
     }
 }
@@ -72,16 +88,16 @@ fn kick<V: Space>(clock: Res<Clock>, mut grains: Query<(&mut Velocity<V>, &Force
 fn kick_and_write<V: Space>(
     clock: Res<Clock>,
     mut columns: ResMut<Columns<V>>,
-    mut grains: Query<(&Slot, &mut Velocity<V>, &mut Force<V>, &Mass), Movable>,
+    mut grains: Query<(&Slot, &mut Velocity<V>, &mut Force<V>), Movable>,
 ) {
     let dt = clock.dt;
     let Columns { load, body, .. } = &mut *columns;
-    for (slots, mut v, mut force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
-        let states = v.bypass_change_detection().iter_mut().zip(force.bypass_change_detection()).zip(mass.iter());
-        columns::along(slots, (load, body), states, |load, body, ((v, force), mass)| {
+    for (slots, mut v, mut force) in grains.contiguous_iter_mut().expect(DENSE) {
+        let states = v.bypass_change_detection().iter_mut().zip(force.bypass_change_detection());
+        columns::along(slots, (load, body), states, |load, body, (v, force)| {
+            let velocity = v.0 + half_kick(load.force, dt, body.inverse_mass);
             force.0 = load.force;
-            v.0 += force.0 * (0.5 * dt / mass.0);
-            body.velocity = v.0;
+            (body.velocity, v.0) = (velocity, velocity);
         });
     }
 }

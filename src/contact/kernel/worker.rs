@@ -58,8 +58,9 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         self.largest
     }
 
-    /// Adds those candidates to the batch that overlap, or that the law looks at ahead of that. Whether one does is hard to
-    /// foresee, so there is no branch on it: each is written, and the end moves on if it counts. There is room for [`PIECE`]
+    /// Adds those candidates to the batch that overlap, or that the law looks at ahead of that, with what lies beside their
+    /// positions. Whether one does is hard to foresee, so there is no branch on it: each is written, and the end moves on if it
+    /// counts. There is room for [`PIECE`]
     /// of them; tells whether there is none for as many again.
     #[inline]
     fn offer(&mut self, candidates: &[Candidate]) -> bool {
@@ -75,6 +76,9 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             let lane = end % LANES;
             batch.pairs[lane] = [i, j];
             batch.separation.set(lane, separation);
+            batch.relative_velocity.set(lane, body.velocity - other.velocity);
+            (batch.radii[0][lane], batch.radii[1][lane]) = (body.radius, other.radius);
+            batch.mobility[lane] = body.inverse_mass + other.inverse_mass;
             // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
             end += usize::from(separation.length_squared() < farthest * farthest);
         }
@@ -92,16 +96,15 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         self.batch.measure(self.pass.instructions);
     }
 
-    /// Fills in what the law needs to know of the contacts besides separations.
+    /// Fills in what the law needs to know besides what bodies hold.
     #[inline]
     fn describe(&mut self) {
+        if !(L::SPECIES || L::SPIN || L::AHEAD) {
+            return;
+        }
         let (batch, view) = (&mut *self.batch, self.view);
         for lane in 0..batch.len.min(LANES) {
             let pair = batch.pairs[lane].map(|entry| entry as usize);
-            let [a, b] = pair.map(|entry| &view.body[entry]);
-            batch.relative_velocity.set(lane, a.velocity - b.velocity);
-            (batch.radii[0][lane], batch.radii[1][lane]) = (a.radius, b.radius);
-            batch.mobility[lane] = a.inverse_mass + b.inverse_mass;
             for (side, entry) in pair.into_iter().enumerate() {
                 if L::SPECIES {
                     batch.species[side][lane] = view.species[entry];
