@@ -18,6 +18,7 @@
 //! kinetic energy out of or into the balance, which then shows as error; so does the work of one that is fixed and spins.
 
 use std::marker::PhantomData;
+use std::ops::Add;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -156,6 +157,11 @@ fn book_panel_door<V: Space>(
     }
 }
 
+/// The sum of scalar products, given by component: in ascending order of slots, each component for itself.
+fn sum<T: Linear>(products: impl Iterator<Item = T>) -> f64 {
+    products.fold(T::ZERO, Add::add).sum_of_components()
+}
+
 fn book_contact_work<V: Space>(
     clock: Res<Clock>,
     columns: Res<Columns<V>>,
@@ -163,10 +169,8 @@ fn book_contact_work<V: Space>(
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
-    let (mut dissipation, mut wall) = (0.0, 0.0);
-    for (load, body) in columns.load.iter().zip(&columns.body) {
-        dissipation -= load.drag.dot(body.velocity);
-    }
+    let powers = columns.load.iter().zip(&columns.body).map(|(load, body)| load.drag.times(body.velocity));
+    let (mut dissipation, mut wall) = (-sum(powers), 0.0);
     for i in columns.movable_end..columns.len() {
         wall -= columns.load[i].force.dot(columns.body[i].velocity);
     }
@@ -193,12 +197,10 @@ fn book_friction<V: Space>(
     let mut power = ChannelPowers::default();
     let [tangential, rolling] = history.lost();
     let mut gone = Channels { tangential, rolling };
-    for (turn, (body, &spin)) in columns.turn.iter().zip(columns.body.iter().zip(&columns.spin)) {
-        power.tangential -= turn.friction_drag.dot(body.velocity) + turn.friction_drag_torque.dot(spin);
-    }
-    for (drag, &spin) in columns.rolling_drag.iter().zip(&columns.spin) {
-        power.rolling -= drag.dot(spin);
-    }
+    let turns = || columns.turn.iter();
+    power.tangential -= sum(turns().zip(&columns.body).map(|(turn, body)| turn.friction_drag.times(body.velocity)));
+    power.tangential -= sum(turns().zip(&columns.spin).map(|(turn, &spin)| turn.friction_drag_torque.times(spin)));
+    power.rolling -= sum(columns.rolling_drag.iter().zip(&columns.spin).map(|(drag, &spin)| drag.times(spin)));
     for belt in &walls.0 {
         power.tangential -= belt.load.friction_drag.dot(belt.velocity);
     }

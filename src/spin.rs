@@ -111,11 +111,12 @@ fn half_kick_through<V: Space, const LAST: bool>(
     for (slots, mut spins, mut torques, inertias) in grains.contiguous_iter_mut().expect(DENSE) {
         let states = spins.bypass_change_detection().iter_mut().zip(torques.bypass_change_detection()).zip(inertias);
         columns::along(slots, (turn, column), states, |turn, place, ((spin, torque), inertia)| {
+            let by = if LAST { turn.torque } else { torque.0 };
+            let turned = spin.0 + by * (0.5 * dt / inertia.0);
             if LAST {
-                torque.0 = turn.torque;
+                torque.0 = by;
             }
-            spin.0 += torque.0 * (0.5 * dt / inertia.0);
-            *place = spin.0;
+            (*place, spin.0) = (turned, turned);
         });
     }
 }

@@ -159,6 +159,19 @@ impl<V: Space> Batch<V> {
         !L::AHEAD || self.answer.touches[lane] > 0.0
     }
 
+    /// What contacts lose by sliding and rolling, J, added in order to what was lost so far.
+    #[inline]
+    pub fn lost<L: Demands>(&self, mut lost: [f64; 2]) -> [f64; 2] {
+        let [sliding, rolling] = &self.answer.lost;
+        for lane in (0..self.len.min(LANES)).filter(|&lane| self.touches::<L>(lane)) {
+            lost[0] += sliding[lane];
+            if L::ROLLING {
+                lost[1] += rolling[lane];
+            }
+        }
+        lost
+    }
+
     /// The highest entry.
     #[inline]
     pub fn highest(&self) -> usize {

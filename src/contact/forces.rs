@@ -7,9 +7,8 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
-use crate::contact::batch::Batch;
 use crate::contact::history::History;
-use crate::contact::kernel::Pass;
+use crate::contact::kernel::{Desk, Pass};
 use crate::contact::{AnyLaw, Demands, PairLaw};
 use crate::energy::SpinEnergyPlugin;
 use crate::gravity::Gravity;
@@ -43,7 +42,7 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
     law: Res<Law<L>>,
     (clock, gravity): (Res<Clock>, Res<Gravity<V>>),
     search: Res<Search<V>>,
-    (threads, instructions, mut batches): (Res<Threads>, Res<Instructions>, Local<Vec<Batch<V>>>),
+    (threads, instructions, mut desks): (Res<Threads>, Res<Instructions>, Local<Vec<Desk<V>>>),
     mut columns: ResMut<Columns<V>>,
     mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
@@ -60,8 +59,8 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
         instructions: *instructions,
     };
     largest.0 = match columns.periodic {
-        None => pass.sum(&mut columns, &mut history, &threads, &mut batches, largest.0),
-        Some(metric) => pass.with(metric).sum(&mut columns, &mut history, &threads, &mut batches, largest.0),
+        None => pass.sum(&mut columns, &mut history, &threads, &mut desks, largest.0),
+        Some(metric) => pass.with(metric).sum(&mut columns, &mut history, &threads, &mut desks, largest.0),
     };
 }
 

@@ -1,20 +1,21 @@
 //! What contacts remember, from step to step.
 //!
-//! Each force pass writes the memories of the contacts that it finds into new pages, reading those of the pass
-//! before. So a memory lives exactly as long as its contact, whatever the neighbour search does; and a contact that
-//! ends is forgotten. A contact stands once, in the row of its lower member and as seen from it. Rows are particles in the
-//! order of the columns, each with its partners in ascending order: the order in which the kernel comes by, so that looking
-//! up is walking along. Pages have [`BLOCK`] rows each, so that threads write pages of their own while all read those of
-//! the pass before. When slots are dealt out anew, pages are rewritten by the names of the particles, which do not change.
-//! Columns that the law does not demand stay empty.
+//! Each force pass reads the memories of the contacts that it finds and writes them down again ([`Walk`]). So a memory lives
+//! exactly as long as its contact, whatever the neighbour search does; and a contact that ends is forgotten. A contact stands
+//! once, in the row of its lower member and as seen from it. Rows are particles in the order of the columns, each with its
+//! partners in ascending order: the order in which the kernel comes by, so that looking up is walking along. Pages have
+//! [`BLOCK`] rows each, so that threads have pages of their own. When slots are dealt out anew, pages are rewritten by the names
+//! of the particles, which do not change.
 
 mod pages;
+mod walk;
 
 use std::collections::HashMap;
 
 use bevy_ecs::prelude::*;
 
-pub use self::pages::{Pages, Recall};
+pub use self::pages::Pages;
+pub use self::walk::Walk;
 use crate::columns::Columns;
 use crate::contact::{Demands, Memory};
 use crate::particle::GrainId;
@@ -27,9 +28,8 @@ pub const BLOCK: usize = 1024;
 #[derive(Resource, Clone, Debug)]
 pub struct History<V: Space = Plane> {
     /// Between particles, page by page.
-    now: Vec<Pages<V>>,
-    before: Vec<Pages<V>>,
-    /// With flat walls, the partner being the wall's index; all rows together.
+    pages: Vec<Pages<V>>,
+    /// With flat walls, the partner being the wall's index, all rows together; and a page to spare.
     walls: [Pages<V>; 2],
     names: Vec<GrainId>,
     generation: u64,
@@ -37,7 +37,7 @@ pub struct History<V: Space = Plane> {
 
 impl<V: Space> Default for History<V> {
     fn default() -> Self {
-        Self { now: Vec::new(), before: Vec::new(), walls: Default::default(), names: Vec::new(), generation: 0 }
+        Self { pages: Vec::new(), walls: Default::default(), names: Vec::new(), generation: 0 }
     }
 }
 
@@ -45,38 +45,33 @@ impl<V: Space> History<V> {
     /// The memory of a contact between entries i and j of the columns, as seen from the lower one.
     #[must_use]
     pub fn of_pair(&self, i: usize, j: usize) -> Option<Memory<V>> {
-        let (low, high) = (i.min(j), i.max(j));
-        self.now.get(low / BLOCK)?.look_up(low % BLOCK, u32::try_from(high).ok()?)
+        let low = i.min(j);
+        self.pages.get(low / BLOCK)?.look_up([u32::try_from(low).ok()?, u32::try_from(i.max(j)).ok()?])
     }
 
     /// The memory of the contact of entry i with a flat wall.
     #[must_use]
     pub fn of_wall(&self, i: usize, wall: usize) -> Option<Memory<V>> {
-        self.walls[0].look_up(i, u32::try_from(wall).ok()?)
+        self.walls[0].look_up([u32::try_from(i).ok()?, u32::try_from(wall).ok()?])
     }
 
     /// What sliding and rolling beyond their caps took in the last step, J.
     #[must_use]
     pub fn lost(&self) -> [f64; 2] {
-        let pages = self.now.iter().chain([&self.walls[0]]);
+        let pages = self.pages.iter().chain([&self.walls[0]]);
         pages.fold([0.0; 2], |[sliding, rolling], pages| [sliding + pages.lost[0], rolling + pages.lost[1]])
     }
 
-    /// Opens new pages for the particles of `columns`: those to read, and those to write.
-    pub fn turn(&mut self, columns: &Columns<V>) -> (&[Pages<V>], &mut [Pages<V>]) {
-        let blocks = columns.len().div_ceil(BLOCK);
-        std::mem::swap(&mut self.now, &mut self.before);
-        self.now.resize_with(blocks, Pages::default);
-        self.before.resize_with(blocks, Pages::default);
-        (&self.before, &mut self.now)
+    /// The pages for the particles of `columns`.
+    pub fn pages(&mut self, columns: &Columns<V>) -> &mut [Pages<V>] {
+        self.pages.resize_with(columns.len().div_ceil(BLOCK), Pages::default);
+        &mut self.pages
     }
 
-    /// The same for flat walls.
-    pub(crate) fn turn_walls(&mut self) -> (&Pages<V>, &mut Pages<V>) {
-        self.walls.swap(0, 1);
-        let [now, before] = &mut self.walls;
-        now.clear();
-        (before, now)
+    /// The walk along the contacts with flat walls.
+    pub(crate) fn walk_on_walls(&mut self) -> Walk<'_, V> {
+        let [page, spare] = &mut self.walls;
+        Walk::new(page, spare)
     }
 
     /// Follows the particles to the slots that they have in `columns`.
@@ -85,46 +80,42 @@ impl<V: Space> History<V> {
             return;
         }
         self.generation = columns.generation;
-        if self.now.iter().chain(&self.walls[..1]).all(Pages::is_empty) {
+        if self.pages.iter().chain(&self.walls[..1]).all(Pages::is_empty) {
             self.names.clone_from(&columns.id);
             return;
         }
         let slots: HashMap<GrainId, u32> = columns.id.iter().copied().zip(0..).collect();
-        let place = |old: usize| self.names.get(old).and_then(|name| slots.get(name)).copied();
+        let place = |old: u32| self.names.get(old as usize).and_then(|name| slots.get(name)).copied();
         let mut pairs = Vec::new();
-        for (block, pages) in self.now.iter().enumerate() {
-            for (row, partner, mut memory) in pages.contacts() {
-                if let (Some(i), Some(j)) = (place(block * BLOCK + row), place(partner as usize)) {
-                    if i > j {
-                        memory = memory.turned();
-                    }
-                    pairs.push((i.min(j), i.max(j), memory));
+        for ([i, j], mut memory) in self.pages.iter().flat_map(Pages::all) {
+            if let (Some(i), Some(j)) = (place(i), place(j)) {
+                if i > j {
+                    memory = memory.turned();
                 }
+                pairs.push(([i.min(j), i.max(j)], memory));
             }
         }
-        let on_walls = self.walls[0].contacts();
-        let mut walls: Vec<_> = on_walls.filter_map(|(row, wall, memory)| Some((place(row)?, wall, memory))).collect();
-        pairs.sort_unstable_by_key(|&(i, j, _)| (i, j));
-        walls.sort_unstable_by_key(|&(i, wall, _)| (i, wall));
-        self.now.clear();
-        self.now.resize_with(columns.len().div_ceil(BLOCK), Pages::default);
-        for (i, j, memory) in &pairs {
-            self.now[*i as usize / BLOCK].push::<L>(*i as usize % BLOCK, *j, memory);
+        let on_walls = self.walls[0].all();
+        let mut walls: Vec<_> = on_walls.filter_map(|([i, wall], memory)| Some(([place(i)?, wall], memory))).collect();
+        pairs.sort_unstable_by_key(|(contact, _)| *contact);
+        walls.sort_unstable_by_key(|(contact, _)| *contact);
+        self.pages.clear();
+        for (contact, memory) in &pairs {
+            self.pages(columns)[contact[0] as usize / BLOCK].push::<L>(*contact, memory);
         }
         self.walls[0].clear();
-        for (i, wall, memory) in &walls {
-            self.walls[0].push::<L>(*i as usize, *wall, memory);
+        for (contact, memory) in &walls {
+            self.walls[0].push::<L>(*contact, memory);
         }
         self.names.clone_from(&columns.id);
     }
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
-    use crate::neighbours::list::Candidate;
 
-    struct Springs;
+    pub struct Springs;
     impl Demands for Springs {
         const SPIN: bool = true;
         const SPRING: bool = true;
@@ -135,61 +126,8 @@ mod tests {
         Columns { id, generation, ..Columns::default() }
     }
 
-    fn memory(x: f64) -> Memory {
+    pub fn memory(x: f64) -> Memory {
         Memory { spring: Plane::new(x, 0.0), ..Memory::default() }
-    }
-
-    /// Writes contacts (row, partner, spring), in ascending order.
-    fn write(history: &mut History, columns: &Columns, contacts: &[(usize, u32, f64)]) {
-        let (_, pages) = history.turn(columns);
-        pages.iter_mut().for_each(Pages::clear);
-        for &(row, partner, x) in contacts {
-            pages[row / BLOCK].push::<Springs>(row % BLOCK, partner, &memory(x));
-        }
-    }
-
-    /// The first page of four particles with four contacts.
-    fn page() -> Pages<Plane> {
-        let mut history = History::default();
-        let four = columns(&[1, 2, 3, 4], 1);
-        history.follow::<Springs>(&four);
-        write(&mut history, &four, &[(0, 1, 0.1), (0, 3, 0.3), (1, 2, 1.2), (2, 3, 2.3)]);
-        history.turn(&four).0[0].clone()
-    }
-
-    #[test]
-    fn pages_are_recalled_in_passing() {
-        let page = page();
-        let mut forgotten = Vec::new();
-        let mut recall = Recall::new(&page);
-        assert_eq!(recall.of::<Springs>(0, 1, |_, _, _| panic!("nothing ended")), Some(memory(0.1)));
-        assert_eq!(recall.of::<Springs>(0, 2, |_, _, _| panic!("nothing ended")), None);
-        // Row 1 is passed over as a whole.
-        assert_eq!(recall.of::<Springs>(2, 3, |row, partner, _| forgotten.push((row, partner))), Some(memory(2.3)));
-        recall.finish::<Springs>(|_, _, _| panic!("they are at their end"));
-        assert_eq!(forgotten, [(0, 3), (1, 2)]);
-        let mut recall = Recall::new(&page);
-        assert_eq!(recall.of::<Springs>(0, 3, |row, partner, _| forgotten.push((row, partner))), Some(memory(0.3)));
-        recall.finish::<Springs>(|row, partner, _| forgotten.push((row, partner)));
-        assert_eq!(forgotten[2..], [(0, 1), (1, 2), (2, 3)]);
-    }
-
-    #[test]
-    fn contacts_that_all_last_are_recalled_together() {
-        let page = page();
-        let mut recall = Recall::new(&page);
-        let mut springs = |pairs: &[Candidate]| {
-            recall
-                .of_all::<Springs>(0, pairs)
-                .map(|memories| memories.map(|memory| memory.spring.x).collect::<Vec<_>>())
-        };
-        // A new one among them, one that has ended, more than there are: then one by one.
-        assert_eq!(springs(&[[0, 1], [0, 2]]), None);
-        assert_eq!(springs(&[[0, 3]]), None);
-        assert_eq!(springs(&[[0, 1], [0, 3], [1, 2], [2, 3], [3, 4]]), None);
-        assert_eq!(springs(&[[0, 1], [0, 3]]), Some(vec![0.1, 0.3]));
-        assert_eq!(springs(&[[1, 2]]), Some(vec![1.2]));
-        assert_eq!(recall.of::<Springs>(2, 3, |_, _, _| panic!("nothing ended")), Some(memory(2.3)));
     }
 
     #[test]
@@ -198,7 +136,9 @@ mod tests {
         let before = columns(&old, 1);
         let mut history = History::default();
         history.follow::<Springs>(&before);
-        write(&mut history, &before, &[(0, 1, 0.1), (1, 2999, 1.5), (1023, 1024, 2.5), (1500, 1501, 5.2)]);
+        for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
+            history.pages(&before)[contact[0] as usize / BLOCK].push::<Springs>(contact, &memory(spring));
+        }
         // Grain 0 goes, two come, and the order is turned round: who was the lower one is the upper one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();
         let after = columns(&new, 2);
@@ -209,7 +149,7 @@ mod tests {
         assert_eq!(spring(10230, 10240), Some(-2.5));
         assert_eq!(spring(15000, 15010), Some(-5.2));
         assert_eq!(spring(5, 10), None);
-        let kept: usize = history.now.iter().map(Pages::len).sum();
+        let kept: usize = history.pages.iter().map(Pages::len).sum();
         assert_eq!(kept, 3);
     }
 }

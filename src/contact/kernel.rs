@@ -7,15 +7,16 @@
 //!
 //! Threads sum a range of rows each, and evaluate for themselves what rows of others do to theirs ([`PairList`]): the order
 //! of every sum, and so its bits, do not depend on their number. Memories are written in pages of [`BLOCK`] rows, and a batch
-//! ends with its block, so that neither do the books.
+//! ends with its block, so that neither do the books. What contacts with rows of others remember is copied before anyone writes.
 
+mod desk;
 mod worker;
 
 use rayon::prelude::*;
 
+pub use self::desk::Desk;
 use self::worker::Worker;
 use crate::columns::Columns;
-use crate::contact::batch::Batch;
 use crate::contact::history::{BLOCK, History};
 use crate::contact::sums::Sums;
 use crate::contact::{Demands, PairLaw};
@@ -49,13 +50,13 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
     }
 
     /// Sets the loads of `columns` to the sums of weight and all pair forces. `deepest` is the largest overlap so
-    /// far over the smaller radius of its pair; gives that with these. `batches` are kept for the next pass.
+    /// far over the smaller radius of its pair; gives that with these. `desks` are kept for the next pass.
     pub fn sum(
         &self,
         columns: &mut Columns<V>,
         history: &mut History<V>,
         threads: &Threads,
-        batches: &mut Vec<Batch<V>>,
+        desks: &mut Vec<Desk<V>>,
         deepest: f64,
     ) -> f64 {
         let (mut loads, mut turns) = (std::mem::take(&mut columns.load), std::mem::take(&mut columns.turn));
@@ -64,14 +65,20 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
         if L::ROLLING {
             rolling.resize(columns.len(), V::Spin::ZERO);
         }
-        let (before, mut now) = history.turn(columns);
+        let tasks = self.list.tasks();
+        desks.resize_with(tasks.len(), Desk::default);
+        let mut pages = history.pages(columns);
+        if L::MEMORY
+            && let Some(pool) = threads.pool()
+        {
+            let (tasks, desks, pages) = (tasks.par_iter(), desks.par_iter_mut(), &*pages);
+            pool.install(|| tasks.zip(desks).for_each(|(task, desk)| desk.welcome::<L>(&task.incoming, pages)));
+        }
         let view = &*columns;
         // What is left for the tasks to come; of what the law does not demand, nothing.
         let mut rest = (&mut loads[..], &mut turns[..], &mut contacts[..], &mut rolling[..]);
-        let tasks = self.list.tasks();
-        batches.resize_with(tasks.len(), Batch::default);
         let mut workers = Vec::with_capacity(tasks.len());
-        for (task, batch) in tasks.iter().zip(batches) {
+        for (task, Desk { batch, arrived, spare }) in tasks.iter().zip(desks) {
             let rows = task.rows.len();
             let sums = Sums::new(
                 task.rows.clone(),
@@ -80,12 +87,13 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
                 rest.2.split_off_mut(..rows).unwrap_or_default(),
                 rest.3.split_off_mut(..rows).unwrap_or_default(),
             );
-            let now = now.split_off_mut(..rows.div_ceil(BLOCK)).unwrap_or_default();
-            workers.push(Worker { pass: self, view, task, before, now, sums, batch, largest: deepest });
+            let pages = pages.split_off_mut(..rows.div_ceil(BLOCK)).unwrap_or_default();
+            let worker = Worker { pass: self, view, task, arrived, sums, batch, largest: deepest };
+            workers.push(move || worker.sum(pages, spare));
         }
         let largest = match threads.pool() {
-            None => workers.into_iter().map(Worker::sum).fold(deepest, f64::max),
-            Some(pool) => pool.install(|| workers.into_par_iter().map(Worker::sum).reduce(|| deepest, f64::max)),
+            None => workers.into_iter().map(|sum| sum()).fold(deepest, f64::max),
+            Some(pool) => pool.install(|| workers.into_par_iter().map(|sum| sum()).reduce(|| deepest, f64::max)),
         };
         (columns.load, columns.turn, columns.contacts, columns.rolling_drag) = (loads, turns, contacts, rolling);
         largest

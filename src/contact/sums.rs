@@ -8,15 +8,16 @@ use crate::contact::geometry::parted;
 use crate::contact::kernel::Pass;
 use crate::contact::lanes::LANES;
 use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw};
+use crate::neighbours::list::Candidate;
 use crate::periodic::Metric;
 use crate::space::{Linear, Space};
 
 impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
     /// What the springs of a contact that has ended held, J: it is lost to friction and rolling resistance.
     #[cold]
-    pub(super) fn forget(&self, columns: &Columns<V>, i: usize, partner: u32, memory: &Memory<V>, lost: &mut [f64; 2]) {
-        let pair = parted(&self.metric, columns, i, partner as usize, self.dt);
-        add(lost, self.law.forget(&pair, memory));
+    pub(super) fn forget(&self, columns: &Columns<V>, contact: Candidate, memory: &Memory<V>) -> [f64; 2] {
+        let [i, j] = contact.map(|entry| entry as usize);
+        self.law.forget(&parted(&self.metric, columns, i, j, self.dt), memory)
     }
 }
 

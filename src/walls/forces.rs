@@ -9,10 +9,11 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
-use crate::contact::history::{History, Recall};
+use crate::contact::history::History;
 use crate::contact::sums;
 use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairForce, PairLaw, memory_step};
 use crate::messages::DoorOpened;
+use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::step::{Clock, ForceStage, Phase, Step};
 use crate::walls::near::NearWalls;
@@ -28,14 +29,14 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
     mut near: Local<NearWalls>,
 ) {
     let dt = memory_step(&clock);
-    let (before, pages) = history.turn_walls();
-    let (mut recall, mut lost) = (Recall::new(before), [0.0; 2]);
+    let (mut walk, mut lost) = (history.walk_on_walls(), [0.0; 2]);
     // This system's own writes do not count as changes.
     let have_changed = walls.is_changed();
     walls.0.iter_mut().for_each(|wall| wall.load = WallLoad::default());
     let near = near.of(&columns, &walls.0, have_changed);
     for &(i, number) in near {
-        let (i, index) = (i as usize, number as usize);
+        let contact = [i, number];
+        let [i, index] = contact.map(|number| number as usize);
         let pair = if L::AHEAD {
             touching::<true, V>(&columns, i, &walls.0[index], dt)
         } else {
@@ -44,10 +45,10 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
         let Some(pair) = pair else { continue };
         let mut memory = Memory::default();
         if L::MEMORY {
-            let forgotten = |row, wall, memory: &Memory<V>| {
-                sums::add(&mut lost, forget(&*law.0, &columns, row, &walls, wall, memory, dt));
+            let forgotten = |contact, memory: &Memory<V>| {
+                sums::add(&mut lost, forget(&*law.0, &columns, contact, &walls, memory, dt));
             };
-            memory = recall.of::<L>(i, number, forgotten).unwrap_or_default();
+            memory = walk.recall::<L>(contact, forgotten).unwrap_or_default();
         }
         let on_i = law.0.force(&pair, &mut memory);
         if L::AHEAD {
@@ -59,31 +60,26 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
             sums::add(&mut lost, [on_i.turning.lost_by_sliding, rolling]);
         }
         if L::MEMORY {
-            pages.push::<L>(i, number, &memory);
+            walk.remember::<L>(contact, &memory);
         }
         largest.0 = largest.0.max(pair.overlap / pair.radii[0]);
     }
-    if L::MEMORY {
-        recall.finish::<L>(|row, wall, memory| {
-            sums::add(&mut lost, forget(&*law.0, &columns, row, &walls, wall, memory, dt));
-        });
-    }
-    pages.lost = lost;
+    walk.end::<L>(lost, |contact, memory| forget(&*law.0, &columns, contact, &walls, memory, dt));
 }
 
-/// What goes with the contact of entry `i` with a wall that it has just left, J; nothing if it is a door that has gone,
+/// What goes with a contact of an entry with a wall that it has just left, J; nothing if it is a door that has gone,
 /// which took all its contacts' energy with it.
 #[cold]
 fn forget<V: Space, L: PairLaw<V>>(
     law: &L,
     columns: &Columns<V>,
-    i: usize,
+    contact: Candidate,
     walls: &Surfaces<V>,
-    wall: u32,
     memory: &Memory<V>,
     dt: f64,
 ) -> [f64; 2] {
-    let wall = &walls.0[wall as usize];
+    let [i, wall] = contact.map(|number| number as usize);
+    let wall = &walls.0[wall];
     if !wall.is_present {
         return [0.0; 2];
     }

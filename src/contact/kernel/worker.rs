@@ -3,7 +3,7 @@
 use crate::columns::Columns;
 use crate::contact::batch::Batch;
 use crate::contact::geometry::coincident;
-use crate::contact::history::{BLOCK, Pages, Recall};
+use crate::contact::history::{BLOCK, Pages, Walk};
 use crate::contact::kernel::Pass;
 use crate::contact::lanes::LANES;
 use crate::contact::sums::Sums;
@@ -20,39 +20,30 @@ pub(super) struct Worker<'a, V: Space, L, M> {
     pub(super) pass: &'a Pass<'a, V, L, M>,
     pub(super) view: &'a Columns<V>,
     pub(super) task: &'a Task,
-    pub(super) before: &'a [Pages<V>],
-    pub(super) now: &'a mut [Pages<V>],
+    pub(super) arrived: &'a Pages<V>,
     pub(super) sums: Sums<'a, V>,
     pub(super) batch: &'a mut Batch<V>,
     pub(super) largest: f64,
 }
 
 impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
-    /// Sums its rows; gives the largest overlap over the smaller radius.
-    pub(super) fn sum(mut self) -> f64 {
+    /// Sums its rows, whose contacts stand in these pages; gives the largest overlap over the smaller radius.
+    pub(super) fn sum(mut self, pages: &mut [Pages<V>], spare: &mut Pages<V>) -> f64 {
         for piece in self.task.incoming.chunks(PIECE) {
             if self.offer(piece) {
                 self.flush_incoming();
             }
         }
         self.flush_incoming();
-        for (number, first) in self.task.rows.clone().step_by(BLOCK).enumerate() {
-            let mut block = Block {
-                number,
-                first,
-                recall: Recall::new(&self.before[first / BLOCK]),
-                remembered: [false; LANES],
-                lost: [0.0; 2],
-                forgotten: [0.0; 2],
-            };
-            self.now[number].begin::<L>(&self.before[first / BLOCK]);
+        for (page, first) in pages.iter_mut().zip(self.task.rows.clone().step_by(BLOCK)) {
+            let mut block = Block { walk: Walk::new(page, spare), remembered: [false; LANES], lost: [0.0; 2] };
             for piece in self.pass.list.block(first / BLOCK).chunks(PIECE) {
                 if self.offer(piece) {
                     self.flush(&mut block);
                 }
             }
             self.flush(&mut block);
-            self.end(&mut block);
+            block.walk.end::<L>(block.lost, |contact, memory| self.pass.forget(self.view, contact, memory));
         }
         self.sums.begin_up_to::<L>(self.task.rows.end, self.pass.gravity, self.view);
         self.largest
@@ -103,6 +94,8 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             return;
         }
         let (batch, view) = (&mut *self.batch, self.view);
+        // What is of its own cannot change under the loop.
+        let spins = &view.spin[..];
         for lane in 0..batch.len.min(LANES) {
             let pair = batch.pairs[lane].map(|entry| entry as usize);
             for (side, entry) in pair.into_iter().enumerate() {
@@ -110,7 +103,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
                     batch.species[side][lane] = view.species[entry];
                 }
                 if L::SPIN {
-                    batch.spins[side].set(lane, view.spin[entry]);
+                    batch.spins[side].set(lane, spins[entry]);
                 }
             }
             if L::AHEAD {
@@ -140,8 +133,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// Sums what the batch does to the particles of this share, the first ones being in others.
     fn flush_incoming(&mut self) {
         for lane in 0..if L::MEMORY { self.batch.len } else { 0 } {
-            let [i, j] = self.batch.pairs[lane];
-            let memory = self.before[i as usize / BLOCK].look_up(i as usize % BLOCK, j).unwrap_or_default();
+            let memory = self.arrived.look_up(self.batch.pairs[lane]).unwrap_or_default();
             self.batch.memory.set::<L>(lane, &memory);
         }
         self.ask();
@@ -156,11 +148,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         }
         self.ask();
         if L::SPIN {
-            for lane in 0..self.batch.len.min(LANES) {
-                let [sliding, rolling] = &self.batch.answer.lost;
-                let more = [sliding[lane], if L::ROLLING { rolling[lane] } else { 0.0 }];
-                sums::add(&mut block.lost, if L::AHEAD && !self.batch.touches::<L>(lane) { [0.0; 2] } else { more });
-            }
+            block.lost = self.batch.lost::<L>(block.lost);
         }
         if L::MEMORY {
             self.remember(block);
@@ -176,73 +164,48 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// Fetches what contacts remember.
     #[inline]
     fn recall(&mut self, block: &mut Block<'_, V>) {
-        let Block { first, recall: walk, remembered, forgotten, .. } = block;
-        let mut recall = *walk;
-        if let Some(memories) = recall.of_all::<L>(*first, &self.batch.pairs[..self.batch.len]) {
-            for (lane, memory) in memories.enumerate().take(LANES) {
-                self.batch.memory.set::<L>(lane, &memory);
-            }
-            remembered.fill(true);
-            *walk = recall;
+        let batch = &mut *self.batch;
+        let contacts = &batch.pairs[..batch.len.min(LANES)];
+        if block.walk.recall_all::<L>(contacts, &mut batch.memory) {
+            block.remembered.fill(true);
             return;
         }
-        for (lane, remembered) in remembered.iter_mut().enumerate().take(self.batch.len) {
-            let [i, j] = self.batch.pairs[lane];
-            let memory = recall.of::<L>(i as usize - *first, j, |row, partner, memory| {
-                self.pass.forget(self.view, *first + row, partner, memory, forgotten);
+        for (lane, &contact) in contacts.iter().enumerate() {
+            let memory = block.walk.recall::<L>(contact, |contact, memory| {
+                sums::add(&mut block.lost, self.pass.forget(self.view, contact, memory));
             });
-            if L::AHEAD {
-                *remembered = memory.is_some();
-            }
-            self.batch.memory.set::<L>(lane, &memory.unwrap_or_default());
+            block.remembered[lane] = memory.is_some();
+            batch.memory.set::<L>(lane, &memory.unwrap_or_default());
         }
-        *walk = recall;
     }
 
     /// Writes down what contacts remember.
     #[inline]
-    fn remember(&mut self, block: &mut Block<'_, V>) {
-        let (pages, batch) = (&mut self.now[block.number], &*self.batch);
-        if !L::AHEAD {
-            pages.extend::<L>(block.first, &batch.pairs[..batch.len.min(LANES)], &batch.memory);
+    fn remember(&self, block: &mut Block<'_, V>) {
+        let batch = &*self.batch;
+        let contacts = &batch.pairs[..batch.len.min(LANES)];
+        if !L::AHEAD || (0..contacts.len()).all(|lane| batch.touches::<L>(lane)) {
+            block.walk.remember_all::<L>(contacts, &batch.memory);
             return;
         }
-        for lane in 0..batch.len {
-            let (i, partner) = (batch.pairs[lane][0] as usize, batch.pairs[lane][1]);
+        block.walk.part::<L>(contacts);
+        for (lane, &contact) in contacts.iter().enumerate() {
             if batch.touches::<L>(lane) {
-                pages.push::<L>(i - block.first, partner, &batch.memory.get::<L>(lane));
+                block.walk.remember::<L>(contact, &batch.memory.get::<L>(lane));
             } else if block.remembered[lane] {
                 // It has ended, and its memory been moved on all the same: what it held before is lost.
-                let memory = self.before[i / BLOCK].look_up(i % BLOCK, partner).unwrap_or_default();
-                self.pass.forget(self.view, i, partner, &memory, &mut block.lost);
+                let memory = block.walk.before(contact).unwrap_or_default();
+                sums::add(&mut block.lost, self.pass.forget(self.view, contact, &memory));
             }
         }
-    }
-
-    /// Ends a block: what its contacts of the pass before have left is forgotten.
-    fn end(&mut self, block: &mut Block<'_, V>) {
-        if L::MEMORY {
-            let (first, forgotten) = (block.first, &mut block.forgotten);
-            block.recall.finish::<L>(|row, partner, memory| {
-                self.pass.forget(self.view, first + row, partner, memory, forgotten);
-            });
-        }
-        let pages = &mut self.now[block.number];
-        pages.lost = block.lost;
-        sums::add(&mut pages.lost, block.forgotten);
     }
 }
 
 /// The rows that are being summed.
 struct Block<'a, V: Space> {
-    /// Among those of the share.
-    number: usize,
-    /// Its first row.
-    first: usize,
-    recall: Recall<'a, V>,
+    walk: Walk<'a, V>,
     /// Which lanes are contacts of the pass before.
     remembered: [bool; LANES],
     /// What contacts lose, and what ended ones held, J: each in order, whenever the batch is full.
     lost: [f64; 2],
-    forgotten: [f64; 2],
 }

@@ -1,0 +1,30 @@
+//! What a thread keeps for itself from pass to pass, so that nothing is allocated in a step.
+
+use crate::contact::Demands;
+use crate::contact::batch::Batch;
+use crate::contact::history::{BLOCK, Pages};
+use crate::neighbours::list::Candidate;
+use crate::space::Space;
+
+/// The place where a thread works.
+#[derive(Debug, Default)]
+pub struct Desk<V: Space> {
+    /// The contacts at hand.
+    pub batch: Batch<V>,
+    /// What contacts with rows of others remember, as it was before this pass.
+    pub arrived: Pages<V>,
+    /// For pages that are written anew.
+    pub spare: Pages<V>,
+}
+
+impl<V: Space> Desk<V> {
+    /// Copies what contacts among those candidates remember.
+    pub(super) fn welcome<L: Demands>(&mut self, incoming: &[Candidate], pages: &[Pages<V>]) {
+        self.arrived.clear();
+        for &contact in incoming {
+            if let Some(memory) = pages[contact[0] as usize / BLOCK].look_up(contact) {
+                self.arrived.push::<L>(contact, &memory);
+            }
+        }
+    }
+}
