@@ -4,9 +4,9 @@
 //! instructions of it. Each lane does what a single contact would, operation by operation, so that how many are computed at
 //! once leaves no trace. Lanes beyond the last contact are computed too, from what an earlier one left there, and not read.
 
-use crate::columns::Columns;
+use crate::columns::{Body, Columns};
 use crate::contact::centred::{Ahead, Window};
-use crate::contact::lanes::{LANES, Lanes, Scalars};
+use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, spread};
 use crate::contact::sums::total;
 use crate::contact::{Demands, Memory, Pair, PairLaw};
 use crate::instructions::Instructions;
@@ -21,13 +21,14 @@ pub struct Batch<V: Space> {
     pub len: usize,
     /// Entries of the columns.
     pub pairs: [Candidate; LANES],
+    /// What was taken of the two bodies, until it is spread over the lanes.
+    taken: [Quads; 2],
     /// From j to i, m, and how long that is.
     pub separation: Lanes<V>,
     pub distance: Scalars,
-    pub relative_velocity: Lanes<V>,
-    /// 1/m_i + 1/m_j, 1/kg.
-    pub mobility: Scalars,
+    relative_velocity: Lanes<V>,
     pub radii: [Scalars; 2],
+    inverse_masses: [Scalars; 2],
     pub spins: [Lanes<V::Spin>; 2],
     pub species: [[Species; LANES]; 2],
     pub ahead: AheadLanes<V>,
@@ -40,7 +41,6 @@ pub struct Batch<V: Space> {
 pub struct AheadLanes<V: Space> {
     pub velocity: Lanes<V>,
     pub spins: [Lanes<V::Spin>; 2],
-    pub inverse_masses: [Scalars; 2],
     pub inverse_inertias: [Scalars; 2],
     pub lone: [Scalars; 2],
 }
@@ -81,7 +81,6 @@ impl<V: Space> AheadLanes<V> {
         let [i, j] = pair.map(|entry| columns.gain[entry]);
         self.velocity.set(lane, i.velocity - j.velocity);
         for (side, entry) in pair.into_iter().enumerate() {
-            self.inverse_masses[side][lane] = columns.body[entry].inverse_mass;
             self.lone[side][lane] = columns.gain[entry].lone;
             if L::SPIN {
                 self.spins[side].set(lane, columns.spin_gain[entry].spin);
@@ -116,6 +115,39 @@ impl<V: Space> MemoryLanes<V> {
 }
 
 impl<V: Space> Batch<V> {
+    /// Takes two bodies, so far from each other, into a lane: eight numbers side by side, to be spread later. Stores are what
+    /// taking costs.
+    #[inline(always)]
+    pub fn take(&mut self, lane: usize, separation: V, bodies: [&Body<V>; 2]) {
+        let [i, j] = bodies;
+        let velocity = i.velocity - j.velocity;
+        let [one, two] = &mut self.taken;
+        if V::COMPONENTS == 2 {
+            one[lane] = [separation.axis(0), separation.axis(1), velocity.axis(0), velocity.axis(1)];
+            two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
+        } else {
+            one[lane] = [separation.axis(0), separation.axis(1), separation.axis(2), velocity.axis(0)];
+            two[lane] = [velocity.axis(1), velocity.axis(2), i.radius, i.inverse_mass];
+            (self.radii[1][lane], self.inverse_masses[1][lane]) = (j.radius, j.inverse_mass);
+        }
+    }
+
+    /// Spreads what was taken over the lanes.
+    #[inline(always)]
+    fn spread(&mut self) {
+        let lanes = self.lanes();
+        let ([one, two], [m_i, m_j]) = (&self.taken, self.inverse_masses.each_mut());
+        let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
+        let [r_i, r_j] = self.radii.each_mut();
+        if V::COMPONENTS == 2 {
+            spread(one, lanes, x, y, vx, vy);
+            spread(two, lanes, r_i, m_i, r_j, m_j);
+        } else {
+            spread(one, lanes, x, y, z, vx);
+            spread(two, lanes, vy, vz, r_i, m_i);
+        }
+    }
+
     /// The contact of a lane, moved on by `dt` (s), as the law sees it.
     #[inline(always)]
     fn pair<L: Demands>(&self, lane: usize, dt: f64) -> Pair<V> {
@@ -127,7 +159,7 @@ impl<V: Space> Batch<V> {
             normal: self.separation.get(lane) * (1.0 / distance),
             overlap: radii[0] + radii[1] - distance,
             relative_velocity: self.relative_velocity.get(lane),
-            reduced_mass: 1.0 / self.mobility[lane],
+            reduced_mass: 1.0 / (self.inverse_masses[0][lane] + self.inverse_masses[1][lane]),
             radii,
             spins: [V::Spin::ZERO; 2],
             species: [Species(0); 2],
@@ -143,7 +175,7 @@ impl<V: Space> Batch<V> {
         if L::AHEAD {
             let ahead = &self.ahead;
             pair.ahead.velocity = ahead.velocity.get(lane);
-            pair.ahead.inverse_masses = of(&ahead.inverse_masses);
+            pair.ahead.inverse_masses = of(&self.inverse_masses);
             pair.ahead.lone = of(&ahead.lone);
             if L::SPIN {
                 pair.ahead.spins = spins_of(&ahead.spins);
@@ -196,13 +228,26 @@ impl<V: Space> Batch<V> {
         coincident
     }
 
-    /// Finds the distances. Tells whether any may be nothing.
+    /// Spreads what was taken over the lanes, and finds the distances. Tells whether any may be nothing.
     pub fn measure(&mut self, instructions: Instructions) -> bool {
         let coincident = instructions.run(
             #[inline(always)]
-            || self.measure_all(),
+            || {
+                self.spread();
+                self.measure_all()
+            },
         );
         coincident > 0
+    }
+
+    /// Gives coincident centres a normal: a separation so near to nothing that the overlap stays what it is. `normal` gives
+    /// that of a pair of entries.
+    #[cold]
+    pub fn part_coincident(&mut self, normal: impl Fn(Candidate) -> V) {
+        for lane in (0..self.len).filter(|&lane| self.distance[lane] <= 0.0) {
+            self.separation.set(lane, normal(self.pairs[lane]) * 1e-150);
+        }
+        self.measure_all();
     }
 
     /// Asks `law` about all lanes; gives how many overlap by more than `deepest` times

@@ -58,33 +58,21 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         let bodies = &self.view.body[..];
         let batch = &mut *self.batch;
         let mut end = batch.len;
-        for &[i, j] in candidates {
+        for &candidate in candidates {
+            let [i, j] = candidate;
             let (body, other) = (&bodies[i as usize], &bodies[j as usize]);
             let separation = self.pass.metric.separation(body.position, other.position);
             let reach = body.radius + other.radius;
             let farthest = if L::AHEAD { reach + self.view.margin } else { reach };
             // Never beyond; so the compiler knows as well.
             let lane = end % LANES;
-            batch.pairs[lane] = [i, j];
-            batch.separation.set(lane, separation);
-            batch.relative_velocity.set(lane, body.velocity - other.velocity);
-            (batch.radii[0][lane], batch.radii[1][lane]) = (body.radius, other.radius);
-            batch.mobility[lane] = body.inverse_mass + other.inverse_mass;
+            batch.pairs[lane] = candidate;
+            batch.take(lane, separation, [body, other]);
             // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
             end += usize::from(separation.length_squared() < farthest * farthest);
         }
         batch.len = end;
         end > LANES - PIECE
-    }
-
-    /// Gives coincident centres a normal: a separation so near to nothing that the overlap stays what it is.
-    #[cold]
-    fn part_coincident(&mut self) {
-        for lane in (0..self.batch.len).filter(|&lane| self.batch.distance[lane] <= 0.0) {
-            let [i, j] = self.batch.pairs[lane].map(|entry| self.view.id[entry as usize]);
-            self.batch.separation.set(lane, coincident::<V>(i, j) * 1e-150);
-        }
-        self.batch.measure(self.pass.instructions);
     }
 
     /// Fills in what the law needs to know besides what bodies hold.
@@ -118,7 +106,8 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         self.describe();
         let Pass { law, dt, instructions, .. } = *self.pass;
         if self.batch.measure(instructions) {
-            self.part_coincident();
+            let id = &self.view.id;
+            self.batch.part_coincident(|[i, j]| coincident(id[i as usize], id[j as usize]));
         }
         // What may be a record is found without dividing, a rounding off included.
         if self.batch.ask(law, dt, instructions, self.largest * (1.0 - 4.0 * f64::EPSILON)) {
