@@ -52,4 +52,16 @@ impl Instructions {
             Self::Avx512(avx512) => avx512.vectorize(work),
         }
     }
+
+    /// The same, with AVX2 at most: where a vector or two lie side by side, wider ones would have to be put together.
+    #[inline]
+    pub fn run_narrow<R>(self, work: impl FnOnce() -> R) -> R {
+        #[cfg(target_arch = "x86_64")]
+        if let Self::Avx512(avx512) = self
+            && let Some(avx2) = avx512.level().as_avx2()
+        {
+            return avx2.vectorize(work);
+        }
+        self.run(work)
+    }
 }

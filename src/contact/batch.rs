@@ -26,7 +26,9 @@ pub struct Batch<V: Space> {
     /// From j to i, m, and how long that is.
     pub separation: Lanes<V>,
     pub distance: Scalars,
+    normal: Lanes<V>,
     relative_velocity: Lanes<V>,
+    reduced_mass: Scalars,
     pub radii: [Scalars; 2],
     inverse_masses: [Scalars; 2],
     pub spins: [Lanes<V::Spin>; 2],
@@ -151,15 +153,14 @@ impl<V: Space> Batch<V> {
     /// The contact of a lane, moved on by `dt` (s), as the law sees it.
     #[inline(always)]
     fn pair<L: Demands>(&self, lane: usize, dt: f64) -> Pair<V> {
-        let distance = self.distance[lane];
         let of = |both: &[Scalars; 2]| [both[0][lane], both[1][lane]];
         let spins_of = |both: &[Lanes<V::Spin>; 2]| [both[0].get(lane), both[1].get(lane)];
         let radii = of(&self.radii);
         let mut pair = Pair {
-            normal: self.separation.get(lane) * (1.0 / distance),
-            overlap: radii[0] + radii[1] - distance,
+            normal: self.normal.get(lane),
+            overlap: radii[0] + radii[1] - self.distance[lane],
             relative_velocity: self.relative_velocity.get(lane),
-            reduced_mass: 1.0 / (self.inverse_masses[0][lane] + self.inverse_masses[1][lane]),
+            reduced_mass: self.reduced_mass[lane],
             radii,
             spins: [V::Spin::ZERO; 2],
             species: [Species(0); 2],
@@ -216,13 +217,16 @@ impl<V: Space> Batch<V> {
         self.len.next_multiple_of(8).min(LANES)
     }
 
-    /// Finds all distances; gives how many are nothing.
+    /// Finds what takes a root or a division, so that no law has to wait for it; gives how many distances are nothing.
     #[inline(always)]
     fn measure_all(&mut self) -> u32 {
         let mut coincident = 0;
         for lane in 0..self.lanes() {
-            let distance = self.separation.get(lane).length_squared().sqrt();
+            let separation = self.separation.get(lane);
+            let distance = separation.length_squared().sqrt();
             self.distance[lane] = distance;
+            self.normal.set(lane, separation * (1.0 / distance));
+            self.reduced_mass[lane] = 1.0 / (self.inverse_masses[0][lane] + self.inverse_masses[1][lane]);
             coincident += u32::from(distance <= 0.0);
         }
         coincident

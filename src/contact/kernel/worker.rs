@@ -143,7 +143,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.remember(block);
         }
         let (sums, batch) = (&mut self.sums, &*self.batch);
-        self.pass.instructions.run(
+        self.pass.instructions.run_narrow(
             #[inline(always)]
             || sums.add_to_both::<L>(batch),
         );
