@@ -65,9 +65,9 @@ pub struct Answer<V: Space> {
     /// Force on i, N, and the part of it that the normal damping makes.
     pub force: Lanes<V>,
     pub drag: Lanes<V>,
-    /// Torques on i and j, N m.
+    /// What i gains and j loses: torques, N m.
     pub torques: [Lanes<V::Spin>; 2],
-    /// The part of the force on i, and of the torques, that tangential dashpots make.
+    /// The part of the force on i, and of those torques, that tangential dashpots make.
     pub friction_drag: Lanes<V>,
     pub friction_drag_torques: [Lanes<V::Spin>; 2],
     /// Torque on i of the dashpots of rolling resistance, N m.
@@ -208,7 +208,7 @@ impl<V: Space> Batch<V> {
     /// The highest entry.
     #[inline]
     pub fn highest(&self) -> usize {
-        self.pairs[..self.len.min(LANES)].iter().fold(0, |highest, pair| pair[1].max(highest)) as usize
+        self.pairs[..self.len.min(LANES)].iter().fold(0, |highest, pair| pair.second().max(highest))
     }
 
     /// How many lanes are computed: a whole number of vectors.
@@ -278,10 +278,10 @@ impl<V: Space> Batch<V> {
                 let rolling = if L::ROLLING { turning.rolling } else { V::Spin::ZERO };
                 let [arm_i, arm_j] = turning.arms;
                 answer.torques[0].set(lane, moment * -arm_i + rolling);
-                answer.torques[1].set(lane, moment * -arm_j - rolling);
+                answer.torques[1].set(lane, moment * arm_j + rolling);
                 answer.friction_drag.set(lane, turning.friction_drag);
                 answer.friction_drag_torques[0].set(lane, moment_of_drag * -arm_i);
-                answer.friction_drag_torques[1].set(lane, moment_of_drag * -arm_j);
+                answer.friction_drag_torques[1].set(lane, moment_of_drag * arm_j);
                 answer.lost[0][lane] = turning.lost_by_sliding;
                 if L::ROLLING {
                     answer.rolling_drag_torque.set(lane, turning.rolling_drag);

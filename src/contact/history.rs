@@ -18,6 +18,7 @@ pub use self::pages::Pages;
 pub use self::walk::Walk;
 use crate::columns::Columns;
 use crate::contact::{Demands, Memory};
+use crate::neighbours::list::Candidate;
 use crate::particle::GrainId;
 use crate::space::{Plane, Space};
 
@@ -46,13 +47,13 @@ impl<V: Space> History<V> {
     #[must_use]
     pub fn of_pair(&self, i: usize, j: usize) -> Option<Memory<V>> {
         let low = i.min(j);
-        self.pages.get(low / BLOCK)?.look_up([u32::try_from(low).ok()?, u32::try_from(i.max(j)).ok()?])
+        self.pages.get(low / BLOCK)?.look_up(Candidate::new(u32::try_from(low).ok()?, u32::try_from(i.max(j)).ok()?))
     }
 
     /// The memory of the contact of entry i with a flat wall.
     #[must_use]
     pub fn of_wall(&self, i: usize, wall: usize) -> Option<Memory<V>> {
-        self.walls[0].look_up([u32::try_from(i).ok()?, u32::try_from(wall).ok()?])
+        self.walls[0].look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
     }
 
     /// What sliding and rolling beyond their caps took in the last step, J.
@@ -85,23 +86,28 @@ impl<V: Space> History<V> {
             return;
         }
         let slots: HashMap<GrainId, u32> = columns.id.iter().copied().zip(0..).collect();
-        let place = |old: u32| self.names.get(old as usize).and_then(|name| slots.get(name)).copied();
+        let place = |old: usize| self.names.get(old).and_then(|name| slots.get(name)).copied();
         let mut pairs = Vec::new();
-        for ([i, j], mut memory) in self.pages.iter().flat_map(Pages::all) {
-            if let (Some(i), Some(j)) = (place(i), place(j)) {
+        for (contact, mut memory) in self.pages.iter().flat_map(Pages::all) {
+            if let [Some(i), Some(j)] = contact.both().map(place) {
                 if i > j {
                     memory = memory.turned();
                 }
-                pairs.push(([i.min(j), i.max(j)], memory));
+                pairs.push((Candidate::new(i.min(j), i.max(j)), memory));
             }
         }
         let on_walls = self.walls[0].all();
-        let mut walls: Vec<_> = on_walls.filter_map(|([i, wall], memory)| Some(([place(i)?, wall], memory))).collect();
+        let mut walls: Vec<_> = on_walls
+            .filter_map(|(contact, memory)| {
+                let wall = u32::try_from(contact.second()).ok()?;
+                Some((Candidate::new(place(contact.first())?, wall), memory))
+            })
+            .collect();
         pairs.sort_unstable_by_key(|(contact, _)| *contact);
         walls.sort_unstable_by_key(|(contact, _)| *contact);
         self.pages.clear();
         for (contact, memory) in &pairs {
-            self.pages(columns)[contact[0] as usize / BLOCK].push::<L>(*contact, memory);
+            self.pages(columns)[contact.first() / BLOCK].push::<L>(*contact, memory);
         }
         self.walls[0].clear();
         for (contact, memory) in &walls {
@@ -137,7 +143,7 @@ pub(super) mod tests {
         let mut history = History::default();
         history.follow::<Springs>(&before);
         for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
-            history.pages(&before)[contact[0] as usize / BLOCK].push::<Springs>(contact, &memory(spring));
+            history.pages(&before)[contact[0] as usize / BLOCK].push::<Springs>(contact.into(), &memory(spring));
         }
         // Grain 0 goes, two come, and the order is turned round: who was the lower one is the upper one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();

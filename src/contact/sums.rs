@@ -16,7 +16,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
     /// What the springs of a contact that has ended held, J: it is lost to friction and rolling resistance.
     #[cold]
     pub(super) fn forget(&self, columns: &Columns<V>, contact: Candidate, memory: &Memory<V>) -> [f64; 2] {
-        let [i, j] = contact.map(|entry| entry as usize);
+        let [i, j] = contact.both();
         self.law.forget(&parted(&self.metric, columns, i, j, self.dt), memory)
     }
 }
@@ -96,7 +96,7 @@ impl<'a, V: Space> Sums<'a, V> {
         let (loads, turns, contacts, rolling) = (&mut **loads, &mut **turns, &mut **contacts, &mut **rolling);
         let answer = &batch.answer;
         for lane in (0..batch.len.min(LANES)).filter(|&lane| batch.touches::<L>(lane)) {
-            let [first, second] = batch.pairs[lane].map(|entry| entry as usize - start);
+            let [first, second] = batch.pairs[lane].both().map(|entry| entry - start);
             let (force, drag) = (answer.force.get(lane), answer.drag.get(lane));
             let load = &mut loads[first];
             load.force += force;
@@ -108,9 +108,9 @@ impl<'a, V: Space> Sums<'a, V> {
                 load.drag -= drag;
             }
             if L::SPIN {
-                turns[first].add(answer, lane, 0);
+                turns[first].gain(answer, lane);
                 if is_here {
-                    turns[second].add(answer, lane, 1);
+                    turns[second].lose(answer, lane);
                 }
             }
             if L::ROLLING {
@@ -133,11 +133,11 @@ impl<'a, V: Space> Sums<'a, V> {
     pub(super) fn add_to_second<L: Demands>(&mut self, batch: &Batch<V>) {
         let answer = &batch.answer;
         for lane in (0..batch.len.min(LANES)).filter(|&lane| batch.touches::<L>(lane)) {
-            let second = batch.pairs[lane][1] as usize - self.rows.start;
+            let second = batch.pairs[lane].second() - self.rows.start;
             self.loads[second].force -= answer.force.get(lane);
             self.loads[second].drag -= answer.drag.get(lane);
             if L::SPIN {
-                self.turns[second].add(answer, lane, 1);
+                self.turns[second].lose(answer, lane);
             }
             if L::ROLLING {
                 self.rolling[second] -= answer.rolling_drag_torque.get(lane);
@@ -150,17 +150,20 @@ impl<'a, V: Space> Sums<'a, V> {
 }
 
 impl<V: Space> Turn<V> {
-    /// Adds what the contact of a lane does to its first (`side` 0) or second member.
+    /// Adds what the contact of a lane does to its first member.
     #[inline(always)]
-    fn add(&mut self, answer: &Answer<V>, lane: usize, side: usize) {
-        self.torque += answer.torques[side].get(lane);
-        let drag = answer.friction_drag.get(lane);
-        if side == 0 {
-            self.friction_drag += drag;
-        } else {
-            self.friction_drag -= drag;
-        }
-        self.friction_drag_torque += answer.friction_drag_torques[side].get(lane);
+    fn gain(&mut self, answer: &Answer<V>, lane: usize) {
+        self.torque += answer.torques[0].get(lane);
+        self.friction_drag += answer.friction_drag.get(lane);
+        self.friction_drag_torque += answer.friction_drag_torques[0].get(lane);
+    }
+
+    /// Takes away what the contact of a lane takes from its second member.
+    #[inline(always)]
+    fn lose(&mut self, answer: &Answer<V>, lane: usize) {
+        self.torque -= answer.torques[1].get(lane);
+        self.friction_drag -= answer.friction_drag.get(lane);
+        self.friction_drag_torque -= answer.friction_drag_torques[1].get(lane);
     }
 
     /// Adds what a wall does to a grain.

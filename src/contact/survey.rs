@@ -95,7 +95,7 @@ impl<'a, V: Space> Survey<'a, V> {
 
     fn pairs(&self, metric: &impl Metric<V>, visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>)) {
         for &candidate in self.search.list.pairs() {
-            let [i, j] = candidate.map(|entry| entry as usize);
+            let [i, j] = candidate.both();
             if let Some(pair) = geometry::touching(metric, self.columns, i, j) {
                 let memory = self.history.of_pair(i, j).unwrap_or_default();
                 visit(i, Partner::Particle(j), &pair, &memory);

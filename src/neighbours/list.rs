@@ -9,8 +9,7 @@
 
 use std::ops::Range;
 
-/// A candidate: entries of the columns, the lower one first.
-pub type Candidate = [u32; 2];
+pub use crate::neighbours::candidate::Candidate;
 
 /// The candidates.
 #[derive(Debug, Default)]
@@ -63,32 +62,32 @@ impl PairList {
     /// Adds a candidate to the row that is being written.
     #[inline]
     pub(super) fn push(&mut self, j: u32) {
-        self.pairs.push([self.row, j]);
+        self.pairs.push(Candidate::new(self.row, j));
     }
 
     /// Ends that row, whose candidates came in any order.
     pub(super) fn end_row(&mut self) {
-        let written = self.pairs.iter().rposition(|pair| pair[0] != self.row).map_or(0, |last| last + 1);
+        let written = self.pairs.iter().rposition(|pair| pair.first() != self.row as usize).map_or(0, |last| last + 1);
         self.pairs[written..].sort_unstable();
         self.row += 1;
     }
 
-    /// Takes pairs (i, j), i < j, in ascending order of j within a row (`is_sorted` of it), of `rows` particles.
-    pub(super) fn take(&mut self, pairs: &[(u32, u32)], rows: usize, is_sorted: impl Fn(usize) -> bool) {
+    /// Takes pairs, in ascending order of j within a row (`is_sorted` of it), of `rows` particles.
+    pub(super) fn take(&mut self, pairs: &[Candidate], rows: usize, is_sorted: impl Fn(usize) -> bool) {
         self.starts.clear();
         self.starts.resize(rows + 1, 0);
-        for &(i, _) in pairs {
-            self.starts[i as usize + 1] += 1;
+        for pair in pairs {
+            self.starts[pair.first() + 1] += 1;
         }
         for row in 0..rows {
             self.starts[row + 1] += self.starts[row];
         }
         self.pairs.clear();
-        self.pairs.resize(pairs.len(), [0, 0]);
+        self.pairs.resize(pairs.len(), Candidate::default());
         // Filling moves each start to the next one's place.
-        for &(i, j) in pairs {
-            let place = &mut self.starts[i as usize];
-            self.pairs[*place as usize] = [i, j];
+        for &pair in pairs {
+            let place = &mut self.starts[pair.first()];
+            self.pairs[*place as usize] = pair;
             *place += 1;
         }
         for i in (0..rows).filter(|&i| !is_sorted(i)) {
@@ -100,7 +99,7 @@ impl PairList {
     /// Shares `rows` rows among `threads`, in whole blocks of `size` rows.
     pub(super) fn share_out(&mut self, rows: usize, threads: usize, size: usize) {
         let pairs = &self.pairs;
-        let row_of = |border: usize| pairs.partition_point(|pair| (pair[0] as usize) < border);
+        let row_of = |border: usize| pairs.partition_point(|pair| pair.first() < border);
         self.blocks.clear();
         self.blocks.extend((1..=rows.div_ceil(size)).map(|number| row_of(number * size)));
         let (blocks, shares) = (self.blocks.len(), threads.min(self.blocks.len()).max(1));
@@ -111,13 +110,14 @@ impl PairList {
             task.incoming.clear();
         }
         let mut own = 0;
-        for &[i, j] in if shares > 1 { &self.pairs[..] } else { &[] } {
-            while i as usize >= self.tasks[own].rows.end {
+        for &pair in if shares > 1 { &self.pairs[..] } else { &[] } {
+            let [i, j] = pair.both();
+            while i >= self.tasks[own].rows.end {
                 own += 1;
             }
-            if j as usize >= self.tasks[own].rows.end {
-                let theirs = self.tasks.partition_point(|task| task.rows.end <= j as usize);
-                self.tasks[theirs].incoming.push([i, j]);
+            if j >= self.tasks[own].rows.end {
+                let theirs = self.tasks.partition_point(|task| task.rows.end <= j);
+                self.tasks[theirs].incoming.push(pair);
             }
         }
     }
@@ -127,10 +127,14 @@ impl PairList {
 mod tests {
     use super::*;
 
+    fn all<const N: usize>(pairs: [[u32; 2]; N]) -> [Candidate; N] {
+        pairs.map(Candidate::from)
+    }
+
     #[test]
     fn pairs_come_out_in_order_whichever_way_they_go_in() {
         let mut taken = PairList::default();
-        taken.take(&[(0, 3), (2, 3), (0, 1), (1, 2)], 4, |i| i != 0);
+        taken.take(&all([[0, 3], [2, 3], [0, 1], [1, 2]]), 4, |i| i != 0);
         let mut written = PairList::default();
         for row in [&[3, 1][..], &[2], &[3], &[]] {
             for &j in row {
@@ -139,18 +143,18 @@ mod tests {
             written.end_row();
         }
         for list in [taken, written] {
-            assert_eq!(list.pairs(), [[0, 1], [0, 3], [1, 2], [2, 3]]);
+            assert_eq!(list.pairs(), all([[0, 1], [0, 3], [1, 2], [2, 3]]));
         }
     }
 
     #[test]
     fn tasks_cover_all_rows_and_know_who_comes_in() {
         let mut list = PairList::default();
-        list.take(&[(0, 5), (1, 3), (2, 3), (3, 5), (4, 5)], 6, |_| true);
+        list.take(&all([[0, 5], [1, 3], [2, 3], [3, 5], [4, 5]]), 6, |_| true);
         list.share_out(6, 3, 2);
         let tasks: Vec<_> = list.tasks().iter().map(|task| (task.rows.clone(), task.incoming.clone())).collect();
-        assert_eq!(tasks, [(0..2, vec![]), (2..4, vec![[1, 3]]), (4..6, vec![[0, 5], [3, 5]])]);
-        assert_eq!(list.block(1), [[2, 3], [3, 5]]);
+        assert_eq!(tasks, [(0..2, vec![]), (2..4, all([[1, 3]]).to_vec()), (4..6, all([[0, 5], [3, 5]]).to_vec())]);
+        assert_eq!(list.block(1), all([[2, 3], [3, 5]]));
         // More threads than blocks: as many tasks as blocks.
         list.share_out(6, 8, 4);
         assert_eq!(list.tasks().len(), 2);

@@ -9,6 +9,7 @@
 //! | [`VerletList`](Neighbours::VerletList) | the listed pairs; now and then a search by cells | the list |
 
 mod all_pairs;
+mod candidate;
 pub mod cells;
 pub mod list;
 mod verlet_list;

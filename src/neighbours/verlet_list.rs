@@ -11,7 +11,7 @@
 use crate::columns::{Body, Columns};
 use crate::neighbours::cells::{Cells, MOST_CELLS};
 use crate::neighbours::contact_range;
-use crate::neighbours::list::PairList;
+use crate::neighbours::list::{Candidate, PairList};
 use crate::space::Space;
 use crate::wait::Wait;
 
@@ -69,8 +69,8 @@ impl<V: Space> VerletList<V> {
         self.made_at[i].allowance > self.skin
     }
 
-    /// All pairs (i, j), i < j, that belong on the list, each once, ascending in j except where i is fast.
-    fn pairs(&self, columns: &Columns<V>, expected: usize) -> Vec<(u32, u32)> {
+    /// All pairs that belong on the list, each once, ascending in the second except where the first is fast.
+    fn pairs(&self, columns: &Columns<V>, expected: usize) -> Vec<Candidate> {
         let widest = self.made_at.iter().map(|anchor| anchor.allowance).fold(0.0, f64::max);
         let range = contact_range(columns);
         let side = (range + 2.0 * self.skin).max(f64::MIN_POSITIVE);
@@ -88,7 +88,7 @@ impl<V: Space> VerletList<V> {
                     && columns.separation(body.position, other.position).length_squared() < reach * reach
                     && !(columns.is_fixed(row) && columns.is_fixed(j as usize))
                 {
-                    pairs.push((i.min(j), i.max(j)));
+                    pairs.push(Candidate::new(i.min(j), i.max(j)));
                 }
             };
             // Beyond a few cells around it, asking everybody is not dearer.

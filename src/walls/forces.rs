@@ -34,9 +34,8 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
     let have_changed = walls.is_changed();
     walls.0.iter_mut().for_each(|wall| wall.load = WallLoad::default());
     let near = near.of(&columns, &walls.0, have_changed);
-    for &(i, number) in near {
-        let contact = [i, number];
-        let [i, index] = contact.map(|number| number as usize);
+    for &contact in near {
+        let [i, index] = contact.both();
         let pair = if L::AHEAD {
             touching::<true, V>(&columns, i, &walls.0[index], dt)
         } else {
@@ -78,7 +77,7 @@ fn forget<V: Space, L: PairLaw<V>>(
     memory: &Memory<V>,
     dt: f64,
 ) -> [f64; 2] {
-    let [i, wall] = contact.map(|number| number as usize);
+    let [i, wall] = contact.both();
     let wall = &walls.0[wall];
     if !wall.is_present {
         return [0.0; 2];

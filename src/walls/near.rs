@@ -4,6 +4,7 @@
 //! somebody can have gone that far, or a wall has changed.
 
 use crate::columns::Columns;
+use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::wait::Wait;
 use crate::walls::surfaces::FlatWall;
@@ -11,13 +12,13 @@ use crate::walls::surfaces::FlatWall;
 /// Pairs of an entry of the columns and a wall's index, ascending.
 #[derive(Debug, Default)]
 pub struct NearWalls {
-    pairs: Vec<(u32, u32)>,
+    pairs: Vec<Candidate>,
     wait: Wait,
 }
 
 impl NearWalls {
     /// Those of now.
-    pub fn of<V: Space>(&mut self, columns: &Columns<V>, walls: &[FlatWall<V>], has_changed: bool) -> &[(u32, u32)] {
+    pub fn of<V: Space>(&mut self, columns: &Columns<V>, walls: &[FlatWall<V>], has_changed: bool) -> &[Candidate] {
         if has_changed || self.wait.is_over(columns, columns.margin) {
             let grains = &columns.body[..columns.movable_end];
             let slack = 2.0 * grains.iter().map(|body| body.radius).fold(0.0, f64::max);
@@ -26,7 +27,7 @@ impl NearWalls {
                 for (number, wall) in (0u32..).zip(walls) {
                     // Written so that a NaN is near nothing.
                     if wall.surface.distance(body.position).0 < body.radius + slack {
-                        self.pairs.push((i, number));
+                        self.pairs.push(Candidate::new(i, number));
                     }
                 }
             }

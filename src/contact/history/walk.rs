@@ -134,26 +134,34 @@ mod tests {
     use crate::contact::history::tests::{Springs, memory};
     use crate::space::Plane;
 
-    const CONTACTS: [Candidate; 4] = [[0, 1], [0, 3], [1, 2], [2, 3]];
+    /// Contact i touches j.
+    fn of(contact: [u32; 2]) -> Candidate {
+        contact.into()
+    }
+
+    fn contacts() -> [Candidate; 4] {
+        [[0, 1], [0, 3], [1, 2], [2, 3]].map(of)
+    }
 
     /// Of four particles, with springs of 0.1 to 0.4 m.
     fn page() -> Pages<Plane> {
         let mut page = Pages::default();
-        for (contact, spring) in CONTACTS.into_iter().zip([0.1, 0.2, 0.3, 0.4]) {
+        for (contact, spring) in contacts().into_iter().zip([0.1, 0.2, 0.3, 0.4]) {
             page.push::<Springs>(contact, &memory(spring));
         }
         page
     }
 
-    fn springs(page: &Pages<Plane>) -> Vec<(Candidate, f64)> {
-        page.all().map(|(contact, memory)| (contact, memory.spring.x)).collect()
+    fn springs(page: &Pages<Plane>) -> Vec<([usize; 2], f64)> {
+        page.all().map(|(contact, memory)| (contact.both(), memory.spring.x)).collect()
     }
 
     #[test]
     fn contacts_that_last_are_written_where_they_stood() {
         let (mut page, mut spare) = (page(), Pages::default());
         let mut walk = Walk::new(&mut page, &mut spare);
-        for contacts in [&CONTACTS[..3], &CONTACTS[3..]] {
+        let all = contacts();
+        for contacts in [&all[..3], &all[3..]] {
             let mut memories = MemoryLanes::default();
             assert!(walk.recall_all::<Springs>(contacts, &mut memories));
             for lane in 0..contacts.len() {
@@ -173,21 +181,23 @@ mod tests {
         let (mut page, mut spare) = (page(), Pages::default());
         let mut walk = Walk::new(&mut page, &mut spare);
         let (mut memories, mut gone) = (MemoryLanes::default(), Vec::new());
-        assert!(walk.recall_all::<Springs>(&CONTACTS[..1], &mut memories));
-        walk.remember_all::<Springs>(&CONTACTS[..1], &memories);
+        assert!(walk.recall_all::<Springs>(&contacts()[..1], &mut memories));
+        walk.remember_all::<Springs>(&contacts()[..1], &memories);
         // One is new, one has ended, more are wanted than there are: then one by one.
         for contacts in [&[[0, 2], [0, 3]][..], &[[1, 2]], &[[0, 3], [1, 2], [2, 3], [3, 4]]] {
-            assert!(!walk.recall_all::<Springs>(contacts, &mut memories));
+            let contacts: Vec<_> = contacts.iter().copied().map(of).collect();
+            assert!(!walk.recall_all::<Springs>(&contacts, &mut memories));
         }
-        assert_eq!(walk.recall::<Springs>([0, 2], |_, _| panic!("none has ended")), None);
-        walk.remember::<Springs>([0, 2], &memory(5.0));
-        let recalled = walk.recall::<Springs>([1, 2], |contact, memory| gone.push((contact, memory.spring.x)));
+        assert_eq!(walk.recall::<Springs>(of([0, 2]), |_, _| panic!("none has ended")), None);
+        walk.remember::<Springs>(of([0, 2]), &memory(5.0));
+        let recalled =
+            walk.recall::<Springs>(of([1, 2]), |contact, memory| gone.push((contact.both(), memory.spring.x)));
         assert_eq!((recalled, &gone[..]), (Some(memory(0.3)), &[([0, 3], 0.2)][..]));
-        assert_eq!(walk.before([1, 2]), Some(memory(0.3)));
-        walk.remember::<Springs>([1, 2], &memory(6.0));
+        assert_eq!(walk.before(of([1, 2])), Some(memory(0.3)));
+        walk.remember::<Springs>(of([1, 2]), &memory(6.0));
         // And together again.
-        assert!(walk.recall_all::<Springs>(&CONTACTS[3..], &mut memories));
-        walk.remember_all::<Springs>(&CONTACTS[3..], &memories);
+        assert!(walk.recall_all::<Springs>(&contacts()[3..], &mut memories));
+        walk.remember_all::<Springs>(&contacts()[3..], &memories);
         walk.end::<Springs>([0.0; 2], |_, _| panic!("they are at their end"));
         assert_eq!(springs(&page), [([0, 1], 0.1), ([0, 2], 5.0), ([1, 2], 6.0), ([2, 3], 0.4)]);
     }
@@ -197,18 +207,19 @@ mod tests {
         let (mut page, mut spare) = (page(), Pages::default());
         let mut walk = Walk::new(&mut page, &mut spare);
         let mut memories = MemoryLanes::default();
-        for contacts in [&CONTACTS[..1], &CONTACTS[1..3]] {
+        let all = contacts();
+        for contacts in [&all[..1], &all[1..3]] {
             assert!(walk.recall_all::<Springs>(contacts, &mut memories));
             memories.set::<Springs>(0, &memory(5.0));
             if contacts.len() == 1 {
                 walk.remember_all::<Springs>(contacts, &memories);
             }
         }
-        walk.part::<Springs>(&CONTACTS[1..3]);
-        walk.remember::<Springs>(CONTACTS[1], &memories.get::<Springs>(0));
-        assert_eq!(walk.before(CONTACTS[2]), Some(memory(0.3)));
-        assert!(walk.recall_all::<Springs>(&CONTACTS[3..], &mut memories));
-        walk.remember_all::<Springs>(&CONTACTS[3..], &memories);
+        walk.part::<Springs>(&contacts()[1..3]);
+        walk.remember::<Springs>(contacts()[1], &memories.get::<Springs>(0));
+        assert_eq!(walk.before(contacts()[2]), Some(memory(0.3)));
+        assert!(walk.recall_all::<Springs>(&contacts()[3..], &mut memories));
+        walk.remember_all::<Springs>(&contacts()[3..], &memories);
         walk.end::<Springs>([0.0; 2], |_, _| panic!("they are at their end"));
         assert_eq!(springs(&page), [([0, 1], 5.0), ([0, 3], 5.0), ([2, 3], 0.4)]);
     }
@@ -220,10 +231,10 @@ mod tests {
             let mut walk = Walk::new(&mut page, &mut spare);
             let mut memories = MemoryLanes::default();
             if is_anew {
-                assert!(walk.recall::<Springs>([0, 0], |_, _| panic!("none has ended")).is_none());
+                assert!(walk.recall::<Springs>(of([0, 0]), |_, _| panic!("none has ended")).is_none());
             }
-            assert!(walk.recall_all::<Springs>(&CONTACTS[..2], &mut memories));
-            walk.remember_all::<Springs>(&CONTACTS[..2], &memories);
+            assert!(walk.recall_all::<Springs>(&contacts()[..2], &mut memories));
+            walk.remember_all::<Springs>(&contacts()[..2], &memories);
             walk.end::<Springs>([1.0, 2.0], |_, memory| [memory.spring.x, 0.0]);
             assert_eq!(springs(&page), [([0, 1], 0.1), ([0, 3], 0.2)]);
             assert_eq!(page.lost, [1.0 + 0.3 + 0.4, 2.0]);

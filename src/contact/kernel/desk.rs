@@ -22,7 +22,7 @@ impl<V: Space> Desk<V> {
     pub(super) fn welcome<L: Demands>(&mut self, incoming: &[Candidate], pages: &[Pages<V>]) {
         self.arrived.clear();
         for &contact in incoming {
-            if let Some(memory) = pages[contact[0] as usize / BLOCK].look_up(contact) {
+            if let Some(memory) = pages[contact.first() / BLOCK].look_up(contact) {
                 self.arrived.push::<L>(contact, &memory);
             }
         }

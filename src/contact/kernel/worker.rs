@@ -59,8 +59,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         let batch = &mut *self.batch;
         let mut end = batch.len;
         for &candidate in candidates {
-            let [i, j] = candidate;
-            let (body, other) = (&bodies[i as usize], &bodies[j as usize]);
+            let [body, other] = candidate.both().map(|entry| &bodies[entry]);
             let separation = self.pass.metric.separation(body.position, other.position);
             let reach = body.radius + other.radius;
             let farthest = if L::AHEAD { reach + self.view.margin } else { reach };
@@ -85,7 +84,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         // What is of its own cannot change under the loop.
         let spins = &view.spin[..];
         for lane in 0..batch.len.min(LANES) {
-            let pair = batch.pairs[lane].map(|entry| entry as usize);
+            let pair = batch.pairs[lane].both();
             for (side, entry) in pair.into_iter().enumerate() {
                 if L::SPECIES {
                     batch.species[side][lane] = view.species[entry];
@@ -107,7 +106,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         let Pass { law, dt, instructions, .. } = *self.pass;
         if self.batch.measure(instructions) {
             let id = &self.view.id;
-            self.batch.part_coincident(|[i, j]| coincident(id[i as usize], id[j as usize]));
+            self.batch.part_coincident(|pair| coincident(id[pair.first()], id[pair.second()]));
         }
         // What may be a record is found without dividing, a rounding off included.
         if self.batch.ask(law, dt, instructions, self.largest * (1.0 - 4.0 * f64::EPSILON)) {
