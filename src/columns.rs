@@ -133,6 +133,9 @@ pub struct Columns<V: Space = Plane> {
     /// The sum over the steps of the longest move of any particle in a step, m: how far anyone can have gone. Not a number
     /// once somebody's position is not.
     pub travel: f64,
+    /// The sum over all that is not fixed of the power of the drag, component by component, W, in the order of slots: where the
+    /// kick has summed it in passing.
+    pub(crate) drag_power: Option<V>,
     /// What the order of slots goes by.
     pub(crate) order: Order,
 }
@@ -159,6 +162,7 @@ impl<V: Space> Default for Columns<V> {
             movable_end: 0,
             generation: 0,
             travel: 0.0,
+            drag_power: None,
             order: Order::default(),
         }
     }

@@ -169,8 +169,11 @@ fn book_contact_work<V: Space>(
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
-    let powers = columns.load.iter().zip(&columns.body).map(|(load, body)| load.drag.times(body.velocity));
-    let (mut dissipation, mut wall) = (-sum(powers), 0.0);
+    // From where the kick has come to, if it has summed them in this order.
+    let (first, start) = columns.drag_power.map_or((0, V::ZERO), |power| (columns.movable_end, power));
+    let loads = columns.load[first..].iter().zip(&columns.body[first..]);
+    let powers = loads.map(|(load, body)| load.drag.times(body.velocity));
+    let (mut dissipation, mut wall) = (-powers.fold(start, Add::add).sum_of_components(), 0.0);
     for i in columns.movable_end..columns.len() {
         wall -= columns.load[i].force.dot(columns.body[i].velocity);
     }

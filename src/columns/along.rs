@@ -5,19 +5,18 @@ use std::ops::Range;
 use crate::columns::Slot;
 
 /// Calls `each` with what two columns hold for each of these slots, and with the state of its row; who has no place yet is
-/// passed over. Where slots follow one upon another, as in a table whose rows were sorted, columns are walked along;
-/// elsewhere each entry is looked up.
+/// passed over. Where slots follow one upon another, as in a table whose rows were sorted, columns are walked along:
+/// gives the entries. Elsewhere each entry is looked up.
 #[inline]
 pub(crate) fn along<A, B, S>(
     slots: &[Slot],
     (read, written): (&[A], &mut [B]),
     states: impl Iterator<Item = S>,
     mut each: impl FnMut(&A, &mut B, S),
-) {
-    if let Some(run) = run_of(slots)
-        && let (Some(read), Some(written)) = (read.get(run.clone()), written.get_mut(run))
-    {
-        for ((a, b), state) in read.iter().zip(written).zip(states) {
+) -> Option<Range<usize>> {
+    let run = run_of(slots).filter(|run| run.end <= read.len().min(written.len()));
+    if let Some(run) = run.clone() {
+        for ((a, b), state) in read[run.clone()].iter().zip(&mut written[run]).zip(states) {
             each(a, b, state);
         }
     } else {
@@ -27,6 +26,7 @@ pub(crate) fn along<A, B, S>(
             }
         }
     }
+    run
 }
 
 /// The same with one column.
@@ -36,9 +36,9 @@ pub(crate) fn along_one<B, S>(
     written: &mut [B],
     states: impl Iterator<Item = S>,
     mut each: impl FnMut(&mut B, S),
-) {
+) -> Option<Range<usize>> {
     let nothing = vec![(); written.len()];
-    along(slots, (&nothing, written), states, |(), b, state| each(b, state));
+    along(slots, (&nothing, written), states, |(), b, state| each(b, state))
 }
 
 /// The entries of these slots, if they follow one upon another.
@@ -60,10 +60,11 @@ mod tests {
         for slots in [vec![1, 2, 3], vec![3, 2, 1], vec![1, 1, 3], vec![2, u32::MAX, 0], vec![3, 4, 5], vec![]] {
             let slots: Vec<_> = slots.into_iter().map(Slot::at).collect();
             let (mut written, mut seen) = ([0; 5], Vec::new());
-            along(&slots, (&column, &mut written), 0.., |a, b, row: usize| {
+            let run = along(&slots, (&column, &mut written), 0.., |a, b, row: usize| {
                 *b += a;
                 seen.push((row, *a));
             });
+            assert_eq!(run, (slots == [1, 2, 3].map(Slot::at)).then_some(1..4));
             let expected = (0..).zip(&slots).filter_map(|(row, slot)| Some((row, *column.get(slot.index())?)));
             assert_eq!(seen, expected.collect::<Vec<_>>());
             for (place, sum) in written.iter().enumerate() {

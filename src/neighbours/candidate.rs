@@ -23,10 +23,11 @@ impl Candidate {
     }
 
     /// The second.
+    #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
     #[inline(always)]
     #[must_use]
     pub fn second(self) -> usize {
-        (self.0 & u64::from(u32::MAX)) as usize
+        self.0 as u32 as usize
     }
 
     /// Both.
