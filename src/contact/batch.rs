@@ -4,9 +4,12 @@
 //! instructions of it. Each lane does what a single contact would, operation by operation, so that how many are computed at
 //! once leaves no trace. Lanes beyond the last contact are computed too, from what an earlier one left there, and not read.
 
-use crate::columns::{Body, Columns};
+mod bodies;
+
+pub use self::bodies::Bodies;
+use crate::columns::Columns;
 use crate::contact::centred::{Ahead, Window};
-use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, spread};
+use crate::contact::lanes::{LANES, Lanes, Scalars};
 use crate::contact::sums::total;
 use crate::contact::{Demands, Memory, Pair, PairLaw};
 use crate::instructions::Instructions;
@@ -21,16 +24,7 @@ pub struct Batch<V: Space> {
     pub len: usize,
     /// Entries of the columns.
     pub pairs: [Candidate; LANES],
-    /// What was taken of the two bodies, until it is spread over the lanes.
-    taken: [Quads; 2],
-    /// From j to i, m, and how long that is.
-    pub separation: Lanes<V>,
-    pub distance: Scalars,
-    normal: Lanes<V>,
-    relative_velocity: Lanes<V>,
-    reduced_mass: Scalars,
-    pub radii: [Scalars; 2],
-    inverse_masses: [Scalars; 2],
+    pub bodies: Bodies<V>,
     pub spins: [Lanes<V::Spin>; 2],
     pub species: [[Species; LANES]; 2],
     pub ahead: AheadLanes<V>,
@@ -60,8 +54,6 @@ pub struct MemoryLanes<V: Space> {
 pub struct Answer<V: Space> {
     /// Whether the two touch: 1 or 0. Where not, nothing else is to be read.
     pub touches: Scalars,
-    /// Overlap, m.
-    pub overlap: Scalars,
     /// Force on i, N, and the part of it that the normal damping makes.
     pub force: Lanes<V>,
     pub drag: Lanes<V>,
@@ -117,51 +109,17 @@ impl<V: Space> MemoryLanes<V> {
 }
 
 impl<V: Space> Batch<V> {
-    /// Takes two bodies, so far from each other, into a lane: eight numbers side by side, to be spread later. Stores are what
-    /// taking costs.
-    #[inline(always)]
-    pub fn take(&mut self, lane: usize, separation: V, bodies: [&Body<V>; 2]) {
-        let [i, j] = bodies;
-        let velocity = i.velocity - j.velocity;
-        let [one, two] = &mut self.taken;
-        if V::COMPONENTS == 2 {
-            one[lane] = [separation.axis(0), separation.axis(1), velocity.axis(0), velocity.axis(1)];
-            two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
-        } else {
-            one[lane] = [separation.axis(0), separation.axis(1), separation.axis(2), velocity.axis(0)];
-            two[lane] = [velocity.axis(1), velocity.axis(2), i.radius, i.inverse_mass];
-            (self.radii[1][lane], self.inverse_masses[1][lane]) = (j.radius, j.inverse_mass);
-        }
-    }
-
-    /// Spreads what was taken over the lanes.
-    #[inline(always)]
-    fn spread(&mut self) {
-        let lanes = self.lanes();
-        let ([one, two], [m_i, m_j]) = (&self.taken, self.inverse_masses.each_mut());
-        let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
-        let [r_i, r_j] = self.radii.each_mut();
-        if V::COMPONENTS == 2 {
-            spread(one, lanes, x, y, vx, vy);
-            spread(two, lanes, r_i, m_i, r_j, m_j);
-        } else {
-            spread(one, lanes, x, y, z, vx);
-            spread(two, lanes, vy, vz, r_i, m_i);
-        }
-    }
-
     /// The contact of a lane, moved on by `dt` (s), as the law sees it.
     #[inline(always)]
     fn pair<L: Demands>(&self, lane: usize, dt: f64) -> Pair<V> {
         let of = |both: &[Scalars; 2]| [both[0][lane], both[1][lane]];
         let spins_of = |both: &[Lanes<V::Spin>; 2]| [both[0].get(lane), both[1].get(lane)];
-        let radii = of(&self.radii);
         let mut pair = Pair {
-            normal: self.normal.get(lane),
-            overlap: radii[0] + radii[1] - self.distance[lane],
-            relative_velocity: self.relative_velocity.get(lane),
-            reduced_mass: self.reduced_mass[lane],
-            radii,
+            normal: self.bodies.normal.get(lane),
+            overlap: self.bodies.overlap[lane],
+            relative_velocity: self.bodies.relative_velocity.get(lane),
+            reduced_mass: self.bodies.reduced_mass[lane],
+            radii: of(&self.bodies.radii),
             spins: [V::Spin::ZERO; 2],
             species: [Species(0); 2],
             dt,
@@ -176,7 +134,7 @@ impl<V: Space> Batch<V> {
         if L::AHEAD {
             let ahead = &self.ahead;
             pair.ahead.velocity = ahead.velocity.get(lane);
-            pair.ahead.inverse_masses = of(&self.inverse_masses);
+            pair.ahead.inverse_masses = of(&self.bodies.inverse_masses);
             pair.ahead.lone = of(&ahead.lone);
             if L::SPIN {
                 pair.ahead.spins = spins_of(&ahead.spins);
@@ -213,45 +171,8 @@ impl<V: Space> Batch<V> {
 
     /// How many lanes are computed: a whole number of vectors.
     #[inline(always)]
-    fn lanes(&self) -> usize {
+    pub fn lanes(&self) -> usize {
         self.len.next_multiple_of(8).min(LANES)
-    }
-
-    /// Finds what takes a root or a division, so that no law has to wait for it; gives how many distances are nothing.
-    #[inline(always)]
-    fn measure_all(&mut self) -> u32 {
-        let mut coincident = 0;
-        for lane in 0..self.lanes() {
-            let separation = self.separation.get(lane);
-            let distance = separation.length_squared().sqrt();
-            self.distance[lane] = distance;
-            self.normal.set(lane, separation * (1.0 / distance));
-            self.reduced_mass[lane] = 1.0 / (self.inverse_masses[0][lane] + self.inverse_masses[1][lane]);
-            coincident += u32::from(distance <= 0.0);
-        }
-        coincident
-    }
-
-    /// Spreads what was taken over the lanes, and finds the distances. Tells whether any may be nothing.
-    pub fn measure(&mut self, instructions: Instructions) -> bool {
-        let coincident = instructions.run(
-            #[inline(always)]
-            || {
-                self.spread();
-                self.measure_all()
-            },
-        );
-        coincident > 0
-    }
-
-    /// Gives coincident centres a normal: a separation so near to nothing that the overlap stays what it is. `normal` gives
-    /// that of a pair of entries.
-    #[cold]
-    pub fn part_coincident(&mut self, normal: impl Fn(Candidate) -> V) {
-        for lane in (0..self.len).filter(|&lane| self.distance[lane] <= 0.0) {
-            self.separation.set(lane, normal(self.pairs[lane]) * 1e-150);
-        }
-        self.measure_all();
     }
 
     /// Asks `law` about all lanes; gives how many overlap by more than `deepest` times
@@ -267,7 +188,6 @@ impl<V: Space> Batch<V> {
             if L::AHEAD {
                 answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
             }
-            answer.overlap[lane] = pair.overlap;
             deeper += u32::from(pair.overlap > deepest * pair.radii[0].min(pair.radii[1]));
             answer.force.set(lane, total::<L, V>(&force));
             answer.drag.set(lane, force.drag);

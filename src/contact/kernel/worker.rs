@@ -66,7 +66,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             // Never beyond; so the compiler knows as well.
             let lane = end % LANES;
             batch.pairs[lane] = candidate;
-            batch.take(lane, separation, [body, other]);
+            batch.bodies.take(lane, separation, [body, other]);
             // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
             end += usize::from(separation.length_squared() < farthest * farthest);
         }
@@ -104,15 +104,16 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     fn ask(&mut self) {
         self.describe();
         let Pass { law, dt, instructions, .. } = *self.pass;
-        if self.batch.measure(instructions) {
-            let id = &self.view.id;
-            self.batch.part_coincident(|pair| coincident(id[pair.first()], id[pair.second()]));
+        let lanes = self.batch.lanes();
+        if self.batch.bodies.measure(lanes, instructions) {
+            let (id, pairs) = (&self.view.id, &self.batch.pairs);
+            let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
+            self.batch.bodies.part_coincident(self.batch.len, normal);
         }
         // What may be a record is found without dividing, a rounding off included.
         if self.batch.ask(law, dt, instructions, self.largest * (1.0 - 4.0 * f64::EPSILON)) {
             for lane in 0..self.batch.len {
-                let ratio = self.batch.answer.overlap[lane] / self.batch.radii[0][lane].min(self.batch.radii[1][lane]);
-                self.largest = self.largest.max(ratio);
+                self.largest = self.largest.max(self.batch.bodies.relative_overlap(lane));
             }
         }
         self.sums.begin_up_to::<L>(self.batch.highest(), self.pass.gravity, self.view);

@@ -1,0 +1,102 @@
+//! What a batch takes of the bodies of each pair, and what follows from that alone.
+//!
+//! What takes time here is storing. So numbers are taken side by side, in pairs of which an instruction stores two or four,
+//! and spread over the lanes when the batch is full: a transposition, four lanes at a time.
+
+use crate::columns::Body;
+use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, spread};
+use crate::instructions::Instructions;
+use crate::space::Space;
+
+/// The bodies of contacts i, j side by side; SI.
+#[derive(Clone, Debug, Default)]
+pub struct Bodies<V: Space> {
+    /// As taken.
+    taken: [Quads; 2],
+    /// From j to i, m.
+    separation: Lanes<V>,
+    distance: Scalars,
+    /// From j to i.
+    pub normal: Lanes<V>,
+    /// m.
+    pub overlap: Scalars,
+    pub relative_velocity: Lanes<V>,
+    pub reduced_mass: Scalars,
+    pub radii: [Scalars; 2],
+    pub inverse_masses: [Scalars; 2],
+}
+
+impl<V: Space> Bodies<V> {
+    /// Takes two, so far from each other, into a lane.
+    #[inline(always)]
+    pub fn take(&mut self, lane: usize, separation: V, [i, j]: [&Body<V>; 2]) {
+        let velocity = i.velocity - j.velocity;
+        let [one, two] = &mut self.taken;
+        if V::COMPONENTS == 2 {
+            one[lane] = [separation.axis(0), separation.axis(1), velocity.axis(0), velocity.axis(1)];
+            two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
+        } else {
+            one[lane] = [separation.axis(0), separation.axis(1), separation.axis(2), velocity.axis(0)];
+            two[lane] = [velocity.axis(1), velocity.axis(2), i.radius, i.inverse_mass];
+            (self.radii[1][lane], self.inverse_masses[1][lane]) = (j.radius, j.inverse_mass);
+        }
+    }
+
+    /// Spreads what was taken over so many lanes.
+    #[inline(always)]
+    fn spread(&mut self, lanes: usize) {
+        let ([one, two], [m_i, m_j]) = (&self.taken, self.inverse_masses.each_mut());
+        let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
+        let [r_i, r_j] = self.radii.each_mut();
+        if V::COMPONENTS == 2 {
+            spread(one, lanes, x, y, vx, vy);
+            spread(two, lanes, r_i, m_i, r_j, m_j);
+        } else {
+            spread(one, lanes, x, y, z, vx);
+            spread(two, lanes, vy, vz, r_i, m_i);
+        }
+    }
+
+    /// Finds what takes a root or a division, so that no law has to wait for it; gives how many distances are nothing.
+    #[inline(always)]
+    fn measure_all(&mut self, lanes: usize) -> u32 {
+        let mut coincident = 0;
+        for lane in 0..lanes.min(LANES) {
+            let separation = self.separation.get(lane);
+            let distance = separation.length_squared().sqrt();
+            self.distance[lane] = distance;
+            self.normal.set(lane, separation * (1.0 / distance));
+            self.overlap[lane] = self.radii[0][lane] + self.radii[1][lane] - distance;
+            self.reduced_mass[lane] = 1.0 / (self.inverse_masses[0][lane] + self.inverse_masses[1][lane]);
+            coincident += u32::from(distance <= 0.0);
+        }
+        coincident
+    }
+
+    /// Spreads what was taken over so many lanes, and measures. Tells whether any distance may be nothing.
+    pub fn measure(&mut self, lanes: usize, instructions: Instructions) -> bool {
+        let coincident = instructions.run(
+            #[inline(always)]
+            || {
+                self.spread(lanes);
+                self.measure_all(lanes)
+            },
+        );
+        coincident > 0
+    }
+
+    /// Gives coincident centres a normal: a separation so near to nothing that the overlap stays what it is. `normal` gives
+    /// that of a lane.
+    #[cold]
+    pub fn part_coincident(&mut self, lanes: usize, normal: impl Fn(usize) -> V) {
+        for lane in (0..lanes).filter(|&lane| self.distance[lane] <= 0.0) {
+            self.separation.set(lane, normal(lane) * 1e-150);
+        }
+        self.measure_all(lanes);
+    }
+
+    /// The overlap of a lane over the smaller radius.
+    pub fn relative_overlap(&self, lane: usize) -> f64 {
+        self.overlap[lane] / self.radii[0][lane].min(self.radii[1][lane])
+    }
+}
