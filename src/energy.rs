@@ -14,7 +14,7 @@
 //! rolling dashpots in the same way, and what sliding and rolling beyond their caps take out of the springs as
 //! [`crate::contact::spring`] says.
 //!
-//! Sums run over the columns, so in ascending order of slots. Limit: a grain that a behaviour fixes or frees takes its
+//! Sums run over the columns, so in ascending order of slots, each component for itself. Limit: a grain that a behaviour fixes or frees takes its
 //! kinetic energy out of or into the balance, which then shows as error; so does the work of one that is fixed and spins.
 
 use std::marker::PhantomData;

@@ -51,8 +51,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
 
     /// Adds those candidates to the batch that overlap, or that the law looks at ahead of that, with what lies beside their
     /// positions. Whether one does is hard to foresee, so there is no branch on it: each is written, and the end moves on if it
-    /// counts. There is room for [`PIECE`]
-    /// of them; tells whether there is none for as many again.
+    /// counts. There is room for [`PIECE`] of them; tells whether there is none for as many again.
     #[inline]
     fn offer(&mut self, candidates: &[Candidate]) -> bool {
         let bodies = &self.view.body[..];
