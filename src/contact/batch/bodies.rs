@@ -100,3 +100,47 @@ impl<V: Space> Bodies<V> {
         self.overlap[lane] / self.radii[0][lane].min(self.radii[1][lane])
     }
 }
+
+#[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
+mod tests {
+    use super::*;
+    use crate::space::{Plane, Solid};
+
+    /// Bodies of unlike numbers, apart by what has its components padded with zeros.
+    fn everything_arrives<V: Space>() {
+        let body = |lane: usize, side: usize| {
+            let number = |what: usize| f64::from(u32::try_from(1000 * side + 10 * lane + what).unwrap());
+            let at = |from: usize| V::narrow(Solid::new(number(from), number(from + 1), -number(from + 2)));
+            Body { position: at(1), velocity: at(4), radius: number(7), inverse_mass: number(8) }
+        };
+        for instructions in Instructions::all() {
+            let mut bodies = Bodies::<V>::default();
+            for lane in 0..LANES {
+                let [i, j] = [body(lane, 0), body(lane, 1)];
+                bodies.take(lane, i.position - j.position, [&i, &j]);
+            }
+            assert!(!bodies.measure(LANES, instructions));
+            for lane in 0..LANES {
+                let [i, j] = [body(lane, 0), body(lane, 1)];
+                let separation = i.position - j.position;
+                // The same operations on the same numbers, so the same bits.
+                assert_eq!(bodies.normal.get(lane), separation * (1.0 / separation.length()));
+                assert_eq!(bodies.relative_velocity.get(lane), i.velocity - j.velocity);
+                let numbers = [bodies.overlap[lane], bodies.reduced_mass[lane]];
+                assert_eq!(
+                    numbers,
+                    [i.radius + j.radius - separation.length(), 1.0 / (i.inverse_mass + j.inverse_mass)]
+                );
+                assert_eq!(bodies.radii.map(|radii| radii[lane]), [i.radius, j.radius]);
+                assert_eq!(bodies.inverse_masses.map(|masses| masses[lane]), [i.inverse_mass, j.inverse_mass]);
+            }
+        }
+    }
+
+    #[test]
+    fn what_is_taken_arrives_in_its_lane() {
+        everything_arrives::<Plane>();
+        everything_arrives::<Solid>();
+    }
+}

@@ -6,7 +6,7 @@
 
 use crate::contact::batch::MemoryLanes;
 use crate::contact::history::Pages;
-use crate::contact::{Demands, Memory};
+use crate::contact::{Demands, Memory, sums};
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 
@@ -116,9 +116,7 @@ impl<'a, V: Space> Walk<'a, V> {
     ) {
         let before = if self.is_anew { &*self.spare } else { &*self.page };
         for at in self.passed..before.len() {
-            let [sliding, rolling] = forgotten(before.contacts[at], &before.memory::<L>(at));
-            lost[0] += sliding;
-            lost[1] += rolling;
+            sums::add(&mut lost, forgotten(before.contacts[at], &before.memory::<L>(at)));
         }
         if !self.is_anew {
             self.page.truncate(self.passed);
