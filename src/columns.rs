@@ -73,6 +73,15 @@ pub struct Turn<V: Space = Plane> {
     pub friction_drag_torque: V::Spin,
 }
 
+/// How a particle spins: only in scenes with spin.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rotation<V: Space = Plane> {
+    /// Angular velocity, rad/s, at the times of velocities.
+    pub spin: V::Spin,
+    /// 1/I, 1/(kg m^2); 0 for what does not spin.
+    pub inverse_inertia: f64,
+}
+
 /// How forces change a velocity.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gain<V: Space = Plane> {
@@ -98,6 +107,9 @@ pub struct Columns<V: Space = Plane> {
     pub id: Vec<GrainId>,
     /// Whose entry this is.
     pub entity: Vec<Entity>,
+    /// The slot that each had before slots were dealt out anew; that of nobody if it had none, another radius, or was fixed and
+    /// is free.
+    pub(crate) former: Vec<Slot>,
     /// What every contact asks for.
     pub body: Vec<Body<V>>,
     /// Masses, kg; 0 for what has none.
@@ -106,10 +118,8 @@ pub struct Columns<V: Space = Plane> {
     pub species: Vec<Species>,
     /// Forces.
     pub load: Vec<Load<V>>,
-    /// Spins, rad/s, at the times of velocities; empty where nothing spins.
-    pub spin: Vec<V::Spin>,
-    /// Moments of inertia, kg m^2; empty where nothing spins.
-    pub inertia: Vec<f64>,
+    /// Spins; empty where nothing spins.
+    pub rotation: Vec<Rotation<V>>,
     /// Torques and what belongs to them; empty where nothing spins.
     pub turn: Vec<Turn<V>>,
     /// The part of the torques that the dashpots of rolling resistance make, N m; empty where there is none.
@@ -145,12 +155,12 @@ impl<V: Space> Default for Columns<V> {
         Self {
             id: Vec::new(),
             entity: Vec::new(),
+            former: Vec::new(),
             body: Vec::new(),
             mass: Vec::new(),
             species: Vec::new(),
             load: Vec::new(),
-            spin: Vec::new(),
-            inertia: Vec::new(),
+            rotation: Vec::new(),
             turn: Vec::new(),
             rolling_drag: Vec::new(),
             gain: Vec::new(),
@@ -208,11 +218,19 @@ impl<V: Space> Columns<V> {
         if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.body[i].velocity.length_squared() }
     }
 
+    /// The spin of entry `i`, rad/s; zero where nothing spins.
+    #[must_use]
+    pub fn spin(&self, i: usize) -> V::Spin {
+        self.rotation.get(i).map_or(V::Spin::ZERO, |rotation| rotation.spin)
+    }
+
     /// Kinetic energy of rotation of entry `i`, J; nothing for what is fixed or does not spin.
     #[must_use]
     pub fn rotational_energy(&self, i: usize) -> f64 {
-        match self.spin.get(i) {
-            Some(spin) if !self.is_fixed(i) => 0.5 * self.inertia[i] * spin.length_squared(),
+        match self.rotation.get(i) {
+            Some(&Rotation { spin, inverse_inertia }) if inverse_inertia > 0.0 && !self.is_fixed(i) => {
+                0.5 * spin.length_squared() / inverse_inertia
+            }
             _ => 0.0,
         }
     }

@@ -200,10 +200,10 @@ fn book_friction<V: Space>(
     let mut power = ChannelPowers::default();
     let [tangential, rolling] = history.lost();
     let mut gone = Channels { tangential, rolling };
-    let turns = || columns.turn.iter();
+    let (turns, spins) = (|| columns.turn.iter(), || columns.rotation.iter().map(|rotation| rotation.spin));
     power.tangential -= sum(turns().zip(&columns.body).map(|(turn, body)| turn.friction_drag.times(body.velocity)));
-    power.tangential -= sum(turns().zip(&columns.spin).map(|(turn, &spin)| turn.friction_drag_torque.times(spin)));
-    power.rolling -= sum(columns.rolling_drag.iter().zip(&columns.spin).map(|(drag, &spin)| drag.times(spin)));
+    power.tangential -= sum(turns().zip(spins()).map(|(turn, spin)| turn.friction_drag_torque.times(spin)));
+    power.rolling -= sum(columns.rolling_drag.iter().zip(spins()).map(|(drag, spin)| drag.times(spin)));
     for belt in &walls.0 {
         power.tangential -= belt.load.friction_drag.dot(belt.velocity);
     }

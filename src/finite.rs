@@ -32,7 +32,7 @@ fn check<V: Space>(
         let quantity = match (columns.body[i].velocity.is_finite(), columns.body[i].position.is_finite()) {
             (_, false) => "position",
             (false, _) => "velocity",
-            _ if columns.spin.get(i).is_some_and(|spin| !spin.is_finite()) => "spin",
+            _ if !columns.spin(i).is_finite() => "spin",
             _ => continue,
         };
         let total = forces.get(columns.entity[i]).map_or(columns.load[i].force, |force| force.0);

@@ -13,8 +13,10 @@ use bevy_ecs::query::ArchetypeFilter;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{
-    self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Slot, SpinsDrifted, Turn,
+    self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Rotation, Slot,
+    SpinsDrifted, Turn,
 };
+use crate::instructions::Instructions;
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
 use crate::step::{Clock, ClockAdvanced, Drifted, ForceStage, Phase, Step, is_step_zero};
@@ -91,32 +93,54 @@ fn equip<V: Space>(
 
 type Turning<V> = (&'static mut Spin<<V as Space>::Spin>, &'static Torque<<V as Space>::Spin>, &'static Inertia);
 
+/// What a torque (N m) adds to the spin in half a step of `dt` (s), rad/s.
+#[inline]
+fn gained<W: Linear>(torque: W, dt: f64, inverse_inertia: f64) -> W {
+    torque * (0.5 * dt * inverse_inertia)
+}
+
 /// Half a step of w, before the drift.
 fn half_kick<V: Space>(clock: Res<Clock>, mut grains: Query<Turning<V>, Without<Fixed>>) {
     for (mut spins, torques, inertias) in grains.contiguous_iter_mut().expect(DENSE) {
         let spins = spins.bypass_change_detection().iter_mut();
         for (spin, (torque, inertia)) in spins.zip(torques.iter().zip(inertias.iter())) {
-            spin.0 += torque.0 * (0.5 * clock.dt / inertia.0);
+            spin.0 += gained(torque.0, clock.dt, 1.0 / inertia.0);
         }
     }
 }
 
+type TurningThrough<V> =
+    (&'static Slot, &'static mut Spin<<V as Space>::Spin>, &'static mut Torque<<V as Space>::Spin>);
+
 /// The same, into the columns too, which saves a pass; after the forces, with the torques from there, which saves another.
 fn half_kick_through<V: Space, const LAST: bool>(
-    clock: Res<Clock>,
+    (clock, instructions): (Res<Clock>, Res<Instructions>),
     mut columns: ResMut<Columns<V>>,
-    mut grains: Query<(&Slot, &mut Spin<V::Spin>, &mut Torque<V::Spin>, &Inertia), Without<Fixed>>,
+    grains: Query<TurningThrough<V>, Without<Fixed>>,
 ) {
-    let (dt, Columns { turn, spin: column, .. }) = (clock.dt, &mut *columns);
-    for (slots, mut spins, mut torques, inertias) in grains.contiguous_iter_mut().expect(DENSE) {
-        let states = spins.bypass_change_detection().iter_mut().zip(torques.bypass_change_detection()).zip(inertias);
-        columns::along(slots, (turn, column), states, |turn, place, ((spin, torque), inertia)| {
+    let (dt, columns) = (clock.dt, &mut *columns);
+    instructions.run_narrow(
+        #[inline(always)]
+        || turn_along::<V, LAST>(dt, columns, grains),
+    );
+}
+
+#[inline(always)]
+fn turn_along<V: Space, const LAST: bool>(
+    dt: f64,
+    columns: &mut Columns<V>,
+    mut grains: Query<TurningThrough<V>, Without<Fixed>>,
+) {
+    let Columns { turn, rotation, .. } = columns;
+    for (slots, mut spins, mut torques) in grains.contiguous_iter_mut().expect(DENSE) {
+        let states = spins.bypass_change_detection().iter_mut().zip(torques.bypass_change_detection());
+        columns::along(slots, (turn, rotation), states, |turn, rotation, (spin, torque)| {
             let by = if LAST { turn.torque } else { torque.0 };
-            let turned = spin.0 + by * (0.5 * dt / inertia.0);
+            let turned = spin.0 + gained(by, dt, rotation.inverse_inertia);
             if LAST {
                 torque.0 = by;
             }
-            (*place, spin.0) = (turned, turned);
+            (rotation.spin, spin.0) = (turned, turned);
         });
     }
 }
@@ -128,8 +152,8 @@ fn gather<V: Space, F: ArchetypeFilter + 'static>(
 ) {
     for (slots, spins) in grains.contiguous_iter().expect(DENSE) {
         for (slot, spin) in slots.iter().zip(spins.iter()) {
-            if let Some(place) = columns.spin.get_mut(slot.index()) {
-                *place = spin.0;
+            if let Some(rotation) = columns.rotation.get_mut(slot.index()) {
+                rotation.spin = spin.0;
             }
         }
     }
@@ -138,15 +162,13 @@ fn gather<V: Space, F: ArchetypeFilter + 'static>(
 /// New slots: those of what does not spin stay at zero.
 fn make_room<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<(&Slot, &Inertia)>) {
     let particles = columns.len();
-    columns.inertia.clear();
-    columns.inertia.resize(particles, 0.0);
+    columns.rotation.clear();
+    columns.rotation.resize(particles, Rotation::default());
     for (slot, inertia) in &grains {
-        if let Some(place) = columns.inertia.get_mut(slot.index()) {
-            *place = inertia.0;
+        if let Some(rotation) = columns.rotation.get_mut(slot.index()) {
+            rotation.inverse_inertia = 1.0 / inertia.0;
         }
     }
-    columns.spin.clear();
-    columns.spin.resize(particles, V::Spin::ZERO);
     columns.turn.clear();
     columns.turn.resize(particles, Turn::default());
 }

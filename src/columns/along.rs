@@ -7,7 +7,7 @@ use crate::columns::Slot;
 /// Calls `each` with what two columns hold for each of these slots, and with the state of its row; who has no place yet is
 /// passed over. Where slots follow one upon another, as in a table whose rows were sorted, columns are walked along:
 /// gives the entries. Elsewhere each entry is looked up.
-#[inline]
+#[inline(always)]
 pub(crate) fn along<A, B, S>(
     slots: &[Slot],
     (read, written): (&[A], &mut [B]),
@@ -30,7 +30,7 @@ pub(crate) fn along<A, B, S>(
 }
 
 /// The same with one column.
-#[inline]
+#[inline(always)]
 pub(crate) fn along_one<B, S>(
     slots: &[Slot],
     written: &mut [B],
@@ -42,6 +42,7 @@ pub(crate) fn along_one<B, S>(
 }
 
 /// The entries of these slots, if they follow one upon another.
+#[inline(always)]
 fn run_of(slots: &[Slot]) -> Option<Range<usize>> {
     let (first, last) = (slots.first()?.index(), slots.last()?.index());
     let run = first..first + slots.len();

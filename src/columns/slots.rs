@@ -26,7 +26,7 @@ impl Default for Slot {
 
 impl Slot {
     #[cfg(test)]
-    pub(super) fn at(index: u32) -> Self {
+    pub(crate) fn at(index: u32) -> Self {
         Self(index)
     }
 
@@ -63,22 +63,34 @@ impl<V: Space> Columns<V> {
         let grains = || particles.iter().filter(|row| !row.is_fixed);
         let largest = grains().map(|row| row.radius.0).fold(0.0, f64::max);
         self.order = Order::of(grains().map(|row| row.position.0), 2.0 * largest);
-        let keys = particles.iter().map(|row| {
-            let is_fixed = inverse_mass(row.mass, row.is_fixed) == 0.0;
-            (is_fixed, self.order.place(row.position.0), *row.id)
+        let keys = (0u32..).zip(particles.iter()).map(|(row, particle)| {
+            let is_fixed = inverse_mass(particle.mass, particle.is_fixed) == 0.0;
+            let slot = *particle.slot;
+            let is_known = self.is_still(slot.index(), particle.entity, particle.radius.0, is_fixed);
+            let former = if is_known { slot } else { Slot::default() };
+            ((is_fixed, self.order.place(particle.position.0), *particle.id), row, former)
         });
         // Tables are walked twice: that takes less room than to keep who was met.
-        let mut keys: Vec<_> = (0u32..).zip(keys).map(|(row, key)| (key, row)).collect();
-        keys.sort_unstable_by_key(|&(key, _)| key);
-        self.movable_end = keys.partition_point(|&((is_fixed, ..), _)| !is_fixed);
+        let mut keys: Vec<_> = keys.collect();
+        keys.sort_unstable_by_key(|&(key, ..)| key);
+        self.movable_end = keys.partition_point(|&((is_fixed, ..), ..)| !is_fixed);
         self.id.clear();
-        self.id.extend(keys.iter().map(|&((.., id), _)| id));
+        self.id.extend(keys.iter().map(|&((.., id), ..)| id));
+        self.former.clear();
+        self.former.extend(keys.iter().map(|&(.., former)| former));
         let mut slots = vec![0; keys.len()];
-        for (slot, (_, row)) in (0u32..).zip(keys) {
+        for (slot, (_, row, _)) in (0u32..).zip(keys) {
             slots[row as usize] = slot;
         }
         self.fill(particles, &slots);
         self.generation += 1;
+    }
+
+    /// Whether entry `i` is of this entity, with this radius (m), and fixed or not.
+    fn is_still(&self, i: usize, entity: Entity, radius: f64, is_fixed: bool) -> bool {
+        self.entity.get(i) == Some(&entity)
+            && self.body[i].radius.total_cmp(&radius).is_eq()
+            && self.is_fixed(i) == is_fixed
     }
 
     /// Fills the columns but the names with particles as they come, who have these slots.

@@ -163,12 +163,6 @@ impl<V: Space> Batch<V> {
         lost
     }
 
-    /// The highest entry.
-    #[inline]
-    pub fn highest(&self) -> usize {
-        self.pairs[..self.len.min(LANES)].iter().fold(0, |highest, pair| pair.second().max(highest))
-    }
-
     /// How many lanes are computed: a whole number of vectors.
     #[inline(always)]
     pub fn lanes(&self) -> usize {

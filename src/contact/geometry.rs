@@ -42,7 +42,7 @@ fn pair<V: Space>(columns: &Columns<V>, i: usize, j: usize, normal: V, overlap: 
         relative_velocity: a.velocity - b.velocity,
         reduced_mass: 1.0 / (a.inverse_mass + b.inverse_mass),
         radii: [a.radius, b.radius],
-        spins: both.map(|entry| columns.spin.get(entry).copied().unwrap_or_default()),
+        spins: both.map(|entry| columns.spin(entry)),
         species: both.map(|entry| columns.species[entry]),
         dt,
         ahead: Ahead::default(),

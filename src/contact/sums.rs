@@ -58,18 +58,9 @@ impl<'a, V: Space> Sums<'a, V> {
         Self { rows, begun, loads, turns, contacts, rolling }
     }
 
-    /// Begins the sums of all entries up to this one, if they have not: shortly before they are added to, while their memory
-    /// is at hand.
-    #[inline]
-    pub(super) fn begin_up_to<L: Demands>(&mut self, entry: usize, gravity: V, columns: &Columns<V>) {
-        if entry >= self.begun {
-            // Some more at once: how many each time is hard to foresee.
-            let end = (entry + 64).min(self.rows.end);
-            self.begin::<L>(end.max(self.begun), gravity, columns);
-        }
-    }
-
-    fn begin<L: Demands>(&mut self, end: usize, gravity: V, columns: &Columns<V>) {
+    /// Begins the sums of all entries before this one, if they have not.
+    pub(super) fn begin<L: Demands>(&mut self, end: usize, gravity: V, columns: &Columns<V>) {
+        let end = end.clamp(self.begun, self.rows.end);
         let (masses, start) = (&columns.mass[self.begun..end], self.rows.start);
         let places = self.begun - start..end - start;
         for (load, mass) in self.loads[places.clone()].iter_mut().zip(masses) {

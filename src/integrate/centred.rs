@@ -43,7 +43,7 @@ fn look_ahead_of_spins<V: Space>(
     mut columns: ResMut<Columns<V>>,
     grains: Query<(&Slot, &Torque<V::Spin>, &Inertia), Without<Fixed>>,
 ) {
-    let spins = columns.spin.len();
+    let spins = columns.rotation.len();
     columns.spin_gain.clear();
     columns.spin_gain.resize(spins, SpinGain::default());
     for (slots, torques, inertias) in grains.contiguous_iter().expect(DENSE) {

@@ -15,6 +15,7 @@ use bevy_app::App;
 use bevy_ecs::prelude::*;
 
 use crate::columns::{self, Columns, DENSE, GatheredVelocities, Kicked, Longest, Passes, Slot};
+use crate::instructions::Instructions;
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
@@ -43,22 +44,32 @@ fn drift<V: Space>(clock: Res<Clock>, mut grains: Query<Drifting<V>, Movable>) {
 type Gathering<V> = (&'static Slot, &'static mut Position<V>, &'static mut Velocity<V>, &'static Force<V>);
 
 /// The same, into the columns too, which saves a pass.
-fn drift_and_gather<V: Space>(clock: Res<Clock>, columns: ResMut<Columns<V>>, grains: Query<Gathering<V>, Movable>) {
+fn drift_and_gather<V: Space>(
+    (clock, instructions): (Res<Clock>, Res<Instructions>),
+    mut columns: ResMut<Columns<V>>,
+    grains: Query<Gathering<V>, Movable>,
+) {
+    let (dt, columns) = (clock.dt, &mut *columns);
     // An open scene pays nothing for sides.
     match columns.periodic {
-        None => drift_along(clock.dt, columns, grains, |_| {}),
-        Some(periodic) => drift_along(clock.dt, columns, grains, |x| periodic.wrap(x)),
+        None => instructions.run_narrow(
+            #[inline(always)]
+            || drift_along(dt, columns, grains, |_| {}),
+        ),
+        Some(periodic) => instructions.run_narrow(
+            #[inline(always)]
+            || drift_along(dt, columns, grains, |x| periodic.wrap(x)),
+        ),
     }
 }
 
-#[inline]
+#[inline(always)]
 fn drift_along<V: Space>(
     dt: f64,
-    mut columns: ResMut<Columns<V>>,
+    columns: &mut Columns<V>,
     mut grains: Query<Gathering<V>, Movable>,
     set_back: impl Fn(&mut V),
 ) {
-    let columns = &mut *columns;
     let mut longest = Longest::default();
     for (slots, mut x, mut v, force) in grains.contiguous_iter_mut().expect(DENSE) {
         let states = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection()).zip(force.iter());
@@ -84,15 +95,24 @@ fn kick<V: Space>(clock: Res<Clock>, mut grains: Query<(&mut Velocity<V>, &Force
     }
 }
 
+type Kicking<V> = (&'static Slot, &'static mut Velocity<V>, &'static mut Force<V>);
+
 /// The same, with the forces from the columns and the velocities into them, which saves two passes; and with the power of the
 /// drag where rows come in the order of slots, which saves a third.
 fn kick_and_write<V: Space>(
-    clock: Res<Clock>,
+    (clock, instructions): (Res<Clock>, Res<Instructions>),
     mut columns: ResMut<Columns<V>>,
-    mut grains: Query<(&Slot, &mut Velocity<V>, &mut Force<V>), Movable>,
+    grains: Query<Kicking<V>, Movable>,
 ) {
-    let dt = clock.dt;
-    let columns = &mut *columns;
+    let (dt, columns) = (clock.dt, &mut *columns);
+    instructions.run_narrow(
+        #[inline(always)]
+        || kick_along(dt, columns, grains),
+    );
+}
+
+#[inline(always)]
+fn kick_along<V: Space>(dt: f64, columns: &mut Columns<V>, mut grains: Query<Kicking<V>, Movable>) {
     let (mut power, mut in_order) = (V::ZERO, Some(0));
     for (slots, mut v, mut force) in grains.contiguous_iter_mut().expect(DENSE) {
         let states = v.bypass_change_detection().iter_mut().zip(force.bypass_change_detection());
@@ -108,6 +128,7 @@ fn kick_and_write<V: Space>(
 }
 
 pub(super) fn add<V: Space>(app: &mut App, passes: Passes) {
+    app.init_resource::<Instructions>();
     if passes.drift_gathers {
         app.add_systems(Step, drift_and_gather::<V>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
     } else {

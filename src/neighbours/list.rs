@@ -19,8 +19,8 @@ pub struct PairList {
     starts: Vec<u32>,
     /// Of the row that is being written.
     row: u32,
-    /// Where the pairs of each block of rows end.
-    blocks: Vec<usize>,
+    /// Of each block of rows: where its pairs end, and [where their entries do](end_of).
+    blocks: Vec<[usize; 2]>,
     tasks: Vec<Task>,
 }
 
@@ -33,6 +33,12 @@ pub struct Task {
     pub incoming: Vec<Candidate>,
 }
 
+/// Before this entry are all of which these pairs are.
+#[must_use]
+pub fn end_of(pairs: &[Candidate]) -> usize {
+    pairs.iter().map(|pair| pair.second() + 1).max().unwrap_or(0)
+}
+
 impl PairList {
     /// All candidates.
     #[must_use]
@@ -40,11 +46,12 @@ impl PairList {
         &self.pairs
     }
 
-    /// The candidates of a block of rows.
+    /// The candidates of a block of rows, and the [end](end_of) of their entries.
     #[must_use]
-    pub fn block(&self, number: usize) -> &[Candidate] {
-        let start = if number == 0 { 0 } else { self.blocks[number - 1] };
-        &self.pairs[start..self.blocks[number]]
+    pub fn block(&self, number: usize) -> (&[Candidate], usize) {
+        let start = if number == 0 { 0 } else { self.blocks[number - 1][0] };
+        let [end, entries] = self.blocks[number];
+        (&self.pairs[start..end], entries)
     }
 
     /// The shares of the threads.
@@ -72,8 +79,8 @@ impl PairList {
         self.row += 1;
     }
 
-    /// Takes pairs, in ascending order of j within a row (`is_sorted` of it), of `rows` particles.
-    pub(super) fn take(&mut self, pairs: &[Candidate], rows: usize, is_sorted: impl Fn(usize) -> bool) {
+    /// Takes pairs of `rows` particles, in any order.
+    pub(super) fn take(&mut self, pairs: &[Candidate], rows: usize) {
         self.starts.clear();
         self.starts.resize(rows + 1, 0);
         for pair in pairs {
@@ -90,9 +97,14 @@ impl PairList {
             self.pairs[*place as usize] = pair;
             *place += 1;
         }
-        for i in (0..rows).filter(|&i| !is_sorted(i)) {
-            let start = if i == 0 { 0 } else { self.starts[i - 1] as usize };
-            self.pairs[start..self.starts[i] as usize].sort_unstable();
+        let mut start = 0;
+        for &end in &self.starts[..rows] {
+            let row = &mut self.pairs[start..end as usize];
+            // Most are.
+            if !row.is_sorted() {
+                row.sort_unstable();
+            }
+            start = end as usize;
         }
     }
 
@@ -101,7 +113,13 @@ impl PairList {
         let pairs = &self.pairs;
         let row_of = |border: usize| pairs.partition_point(|pair| pair.first() < border);
         self.blocks.clear();
-        self.blocks.extend((1..=rows.div_ceil(size)).map(|number| row_of(number * size)));
+        let mut start = 0;
+        self.blocks.extend((1..=rows.div_ceil(size)).map(|number| {
+            let end = row_of(number * size);
+            let block = &pairs[start..end];
+            start = end;
+            [end, end_of(block)]
+        }));
         let (blocks, shares) = (self.blocks.len(), threads.min(self.blocks.len()).max(1));
         self.tasks.resize_with(shares, Task::default);
         for (number, task) in self.tasks.iter_mut().enumerate() {
@@ -134,7 +152,7 @@ mod tests {
     #[test]
     fn pairs_come_out_in_order_whichever_way_they_go_in() {
         let mut taken = PairList::default();
-        taken.take(&all([[0, 3], [2, 3], [0, 1], [1, 2]]), 4, |i| i != 0);
+        taken.take(&all([[0, 3], [2, 3], [0, 1], [1, 2]]), 4);
         let mut written = PairList::default();
         for row in [&[3, 1][..], &[2], &[3], &[]] {
             for &j in row {
@@ -150,11 +168,11 @@ mod tests {
     #[test]
     fn tasks_cover_all_rows_and_know_who_comes_in() {
         let mut list = PairList::default();
-        list.take(&all([[0, 5], [1, 3], [2, 3], [3, 5], [4, 5]]), 6, |_| true);
+        list.take(&all([[0, 5], [1, 3], [2, 3], [3, 5], [4, 5]]), 6);
         list.share_out(6, 3, 2);
         let tasks: Vec<_> = list.tasks().iter().map(|task| (task.rows.clone(), task.incoming.clone())).collect();
         assert_eq!(tasks, [(0..2, vec![]), (2..4, all([[1, 3]]).to_vec()), (4..6, all([[0, 5], [3, 5]]).to_vec())]);
-        assert_eq!(list.block(1), all([[2, 3], [3, 5]]));
+        assert_eq!(list.block(1), (&all([[2, 3], [3, 5]])[..], 6));
         // More threads than blocks: as many tasks as blocks.
         list.share_out(6, 8, 4);
         assert_eq!(list.tasks().len(), 2);

@@ -99,6 +99,7 @@ impl<V: Space> Search<V> {
     /// If particles touch at more than the cell size.
     pub fn update(&mut self, columns: &Columns<V>, dt: f64) -> Result<bool, Failure> {
         let renumbered = self.generation != columns.generation;
+        let follows = self.generation + 1 == columns.generation;
         self.generation = columns.generation;
         let rebuilt = match &mut self.method {
             Method::AllPairs => {
@@ -116,14 +117,15 @@ impl<V: Space> Search<V> {
                 true
             }
             Method::VerletList(list) => {
-                let stale = renumbered || list.is_stale(columns);
+                let is_whole = !renumbered || (follows && list.follow(columns, &mut self.list, dt));
+                let stale = !is_whole || list.is_stale(columns);
                 if stale {
                     list.renew(columns, &mut self.list, dt);
                 }
                 stale
             }
         };
-        if rebuilt {
+        if rebuilt || renumbered {
             self.list.share_out(columns.len(), self.threads, BLOCK);
         }
         Ok(rebuilt)

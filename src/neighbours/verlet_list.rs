@@ -6,7 +6,9 @@
 //! grains that fall fast have long lists, and do not force the many that rest to renew theirs.
 //!
 //! The search goes through hashed cells that are wide enough for two slow particles; fast ones look farther. Each
-//! particle's partners are listed in ascending order.
+//! particle's partners are listed in ascending order. When particles come or leave, the list follows ([`follow`]).
+
+mod follow;
 
 use crate::columns::{Body, Columns};
 use crate::neighbours::cells::{Cells, MOST_CELLS};
@@ -32,6 +34,13 @@ struct Anchor<V> {
     allowance: f64,
 }
 
+impl<V: Space> Anchor<V> {
+    /// For a particle as it is now; `skin` in m, `dt` is the time step, s.
+    fn of(body: &Body<V>, skin: f64, dt: f64) -> Self {
+        Self { position: body.position, allowance: 0.5 * skin + HORIZON * dt * body.velocity.length() }
+    }
+}
+
 impl<V: Space> VerletList<V> {
     pub(super) fn new(skin: f64) -> Self {
         Self { skin, made_at: Vec::new(), wait: Wait::default() }
@@ -54,22 +63,27 @@ impl<V: Space> VerletList<V> {
 
     /// Makes `list` anew for the positions in `columns`; `dt` is the time step, s.
     pub(super) fn renew(&mut self, columns: &Columns<V>, list: &mut PairList, dt: f64) {
-        let anchor = |body: &Body<V>| Anchor {
-            position: body.position,
-            allowance: 0.5 * self.skin + HORIZON * dt * body.velocity.length(),
-        };
         self.made_at.clear();
-        self.made_at.extend(columns.body.iter().map(anchor));
+        self.made_at.extend(columns.body.iter().map(|body| Anchor::of(body, self.skin, dt)));
         self.wait = Wait::default();
         let pairs = self.pairs(columns, list.pairs().len());
-        list.take(&pairs, columns.len(), |i| !self.is_fast(i));
+        list.take(&pairs, columns.len());
+    }
+
+    /// Whether two belong on the list.
+    #[inline]
+    fn are_near(&self, columns: &Columns<V>, i: usize, j: usize) -> bool {
+        let (one, other) = (&self.made_at[i], &self.made_at[j]);
+        let reach = columns.body[i].radius + columns.body[j].radius + one.allowance + other.allowance;
+        columns.separation(one.position, other.position).length_squared() < reach * reach
+            && !(columns.is_fixed(i) && columns.is_fixed(j))
     }
 
     fn is_fast(&self, i: usize) -> bool {
         self.made_at[i].allowance > self.skin
     }
 
-    /// All pairs that belong on the list, each once, ascending in the second except where the first is fast.
+    /// All pairs that belong on the list, each once.
     fn pairs(&self, columns: &Columns<V>, expected: usize) -> Vec<Candidate> {
         let widest = self.made_at.iter().map(|anchor| anchor.allowance).fold(0.0, f64::max);
         let range = contact_range(columns);
@@ -78,16 +92,11 @@ impl<V: Space> VerletList<V> {
         cells.fill(columns.body.iter().map(|body| body.position));
         let mut pairs = Vec::with_capacity(expected);
         for (i, row) in (0u32..).zip(0..columns.len()) {
-            let (body, allowance, fast) = (&columns.body[row], self.made_at[row].allowance, self.is_fast(row));
+            let (allowance, fast) = (self.made_at[row].allowance, self.is_fast(row));
             let mut consider = |j: u32| {
-                let (other, its_allowance) = (&columns.body[j as usize], self.made_at[j as usize].allowance);
-                let reach = body.radius + other.radius + allowance + its_allowance;
                 // A pair of one speed class is taken by its upper member, a mixed one by the fast member.
                 let mine = if fast == self.is_fast(j as usize) { j < i } else { fast };
-                if mine
-                    && columns.separation(body.position, other.position).length_squared() < reach * reach
-                    && !(columns.is_fixed(row) && columns.is_fixed(j as usize))
-                {
+                if mine && self.are_near(columns, row, j as usize) {
                     pairs.push(Candidate::new(i.min(j), i.max(j)));
                 }
             };

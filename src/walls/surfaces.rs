@@ -151,7 +151,7 @@ pub(super) fn pair<V: Space>(
         relative_velocity: body.velocity - wall.velocity,
         reduced_mass: 1.0 / body.inverse_mass,
         radii: [body.radius, f64::INFINITY],
-        spins: [columns.spin.get(i).copied().unwrap_or_default(), V::Spin::ZERO],
+        spins: [columns.spin(i), V::Spin::ZERO],
         species: [columns.species[i], wall.species],
         dt,
         ahead: Ahead::default(),

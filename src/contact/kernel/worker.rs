@@ -8,7 +8,7 @@ use crate::contact::kernel::Pass;
 use crate::contact::lanes::LANES;
 use crate::contact::sums::Sums;
 use crate::contact::{Demands, PairLaw, sums};
-use crate::neighbours::list::{Candidate, Task};
+use crate::neighbours::list::{self, Candidate, Task};
 use crate::periodic::Metric;
 use crate::space::Space;
 
@@ -29,6 +29,8 @@ pub(super) struct Worker<'a, V: Space, L, M> {
 impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// Sums its rows, whose contacts stand in these pages; gives the largest overlap over the smaller radius.
     pub(super) fn sum(mut self, pages: &mut [Pages<V>], spare: &mut Pages<V>) -> f64 {
+        let gravity = self.pass.gravity;
+        self.sums.begin::<L>(list::end_of(&self.task.incoming), gravity, self.view);
         for piece in self.task.incoming.chunks(PIECE) {
             if self.offer(piece) {
                 self.flush_incoming();
@@ -37,7 +39,10 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         self.flush_incoming();
         for (page, first) in pages.iter_mut().zip(self.task.rows.clone().step_by(BLOCK)) {
             let mut block = Block { walk: Walk::new(page, spare), remembered: [false; LANES], lost: [0.0; 2] };
-            for piece in self.pass.list.block(first / BLOCK).chunks(PIECE) {
+            let (candidates, end) = self.pass.list.block(first / BLOCK);
+            // Not all at once: so they are at hand when they are added to.
+            self.sums.begin::<L>(end, gravity, self.view);
+            for piece in candidates.chunks(PIECE) {
                 if self.offer(piece) {
                     self.flush(&mut block);
                 }
@@ -45,7 +50,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.flush(&mut block);
             block.walk.end::<L>(block.lost, |contact, memory| self.pass.forget(self.view, contact, memory));
         }
-        self.sums.begin_up_to::<L>(self.task.rows.end, self.pass.gravity, self.view);
+        self.sums.begin::<L>(self.task.rows.end, gravity, self.view);
         self.largest
     }
 
@@ -81,7 +86,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         }
         let (batch, view) = (&mut *self.batch, self.view);
         // What is of its own cannot change under the loop.
-        let spins = &view.spin[..];
+        let rotations = &view.rotation[..];
         for lane in 0..batch.len.min(LANES) {
             let pair = batch.pairs[lane].both();
             for (side, entry) in pair.into_iter().enumerate() {
@@ -89,7 +94,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
                     batch.species[side][lane] = view.species[entry];
                 }
                 if L::SPIN {
-                    batch.spins[side].set(lane, spins[entry]);
+                    batch.spins[side].set(lane, rotations[entry].spin);
                 }
             }
             if L::AHEAD {
@@ -115,7 +120,6 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
                 self.largest = self.largest.max(self.batch.bodies.relative_overlap(lane));
             }
         }
-        self.sums.begin_up_to::<L>(self.batch.highest(), self.pass.gravity, self.view);
     }
 
     /// Sums what the batch does to the particles of this share, the first ones being in others.
