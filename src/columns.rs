@@ -19,7 +19,7 @@ mod slots;
 
 use bevy_ecs::prelude::*;
 
-pub(crate) use self::along::{along, along_one};
+pub(crate) use self::along::{STRIDE, Walkers};
 pub(crate) use self::order::Order;
 pub use self::passes::{
     ColumnsPlugin, Gathered, GatheredVelocities, Kicked, LookedAhead, Passes, PlacesGathered, SpinsDrifted,
@@ -143,8 +143,8 @@ pub struct Columns<V: Space = Plane> {
     /// The sum over the steps of the longest move of any particle in a step, m: how far anyone can have gone. Not a number
     /// once somebody's position is not.
     pub travel: f64,
-    /// The sum over all that is not fixed of the power of the drag, component by component, W, in the order of slots: where the
-    /// kick has summed it in passing.
+    /// The sum over all that is not fixed of the power of the drag, component by component, W, by strides in the order of slots:
+    /// where the kick has summed it in passing.
     pub(crate) drag_power: Option<V>,
     /// What the order of slots goes by.
     pub(crate) order: Order,

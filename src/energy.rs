@@ -14,7 +14,8 @@
 //! rolling dashpots in the same way, and what sliding and rolling beyond their caps take out of the springs as
 //! [`crate::contact::spring`] says.
 //!
-//! Sums run over the columns, so in ascending order of slots, each component for itself. Limit: a grain that a behaviour fixes or frees takes its
+//! Sums run over the columns, so in ascending order of slots (those of the drag stride by stride), each component for itself.
+//! Limit: a grain that a behaviour fixes or frees takes its
 //! kinetic energy out of or into the balance, which then shows as error; so does the work of one that is fixed and spins.
 
 use std::marker::PhantomData;
@@ -24,7 +25,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::columns::{BeforeRenumbering, Columns, Renumbering};
+use crate::columns::{BeforeRenumbering, Body, Columns, Load, Renumbering, STRIDE};
 use crate::contact::Memory;
 use crate::contact::history::History;
 use crate::contact::survey::{Partner, Scenery};
@@ -169,11 +170,16 @@ fn book_contact_work<V: Space>(
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
-    // From where the kick has come to, if it has summed them in this order.
-    let (first, start) = columns.drag_power.map_or((0, V::ZERO), |power| (columns.movable_end, power));
-    let loads = columns.load[first..].iter().zip(&columns.body[first..]);
-    let powers = loads.map(|(load, body)| load.drag.times(body.velocity));
-    let (mut dissipation, mut wall) = (-powers.fold(start, Add::add).sum_of_components(), 0.0);
+    let power = |from: &[Load<V>], bodies: &[Body<V>]| {
+        let powers = from.iter().zip(bodies).map(|(load, body)| load.drag.times(body.velocity));
+        powers.fold(V::ZERO, Add::add)
+    };
+    let (load, fixed_load) = columns.load.split_at(columns.movable_end);
+    let (body, fixed) = columns.body.split_at(columns.movable_end);
+    // As the kick sums them, if it does.
+    let by_strides = || load.chunks(STRIDE).zip(body.chunks(STRIDE)).map(|(load, body)| power(load, body));
+    let of_grains = columns.drag_power.unwrap_or_else(|| by_strides().fold(V::ZERO, Add::add));
+    let (mut dissipation, mut wall) = (-(of_grains + power(fixed_load, fixed)).sum_of_components(), 0.0);
     for i in columns.movable_end..columns.len() {
         wall -= columns.load[i].force.dot(columns.body[i].velocity);
     }

@@ -14,9 +14,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::columns::{
     self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Rotation, Slot,
-    SpinsDrifted, Turn,
+    SpinsDrifted, Turn, Walkers,
 };
-use crate::instructions::Instructions;
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
 use crate::step::{Clock, ClockAdvanced, Drifted, ForceStage, Phase, Step, is_step_zero};
@@ -114,34 +113,27 @@ type TurningThrough<V> =
 
 /// The same, into the columns too, which saves a pass; after the forces, with the torques from there, which saves another.
 fn half_kick_through<V: Space, const LAST: bool>(
-    (clock, instructions): (Res<Clock>, Res<Instructions>),
+    (clock, walkers): (Res<Clock>, Walkers),
     mut columns: ResMut<Columns<V>>,
-    grains: Query<TurningThrough<V>, Without<Fixed>>,
-) {
-    let (dt, columns) = (clock.dt, &mut *columns);
-    instructions.run_narrow(
-        #[inline(always)]
-        || turn_along::<V, LAST>(dt, columns, grains),
-    );
-}
-
-#[inline(always)]
-fn turn_along<V: Space, const LAST: bool>(
-    dt: f64,
-    columns: &mut Columns<V>,
     mut grains: Query<TurningThrough<V>, Without<Fixed>>,
 ) {
-    let Columns { turn, rotation, .. } = columns;
+    let (dt, Columns { turn, rotation, .. }) = (clock.dt, &mut *columns);
     for (slots, mut spins, mut torques) in grains.contiguous_iter_mut().expect(DENSE) {
-        let states = spins.bypass_change_detection().iter_mut().zip(torques.bypass_change_detection());
-        columns::along(slots, (turn, rotation), states, |turn, rotation, (spin, torque)| {
-            let by = if LAST { turn.torque } else { torque.0 };
-            let turned = spin.0 + gained(by, dt, rotation.inverse_inertia);
-            if LAST {
-                torque.0 = by;
-            }
-            (rotation.spin, spin.0) = (turned, turned);
-        });
+        let rows = (spins.bypass_change_detection(), torques.bypass_change_detection());
+        walkers.along(
+            slots,
+            (turn, rotation),
+            rows,
+            #[inline(always)]
+            |turn, rotation, (spin, torque), (): &mut ()| {
+                let by = if LAST { turn.torque } else { torque.0 };
+                let turned = spin.0 + gained(by, dt, rotation.inverse_inertia);
+                if LAST {
+                    torque.0 = by;
+                }
+                (rotation.spin, spin.0) = (turned, turned);
+            },
+        );
     }
 }
 

@@ -1,5 +1,5 @@
-//! How many threads share the force pass. One needs no pool and evaluates each pair once; several evaluate each pair
-//! from both sides, with the same bits ([`crate::contact::kernel`]).
+//! How many threads share the force pass ([`crate::contact::kernel`]), and those over the rows of many grains
+//! ([`crate::columns`]). One needs no pool; on several the bits are the same.
 
 use std::num::NonZeroUsize;
 

@@ -36,6 +36,11 @@ impl Longest {
         self.sum += squared;
     }
 
+    /// The longer of two.
+    pub(crate) fn or(self, other: Self) -> Self {
+        Self { squared: self.squared.max(other.squared), sum: self.sum + other.sum }
+    }
+
     /// Its length, m; not a number if one of them had none.
     pub(crate) fn length(self) -> f64 {
         if self.sum.is_finite() { self.squared.sqrt() } else { f64::NAN }

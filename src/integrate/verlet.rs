@@ -11,10 +11,12 @@
 //! evaluated with a velocity half a step old, which makes damped contacts first order; one such contact is stable
 //! for dt < 2/w0 (sqrt(1 + zeta^2) - zeta).
 
+use std::ops::Add;
+
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::{self, Columns, DENSE, GatheredVelocities, Kicked, Longest, Passes, Slot};
+use crate::columns::{Columns, DENSE, GatheredVelocities, Kicked, Longest, Passes, Slot, Walkers};
 use crate::instructions::Instructions;
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::space::Space;
@@ -45,43 +47,43 @@ type Gathering<V> = (&'static Slot, &'static mut Position<V>, &'static mut Veloc
 
 /// The same, into the columns too, which saves a pass.
 fn drift_and_gather<V: Space>(
-    (clock, instructions): (Res<Clock>, Res<Instructions>),
+    (clock, walkers): (Res<Clock>, Walkers),
     mut columns: ResMut<Columns<V>>,
     grains: Query<Gathering<V>, Movable>,
 ) {
-    let (dt, columns) = (clock.dt, &mut *columns);
     // An open scene pays nothing for sides.
     match columns.periodic {
-        None => instructions.run_narrow(
-            #[inline(always)]
-            || drift_along(dt, columns, grains, |_| {}),
-        ),
-        Some(periodic) => instructions.run_narrow(
-            #[inline(always)]
-            || drift_along(dt, columns, grains, |x| periodic.wrap(x)),
-        ),
+        None => drift_along(clock.dt, &walkers, &mut columns, grains, |_| {}),
+        Some(periodic) => drift_along(clock.dt, &walkers, &mut columns, grains, |x| periodic.wrap(x)),
     }
 }
 
-#[inline(always)]
 fn drift_along<V: Space>(
     dt: f64,
+    walkers: &Walkers,
     columns: &mut Columns<V>,
     mut grains: Query<Gathering<V>, Movable>,
-    set_back: impl Fn(&mut V),
+    set_back: impl Fn(&mut V) + Sync,
 ) {
     let mut longest = Longest::default();
     for (slots, mut x, mut v, force) in grains.contiguous_iter_mut().expect(DENSE) {
-        let states = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection()).zip(force.iter());
-        columns::along_one(slots, &mut columns.body, states, |body, ((x, v), force)| {
-            let velocity = v.0 + half_kick(force.0, dt, body.inverse_mass);
-            let mut position = x.0 + velocity * dt;
-            // From where the columns had it, before it is set back: whoever has moved it meanwhile.
-            longest.raise(position - body.position);
-            set_back(&mut position);
-            (body.position, body.velocity) = (position, velocity);
-            (x.0, v.0) = (position, velocity);
-        });
+        let rows = ((x.bypass_change_detection(), v.bypass_change_detection()), force);
+        let ways = walkers.along_one(
+            slots,
+            &mut columns.body,
+            rows,
+            #[inline(always)]
+            |body, ((x, v), force), longest: &mut Longest| {
+                let velocity = v.0 + half_kick(force.0, dt, body.inverse_mass);
+                let mut position = x.0 + velocity * dt;
+                // From where the columns had it, before it is set back: whoever has moved it meanwhile.
+                longest.raise(position - body.position);
+                set_back(&mut position);
+                (body.position, body.velocity) = (position, velocity);
+                (x.0, v.0) = (position, velocity);
+            },
+        );
+        longest = ways.into_iter().fold(longest, Longest::or);
     }
     columns.travel += longest.length();
 }
@@ -100,31 +102,32 @@ type Kicking<V> = (&'static Slot, &'static mut Velocity<V>, &'static mut Force<V
 /// The same, with the forces from the columns and the velocities into them, which saves two passes; and with the power of the
 /// drag where rows come in the order of slots, which saves a third.
 fn kick_and_write<V: Space>(
-    (clock, instructions): (Res<Clock>, Res<Instructions>),
+    (clock, walkers): (Res<Clock>, Walkers),
     mut columns: ResMut<Columns<V>>,
-    grains: Query<Kicking<V>, Movable>,
+    mut grains: Query<Kicking<V>, Movable>,
 ) {
-    let (dt, columns) = (clock.dt, &mut *columns);
-    instructions.run_narrow(
-        #[inline(always)]
-        || kick_along(dt, columns, grains),
-    );
-}
-
-#[inline(always)]
-fn kick_along<V: Space>(dt: f64, columns: &mut Columns<V>, mut grains: Query<Kicking<V>, Movable>) {
-    let (mut power, mut in_order) = (V::ZERO, Some(0));
+    let dt = clock.dt;
+    let columns = &mut *columns;
+    columns.drag_power = None;
     for (slots, mut v, mut force) in grains.contiguous_iter_mut().expect(DENSE) {
-        let states = v.bypass_change_detection().iter_mut().zip(force.bypass_change_detection());
-        let run = columns::along(slots, (&columns.load, &mut columns.body), states, |load, body, (v, force)| {
-            let velocity = v.0 + half_kick(load.force, dt, body.inverse_mass);
-            power += load.drag.times(velocity);
-            force.0 = load.force;
-            (body.velocity, v.0) = (velocity, velocity);
-        });
-        in_order = run.filter(|run| in_order == Some(run.start)).map(|run| run.end);
+        let rows = (v.bypass_change_detection(), force.bypass_change_detection());
+        let both = (&columns.load[..], &mut columns.body[..]);
+        let (powers, run) = walkers.along(
+            slots,
+            both,
+            rows,
+            #[inline(always)]
+            |load, body, (v, force), power: &mut V| {
+                let velocity = v.0 + half_kick(load.force, dt, body.inverse_mass);
+                *power += load.drag.times(velocity);
+                force.0 = load.force;
+                (body.velocity, v.0) = (velocity, velocity);
+            },
+        );
+        if run == Some(0..columns.movable_end) {
+            columns.drag_power = Some(powers.into_iter().fold(V::ZERO, Add::add));
+        }
     }
-    columns.drag_power = (in_order == Some(columns.movable_end)).then_some(power);
 }
 
 pub(super) fn add<V: Space>(app: &mut App, passes: Passes) {
