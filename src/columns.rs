@@ -31,8 +31,9 @@ use crate::particle::{GrainId, Species};
 use crate::periodic::Periodic;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 
-/// What every contact asks of a particle, side by side in memory.
+/// What every contact asks of a particle, side by side in memory, and in this order: they are read by fours.
 #[derive(Clone, Copy, Debug)]
+#[repr(C)]
 pub struct Body<V: Space = Plane> {
     /// Centre, m.
     pub position: V,

@@ -16,6 +16,7 @@ use bevy_ecs::query::ArchetypeFilter;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{Columns, DENSE, Slot, SpinsDrifted};
+use crate::contact::lanes::quad;
 use crate::energy::EnergyFlows;
 use crate::gravity::Gravity;
 use crate::particle::{Fixed, Mass, Position};
@@ -64,6 +65,14 @@ pub struct Periodic<V: Space> {
 /// 3/2 2^52: doubles of this size are whole numbers.
 const WHOLE: f64 = 6_755_399_441_055_744.0;
 
+/// s - L round(s/L), from L and 1/L.
+#[inline(always)]
+fn shortest(separation: f64, length: f64, inverse_length: f64) -> f64 {
+    // Where doubles are whole numbers, adding rounds: an instruction that every processor has.
+    let boxes = (separation * inverse_length + WHOLE) - WHOLE;
+    separation - length * boxes
+}
+
 impl<V: Space> Periodic<V> {
     /// The box of `sides`; `None` if no axis repeats itself.
     #[must_use]
@@ -94,10 +103,8 @@ impl<V: Space> Periodic<V> {
     #[must_use]
     pub fn shortest(&self, mut separation: V) -> V {
         for axis in 0..V::COMPONENTS {
-            let s = separation.axis(axis);
-            // Where doubles are whole numbers, adding rounds: an instruction that every processor has.
-            let boxes = (s * self.inverse_length.axis(axis) + WHOLE) - WHOLE;
-            separation = separation.with_axis(axis, s - self.length.axis(axis) * boxes);
+            let (length, inverse) = (self.length.axis(axis), self.inverse_length.axis(axis));
+            separation = separation.with_axis(axis, shortest(separation.axis(axis), length, inverse));
         }
         separation
     }
@@ -144,6 +151,9 @@ impl<V: Space> Periodic<V> {
 pub trait Metric<V: Space>: Copy + Send + Sync {
     /// From `b` to `a`, m.
     fn separation(&self, a: V, b: V) -> V;
+
+    /// The same of four differences of which those beyond the axes are none of positions, and stay what they are.
+    fn shorten(&self, differences: [f64; 4]) -> [f64; 4];
 }
 
 /// Nothing repeats itself.
@@ -155,12 +165,25 @@ impl<V: Space> Metric<V> for Open {
     fn separation(&self, a: V, b: V) -> V {
         a - b
     }
+
+    #[inline(always)]
+    fn shorten(&self, differences: [f64; 4]) -> [f64; 4] {
+        differences
+    }
 }
 
 impl<V: Space> Metric<V> for Periodic<V> {
     #[inline]
     fn separation(&self, a: V, b: V) -> V {
         self.shortest(a - b)
+    }
+
+    #[inline(always)]
+    fn shorten(&self, differences: [f64; 4]) -> [f64; 4] {
+        // Without length, so open, where there is no axis.
+        let by_axis = |of: V| quad(|axis| if axis < V::COMPONENTS { of.axis(axis) } else { 0.0 });
+        let (lengths, inverse_lengths) = (by_axis(self.length), by_axis(self.inverse_length));
+        quad(|axis| shortest(differences[axis], lengths[axis], inverse_lengths[axis]))
     }
 }
 

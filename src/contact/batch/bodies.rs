@@ -1,18 +1,20 @@
 //! What a batch takes of the bodies of each pair, and what follows from that alone.
 //!
-//! What takes time here is storing. So numbers are taken side by side, in pairs of which an instruction stores two or four,
-//! and spread over the lanes when the batch is full: a transposition, four lanes at a time.
+//! What takes time here is storing. So numbers are taken side by side, by fours that an instruction loads, subtracts and stores
+//! at once, and spread over the lanes when the batch is full: a transposition, four lanes at a time.
 
 use crate::columns::Body;
-use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, spread};
+use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
 use crate::instructions::Instructions;
+use crate::periodic::Metric;
 use crate::space::Space;
 
 /// The bodies of contacts i, j side by side; SI.
 #[derive(Clone, Debug, Default)]
 pub struct Bodies<V: Space> {
-    /// As taken.
-    taken: [Quads; 2],
+    /// As taken: in the plane separation and relative velocity; radii and inverse masses. In solid space separation and
+    /// first component of the velocity; what else is held of the first; and of the second.
+    taken: [Quads; 3],
     /// From j to i, m.
     separation: Lanes<V>,
     distance: Scalars,
@@ -27,25 +29,33 @@ pub struct Bodies<V: Space> {
 }
 
 impl<V: Space> Bodies<V> {
-    /// Takes two, so far from each other, into a lane.
+    /// Takes two into a lane; gives the square of their distance, m^2.
     #[inline(always)]
-    pub fn take(&mut self, lane: usize, separation: V, [i, j]: [&Body<V>; 2]) {
-        let velocity = i.velocity - j.velocity;
-        let [one, two] = &mut self.taken;
+    pub fn take(&mut self, lane: usize, metric: &impl Metric<V>, [i, j]: [&Body<V>; 2]) -> f64 {
+        let [one, two, three] = &mut self.taken;
+        let (x, v) = (|body: &Body<V>, axis| body.position.axis(axis), |body: &Body<V>, axis| body.velocity.axis(axis));
         if V::COMPONENTS == 2 {
-            one[lane] = [separation.axis(0), separation.axis(1), velocity.axis(0), velocity.axis(1)];
+            let state = |body| [x(body, 0), x(body, 1), v(body, 0), v(body, 1)];
+            let (i_state, j_state) = (state(i), state(j));
+            let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
+            one[lane] = apart;
             two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
+            apart[0] * apart[0] + apart[1] * apart[1]
         } else {
-            one[lane] = [separation.axis(0), separation.axis(1), separation.axis(2), velocity.axis(0)];
-            two[lane] = [velocity.axis(1), velocity.axis(2), i.radius, i.inverse_mass];
-            (self.radii[1][lane], self.inverse_masses[1][lane]) = (j.radius, j.inverse_mass);
+            let state = |body| [x(body, 0), x(body, 1), x(body, 2), v(body, 0)];
+            let rest = |body: &Body<V>| [v(body, 1), v(body, 2), body.radius, body.inverse_mass];
+            let (i_state, j_state) = (state(i), state(j));
+            let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
+            one[lane] = apart;
+            (two[lane], three[lane]) = (rest(i), rest(j));
+            apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]
         }
     }
 
     /// Spreads what was taken over so many lanes.
     #[inline(always)]
     fn spread(&mut self, lanes: usize) {
-        let ([one, two], [m_i, m_j]) = (&self.taken, self.inverse_masses.each_mut());
+        let ([one, two, three], [m_i, m_j]) = (&self.taken, self.inverse_masses.each_mut());
         let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
         let [r_i, r_j] = self.radii.each_mut();
         if V::COMPONENTS == 2 {
@@ -54,6 +64,12 @@ impl<V: Space> Bodies<V> {
         } else {
             spread(one, lanes, x, y, z, vx);
             spread(two, lanes, vy, vz, r_i, m_i);
+            for lane in 0..lanes.min(LANES) {
+                let [vy_j, vz_j, r, m] = three[lane];
+                vy[lane] -= vy_j;
+                vz[lane] -= vz_j;
+                (r_j[lane], m_j[lane]) = (r, m);
+            }
         }
     }
 
@@ -105,6 +121,7 @@ impl<V: Space> Bodies<V> {
 #[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
+    use crate::periodic::Open;
     use crate::space::{Plane, Solid};
 
     /// Bodies of unlike numbers, apart by what has its components padded with zeros.
@@ -118,7 +135,8 @@ mod tests {
             let mut bodies = Bodies::<V>::default();
             for lane in 0..LANES {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
-                bodies.take(lane, i.position - j.position, [&i, &j]);
+                let separation = i.position - j.position;
+                assert_eq!(bodies.take(lane, &Open, [&i, &j]), separation.length_squared());
             }
             assert!(!bodies.measure(LANES, instructions));
             for lane in 0..LANES {

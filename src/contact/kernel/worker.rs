@@ -12,7 +12,7 @@ use crate::neighbours::list::{self, Candidate, Task};
 use crate::periodic::Metric;
 use crate::space::Space;
 
-/// How many candidates a batch takes at a time.
+/// How many candidates a batch takes at a time, if it has room for as many.
 const PIECE: usize = 8;
 
 /// What one thread reads and writes.
@@ -31,51 +31,55 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     pub(super) fn sum(mut self, pages: &mut [Pages<V>], spare: &mut Pages<V>) -> f64 {
         let gravity = self.pass.gravity;
         self.sums.begin::<L>(list::end_of(&self.task.incoming), gravity, self.view);
-        for piece in self.task.incoming.chunks(PIECE) {
-            if self.offer(piece) {
-                self.flush_incoming();
-            }
+        let mut left = &self.task.incoming[..];
+        while !left.is_empty() {
+            left = self.offer(left);
+            self.flush_incoming();
         }
-        self.flush_incoming();
         for (page, first) in pages.iter_mut().zip(self.task.rows.clone().step_by(BLOCK)) {
             let mut block = Block { walk: Walk::new(page, spare), remembered: [false; LANES], lost: [0.0; 2] };
-            let (candidates, end) = self.pass.list.block(first / BLOCK);
+            let (mut left, end) = self.pass.list.block(first / BLOCK);
             // Not all at once: so they are at hand when they are added to.
             self.sums.begin::<L>(end, gravity, self.view);
-            for piece in candidates.chunks(PIECE) {
-                if self.offer(piece) {
-                    self.flush(&mut block);
-                }
+            while !left.is_empty() {
+                left = self.offer(left);
+                self.flush(&mut block);
             }
-            self.flush(&mut block);
             block.walk.end::<L>(block.lost, |contact, memory| self.pass.forget(self.view, contact, memory));
         }
         self.sums.begin::<L>(self.task.rows.end, gravity, self.view);
         self.largest
     }
 
-    /// Adds those candidates to the batch that overlap, or that the law looks at ahead of that, with what lies beside their
-    /// positions. Whether one does is hard to foresee, so there is no branch on it: each is written, and the end moves on if it
-    /// counts. There is room for [`PIECE`] of them; tells whether there is none for as many again.
-    #[inline]
-    fn offer(&mut self, candidates: &[Candidate]) -> bool {
-        let bodies = &self.view.body[..];
-        let batch = &mut *self.batch;
-        let mut end = batch.len;
-        for &candidate in candidates {
-            let [body, other] = candidate.both().map(|entry| &bodies[entry]);
-            let separation = self.pass.metric.separation(body.position, other.position);
-            let reach = body.radius + other.radius;
-            let farthest = if L::AHEAD { reach + self.view.margin } else { reach };
-            // Never beyond; so the compiler knows as well.
-            let lane = end % LANES;
-            batch.pairs[lane] = candidate;
-            batch.bodies.take(lane, separation, [body, other]);
-            // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
-            end += usize::from(separation.length_squared() < farthest * farthest);
-        }
-        batch.len = end;
-        end > LANES - PIECE
+    /// Adds those candidates to the batch that overlap, or that the law looks at ahead of that, with what their bodies hold, until
+    /// it is full; gives those that are left. Whether one overlaps is hard to foresee, so there is no branch on it: each is
+    /// written, and the end moves on if it counts.
+    fn offer<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
+        let (bodies, batch, metric) = (&self.view.body[..], &mut *self.batch, self.pass.metric);
+        let margin = if L::AHEAD { self.view.margin } else { 0.0 };
+        self.pass.instructions.run_narrow(
+            #[inline(always)]
+            || {
+                let (mut end, mut left) = (batch.len, candidates);
+                while end <= LANES - PIECE && !left.is_empty() {
+                    let (piece, others) = left.split_at(PIECE.min(left.len()));
+                    for &candidate in piece {
+                        let [body, other] = candidate.both().map(|entry| &bodies[entry]);
+                        let reach = body.radius + other.radius;
+                        let farthest = if L::AHEAD { reach + margin } else { reach };
+                        // Never beyond; so the compiler knows as well.
+                        let lane = end % LANES;
+                        batch.pairs[lane] = candidate;
+                        let squared = batch.bodies.take(lane, &metric, [body, other]);
+                        // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
+                        end += usize::from(squared < farthest * farthest);
+                    }
+                    left = others;
+                }
+                batch.len = end;
+                left
+            },
+        )
     }
 
     /// Fills in what the law needs to know besides what bodies hold.
