@@ -163,6 +163,7 @@ fn run_of(slots: &[Slot]) -> Option<Range<usize>> {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use std::num::NonZeroUsize;
 

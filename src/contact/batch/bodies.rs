@@ -65,10 +65,10 @@ impl<V: Space> Bodies<V> {
             spread(one, lanes, x, y, z, vx);
             spread(two, lanes, vy, vz, r_i, m_i);
             for lane in 0..lanes.min(LANES) {
-                let [vy_j, vz_j, r, m] = three[lane];
-                vy[lane] -= vy_j;
-                vz[lane] -= vz_j;
-                (r_j[lane], m_j[lane]) = (r, m);
+                let second = three[lane];
+                vy[lane] -= second[0];
+                vz[lane] -= second[1];
+                (r_j[lane], m_j[lane]) = (second[2], second[3]);
             }
         }
     }
