@@ -99,6 +99,7 @@ impl<V: Space> Search<V> {
     /// If particles touch at more than the cell size.
     pub fn update(&mut self, columns: &Columns<V>, dt: f64) -> Result<bool, Failure> {
         let renumbered = self.generation != columns.generation;
+        let mut caught_up = false;
         let follows = self.generation + 1 == columns.generation;
         self.generation = columns.generation;
         let rebuilt = match &mut self.method {
@@ -118,14 +119,16 @@ impl<V: Space> Search<V> {
             }
             Method::VerletList(list) => {
                 let is_whole = !renumbered || (follows && list.follow(columns, &mut self.list, dt));
-                let stale = !is_whole || list.is_stale(columns);
+                let gone_far = if is_whole { list.gone_far(columns) } else { Vec::new() };
+                caught_up = !gone_far.is_empty();
+                let stale = !is_whole || (caught_up && !list.catch_up(columns, &mut self.list, &gone_far, dt));
                 if stale {
                     list.renew(columns, &mut self.list, dt);
                 }
                 stale
             }
         };
-        if rebuilt || renumbered {
+        if rebuilt || renumbered || caught_up {
             self.list.share_out(columns.len(), self.threads, BLOCK);
         }
         Ok(rebuilt)

@@ -6,7 +6,7 @@
 //! grains that fall fast have long lists, and do not force the many that rest to renew theirs.
 //!
 //! The search goes through hashed cells that are wide enough for two slow particles; fast ones look farther. Each
-//! particle's partners are listed in ascending order. When particles come or leave, the list follows ([`follow`]).
+//! particle's partners are listed in ascending order. Of a few that come, leave or go far, the list knows without ([`follow`]).
 
 mod follow;
 
@@ -16,6 +16,9 @@ use crate::neighbours::contact_range;
 use crate::neighbours::list::{Candidate, PairList};
 use crate::space::Space;
 use crate::wait::Wait;
+
+/// What share of an allowance is left to whoever has used up most of it.
+const MOST: f64 = 0.5;
 
 /// For how many steps ahead the list provides at present speeds.
 const HORIZON: f64 = 25.0;
@@ -46,19 +49,25 @@ impl<V: Space> VerletList<V> {
         Self { skin, made_at: Vec::new(), wait: Wait::default() }
     }
 
-    /// Whether somebody has used up its allowance.
-    pub(super) fn is_stale(&mut self, columns: &Columns<V>) -> bool {
+    /// Who has used up most of its allowance, in case that somebody has used up all of it.
+    pub(super) fn gone_far(&mut self, columns: &Columns<V>) -> Vec<u32> {
         if !self.wait.is_over(columns, columns.margin) {
-            return false;
+            return Vec::new();
         }
         let left = |(body, anchor): (&Body<V>, &Anchor<V>)| {
             // A scheme that looks ahead sees what may touch in that time.
             let ahead = columns.lookahead * body.velocity.extent();
             anchor.allowance - ahead - columns.separation(body.position, anchor.position).length()
         };
-        let least = columns.body.iter().zip(&self.made_at).map(left).fold(f64::INFINITY, f64::min);
+        let particles = || columns.body.iter().zip(&self.made_at);
+        let least = particles().map(left).fold(f64::INFINITY, f64::min);
         self.wait = Wait::for_distance(columns, least);
-        least <= 0.0
+        if least > 0.0 {
+            return Vec::new();
+        }
+        // Those who will soon be here too are done with in one go.
+        let most = |&(_, particle): &(u32, (&Body<V>, &Anchor<V>))| left(particle) < MOST * particle.1.allowance;
+        (0u32..).zip(particles()).filter(most).map(|(i, _)| i).collect()
     }
 
     /// Makes `list` anew for the positions in `columns`; `dt` is the time step, s.

@@ -1,8 +1,9 @@
-//! A Verlet list follows its particles to the slots that are dealt out anew when some came or left: in a discharge that
-//! happens far more often than anything else that would make it stale.
+//! A Verlet list keeps up with a few particles that came, left or have used up their allowances, while the many others
+//! stay where they are: in filling and discharging that happens far more often than anything else.
 //!
-//! Pairs go over to the new slots; those of particles that left, or that are no longer what they were ([`Columns::former`]), go.
-//! Allowances go on as they were. Everybody is asked about each newcomer, who is given an allowance from here on.
+//! When slots are dealt out anew, pairs go over to the new ones; those of particles that left, or that are no longer what they
+//! were ([`Columns::former`]), go. The others' allowances go on as they were. Everybody is asked about each newcomer, who is
+//! given an allowance from here on; and so about each that has gone far.
 
 use crate::columns::{Columns, Slot};
 use crate::neighbours::list::{Candidate, PairList};
@@ -10,7 +11,7 @@ use crate::neighbours::verlet_list::{Anchor, VerletList};
 use crate::space::Space;
 use crate::wait::Wait;
 
-/// Of more newcomers at once a search finds the pairs sooner.
+/// About more at once a search finds out sooner.
 const FEW: usize = 16;
 
 impl<V: Space> VerletList<V> {
@@ -32,18 +33,45 @@ impl<V: Space> VerletList<V> {
             [Some(i), Some(j)] => Some(Candidate::new(i.min(j), i.max(j))),
             _ => None,
         });
-        let mut pairs: Vec<_> = followed.collect();
+        let followed = followed.collect();
         let anchors = columns.former.iter().zip(&columns.body);
         let anchors = anchors.map(|(former, body)| known(former).copied().unwrap_or(Anchor::of(body, self.skin, dt)));
         self.made_at = anchors.collect();
-        self.wait = Wait::default();
+        self.admit(columns, list, followed, &newcomers);
+        true
+    }
+
+    /// Brings `list` up to date for those who have gone far, if they are few; `dt` is the time step, s. Tells whether it did.
+    pub(in crate::neighbours) fn catch_up(
+        &mut self,
+        columns: &Columns<V>,
+        list: &mut PairList,
+        far: &[u32],
+        dt: f64,
+    ) -> bool {
+        if far.len() > FEW {
+            return false;
+        }
+        let mut is_far = vec![false; columns.len()];
+        for i in far.iter().map(|&i| i as usize) {
+            is_far[i] = true;
+            self.made_at[i] = Anchor::of(&columns.body[i], self.skin, dt);
+        }
+        let others = list.pairs().iter().filter(|pair| !pair.both().iter().any(|&i| is_far[i]));
+        let others = others.copied().collect();
+        self.admit(columns, list, others, far);
+        true
+    }
+
+    /// Adds to `pairs` those of newcomers, whose anchors are cast, and makes them the list.
+    fn admit(&mut self, columns: &Columns<V>, list: &mut PairList, mut pairs: Vec<Candidate>, newcomers: &[u32]) {
         for (met, &new) in newcomers.iter().enumerate() {
             let near = (0u32..).take(columns.len()).filter(|&j| self.are_near(columns, new as usize, j as usize));
             let near = near.filter(|j| !newcomers[..=met].contains(j));
             pairs.extend(near.map(|j| Candidate::new(new.min(j), new.max(j))));
         }
         list.take(&pairs, columns.len());
-        true
+        self.wait = Wait::default();
     }
 }
 
@@ -93,11 +121,42 @@ mod tests {
             let fixed = places.len() - free;
             let after = columns(&places, fixed, former);
             prop_assert!(verlet.follow(&after, &mut list, 1e-3));
-            prop_assert!(!verlet.is_stale(&after));
+            prop_assert!(verlet.gone_far(&after).is_empty());
             let mut whole = PairList::default();
             VerletList::new(SKIN).renew(&after, &mut whole, 1e-3);
             // Nobody has moved: so the list is what a search would find.
             prop_assert_eq!(list.pairs(), whole.pairs());
+        }
+    }
+
+    proptest! {
+        /// Some go beyond their allowances, the others half as far as they may.
+        #[test]
+        fn nobody_is_missed_by_those_who_went_far(
+            places in prop::collection::vec((0.0..1.0, 0.0..1.0), 30),
+            far in prop::collection::vec((0usize..30, -0.3..0.3, -0.3..0.3), 0..8),
+            ways in prop::collection::vec(0.0..std::f64::consts::TAU, 30),
+        ) {
+            let before = columns(&places, 5, vec![Slot::default(); 30]);
+            let (mut verlet, mut list) = (VerletList::new(SKIN), PairList::default());
+            verlet.renew(&before, &mut list, 1e-3);
+            let mut after = before;
+            for (body, way) in after.body.iter_mut().zip(ways) {
+                body.position += 0.24 * SKIN * Plane::from_angle(way);
+            }
+            for (i, x, y) in far {
+                after.body[i].position += Plane::new(x, y);
+            }
+            let gone_far = verlet.gone_far(&after);
+            prop_assert!(gone_far.is_empty() || verlet.catch_up(&after, &mut list, &gone_far, 1e-3));
+            prop_assert!(verlet.gone_far(&after).is_empty());
+            prop_assert!(list.pairs().is_sorted_by(|one, next| one < next));
+            for j in 0..30 {
+                for i in 0..j.min(25) {
+                    let pair = Candidate::new(i, j);
+                    prop_assert!(!after.may_touch(i as usize, j as usize) || list.pairs().contains(&pair), "{:?}", pair);
+                }
+            }
         }
     }
 
@@ -109,5 +168,6 @@ mod tests {
             (columns(&places[..FEW], 0, vec![Slot::default(); FEW]), columns(&places, 0, vec![Slot::default(); 20]));
         assert!(verlet.follow(&few, &mut list, 1e-3) && !list.pairs().is_empty());
         assert!(!verlet.follow(&many, &mut list, 1e-3));
+        assert!(!verlet.catch_up(&many, &mut list, &(0..17).collect::<Vec<_>>(), 1e-3));
     }
 }
