@@ -17,7 +17,7 @@ use crate::threads::Threads;
 /// How many rows a thread takes at a time.
 pub(crate) const STRIDE: usize = 1024;
 
-/// Of fewer strides it takes longer to wake threads than to walk.
+/// From how many strides on threads share them.
 const WORTHWHILE: usize = 8;
 
 /// Rows of a table, component by component.

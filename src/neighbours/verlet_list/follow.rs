@@ -11,7 +11,8 @@ use crate::neighbours::verlet_list::{Anchor, VerletList};
 use crate::space::Space;
 use crate::wait::Wait;
 
-/// About more at once a search finds out sooner.
+/// About more at once nobody is asked: in `silo1` a search takes as many instructions as some hundred of these questions to each
+/// particle, and then the list is good for all.
 const FEW: usize = 16;
 
 impl<V: Space> VerletList<V> {
