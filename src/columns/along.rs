@@ -17,8 +17,8 @@ use crate::threads::Threads;
 /// How many rows a thread takes at a time.
 pub(crate) const STRIDE: usize = 1024;
 
-/// From how many strides on threads share them.
-const WORTHWHILE: usize = 8;
+/// From how many strides on threads share them: with ten, waking a second thread takes longer than it saves, with a hundred not.
+const WORTHWHILE: usize = 64;
 
 /// Rows of a table, component by component.
 pub(crate) trait Rows: Default + Send {
