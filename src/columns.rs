@@ -108,8 +108,8 @@ pub struct Columns<V: Space = Plane> {
     pub id: Vec<GrainId>,
     /// Whose entry this is.
     pub entity: Vec<Entity>,
-    /// The slot that each had before slots were dealt out anew; that of nobody if it had none, another radius, or was fixed and
-    /// is free.
+    /// The slot that each had before slots were dealt out anew; that of nobody if it had none, or another radius, or was fixed
+    /// and is free, or the reverse.
     pub(crate) former: Vec<Slot>,
     /// What every contact asks for.
     pub body: Vec<Body<V>>,

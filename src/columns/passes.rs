@@ -12,6 +12,7 @@ use crate::columns::{Columns, Load, Slot, slots};
 use crate::contact::ContactForces;
 use crate::contact::history::History;
 use crate::gravity::Gravity;
+use crate::instructions::Instructions;
 use crate::particle::{Fixed, Force, Position, Velocity};
 use crate::space::Space;
 use crate::step::{ForceStage, Phase, Step, is_step_zero};
@@ -152,7 +153,8 @@ pub struct ColumnsPlugin<V: Space> {
 
 impl<V: Space> Plugin for ColumnsPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Columns<V>>();
+        // Those who walk along the columns need the instructions.
+        app.init_resource::<Columns<V>>().init_resource::<Instructions>();
         slots::add::<V>(app);
         if self.passes.begins_sums {
             let clear = clear_forces::<V>.in_set(ForceStage::Contacts).before(ContactForces);

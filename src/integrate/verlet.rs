@@ -17,7 +17,6 @@ use bevy_app::App;
 use bevy_ecs::prelude::*;
 
 use crate::columns::{Columns, DENSE, GatheredVelocities, Kicked, Longest, Passes, Slot, Walkers};
-use crate::instructions::Instructions;
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
@@ -131,7 +130,6 @@ fn kick_and_write<V: Space>(
 }
 
 pub(super) fn add<V: Space>(app: &mut App, passes: Passes) {
-    app.init_resource::<Instructions>();
     if passes.drift_gathers {
         app.add_systems(Step, drift_and_gather::<V>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
     } else {
