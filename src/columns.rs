@@ -137,6 +137,8 @@ pub struct Columns<V: Space = Plane> {
     pub margin: f64,
     /// The sides through which the scene repeats itself, if it does.
     pub periodic: Option<Periodic<V>>,
+    /// At least this share of the sum of the radii of any two is the smaller one.
+    pub smallest_share: f64,
     /// How many are not fixed: they come first.
     pub movable_end: usize,
     /// Counts the renumberings; whoever caches indices compares it.
@@ -170,6 +172,7 @@ impl<V: Space> Default for Columns<V> {
             lookahead: 0.0,
             margin: 0.0,
             periodic: None,
+            smallest_share: 0.0,
             movable_end: 0,
             generation: 0,
             travel: 0.0,

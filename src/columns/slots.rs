@@ -122,6 +122,9 @@ impl<V: Space> Columns<V> {
             self.species[i] = particle.species.copied().unwrap_or_default();
             particle.slot.0 = slot;
         }
+        let radii = || self.body.iter().map(|body| body.radius);
+        let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
+        self.smallest_share = smallest / (smallest + largest);
     }
 
     /// Whether more than a tenth of the grains come after one whose place is later.

@@ -26,7 +26,9 @@ impl Assignment {
     }
 }
 
-impl Demands for Assignment {}
+impl Demands for Assignment {
+    const RADII: bool = false;
+}
 
 impl<V: Space> PairLaw<V> for Assignment {
     #[inline(always)]

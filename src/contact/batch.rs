@@ -119,12 +119,16 @@ impl<V: Space> Batch<V> {
             overlap: self.bodies.overlap[lane],
             relative_velocity: self.bodies.relative_velocity.get(lane),
             reduced_mass: self.bodies.reduced_mass[lane],
-            radii: of(&self.bodies.radii),
+            root: self.bodies.root[lane],
+            radii: [0.0; 2],
             spins: [V::Spin::ZERO; 2],
             species: [Species(0); 2],
             dt,
             ahead: Ahead::default(),
         };
+        if L::EACH {
+            pair.radii = of(&self.bodies.radii);
+        }
         if L::SPIN {
             pair.spins = spins_of(&self.spins);
         }
@@ -169,8 +173,7 @@ impl<V: Space> Batch<V> {
         self.len.next_multiple_of(8).min(LANES)
     }
 
-    /// Asks `law` about all lanes; gives how many overlap by more than `deepest` times
-    /// the smaller radius.
+    /// Asks `law` about all lanes; gives how many overlap by more than `deepest` times the sum of the radii.
     #[inline(always)]
     fn answer_all<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, deepest: f64) -> u32 {
         let mut deeper = 0;
@@ -182,7 +185,7 @@ impl<V: Space> Batch<V> {
             if L::AHEAD {
                 answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
             }
-            deeper += u32::from(pair.overlap > deepest * pair.radii[0].min(pair.radii[1]));
+            deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
             answer.force.set(lane, total::<L, V>(&force));
             answer.drag.set(lane, force.drag);
             if L::SPIN {
@@ -207,8 +210,8 @@ impl<V: Space> Batch<V> {
         deeper
     }
 
-    /// Asks `law` about all contacts of the batch. Tells whether any of them overlaps by more than `deepest`
-    /// times the smaller radius.
+    /// Asks `law` about all contacts of the batch. Tells whether any of them overlaps by more than `deepest` times the sum of
+    /// the radii.
     pub fn ask<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, instructions: Instructions, deepest: f64) -> bool {
         let deeper = instructions.run(
             #[inline(always)]

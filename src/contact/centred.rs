@@ -133,6 +133,7 @@ pub struct Centred<L>(pub L);
 impl<L: Demands> Demands for Centred<L> {
     const SPIN: bool = L::SPIN;
     const SPECIES: bool = L::SPECIES;
+    const RADII: bool = L::RADII;
     const SPRING: bool = L::SPRING;
     const ROLLING: bool = L::ROLLING;
     const STIFFNESS: bool = L::STIFFNESS;
@@ -151,6 +152,10 @@ impl<V: Space, L: CentredLaw<V>> PairLaw<V> for Centred<L> {
 
     fn forget(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
         self.0.forget(pair, memory)
+    }
+
+    fn takes_root(&self) -> bool {
+        self.0.takes_root()
     }
 
     fn friction(&self, pair: &Pair<V>) -> f64 {

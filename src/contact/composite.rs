@@ -11,6 +11,8 @@ use crate::space::Space;
 
 /// A force along the normal: max(spring - c v_n, floor) n.
 pub trait Normal: Copy + Send + Sync + 'static {
+    /// See [`Demands::RADII`].
+    const RADII: bool = true;
     /// Where the overlap is at least this many times the half-width of a step, [`Normal::even_drag`] is its mean there.
     const EVEN: f64;
 
@@ -28,6 +30,11 @@ pub trait Normal: Copy + Send + Sync + 'static {
 
     /// The lower bound of the whole force, N: 0, or minus infinity where it may pull.
     fn floor(&self) -> f64;
+
+    /// See [`PairLaw::takes_root`].
+    fn takes_root(&self) -> bool {
+        false
+    }
 
     /// Energy stored in the spring, J.
     fn energy<V: Space>(&self, pair: &Pair<V>) -> f64;
@@ -61,6 +68,7 @@ pub struct Composite<N, T, R> {
 
 impl<N: Normal, T: Tangential, R: Rolling> Demands for Composite<N, T, R> {
     const SPIN: bool = T::SPIN;
+    const RADII: bool = N::RADII || T::SPIN;
     const SPRING: bool = T::SPRING;
     const STIFFNESS: bool = T::STIFFNESS;
     const ROLLING: bool = R::ROLLING;
@@ -84,6 +92,10 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
 
     fn forget(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
         [self.tangential.forget(pair, memory), self.rolling.forget(pair, memory)]
+    }
+
+    fn takes_root(&self) -> bool {
+        self.normal.takes_root()
     }
 
     fn friction(&self, _: &Pair<V>) -> f64 {

@@ -36,11 +36,13 @@ pub(super) fn parted<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i:
 /// Two with this normal and overlap (m).
 fn pair<V: Space>(columns: &Columns<V>, i: usize, j: usize, normal: V, overlap: f64, dt: f64) -> Pair<V> {
     let ((a, b), both) = ((&columns.body[i], &columns.body[j]), [i, j]);
+    let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
     Pair {
         normal,
         overlap,
         relative_velocity: a.velocity - b.velocity,
-        reduced_mass: 1.0 / (a.inverse_mass + b.inverse_mass),
+        reduced_mass,
+        root: reduced_mass.sqrt(),
         radii: [a.radius, b.radius],
         spins: both.map(|entry| columns.spin(entry)),
         species: both.map(|entry| columns.species[entry]),

@@ -37,16 +37,17 @@ impl LinearNormal {
     }
 
     #[inline(always)]
-    fn coefficient(&self, reduced_mass: f64) -> f64 {
-        self.drag.of(reduced_mass, reduced_mass.sqrt())
+    fn coefficient<V: Space>(&self, pair: &Pair<V>) -> f64 {
+        self.drag.of(pair.reduced_mass, pair.root)
     }
 
     fn damping_ratio(&self, reduced_mass: f64) -> f64 {
-        self.coefficient(reduced_mass) / (2.0 * (self.k * reduced_mass).sqrt())
+        self.drag.of(reduced_mass, reduced_mass.sqrt()) / (2.0 * (self.k * reduced_mass).sqrt())
     }
 }
 
 impl Normal for LinearNormal {
+    const RADII: bool = false;
     // From there on the step before lies in the contact as a whole, too.
     const EVEN: f64 = 3.0;
 
@@ -57,12 +58,12 @@ impl Normal for LinearNormal {
 
     #[inline(always)]
     fn drag<V: Space>(&self, pair: &Pair<V>) -> f64 {
-        self.coefficient(pair.reduced_mass)
+        self.coefficient(pair)
     }
 
     #[inline(always)]
     fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64 {
-        self.coefficient(pair.reduced_mass) * window.share(overlap)
+        self.coefficient(pair) * window.share(overlap)
     }
 
     #[inline(always)]
@@ -75,6 +76,10 @@ impl Normal for LinearNormal {
         self.floor
     }
 
+    fn takes_root(&self) -> bool {
+        self.drag.per_other > 0.0
+    }
+
     fn energy<V: Space>(&self, pair: &Pair<V>) -> f64 {
         0.5 * self.k * pair.overlap * pair.overlap
     }
@@ -84,7 +89,7 @@ impl Normal for LinearNormal {
     }
 
     fn damping(&self, bounce: &Bounce) -> f64 {
-        self.coefficient(bounce.reduced_mass)
+        self.drag.of(bounce.reduced_mass, bounce.reduced_mass.sqrt())
     }
 
     fn deepest(&self, bounce: &Bounce) -> f64 {

@@ -52,7 +52,9 @@ pub struct Pair<V: Space = Plane> {
     pub relative_velocity: V,
     /// m_i m_j/(m_i + m_j), kg; m_i against anything fixed.
     pub reduced_mass: f64,
-    /// R_i and R_j, m; R_j is infinite for a flat wall.
+    /// Its root; may be zero unless the law takes it ([`PairLaw::takes_root`]).
+    pub root: f64,
+    /// R_i and R_j, m; R_j is infinite for a flat wall. May be zero unless the law demands them.
     pub radii: [f64; 2],
     /// Spins of i and j, rad/s; zero unless the law demands them.
     pub spins: [V::Spin; 2],
@@ -181,6 +183,11 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
         [0.0, 0.0]
     }
 
+    /// Whether it takes [`Pair::root`], which takes time.
+    fn takes_root(&self) -> bool {
+        false
+    }
+
     /// Largest friction coefficient, for views and pictures; 0 without friction.
     fn friction(&self, _pair: &Pair<V>) -> f64 {
         0.0
@@ -237,6 +244,8 @@ pub trait Demands {
     const SPIN: bool = false;
     /// Materials by species.
     const SPECIES: bool = false;
+    /// [`Pair::radii`]. Who does without them says so.
+    const RADII: bool = true;
     /// [`Memory::spring`].
     const SPRING: bool = false;
     /// [`Memory::rolling`].
@@ -245,6 +254,8 @@ pub trait Demands {
     const STIFFNESS: bool = false;
     /// Velocities predicted for the end of the step, and pairs that touch within half a step: [`centred`].
     const AHEAD: bool = false;
+    /// Whether it counts which of the two has which radius or mass.
+    const EACH: bool = Self::RADII || Self::SPIN || Self::AHEAD;
     /// Any memory.
     const MEMORY: bool = Self::SPRING || Self::ROLLING || Self::STIFFNESS;
 }
@@ -265,6 +276,7 @@ pub(crate) mod tests {
             overlap: 1e-3,
             relative_velocity: Vector::ZERO,
             reduced_mass: 0.1,
+            root: 0.1f64.sqrt(),
             radii: [0.04, 0.04],
             spins: [0.0, 0.0],
             species: [Species(0); 2],

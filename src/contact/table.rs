@@ -47,6 +47,7 @@ impl<V: Space, L: CentredLaw<V>> CentredLaw<V> for Table<L> {
 impl<L: Demands> Demands for Table<L> {
     const SPIN: bool = L::SPIN;
     const SPECIES: bool = true;
+    const RADII: bool = L::RADII;
     const SPRING: bool = L::SPRING;
     const ROLLING: bool = L::ROLLING;
     const STIFFNESS: bool = L::STIFFNESS;
@@ -64,6 +65,10 @@ impl<V: Space, L: PairLaw<V>> PairLaw<V> for Table<L> {
 
     fn forget(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
         self.of(pair.species).forget(pair, memory)
+    }
+
+    fn takes_root(&self) -> bool {
+        self.laws.iter().any(PairLaw::takes_root)
     }
 
     fn friction(&self, pair: &Pair<V>) -> f64 {

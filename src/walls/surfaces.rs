@@ -145,11 +145,13 @@ pub(super) fn pair<V: Space>(
     dt: f64,
 ) -> Pair<V> {
     let body = &columns.body[i];
+    let reduced_mass = 1.0 / body.inverse_mass;
     Pair {
         normal,
         overlap: body.radius - distance,
         relative_velocity: body.velocity - wall.velocity,
-        reduced_mass: 1.0 / body.inverse_mass,
+        reduced_mass,
+        root: reduced_mass.sqrt(),
         radii: [body.radius, f64::INFINITY],
         spins: [columns.spin(i), V::Spin::ZERO],
         species: [columns.species[i], wall.species],

@@ -4,6 +4,7 @@
 //! at once, and spread over the lanes when the batch is full: a transposition, four lanes at a time.
 
 use crate::columns::Body;
+use crate::contact::Demands;
 use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
 use crate::instructions::Instructions;
 use crate::periodic::Metric;
@@ -13,8 +14,11 @@ use crate::space::Space;
 #[derive(Clone, Debug, Default)]
 pub struct Bodies<V: Space> {
     /// As taken: in the plane separation and relative velocity; radii and inverse masses. In solid space separation and
-    /// first component of the velocity; what else is held of the first; and of the second.
+    /// first component of the velocity; what else is held of the first; and of the second. Where it does not count which of
+    /// the two is which, sums of radii and of inverse masses; in solid space they stand behind the rest of the relative velocity.
     taken: [Quads; 3],
+    /// Those sums in the plane.
+    sums: [[f64; 2]; LANES],
     /// From j to i, m.
     separation: Lanes<V>,
     distance: Scalars,
@@ -24,22 +28,35 @@ pub struct Bodies<V: Space> {
     pub overlap: Scalars,
     pub relative_velocity: Lanes<V>,
     pub reduced_mass: Scalars,
+    /// Its root, where the law takes it; else 0.
+    pub root: Scalars,
+    /// The sum of the radii.
+    pub reach: Scalars,
+    /// The sum of the inverse masses.
+    mobility: Scalars,
+    /// Where it counts which is which.
     pub radii: [Scalars; 2],
     pub inverse_masses: [Scalars; 2],
 }
 
 impl<V: Space> Bodies<V> {
-    /// Takes two into a lane; gives the square of their distance, m^2.
+    /// Takes two into a lane; gives the square of their distance, m^2, and the sum of their radii, m.
     #[inline(always)]
-    pub fn take(&mut self, lane: usize, metric: &impl Metric<V>, [i, j]: [&Body<V>; 2]) -> f64 {
+    pub fn take<L: Demands>(&mut self, lane: usize, metric: &impl Metric<V>, [i, j]: [&Body<V>; 2]) -> (f64, f64) {
         let [one, two, three] = &mut self.taken;
         let (x, v) = (|body: &Body<V>, axis| body.position.axis(axis), |body: &Body<V>, axis| body.velocity.axis(axis));
-        if V::COMPONENTS == 2 {
+        // Side by side, so one instruction adds both.
+        let [reach, mobility] = [i.radius + j.radius, i.inverse_mass + j.inverse_mass];
+        let squared = if V::COMPONENTS == 2 {
             let state = |body| [x(body, 0), x(body, 1), v(body, 0), v(body, 1)];
             let (i_state, j_state) = (state(i), state(j));
             let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
             one[lane] = apart;
-            two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
+            if L::EACH {
+                two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
+            } else {
+                self.sums[lane] = [reach, mobility];
+            }
             apart[0] * apart[0] + apart[1] * apart[1]
         } else {
             let state = |body| [x(body, 0), x(body, 1), x(body, 2), v(body, 0)];
@@ -47,55 +64,85 @@ impl<V: Space> Bodies<V> {
             let (i_state, j_state) = (state(i), state(j));
             let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
             one[lane] = apart;
-            (two[lane], three[lane]) = (rest(i), rest(j));
+            if L::EACH {
+                (two[lane], three[lane]) = (rest(i), rest(j));
+            } else {
+                two[lane] = [v(i, 1) - v(j, 1), v(i, 2) - v(j, 2), reach, mobility];
+            }
             apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]
-        }
+        };
+        (squared, reach)
     }
 
     /// Spreads what was taken over so many lanes.
     #[inline(always)]
-    fn spread(&mut self, lanes: usize) {
+    fn spread<L: Demands>(&mut self, lanes: usize) {
         let ([one, two, three], [m_i, m_j]) = (&self.taken, self.inverse_masses.each_mut());
         let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
-        let [r_i, r_j] = self.radii.each_mut();
-        if V::COMPONENTS == 2 {
-            spread(one, lanes, x, y, vx, vy);
-            spread(two, lanes, r_i, m_i, r_j, m_j);
-        } else {
-            spread(one, lanes, x, y, z, vx);
-            spread(two, lanes, vy, vz, r_i, m_i);
+        let ([r_i, r_j], reach, mobility) = (self.radii.each_mut(), &mut self.reach, &mut self.mobility);
+        match (V::COMPONENTS, L::EACH) {
+            (2, true) => {
+                spread(one, lanes, x, y, vx, vy);
+                spread(two, lanes, r_i, m_i, r_j, m_j);
+            }
+            (2, false) => {
+                spread(one, lanes, x, y, vx, vy);
+                for lane in 0..lanes.min(LANES) {
+                    [reach[lane], mobility[lane]] = self.sums[lane];
+                }
+            }
+            (_, true) => {
+                spread(one, lanes, x, y, z, vx);
+                spread(two, lanes, vy, vz, r_i, m_i);
+                for lane in 0..lanes.min(LANES) {
+                    let second = three[lane];
+                    vy[lane] -= second[0];
+                    vz[lane] -= second[1];
+                    (r_j[lane], m_j[lane]) = (second[2], second[3]);
+                }
+            }
+            (_, false) => {
+                spread(one, lanes, x, y, z, vx);
+                spread(two, lanes, vy, vz, reach, mobility);
+            }
+        }
+        if L::EACH {
             for lane in 0..lanes.min(LANES) {
-                let second = three[lane];
-                vy[lane] -= second[0];
-                vz[lane] -= second[1];
-                (r_j[lane], m_j[lane]) = (second[2], second[3]);
+                reach[lane] = r_i[lane] + r_j[lane];
+                mobility[lane] = m_i[lane] + m_j[lane];
             }
         }
     }
 
     /// Finds what takes a root or a division, so that no law has to wait for it; gives how many distances are nothing.
     #[inline(always)]
-    fn measure_all(&mut self, lanes: usize) -> u32 {
+    fn measure_all(&mut self, lanes: usize, root: bool) -> u32 {
         let mut coincident = 0;
         for lane in 0..lanes.min(LANES) {
             let separation = self.separation.get(lane);
             let distance = separation.length_squared().sqrt();
             self.distance[lane] = distance;
             self.normal.set(lane, separation * (1.0 / distance));
-            self.overlap[lane] = self.radii[0][lane] + self.radii[1][lane] - distance;
-            self.reduced_mass[lane] = 1.0 / (self.inverse_masses[0][lane] + self.inverse_masses[1][lane]);
+            self.overlap[lane] = self.reach[lane] - distance;
+            self.reduced_mass[lane] = 1.0 / self.mobility[lane];
             coincident += u32::from(distance <= 0.0);
+        }
+        if root {
+            for lane in 0..lanes.min(LANES) {
+                self.root[lane] = self.reduced_mass[lane].sqrt();
+            }
         }
         coincident
     }
 
-    /// Spreads what was taken over so many lanes, and measures. Tells whether any distance may be nothing.
-    pub fn measure(&mut self, lanes: usize, instructions: Instructions) -> bool {
+    /// Spreads what was taken over so many lanes, and measures, the root of the reduced mass too if it is asked for. Tells
+    /// whether any distance may be nothing.
+    pub fn measure<L: Demands>(&mut self, lanes: usize, root: bool, instructions: Instructions) -> bool {
         let coincident = instructions.run(
             #[inline(always)]
             || {
-                self.spread(lanes);
-                self.measure_all(lanes)
+                self.spread::<L>(lanes);
+                self.measure_all(lanes, root)
             },
         );
         coincident > 0
@@ -108,12 +155,7 @@ impl<V: Space> Bodies<V> {
         for lane in (0..lanes).filter(|&lane| self.distance[lane] <= 0.0) {
             self.separation.set(lane, normal(lane) * 1e-150);
         }
-        self.measure_all(lanes);
-    }
-
-    /// The overlap of a lane over the smaller radius.
-    pub fn relative_overlap(&self, lane: usize) -> f64 {
-        self.overlap[lane] / self.radii[0][lane].min(self.radii[1][lane])
+        self.measure_all(lanes, false);
     }
 }
 
@@ -125,7 +167,7 @@ mod tests {
     use crate::space::{Plane, Solid};
 
     /// Bodies of unlike numbers, apart by what has its components padded with zeros.
-    fn everything_arrives<V: Space>() {
+    fn everything_arrives<V: Space, L: Demands>() {
         let body = |lane: usize, side: usize| {
             let number = |what: usize| f64::from(u32::try_from(1000 * side + 10 * lane + what).unwrap());
             let at = |from: usize| V::narrow(Solid::new(number(from), number(from + 1), -number(from + 2)));
@@ -136,29 +178,42 @@ mod tests {
             for lane in 0..LANES {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;
-                assert_eq!(bodies.take(lane, &Open, [&i, &j]), separation.length_squared());
+                let measured = (separation.length_squared(), i.radius + j.radius);
+                assert_eq!(bodies.take::<L>(lane, &Open, [&i, &j]), measured);
             }
-            assert!(!bodies.measure(LANES, instructions));
+            assert!(!bodies.measure::<L>(LANES, true, instructions));
             for lane in 0..LANES {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;
                 // The same operations on the same numbers, so the same bits.
                 assert_eq!(bodies.normal.get(lane), separation * (1.0 / separation.length()));
                 assert_eq!(bodies.relative_velocity.get(lane), i.velocity - j.velocity);
-                let numbers = [bodies.overlap[lane], bodies.reduced_mass[lane]];
-                assert_eq!(
-                    numbers,
-                    [i.radius + j.radius - separation.length(), 1.0 / (i.inverse_mass + j.inverse_mass)]
-                );
-                assert_eq!(bodies.radii.map(|radii| radii[lane]), [i.radius, j.radius]);
-                assert_eq!(bodies.inverse_masses.map(|masses| masses[lane]), [i.inverse_mass, j.inverse_mass]);
+                let numbers = [bodies.overlap[lane], bodies.reduced_mass[lane], bodies.root[lane]];
+                let reduced_mass = 1.0 / (i.inverse_mass + j.inverse_mass);
+                let overlap = i.radius + j.radius - separation.length();
+                assert_eq!(numbers, [overlap, reduced_mass, reduced_mass.sqrt()]);
+                if L::EACH {
+                    assert_eq!(bodies.radii.map(|radii| radii[lane]), [i.radius, j.radius]);
+                    assert_eq!(bodies.inverse_masses.map(|masses| masses[lane]), [i.inverse_mass, j.inverse_mass]);
+                }
             }
         }
     }
 
+    /// Without regard to which of the two is which, and with.
+    struct Together;
+    struct Each;
+
+    impl Demands for Together {
+        const RADII: bool = false;
+    }
+    impl Demands for Each {}
+
     #[test]
     fn what_is_taken_arrives_in_its_lane() {
-        everything_arrives::<Plane>();
-        everything_arrives::<Solid>();
+        everything_arrives::<Plane, Together>();
+        everything_arrives::<Solid, Together>();
+        everything_arrives::<Plane, Each>();
+        everything_arrives::<Solid, Each>();
     }
 }

@@ -65,12 +65,11 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
                     let (piece, others) = left.split_at(PIECE.min(left.len()));
                     for &candidate in piece {
                         let [body, other] = candidate.both().map(|entry| &bodies[entry]);
-                        let reach = body.radius + other.radius;
-                        let farthest = if L::AHEAD { reach + margin } else { reach };
                         // Never beyond; so the compiler knows as well.
                         let lane = end % LANES;
                         batch.pairs[lane] = candidate;
-                        let squared = batch.bodies.take(lane, &metric, [body, other]);
+                        let (squared, reach) = batch.bodies.take::<L>(lane, &metric, [body, other]);
+                        let farthest = if L::AHEAD { reach + margin } else { reach };
                         // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
                         end += usize::from(squared < farthest * farthest);
                     }
@@ -113,15 +112,17 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         self.describe();
         let Pass { law, dt, instructions, .. } = *self.pass;
         let lanes = self.batch.lanes();
-        if self.batch.bodies.measure(lanes, instructions) {
+        if self.batch.bodies.measure::<L>(lanes, law.takes_root(), instructions) {
             let (id, pairs) = (&self.view.id, &self.batch.pairs);
             let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
             self.batch.bodies.part_coincident(self.batch.len, normal);
         }
-        // What may be a record is found without dividing, a rounding off included.
-        if self.batch.ask(law, dt, instructions, self.largest * (1.0 - 4.0 * f64::EPSILON)) {
-            for lane in 0..self.batch.len {
-                self.largest = self.largest.max(self.batch.bodies.relative_overlap(lane));
+        // What may be a record is found without dividing, and without the two radii, some rounding included.
+        let deepest = self.largest * self.view.smallest_share * (1.0 - 8.0 * f64::EPSILON);
+        if self.batch.ask(law, dt, instructions, deepest) {
+            for (pair, overlap) in self.batch.pairs.iter().zip(&self.batch.bodies.overlap).take(self.batch.len) {
+                let [i, j] = pair.both().map(|entry| self.view.body[entry].radius);
+                self.largest = self.largest.max(overlap / i.min(j));
             }
         }
     }
