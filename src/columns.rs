@@ -74,8 +74,9 @@ pub struct Turn<V: Space = Plane> {
     pub friction_drag_torque: V::Spin,
 }
 
-/// How a particle spins: only in scenes with spin.
+/// How a particle spins: only in scenes with spin. In this order: in solid space they are read by fours.
 #[derive(Clone, Copy, Debug, Default)]
+#[repr(C)]
 pub struct Rotation<V: Space = Plane> {
     /// Angular velocity, rad/s, at the times of velocities.
     pub spin: V::Spin,

@@ -7,9 +7,9 @@
 mod bodies;
 
 pub use self::bodies::Bodies;
-use crate::columns::Columns;
+use crate::columns::{Columns, Rotation};
 use crate::contact::centred::{Ahead, Window};
-use crate::contact::lanes::{LANES, Lanes, Scalars};
+use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
 use crate::contact::sums::total;
 use crate::contact::{Demands, Memory, Pair, PairLaw};
 use crate::instructions::Instructions;
@@ -25,11 +25,21 @@ pub struct Batch<V: Space> {
     /// Entries of the columns.
     pub pairs: [Candidate; LANES],
     pub bodies: Bodies<V>,
-    pub spins: [Lanes<V::Spin>; 2],
+    pub spins: Spins<V>,
     pub species: [[Species; LANES]; 2],
     pub ahead: AheadLanes<V>,
     pub memory: MemoryLanes<V>,
     pub answer: Answer<V>,
+}
+
+/// How the two spin.
+#[derive(Clone, Debug, Default)]
+pub struct Spins<V: Space> {
+    /// As taken, where they have three components.
+    taken: [Quads; 2],
+    /// What lies beside them, which nobody reads.
+    fourth: Scalars,
+    lanes: [Lanes<V::Spin>; 2],
 }
 
 /// As [`Ahead`].
@@ -66,6 +76,33 @@ pub struct Answer<V: Space> {
     pub rolling_drag_torque: Lanes<V::Spin>,
     /// What sliding and rolling beyond the cap took, J.
     pub lost: [Scalars; 2],
+}
+
+impl<V: Space> Spins<V> {
+    /// Takes those of two into a lane.
+    #[inline(always)]
+    pub fn take(&mut self, lane: usize, pair: [&Rotation<V>; 2]) {
+        for (side, Rotation { spin, inverse_inertia }) in pair.into_iter().enumerate() {
+            if V::Spin::COUNT == 1 {
+                self.lanes[side].set(lane, *spin);
+            } else {
+                // Four that lie side by side.
+                let number = |axis| if axis < V::Spin::COUNT { spin.component(axis) } else { *inverse_inertia };
+                self.taken[side][lane] = quad(number);
+            }
+        }
+    }
+
+    /// Spreads what was taken over so many lanes.
+    #[inline(always)]
+    fn spread(&mut self, lanes: usize) {
+        if V::Spin::COUNT > 1 {
+            for (taken, spins) in self.taken.iter().zip(&mut self.lanes) {
+                let [x, y, z] = spins.axes();
+                spread(taken, lanes, x, y, z, &mut self.fourth);
+            }
+        }
+    }
 }
 
 impl<V: Space> AheadLanes<V> {
@@ -130,7 +167,7 @@ impl<V: Space> Batch<V> {
             pair.radii = of(&self.bodies.radii);
         }
         if L::SPIN {
-            pair.spins = spins_of(&self.spins);
+            pair.spins = spins_of(&self.spins.lanes);
         }
         if L::SPECIES {
             pair.species = [self.species[0][lane], self.species[1][lane]];
@@ -177,6 +214,9 @@ impl<V: Space> Batch<V> {
     #[inline(always)]
     fn answer_all<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, deepest: f64) -> u32 {
         let mut deeper = 0;
+        if L::SPIN {
+            self.spins.spread(self.lanes());
+        }
         for lane in 0..self.lanes() {
             let pair = self.pair::<L>(lane, dt);
             let mut memory = self.memory.get::<L>(lane);

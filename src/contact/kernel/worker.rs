@@ -89,21 +89,26 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         }
         let (batch, view) = (&mut *self.batch, self.view);
         // What is of its own cannot change under the loop.
-        let rotations = &view.rotation[..];
-        for lane in 0..batch.len.min(LANES) {
-            let pair = batch.pairs[lane].both();
-            for (side, entry) in pair.into_iter().enumerate() {
-                if L::SPECIES {
-                    batch.species[side][lane] = view.species[entry];
+        let (rotations, species) = (&view.rotation[..], &view.species[..]);
+        self.pass.instructions.run_narrow(
+            #[inline(always)]
+            || {
+                for lane in 0..batch.len.min(LANES) {
+                    let pair = batch.pairs[lane].both();
+                    if L::SPECIES {
+                        for (side, entry) in pair.into_iter().enumerate() {
+                            batch.species[side][lane] = species[entry];
+                        }
+                    }
+                    if L::SPIN {
+                        batch.spins.take(lane, pair.map(|entry| &rotations[entry]));
+                    }
+                    if L::AHEAD {
+                        batch.ahead.describe::<L>(lane, pair, view);
+                    }
                 }
-                if L::SPIN {
-                    batch.spins[side].set(lane, rotations[entry].spin);
-                }
-            }
-            if L::AHEAD {
-                batch.ahead.describe::<L>(lane, pair, view);
-            }
-        }
+            },
+        );
     }
 
     /// Asks the law, and takes records of overlap into account.
