@@ -1,8 +1,8 @@
 //! The columns: what the force pass reads and writes, packed in the order of [`Slot`]s.
 //!
-//! Components are the live state and keep whatever order the ECS gives them; a behaviour may add components, which
-//! moves rows between tables. So a step copies positions and velocities into these columns, works here, and copies
-//! the forces back. The order of slots makes every sum that runs over particles, contacts first of all, independent of
+//! Components keep whatever order the ECS gives them; a behaviour may add components, which
+//! moves rows between tables. So a step works here. Where a behaviour may look at grains or change them, it copies positions and
+//! velocities into these columns and forces back; elsewhere components follow when somebody asks (`columns/lead.rs`). The order of slots makes every sum that runs over particles, contacts first of all, independent of
 //! table order, thread count and neighbour search: it *is* the order that the determinism of a run rests on.
 //!
 //! Slots go row by row through space (within a cell, by id), so that neighbours in space are neighbours
@@ -13,6 +13,7 @@
 //! none.
 
 mod along;
+mod lead;
 mod order;
 mod passes;
 mod slots;
@@ -20,6 +21,7 @@ mod slots;
 use bevy_ecs::prelude::*;
 
 pub(crate) use self::along::{STRIDE, Walkers};
+pub(crate) use self::lead::{Lead, follow};
 pub(crate) use self::order::Order;
 pub use self::passes::{
     ColumnsPlugin, Gathered, GatheredVelocities, Kicked, LookedAhead, Passes, PlacesGathered, SpinsDrifted,
@@ -138,6 +140,8 @@ pub struct Columns<V: Space = Plane> {
     pub margin: f64,
     /// The sides through which the scene repeats itself, if it does.
     pub periodic: Option<Periodic<V>>,
+    /// Whether somebody else than the drift sets back what has gone through them.
+    pub(crate) sets_back_later: bool,
     /// At least this share of the sum of the radii of any two is the smaller one.
     pub smallest_share: f64,
     /// How many are not fixed: they come first.
@@ -173,6 +177,7 @@ impl<V: Space> Default for Columns<V> {
             lookahead: 0.0,
             margin: 0.0,
             periodic: None,
+            sets_back_later: false,
             smallest_share: 0.0,
             movable_end: 0,
             generation: 0,

@@ -25,7 +25,7 @@ use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{BeforeRenumbering, Columns, DENSE};
+use crate::columns::{BeforeRenumbering, Columns, DENSE, Slot};
 use crate::door::DoorState;
 use crate::messages::{GrainLost, GrainOut, GrainReleased};
 use crate::outcome::{Failure, Outcome};
@@ -153,7 +153,7 @@ fn watch_paths<V: Space>(
     (door, cull): (Option<Res<DoorState>>, Option<Res<CullLine>>),
     mut out: MessageWriter<GrainOut<V>>,
     mut lost: MessageWriter<GrainLost<V>>,
-    mut grains: Query<(&GrainId, &Position<V>, &mut Whereabouts<V>), With<Grain>>,
+    mut grains: Query<(&GrainId, &Slot, &mut Whereabouts<V>), With<Grain>>,
     wall_grains: Query<(&GrainId, &Position<V>), With<Fixed>>,
     mut wait: Local<Wait>,
 ) {
@@ -164,10 +164,11 @@ fn watch_paths<V: Space>(
     let patience = (0.25 * enclosure.smallest_radius).powi(2);
     let door_is_closed = door.is_none_or(|door| !door.is_open());
     let last_chance = cull.map_or(f64::NEG_INFINITY, |line| line.0);
-    for (ids, xs, mut places) in grains.contiguous_iter_mut().expect(DENSE) {
+    for (ids, slots, mut places) in grains.contiguous_iter_mut().expect(DENSE) {
         // Nothing watches whereabouts for changes.
         let places = places.bypass_change_detection().iter_mut();
-        for ((&id, &Position(here)), Whereabouts(place)) in ids.iter().zip(xs.iter()).zip(places) {
+        for ((&id, slot), Whereabouts(place)) in ids.iter().zip(slots).zip(places) {
+            let Some(here) = columns.body.get(slot.index()).map(|body| body.position) else { continue };
             let looked_at = match *place {
                 Place::New => here,
                 Place::Inside(looked_at) => looked_at,
@@ -247,21 +248,22 @@ fn cull<V: Space>(
     mut expected: ResMut<Culled>,
     mut lost: MessageWriter<GrainLost<V>>,
     mut wait: Local<Wait>,
-    grains: Query<(Entity, &GrainId, &Position<V>, Option<&Whereabouts<V>>), With<Grain>>,
+    grains: Query<(Entity, &GrainId, &Slot, Option<&Whereabouts<V>>), With<Grain>>,
 ) {
     if !wait.is_over(&columns, 0.0) {
         return;
     }
     let mut lowest = f64::INFINITY;
-    for (entity, &id, x, place) in &grains {
-        lowest = lowest.min(x.0.height());
-        if x.0.height() < line.0 {
+    for (entity, &id, slot, place) in &grains {
+        let Some(position) = columns.body.get(slot.index()).map(|body| body.position) else { continue };
+        lowest = lowest.min(position.height());
+        if position.height() < line.0 {
             commands.entity(entity).despawn();
             expected.0.insert(entity);
             ledger.culled += 1;
             if place.is_none_or(|place| !matches!(place.0, Place::Out | Place::Lost)) {
                 let way = "below the cull line, without having crossed the orifice".to_owned();
-                lost.write(GrainLost { id, position: x.0, way, nearest: None });
+                lost.write(GrainLost { id, position, way, nearest: None });
             }
         }
     }

@@ -225,12 +225,30 @@ fn wrap_and_book<V: Space>(
     }
 }
 
+/// The same in the columns, where they lead.
+fn wrap_columns_and_book<V: Space>(
+    mut columns: ResMut<Columns<V>>,
+    gravity: Res<Gravity<V>>,
+    mut flows: ResMut<EnergyFlows>,
+) {
+    let Columns { body, mass, periodic: Some(periodic), movable_end: end, .. } = &mut *columns else { return };
+    let mut lifted = 0.0;
+    for (body, mass) in body[..*end].iter_mut().zip(mass) {
+        let wrapped = periodic.wrapped(body.position);
+        if wrapped != body.position {
+            lifted += -*mass * gravity.0.dot(wrapped - body.position);
+            body.position = wrapped;
+        }
+    }
+    flows.lifted += lifted;
+}
+
 /// The sides of a periodic scene.
 pub struct PeriodicPlugin<V: Space> {
     /// The box.
     pub periodic: Periodic<V>,
-    /// Whether the drift sets grains back itself.
-    pub drift_wraps: bool,
+    /// Whether grains are moved in the columns.
+    pub columns_lead: bool,
 }
 
 impl<V: Space> Periodic<V> {
@@ -243,15 +261,18 @@ impl<V: Space> Periodic<V> {
 
 impl<V: Space> Plugin for PeriodicPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.world_mut().resource_mut::<Columns<V>>().periodic = Some(self.periodic);
         let gravity = app.world().resource::<Gravity<V>>().0;
-        if self.periodic.lifts(gravity) {
-            app.add_systems(Step, wrap_and_book::<V>.in_set(Phase::Drift).after(Drifted).before(SpinsDrifted));
-        } else if self.drift_wraps {
-            app.add_systems(Step, wrap::<V, With<Fixed>>.in_set(Phase::Drift).after(Drifted).before(SpinsDrifted));
-        } else {
-            app.add_systems(Step, wrap::<V, ()>.in_set(Phase::Drift).after(Drifted).before(SpinsDrifted));
-        }
+        let lifts = self.periodic.lifts(gravity);
+        let mut columns = app.world_mut().resource_mut::<Columns<V>>();
+        (columns.periodic, columns.sets_back_later) = (Some(self.periodic), lifts);
+        let all = match (self.columns_lead, lifts) {
+            (false, false) => wrap::<V, ()>.into_configs(),
+            (false, true) => wrap_and_book::<V>.into_configs(),
+            // The drift itself sets grains back.
+            (true, false) => wrap::<V, With<Fixed>>.into_configs(),
+            (true, true) => (wrap::<V, With<Fixed>>, wrap_columns_and_book::<V>).chain().into_configs(),
+        };
+        app.add_systems(Step, all.in_set(Phase::Drift).after(Drifted).before(SpinsDrifted));
     }
 }
 

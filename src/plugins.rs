@@ -11,7 +11,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SystemKey;
 
 use crate::behaviour::Behaviour;
-use crate::columns::ColumnsPlugin;
+use crate::columns::{ColumnsPlugin, Passes};
 use crate::contact::config::LawVisitor;
 use crate::contact::{Centred, CentredLaw, ContactPlugin, Demands, PairLaw};
 use crate::door::{DoorPlugin, Orifice};
@@ -96,20 +96,21 @@ pub(crate) fn add_all<V: Space>(
     loaded: &Loaded,
     behaviours: Vec<(String, Box<dyn Behaviour>)>,
     paths: AddPaths,
+    watched: bool,
 ) {
     let (scene, space) = (&loaded.scene, PhantomData::<V>);
     let periodic = Periodic::<V>::new(&scene.periodic);
     let largest_radius = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
-    let lifts = periodic.is_some_and(|periodic| periodic.lifts(scene.gravity.get::<V>()));
     let own_contacts = behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law());
-    let passes = scene.integrator.passes(!behaviours.is_empty(), own_contacts, lifts);
+    let columns_lead = scene.integrator.lets_columns_lead() && behaviours.is_empty();
+    let passes = Passes { columns_lead, watched, begins_sums: own_contacts };
     app.add("step", StepPlugin { dt: loaded.step() })
         .add("always", MessagesPlugin(space))
         .add("always", ColumnsPlugin { passes, space })
         .add("always", RowsPlugin)
         .add("always", ObservePlugin)
         .add("neighbours", NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius })
-        .add("integrator", IntegratorPlugin { kind: scene.integrator, passes, space })
+        .add("integrator", IntegratorPlugin { kind: scene.integrator, columns_lead, space })
         .add("until", EndingPlugin { until: scene.until.get(), at_rest: scene.rest.is_some_and(|rest| rest.stop) })
         .add("always", FinitePlugin(space))
         .add("always", EnergyPlugin(space))
@@ -118,7 +119,7 @@ pub(crate) fn add_all<V: Space>(
         app.add("watchdog", WatchdogPlugin(watchdog, space));
     }
     if let Some(periodic) = periodic {
-        app.add("periodic", PeriodicPlugin { periodic, drift_wraps: passes.drift_gathers });
+        app.add("periodic", PeriodicPlugin { periodic, columns_lead });
     }
     paths(app, loaded);
     if let Some(line) = scene.cull {
@@ -128,11 +129,8 @@ pub(crate) fn add_all<V: Space>(
         app.add("behaviours", AddedWorkPlugin(space));
     }
     if scene.contact.spins() {
-        app.add(
-            "contact.tangential",
-            SpinPlugin { inertia: loaded.inertia(), behaviours: !behaviours.is_empty(), space },
-        )
-        .add("contact.tangential", SpinEnergyPlugin(space));
+        app.add("contact.tangential", SpinPlugin { inertia: loaded.inertia(), columns_lead, space })
+            .add("contact.tangential", SpinEnergyPlugin(space));
     }
     if !own_contacts {
         let has_walls = !loaded.surfaces::<V>().is_empty();

@@ -7,6 +7,7 @@ use bevy_ecs::message::message_update_system;
 use bevy_ecs::prelude::*;
 
 use crate::behaviour::{Behaviour, Registry};
+use crate::columns::Lead;
 use crate::fault::Fault;
 use crate::grains::file::GrainRow;
 use crate::grains::spawner::Pending;
@@ -53,17 +54,28 @@ impl Simulation {
         threads: NonZeroUsize,
         more: impl FnOnce(&mut App),
     ) -> Result<Self, Fault> {
-        Self::with(loaded, registry, threads, |assembly| assembly.add_own(more))
+        Self::with_watchers(loaded, registry, threads, true, |assembly| assembly.add_own(more))
     }
 
-    /// The same, with plugins of the caller's on top.
+    /// The same, with plugins of the caller's on top, which look at no components.
     pub(crate) fn with(
         loaded: &Loaded,
         registry: &Registry,
         threads: NonZeroUsize,
         more: impl FnOnce(&mut Assembly<'_>),
     ) -> Result<Self, Fault> {
-        let mut app = Self::assemble(loaded, registry, threads, more)?;
+        Self::with_watchers(loaded, registry, threads, false, more)
+    }
+
+    /// The same; if they are `watched`, components are brought up to date in every step.
+    fn with_watchers(
+        loaded: &Loaded,
+        registry: &Registry,
+        threads: NonZeroUsize,
+        watched: bool,
+        more: impl FnOnce(&mut Assembly<'_>),
+    ) -> Result<Self, Fault> {
+        let mut app = Self::assemble(loaded, registry, threads, watched, more)?;
         match loaded.scene.space {
             Dimension::Plane => populate::<Plane>(app.world_mut(), loaded),
             Dimension::Solid => populate::<Solid>(app.world_mut(), loaded),
@@ -73,7 +85,7 @@ impl Simulation {
 
     /// Whether [`Simulation::new`] would succeed, at the cost of no grain.
     pub(crate) fn check(loaded: &Loaded, registry: &Registry) -> Result<(), Fault> {
-        Self::assemble(loaded, registry, NonZeroUsize::MIN, |_| {}).and_then(Self::ready).map(|_| ())
+        Self::assemble(loaded, registry, NonZeroUsize::MIN, false, |_| {}).and_then(Self::ready).map(|_| ())
     }
 
     /// The app without what is in the world.
@@ -81,14 +93,15 @@ impl Simulation {
         loaded: &Loaded,
         registry: &Registry,
         threads: NonZeroUsize,
+        watched: bool,
         more: impl FnOnce(&mut Assembly<'_>),
     ) -> Result<App, Fault> {
         let behaviours = registry.of_scene(loaded)?;
         let mut app = empty(threads)?;
         let mut assembly = Assembly::new(&mut app);
         match loaded.scene.space {
-            Dimension::Plane => furnish::<Plane>(&mut assembly, loaded, behaviours, planar_paths),
-            Dimension::Solid => furnish::<Solid>(&mut assembly, loaded, behaviours, solid_paths),
+            Dimension::Plane => furnish::<Plane>(&mut assembly, loaded, behaviours, planar_paths, watched),
+            Dimension::Solid => furnish::<Solid>(&mut assembly, loaded, behaviours, solid_paths, watched),
         }
         more(&mut assembly);
         assembly.finish();
@@ -139,9 +152,19 @@ impl Simulation {
     }
 
     /// Runs step zero if it has not run, else one step. Returns the end once there is one, and then does nothing.
+    ///
+    /// Many steps take less time by [`Simulation::run_steps`]: after each of these, components are brought up to date.
     pub fn step(&mut self) -> Option<End> {
+        let end = self.advance();
+        self.follow();
+        end
+    }
+
+    /// The same, but components may stay behind the columns.
+    pub(crate) fn advance(&mut self) -> Option<End> {
         let world = self.app.world_mut();
         if world.resource::<Outcome>().end().is_none() {
+            Lead::to_columns(world);
             world.run_schedule(Step);
             world.resource_mut::<Clock>().start();
             world.clear_trackers();
@@ -150,10 +173,16 @@ impl Simulation {
         world.resource::<Outcome>().end().cloned()
     }
 
+    /// Brings components up to date.
+    pub(crate) fn follow(&mut self) {
+        Lead::to_both(self.app.world_mut());
+    }
+
     /// Steps to the end.
     pub fn run(&mut self) -> End {
         loop {
-            if let Some(end) = self.step() {
+            if let Some(end) = self.advance() {
+                self.follow();
                 return end;
             }
         }
@@ -161,15 +190,17 @@ impl Simulation {
 
     /// Steps until the clock shows `steps` steps, or to the end.
     pub fn run_steps(&mut self, steps: u64) -> Option<End> {
-        loop {
+        let end = loop {
             let clock = self.world().resource::<Clock>();
             if !clock.is_step_zero() && clock.steps >= steps {
-                return self.world().resource::<Outcome>().end().cloned();
+                break self.world().resource::<Outcome>().end().cloned();
             }
-            if let Some(end) = self.step() {
-                return Some(end);
+            if let Some(end) = self.advance() {
+                break Some(end);
             }
-        }
+        };
+        self.follow();
+        end
     }
 
     /// Everything there is.
@@ -180,7 +211,9 @@ impl Simulation {
 
     /// Everything there is, to be changed; what is changed between steps counts from the next step on.
     pub fn world_mut(&mut self) -> &mut World {
-        self.app.world_mut()
+        let world = self.app.world_mut();
+        Lead::to_components(world);
+        world
     }
 }
 
@@ -204,10 +237,11 @@ fn furnish<V: Space>(
     loaded: &Loaded,
     behaviours: Vec<(String, Box<dyn Behaviour>)>,
     paths: AddPaths,
+    watched: bool,
 ) {
     assembly.provide(Gravity(loaded.scene.gravity.get::<V>()));
     assembly.provide(Surfaces(loaded.surfaces::<V>()));
-    add_all::<V>(assembly, loaded, behaviours, paths);
+    add_all::<V>(assembly, loaded, behaviours, paths, watched);
 }
 
 fn populate<V: Space>(world: &mut World, loaded: &Loaded) {

@@ -9,7 +9,6 @@ use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::ArchetypeFilter;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{
@@ -18,7 +17,7 @@ use crate::columns::{
 };
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
-use crate::step::{Clock, ClockAdvanced, Drifted, ForceStage, Phase, Step, is_step_zero};
+use crate::step::{Clock, ClockAdvanced, Drifted, ForceStage, Phase, Step};
 
 /// Angular velocity, rad/s; in the plane a number, positive counter-clockwise.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
@@ -108,40 +107,19 @@ fn half_kick<V: Space>(clock: Res<Clock>, mut grains: Query<Turning<V>, Without<
     }
 }
 
-type TurningThrough<V> =
-    (&'static Slot, &'static mut Spin<<V as Space>::Spin>, &'static mut Torque<<V as Space>::Spin>);
-
-/// The same, into the columns too, which saves a pass; after the forces, with the torques from there, which saves another.
-fn half_kick_through<V: Space, const LAST: bool>(
-    (clock, walkers): (Res<Clock>, Walkers),
-    mut columns: ResMut<Columns<V>>,
-    mut grains: Query<TurningThrough<V>, Without<Fixed>>,
-) {
-    let (dt, Columns { turn, rotation, .. }) = (clock.dt, &mut *columns);
-    for (slots, mut spins, mut torques) in grains.contiguous_iter_mut().expect(DENSE) {
-        let rows = (spins.bypass_change_detection(), torques.bypass_change_detection());
-        walkers.along(
-            slots,
-            (turn, rotation),
-            rows,
-            #[inline(always)]
-            |turn, rotation, (spin, torque), (): &mut ()| {
-                let by = if LAST { turn.torque } else { torque.0 };
-                let turned = spin.0 + gained(by, dt, rotation.inverse_inertia);
-                if LAST {
-                    torque.0 = by;
-                }
-                (rotation.spin, spin.0) = (turned, turned);
-            },
-        );
-    }
+/// The same in the columns, where they lead.
+fn half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
+    let (dt, Columns { turn, rotation, movable_end: end, .. }) = (clock.dt, &mut *columns);
+    walkers.along(
+        &turn[..*end],
+        &mut rotation[..*end],
+        #[inline(always)]
+        |turn, rotation, (): &mut ()| rotation.spin += gained(turn.torque, dt, rotation.inverse_inertia),
+    );
 }
 
-/// Copies the spins of those whom `F` accepts into the columns.
-fn gather<V: Space, F: ArchetypeFilter + 'static>(
-    mut columns: ResMut<Columns<V>>,
-    grains: Query<(&Slot, &Spin<V::Spin>), F>,
-) {
+/// Copies spins into the columns.
+fn gather<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<(&Slot, &Spin<V::Spin>)>) {
     for (slots, spins) in grains.contiguous_iter().expect(DENSE) {
         for (slot, spin) in slots.iter().zip(spins.iter()) {
             if let Some(rotation) = columns.rotation.get_mut(slot.index()) {
@@ -152,24 +130,25 @@ fn gather<V: Space, F: ArchetypeFilter + 'static>(
 }
 
 /// New slots: those of what does not spin stay at zero.
-fn make_room<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<(&Slot, &Inertia)>) {
-    let particles = columns.len();
-    columns.rotation.clear();
-    columns.rotation.resize(particles, Rotation::default());
-    for (slot, inertia) in &grains {
-        if let Some(rotation) = columns.rotation.get_mut(slot.index()) {
-            rotation.inverse_inertia = 1.0 / inertia.0;
+fn make_room<V: Space>(
+    mut columns: ResMut<Columns<V>>,
+    grains: Query<(&Slot, &Spin<V::Spin>, &Torque<V::Spin>, &Inertia)>,
+) {
+    let (particles, Columns { rotation, turn, .. }) = (columns.len(), &mut *columns);
+    rotation.clear();
+    rotation.resize(particles, Rotation::default());
+    turn.clear();
+    turn.resize(particles, Turn::default());
+    for (slot, spin, torque, inertia) in &grains {
+        if let (Some(rotation), Some(turn)) = (rotation.get_mut(slot.index()), turn.get_mut(slot.index())) {
+            *rotation = Rotation { spin: spin.0, inverse_inertia: 1.0 / inertia.0 };
+            turn.torque = torque.0;
         }
     }
-    columns.turn.clear();
-    columns.turn.resize(particles, Turn::default());
 }
 
-/// Writes the torques of those whom `F` accepts.
-fn write<V: Space, F: ArchetypeFilter + 'static>(
-    columns: Res<Columns<V>>,
-    mut grains: Query<(&Slot, &mut Torque<V::Spin>), F>,
-) {
+/// Writes the torques.
+fn write<V: Space>(columns: Res<Columns<V>>, mut grains: Query<(&Slot, &mut Torque<V::Spin>)>) {
     for (slots, mut torques) in grains.contiguous_iter_mut().expect(DENSE) {
         for (slot, torque) in slots.iter().zip(torques.bypass_change_detection()) {
             if let Some(turn) = columns.turn.get(slot.index()) {
@@ -183,8 +162,8 @@ fn write<V: Space, F: ArchetypeFilter + 'static>(
 pub struct SpinPlugin<V: Space> {
     /// What moments of inertia follow from.
     pub inertia: InertiaLaw,
-    /// Whether there are behaviours, which may change spins by the end of a step.
-    pub behaviours: bool,
+    /// Whether grains are turned in the columns.
+    pub columns_lead: bool,
     /// The space.
     pub space: PhantomData<V>,
 }
@@ -194,38 +173,22 @@ impl<V: Space> Plugin for SpinPlugin<V> {
         app.insert_resource(InertiaFactor(self.inertia.factor()))
             .add_observer(equip::<V>)
             .add_systems(Step, make_room::<V>.in_set(Renumbering).after(columns::renumber::<V>));
-        if self.behaviours {
-            let again = gather::<V, ()>.in_set(Phase::Kick).in_set(GatheredVelocities);
+        if self.columns_lead {
+            let again = half_kick_columns::<V>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities);
+            app.add_systems(
+                Step,
+                (half_kick_columns::<V>.in_set(Phase::Drift).in_set(SpinsDrifted).after(Drifted), again),
+            );
+        } else {
+            let again = gather::<V>.in_set(Phase::Kick).in_set(GatheredVelocities);
             app.add_systems(
                 Step,
                 (
                     half_kick::<V>.in_set(Phase::Drift).after(ClockAdvanced),
-                    gather::<V, ()>.in_set(Phase::Neighbours).in_set(Gathered).after(PlacesGathered),
-                    write::<V, ()>.in_set(ForceStage::Written),
+                    gather::<V>.in_set(Phase::Neighbours).in_set(Gathered).after(PlacesGathered),
+                    write::<V>.in_set(ForceStage::Written),
                     half_kick::<V>.in_set(Phase::Kick).before(GatheredVelocities),
                     again.after(columns::gather_velocities::<V>),
-                ),
-            );
-        } else {
-            app.add_systems(
-                Step,
-                (
-                    half_kick_through::<V, false>
-                        .in_set(Phase::Drift)
-                        .in_set(SpinsDrifted)
-                        .after(ClockAdvanced)
-                        .after(Drifted),
-                    gather::<V, With<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).after(PlacesGathered),
-                    // In step zero nothing is kicked.
-                    gather::<V, Without<Fixed>>
-                        .in_set(Phase::Neighbours)
-                        .in_set(Gathered)
-                        .after(gather::<V, With<Fixed>>)
-                        .after(PlacesGathered)
-                        .run_if(is_step_zero),
-                    write::<V, With<Fixed>>.in_set(ForceStage::Written),
-                    write::<V, Without<Fixed>>.in_set(ForceStage::Written).run_if(is_step_zero),
-                    half_kick_through::<V, true>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities),
                 ),
             );
         }

@@ -133,7 +133,7 @@ fn drive(simulation: &mut Simulation, loaded: &Loaded, quiet: bool) -> (End, Cos
     let mut cost = Cost::default();
     let start = Instant::now();
     loop {
-        let end = simulation.step();
+        let end = simulation.advance();
         cost.particle_steps += movable_grains(simulation.world()) as u64;
         if let Some(end) = end {
             cost.wall_s = start.elapsed().as_secs_f64();

@@ -1,6 +1,6 @@
 //! The passes between components and columns, and who makes them.
 //!
-//! Where nobody else moves grains or adds forces, the integrator's own passes write through to the columns ([`Passes`]).
+//! Where no behaviour may look at grains or change them, there are hardly any: columns lead ([`lead`]).
 
 use std::marker::PhantomData;
 
@@ -8,14 +8,14 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::ArchetypeFilter;
 
-use crate::columns::{Columns, Load, Slot, slots};
+use crate::columns::{Columns, Load, Slot, lead, slots};
 use crate::contact::ContactForces;
 use crate::contact::history::History;
 use crate::gravity::Gravity;
 use crate::instructions::Instructions;
 use crate::particle::{Fixed, Force, Position, Velocity};
 use crate::space::Space;
-use crate::step::{ForceStage, Phase, Step, is_step_zero};
+use crate::step::{ForceStage, Phase, Step};
 
 /// Why contiguous iteration cannot fail: every component of a particle's columns is stored in tables.
 pub(crate) const DENSE: &str = "table components are contiguous";
@@ -94,11 +94,8 @@ pub(crate) fn clear_forces<V: Space>(gravity: Res<Gravity<V>>, mut columns: ResM
     }
 }
 
-/// Writes the sums to the forces of those whom `F` accepts.
-pub(crate) fn write_forces<V: Space, F: ArchetypeFilter + 'static>(
-    columns: Res<Columns<V>>,
-    mut particles: Query<(&Slot, &mut Force<V>), F>,
-) {
+/// Writes the sums to the forces.
+fn write_forces<V: Space>(columns: Res<Columns<V>>, mut particles: Query<(&Slot, &mut Force<V>)>) {
     for (slots, mut forces) in particles.contiguous_iter_mut().expect(DENSE) {
         for (slot, force) in slots.iter().zip(forces.bypass_change_detection()) {
             if let Some(from) = columns.load.get(slot.index()) {
@@ -135,12 +132,12 @@ pub struct GatheredVelocities;
 /// Which passes between components and columns a scene needs.
 #[derive(Clone, Copy, Debug)]
 pub struct Passes {
-    /// Whether the drift writes positions to the columns: where nobody else moves grains before forces are evaluated.
-    pub drift_gathers: bool,
+    /// Whether columns lead: where no behaviour looks at grains or changes them.
+    pub columns_lead: bool,
+    /// Whether somebody looks at components in every step all the same.
+    pub watched: bool,
     /// Whether the sums of forces may have to be begun here: where a behaviour brings the contacts, and maybe not our pass.
     pub begins_sums: bool,
-    /// Whether the kick writes forces and velocities: where no behaviour adds forces or changes velocities.
-    pub kick_writes: bool,
 }
 
 /// The columns and the passes that fill and empty them.
@@ -160,23 +157,14 @@ impl<V: Space> Plugin for ColumnsPlugin<V> {
             let clear = clear_forces::<V>.in_set(ForceStage::Contacts).before(ContactForces);
             app.add_systems(Step, clear.run_if(not(resource_exists::<History<V>>)));
         }
-        if self.passes.drift_gathers {
+        if self.passes.columns_lead {
+            lead::add::<V>(app, self.passes.watched);
             let fixed = gather::<V, With<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
             app.add_systems(Step, fixed);
-            // In step zero nothing drifts.
-            let rest = gather::<V, Without<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
-            app.add_systems(Step, rest.after(gather::<V, With<Fixed>>).run_if(is_step_zero));
         } else {
             let all = gather::<V, ()>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
-            app.add_systems(Step, all);
-        }
-        if self.passes.kick_writes {
-            app.add_systems(Step, write_forces::<V, With<Fixed>>.in_set(ForceStage::Written));
-            let rest = write_forces::<V, Without<Fixed>>.in_set(ForceStage::Written).run_if(is_step_zero);
-            app.add_systems(Step, rest.after(write_forces::<V, With<Fixed>>));
-        } else {
-            app.add_systems(Step, write_forces::<V, ()>.in_set(ForceStage::Written));
-            app.add_systems(Step, gather_velocities::<V>.in_set(Phase::Kick).in_set(GatheredVelocities));
+            let again = gather_velocities::<V>.in_set(Phase::Kick).in_set(GatheredVelocities);
+            app.add_systems(Step, (all, write_forces::<V>.in_set(ForceStage::Written), again));
         }
     }
 }

@@ -9,7 +9,7 @@ use bevy_ecs::world::DeferredWorld;
 
 use crate::columns::order::Order;
 use crate::columns::{Body, Columns, DENSE, Load};
-use crate::particle::{Fixed, GrainId, Mass, Position, Radius, Species, Velocity};
+use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Species, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 
@@ -45,6 +45,7 @@ pub(crate) struct Particle<V: Space> {
     id: &'static GrainId,
     position: &'static Position<V>,
     velocity: &'static Velocity<V>,
+    force: &'static Force<V>,
     radius: &'static Radius,
     mass: Option<&'static Mass>,
     species: Option<&'static Species>,
@@ -104,7 +105,6 @@ impl<V: Space> Columns<V> {
         self.body.resize(size, Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 });
         self.mass.resize(size, 0.0);
         self.species.resize(size, Species::default());
-        self.load.clear();
         self.load.resize(size, Load::default());
         for (mut particle, &slot) in particles.iter_mut().zip(slots) {
             let i = slot as usize;
@@ -118,6 +118,7 @@ impl<V: Space> Columns<V> {
                 radius: particle.radius.0,
                 inverse_mass: inverse_mass(particle.mass, particle.is_fixed),
             };
+            self.load[i] = Load { force: particle.force.0, drag: V::ZERO };
             self.mass[i] = particle.mass.map_or(0.0, |mass| mass.0);
             self.species[i] = particle.species.copied().unwrap_or_default();
             particle.slot.0 = slot;

@@ -92,7 +92,7 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
         if L::SPIN && !app.is_plugin_added::<SpinPlugin<V>>() {
             app.add_plugins(SpinPlugin::<V> {
                 inertia: InertiaLaw::usual(V::DIMENSION),
-                behaviours: true,
+                columns_lead: false,
                 space: PhantomData,
             })
             .add_plugins(SpinEnergyPlugin::<V>(PhantomData));

@@ -12,7 +12,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{BeforeRenumbering, Columns};
+use crate::columns::{self, BeforeRenumbering, Columns, Lead};
 use crate::grains::mass::MassLaw;
 use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
@@ -264,18 +264,22 @@ pub struct SpawnerPlugin<V: Space> {
 impl<V: Space> Plugin for SpawnerPlugin<V> {
     fn build(&self, app: &mut App) {
         app.world_mut().resource_mut::<Pending>().0 += self.config.count;
-        app.init_resource::<ReleaseDelays>()
-            .insert_resource(SpawnerState::<V> {
-                config: self.config.clone(),
-                mass: self.mass,
-                random: Stream::new(self.seed, "spawner"),
-                quotas: self.config.radius.quotas(self.config.count),
-                next_id: self.first_id,
-                due: 0.0,
-                is_blocked: false,
-                waiting: None,
-            })
-            .add_systems(Step, release::<V>.in_set(Phase::Spawn).before(BeforeRenumbering).run_if(release_due::<V>));
+        app.init_resource::<ReleaseDelays>().insert_resource(SpawnerState::<V> {
+            config: self.config.clone(),
+            mass: self.mass,
+            random: Stream::new(self.seed, "spawner"),
+            quotas: self.config.radius.quotas(self.config.count),
+            next_id: self.first_id,
+            due: 0.0,
+            is_blocked: false,
+            waiting: None,
+        });
+        let releases = if Lead::leaves_components_behind(app.world()) {
+            (columns::follow::<V>, release::<V>).chain().into_configs()
+        } else {
+            release::<V>.into_configs()
+        };
+        app.add_systems(Step, releases.in_set(Phase::Spawn).before(BeforeRenumbering).run_if(release_due::<V>));
     }
 }
 

@@ -8,33 +8,52 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, DENSE, Gain, Gathered, LookedAhead, MANY, Slot, SpinGain};
+use crate::columns::{Columns, DENSE, Gain, Gathered, Lead, LookedAhead, MANY, Slot, SpinGain};
 use crate::particle::{Fixed, Force, Mass};
 use crate::space::Space;
 use crate::spin::{Inertia, Torque};
 use crate::step::{Clock, Phase, Step};
 
+impl<V: Space> Columns<V> {
+    /// Makes ready for steps of `dt`, s.
+    fn prepare(&mut self, dt: f64) {
+        self.lookahead = 0.5 * dt;
+        let fastest = self.body.iter().map(|body| body.velocity.length_squared()).fold(0.0, f64::max);
+        // A hair more than any pair can close, so that only the pair's own speed decides.
+        self.margin = dt * fastest.sqrt() * (1.0 + 1e-12);
+        // What is fixed gains nothing.
+        self.gain.clear();
+        self.gain.resize(self.body.len(), Gain::default());
+        self.contacts.resize(self.body.len(), MANY);
+    }
+
+    /// What grain `i` gains by a force, N.
+    fn gain_by(&self, i: usize, force: V) -> Gain<V> {
+        let lone = if self.contacts[i] <= 1 { 1.0 } else { 0.0 };
+        Gain { velocity: force * (self.lookahead / self.mass[i]), lone }
+    }
+}
+
 fn look_ahead<V: Space>(
     clock: Res<Clock>,
     mut columns: ResMut<Columns<V>>,
-    grains: Query<(&Slot, &Force<V>, &Mass), Without<Fixed>>,
+    grains: Query<(&Slot, &Force<V>), (With<Mass>, Without<Fixed>)>,
 ) {
-    let columns = &mut *columns;
-    columns.lookahead = 0.5 * clock.dt;
-    let fastest = columns.body.iter().map(|body| body.velocity.length_squared()).fold(0.0, f64::max);
-    // A hair more than any pair can close, so that only the pair's own speed decides.
-    columns.margin = clock.dt * fastest.sqrt() * (1.0 + 1e-12);
-    // What is fixed gains nothing.
-    columns.gain.clear();
-    columns.gain.resize(columns.body.len(), Gain::default());
-    columns.contacts.resize(columns.body.len(), MANY);
-    for (slots, forces, masses) in grains.contiguous_iter().expect(DENSE) {
-        for (slot, (force, mass)) in slots.iter().zip(forces.iter().zip(masses.iter())) {
-            if let Some(gain) = columns.gain.get_mut(slot.index()) {
-                let lone = if columns.contacts[slot.index()] <= 1 { 1.0 } else { 0.0 };
-                *gain = Gain { velocity: force.0 * (0.5 * clock.dt / mass.0), lone };
+    columns.prepare(clock.dt);
+    for (slots, forces) in grains.contiguous_iter().expect(DENSE) {
+        for (slot, force) in slots.iter().zip(forces.iter()) {
+            if slot.index() < columns.len() {
+                columns.gain[slot.index()] = columns.gain_by(slot.index(), force.0);
             }
         }
+    }
+}
+
+/// The same where columns lead: they still hold the forces of the step's beginning.
+fn look_ahead_in_columns<V: Space>(clock: Res<Clock>, mut columns: ResMut<Columns<V>>) {
+    columns.prepare(clock.dt);
+    for i in 0..columns.movable_end {
+        columns.gain[i] = columns.gain_by(i, columns.load[i].force);
     }
 }
 
@@ -56,6 +75,17 @@ fn look_ahead_of_spins<V: Space>(
     }
 }
 
+/// The same where columns lead.
+fn look_ahead_of_spins_in_columns<V: Space>(mut columns: ResMut<Columns<V>>) {
+    let Columns { rotation, turn, spin_gain, lookahead, movable_end: end, .. } = &mut *columns;
+    spin_gain.clear();
+    spin_gain.extend(rotation[..*end].iter().zip(&*turn).map(|(rotation, turn)| {
+        let inverse_inertia = rotation.inverse_inertia;
+        SpinGain { spin: turn.torque * (*lookahead * inverse_inertia), inverse_inertia }
+    }));
+    spin_gain.resize(rotation.len(), SpinGain::default());
+}
+
 /// What centred contacts need besides the integrator.
 pub struct LookAheadPlugin<V: Space> {
     /// Whether grains spin.
@@ -66,10 +96,12 @@ pub struct LookAheadPlugin<V: Space> {
 
 impl<V: Space> Plugin for LookAheadPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, look_ahead::<V>.in_set(Phase::Neighbours).in_set(LookedAhead).after(Gathered));
-        if self.spins {
-            let spins = look_ahead_of_spins::<V>.in_set(Phase::Neighbours).in_set(LookedAhead);
-            app.add_systems(Step, spins.after(Gathered).after(look_ahead::<V>));
-        }
+        let (looks, spins) = if app.world().contains_resource::<Lead>() {
+            (look_ahead_in_columns::<V>.into_configs(), look_ahead_of_spins_in_columns::<V>.into_configs())
+        } else {
+            (look_ahead::<V>.into_configs(), look_ahead_of_spins::<V>.into_configs())
+        };
+        let all = if self.spins { (looks, spins).chain() } else { looks };
+        app.add_systems(Step, all.in_set(Phase::Neighbours).in_set(LookedAhead).after(Gathered));
     }
 }

@@ -9,7 +9,6 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use serde::{Deserialize, Serialize};
 
-use crate::columns::Passes;
 use crate::space::Space;
 
 /// The scene's `integrator`.
@@ -29,16 +28,10 @@ pub enum Integrator {
 }
 
 impl Integrator {
-    /// Which passes it needs: `behaviours` may do anything, and bring the contacts if `own_contacts`; `others` move grains
-    /// before forces are evaluated.
+    /// Whether it can move grains in the columns alone.
     #[must_use]
-    pub fn passes(self, behaviours: bool, own_contacts: bool, others: bool) -> Passes {
-        let is_verlet = matches!(self, Self::Verlet | Self::Centred);
-        Passes {
-            drift_gathers: is_verlet && !behaviours && !others,
-            begins_sums: own_contacts,
-            kick_writes: is_verlet && !behaviours,
-        }
+    pub fn lets_columns_lead(self) -> bool {
+        matches!(self, Self::Verlet | Self::Centred)
     }
 }
 
@@ -46,8 +39,8 @@ impl Integrator {
 pub struct IntegratorPlugin<V: Space> {
     /// Which.
     pub kind: Integrator,
-    /// What its passes do besides.
-    pub passes: Passes,
+    /// Whether it moves grains in the columns.
+    pub columns_lead: bool,
     /// The space.
     pub space: PhantomData<V>,
 }
@@ -55,7 +48,7 @@ pub struct IntegratorPlugin<V: Space> {
 impl<V: Space> Plugin for IntegratorPlugin<V> {
     fn build(&self, app: &mut App) {
         match self.kind {
-            Integrator::Verlet | Integrator::Centred => verlet::add::<V>(app, self.passes),
+            Integrator::Verlet | Integrator::Centred => verlet::add::<V>(app, self.columns_lead),
             Integrator::SymplecticEuler => euler::add_symplectic::<V>(app),
             Integrator::ExplicitEuler => euler::add_explicit::<V>(app),
         }

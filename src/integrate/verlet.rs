@@ -16,7 +16,7 @@ use std::ops::Add;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, DENSE, GatheredVelocities, Kicked, Longest, Passes, Slot, Walkers};
+use crate::columns::{Columns, DENSE, GatheredVelocities, Kicked, Longest, Walkers};
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
@@ -42,49 +42,31 @@ fn drift<V: Space>(clock: Res<Clock>, mut grains: Query<Drifting<V>, Movable>) {
     }
 }
 
-type Gathering<V> = (&'static Slot, &'static mut Position<V>, &'static mut Velocity<V>, &'static Force<V>);
-
-/// The same, into the columns too, which saves a pass.
-fn drift_and_gather<V: Space>(
-    (clock, walkers): (Res<Clock>, Walkers),
-    mut columns: ResMut<Columns<V>>,
-    grains: Query<Gathering<V>, Movable>,
-) {
+/// The same in the columns, where they lead.
+fn drift_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
     // An open scene pays nothing for sides.
-    match columns.periodic {
-        None => drift_along(clock.dt, &walkers, &mut columns, grains, |_| {}),
-        Some(periodic) => drift_along(clock.dt, &walkers, &mut columns, grains, |x| periodic.wrap(x)),
+    match columns.periodic.filter(|_| !columns.sets_back_later) {
+        None => drift_along(clock.dt, &walkers, &mut columns, |_| {}),
+        Some(periodic) => drift_along(clock.dt, &walkers, &mut columns, |x| periodic.wrap(x)),
     }
 }
 
-fn drift_along<V: Space>(
-    dt: f64,
-    walkers: &Walkers,
-    columns: &mut Columns<V>,
-    mut grains: Query<Gathering<V>, Movable>,
-    set_back: impl Fn(&mut V) + Sync,
-) {
-    let mut longest = Longest::default();
-    for (slots, mut x, mut v, force) in grains.contiguous_iter_mut().expect(DENSE) {
-        let rows = ((x.bypass_change_detection(), v.bypass_change_detection()), force);
-        let ways = walkers.along_one(
-            slots,
-            &mut columns.body,
-            rows,
-            #[inline(always)]
-            |body, ((x, v), force), longest: &mut Longest| {
-                let velocity = v.0 + half_kick(force.0, dt, body.inverse_mass);
-                let mut position = x.0 + velocity * dt;
-                // From where the columns had it, before it is set back: whoever has moved it meanwhile.
-                longest.raise(position - body.position);
-                set_back(&mut position);
-                (body.position, body.velocity) = (position, velocity);
-                (x.0, v.0) = (position, velocity);
-            },
-        );
-        longest = ways.into_iter().fold(longest, Longest::or);
-    }
-    columns.travel += longest.length();
+fn drift_along<V: Space>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>, set_back: impl Fn(&mut V) + Sync) {
+    let Columns { body, load, movable_end: end, .. } = columns;
+    let ways = walkers.along(
+        &load[..*end],
+        &mut body[..*end],
+        #[inline(always)]
+        |load, body, longest: &mut Longest| {
+            let velocity = body.velocity + half_kick(load.force, dt, body.inverse_mass);
+            let mut position = body.position + velocity * dt;
+            // Before it is set back.
+            longest.raise(position - body.position);
+            set_back(&mut position);
+            (body.position, body.velocity) = (position, velocity);
+        },
+    );
+    columns.travel += ways.into_iter().fold(Longest::default(), Longest::or).length();
 }
 
 fn kick<V: Space>(clock: Res<Clock>, mut grains: Query<(&mut Velocity<V>, &Force<V>, &Mass), Movable>) {
@@ -96,48 +78,29 @@ fn kick<V: Space>(clock: Res<Clock>, mut grains: Query<(&mut Velocity<V>, &Force
     }
 }
 
-type Kicking<V> = (&'static Slot, &'static mut Velocity<V>, &'static mut Force<V>);
-
-/// The same, with the forces from the columns and the velocities into them, which saves two passes; and with the power of the
-/// drag where rows come in the order of slots, which saves a third.
-fn kick_and_write<V: Space>(
-    (clock, walkers): (Res<Clock>, Walkers),
-    mut columns: ResMut<Columns<V>>,
-    mut grains: Query<Kicking<V>, Movable>,
-) {
+/// The same in the columns, where they lead; with the power of the drag, which saves a pass.
+fn kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
     let dt = clock.dt;
-    let columns = &mut *columns;
-    columns.drag_power = None;
-    for (slots, mut v, mut force) in grains.contiguous_iter_mut().expect(DENSE) {
-        let rows = (v.bypass_change_detection(), force.bypass_change_detection());
-        let both = (&columns.load[..], &mut columns.body[..]);
-        let (powers, run) = walkers.along(
-            slots,
-            both,
-            rows,
-            #[inline(always)]
-            |load, body, (v, force), power: &mut V| {
-                let velocity = v.0 + half_kick(load.force, dt, body.inverse_mass);
-                *power += load.drag.times(velocity);
-                force.0 = load.force;
-                (body.velocity, v.0) = (velocity, velocity);
-            },
-        );
-        if run == Some(0..columns.movable_end) {
-            columns.drag_power = Some(powers.into_iter().fold(V::ZERO, Add::add));
-        }
-    }
+    let Columns { body, load, movable_end: end, .. } = &mut *columns;
+    let powers = walkers.along(
+        &load[..*end],
+        &mut body[..*end],
+        #[inline(always)]
+        |load, body, power: &mut V| {
+            let velocity = body.velocity + half_kick(load.force, dt, body.inverse_mass);
+            *power += load.drag.times(velocity);
+            body.velocity = velocity;
+        },
+    );
+    columns.drag_power = Some(powers.into_iter().fold(V::ZERO, Add::add));
 }
 
-pub(super) fn add<V: Space>(app: &mut App, passes: Passes) {
-    if passes.drift_gathers {
-        app.add_systems(Step, drift_and_gather::<V>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
+pub(super) fn add<V: Space>(app: &mut App, columns_lead: bool) {
+    let (drifts, kicks) = if columns_lead {
+        (drift_columns::<V>.into_configs(), kick_columns::<V>.into_configs())
     } else {
-        app.add_systems(Step, drift::<V>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
-    }
-    if passes.kick_writes {
-        app.add_systems(Step, kick_and_write::<V>.in_set(Phase::Kick).in_set(Kicked).before(GatheredVelocities));
-    } else {
-        app.add_systems(Step, kick::<V>.in_set(Phase::Kick).in_set(Kicked).before(GatheredVelocities));
-    }
+        (drift::<V>.into_configs(), kick::<V>.into_configs())
+    };
+    app.add_systems(Step, drifts.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
+    app.add_systems(Step, kicks.in_set(Phase::Kick).in_set(Kicked).before(GatheredVelocities));
 }

@@ -15,7 +15,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::Slot;
+use crate::columns::{Body, Slot};
 use crate::contact::survey::{Partner, Scenery, Survey};
 use crate::grains::spawner::RadiusLaw;
 use crate::ledger::Ledger;
@@ -24,7 +24,7 @@ use crate::outcome::Outcome;
 use crate::output::album::Album;
 use crate::output::colour::{self, Rgb};
 use crate::output::svg::{Legend, Picture};
-use crate::particle::{Door, Grain, Position, Radius, Species, Velocity};
+use crate::particle::{Door, Grain, Radius, Species};
 use crate::scene::load::Loaded;
 use crate::scene::values::{FiniteVector, Positive};
 use crate::space::{Dimension, Plane, Solid, Space, Vector};
@@ -93,19 +93,7 @@ pub struct Studio {
     pub smallest_radius: f64,
 }
 
-type Bodies<'w, 's, V> = Query<
-    'w,
-    's,
-    (
-        &'static Slot,
-        &'static Position<V>,
-        &'static Velocity<V>,
-        &'static Radius,
-        Option<&'static Species>,
-        Has<Door>,
-        Has<Grain>,
-    ),
->;
+type Bodies<'w, 's> = Query<'w, 's, (&'static Slot, &'static Radius, Option<&'static Species>, Has<Door>, Has<Grain>)>;
 
 /// Contacts that stick, and that slide.
 const BONDS: [Rgb; 2] = [[0x22, 0x22, 0x22], [0xff, 0x7f, 0x0e]];
@@ -113,7 +101,7 @@ const BONDS: [Rgb; 2] = [[0x22, 0x22, 0x22], [0xff, 0x7f, 0x0e]];
 fn take<V: Space>(
     (clock, ledger, scenery): (Res<Clock>, Res<Ledger>, Scenery<V>),
     (walls, studio): (Res<Surfaces<V>>, Res<Studio>),
-    bodies: Bodies<V>,
+    bodies: Bodies,
     mut album: ResMut<Album>,
     mut outcome: ResMut<Outcome>,
 ) {
@@ -122,18 +110,23 @@ fn take<V: Space>(
         Colour::Pressure(_) => pressures(&survey),
         _ => Vec::new(),
     };
-    let mut rows: Vec<_> = bodies.iter().collect();
+    // Who has no place yet is not seen.
+    let seen = bodies.iter().filter_map(|(slot, radius, species, is_door, is_grain)| {
+        let Body { position: x, velocity: v, .. } = *survey.columns.body.get(slot.index())?;
+        Some((slot, x, v, radius, species, is_door, is_grain))
+    });
+    let mut rows: Vec<_> = seen.collect();
     // From far to near; what is equally far, in the order of the ids.
-    rows.sort_unstable_by(|a, b| b.1.0.depth().total_cmp(&a.1.0.depth()).then(a.0.index().cmp(&b.0.index())));
+    rows.sort_unstable_by(|a, b| b.1.depth().total_cmp(&a.1.depth()).then(a.0.index().cmp(&b.0.index())));
     let discs = rows.into_iter().map(|(slot, x, v, radius, species, is_door, is_grain)| {
         let colour: Rgb = match studio.pictures.colour {
             _ if is_door => colour::DOOR,
             _ if !is_grain => colour::WALL,
             Colour::Species => colour::species(species.map_or(0, |species| species.0)),
-            Colour::Speed(top) => colour::viridis(v.0.length() / top.get()),
+            Colour::Speed(top) => colour::viridis(v.length() / top.get()),
             Colour::Pressure(top) => colour::viridis(pressures.get(slot.index()).map_or(0.0, |p| p / top.get())),
         };
-        (x.0.on_paper(), radius.0, colour)
+        (x.on_paper(), radius.0, colour)
     });
     let picture = Picture {
         low: studio.view.0,

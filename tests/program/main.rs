@@ -19,6 +19,7 @@ mod command_line;
 mod compare;
 mod hard;
 mod lattice;
+mod leading;
 mod periodic;
 mod scenes;
 mod searches;

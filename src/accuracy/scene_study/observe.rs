@@ -61,7 +61,7 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     let mut simulation = Simulation::new(loaded, registry, NonZeroUsize::MIN)?;
     let (mut cost, start) = (Cost::default(), Instant::now());
     let end = loop {
-        let end = simulation.step();
+        let end = simulation.advance();
         cost.particle_steps += movable_grains(simulation.world()) as u64;
         if let Some(end) = end {
             break end;
