@@ -86,6 +86,37 @@ pub struct Rotation<V: Space = Plane> {
     pub inverse_inertia: f64,
 }
 
+/// The power of friction's dashpots, component by component, W.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct FrictionPower<V: Space> {
+    /// Of their forces.
+    pub(crate) force: V,
+    /// Of their torques.
+    pub(crate) torque: V::Spin,
+}
+
+impl<V: Space> FrictionPower<V> {
+    /// Takes into account what they do to a particle.
+    #[inline(always)]
+    pub(crate) fn add(&mut self, turn: &Turn<V>, velocity: V, spin: V::Spin) {
+        self.force += turn.friction_drag.times(velocity);
+        self.torque += turn.friction_drag_torque.times(spin);
+    }
+
+    /// That of both.
+    #[inline(always)]
+    pub(crate) fn and(mut self, other: Self) -> Self {
+        self.force += other.force;
+        self.torque += other.torque;
+        self
+    }
+
+    /// All of it, W.
+    pub(crate) fn total(&self) -> f64 {
+        self.force.sum_of_components() + self.torque.sum_of_components()
+    }
+}
+
 /// How forces change a velocity.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Gain<V: Space = Plane> {
@@ -154,6 +185,8 @@ pub struct Columns<V: Space = Plane> {
     /// The sum over all that is not fixed of the power of the drag, component by component, W, by strides in the order of slots:
     /// where the kick has summed it in passing.
     pub(crate) drag_power: Option<V>,
+    /// The same of what friction's dashpots do, forces and torques.
+    pub(crate) friction_power: Option<FrictionPower<V>>,
     /// What the order of slots goes by.
     pub(crate) order: Order,
 }
@@ -183,6 +216,7 @@ impl<V: Space> Default for Columns<V> {
             generation: 0,
             travel: 0.0,
             drag_power: None,
+            friction_power: None,
             order: Order::default(),
         }
     }

@@ -19,13 +19,13 @@
 //! kinetic energy out of or into the balance, which then shows as error; so does the work of one that is fixed and spins.
 
 use std::marker::PhantomData;
-use std::ops::Add;
+use std::ops::{Add, Range};
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::columns::{BeforeRenumbering, Body, Columns, Load, Renumbering, STRIDE};
+use crate::columns::{BeforeRenumbering, Body, Columns, FrictionPower, Load, Renumbering, STRIDE};
 use crate::contact::Memory;
 use crate::contact::history::History;
 use crate::contact::survey::{Partner, Scenery};
@@ -206,10 +206,20 @@ fn book_friction<V: Space>(
     let mut power = ChannelPowers::default();
     let [tangential, rolling] = history.lost();
     let mut gone = Channels { tangential, rolling };
-    let (turns, spins) = (|| columns.turn.iter(), || columns.rotation.iter().map(|rotation| rotation.spin));
-    power.tangential -= sum(turns().zip(&columns.body).map(|(turn, body)| turn.friction_drag.times(body.velocity)));
-    power.tangential -= sum(turns().zip(spins()).map(|(turn, spin)| turn.friction_drag_torque.times(spin)));
-    power.rolling -= sum(columns.rolling_drag.iter().zip(spins()).map(|(drag, spin)| drag.times(spin)));
+    let Columns { turn, body, rotation, movable_end: end, .. } = &*columns;
+    let among = |rows: Range<usize>| {
+        let mut power = FrictionPower::default();
+        for i in rows {
+            power.add(&turn[i], body[i].velocity, rotation[i].spin);
+        }
+        power
+    };
+    // As the kick sums them, if it does.
+    let strides = (0..*end).step_by(STRIDE).map(|start| among(start..*end.min(&(start + STRIDE))));
+    let of_grains =
+        columns.friction_power.unwrap_or_else(|| strides.fold(FrictionPower::default(), FrictionPower::and));
+    power.tangential -= of_grains.and(among(*end..columns.len())).total();
+    power.rolling -= sum(columns.rolling_drag.iter().zip(rotation).map(|(drag, rotation)| drag.times(rotation.spin)));
     for belt in &walls.0 {
         power.tangential -= belt.load.friction_drag.dot(belt.velocity);
     }

@@ -12,8 +12,8 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{
-    self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Rotation, Slot,
-    SpinsDrifted, Turn, Walkers,
+    self, Columns, DENSE, FrictionPower, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Rotation,
+    Slot, SpinsDrifted, Turn, Walkers,
 };
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
@@ -118,6 +118,22 @@ fn half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut colu
     );
 }
 
+/// The second half step of w, with the power of friction's dashpots, which saves a pass.
+fn last_half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
+    let (dt, Columns { body, turn, rotation, movable_end: end, .. }) = (clock.dt, &mut *columns);
+    let powers = walkers.along_three(
+        (&turn[..*end], &body[..*end]),
+        &mut rotation[..*end],
+        #[inline(always)]
+        |(turn, body), rotation, power: &mut FrictionPower<V>| {
+            let spin = rotation.spin + gained(turn.torque, dt, rotation.inverse_inertia);
+            power.add(turn, body.velocity, spin);
+            rotation.spin = spin;
+        },
+    );
+    columns.friction_power = Some(powers.into_iter().fold(FrictionPower::default(), FrictionPower::and));
+}
+
 /// Copies spins into the columns.
 fn gather<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<(&Slot, &Spin<V::Spin>)>) {
     for (slots, spins) in grains.contiguous_iter().expect(DENSE) {
@@ -174,7 +190,7 @@ impl<V: Space> Plugin for SpinPlugin<V> {
             .add_observer(equip::<V>)
             .add_systems(Step, make_room::<V>.in_set(Renumbering).after(columns::renumber::<V>));
         if self.columns_lead {
-            let again = half_kick_columns::<V>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities);
+            let again = last_half_kick_columns::<V>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities);
             app.add_systems(
                 Step,
                 (half_kick_columns::<V>.in_set(Phase::Drift).in_set(SpinsDrifted).after(Drifted), again),
