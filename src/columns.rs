@@ -52,7 +52,7 @@ pub struct Body<V: Space = Plane> {
 pub struct Load<V: Space = Plane> {
     /// Of contacts, walls and weight together, N.
     pub force: V,
-    /// The part of it that the normal damping makes, N.
+    /// The part of it that dashpots make, along normals and, in scenes with spin, across them, N.
     pub drag: V,
 }
 
@@ -70,10 +70,8 @@ impl<V: Space> Load<V> {
 pub struct Turn<V: Space = Plane> {
     /// The torque of all contacts, N m.
     pub torque: V::Spin,
-    /// The part of the force that the tangential dashpots make, N.
-    pub friction_drag: V,
-    /// The part of the torque that they make, N m.
-    pub friction_drag_torque: V::Spin,
+    /// The part of it that tangential dashpots make, N m.
+    pub drag_torque: V::Spin,
 }
 
 /// How a particle spins: only in scenes with spin. In this order: in solid space they are read by fours.
@@ -84,37 +82,6 @@ pub struct Rotation<V: Space = Plane> {
     pub spin: V::Spin,
     /// 1/I, 1/(kg m^2); 0 for what does not spin.
     pub inverse_inertia: f64,
-}
-
-/// The power of friction's dashpots, component by component, W.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct FrictionPower<V: Space> {
-    /// Of their forces.
-    pub(crate) force: V,
-    /// Of their torques.
-    pub(crate) torque: V::Spin,
-}
-
-impl<V: Space> FrictionPower<V> {
-    /// Takes into account what they do to a particle.
-    #[inline(always)]
-    pub(crate) fn add(&mut self, turn: &Turn<V>, velocity: V, spin: V::Spin) {
-        self.force += turn.friction_drag.times(velocity);
-        self.torque += turn.friction_drag_torque.times(spin);
-    }
-
-    /// That of both.
-    #[inline(always)]
-    pub(crate) fn and(mut self, other: Self) -> Self {
-        self.force += other.force;
-        self.torque += other.torque;
-        self
-    }
-
-    /// All of it, W.
-    pub(crate) fn total(&self) -> f64 {
-        self.force.sum_of_components() + self.torque.sum_of_components()
-    }
 }
 
 /// How forces change a velocity.
@@ -185,8 +152,8 @@ pub struct Columns<V: Space = Plane> {
     /// The sum over all that is not fixed of the power of the drag, component by component, W, by strides in the order of slots:
     /// where the kick has summed it in passing.
     pub(crate) drag_power: Option<V>,
-    /// The same of what friction's dashpots do, forces and torques.
-    pub(crate) friction_power: Option<FrictionPower<V>>,
+    /// The same of the torques of tangential dashpots.
+    pub(crate) drag_torque_power: Option<V::Spin>,
     /// What the order of slots goes by.
     pub(crate) order: Order,
 }
@@ -216,7 +183,7 @@ impl<V: Space> Default for Columns<V> {
             generation: 0,
             travel: 0.0,
             drag_power: None,
-            friction_power: None,
+            drag_torque_power: None,
             order: Order::default(),
         }
     }

@@ -10,22 +10,24 @@
 //! is evaluated at a velocity half a step old. What remains (`balance_error`) is the error of the elastic and
 //! gravitational part, plus k v^2 dt^2 or so for each contact that opens or closes within a step.
 //!
-//! Where grains spin, [`SpinEnergyPlugin`] books what friction takes, by channel: the work of the tangential and the
+//! Where grains spin, [`SpinEnergyPlugin`] books what friction takes: the work of the tangential and the
 //! rolling dashpots in the same way, and what sliding and rolling beyond their caps take out of the springs as
-//! [`crate::contact::spring`] says.
+//! [`crate::contact::spring`] says. How it divides into [`Channels`] is told contact by contact: there the work of tangential
+//! dashpots is force times sliding velocity times dt, with the velocity that the force was evaluated with. It differs from what
+//! the whole counts by an error of the scheme's own order: c v^2 dt/4 or so for each contact of plain velocity Verlet.
 //!
 //! Sums run over the columns, so in ascending order of slots (those of the drag stride by stride), each component for itself.
 //! Limit: a grain that a behaviour fixes or frees takes its
 //! kinetic energy out of or into the balance, which then shows as error; so does the work of one that is fixed and spins.
 
 use std::marker::PhantomData;
-use std::ops::{Add, Range};
+use std::ops::Add;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::columns::{BeforeRenumbering, Body, Columns, FrictionPower, Load, Renumbering, STRIDE};
+use crate::columns::{BeforeRenumbering, Body, Columns, Load, Renumbering, Rotation, STRIDE, Turn};
 use crate::contact::Memory;
 use crate::contact::history::History;
 use crate::contact::survey::{Partner, Scenery};
@@ -79,10 +81,10 @@ pub struct Channels {
     pub rolling: f64,
 }
 
-/// Powers of the channels at the end of the last step, W.
+/// Powers of dashpots' torques, tangential and rolling, at the end of the last step, W.
 #[derive(Resource, Clone, Copy, Debug, Default)]
-struct ChannelPowers {
-    tangential: f64,
+struct TurningPowers {
+    turning: f64,
     rolling: f64,
 }
 
@@ -198,41 +200,32 @@ fn book_friction<V: Space>(
     clock: Res<Clock>,
     columns: Res<Columns<V>>,
     history: Res<History<V>>,
-    walls: Res<Surfaces<V>>,
     mut flows: ResMut<EnergyFlows>,
     mut channels: ResMut<Channels>,
-    mut last: ResMut<ChannelPowers>,
+    mut last: ResMut<TurningPowers>,
 ) {
-    let mut power = ChannelPowers::default();
-    let [tangential, rolling] = history.lost();
-    let mut gone = Channels { tangential, rolling };
-    let Columns { turn, body, rotation, movable_end: end, .. } = &*columns;
-    let among = |rows: Range<usize>| {
-        let mut power = FrictionPower::default();
-        for i in rows {
-            power.add(&turn[i], body[i].velocity, rotation[i].spin);
-        }
-        power
+    let power = |turns: &[Turn<V>], rotations: &[Rotation<V>]| {
+        let powers = turns.iter().zip(rotations).map(|(turn, rotation)| turn.drag_torque.times(rotation.spin));
+        powers.fold(V::Spin::ZERO, Add::add)
     };
+    let (turn, fixed_turn) = columns.turn.split_at(columns.movable_end);
+    let (rotation, fixed) = columns.rotation.split_at(columns.movable_end);
     // As the kick sums them, if it does.
-    let strides = (0..*end).step_by(STRIDE).map(|start| among(start..*end.min(&(start + STRIDE))));
-    let of_grains =
-        columns.friction_power.unwrap_or_else(|| strides.fold(FrictionPower::default(), FrictionPower::and));
-    power.tangential -= of_grains.and(among(*end..columns.len())).total();
-    power.rolling -= sum(columns.rolling_drag.iter().zip(rotation).map(|(drag, rotation)| drag.times(rotation.spin)));
-    for belt in &walls.0 {
-        power.tangential -= belt.load.friction_drag.dot(belt.velocity);
-    }
+    let by_strides = || turn.chunks(STRIDE).zip(rotation.chunks(STRIDE)).map(|(turn, rotation)| power(turn, rotation));
+    let of_grains = columns.drag_torque_power.unwrap_or_else(|| by_strides().fold(V::Spin::ZERO, Add::add));
+    let turning = -(of_grains + power(fixed_turn, fixed)).sum_of_components();
+    let rolling = -sum(columns.rolling_drag.iter().zip(&columns.rotation).map(|(drag, of)| drag.times(of.spin)));
+    let taken = history.lost();
+    // In step zero too: there a dashpot beyond the cap loads its spring, and what that stores is not to be had for nothing.
+    channels.tangential += taken.sliding + taken.dashpots;
+    channels.rolling += taken.rolling;
+    flows.dissipated += taken.sliding + taken.rolling;
     if !clock.is_step_zero() {
         let half = 0.5 * clock.dt;
-        gone.tangential += half * (last.tangential + power.tangential);
-        gone.rolling += half * (last.rolling + power.rolling);
+        channels.rolling += half * (last.rolling + rolling);
+        flows.dissipated += half * (last.turning + turning + last.rolling + rolling);
     }
-    // In step zero too: there a dashpot beyond the cap loads its spring, and what that stores is not to be had for nothing.
-    channels.tangential += gone.tangential;
-    channels.rolling += gone.rolling;
-    flows.dissipated += gone.tangential + gone.rolling;
-    *last = power;
+    *last = TurningPowers { turning, rolling };
 }
 
 fn book_added_work<V: Space>(
@@ -280,7 +273,7 @@ pub struct SpinEnergyPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for SpinEnergyPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Channels>().init_resource::<ChannelPowers>().add_systems(
+        app.init_resource::<Channels>().init_resource::<TurningPowers>().add_systems(
             Step,
             book_friction::<V>.in_set(Phase::Control).in_set(EnergyBooked).after(book_contact_work::<V>),
         );

@@ -12,8 +12,8 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{
-    self, Columns, DENSE, FrictionPower, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Rotation,
-    Slot, SpinsDrifted, Turn, Walkers,
+    self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Rotation, Slot,
+    SpinsDrifted, Turn, Walkers,
 };
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
@@ -118,20 +118,20 @@ fn half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut colu
     );
 }
 
-/// The second half step of w, with the power of friction's dashpots, which saves a pass.
+/// The second half step of w, with the power of the dashpots' torques, which saves a pass.
 fn last_half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    let (dt, Columns { body, turn, rotation, movable_end: end, .. }) = (clock.dt, &mut *columns);
-    let powers = walkers.along_three(
-        (&turn[..*end], &body[..*end]),
+    let (dt, Columns { turn, rotation, movable_end: end, .. }) = (clock.dt, &mut *columns);
+    let powers = walkers.along(
+        &turn[..*end],
         &mut rotation[..*end],
         #[inline(always)]
-        |(turn, body), rotation, power: &mut FrictionPower<V>| {
+        |turn, rotation, power: &mut V::Spin| {
             let spin = rotation.spin + gained(turn.torque, dt, rotation.inverse_inertia);
-            power.add(turn, body.velocity, spin);
+            *power += turn.drag_torque.times(spin);
             rotation.spin = spin;
         },
     );
-    columns.friction_power = Some(powers.into_iter().fold(FrictionPower::default(), FrictionPower::and));
+    columns.drag_torque_power = Some(powers.into_iter().fold(V::Spin::ZERO, |sum, power| sum + power));
 }
 
 /// Copies spins into the columns.

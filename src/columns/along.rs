@@ -1,4 +1,4 @@
-//! Walking along columns, on all threads.
+//! Walking along two columns, on all threads.
 //!
 //! [`STRIDE`] entries at a time. What is summed on the way is summed over each stride by itself, so that the number of threads
 //! leaves no trace.
@@ -24,49 +24,31 @@ pub(crate) struct Walkers<'w> {
 }
 
 impl Walkers<'_> {
-    /// Calls `each` with the entries of the columns, and with what it sums up. Gives the sums of the strides, in order.
+    /// Calls `each` with the entries of both columns, and with what it sums up. Gives the sums of the strides, in order.
     pub(crate) fn along<A: Sync, B: Send, T: Default + Send>(
         &self,
         read: &[A],
         written: &mut [B],
         each: impl Fn(&A, &mut B, &mut T) + Sync,
     ) -> Vec<T> {
-        self.along_three(
-            (read, read),
-            written,
-            #[inline(always)]
-            |(a, _), b, sum| each(a, b, sum),
-        )
-    }
-
-    /// The same with two columns that are read.
-    pub(crate) fn along_three<A: Sync, B: Sync, C: Send, T: Default + Send>(
-        &self,
-        (one, other): (&[A], &[B]),
-        written: &mut [C],
-        each: impl Fn((&A, &B), &mut C, &mut T) + Sync,
-    ) -> Vec<T> {
         let instructions = *self.instructions;
-        let stride = |((one, other), written): ((&[A], &[B]), &mut [C])| {
+        let stride = |(read, written): (&[A], &mut [B])| {
             instructions.run_narrow(
                 #[inline(always)]
                 || {
                     let mut sum = T::default();
-                    for (read, written) in one.iter().zip(other).zip(written) {
-                        each(read, written, &mut sum);
+                    for (a, b) in read.iter().zip(written) {
+                        each(a, b, &mut sum);
                     }
                     sum
                 },
             )
         };
         match self.threads.pool().filter(|_| written.len() >= WORTHWHILE * STRIDE) {
-            None => {
-                let read = one.chunks(STRIDE).zip(other.chunks(STRIDE));
-                read.zip(written.chunks_mut(STRIDE)).map(stride).collect()
-            }
+            None => read.chunks(STRIDE).zip(written.chunks_mut(STRIDE)).map(stride).collect(),
             Some(pool) => {
-                let read = one.par_chunks(STRIDE).zip(other.par_chunks(STRIDE));
-                pool.install(|| read.zip(written.par_chunks_mut(STRIDE)).map(stride).collect())
+                let strides = read.par_chunks(STRIDE).zip(written.par_chunks_mut(STRIDE));
+                pool.install(|| strides.map(stride).collect())
             }
         }
     }

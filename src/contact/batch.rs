@@ -9,8 +9,9 @@ mod bodies;
 pub use self::bodies::Bodies;
 use crate::columns::{Columns, Rotation};
 use crate::contact::centred::{Ahead, Window};
+use crate::contact::history::Lost;
 use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
-use crate::contact::sums::total;
+use crate::contact::sums::{drag, total};
 use crate::contact::{Demands, Memory, Pair, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
@@ -64,18 +65,17 @@ pub struct MemoryLanes<V: Space> {
 pub struct Answer<V: Space> {
     /// Whether the two touch: 1 or 0. Where not, nothing else is to be read.
     pub touches: Scalars,
-    /// Force on i, N, and the part of it that the normal damping makes.
+    /// Force on i, N, and the part of it that dashpots make.
     pub force: Lanes<V>,
     pub drag: Lanes<V>,
     /// What i gains and j loses: torques, N m.
     pub torques: [Lanes<V::Spin>; 2],
-    /// The part of the force on i, and of those torques, that tangential dashpots make.
-    pub friction_drag: Lanes<V>,
-    pub friction_drag_torques: [Lanes<V::Spin>; 2],
+    /// The part of those that tangential dashpots make.
+    pub drag_torques: [Lanes<V::Spin>; 2],
     /// Torque on i of the dashpots of rolling resistance, N m.
     pub rolling_drag_torque: Lanes<V::Spin>,
-    /// What sliding and rolling beyond the cap took, J.
-    pub lost: [Scalars; 2],
+    /// What sliding, rolling beyond the cap and tangential dashpots took, J.
+    pub lost: [Scalars; 3],
 }
 
 impl<V: Space> Spins<V> {
@@ -191,14 +191,15 @@ impl<V: Space> Batch<V> {
         !L::AHEAD || self.answer.touches[lane] > 0.0
     }
 
-    /// What contacts lose by sliding and rolling, J, added in order to what was lost so far.
+    /// What contacts lose, J, added in order to what was lost so far.
     #[inline]
-    pub fn lost<L: Demands>(&self, mut lost: [f64; 2]) -> [f64; 2] {
-        let [sliding, rolling] = &self.answer.lost;
+    pub fn lost<L: Demands>(&self, mut lost: Lost) -> Lost {
+        let [sliding, rolling, dashpots] = &self.answer.lost;
         for lane in (0..self.len.min(LANES)).filter(|&lane| self.touches::<L>(lane)) {
-            lost[0] += sliding[lane];
+            lost.sliding += sliding[lane];
+            lost.dashpots += dashpots[lane];
             if L::ROLLING {
-                lost[1] += rolling[lane];
+                lost.rolling += rolling[lane];
             }
         }
         lost
@@ -227,7 +228,7 @@ impl<V: Space> Batch<V> {
             }
             deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
             answer.force.set(lane, total::<L, V>(&force));
-            answer.drag.set(lane, force.drag);
+            answer.drag.set(lane, drag::<L, V>(&force));
             if L::SPIN {
                 let turning = &force.turning;
                 let moment = pair.normal.cross(turning.friction);
@@ -236,9 +237,9 @@ impl<V: Space> Batch<V> {
                 let [arm_i, arm_j] = turning.arms;
                 answer.torques[0].set(lane, moment * -arm_i + rolling);
                 answer.torques[1].set(lane, moment * arm_j + rolling);
-                answer.friction_drag.set(lane, turning.friction_drag);
-                answer.friction_drag_torques[0].set(lane, moment_of_drag * -arm_i);
-                answer.friction_drag_torques[1].set(lane, moment_of_drag * arm_j);
+                answer.drag_torques[0].set(lane, moment_of_drag * -arm_i);
+                answer.drag_torques[1].set(lane, moment_of_drag * arm_j);
+                answer.lost[2][lane] = pair.taken_by_dashpot::<L>(turning);
                 answer.lost[0][lane] = turning.lost_by_sliding;
                 if L::ROLLING {
                     answer.rolling_drag_torque.set(lane, turning.rolling_drag);

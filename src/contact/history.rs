@@ -25,6 +25,26 @@ use crate::space::{Plane, Space};
 /// Rows of a page: what a force pass does at a time, on however many threads.
 pub const BLOCK: usize = 1024;
 
+/// What contacts take in a step, J.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Lost {
+    /// By sliding.
+    pub sliding: f64,
+    /// By rolling beyond the cap.
+    pub rolling: f64,
+    /// Tangential dashpots, by the velocities that forces are evaluated with.
+    pub dashpots: f64,
+}
+
+impl Lost {
+    /// Adds losses by sliding and by rolling, J.
+    #[inline]
+    pub(crate) fn add(&mut self, [sliding, rolling]: [f64; 2]) {
+        self.sliding += sliding;
+        self.rolling += rolling;
+    }
+}
+
 /// The memories of all contacts between particles, and of those with flat walls.
 #[derive(Resource, Clone, Debug)]
 pub struct History<V: Space = Plane> {
@@ -56,11 +76,15 @@ impl<V: Space> History<V> {
         self.walls[0].look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
     }
 
-    /// What sliding and rolling beyond their caps took in the last step, J.
+    /// What contacts took in the last step.
     #[must_use]
-    pub fn lost(&self) -> [f64; 2] {
-        let pages = self.pages.iter().chain([&self.walls[0]]);
-        pages.fold([0.0; 2], |[sliding, rolling], pages| [sliding + pages.lost[0], rolling + pages.lost[1]])
+    pub fn lost(&self) -> Lost {
+        let mut all = Lost::default();
+        for Pages { lost, .. } in self.pages.iter().chain([&self.walls[0]]) {
+            all.add([lost.sliding, lost.rolling]);
+            all.dashpots += lost.dashpots;
+        }
+        all
     }
 
     /// The pages for the particles of `columns`.

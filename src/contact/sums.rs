@@ -7,7 +7,7 @@ use crate::contact::batch::{Answer, Batch};
 use crate::contact::geometry::parted;
 use crate::contact::kernel::Pass;
 use crate::contact::lanes::LANES;
-use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw};
+use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw, Turning};
 use crate::neighbours::list::Candidate;
 use crate::periodic::Metric;
 use crate::space::{Linear, Space};
@@ -21,11 +21,19 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
     }
 }
 
-/// Adds losses by sliding and by rolling, J.
-#[inline]
-pub(crate) fn add(lost: &mut [f64; 2], more: [f64; 2]) {
-    lost[0] += more[0];
-    lost[1] += more[1];
+impl<V: Space> Pair<V> {
+    /// What the tangential dashpot takes in this step, J.
+    #[inline(always)]
+    pub(crate) fn taken_by_dashpot<L: Demands>(&self, turning: &Turning<V>) -> f64 {
+        let pair = if L::AHEAD { self.predicted() } else { *self };
+        -turning.friction_drag.dot(pair.sliding_velocity(turning.arms)) * self.dt
+    }
+}
+
+/// The part of the force on i that dashpots make.
+#[inline(always)]
+pub(crate) fn drag<L: Demands, V: Space>(force: &PairForce<V>) -> V {
+    if L::SPIN { force.drag + force.turning.friction_drag } else { force.drag }
 }
 
 /// The whole force on i.
@@ -145,16 +153,14 @@ impl<V: Space> Turn<V> {
     #[inline(always)]
     fn gain(&mut self, answer: &Answer<V>, lane: usize) {
         self.torque += answer.torques[0].get(lane);
-        self.friction_drag += answer.friction_drag.get(lane);
-        self.friction_drag_torque += answer.friction_drag_torques[0].get(lane);
+        self.drag_torque += answer.drag_torques[0].get(lane);
     }
 
     /// Takes away what the contact of a lane takes from its second member.
     #[inline(always)]
     fn lose(&mut self, answer: &Answer<V>, lane: usize) {
         self.torque -= answer.torques[1].get(lane);
-        self.friction_drag -= answer.friction_drag.get(lane);
-        self.friction_drag_torque -= answer.friction_drag_torques[1].get(lane);
+        self.drag_torque -= answer.drag_torques[1].get(lane);
     }
 
     /// Adds what a wall does to a grain.
@@ -163,8 +169,7 @@ impl<V: Space> Turn<V> {
         let turning = &force.turning;
         let arm = pair.normal * -turning.arms[0];
         self.torque += arm.cross(turning.friction);
-        self.friction_drag += turning.friction_drag;
-        self.friction_drag_torque += arm.cross(turning.friction_drag);
+        self.drag_torque += arm.cross(turning.friction_drag);
         if L::ROLLING {
             self.torque += turning.rolling;
         }

@@ -10,6 +10,7 @@ use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
 use crate::contact::history::History;
+use crate::contact::history::Lost;
 use crate::contact::sums;
 use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairForce, PairLaw, memory_step};
 use crate::messages::DoorOpened;
@@ -29,7 +30,7 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
     mut near: Local<NearWalls>,
 ) {
     let dt = memory_step(&clock);
-    let (mut walk, mut lost) = (history.walk_on_walls(), [0.0; 2]);
+    let (mut walk, mut lost) = (history.walk_on_walls(), Lost::default());
     // This system's own writes do not count as changes.
     let have_changed = walls.is_changed();
     walls.0.iter_mut().for_each(|wall| wall.load = WallLoad::default());
@@ -45,7 +46,7 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
         let mut memory = Memory::default();
         if L::MEMORY {
             let forgotten = |contact, memory: &Memory<V>| {
-                sums::add(&mut lost, forget(&*law.0, &columns, contact, &walls, memory, dt));
+                lost.add(forget(&*law.0, &columns, contact, &walls, memory, dt));
             };
             memory = walk.recall::<L>(contact, forgotten).unwrap_or_default();
         }
@@ -56,7 +57,8 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
         add_load::<V, L>(&mut columns, i, &mut walls.0[index].load, &pair, &on_i);
         if L::SPIN {
             let rolling = if L::ROLLING { on_i.turning.lost_by_rolling } else { 0.0 };
-            sums::add(&mut lost, [on_i.turning.lost_by_sliding, rolling]);
+            lost.add([on_i.turning.lost_by_sliding, rolling]);
+            lost.dashpots += pair.taken_by_dashpot::<L>(&on_i.turning);
         }
         if L::MEMORY {
             walk.remember::<L>(contact, &memory);
@@ -97,15 +99,15 @@ fn add_load<V: Space, L: Demands>(
 ) {
     let sum = sums::total::<L, V>(on_i);
     columns.load[i].force += sum;
-    columns.load[i].drag += on_i.drag;
+    let drag = sums::drag::<L, V>(on_i);
+    columns.load[i].drag += drag;
     on_wall.force -= sum;
-    on_wall.drag -= on_i.drag;
+    on_wall.drag -= drag;
     if L::SPIN {
         columns.turn[i].add_wall::<L>(pair, on_i);
         if L::ROLLING {
             columns.rolling_drag[i] += on_i.turning.rolling_drag;
         }
-        on_wall.friction_drag -= on_i.turning.friction_drag;
     }
 }
 

@@ -46,10 +46,8 @@ pub enum Surface<V: Space = Plane> {
 pub struct WallLoad<V> {
     /// Force on the wall, N.
     pub force: V,
-    /// The part of it that dampers make, N.
+    /// The part of it that dashpots make, along the normal and across, N.
     pub drag: V,
-    /// The part of it that tangential dashpots make, N.
-    pub friction_drag: V,
 }
 
 /// A flat wall of the scene.

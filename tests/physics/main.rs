@@ -16,6 +16,7 @@
 
 mod accuracy;
 mod bounce;
+mod channels;
 mod column;
 mod conservation;
 mod free_fall;

@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use crate::contact::batch::MemoryLanes;
+use crate::contact::history::Lost;
 use crate::contact::lanes::LANES;
 use crate::contact::{Demands, Memory};
 use crate::neighbours::list::Candidate;
@@ -16,13 +17,19 @@ pub struct Pages<V: Space> {
     spring: Vec<V>,
     rolling: Vec<V>,
     stiffness: Vec<f64>,
-    /// What sliding and rolling took in these rows, J.
-    pub lost: [f64; 2],
+    /// What contacts in these rows took.
+    pub lost: Lost,
 }
 
 impl<V: Space> Default for Pages<V> {
     fn default() -> Self {
-        Self { contacts: Vec::new(), spring: Vec::new(), rolling: Vec::new(), stiffness: Vec::new(), lost: [0.0; 2] }
+        Self {
+            contacts: Vec::new(),
+            spring: Vec::new(),
+            rolling: Vec::new(),
+            stiffness: Vec::new(),
+            lost: Lost::default(),
+        }
     }
 }
 
@@ -53,7 +60,7 @@ impl<V: Space> Pages<V> {
     /// Makes them empty.
     pub fn clear(&mut self) {
         self.truncate(0);
-        self.lost = [0.0; 2];
+        self.lost = Lost::default();
     }
 
     /// Forgets all but the first contacts.

@@ -5,8 +5,9 @@
 //! stood. From the first contact on that is new, or has ended, the page is written anew: it changes places with a spare one.
 
 use crate::contact::batch::MemoryLanes;
+use crate::contact::history::Lost;
 use crate::contact::history::Pages;
-use crate::contact::{Demands, Memory, sums};
+use crate::contact::{Demands, Memory};
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 
@@ -107,16 +108,12 @@ impl<'a, V: Space> Walk<'a, V> {
         self.page.push::<L>(contact, memory);
     }
 
-    /// Ends the page: contacts of the pass before that are left have ended. `lost`: what sliding and rolling took in
-    /// these rows, J; `forgotten` gives what ended contacts held.
-    pub fn end<L: Demands>(
-        &mut self,
-        mut lost: [f64; 2],
-        mut forgotten: impl FnMut(Candidate, &Memory<V>) -> [f64; 2],
-    ) {
+    /// Ends the page: contacts of the pass before that are left have ended. `lost`: what contacts took in
+    /// these rows; `forgotten` gives what ended contacts held.
+    pub fn end<L: Demands>(&mut self, mut lost: Lost, mut forgotten: impl FnMut(Candidate, &Memory<V>) -> [f64; 2]) {
         let before = if self.is_anew { &*self.spare } else { &*self.page };
         for at in self.passed..before.len() {
-            sums::add(&mut lost, forgotten(before.contacts[at], &before.memory::<L>(at)));
+            lost.add(forgotten(before.contacts[at], &before.memory::<L>(at)));
         }
         if !self.is_anew {
             self.page.truncate(self.passed);
@@ -126,11 +123,15 @@ impl<'a, V: Space> Walk<'a, V> {
 }
 
 #[cfg(test)]
-#[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
     use crate::contact::history::tests::{Springs, memory};
     use crate::space::Plane;
+
+    /// By sliding and by rolling, J.
+    fn lost(sliding: f64, rolling: f64) -> Lost {
+        Lost { sliding, rolling, dashpots: 0.0 }
+    }
 
     /// Contact i touches j.
     fn of(contact: [u32; 2]) -> Candidate {
@@ -168,9 +169,9 @@ mod tests {
             }
             walk.remember_all::<Springs>(contacts, &memories);
         }
-        walk.end::<Springs>([1.0, 0.0], |_, _| panic!("none has ended"));
+        walk.end::<Springs>(lost(1.0, 0.0), |_, _| panic!("none has ended"));
         assert_eq!(springs(&page), [([0, 1], 0.2), ([0, 3], 0.4), ([1, 2], 0.6), ([2, 3], 0.8)]);
-        assert_eq!(page.lost, [1.0, 0.0]);
+        assert_eq!(page.lost, lost(1.0, 0.0));
         assert!(spare.is_empty());
     }
 
@@ -196,7 +197,7 @@ mod tests {
         // And together again.
         assert!(walk.recall_all::<Springs>(&contacts()[3..], &mut memories));
         walk.remember_all::<Springs>(&contacts()[3..], &memories);
-        walk.end::<Springs>([0.0; 2], |_, _| panic!("they are at their end"));
+        walk.end::<Springs>(Lost::default(), |_, _| panic!("they are at their end"));
         assert_eq!(springs(&page), [([0, 1], 0.1), ([0, 2], 5.0), ([1, 2], 6.0), ([2, 3], 0.4)]);
     }
 
@@ -218,7 +219,7 @@ mod tests {
         assert_eq!(walk.before(contacts()[2]), Some(memory(0.3)));
         assert!(walk.recall_all::<Springs>(&contacts()[3..], &mut memories));
         walk.remember_all::<Springs>(&contacts()[3..], &memories);
-        walk.end::<Springs>([0.0; 2], |_, _| panic!("they are at their end"));
+        walk.end::<Springs>(Lost::default(), |_, _| panic!("they are at their end"));
         assert_eq!(springs(&page), [([0, 1], 5.0), ([0, 3], 5.0), ([2, 3], 0.4)]);
     }
 
@@ -233,9 +234,9 @@ mod tests {
             }
             assert!(walk.recall_all::<Springs>(&contacts()[..2], &mut memories));
             walk.remember_all::<Springs>(&contacts()[..2], &memories);
-            walk.end::<Springs>([1.0, 2.0], |_, memory| [memory.spring.x, 0.0]);
+            walk.end::<Springs>(lost(1.0, 2.0), |_, memory| [memory.spring.x, 0.0]);
             assert_eq!(springs(&page), [([0, 1], 0.1), ([0, 3], 0.2)]);
-            assert_eq!(page.lost, [1.0 + 0.3 + 0.4, 2.0]);
+            assert_eq!(page.lost, lost(1.0 + 0.3 + 0.4, 2.0));
         }
     }
 }

@@ -3,11 +3,11 @@
 use crate::columns::Columns;
 use crate::contact::batch::Batch;
 use crate::contact::geometry::coincident;
-use crate::contact::history::{BLOCK, Pages, Walk};
+use crate::contact::history::{BLOCK, Lost, Pages, Walk};
 use crate::contact::kernel::Pass;
 use crate::contact::lanes::LANES;
 use crate::contact::sums::Sums;
-use crate::contact::{Demands, PairLaw, sums};
+use crate::contact::{Demands, PairLaw};
 use crate::neighbours::list::{self, Candidate, Task};
 use crate::periodic::Metric;
 use crate::space::Space;
@@ -37,7 +37,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.flush_incoming();
         }
         for (page, first) in pages.iter_mut().zip(self.task.rows.clone().step_by(BLOCK)) {
-            let mut block = Block { walk: Walk::new(page, spare), remembered: [false; LANES], lost: [0.0; 2] };
+            let mut block = Block { walk: Walk::new(page, spare), remembered: [false; LANES], lost: Lost::default() };
             let (mut left, end) = self.pass.list.block(first / BLOCK);
             // Not all at once: so they are at hand when they are added to.
             self.sums.begin::<L>(end, gravity, self.view);
@@ -174,7 +174,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         }
         for (lane, &contact) in contacts.iter().enumerate() {
             let memory = block.walk.recall::<L>(contact, |contact, memory| {
-                sums::add(&mut block.lost, self.pass.forget(self.view, contact, memory));
+                block.lost.add(self.pass.forget(self.view, contact, memory));
             });
             block.remembered[lane] = memory.is_some();
             batch.memory.set::<L>(lane, &memory.unwrap_or_default());
@@ -197,7 +197,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             } else if block.remembered[lane] {
                 // It has ended, and its memory been moved on all the same: what it held before is lost.
                 let memory = block.walk.before(contact).unwrap_or_default();
-                sums::add(&mut block.lost, self.pass.forget(self.view, contact, &memory));
+                block.lost.add(self.pass.forget(self.view, contact, &memory));
             }
         }
     }
@@ -208,6 +208,6 @@ struct Block<'a, V: Space> {
     walk: Walk<'a, V>,
     /// Which lanes are contacts of the pass before.
     remembered: [bool; LANES],
-    /// What contacts lose, and what ended ones held, J: each in order, whenever the batch is full.
-    lost: [f64; 2],
+    /// What contacts lose, and what ended ones held: each in order, whenever the batch is full.
+    lost: Lost,
 }
