@@ -155,22 +155,34 @@ impl Simulation {
     ///
     /// Many steps take less time by [`Simulation::run_steps`]: after each of these, components are brought up to date.
     pub fn step(&mut self) -> Option<End> {
-        let end = self.advance();
+        let end = self.advance_while(|_| false);
         self.follow();
         end
     }
 
-    /// The same, but components may stay behind the columns.
-    pub(crate) fn advance(&mut self) -> Option<End> {
-        let world = self.app.world_mut();
-        if world.resource::<Outcome>().end().is_none() {
-            Lead::to_columns(world);
-            world.run_schedule(Step);
-            world.resource_mut::<Clock>().start();
-            world.clear_trackers();
-            world.check_change_ticks();
+    /// Steps to the end, or until `each`, which is shown the world after every step, says no. Components may stay behind the columns.
+    fn advance_while(&mut self, mut each: impl FnMut(&World) -> bool + Send) -> Option<End> {
+        Threads::run(self.app.world_mut(), |world| {
+            loop {
+                let end = advance(world);
+                if !each(world) || end.is_some() {
+                    return end;
+                }
+            }
+        })
+    }
+
+    /// Steps to the end; `each` is shown the world after every step. Components may stay behind the columns.
+    pub(crate) fn advance_to_end(&mut self, mut each: impl FnMut(&World) + Send) -> End {
+        loop {
+            let goes_on = |world: &World| {
+                each(world);
+                true
+            };
+            if let Some(end) = self.advance_while(goes_on) {
+                return end;
+            }
         }
-        world.resource::<Outcome>().end().cloned()
     }
 
     /// Brings components up to date.
@@ -180,25 +192,21 @@ impl Simulation {
 
     /// Steps to the end.
     pub fn run(&mut self) -> End {
-        loop {
-            if let Some(end) = self.advance() {
-                self.follow();
-                return end;
-            }
-        }
+        let end = self.advance_to_end(|_| {});
+        self.follow();
+        end
     }
 
     /// Steps until the clock shows `steps` steps, or to the end.
     pub fn run_steps(&mut self, steps: u64) -> Option<End> {
-        let end = loop {
-            let clock = self.world().resource::<Clock>();
-            if !clock.is_step_zero() && clock.steps >= steps {
-                break self.world().resource::<Outcome>().end().cloned();
-            }
-            if let Some(end) = self.advance() {
-                break Some(end);
-            }
+        let goes_on = |world: &World| {
+            let clock = world.resource::<Clock>();
+            clock.is_step_zero() || clock.steps < steps
         };
+        if !goes_on(self.world()) {
+            return self.world().resource::<Outcome>().end().cloned();
+        }
+        let end = self.advance_while(goes_on);
         self.follow();
         end
     }
@@ -215,6 +223,18 @@ impl Simulation {
         Lead::to_components(world);
         world
     }
+}
+
+/// Runs step zero if it has not run, else one step. Gives the end once there is one, and then does nothing.
+fn advance(world: &mut World) -> Option<End> {
+    if world.resource::<Outcome>().end().is_none() {
+        Lead::to_columns(world);
+        world.run_schedule(Step);
+        world.resource_mut::<Clock>().start();
+        world.clear_trackers();
+        world.check_change_ticks();
+    }
+    world.resource::<Outcome>().end().cloned()
 }
 
 /// An app with what every run has.

@@ -132,16 +132,14 @@ fn drive(simulation: &mut Simulation, loaded: &Loaded, quiet: bool) -> (End, Cos
     let mut progress = Progress::new(quiet);
     let mut cost = Cost::default();
     let start = Instant::now();
-    loop {
-        let end = simulation.advance();
-        cost.particle_steps += movable_grains(simulation.world()) as u64;
-        if let Some(end) = end {
-            cost.wall_s = start.elapsed().as_secs_f64();
-            progress.finish();
-            return (end, cost);
-        }
-        progress.look(cost.particle_steps, |pace| line(simulation.world(), loaded.scene.until.get(), pace));
-    }
+    let until = loaded.scene.until.get();
+    let end = simulation.advance_to_end(|world| {
+        cost.particle_steps += movable_grains(world) as u64;
+        progress.look(cost.particle_steps, |pace| line(world, until, pace));
+    });
+    cost.wall_s = start.elapsed().as_secs_f64();
+    progress.finish();
+    (end, cost)
 }
 
 fn line(world: &World, until: f64, pace: Pace) -> String {

@@ -75,15 +75,14 @@ fn build(
 /// Steps to the end, with progress.
 fn drive(simulation: &mut Simulation, loaded: &LoadedLattice, quiet: bool) -> End {
     let mut progress = Progress::new(quiet);
-    loop {
-        if let Some(end) = simulation.step() {
-            progress.finish();
-            return end;
-        }
-        let (clock, sites) = (simulation.world().resource::<Clock>(), simulation.world().resource::<Sites>());
+    let until = loaded.scene.until;
+    let end = simulation.advance_to_end(|world| {
+        let (clock, sites) = (world.resource::<Clock>(), world.resource::<Sites>());
         let updates = clock.steps * sites.fluid_count() as u64;
-        progress.look(updates, |pace| line(clock, simulation.world().resource::<Gas>(), loaded.scene.until, pace));
-    }
+        progress.look(updates, |pace| line(clock, world.resource::<Gas>(), until, pace));
+    });
+    progress.finish();
+    end
 }
 
 #[expect(clippy::cast_precision_loss, reason = "figures for people")]

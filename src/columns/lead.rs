@@ -2,7 +2,7 @@
 //!
 //! A behaviour may look at grains and change them at any moment: with one, components are the live state, and every step
 //! copies them into the columns and back. Without one columns are. Grains move there, nothing is copied in a step, and
-//! components follow when somebody asks for them: slots that are dealt out anew, the spawner, pictures of the last state, whoever is
+//! components follow when somebody asks for them: slots that are dealt out anew, the spawner, the file of the last state, whoever is
 //! handed the world between steps ([`Simulation::step`](crate::simulation::Simulation::step)), and in every step the systems that a
 //! program has added.
 //!

@@ -60,13 +60,7 @@ pub struct Observed {
 pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     let mut simulation = Simulation::new(loaded, registry, NonZeroUsize::MIN)?;
     let (mut cost, start) = (Cost::default(), Instant::now());
-    let end = loop {
-        let end = simulation.advance();
-        cost.particle_steps += movable_grains(simulation.world()) as u64;
-        if let Some(end) = end {
-            break end;
-        }
-    };
+    let end = simulation.advance_to_end(|world| cost.particle_steps += movable_grains(world) as u64);
     cost.wall_s = start.elapsed().as_secs_f64();
     // Of what stays inside: grains that have fallen out are on their way to nowhere.
     let is_whole = simulation.world().resource::<Ledger>().out() == 0;
