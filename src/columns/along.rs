@@ -13,8 +13,8 @@ use crate::threads::Threads;
 /// How many entries a thread takes at a time.
 pub(crate) const STRIDE: usize = 1024;
 
-/// From how many strides on threads share them: with ten, waking a second thread takes longer than it saves, with a hundred not.
-const WORTHWHILE: usize = 64;
+/// From how many strides on threads share them: with fewer there is little to save.
+const WORTHWHILE: usize = 8;
 
 /// Who walks.
 #[derive(SystemParam)]
