@@ -1,9 +1,10 @@
 //! The columns: what the force pass reads and writes, packed in the order of [`Slot`]s.
 //!
-//! Components keep whatever order the ECS gives them; a behaviour may add components, which
-//! moves rows between tables. So a step works here. Where a behaviour may look at grains or change them, it copies positions and
-//! velocities into these columns and forces back; elsewhere components follow when somebody asks (`columns/lead.rs`). The order of slots makes every sum that runs over particles, contacts first of all, independent of
-//! table order, thread count and neighbour search: it *is* the order that the determinism of a run rests on.
+//! Components keep whatever order the ECS gives them; a behaviour may add components, which moves rows between tables. So a
+//! step works here. Where a behaviour may look at grains or change them, it copies positions and velocities into these columns
+//! and forces back; elsewhere components follow when somebody asks (`columns/lead.rs`). The order of slots makes every sum that
+//! runs over particles, contacts first of all, independent of table order, thread count and neighbour search: it *is* the order
+//! that the determinism of a run rests on.
 //!
 //! Slots go row by row through space (within a cell, by id), so that neighbours in space are neighbours
 //! in memory; what is fixed comes last. They are dealt out anew at the end of the phase

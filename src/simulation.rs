@@ -186,7 +186,7 @@ impl Simulation {
     }
 
     /// Brings components up to date.
-    pub(crate) fn follow(&mut self) {
+    fn follow(&mut self) {
         Lead::to_both(self.app.world_mut());
     }
 

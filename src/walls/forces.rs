@@ -9,8 +9,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
-use crate::contact::history::History;
-use crate::contact::history::Lost;
+use crate::contact::history::{History, Lost};
 use crate::contact::sums;
 use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairForce, PairLaw, memory_step};
 use crate::messages::DoorOpened;

@@ -5,8 +5,7 @@
 //! stood. From the first contact on that is new, or has ended, the page is written anew: it changes places with a spare one.
 
 use crate::contact::batch::MemoryLanes;
-use crate::contact::history::Lost;
-use crate::contact::history::Pages;
+use crate::contact::history::{Lost, Pages};
 use crate::contact::{Demands, Memory};
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
