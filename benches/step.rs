@@ -16,6 +16,7 @@ use siloflow::columns::Columns;
 use siloflow::measure::totals;
 use siloflow::neighbours::{Neighbours, Search};
 use siloflow::prelude::*;
+use siloflow::threads::Threads;
 
 use self::crystal::{Crystal, R, go_on};
 
@@ -72,7 +73,7 @@ fn neighbour_lists(criterion: &mut Criterion) {
     for skin in [0.04, 0.01] {
         let kind = Neighbours::VerletList { skin: skin.try_into().expect("a skin is positive") };
         group.bench_function(format!("skin {skin} m"), |bencher| {
-            bencher.iter(|| Search::new(kind, 1, columns.periodic, R).update(columns, 1e-4));
+            bencher.iter(|| Search::new(kind, columns.periodic, R).update(columns, 1e-4, &Threads::one()));
         });
     }
     group.finish();

@@ -5,7 +5,6 @@
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
-use rayon::prelude::*;
 
 use crate::instructions::Instructions;
 use crate::threads::Threads;
@@ -44,13 +43,16 @@ impl Walkers<'_> {
                 },
             )
         };
-        match self.threads.pool().filter(|_| written.len() >= WORTHWHILE * STRIDE) {
-            None => read.chunks(STRIDE).zip(written.chunks_mut(STRIDE)).map(stride).collect(),
-            Some(pool) => {
-                let strides = read.par_chunks(STRIDE).zip(written.par_chunks_mut(STRIDE));
-                pool.install(|| strides.map(stride).collect())
-            }
+        let along = |read: &[A], written: &mut [B]| -> Vec<T> {
+            read.chunks(STRIDE).zip(written.chunks_mut(STRIDE)).map(stride).collect()
+        };
+        let (strides, threads) = (written.len().div_ceil(STRIDE), self.threads.count());
+        if threads == 1 || strides < WORTHWHILE {
+            return along(read, written);
         }
+        let share = strides.div_ceil(threads) * STRIDE;
+        let shares = read.chunks(share).zip(written.chunks_mut(share));
+        self.threads.share(shares.map(|(read, written)| || along(read, written))).into_iter().flatten().collect()
     }
 }
 

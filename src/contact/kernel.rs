@@ -12,8 +12,6 @@
 mod desk;
 mod worker;
 
-use rayon::prelude::*;
-
 pub use self::desk::Desk;
 use self::worker::Worker;
 use crate::columns::Columns;
@@ -68,11 +66,10 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
         let tasks = self.list.tasks();
         desks.resize_with(tasks.len(), Desk::default);
         let mut pages = history.pages(columns);
-        if L::MEMORY
-            && let Some(pool) = threads.pool()
-        {
-            let (tasks, desks, pages) = (tasks.par_iter(), desks.par_iter_mut(), &*pages);
-            pool.install(|| tasks.zip(desks).for_each(|(task, desk)| desk.welcome::<L>(&task.incoming, pages)));
+        if L::MEMORY && tasks.len() > 1 {
+            let pages = &*pages;
+            threads
+                .share(tasks.iter().zip(&mut *desks).map(|(task, desk)| || desk.welcome::<L>(&task.incoming, pages)));
         }
         let view = &*columns;
         // What is left for the tasks to come; of what the law does not demand, nothing.
@@ -91,10 +88,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
             let worker = Worker { pass: self, view, task, arrived, sums, batch, largest: deepest };
             workers.push(move || worker.sum(pages, spare));
         }
-        let largest = match threads.pool() {
-            None => workers.into_iter().map(|sum| sum()).fold(deepest, f64::max),
-            Some(pool) => pool.install(|| workers.into_par_iter().map(|sum| sum()).reduce(|| deepest, f64::max)),
-        };
+        let largest = threads.share(workers).into_iter().fold(deepest, f64::max);
         (columns.load, columns.turn, columns.contacts, columns.rolling_drag) = (loads, turns, contacts, rolling);
         largest
     }

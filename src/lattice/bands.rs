@@ -3,8 +3,6 @@
 //! One thread works on one band of all columns. No result depends on the bands: every decision reads draws of its own site
 //! and nothing that another site writes in the same pass.
 
-use rayon::prelude::*;
-
 use crate::lattice::gas::Gas;
 use crate::lattice::sites::{Run, Sites};
 use crate::threads::Threads;
@@ -30,9 +28,9 @@ pub(super) struct Band<'a> {
 /// Stored sites of a band.
 fn length(sites: &Sites, threads: &Threads) -> usize {
     let columns = sites.kinds.len() / sites.stride;
-    match threads.pool() {
-        None => sites.kinds.len(),
-        Some(pool) => columns.div_ceil(BANDS * pool.current_num_threads()) * sites.stride,
+    match threads.count() {
+        1 => sites.kinds.len(),
+        count => columns.div_ceil(BANDS * count) * sites.stride,
     }
 }
 
@@ -54,10 +52,7 @@ pub(super) fn work(gas: &mut Gas, sites: &Sites, threads: &Threads, job: impl Fn
         Band { runs: runs(sites, first, length), first, states, movers, resting, numbers, held, spare: Vec::new() }
     });
     let mut bands: Vec<Band> = bands.collect();
-    match threads.pool() {
-        None => bands.iter_mut().for_each(job),
-        Some(pool) => pool.install(|| bands.par_iter_mut().for_each(job)),
-    }
+    threads.share(bands.iter_mut().map(|band| || job(band)));
     spare.clear();
     for band in &mut bands {
         spare.append(&mut band.spare);
@@ -72,9 +67,7 @@ pub(super) fn write(
     job: impl Fn(&[Run], usize, &mut [u16]) + Send + Sync,
 ) {
     let length = length(sites, threads);
-    let one = |(n, states): (usize, &mut [u16])| job(runs(sites, n * length, length), n * length, states);
-    match threads.pool() {
-        None => states.chunks_mut(length).enumerate().for_each(one),
-        Some(pool) => pool.install(|| states.par_chunks_mut(length).enumerate().for_each(one)),
-    }
+    let job = &job;
+    let one = |(n, states): (usize, _)| move || job(runs(sites, n * length, length), n * length, states);
+    threads.share(states.chunks_mut(length).enumerate().map(one));
 }

@@ -79,20 +79,20 @@ impl PairList {
         self.row += 1;
     }
 
-    /// Takes pairs of `rows` particles, in any order.
-    pub(super) fn take(&mut self, pairs: &[Candidate], rows: usize) {
+    /// Takes pairs of `rows` particles, in any order, and in parts.
+    pub(super) fn take(&mut self, parts: &[Vec<Candidate>], rows: usize) {
         self.starts.clear();
         self.starts.resize(rows + 1, 0);
-        for pair in pairs {
+        for pair in parts.iter().flatten() {
             self.starts[pair.first() + 1] += 1;
         }
         for row in 0..rows {
             self.starts[row + 1] += self.starts[row];
         }
         self.pairs.clear();
-        self.pairs.resize(pairs.len(), Candidate::default());
+        self.pairs.resize(parts.iter().map(Vec::len).sum(), Candidate::default());
         // Filling moves each start to the next one's place.
-        for &pair in pairs {
+        for &pair in parts.iter().flatten() {
             let place = &mut self.starts[pair.first()];
             self.pairs[*place as usize] = pair;
             *place += 1;
@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn pairs_come_out_in_order_whichever_way_they_go_in() {
         let mut taken = PairList::default();
-        taken.take(&all([[0, 3], [2, 3], [0, 1], [1, 2]]), 4);
+        taken.take(&[all([[0, 3], [2, 3]]).to_vec(), all([[0, 1], [1, 2]]).to_vec()], 4);
         let mut written = PairList::default();
         for row in [&[3, 1][..], &[2], &[3], &[]] {
             for &j in row {
@@ -168,7 +168,7 @@ mod tests {
     #[test]
     fn tasks_cover_all_rows_and_know_who_comes_in() {
         let mut list = PairList::default();
-        list.take(&all([[0, 5], [1, 3], [2, 3], [3, 5], [4, 5]]), 6);
+        list.take(&[all([[0, 5], [1, 3], [2, 3], [3, 5], [4, 5]]).to_vec()], 6);
         list.share_out(6, 3, 2);
         let tasks: Vec<_> = list.tasks().iter().map(|task| (task.rows.clone(), task.incoming.clone())).collect();
         assert_eq!(tasks, [(0..2, vec![]), (2..4, all([[1, 3]]).to_vec()), (4..6, all([[0, 5], [3, 5]]).to_vec())]);

@@ -74,30 +74,28 @@ pub struct Search<V: Space = Plane> {
     method: Method<V>,
     /// What it has found.
     pub list: PairList,
-    /// How many threads share the list.
-    threads: usize,
     generation: u64,
 }
 
 impl<V: Space> Search<V> {
     /// The search `kind` in a box with these periodic sides, for grains of at most `largest_radius` (m).
     #[must_use]
-    pub fn new(kind: Neighbours, threads: usize, periodic: Option<Periodic<V>>, largest_radius: f64) -> Self {
+    pub fn new(kind: Neighbours, periodic: Option<Periodic<V>>, largest_radius: f64) -> Self {
         let method = match kind {
             Neighbours::AllPairs => Method::AllPairs,
             Neighbours::Cells { size } => Method::Cells(Cells::new(size.get(), periodic)),
             Neighbours::CellsOfRange { rng } => Method::Cells(Cells::new(rng.get() * largest_radius, periodic)),
             Neighbours::VerletList { skin } => Method::VerletList(VerletList::new(skin.get())),
         };
-        Self { method, list: PairList::default(), threads, generation: 0 }
+        Self { method, list: PairList::default(), generation: 0 }
     }
 
-    /// Makes the search valid for the positions in `columns`; `dt` is the time step, s. Tells whether cells were filled
-    /// or the list was renewed.
+    /// Makes the search valid for the positions in `columns`, and shares the list out among `threads`; `dt` is the time step, s.
+    /// Tells whether cells were filled or the list was renewed.
     ///
     /// # Errors
     /// If particles touch at more than the cell size.
-    pub fn update(&mut self, columns: &Columns<V>, dt: f64) -> Result<bool, Failure> {
+    pub fn update(&mut self, columns: &Columns<V>, dt: f64, threads: &Threads) -> Result<bool, Failure> {
         let renumbered = self.generation != columns.generation;
         let mut caught_up = false;
         let follows = self.generation + 1 == columns.generation;
@@ -113,7 +111,7 @@ impl<V: Space> Search<V> {
                 cells.look_ahead(columns.margin);
                 // Found in any case, so that what is left of a step that fails has a valid list.
                 cells.find(columns, &mut self.list);
-                self.list.share_out(columns.len(), self.threads, BLOCK);
+                self.list.share_out(columns.len(), threads.count(), BLOCK);
                 is_right?;
                 true
             }
@@ -123,13 +121,13 @@ impl<V: Space> Search<V> {
                 caught_up = !gone_far.is_empty();
                 let stale = !is_whole || (caught_up && !list.catch_up(columns, &mut self.list, &gone_far, dt));
                 if stale {
-                    list.renew(columns, &mut self.list, dt);
+                    list.renew(columns, &mut self.list, dt, threads);
                 }
                 stale
             }
         };
         if rebuilt || renumbered || caught_up {
-            self.list.share_out(columns.len(), self.threads, BLOCK);
+            self.list.share_out(columns.len(), threads.count(), BLOCK);
         }
         Ok(rebuilt)
     }
@@ -161,11 +159,12 @@ pub fn contact_range<V: Space>(columns: &Columns<V>) -> f64 {
 fn update_search<V: Space>(
     clock: Res<Clock>,
     columns: Res<Columns<V>>,
+    threads: Res<Threads>,
     mut search: ResMut<Search<V>>,
     mut rebuilds: ResMut<Rebuilds>,
     mut outcome: ResMut<Outcome>,
 ) {
-    match search.update(&columns, clock.dt) {
+    match search.update(&columns, clock.dt, &threads) {
         Ok(rebuilt) => rebuilds.0 += u64::from(rebuilt),
         Err(failure) => outcome.fail(failure),
     }
@@ -183,8 +182,7 @@ pub struct NeighboursPlugin<V: Space> {
 
 impl<V: Space> Plugin for NeighboursPlugin<V> {
     fn build(&self, app: &mut App) {
-        let threads = app.world().resource::<Threads>().count();
-        app.insert_resource(Search::new(self.kind, threads, self.periodic, self.largest_radius))
+        app.insert_resource(Search::new(self.kind, self.periodic, self.largest_radius))
             .init_resource::<Rebuilds>()
             .add_systems(Step, update_search::<V>.in_set(Phase::Neighbours).after(Gathered).after(LookedAhead));
     }

@@ -5,16 +5,17 @@
 //! than R_i + R_j + both allowances; it cannot touch unlisted before one of the two has used up its own. So the few
 //! grains that fall fast have long lists, and do not force the many that rest to renew theirs.
 //!
-//! The search goes through hashed cells that are wide enough for two slow particles; fast ones look farther. Each
-//! particle's partners are listed in ascending order. Of a few that come, leave or go far, the list knows without ([`follow`]).
+//! Each particle's partners are listed in ascending order. The list is renewed by a search ([`sweep`]); with a few that come, leave
+//! or go far it keeps up without ([`follow`]).
 
 mod follow;
+mod sweep;
 
 use crate::columns::{Body, Columns};
-use crate::neighbours::cells::{Cells, MOST_CELLS};
-use crate::neighbours::contact_range;
-use crate::neighbours::list::{Candidate, PairList};
+use crate::neighbours::list::PairList;
+use crate::neighbours::verlet_list::sweep::Sweep;
 use crate::space::Space;
+use crate::threads::Threads;
 use crate::wait::Wait;
 
 /// What share of an allowance is left to whoever has used up most of it.
@@ -71,11 +72,11 @@ impl<V: Space> VerletList<V> {
     }
 
     /// Makes `list` anew for the positions in `columns`; `dt` is the time step, s.
-    pub(super) fn renew(&mut self, columns: &Columns<V>, list: &mut PairList, dt: f64) {
+    pub(super) fn renew(&mut self, columns: &Columns<V>, list: &mut PairList, dt: f64, threads: &Threads) {
         self.made_at.clear();
         self.made_at.extend(columns.body.iter().map(|body| Anchor::of(body, self.skin, dt)));
         self.wait = Wait::default();
-        let pairs = self.pairs(columns, list.pairs().len());
+        let pairs = Sweep::new(self, columns).pairs(list.pairs().len(), threads);
         list.take(&pairs, columns.len());
     }
 
@@ -86,38 +87,5 @@ impl<V: Space> VerletList<V> {
         let reach = columns.body[i].radius + columns.body[j].radius + one.allowance + other.allowance;
         columns.separation(one.position, other.position).length_squared() < reach * reach
             && !(columns.is_fixed(i) && columns.is_fixed(j))
-    }
-
-    fn is_fast(&self, i: usize) -> bool {
-        self.made_at[i].allowance > self.skin
-    }
-
-    /// All pairs that belong on the list, each once.
-    fn pairs(&self, columns: &Columns<V>, expected: usize) -> Vec<Candidate> {
-        let widest = self.made_at.iter().map(|anchor| anchor.allowance).fold(0.0, f64::max);
-        let range = contact_range(columns);
-        let side = (range + 2.0 * self.skin).max(f64::MIN_POSITIVE);
-        let mut cells = Cells::new(side, columns.periodic);
-        cells.fill(columns.body.iter().map(|body| body.position));
-        let mut pairs = Vec::with_capacity(expected);
-        for (i, row) in (0u32..).zip(0..columns.len()) {
-            let (allowance, fast) = (self.made_at[row].allowance, self.is_fast(row));
-            let mut consider = |j: u32| {
-                // A pair of one speed class is taken by its upper member, a mixed one by the fast member.
-                let mine = if fast == self.is_fast(j as usize) { j < i } else { fast };
-                if mine && self.are_near(columns, row, j as usize) {
-                    pairs.push(Candidate::new(i.min(j), i.max(j)));
-                }
-            };
-            // Beyond a few cells around it, asking everybody is not dearer.
-            let cells_to_go = ((range + allowance + widest) / side).ceil();
-            match (fast, cells_to_go) {
-                (false, _) => cells.around(row, 1, |j| j < i, consider),
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most eight")]
-                (true, n) if n <= f64::from(MOST_CELLS) => cells.around(row, n as u8, |_| true, consider),
-                (true, _) => (0u32..).take(columns.len()).for_each(&mut consider),
-            }
-        }
-        pairs
     }
 }

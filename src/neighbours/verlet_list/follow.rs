@@ -71,7 +71,7 @@ impl<V: Space> VerletList<V> {
             let near = near.filter(|j| !newcomers[..=met].contains(j));
             pairs.extend(near.map(|j| Candidate::new(new.min(j), new.max(j))));
         }
-        list.take(&pairs, columns.len());
+        list.take(&[pairs], columns.len());
         self.wait = Wait::default();
     }
 }
@@ -82,6 +82,7 @@ mod tests {
     use crate::columns::Body;
     use crate::particle::GrainId;
     use crate::space::Plane;
+    use crate::threads::Threads;
     use proptest::prelude::*;
 
     const SKIN: f64 = 0.1;
@@ -108,7 +109,7 @@ mod tests {
         ) {
             let before = columns(&places, 5, vec![Slot::default(); 30]);
             let (mut verlet, mut list) = (VerletList::new(SKIN), PairList::default());
-            verlet.renew(&before, &mut list, 1e-3);
+            verlet.renew(&before, &mut list, 1e-3, &Threads::one());
             let stays = |former: &u32| !leaving.contains(former);
             let mut former: Vec<_> = (0u32..25).filter(stays).map(Slot::at).collect();
             former.extend(coming.iter().map(|_| Slot::default()));
@@ -124,7 +125,7 @@ mod tests {
             prop_assert!(verlet.follow(&after, &mut list, 1e-3));
             prop_assert!(verlet.gone_far(&after).is_empty());
             let mut whole = PairList::default();
-            VerletList::new(SKIN).renew(&after, &mut whole, 1e-3);
+            VerletList::new(SKIN).renew(&after, &mut whole, 1e-3, &Threads::one());
             // Nobody has moved: so the list is what a search would find.
             prop_assert_eq!(list.pairs(), whole.pairs());
         }
@@ -140,7 +141,7 @@ mod tests {
         ) {
             let before = columns(&places, 5, vec![Slot::default(); 30]);
             let (mut verlet, mut list) = (VerletList::new(SKIN), PairList::default());
-            verlet.renew(&before, &mut list, 1e-3);
+            verlet.renew(&before, &mut list, 1e-3, &Threads::one());
             let mut after = before;
             for (body, way) in after.body.iter_mut().zip(ways) {
                 body.position += 0.24 * SKIN * Plane::from_angle(way);
