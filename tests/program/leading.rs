@@ -109,6 +109,22 @@ fn what_is_changed_between_steps_counts() {
     assert_ne!(changed, run(false, false));
 }
 
+#[test]
+fn a_wall_that_is_moved_between_steps_is_felt() {
+    let run = |idle: bool, moves: bool| {
+        let mut run = simulation("silo1.ron", &[("spawner.count", "20")], idle);
+        run.run_steps(3000);
+        let world = run.world_mut();
+        let mut walls = world.query_filtered::<&mut Position, With<Fixed>>();
+        walls.iter_mut(world).filter(|_| moves).for_each(|mut wall| wall.0.x += 0.01);
+        run.run_steps(3500);
+        look(&mut run)
+    };
+    let moved = run(false, true);
+    assert_eq!(moved, run(true, true));
+    assert_ne!(moved, run(false, false));
+}
+
 /// How many grains a program's own system has looked at.
 #[derive(Resource, Default)]
 struct Seen(usize);
