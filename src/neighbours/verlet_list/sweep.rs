@@ -66,13 +66,13 @@ impl<'a, V: Space> Sweep<'a, V> {
     /// seen, so as their volume; what lies above in slots, a slow one passes over.
     fn all_are_slow(&self) -> bool {
         let volume = |across: f64| (0..V::COMPONENTS).map(|_| across).product::<f64>();
-        let looks = (0..self.columns.len()).map(|i| {
+        let instead = volume(3.0 * (self.range + 2.0 * self.widest));
+        let saved = (0..self.columns.len()).map(|i| {
             let seen = volume((2.0 * self.reach(i) + 1.0) * self.side());
-            if self.is_fast(i) { 2.0 * seen } else { seen }
+            if self.is_fast(i) { 2.0 * seen - instead } else { seen - instead }
         });
-        let each = volume(3.0 * (self.range + 2.0 * self.widest));
-        // Written so that a NaN changes nothing.
-        (0..self.columns.len()).map(|_| each).sum::<f64>() < looks.sum()
+        // Of a NaN this is not true.
+        saved.sum::<f64>() > 0.0
     }
 
     /// All pairs, each once, in parts; about so many.
