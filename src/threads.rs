@@ -3,8 +3,8 @@
 //!
 //! A step is a few passes of some ten or a hundred microseconds each, with a little in between that one thread does. To wake
 //! a thread that sleeps takes as long as a pass, and 0.1 to 0.5 ms in a virtual machine. So whoever has helped stays awake, looks
-//! for more to do, and goes to sleep after [`PATIENCE`]; whoever waits for helpers stays awake too. Meanwhile each lets others have
-//! its core if they want it.
+//! for more to do, and goes to sleep after 2 ms without; whoever waits for helpers stays awake too. Meanwhile each lets others
+//! have its core if they want it.
 
 use std::cell::Cell;
 use std::num::NonZeroUsize;
