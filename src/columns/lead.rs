@@ -6,8 +6,7 @@
 //! handed the world between steps ([`Simulation::step`](crate::simulation::Simulation::step)), and in every step the systems that a
 //! program has added.
 //!
-//! What is fixed is moved by whoever moves it in its components: belts, and a program's systems. It is copied into the columns in
-//! every step of theirs.
+//! What is fixed is moved by whoever moves it in its components, and copied into the columns in every step.
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
@@ -121,10 +120,10 @@ type Changed<V> = (
 );
 
 /// Copies components into the columns.
-fn take_over<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<Changed<V>>) {
+fn take_over<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<Changed<V>, Without<Fixed>>) {
     let columns = &mut *columns;
     let mut longest = Longest::default();
-    for (slot, (x, v, force), turning) in &particles {
+    for (slot, (x, v, force), turning) in &grains {
         columns.put(*slot, x.0, v.0, &mut longest);
         if let Some(load) = columns.load.get_mut(slot.index()) {
             load.force = force.0;

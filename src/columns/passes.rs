@@ -16,7 +16,6 @@ use crate::instructions::Instructions;
 use crate::particle::{Fixed, Force, Position, Velocity};
 use crate::space::Space;
 use crate::step::{ForceStage, Phase, Step};
-use crate::walls::conveyor::Conveyed;
 
 /// Why contiguous iteration cannot fail: every component of a particle's columns is stored in tables.
 pub(crate) const DENSE: &str = "table components are contiguous";
@@ -160,13 +159,8 @@ impl<V: Space> Plugin for ColumnsPlugin<V> {
         }
         if self.passes.columns_lead {
             lead::add::<V>(app, self.passes.watched);
-            // Belts alone move without anybody looking.
-            let fixed = if self.passes.watched {
-                gather::<V, With<Fixed>>.into_configs()
-            } else {
-                gather::<V, With<Conveyed>>.into_configs()
-            };
-            app.add_systems(Step, fixed.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered));
+            let fixed = gather::<V, With<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
+            app.add_systems(Step, fixed);
         } else {
             let all = gather::<V, ()>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
             let again = gather_velocities::<V>.in_set(Phase::Kick).in_set(GatheredVelocities);
