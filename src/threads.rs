@@ -1,5 +1,5 @@
-//! How many threads share the force pass ([`crate::contact::kernel`]), and those over the rows of many grains
-//! ([`crate::columns`]). One needs no pool; on several the bits are the same.
+//! How many threads share the force pass ([`crate::contact::kernel`]), those over the rows of many grains
+//! ([`crate::columns`]), the search for neighbours and the lattice's passes. One needs no pool; on several the bits are the same.
 //!
 //! A step is a few passes of some ten or a hundred microseconds each, with a little in between that one thread does. To wake
 //! a thread that sleeps takes as long as a pass, and 0.1 to 0.5 ms in a virtual machine. So whoever has helped stays awake, looks

@@ -15,7 +15,7 @@ use crate::space::Space;
 use crate::threads::Threads;
 
 /// How many particles a thread takes at a time.
-const SHARE: usize = 1024;
+const SHARE: u32 = 1024;
 
 /// A search.
 pub(super) struct Sweep<'a, V: Space> {
@@ -77,15 +77,18 @@ impl<'a, V: Space> Sweep<'a, V> {
 
     /// All pairs, each once, in parts; about so many.
     pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<Vec<Candidate>> {
-        let particles = self.columns.len();
-        let rows = (0..particles).step_by(SHARE).map(|first| first..particles.min(first + SHARE));
-        let room = expected.div_ceil(particles.max(1)) * SHARE;
-        threads.share(rows.map(|rows| move || self.pairs_of(rows, Vec::with_capacity(room))))
+        let particles = u32::try_from(self.columns.len()).expect("fewer than 2^32 particles");
+        let shares =
+            (0..particles).step_by(SHARE as usize).map(|first| first..particles.min(first.saturating_add(SHARE)));
+        let of_each = expected.div_ceil(self.columns.len().max(1));
+        threads.share(shares.map(|rows| move || self.pairs_of(rows, of_each)))
     }
 
-    /// Those that particles of `rows` find.
-    fn pairs_of(&self, rows: Range<usize>, mut pairs: Vec<Candidate>) -> Vec<Candidate> {
-        for (i, row) in (0u32..).zip(0..self.columns.len()).skip(rows.start).take(rows.len()) {
+    /// Those that particles of `rows` find, about so many each.
+    fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> Vec<Candidate> {
+        let mut pairs = Vec::with_capacity(of_each * rows.len());
+        for i in rows {
+            let row = i as usize;
             let fast = self.is_fast(row);
             let mut consider = |j: u32| {
                 // A pair of one speed class is taken by its upper member, a mixed one by the fast member.
