@@ -21,7 +21,7 @@ mod slots;
 
 use bevy_ecs::prelude::*;
 
-pub(crate) use self::along::{STRIDE, Walkers};
+pub(crate) use self::along::{NOTHING, STRIDE, Walkers};
 pub(crate) use self::lead::{Lead, follow};
 pub(crate) use self::order::Order;
 pub use self::passes::{
@@ -48,31 +48,35 @@ pub struct Body<V: Space = Plane> {
     pub inverse_mass: f64,
 }
 
-/// The force on a particle.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Load<V: Space = Plane> {
-    /// Of contacts, walls and weight together, N.
-    pub force: V,
-    /// The part of it that dashpots make, along normals and, in scenes with spin, across them, N.
-    pub drag: V,
+/// What acts on particles: sums over their contacts. What a scene does not ask for is empty.
+#[derive(Clone, Debug)]
+pub struct Loads<V: Space = Plane> {
+    /// Forces of contacts, walls and weight together, N.
+    pub force: Vec<V>,
+    /// Torques of all contacts, N m; where grains spin.
+    pub torque: Vec<V::Spin>,
+    /// The part of the forces that dashpots make, along normals and, where grains spin, across them, N; where books of energy are
+    /// kept, as the next two.
+    pub drag: Vec<V>,
+    /// The part of the torques that tangential dashpots make, N m.
+    pub drag_torque: Vec<V::Spin>,
+    /// The part of the torques that dashpots of rolling resistance make, N m; where there is any.
+    pub rolling_drag: Vec<V::Spin>,
+    /// How many contacts each has had in this force pass; where the scheme looks ahead.
+    pub contacts: Vec<u32>,
 }
 
-impl<V: Space> Load<V> {
-    /// The weight of a mass (kg) where gravity is this (m/s^2): what every sum begins with.
-    #[inline]
-    #[must_use]
-    pub fn weight(gravity: V, mass: f64) -> Self {
-        Self { force: gravity * mass, drag: V::ZERO }
+impl<V: Space> Default for Loads<V> {
+    fn default() -> Self {
+        Self {
+            force: Vec::new(),
+            torque: Vec::new(),
+            drag: Vec::new(),
+            drag_torque: Vec::new(),
+            rolling_drag: Vec::new(),
+            contacts: Vec::new(),
+        }
     }
-}
-
-/// What turns a particle: only in scenes with spin.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Turn<V: Space = Plane> {
-    /// The torque of all contacts, N m.
-    pub torque: V::Spin,
-    /// The part of it that tangential dashpots make, N m.
-    pub drag_torque: V::Spin,
 }
 
 /// How a particle spins: only in scenes with spin. In this order: in solid space they are read by fours.
@@ -119,18 +123,12 @@ pub struct Columns<V: Space = Plane> {
     pub mass: Vec<f64>,
     /// Kinds.
     pub species: Vec<Species>,
-    /// Forces.
-    pub load: Vec<Load<V>>,
+    /// What acts on them.
+    pub loads: Loads<V>,
     /// Spins; empty where nothing spins.
     pub rotation: Vec<Rotation<V>>,
-    /// Torques and what belongs to them; empty where nothing spins.
-    pub turn: Vec<Turn<V>>,
-    /// The part of the torques that the dashpots of rolling resistance make, N m; empty where there is none.
-    pub rolling_drag: Vec<V::Spin>,
     /// What velocities gain by the forces of the step's beginning; empty unless the scheme looks ahead.
     pub gain: Vec<Gain<V>>,
-    /// How many contacts each has had in this force pass; empty unless the scheme looks ahead.
-    pub contacts: Vec<u32>,
     /// The same of spins.
     pub spin_gain: Vec<SpinGain<V>>,
     /// For how long the scheme looks ahead, s: half a step, or 0.
@@ -150,11 +148,13 @@ pub struct Columns<V: Space = Plane> {
     /// The sum over the steps of the longest move of any particle in a step, m: how far anyone can have gone. Not a number
     /// once somebody's position is not.
     pub travel: f64,
-    /// The sum over all that is not fixed of the power of the drag, component by component, W, by strides in the order of slots:
-    /// where the kick has summed it in passing.
-    pub(crate) drag_power: Option<V>,
-    /// The same of the torques of tangential dashpots.
-    pub(crate) drag_torque_power: Option<V::Spin>,
+    /// Whether books of energy are kept.
+    pub has_books: bool,
+    /// What the kick has summed in passing over all that is not fixed, component by component, by strides in the order of slots:
+    /// the power of the drag, W, where books of energy are kept, else velocities, m/s, so that it shows if one is not a number.
+    pub(crate) kick_sum: Option<V>,
+    /// The same of the torques of tangential dashpots, or of spins.
+    pub(crate) spin_kick_sum: Option<V::Spin>,
     /// What the order of slots goes by.
     pub(crate) order: Order,
 }
@@ -168,12 +168,9 @@ impl<V: Space> Default for Columns<V> {
             body: Vec::new(),
             mass: Vec::new(),
             species: Vec::new(),
-            load: Vec::new(),
+            loads: Loads::default(),
             rotation: Vec::new(),
-            turn: Vec::new(),
-            rolling_drag: Vec::new(),
             gain: Vec::new(),
-            contacts: Vec::new(),
             spin_gain: Vec::new(),
             lookahead: 0.0,
             margin: 0.0,
@@ -183,8 +180,9 @@ impl<V: Space> Default for Columns<V> {
             movable_end: 0,
             generation: 0,
             travel: 0.0,
-            drag_power: None,
-            drag_torque_power: None,
+            has_books: false,
+            kick_sum: None,
+            spin_kick_sum: None,
             order: Order::default(),
         }
     }

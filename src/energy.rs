@@ -27,7 +27,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::columns::{BeforeRenumbering, Body, Columns, Load, Renumbering, Rotation, STRIDE, Turn};
+use crate::columns::{BeforeRenumbering, Body, Columns, Renumbering, Rotation, STRIDE};
 use crate::contact::Memory;
 use crate::contact::history::History;
 use crate::contact::survey::{Partner, Scenery};
@@ -172,18 +172,18 @@ fn book_contact_work<V: Space>(
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
-    let power = |from: &[Load<V>], bodies: &[Body<V>]| {
-        let powers = from.iter().zip(bodies).map(|(load, body)| load.drag.times(body.velocity));
+    let power = |drags: &[V], bodies: &[Body<V>]| {
+        let powers = drags.iter().zip(bodies).map(|(drag, body)| drag.times(body.velocity));
         powers.fold(V::ZERO, Add::add)
     };
-    let (load, fixed_load) = columns.load.split_at(columns.movable_end);
+    let (drag, fixed_drag) = columns.loads.drag.split_at(columns.movable_end);
     let (body, fixed) = columns.body.split_at(columns.movable_end);
     // As the kick sums them, if it does.
-    let by_strides = || load.chunks(STRIDE).zip(body.chunks(STRIDE)).map(|(load, body)| power(load, body));
-    let of_grains = columns.drag_power.unwrap_or_else(|| by_strides().fold(V::ZERO, Add::add));
-    let (mut dissipation, mut wall) = (-(of_grains + power(fixed_load, fixed)).sum_of_components(), 0.0);
+    let by_strides = || drag.chunks(STRIDE).zip(body.chunks(STRIDE)).map(|(drag, body)| power(drag, body));
+    let of_grains = columns.kick_sum.unwrap_or_else(|| by_strides().fold(V::ZERO, Add::add));
+    let (mut dissipation, mut wall) = (-(of_grains + power(fixed_drag, fixed)).sum_of_components(), 0.0);
     for i in columns.movable_end..columns.len() {
-        wall -= columns.load[i].force.dot(columns.body[i].velocity);
+        wall -= columns.loads.force[i].dot(columns.body[i].velocity);
     }
     for belt in &walls.0 {
         dissipation -= belt.load.drag.dot(belt.velocity);
@@ -204,17 +204,17 @@ fn book_friction<V: Space>(
     mut channels: ResMut<Channels>,
     mut last: ResMut<TurningPowers>,
 ) {
-    let power = |turns: &[Turn<V>], rotations: &[Rotation<V>]| {
-        let powers = turns.iter().zip(rotations).map(|(turn, rotation)| turn.drag_torque.times(rotation.spin));
+    let power = |drags: &[V::Spin], rotations: &[Rotation<V>]| {
+        let powers = drags.iter().zip(rotations).map(|(drag, rotation)| drag.times(rotation.spin));
         powers.fold(V::Spin::ZERO, Add::add)
     };
-    let (turn, fixed_turn) = columns.turn.split_at(columns.movable_end);
+    let (drag, fixed_drag) = columns.loads.drag_torque.split_at(columns.movable_end);
     let (rotation, fixed) = columns.rotation.split_at(columns.movable_end);
     // As the kick sums them, if it does.
-    let by_strides = || turn.chunks(STRIDE).zip(rotation.chunks(STRIDE)).map(|(turn, rotation)| power(turn, rotation));
-    let of_grains = columns.drag_torque_power.unwrap_or_else(|| by_strides().fold(V::Spin::ZERO, Add::add));
-    let turning = -(of_grains + power(fixed_turn, fixed)).sum_of_components();
-    let rolling = -sum(columns.rolling_drag.iter().zip(&columns.rotation).map(|(drag, of)| drag.times(of.spin)));
+    let by_strides = || drag.chunks(STRIDE).zip(rotation.chunks(STRIDE)).map(|(drag, of)| power(drag, of));
+    let of_grains = columns.spin_kick_sum.unwrap_or_else(|| by_strides().fold(V::Spin::ZERO, Add::add));
+    let turning = -(of_grains + power(fixed_drag, fixed)).sum_of_components();
+    let rolling = -sum(columns.loads.rolling_drag.iter().zip(&columns.rotation).map(|(drag, of)| drag.times(of.spin)));
     let taken = history.lost();
     // In step zero too: there a dashpot beyond the cap loads its spring, and what that stores is not to be had for nothing.
     channels.tangential += taken.sliding + taken.dashpots;
@@ -238,7 +238,7 @@ fn book_added_work<V: Space>(
     let mut added = 0.0;
     for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
         if let Ok(total) = forces.get(columns.entity[i]) {
-            added += (total.0 - columns.load[i].force).dot(columns.body[i].velocity);
+            added += (total.0 - columns.loads.force[i]).dot(columns.body[i].velocity);
         }
     }
     if !clock.is_step_zero() {
@@ -256,6 +256,7 @@ pub struct EnergyPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for EnergyPlugin<V> {
     fn build(&self, app: &mut App) {
+        app.world_mut().resource_mut::<Columns<V>>().has_books = true;
         app.init_resource::<EnergyFlows>().init_resource::<Powers>().add_systems(
             Step,
             (

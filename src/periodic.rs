@@ -249,6 +249,8 @@ pub struct PeriodicPlugin<V: Space> {
     pub periodic: Periodic<V>,
     /// Whether grains are moved in the columns.
     pub columns_lead: bool,
+    /// Whether books of energy are kept.
+    pub has_books: bool,
 }
 
 impl<V: Space> Periodic<V> {
@@ -262,10 +264,10 @@ impl<V: Space> Periodic<V> {
 impl<V: Space> Plugin for PeriodicPlugin<V> {
     fn build(&self, app: &mut App) {
         let gravity = app.world().resource::<Gravity<V>>().0;
-        let lifts = self.periodic.lifts(gravity);
+        let books_lifts = self.has_books && self.periodic.lifts(gravity);
         let mut columns = app.world_mut().resource_mut::<Columns<V>>();
-        (columns.periodic, columns.sets_back_later) = (Some(self.periodic), lifts);
-        let all = match (self.columns_lead, lifts) {
+        (columns.periodic, columns.sets_back_later) = (Some(self.periodic), books_lifts);
+        let all = match (self.columns_lead, books_lifts) {
             (false, false) => wrap::<V, ()>.into_configs(),
             (false, true) => wrap_and_book::<V>.into_configs(),
             // The drift itself sets grains back.

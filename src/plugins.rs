@@ -113,24 +113,30 @@ pub(crate) fn add_all<V: Space>(
         .add("integrator", IntegratorPlugin { kind: scene.integrator, columns_lead, space })
         .add("until", EndingPlugin { until: scene.until.get(), at_rest: scene.rest.is_some_and(|rest| rest.stop) })
         .add("always", FinitePlugin(space))
-        .add("always", EnergyPlugin(space))
         .add("always", LedgerPlugin(scene.on_loss, space));
-    if let Some(watchdog) = scene.watchdog {
+    if scene.energy_books {
+        app.add("energy_books", EnergyPlugin(space));
+    }
+    if let Some(mut watchdog) = scene.watchdog {
+        // Without books nobody knows how much energy there should be.
+        watchdog.energy = watchdog.energy.filter(|_| scene.energy_books);
         app.add("watchdog", WatchdogPlugin(watchdog, space));
     }
     if let Some(periodic) = periodic {
-        app.add("periodic", PeriodicPlugin { periodic, columns_lead });
+        app.add("periodic", PeriodicPlugin { periodic, columns_lead, has_books: scene.energy_books });
     }
     paths(app, loaded);
     if let Some(line) = scene.cull {
         app.add("cull", CullPlugin(line, space));
     }
-    if !behaviours.is_empty() {
+    if scene.energy_books && !behaviours.is_empty() {
         app.add("behaviours", AddedWorkPlugin(space));
     }
     if scene.contact.spins() {
-        app.add("contact.tangential", SpinPlugin { inertia: loaded.inertia(), columns_lead, space })
-            .add("contact.tangential", SpinEnergyPlugin(space));
+        app.add("contact.tangential", SpinPlugin { inertia: loaded.inertia(), columns_lead, space });
+        if scene.energy_books {
+            app.add("contact.tangential", SpinEnergyPlugin(space));
+        }
     }
     if !own_contacts {
         let has_walls = !loaded.surfaces::<V>().is_empty();
@@ -152,7 +158,7 @@ pub(crate) fn add_all<V: Space>(
     }
     if let Some(door) = scene.door {
         app.add("door", DoorPlugin(door));
-        if loaded.surfaces::<V>().iter().any(|wall| wall.is_door) {
+        if scene.energy_books && loaded.surfaces::<V>().iter().any(|wall| wall.is_door) {
             app.add("door", PanelDoorEnergyPlugin(space));
         }
     }

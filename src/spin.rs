@@ -12,8 +12,8 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{
-    self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Rotation, Slot,
-    SpinsDrifted, Turn, Walkers,
+    self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, NOTHING, PlacesGathered, Renumbering, Rotation, Slot,
+    SpinsDrifted, Walkers,
 };
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
@@ -109,29 +109,41 @@ fn half_kick<V: Space>(clock: Res<Clock>, mut grains: Query<Turning<V>, Without<
 
 /// The same in the columns, where they lead.
 fn half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    let (dt, Columns { turn, rotation, movable_end: end, .. }) = (clock.dt, &mut *columns);
+    let (dt, Columns { loads, rotation, movable_end: end, .. }) = (clock.dt, &mut *columns);
     walkers.along(
-        &turn[..*end],
+        (&loads.torque[..*end], NOTHING),
         &mut rotation[..*end],
         #[inline(always)]
-        |turn, rotation, (): &mut ()| rotation.spin += gained(turn.torque, dt, rotation.inverse_inertia),
+        |torque, (), rotation, (): &mut ()| rotation.spin += gained(*torque, dt, rotation.inverse_inertia),
     );
 }
 
-/// The second half step of w, with the power of the dashpots' torques, which saves a pass.
+/// The second half step of w, with a sum, which saves a pass ([`Columns::spin_kick_sum`]).
 fn last_half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    let (dt, Columns { turn, rotation, movable_end: end, .. }) = (clock.dt, &mut *columns);
-    let powers = walkers.along(
-        &turn[..*end],
-        &mut rotation[..*end],
-        #[inline(always)]
-        |turn, rotation, power: &mut V::Spin| {
-            let spin = rotation.spin + gained(turn.torque, dt, rotation.inverse_inertia);
-            *power += turn.drag_torque.times(spin);
-            rotation.spin = spin;
-        },
-    );
-    columns.drag_torque_power = Some(powers.into_iter().fold(V::Spin::ZERO, |sum, power| sum + power));
+    let (dt, Columns { loads, rotation, movable_end: end, has_books, .. }) = (clock.dt, &mut *columns);
+    let (torque, rotation) = (&loads.torque[..*end], &mut rotation[..*end]);
+    let sums = if *has_books {
+        walkers.along(
+            (torque, &loads.drag_torque[..*end]),
+            rotation,
+            #[inline(always)]
+            |torque, drag_torque, rotation, power: &mut V::Spin| {
+                rotation.spin += gained(*torque, dt, rotation.inverse_inertia);
+                *power += drag_torque.times(rotation.spin);
+            },
+        )
+    } else {
+        walkers.along(
+            (torque, NOTHING),
+            rotation,
+            #[inline(always)]
+            |torque, (), rotation, sum: &mut V::Spin| {
+                rotation.spin += gained(*torque, dt, rotation.inverse_inertia);
+                *sum += rotation.spin;
+            },
+        )
+    };
+    columns.spin_kick_sum = Some(sums.into_iter().fold(V::Spin::ZERO, |sum, one| sum + one));
 }
 
 /// Copies spins into the columns.
@@ -150,15 +162,19 @@ fn make_room<V: Space>(
     mut columns: ResMut<Columns<V>>,
     grains: Query<(&Slot, &Spin<V::Spin>, &Torque<V::Spin>, &Inertia)>,
 ) {
-    let (particles, Columns { rotation, turn, .. }) = (columns.len(), &mut *columns);
+    let (particles, Columns { rotation, loads, has_books, .. }) = (columns.len(), &mut *columns);
+    let clear = |column: &mut Vec<V::Spin>, size: usize| {
+        column.clear();
+        column.resize(size, V::Spin::ZERO);
+    };
     rotation.clear();
     rotation.resize(particles, Rotation::default());
-    turn.clear();
-    turn.resize(particles, Turn::default());
+    clear(&mut loads.torque, particles);
+    clear(&mut loads.drag_torque, if *has_books { particles } else { 0 });
     for (slot, spin, torque, inertia) in &grains {
-        if let (Some(rotation), Some(turn)) = (rotation.get_mut(slot.index()), turn.get_mut(slot.index())) {
+        if let (Some(rotation), Some(sum)) = (rotation.get_mut(slot.index()), loads.torque.get_mut(slot.index())) {
             *rotation = Rotation { spin: spin.0, inverse_inertia: 1.0 / inertia.0 };
-            turn.torque = torque.0;
+            *sum = torque.0;
         }
     }
 }
@@ -167,8 +183,8 @@ fn make_room<V: Space>(
 fn write<V: Space>(columns: Res<Columns<V>>, mut grains: Query<(&Slot, &mut Torque<V::Spin>)>) {
     for (slots, mut torques) in grains.contiguous_iter_mut().expect(DENSE) {
         for (slot, torque) in slots.iter().zip(torques.bypass_change_detection()) {
-            if let Some(turn) = columns.turn.get(slot.index()) {
-                torque.0 = turn.torque;
+            if let Some(sum) = columns.loads.torque.get(slot.index()) {
+                torque.0 = *sum;
             }
         }
     }

@@ -22,7 +22,7 @@
 //!   the default limit. From 0.3 on a run warns, once. (The assignment's silo reaches 0.73, where a grain falls 4 m.)
 //!
 //! Limits: what a drag that is not quite unstable creates is not told from what it takes. Energy is judged as a whole, so a few wild grains among many that carry much are seen late, by their overlap or by
-//! the ledger. A behaviour that sets velocities, or fixes and frees grains, changes energy without a force, which looks
+//! the ledger, and without books (`energy_books: false`) not at all. A behaviour that sets velocities, or fixes and frees grains, changes energy without a force, which looks
 //! like growth: such a scene says `watchdog: (energy: None)`. Nothing is undone: what was written stands.
 
 use std::marker::PhantomData;
@@ -137,7 +137,7 @@ fn is_called(clock: Res<Clock>, largest: Res<LargestOverlap>, watch: Res<Watch>,
 }
 
 fn look<V: Space>(
-    (clock, gravity, flows): (Res<Clock>, Res<Gravity<V>>, Res<EnergyFlows>),
+    (clock, gravity, flows): (Res<Clock>, Res<Gravity<V>>, Option<Res<EnergyFlows>>),
     largest: Res<LargestOverlap>,
     scenery: Scenery<V>,
     mut watch: ResMut<Watch>,
@@ -156,6 +156,7 @@ fn look<V: Space>(
     }
     if is_time
         && watch.energy < f64::INFINITY
+        && let Some(flows) = flows
         && let Some(created_j) = watch.created(&Held::of(&survey, gravity.0), &flows)
         && let Some(failure) = energy_grew(&survey, &clock, created_j, watch.put_in)
     {

@@ -115,7 +115,7 @@ impl<V: Space> Outputs<V> {
         let profiles = loaded.profiles();
         let species = u8::try_from(loaded.largest_species()).unwrap_or(u8::MAX);
         Ok(Self {
-            series: SeriesPlugin::create(loaded.scene.series, &directory.series())?,
+            series: SeriesPlugin::create(loaded.scene.series, loaded.scene.energy_books, &directory.series())?,
             walls: if has_walls { Some(WallForcesPlugin::create(&directory.walls())?) } else { None },
             profiles: if profiles.is_empty() {
                 None
@@ -192,8 +192,9 @@ fn words(summary: &Summary, directory: &RunDirectory) -> String {
         line("discharge", format!("{:.2} s, {:.1} grains/s", flow.duration_s, flow.rate_per_s));
     }
     line("overlap", format!("largest {:.4} of the radius", summary.max_overlap_ratio));
-    let Energy { balance_error, flows, .. } = &summary.energy;
-    line("energy", format!("{:.3e} J dissipated, balance error {balance_error:.3e} J", flows.dissipated));
+    if let Energy { flows: Some(flows), balance_error: Some(error), .. } = &summary.energy {
+        line("energy", format!("{:.3e} J dissipated, balance error {error:.3e} J", flows.dissipated));
+    }
     line("contacts", format!("{:.3} a grain at the end", summary.coordination));
     let nanoseconds = 1e9 / performance.particle_steps_per_s;
     line(

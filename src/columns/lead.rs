@@ -96,10 +96,10 @@ pub(crate) fn follow<V: Space>(columns: Res<Columns<V>>, mut particles: Query<Fo
     for mut particle in &mut particles {
         let i = particle.slot.index();
         // Who has no place yet has not moved either.
-        let (Some(body), Some(load)) = (columns.body.get(i), columns.load.get(i)) else { continue };
-        particle.force.bypass_change_detection().0 = load.force;
-        if let (Some(torque), Some(turn)) = (&mut particle.torque, columns.turn.get(i)) {
-            torque.bypass_change_detection().0 = turn.torque;
+        let (Some(body), Some(force)) = (columns.body.get(i), columns.loads.force.get(i)) else { continue };
+        particle.force.bypass_change_detection().0 = *force;
+        if let (Some(torque), Some(sum)) = (&mut particle.torque, columns.loads.torque.get(i)) {
+            torque.bypass_change_detection().0 = *sum;
         }
         if particle.is_fixed {
             continue;
@@ -125,14 +125,14 @@ fn take_over<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<Changed<V>
     let mut longest = Longest::default();
     for (slot, (x, v, force), turning) in &grains {
         columns.put(*slot, x.0, v.0, &mut longest);
-        if let Some(load) = columns.load.get_mut(slot.index()) {
-            load.force = force.0;
+        if let Some(sum) = columns.loads.force.get_mut(slot.index()) {
+            *sum = force.0;
         }
         let Some((spin, torque)) = turning else { continue };
-        if let (Some(rotation), Some(turn)) =
-            (columns.rotation.get_mut(slot.index()), columns.turn.get_mut(slot.index()))
+        if let (Some(rotation), Some(sum)) =
+            (columns.rotation.get_mut(slot.index()), columns.loads.torque.get_mut(slot.index()))
         {
-            (rotation.spin, turn.torque) = (spin.0, torque.0);
+            (rotation.spin, *sum) = (spin.0, torque.0);
         }
     }
     columns.travel += longest.length();

@@ -8,7 +8,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::ArchetypeFilter;
 
-use crate::columns::{Columns, Load, Slot, lead, slots};
+use crate::columns::{Columns, Slot, lead, slots};
 use crate::contact::ContactForces;
 use crate::contact::history::History;
 use crate::gravity::Gravity;
@@ -88,18 +88,19 @@ pub(crate) fn gather_velocities<V: Space>(mut columns: ResMut<Columns<V>>, parti
 
 /// Where no contact pass sets them.
 pub(crate) fn clear_forces<V: Space>(gravity: Res<Gravity<V>>, mut columns: ResMut<Columns<V>>) {
-    let Columns { load, mass, .. } = &mut *columns;
-    for (load, mass) in load.iter_mut().zip(mass) {
-        *load = Load::weight(gravity.0, *mass);
+    let Columns { loads, mass, .. } = &mut *columns;
+    for (force, mass) in loads.force.iter_mut().zip(mass) {
+        *force = gravity.0 * *mass;
     }
+    loads.drag.fill(V::ZERO);
 }
 
 /// Writes the sums to the forces.
 fn write_forces<V: Space>(columns: Res<Columns<V>>, mut particles: Query<(&Slot, &mut Force<V>)>) {
     for (slots, mut forces) in particles.contiguous_iter_mut().expect(DENSE) {
         for (slot, force) in slots.iter().zip(forces.bypass_change_detection()) {
-            if let Some(from) = columns.load.get(slot.index()) {
-                force.0 = from.force;
+            if let Some(sum) = columns.loads.force.get(slot.index()) {
+                force.0 = *sum;
             }
         }
     }

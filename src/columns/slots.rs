@@ -8,7 +8,7 @@ use bevy_ecs::query::QueryData;
 use bevy_ecs::world::DeferredWorld;
 
 use crate::columns::order::Order;
-use crate::columns::{Body, Columns, DENSE, Load};
+use crate::columns::{Body, Columns, DENSE};
 use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Species, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
@@ -97,18 +97,20 @@ impl<V: Space> Columns<V> {
     /// Fills the columns but the names with particles as they come, who have these slots.
     fn fill(&mut self, particles: &mut Query<Particle<V>>, slots: &[u32]) {
         let size = slots.len();
-        let contacts = std::mem::take(&mut self.contacts);
+        let contacts = std::mem::take(&mut self.loads.contacts);
         if !contacts.is_empty() {
-            self.contacts.resize(size, MANY);
+            self.loads.contacts.resize(size, MANY);
         }
         self.entity.resize(size, Entity::PLACEHOLDER);
         self.body.resize(size, Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 });
         self.mass.resize(size, 0.0);
         self.species.resize(size, Species::default());
-        self.load.resize(size, Load::default());
+        self.loads.force.resize(size, V::ZERO);
+        self.loads.drag.clear();
+        self.loads.drag.resize(if self.has_books { size } else { 0 }, V::ZERO);
         for (mut particle, &slot) in particles.iter_mut().zip(slots) {
             let i = slot as usize;
-            if let (Some(entry), Some(&count)) = (self.contacts.get_mut(i), contacts.get(particle.slot.index())) {
+            if let (Some(entry), Some(&count)) = (self.loads.contacts.get_mut(i), contacts.get(particle.slot.index())) {
                 *entry = count;
             }
             self.entity[i] = particle.entity;
@@ -118,7 +120,7 @@ impl<V: Space> Columns<V> {
                 radius: particle.radius.0,
                 inverse_mass: inverse_mass(particle.mass, particle.is_fixed),
             };
-            self.load[i] = Load { force: particle.force.0, drag: V::ZERO };
+            self.loads.force[i] = particle.force.0;
             self.mass[i] = particle.mass.map_or(0.0, |mass| mass.0);
             self.species[i] = particle.species.copied().unwrap_or_default();
             particle.slot.0 = slot;

@@ -12,7 +12,7 @@ use crate::contact::centred::{Ahead, Window};
 use crate::contact::history::Lost;
 use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
 use crate::contact::sums::{drag, total};
-use crate::contact::{Demands, Memory, Pair, PairLaw};
+use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
 use crate::particle::Species;
@@ -76,6 +76,26 @@ pub struct Answer<V: Space> {
     pub rolling_drag_torque: Lanes<V::Spin>,
     /// What sliding, rolling beyond the cap and tangential dashpots took, J.
     pub lost: [Scalars; 3],
+}
+
+impl<V: Space> Answer<V> {
+    /// Notes what serves the books of energy alone.
+    #[inline(always)]
+    fn book<L: Demands>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
+        self.drag.set(lane, drag::<L, V>(force));
+        if L::SPIN {
+            let turning = &force.turning;
+            let moment = pair.normal.cross(turning.friction_drag);
+            self.drag_torques[0].set(lane, moment * -turning.arms[0]);
+            self.drag_torques[1].set(lane, moment * turning.arms[1]);
+            self.lost[2][lane] = pair.taken_by_dashpot::<L>(turning);
+            self.lost[0][lane] = turning.lost_by_sliding;
+            if L::ROLLING {
+                self.rolling_drag_torque.set(lane, turning.rolling_drag);
+                self.lost[1][lane] = turning.lost_by_rolling;
+            }
+        }
+    }
 }
 
 impl<V: Space> Spins<V> {
@@ -213,7 +233,7 @@ impl<V: Space> Batch<V> {
 
     /// Asks `law` about all lanes; gives how many overlap by more than `deepest` times the sum of the radii.
     #[inline(always)]
-    fn answer_all<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, deepest: f64) -> u32 {
+    fn answer_all<L: PairLaw<V> + Demands, const BOOKS: bool>(&mut self, law: &L, dt: f64, deepest: f64) -> u32 {
         let mut deeper = 0;
         if L::SPIN {
             self.spins.spread(self.lanes());
@@ -228,35 +248,34 @@ impl<V: Space> Batch<V> {
             }
             deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
             answer.force.set(lane, total::<L, V>(&force));
-            answer.drag.set(lane, drag::<L, V>(&force));
             if L::SPIN {
                 let turning = &force.turning;
                 let moment = pair.normal.cross(turning.friction);
-                let moment_of_drag = pair.normal.cross(turning.friction_drag);
                 let rolling = if L::ROLLING { turning.rolling } else { V::Spin::ZERO };
                 let [arm_i, arm_j] = turning.arms;
                 answer.torques[0].set(lane, moment * -arm_i + rolling);
                 answer.torques[1].set(lane, moment * arm_j + rolling);
-                answer.drag_torques[0].set(lane, moment_of_drag * -arm_i);
-                answer.drag_torques[1].set(lane, moment_of_drag * arm_j);
-                answer.lost[2][lane] = pair.taken_by_dashpot::<L>(turning);
-                answer.lost[0][lane] = turning.lost_by_sliding;
-                if L::ROLLING {
-                    answer.rolling_drag_torque.set(lane, turning.rolling_drag);
-                    answer.lost[1][lane] = turning.lost_by_rolling;
-                }
+            }
+            if BOOKS {
+                answer.book::<L>(lane, &pair, &force);
             }
             self.memory.set::<L>(lane, &memory);
         }
         deeper
     }
 
-    /// Asks `law` about all contacts of the batch. Tells whether any of them overlaps by more than `deepest` times the sum of
-    /// the radii.
-    pub fn ask<L: PairLaw<V> + Demands>(&mut self, law: &L, dt: f64, instructions: Instructions, deepest: f64) -> bool {
+    /// Asks `law` about all contacts of the batch; `BOOKS`: also what serves the books of energy alone. Tells whether any of them
+    /// overlaps by more than `deepest` times the sum of the radii.
+    pub fn ask<L: PairLaw<V> + Demands, const BOOKS: bool>(
+        &mut self,
+        law: &L,
+        dt: f64,
+        instructions: Instructions,
+        deepest: f64,
+    ) -> bool {
         let deeper = instructions.run(
             #[inline(always)]
-            || self.answer_all(law, dt, deepest),
+            || self.answer_all::<L, BOOKS>(law, dt, deepest),
         );
         deeper > 0
     }

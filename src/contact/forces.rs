@@ -94,8 +94,10 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
                 inertia: InertiaLaw::usual(V::DIMENSION),
                 columns_lead: false,
                 space: PhantomData,
-            })
-            .add_plugins(SpinEnergyPlugin::<V>(PhantomData));
+            });
+            if app.world().resource::<Columns<V>>().has_books {
+                app.add_plugins(SpinEnergyPlugin::<V>(PhantomData));
+            }
         }
         if L::AHEAD && !app.is_plugin_added::<LookAheadPlugin<V>>() {
             app.add_plugins(LookAheadPlugin { spins: L::SPIN, space: PhantomData::<V> });

@@ -16,7 +16,7 @@ pub use self::desk::Desk;
 use self::worker::Worker;
 use crate::columns::Columns;
 use crate::contact::history::{BLOCK, History};
-use crate::contact::sums::Sums;
+use crate::contact::sums::{Share, Sums};
 use crate::contact::{Demands, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::PairList;
@@ -57,11 +57,9 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
         desks: &mut Vec<Desk<V>>,
         deepest: f64,
     ) -> f64 {
-        let (mut loads, mut turns) = (std::mem::take(&mut columns.load), std::mem::take(&mut columns.turn));
-        let mut contacts = std::mem::take(&mut columns.contacts);
-        let mut rolling = std::mem::take(&mut columns.rolling_drag);
-        if L::ROLLING {
-            rolling.resize(columns.len(), V::Spin::ZERO);
+        let mut loads = std::mem::take(&mut columns.loads);
+        if L::ROLLING && columns.has_books {
+            loads.rolling_drag.resize(columns.len(), V::Spin::ZERO);
         }
         let tasks = self.list.tasks();
         desks.resize_with(tasks.len(), Desk::default);
@@ -72,24 +70,18 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
                 .share(tasks.iter().zip(&mut *desks).map(|(task, desk)| || desk.welcome::<L>(&task.incoming, pages)));
         }
         let view = &*columns;
-        // What is left for the tasks to come; of what the law does not demand, nothing.
-        let mut rest = (&mut loads[..], &mut turns[..], &mut contacts[..], &mut rolling[..]);
+        // What is left for the tasks to come.
+        let mut rest = Share::all(&mut loads);
         let mut workers = Vec::with_capacity(tasks.len());
         for (task, Desk { batch, arrived, spare }) in tasks.iter().zip(desks) {
             let rows = task.rows.len();
-            let sums = Sums::new(
-                task.rows.clone(),
-                rest.0.split_off_mut(..rows).unwrap_or_default(),
-                rest.1.split_off_mut(..rows).unwrap_or_default(),
-                rest.2.split_off_mut(..rows).unwrap_or_default(),
-                rest.3.split_off_mut(..rows).unwrap_or_default(),
-            );
+            let sums = Sums::new(task.rows.clone(), rest.cut_off(rows));
             let pages = pages.split_off_mut(..rows.div_ceil(BLOCK)).unwrap_or_default();
             let worker = Worker { pass: self, view, task, arrived, sums, batch, largest: deepest };
             workers.push(move || worker.sum(pages, spare));
         }
         let largest = threads.share(workers).into_iter().fold(deepest, f64::max);
-        (columns.load, columns.turn, columns.contacts, columns.rolling_drag) = (loads, turns, contacts, rolling);
+        columns.loads = loads;
         largest
     }
 }

@@ -23,6 +23,7 @@ pub mod kernel;
 pub(crate) mod lanes;
 pub mod linear;
 pub mod rolling;
+pub(crate) mod root;
 pub mod spring;
 pub(crate) mod sums;
 pub mod survey;

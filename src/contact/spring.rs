@@ -13,6 +13,7 @@
 //! spring takes as well. The dashpot's part is booked by the particles' velocities at the full step ([`crate::energy`]).
 
 use crate::contact::centred::cut;
+use crate::contact::root::inverse_root;
 use crate::space::Space;
 
 /// Stiffness (N/m), drag coefficient (N s/m) and largest force (N).
@@ -52,7 +53,7 @@ impl Slider {
         let squared = force.length_squared();
         let is_sliding = squared > self.cap * self.cap;
         if is_sliding {
-            force = force * (self.cap / squared.sqrt());
+            force = force * (self.cap * inverse_root(squared));
             after = (force - drag) * (-1.0 / self.stiffness);
         }
         *spring = after;

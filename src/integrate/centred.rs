@@ -24,12 +24,12 @@ impl<V: Space> Columns<V> {
         // What is fixed gains nothing.
         self.gain.clear();
         self.gain.resize(self.body.len(), Gain::default());
-        self.contacts.resize(self.body.len(), MANY);
+        self.loads.contacts.resize(self.body.len(), MANY);
     }
 
     /// What grain `i` gains by a force, N.
     fn gain_by(&self, i: usize, force: V) -> Gain<V> {
-        let lone = if self.contacts[i] <= 1 { 1.0 } else { 0.0 };
+        let lone = if self.loads.contacts[i] <= 1 { 1.0 } else { 0.0 };
         Gain { velocity: force * (self.lookahead / self.mass[i]), lone }
     }
 }
@@ -53,7 +53,7 @@ fn look_ahead<V: Space>(
 fn look_ahead_in_columns<V: Space>(clock: Res<Clock>, mut columns: ResMut<Columns<V>>) {
     columns.prepare(clock.dt);
     for i in 0..columns.movable_end {
-        columns.gain[i] = columns.gain_by(i, columns.load[i].force);
+        columns.gain[i] = columns.gain_by(i, columns.loads.force[i]);
     }
 }
 
@@ -77,11 +77,11 @@ fn look_ahead_of_spins<V: Space>(
 
 /// The same where columns lead.
 fn look_ahead_of_spins_in_columns<V: Space>(mut columns: ResMut<Columns<V>>) {
-    let Columns { rotation, turn, spin_gain, lookahead, movable_end: end, .. } = &mut *columns;
+    let Columns { rotation, loads, spin_gain, lookahead, movable_end: end, .. } = &mut *columns;
     spin_gain.clear();
-    spin_gain.extend(rotation[..*end].iter().zip(&*turn).map(|(rotation, turn)| {
+    spin_gain.extend(rotation[..*end].iter().zip(&loads.torque).map(|(rotation, torque)| {
         let inverse_inertia = rotation.inverse_inertia;
-        SpinGain { spin: turn.torque * (*lookahead * inverse_inertia), inverse_inertia }
+        SpinGain { spin: *torque * (*lookahead * inverse_inertia), inverse_inertia }
     }));
     spin_gain.resize(rotation.len(), SpinGain::default());
 }

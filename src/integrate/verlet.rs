@@ -16,7 +16,7 @@ use std::ops::Add;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, DENSE, GatheredVelocities, Kicked, Longest, Walkers};
+use crate::columns::{Columns, DENSE, GatheredVelocities, Kicked, Longest, NOTHING, Walkers};
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
@@ -52,13 +52,13 @@ fn drift_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns:
 }
 
 fn drift_along<V: Space>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>, set_back: impl Fn(&mut V) + Sync) {
-    let Columns { body, load, movable_end: end, .. } = columns;
+    let Columns { body, loads, movable_end: end, .. } = columns;
     let ways = walkers.along(
-        &load[..*end],
+        (&loads.force[..*end], NOTHING),
         &mut body[..*end],
         #[inline(always)]
-        |load, body, longest: &mut Longest| {
-            let velocity = body.velocity + half_kick(load.force, dt, body.inverse_mass);
+        |force, (), body, longest: &mut Longest| {
+            let velocity = body.velocity + half_kick(*force, dt, body.inverse_mass);
             let mut position = body.position + velocity * dt;
             // Before it is set back.
             longest.raise(position - body.position);
@@ -78,21 +78,33 @@ fn kick<V: Space>(clock: Res<Clock>, mut grains: Query<(&mut Velocity<V>, &Force
     }
 }
 
-/// The same in the columns, where they lead; with the power of the drag, which saves a pass.
+/// The same in the columns, where they lead; with a sum, which saves a pass ([`Columns::kick_sum`]).
 fn kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
     let dt = clock.dt;
-    let Columns { body, load, movable_end: end, .. } = &mut *columns;
-    let powers = walkers.along(
-        &load[..*end],
-        &mut body[..*end],
-        #[inline(always)]
-        |load, body, power: &mut V| {
-            let velocity = body.velocity + half_kick(load.force, dt, body.inverse_mass);
-            *power += load.drag.times(velocity);
-            body.velocity = velocity;
-        },
-    );
-    columns.drag_power = Some(powers.into_iter().fold(V::ZERO, Add::add));
+    let Columns { body, loads, movable_end: end, has_books, .. } = &mut *columns;
+    let (force, body) = (&loads.force[..*end], &mut body[..*end]);
+    let sums = if *has_books {
+        walkers.along(
+            (force, &loads.drag[..*end]),
+            body,
+            #[inline(always)]
+            |force, drag, body, power: &mut V| {
+                body.velocity += half_kick(*force, dt, body.inverse_mass);
+                *power += drag.times(body.velocity);
+            },
+        )
+    } else {
+        walkers.along(
+            (force, NOTHING),
+            body,
+            #[inline(always)]
+            |force, (), body, sum: &mut V| {
+                body.velocity += half_kick(*force, dt, body.inverse_mass);
+                *sum += body.velocity;
+            },
+        )
+    };
+    columns.kick_sum = Some(sums.into_iter().fold(V::ZERO, Add::add));
 }
 
 pub(super) fn add<V: Space>(app: &mut App, columns_lead: bool) {

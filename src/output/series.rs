@@ -7,8 +7,8 @@
 //! | `released`, `inside`, `out`, `lost`, `culled` | grains | the ledger |
 //! | `outflow_per_s` | 1/s | grains out since the row before, over the time since then |
 //! | `kinetic_j`, `rotational_j`, `potential_j`, `elastic_j` | J | energies now; potential is 0 at the origin |
-//! | `released_j`, `wall_work_j`, `lifted_j`, `added_work_j`, `dissipated_j`, `removed_j` | J | flows since the start |
-//! | `balance_error_j` | J | energies now less what the flows leave |
+//! | `released_j`, `wall_work_j`, `lifted_j`, `added_work_j`, `dissipated_j`, `removed_j` | J | flows since the start, where books are kept |
+//! | `balance_error_j` | J | energies now less what the flows leave, where books are kept |
 //! | `largest_speed_m_per_s` | m/s | of all grains |
 //! | `largest_overlap_ratio` | | now, over the smaller radius of the pair |
 //! | `coordination` | | contacts a grain |
@@ -45,9 +45,16 @@ impl Default for Series {
     }
 }
 
-const HEADER: &str = "time_s,released,inside,out,lost,culled,outflow_per_s,kinetic_j,rotational_j,potential_j,elastic_j,\
-released_j,wall_work_j,lifted_j,added_work_j,dissipated_j,removed_j,balance_error_j,\
-largest_speed_m_per_s,largest_overlap_ratio,coordination";
+/// The names of all columns, and among them, or not, those of the books.
+fn header(has_books: bool) -> String {
+    let books = if has_books { BOOKS } else { "" };
+    format!(
+        "time_s,released,inside,out,lost,culled,outflow_per_s,kinetic_j,rotational_j,potential_j,elastic_j{books},\
+         largest_speed_m_per_s,largest_overlap_ratio,coordination"
+    )
+}
+
+const BOOKS: &str = ",released_j,wall_work_j,lifted_j,added_work_j,dissipated_j,removed_j,balance_error_j";
 
 #[derive(Resource)]
 struct SeriesFile {
@@ -57,7 +64,7 @@ struct SeriesFile {
 
 fn write_row<V: Space>(
     (clock, scenery): (Res<Clock>, Scenery<V>),
-    (gravity, flows, ledger): (Res<Gravity<V>>, Res<EnergyFlows>, Res<Ledger>),
+    (gravity, flows, ledger): (Res<Gravity<V>>, Option<Res<EnergyFlows>>, Res<Ledger>),
     mut series: ResMut<SeriesFile>,
     mut outcome: ResMut<Outcome>,
 ) {
@@ -67,8 +74,13 @@ fn write_row<V: Space>(
         Some((before, out_before)) if time > before => f64::from(out - out_before) / (time - before),
         _ => 0.0,
     };
+    let books = flows.map_or_else(String::new, |flows| {
+        let EnergyFlows { released, wall_work, lifted, added_work, dissipated, removed } = *flows;
+        let error = now.energy() - flows.expected();
+        format!(",{released:e},{wall_work:e},{lifted:e},{added_work:e},{dissipated:e},{removed:e},{error:e}")
+    });
     let row = format_args!(
-        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:e},{:.6}\n",
+        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e}{books},{:e},{:e},{:.6}\n",
         ledger.released,
         ledger.inside(),
         ledger.lost(),
@@ -77,13 +89,6 @@ fn write_row<V: Space>(
         now.rotational,
         now.potential,
         now.elastic,
-        flows.released,
-        flows.wall_work,
-        flows.lifted,
-        flows.added_work,
-        flows.dissipated,
-        flows.removed,
-        now.energy() - flows.expected(),
         now.largest_speed,
         now.largest_overlap_ratio,
         now.coordination,
@@ -99,12 +104,12 @@ pub struct SeriesPlugin<V: Space> {
 }
 
 impl<V: Space> SeriesPlugin<V> {
-    /// Creates the file at `path` with its header.
+    /// Creates the file at `path` with its header; `has_books` tells whether books of energy are kept.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn create(config: Series, path: &Path) -> std::io::Result<Self> {
-        let file = Parcel::new(SeriesFile { rows: Rows::create(path, HEADER)?, last: None });
+    pub fn create(config: Series, has_books: bool, path: &Path) -> std::io::Result<Self> {
+        let file = Parcel::new(SeriesFile { rows: Rows::create(path, &header(has_books))?, last: None });
         Ok(Self { config, file, space: std::marker::PhantomData })
     }
 }

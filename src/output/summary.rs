@@ -98,13 +98,13 @@ pub struct Energy {
     pub potential: f64,
     /// At the end.
     pub elastic: f64,
-    /// The flows of the whole run.
+    /// The flows of the whole run; none of these keys where no books are kept.
     #[serde(flatten)]
-    pub flows: EnergyFlows,
+    pub flows: Option<EnergyFlows>,
     /// What of `dissipated` went by friction and by rolling resistance, where grains spin.
     pub channels: Option<Channels>,
-    /// The difference of the two sides.
-    pub balance_error: f64,
+    /// The difference of the two sides, where books are kept.
+    pub balance_error: Option<f64>,
 }
 
 /// What a run cost.
@@ -154,7 +154,7 @@ impl Summary {
         let state_hash = format!("{:016x}", state_hash::of_world(world));
         let ledger = world.resource::<Ledger>();
         let clock = world.resource::<Clock>();
-        let flows = *world.resource::<EnergyFlows>();
+        let flows = world.get_resource::<EnergyFlows>().copied();
         let failure = match end {
             End::Failed(failure) => Some(failure.to_string()),
             _ => None,
@@ -190,7 +190,7 @@ impl Summary {
                 elastic: totals.elastic,
                 flows,
                 channels: world.get_resource().copied(),
-                balance_error: totals.energy() - flows.expected(),
+                balance_error: flows.map(|flows| totals.energy() - flows.expected()),
             },
             performance: Performance {
                 wall_s: cost.wall_s,

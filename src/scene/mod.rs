@@ -106,6 +106,9 @@ pub struct Scene {
     /// What stops a run that has gone wrong; `None` for nothing but numbers that are not finite.
     #[serde(default = "default_watchdog")]
     pub watchdog: Option<Watchdog>,
+    /// Whether the energy balance is kept, which takes time: [`crate::energy`].
+    #[serde(default = "default_books")]
+    pub energy_books: bool,
     /// When the run ends at the latest, s of simulated time.
     pub until: Positive,
     /// Measures fill height and packing fraction at rest.
@@ -151,6 +154,10 @@ pub enum TimeStep {
 #[expect(clippy::unnecessary_wraps, reason = "the default of a field of this type")]
 fn default_pictures() -> Option<Pictures> {
     Some(Pictures::default())
+}
+
+fn default_books() -> bool {
+    true
 }
 
 #[expect(clippy::unnecessary_wraps, reason = "the default of a field of this type")]

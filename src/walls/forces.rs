@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::Columns;
+use crate::columns::{Columns, Loads};
 use crate::contact::history::{History, Lost};
 use crate::contact::sums;
 use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairForce, PairLaw, memory_step};
@@ -51,10 +51,10 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
         }
         let on_i = law.0.force(&pair, &mut memory);
         if L::AHEAD {
-            columns.contacts[i] += 1;
+            columns.loads.contacts[i] += 1;
         }
-        add_load::<V, L>(&mut columns, i, &mut walls.0[index].load, &pair, &on_i);
-        if L::SPIN {
+        add_load::<V, L>(&mut columns.loads, i, &mut walls.0[index].load, &pair, &on_i);
+        if L::SPIN && columns.has_books {
             let rolling = if L::ROLLING { on_i.turning.lost_by_rolling } else { 0.0 };
             lost.add([on_i.turning.lost_by_sliding, rolling]);
             lost.dashpots += pair.taken_by_dashpot::<L>(&on_i.turning);
@@ -80,7 +80,7 @@ fn forget<V: Space, L: PairLaw<V>>(
 ) -> [f64; 2] {
     let [i, wall] = contact.both();
     let wall = &walls.0[wall];
-    if !wall.is_present {
+    if !(wall.is_present && columns.has_books) {
         return [0.0; 2];
     }
     let (distance, normal) = wall.surface.distance(columns.body[i].position);
@@ -90,23 +90,32 @@ fn forget<V: Space, L: PairLaw<V>>(
 /// Adds what a contact does to grain and wall.
 #[inline]
 fn add_load<V: Space, L: Demands>(
-    columns: &mut Columns<V>,
+    loads: &mut Loads<V>,
     i: usize,
     on_wall: &mut WallLoad<V>,
     pair: &Pair<V>,
     on_i: &PairForce<V>,
 ) {
-    let sum = sums::total::<L, V>(on_i);
-    columns.load[i].force += sum;
-    let drag = sums::drag::<L, V>(on_i);
-    columns.load[i].drag += drag;
-    on_wall.force -= sum;
+    let (force, drag) = (sums::total::<L, V>(on_i), sums::drag::<L, V>(on_i));
+    loads.force[i] += force;
+    on_wall.force -= force;
     on_wall.drag -= drag;
+    let arm = pair.normal * -on_i.turning.arms[0];
     if L::SPIN {
-        columns.turn[i].add_wall::<L>(pair, on_i);
-        if L::ROLLING {
-            columns.rolling_drag[i] += on_i.turning.rolling_drag;
-        }
+        loads.torque[i] += arm.cross(on_i.turning.friction);
+    }
+    if L::ROLLING {
+        loads.torque[i] += on_i.turning.rolling;
+    }
+    if loads.drag.is_empty() {
+        return;
+    }
+    loads.drag[i] += drag;
+    if L::SPIN {
+        loads.drag_torque[i] += arm.cross(on_i.turning.friction_drag);
+    }
+    if L::ROLLING {
+        loads.rolling_drag[i] += on_i.turning.rolling_drag;
     }
 }
 

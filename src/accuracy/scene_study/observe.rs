@@ -67,11 +67,12 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     let height = mean_height(simulation.world()).filter(|_| is_whole);
     let summary = Summary::of(simulation.world_mut(), loaded, &end, cost);
     let energy = &summary.energy;
+    let dissipated = energy.flows.map(|flows| flows.dissipated);
     // Over what went through the books: the lost, or what is there.
-    let turnover = energy.flows.dissipated.max(energy.kinetic + energy.rotational + energy.elastic);
+    let turnover = dissipated.unwrap_or(0.0).max(energy.kinetic + energy.rotational + energy.elastic);
     // What still moves at the end, unless that is what a bed at rest is left with.
     let kinetic = energy.kinetic + energy.rotational;
-    let kinetic = Some(kinetic).filter(|kinetic| is_whole && *kinetic > 1e-3 * energy.flows.dissipated);
+    let kinetic = dissipated.filter(|lost| is_whole && kinetic > 1e-3 * lost).map(|_| kinetic);
     let failure = if summary.is_done() {
         None
     } else {
@@ -87,9 +88,9 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
             summary.bed.map(|bed| bed.fill_height_m),
             height,
             Some(summary.max_overlap_ratio).filter(|&ratio| ratio > 0.0),
-            Some(energy.flows.dissipated).filter(|&lost| lost > 0.0),
+            dissipated.filter(|&lost| lost > 0.0),
             kinetic.filter(|&kinetic| kinetic > 0.0),
-            Some(energy.balance_error.abs() / turnover).filter(|error| error.is_finite()),
+            energy.balance_error.map(|error| error.abs() / turnover).filter(|error| error.is_finite()),
         ],
         failure,
         state_hash: summary.state_hash.clone(),

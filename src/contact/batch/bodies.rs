@@ -6,9 +6,13 @@
 use crate::columns::Body;
 use crate::contact::Demands;
 use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
+use crate::contact::root::inverse_root;
 use crate::instructions::Instructions;
 use crate::periodic::Metric;
 use crate::space::Space;
+
+/// The square of a distance, m^2, below which two centres are one: far below any length, far above what numbers can hold.
+const COINCIDENT: f64 = 1e-200;
 
 /// The bodies of contacts i, j side by side; SI.
 #[derive(Clone, Debug, Default)]
@@ -21,7 +25,6 @@ pub struct Bodies<V: Space> {
     sums: [[f64; 2]; LANES],
     /// From j to i, m.
     separation: Lanes<V>,
-    distance: Scalars,
     /// From j to i.
     pub normal: Lanes<V>,
     /// m.
@@ -114,18 +117,21 @@ impl<V: Space> Bodies<V> {
         }
     }
 
-    /// Finds what takes a root or a division, so that no law has to wait for it; gives how many distances are nothing.
+    /// Finds what would take a root and two divisions, from one root alone; gives how many distances are nothing.
     #[inline(always)]
     fn measure_all(&mut self, lanes: usize, root: bool) -> u32 {
         let mut coincident = 0;
         for lane in 0..lanes.min(LANES) {
-            let separation = self.separation.get(lane);
-            let distance = separation.length_squared().sqrt();
-            self.distance[lane] = distance;
-            self.normal.set(lane, separation * (1.0 / distance));
+            let (separation, mobility) = (self.separation.get(lane), self.mobility[lane]);
+            let squared = separation.length_squared();
+            // 1/d and 1/mobility from one root.
+            let both = inverse_root(squared * (mobility * mobility));
+            let inverse_distance = both * mobility;
+            let distance = squared * inverse_distance;
+            self.normal.set(lane, separation * inverse_distance);
             self.overlap[lane] = self.reach[lane] - distance;
-            self.reduced_mass[lane] = 1.0 / self.mobility[lane];
-            coincident += u32::from(distance <= 0.0);
+            self.reduced_mass[lane] = both * distance;
+            coincident += u32::from(squared < COINCIDENT);
         }
         if root {
             for lane in 0..lanes.min(LANES) {
@@ -152,8 +158,10 @@ impl<V: Space> Bodies<V> {
     /// that of a lane.
     #[cold]
     pub fn part_coincident(&mut self, lanes: usize, normal: impl Fn(usize) -> V) {
-        for lane in (0..lanes).filter(|&lane| self.distance[lane] <= 0.0) {
-            self.separation.set(lane, normal(lane) * 1e-150);
+        for lane in 0..lanes {
+            if self.separation.get(lane).length_squared() < COINCIDENT {
+                self.separation.set(lane, normal(lane) * 1e-90);
+            }
         }
         self.measure_all(lanes, false);
     }

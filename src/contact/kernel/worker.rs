@@ -30,7 +30,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// Sums its rows, whose contacts stand in these pages; gives the largest overlap over the smaller radius.
     pub(super) fn sum(mut self, pages: &mut [Pages<V>], spare: &mut Pages<V>) -> f64 {
         let gravity = self.pass.gravity;
-        self.sums.begin::<L>(list::end_of(&self.task.incoming), gravity, self.view);
+        self.sums.begin(list::end_of(&self.task.incoming), gravity, self.view);
         let mut left = &self.task.incoming[..];
         while !left.is_empty() {
             left = self.offer(left);
@@ -40,14 +40,14 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             let mut block = Block { walk: Walk::new(page, spare), remembered: [false; LANES], lost: Lost::default() };
             let (mut left, end) = self.pass.list.block(first / BLOCK);
             // Not all at once: so they are at hand when they are added to.
-            self.sums.begin::<L>(end, gravity, self.view);
+            self.sums.begin(end, gravity, self.view);
             while !left.is_empty() {
                 left = self.offer(left);
                 self.flush(&mut block);
             }
             block.walk.end::<L>(block.lost, |contact, memory| self.pass.forget(self.view, contact, memory));
         }
-        self.sums.begin::<L>(self.task.rows.end, gravity, self.view);
+        self.sums.begin(self.task.rows.end, gravity, self.view);
         self.largest
     }
 
@@ -124,7 +124,12 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         }
         // What may be a record is found without dividing, and without the two radii, some rounding included.
         let deepest = self.largest * self.view.smallest_share * (1.0 - 8.0 * f64::EPSILON);
-        if self.batch.ask(law, dt, instructions, deepest) {
+        let is_deeper = if self.view.has_books {
+            self.batch.ask::<L, true>(law, dt, instructions, deepest)
+        } else {
+            self.batch.ask::<L, false>(law, dt, instructions, deepest)
+        };
+        if is_deeper {
             for (pair, overlap) in self.batch.pairs.iter().zip(&self.batch.bodies.overlap).take(self.batch.len) {
                 let [i, j] = pair.both().map(|entry| self.view.body[entry].radius);
                 self.largest = self.largest.max(overlap / i.min(j));
@@ -149,7 +154,8 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.recall(block);
         }
         self.ask();
-        if L::SPIN {
+        let has_books = self.view.has_books;
+        if L::SPIN && has_books {
             block.lost = self.batch.lost::<L>(block.lost);
         }
         if L::MEMORY {
@@ -158,7 +164,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         let (sums, batch) = (&mut self.sums, &*self.batch);
         self.pass.instructions.run_narrow(
             #[inline(always)]
-            || sums.add_to_both::<L>(batch),
+            || if has_books { sums.add_to_both::<L, true>(batch) } else { sums.add_to_both::<L, false>(batch) },
         );
         self.batch.len = 0;
     }

@@ -31,6 +31,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     periodic(loaded)?;
     spawner(loaded)?;
     door_and_rest(loaded)?;
+    books(loaded)?;
     cells(loaded)?;
     profiles(loaded)?;
     flow(loaded)?;
@@ -199,6 +200,18 @@ fn door_and_rest(loaded: &Loaded) -> Result<(), Fault> {
         return Err(loaded
             .fault("scene::no_gravity", "rest", "rest is measured in units of sqrt(g R) and m g R, but gravity is zero")
             .help("remove `rest`, or give `gravity`"));
+    }
+    Ok(())
+}
+
+/// Who wants the energy watched needs to know how much there should be.
+fn books(loaded: &Loaded) -> Result<(), Fault> {
+    let key = "watchdog.energy";
+    let asks = loaded.source.value_of(key).is_some_and(|value| value != "None");
+    if asks && !loaded.scene.energy_books {
+        return Err(loaded
+            .fault("scene::no_books", key, "energy that comes from nowhere is found by its books, and none are kept")
+            .help("remove `energy_books: false`, or leave out `watchdog.energy`"));
     }
     Ok(())
 }
