@@ -18,10 +18,11 @@ mod lead;
 mod order;
 mod passes;
 mod slots;
+mod tally;
 
 use bevy_ecs::prelude::*;
 
-pub(crate) use self::along::{NOTHING, STRIDE, Walkers};
+pub(crate) use self::along::{STRIDE, Walkers};
 pub(crate) use self::lead::{Lead, follow};
 pub(crate) use self::order::Order;
 pub use self::passes::{
@@ -30,6 +31,8 @@ pub use self::passes::{
 pub(crate) use self::passes::{DENSE, Longest, gather_velocities};
 pub use self::slots::{BeforeRenumbering, PopulationChanged, Renumbering, Slot, TIDY_EVERY, renumbering_due};
 pub(crate) use self::slots::{MANY, has_renumbered, is_time_to_tidy, population_changed, renumber};
+pub use self::tally::Tally;
+pub(crate) use self::tally::{BOOKED, WHOLE};
 use crate::particle::{GrainId, Species};
 use crate::periodic::Periodic;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
@@ -51,16 +54,11 @@ pub struct Body<V: Space = Plane> {
 /// What acts on particles: sums over their contacts. What a scene does not ask for is empty.
 #[derive(Clone, Debug)]
 pub struct Loads<V: Space = Plane> {
-    /// Forces of contacts, walls and weight together, N.
-    pub force: Vec<V>,
-    /// Torques of all contacts, N m; where grains spin.
-    pub torque: Vec<V::Spin>,
-    /// The part of the forces that dashpots make, along normals and, where grains spin, across them, N; where books of energy are
-    /// kept, as the next two.
-    pub drag: Vec<V>,
-    /// The part of the torques that tangential dashpots make, N m.
-    pub drag_torque: Vec<V::Spin>,
-    /// The part of the torques that dashpots of rolling resistance make, N m; where there is any.
+    /// Forces of contacts, walls and weight together, N; of dashpots along normals and, where grains spin, across them.
+    pub force: Tally<V>,
+    /// Torques of all contacts, N m, where grains spin; of tangential dashpots.
+    pub torque: Tally<V::Spin>,
+    /// The part of the torques that dashpots of rolling resistance make, N m, where there is any and books of energy are kept.
     pub rolling_drag: Vec<V::Spin>,
     /// How many contacts each has had in this force pass; where the scheme looks ahead.
     pub contacts: Vec<u32>,
@@ -68,14 +66,7 @@ pub struct Loads<V: Space = Plane> {
 
 impl<V: Space> Default for Loads<V> {
     fn default() -> Self {
-        Self {
-            force: Vec::new(),
-            torque: Vec::new(),
-            drag: Vec::new(),
-            drag_torque: Vec::new(),
-            rolling_drag: Vec::new(),
-            contacts: Vec::new(),
-        }
+        Self { force: Tally::default(), torque: Tally::default(), rolling_drag: Vec::new(), contacts: Vec::new() }
     }
 }
 

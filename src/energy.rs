@@ -27,7 +27,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::columns::{BeforeRenumbering, Body, Columns, Renumbering, Rotation, STRIDE};
+use crate::columns::{BOOKED, BeforeRenumbering, Body, Columns, Renumbering, Rotation, STRIDE};
 use crate::contact::Memory;
 use crate::contact::history::History;
 use crate::contact::survey::{Partner, Scenery};
@@ -172,18 +172,18 @@ fn book_contact_work<V: Space>(
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
-    let power = |drags: &[V], bodies: &[Body<V>]| {
-        let powers = drags.iter().zip(bodies).map(|(drag, body)| drag.times(body.velocity));
+    let power = |forces: &[[V; BOOKED]], bodies: &[Body<V>]| {
+        let powers = forces.iter().zip(bodies).map(|([_, drag], body)| drag.times(body.velocity));
         powers.fold(V::ZERO, Add::add)
     };
-    let (drag, fixed_drag) = columns.loads.drag.split_at(columns.movable_end);
+    let (force, on_fixed) = columns.loads.force.entries().split_at(columns.movable_end);
     let (body, fixed) = columns.body.split_at(columns.movable_end);
     // As the kick sums them, if it does.
-    let by_strides = || drag.chunks(STRIDE).zip(body.chunks(STRIDE)).map(|(drag, body)| power(drag, body));
+    let by_strides = || force.chunks(STRIDE).zip(body.chunks(STRIDE)).map(|(force, body)| power(force, body));
     let of_grains = columns.kick_sum.unwrap_or_else(|| by_strides().fold(V::ZERO, Add::add));
-    let (mut dissipation, mut wall) = (-(of_grains + power(fixed_drag, fixed)).sum_of_components(), 0.0);
-    for i in columns.movable_end..columns.len() {
-        wall -= columns.loads.force[i].dot(columns.body[i].velocity);
+    let (mut dissipation, mut wall) = (-(of_grains + power(on_fixed, fixed)).sum_of_components(), 0.0);
+    for ([force, _], body) in on_fixed.iter().zip(fixed) {
+        wall -= force.dot(body.velocity);
     }
     for belt in &walls.0 {
         dissipation -= belt.load.drag.dot(belt.velocity);
@@ -204,16 +204,16 @@ fn book_friction<V: Space>(
     mut channels: ResMut<Channels>,
     mut last: ResMut<TurningPowers>,
 ) {
-    let power = |drags: &[V::Spin], rotations: &[Rotation<V>]| {
-        let powers = drags.iter().zip(rotations).map(|(drag, rotation)| drag.times(rotation.spin));
+    let power = |torques: &[[V::Spin; BOOKED]], rotations: &[Rotation<V>]| {
+        let powers = torques.iter().zip(rotations).map(|([_, drag], rotation)| drag.times(rotation.spin));
         powers.fold(V::Spin::ZERO, Add::add)
     };
-    let (drag, fixed_drag) = columns.loads.drag_torque.split_at(columns.movable_end);
+    let (torque, on_fixed) = columns.loads.torque.entries().split_at(columns.movable_end);
     let (rotation, fixed) = columns.rotation.split_at(columns.movable_end);
     // As the kick sums them, if it does.
-    let by_strides = || drag.chunks(STRIDE).zip(rotation.chunks(STRIDE)).map(|(drag, of)| power(drag, of));
+    let by_strides = || torque.chunks(STRIDE).zip(rotation.chunks(STRIDE)).map(|(torque, of)| power(torque, of));
     let of_grains = columns.spin_kick_sum.unwrap_or_else(|| by_strides().fold(V::Spin::ZERO, Add::add));
-    let turning = -(of_grains + power(fixed_drag, fixed)).sum_of_components();
+    let turning = -(of_grains + power(on_fixed, fixed)).sum_of_components();
     let rolling = -sum(columns.loads.rolling_drag.iter().zip(&columns.rotation).map(|(drag, of)| drag.times(of.spin)));
     let taken = history.lost();
     // In step zero too: there a dashpot beyond the cap loads its spring, and what that stores is not to be had for nothing.
@@ -238,7 +238,7 @@ fn book_added_work<V: Space>(
     let mut added = 0.0;
     for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
         if let Ok(total) = forces.get(columns.entity[i]) {
-            added += (total.0 - columns.loads.force[i]).dot(columns.body[i].velocity);
+            added += (total.0 - columns.loads.force.of(i)).dot(columns.body[i].velocity);
         }
     }
     if !clock.is_step_zero() {

@@ -49,8 +49,8 @@ fn check<V: Space>(
             _ if !columns.spin(i).is_finite() => "spin",
             _ => continue,
         };
-        let total = forces.get(columns.entity[i]).map_or(columns.loads.force[i], |force| force.0);
-        let cause = if !columns.loads.force[i].is_finite() {
+        let total = forces.get(columns.entity[i]).map_or(columns.loads.force.of(i), |force| force.0);
+        let cause = if !columns.loads.force.of(i).is_finite() {
             let (mass, radius) = (1.0 / columns.body[i].inverse_mass, columns.body[i].radius);
             let bounce = Bounce { reduced_mass: mass, reduced_radius: radius, speed: 1.0 };
             let step = law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(&bounce));

@@ -12,8 +12,8 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{
-    self, Columns, DENSE, Gathered, GatheredVelocities, Kicked, NOTHING, PlacesGathered, Renumbering, Rotation, Slot,
-    SpinsDrifted, Walkers,
+    self, BOOKED, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Rotation, Slot,
+    SpinsDrifted, WHOLE, Walkers,
 };
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
@@ -107,43 +107,30 @@ fn half_kick<V: Space>(clock: Res<Clock>, mut grains: Query<Turning<V>, Without<
     }
 }
 
-/// The same in the columns, where they lead.
-fn half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    let (dt, Columns { loads, rotation, movable_end: end, .. }) = (clock.dt, &mut *columns);
-    walkers.along(
-        (&loads.torque[..*end], NOTHING),
+/// The same in the columns, where they lead. Gives a sum ([`Columns::spin_kick_sum`]).
+fn half_kick_by<V: Space, const EACH: usize>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>) -> V::Spin {
+    let Columns { loads, rotation, movable_end: end, .. } = columns;
+    let sums = walkers.along(
+        &loads.torque.entries::<EACH>()[..*end],
         &mut rotation[..*end],
         #[inline(always)]
-        |torque, (), rotation, (): &mut ()| rotation.spin += gained(*torque, dt, rotation.inverse_inertia),
+        |torque, rotation, sum: &mut V::Spin| {
+            let spin = rotation.spin + gained(torque[0], dt, rotation.inverse_inertia);
+            *sum += torque.get(1).map_or(spin, |drag| drag.times(spin));
+            rotation.spin = spin;
+        },
     );
+    sums.into_iter().fold(V::Spin::ZERO, |sum, one| sum + one)
 }
 
-/// The second half step of w, with a sum, which saves a pass ([`Columns::spin_kick_sum`]).
-fn last_half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    let (dt, Columns { loads, rotation, movable_end: end, has_books, .. }) = (clock.dt, &mut *columns);
-    let (torque, rotation) = (&loads.torque[..*end], &mut rotation[..*end]);
-    let sums = if *has_books {
-        walkers.along(
-            (torque, &loads.drag_torque[..*end]),
-            rotation,
-            #[inline(always)]
-            |torque, drag_torque, rotation, power: &mut V::Spin| {
-                rotation.spin += gained(*torque, dt, rotation.inverse_inertia);
-                *power += drag_torque.times(rotation.spin);
-            },
-        )
+/// Before the drift and again after the forces.
+fn half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
+    let sum = if columns.has_books {
+        half_kick_by::<V, BOOKED>(clock.dt, &walkers, &mut columns)
     } else {
-        walkers.along(
-            (torque, NOTHING),
-            rotation,
-            #[inline(always)]
-            |torque, (), rotation, sum: &mut V::Spin| {
-                rotation.spin += gained(*torque, dt, rotation.inverse_inertia);
-                *sum += rotation.spin;
-            },
-        )
+        half_kick_by::<V, WHOLE>(clock.dt, &walkers, &mut columns)
     };
-    columns.spin_kick_sum = Some(sums.into_iter().fold(V::Spin::ZERO, |sum, one| sum + one));
+    columns.spin_kick_sum = Some(sum);
 }
 
 /// Copies spins into the columns.
@@ -163,19 +150,14 @@ fn make_room<V: Space>(
     grains: Query<(&Slot, &Spin<V::Spin>, &Torque<V::Spin>, &Inertia)>,
 ) {
     let (particles, Columns { rotation, loads, has_books, .. }) = (columns.len(), &mut *columns);
-    let clear = |column: &mut Vec<V::Spin>, size: usize| {
-        column.clear();
-        column.resize(size, V::Spin::ZERO);
-    };
     rotation.clear();
     rotation.resize(particles, Rotation::default());
-    clear(&mut loads.torque, particles);
-    clear(&mut loads.drag_torque, if *has_books { particles } else { 0 });
+    loads.torque.reset(particles, *has_books);
     for (slot, spin, torque, inertia) in &grains {
-        if let (Some(rotation), Some(sum)) = (rotation.get_mut(slot.index()), loads.torque.get_mut(slot.index())) {
+        if let Some(rotation) = rotation.get_mut(slot.index()) {
             *rotation = Rotation { spin: spin.0, inverse_inertia: 1.0 / inertia.0 };
-            *sum = torque.0;
         }
+        loads.torque.set(slot.index(), torque.0);
     }
 }
 
@@ -184,7 +166,7 @@ fn write<V: Space>(columns: Res<Columns<V>>, mut grains: Query<(&Slot, &mut Torq
     for (slots, mut torques) in grains.contiguous_iter_mut().expect(DENSE) {
         for (slot, torque) in slots.iter().zip(torques.bypass_change_detection()) {
             if let Some(sum) = columns.loads.torque.get(slot.index()) {
-                torque.0 = *sum;
+                torque.0 = sum;
             }
         }
     }
@@ -206,7 +188,7 @@ impl<V: Space> Plugin for SpinPlugin<V> {
             .add_observer(equip::<V>)
             .add_systems(Step, make_room::<V>.in_set(Renumbering).after(columns::renumber::<V>));
         if self.columns_lead {
-            let again = last_half_kick_columns::<V>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities);
+            let again = half_kick_columns::<V>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities);
             app.add_systems(
                 Step,
                 (half_kick_columns::<V>.in_set(Phase::Drift).in_set(SpinsDrifted).after(Drifted), again),

@@ -1,4 +1,4 @@
-//! Walking along columns, on all threads.
+//! Walking along two columns, on all threads.
 //!
 //! [`STRIDE`] entries at a time. What is summed on the way is summed over each stride by itself, so that the number of threads
 //! leaves no trace.
@@ -15,9 +15,6 @@ pub(crate) const STRIDE: usize = 1024;
 /// From how many strides on threads share them: with fewer there is little to save.
 const WORTHWHILE: usize = 8;
 
-/// A column of nothing, as long as any.
-pub(crate) const NOTHING: &[()] = &[(); usize::MAX];
-
 /// Who walks.
 #[derive(SystemParam)]
 pub(crate) struct Walkers<'w> {
@@ -26,36 +23,36 @@ pub(crate) struct Walkers<'w> {
 }
 
 impl Walkers<'_> {
-    /// Calls `each` with the entries of all three columns, and with what it sums up. Gives the sums of the strides, in order.
-    pub(crate) fn along<A: Sync, B: Sync, C: Send, T: Default + Send>(
+    /// Calls `each` with the entries of both columns, and with what it sums up. Gives the sums of the strides, in order.
+    pub(crate) fn along<A: Sync, B: Send, T: Default + Send>(
         &self,
-        read: (&[A], &[B]),
-        written: &mut [C],
-        each: impl Fn(&A, &B, &mut C, &mut T) + Sync,
+        read: &[A],
+        written: &mut [B],
+        each: impl Fn(&A, &mut B, &mut T) + Sync,
     ) -> Vec<T> {
         let instructions = *self.instructions;
-        let stride = |((one, other), written): ((&[A], &[B]), &mut [C])| {
+        let stride = |(read, written): (&[A], &mut [B])| {
             instructions.run_narrow(
                 #[inline(always)]
                 || {
                     let mut sum = T::default();
-                    for ((a, b), c) in one.iter().zip(other).zip(written) {
-                        each(a, b, c, &mut sum);
+                    for (a, b) in read.iter().zip(written) {
+                        each(a, b, &mut sum);
                     }
                     sum
                 },
             )
         };
-        let along = |(one, other): (&[A], &[B]), written: &mut [C]| -> Vec<T> {
-            one.chunks(STRIDE).zip(other.chunks(STRIDE)).zip(written.chunks_mut(STRIDE)).map(stride).collect()
+        let along = |read: &[A], written: &mut [B]| -> Vec<T> {
+            read.chunks(STRIDE).zip(written.chunks_mut(STRIDE)).map(stride).collect()
         };
         let (strides, threads) = (written.len().div_ceil(STRIDE), self.threads.count());
         if threads == 1 || strides < WORTHWHILE {
             return along(read, written);
         }
         let share = strides.div_ceil(threads) * STRIDE;
-        let shares = read.0.chunks(share).zip(read.1.chunks(share)).zip(written.chunks_mut(share));
-        self.threads.share(shares.map(|(read, written)| move || along(read, written))).into_iter().flatten().collect()
+        let shares = read.chunks(share).zip(written.chunks_mut(share));
+        self.threads.share(shares.map(|(read, written)| || along(read, written))).into_iter().flatten().collect()
     }
 }
 
@@ -84,7 +81,7 @@ mod tests {
         for threads in [1, 2, 3] {
             let mut written = vec![1.0; column.len()];
             let sums = with(threads, |walkers| {
-                walkers.along((&column, NOTHING), &mut written, |a, (), b, sum: &mut f64| {
+                walkers.along(&column, &mut written, |a, b, sum: &mut f64| {
                     *b += a;
                     *sum += a;
                 })

@@ -97,9 +97,9 @@ pub(crate) fn follow<V: Space>(columns: Res<Columns<V>>, mut particles: Query<Fo
         let i = particle.slot.index();
         // Who has no place yet has not moved either.
         let (Some(body), Some(force)) = (columns.body.get(i), columns.loads.force.get(i)) else { continue };
-        particle.force.bypass_change_detection().0 = *force;
+        particle.force.bypass_change_detection().0 = force;
         if let (Some(torque), Some(sum)) = (&mut particle.torque, columns.loads.torque.get(i)) {
-            torque.bypass_change_detection().0 = *sum;
+            torque.bypass_change_detection().0 = sum;
         }
         if particle.is_fixed {
             continue;
@@ -125,15 +125,12 @@ fn take_over<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<Changed<V>
     let mut longest = Longest::default();
     for (slot, (x, v, force), turning) in &grains {
         columns.put(*slot, x.0, v.0, &mut longest);
-        if let Some(sum) = columns.loads.force.get_mut(slot.index()) {
-            *sum = force.0;
-        }
+        columns.loads.force.set(slot.index(), force.0);
         let Some((spin, torque)) = turning else { continue };
-        if let (Some(rotation), Some(sum)) =
-            (columns.rotation.get_mut(slot.index()), columns.loads.torque.get_mut(slot.index()))
-        {
-            (rotation.spin, *sum) = (spin.0, torque.0);
+        if let Some(rotation) = columns.rotation.get_mut(slot.index()) {
+            rotation.spin = spin.0;
         }
+        columns.loads.torque.set(slot.index(), torque.0);
     }
     columns.travel += longest.length();
 }

@@ -88,11 +88,11 @@ pub(crate) fn gather_velocities<V: Space>(mut columns: ResMut<Columns<V>>, parti
 
 /// Where no contact pass sets them.
 pub(crate) fn clear_forces<V: Space>(gravity: Res<Gravity<V>>, mut columns: ResMut<Columns<V>>) {
-    let Columns { loads, mass, .. } = &mut *columns;
-    for (force, mass) in loads.force.iter_mut().zip(mass) {
-        *force = gravity.0 * *mass;
+    let Columns { loads, mass, has_books, .. } = &mut *columns;
+    loads.force.reset(mass.len(), *has_books);
+    for (i, mass) in mass.iter().enumerate() {
+        loads.force.set(i, gravity.0 * *mass);
     }
-    loads.drag.fill(V::ZERO);
 }
 
 /// Writes the sums to the forces.
@@ -100,7 +100,7 @@ fn write_forces<V: Space>(columns: Res<Columns<V>>, mut particles: Query<(&Slot,
     for (slots, mut forces) in particles.contiguous_iter_mut().expect(DENSE) {
         for (slot, force) in slots.iter().zip(forces.bypass_change_detection()) {
             if let Some(sum) = columns.loads.force.get(slot.index()) {
-                force.0 = *sum;
+                force.0 = sum;
             }
         }
     }

@@ -105,9 +105,7 @@ impl<V: Space> Columns<V> {
         self.body.resize(size, Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 });
         self.mass.resize(size, 0.0);
         self.species.resize(size, Species::default());
-        self.loads.force.resize(size, V::ZERO);
-        self.loads.drag.clear();
-        self.loads.drag.resize(if self.has_books { size } else { 0 }, V::ZERO);
+        self.loads.force.reset(size, self.has_books);
         for (mut particle, &slot) in particles.iter_mut().zip(slots) {
             let i = slot as usize;
             if let (Some(entry), Some(&count)) = (self.loads.contacts.get_mut(i), contacts.get(particle.slot.index())) {
@@ -120,7 +118,7 @@ impl<V: Space> Columns<V> {
                 radius: particle.radius.0,
                 inverse_mass: inverse_mass(particle.mass, particle.is_fixed),
             };
-            self.loads.force[i] = particle.force.0;
+            self.loads.force.set(i, particle.force.0);
             self.mass[i] = particle.mass.map_or(0.0, |mass| mass.0);
             self.species[i] = particle.species.copied().unwrap_or_default();
             particle.slot.0 = slot;

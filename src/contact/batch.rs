@@ -7,7 +7,7 @@
 mod bodies;
 
 pub use self::bodies::Bodies;
-use crate::columns::{Columns, Rotation};
+use crate::columns::{BOOKED, Columns, Rotation};
 use crate::contact::centred::{Ahead, Window};
 use crate::contact::history::Lost;
 use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
@@ -65,13 +65,10 @@ pub struct MemoryLanes<V: Space> {
 pub struct Answer<V: Space> {
     /// Whether the two touch: 1 or 0. Where not, nothing else is to be read.
     pub touches: Scalars,
-    /// Force on i, N, and the part of it that dashpots make.
-    pub force: Lanes<V>,
-    pub drag: Lanes<V>,
-    /// What i gains and j loses: torques, N m.
-    pub torques: [Lanes<V::Spin>; 2],
-    /// The part of those that tangential dashpots make.
-    pub drag_torques: [Lanes<V::Spin>; 2],
+    /// Force on i, N: the whole, and the part of it that dashpots make.
+    forces: [Lanes<V>; BOOKED],
+    /// Torques that i gains and j loses, N m: of each the whole, and the part that tangential dashpots make.
+    torques: [[Lanes<V::Spin>; BOOKED]; 2],
     /// Torque on i of the dashpots of rolling resistance, N m.
     pub rolling_drag_torque: Lanes<V::Spin>,
     /// What sliding, rolling beyond the cap and tangential dashpots took, J.
@@ -79,15 +76,33 @@ pub struct Answer<V: Space> {
 }
 
 impl<V: Space> Answer<V> {
+    /// Force on i, as an entry of a [`Tally`](crate::columns::Tally).
+    #[inline(always)]
+    pub fn force<const EACH: usize>(&self, lane: usize) -> [V; EACH] {
+        std::array::from_fn(
+            #[inline(always)]
+            |part| self.forces[part].get(lane),
+        )
+    }
+
+    /// What i gains (side 0) or j loses (side 1), as an entry of one.
+    #[inline(always)]
+    pub fn torque<const EACH: usize>(&self, side: usize, lane: usize) -> [V::Spin; EACH] {
+        std::array::from_fn(
+            #[inline(always)]
+            |part| self.torques[side][part].get(lane),
+        )
+    }
+
     /// Notes what serves the books of energy alone.
     #[inline(always)]
     fn book<L: Demands>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
-        self.drag.set(lane, drag::<L, V>(force));
+        self.forces[1].set(lane, drag::<L, V>(force));
         if L::SPIN {
             let turning = &force.turning;
             let moment = pair.normal.cross(turning.friction_drag);
-            self.drag_torques[0].set(lane, moment * -turning.arms[0]);
-            self.drag_torques[1].set(lane, moment * turning.arms[1]);
+            self.torques[0][1].set(lane, moment * -turning.arms[0]);
+            self.torques[1][1].set(lane, moment * turning.arms[1]);
             self.lost[2][lane] = pair.taken_by_dashpot::<L>(turning);
             self.lost[0][lane] = turning.lost_by_sliding;
             if L::ROLLING {
@@ -233,7 +248,7 @@ impl<V: Space> Batch<V> {
 
     /// Asks `law` about all lanes; gives how many overlap by more than `deepest` times the sum of the radii.
     #[inline(always)]
-    fn answer_all<L: PairLaw<V> + Demands, const BOOKS: bool>(&mut self, law: &L, dt: f64, deepest: f64) -> u32 {
+    fn answer_all<L: PairLaw<V> + Demands, const EACH: usize>(&mut self, law: &L, dt: f64, deepest: f64) -> u32 {
         let mut deeper = 0;
         if L::SPIN {
             self.spins.spread(self.lanes());
@@ -247,16 +262,16 @@ impl<V: Space> Batch<V> {
                 answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
             }
             deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
-            answer.force.set(lane, total::<L, V>(&force));
+            answer.forces[0].set(lane, total::<L, V>(&force));
             if L::SPIN {
                 let turning = &force.turning;
                 let moment = pair.normal.cross(turning.friction);
                 let rolling = if L::ROLLING { turning.rolling } else { V::Spin::ZERO };
                 let [arm_i, arm_j] = turning.arms;
-                answer.torques[0].set(lane, moment * -arm_i + rolling);
-                answer.torques[1].set(lane, moment * arm_j + rolling);
+                answer.torques[0][0].set(lane, moment * -arm_i + rolling);
+                answer.torques[1][0].set(lane, moment * arm_j + rolling);
             }
-            if BOOKS {
+            if EACH == BOOKED {
                 answer.book::<L>(lane, &pair, &force);
             }
             self.memory.set::<L>(lane, &memory);
@@ -264,9 +279,9 @@ impl<V: Space> Batch<V> {
         deeper
     }
 
-    /// Asks `law` about all contacts of the batch; `BOOKS`: also what serves the books of energy alone. Tells whether any of them
+    /// Asks `law` about all contacts of the batch; with [`BOOKED`] numbers to an entry also what serves the books of energy alone. Tells whether any of them
     /// overlaps by more than `deepest` times the sum of the radii.
-    pub fn ask<L: PairLaw<V> + Demands, const BOOKS: bool>(
+    pub fn ask<L: PairLaw<V> + Demands, const EACH: usize>(
         &mut self,
         law: &L,
         dt: f64,
@@ -275,7 +290,7 @@ impl<V: Space> Batch<V> {
     ) -> bool {
         let deeper = instructions.run(
             #[inline(always)]
-            || self.answer_all::<L, BOOKS>(law, dt, deepest),
+            || self.answer_all::<L, EACH>(law, dt, deepest),
         );
         deeper > 0
     }

@@ -2,9 +2,9 @@
 //!
 //! What serves the books of energy alone is added where they are kept.
 
-use std::ops::Range;
+use std::ops::{AddAssign, Range, SubAssign};
 
-use crate::columns::{Columns, Loads};
+use crate::columns::{BOOKED, Columns, Loads, WHOLE};
 use crate::contact::batch::Batch;
 use crate::contact::geometry::parted;
 use crate::contact::kernel::Pass;
@@ -50,10 +50,10 @@ pub(crate) fn total<L: Demands, V: Space>(force: &PairForce<V>) -> V {
 
 /// A share of the loads: of consecutive particles.
 pub(super) struct Share<'a, V: Space> {
+    /// Of [`Tally`](crate::columns::Tally)s, all numbers, so many to an entry.
     force: &'a mut [V],
     torque: &'a mut [V::Spin],
-    drag: &'a mut [V],
-    drag_torque: &'a mut [V::Spin],
+    each: usize,
     rolling_drag: &'a mut [V::Spin],
     contacts: &'a mut [u32],
 }
@@ -61,42 +61,55 @@ pub(super) struct Share<'a, V: Space> {
 impl<'a, V: Space> Share<'a, V> {
     /// Everybody's.
     pub(super) fn all(loads: &'a mut Loads<V>) -> Self {
-        let Loads { force, torque, drag, drag_torque, rolling_drag, contacts } = loads;
-        Self { force, torque, drag, drag_torque, rolling_drag, contacts }
+        let Loads { force, torque, rolling_drag, contacts } = loads;
+        let (force, each) = force.numbers_mut();
+        Self { force, torque: torque.numbers_mut().0, each, rolling_drag, contacts }
     }
 
     /// Takes those of the first so many away.
     pub(super) fn cut_off(&mut self, particles: usize) -> Self {
-        fn cut_off<'a, T>(column: &mut &'a mut [T], particles: usize) -> &'a mut [T] {
+        fn cut_off<'a, T>(column: &mut &'a mut [T], numbers: usize) -> &'a mut [T] {
             // Of what is not asked for, nothing.
-            column.split_off_mut(..particles).unwrap_or_default()
+            column.split_off_mut(..numbers).unwrap_or_default()
         }
+        let each = self.each;
         Self {
-            force: cut_off(&mut self.force, particles),
-            torque: cut_off(&mut self.torque, particles),
-            drag: cut_off(&mut self.drag, particles),
-            drag_torque: cut_off(&mut self.drag_torque, particles),
+            force: cut_off(&mut self.force, particles * each),
+            torque: cut_off(&mut self.torque, particles * each),
+            each,
             rolling_drag: cut_off(&mut self.rolling_drag, particles),
             contacts: cut_off(&mut self.contacts, particles),
         }
     }
 
-    /// Sets those of some places, from the start of the share, to what sums begin with.
-    fn begin(&mut self, places: Range<usize>, weights: impl Iterator<Item = V>) {
-        fn clear<T: Copy + Default>(column: &mut [T], places: &Range<usize>) {
-            if let Some(sums) = column.get_mut(places.clone()) {
+    /// Sets sums from this place on to what they begin with, the weight of each mass (kg).
+    fn begin<const EACH: usize>(&mut self, start: usize, masses: &[f64], gravity: V) {
+        fn clear<T: Copy + Default>(column: &mut [T], places: Range<usize>) {
+            if let Some(sums) = column.get_mut(places) {
                 sums.fill(T::default());
             }
         }
-        for (force, weight) in self.force[places.clone()].iter_mut().zip(weights) {
-            *force = weight;
+        let end = start + masses.len();
+        for (entry, mass) in self.force.as_chunks_mut::<EACH>().0[start..end].iter_mut().zip(masses) {
+            *entry = [V::ZERO; EACH];
+            entry[0] = gravity * *mass;
         }
-        clear(self.torque, &places);
-        clear(self.drag, &places);
-        clear(self.drag_torque, &places);
-        clear(self.rolling_drag, &places);
-        clear(self.contacts, &places);
+        clear(self.torque, start * EACH..end * EACH);
+        clear(self.rolling_drag, start..end);
+        clear(self.contacts, start..end);
     }
+}
+
+/// Adds numbers to an entry of a tally.
+#[inline(always)]
+fn add<T: AddAssign, const EACH: usize>(entry: &mut [T; EACH], numbers: [T; EACH]) {
+    entry.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
+}
+
+/// Takes them away from one.
+#[inline(always)]
+fn take<T: SubAssign, const EACH: usize>(entry: &mut [T; EACH], numbers: [T; EACH]) {
+    entry.iter_mut().zip(numbers).for_each(|(sum, number)| *sum -= number);
 }
 
 /// The sums of the particles of a share of rows, entry by entry.
@@ -115,33 +128,43 @@ impl<'a, V: Space> Sums<'a, V> {
     /// Begins the sums of all entries before this one, if they have not.
     pub(super) fn begin(&mut self, end: usize, gravity: V, columns: &Columns<V>) {
         let end = end.clamp(self.begun, self.rows.end);
-        let weights = columns.mass[self.begun..end].iter().map(|mass| gravity * *mass);
-        let start = self.rows.start;
-        self.share.begin(self.begun - start..end - start, weights);
+        let (masses, start) = (&columns.mass[self.begun..end], self.begun - self.rows.start);
+        if self.share.each == BOOKED {
+            self.share.begin::<BOOKED>(start, masses, gravity);
+        } else {
+            self.share.begin::<WHOLE>(start, masses, gravity);
+        }
         self.begun = end;
     }
 
-    /// Adds what the contacts of a batch do to both, unless the second is in another share. `BOOKS`: whether they are kept.
+    /// Adds what the contacts of a batch do to both, unless the second is in another share.
     #[inline(always)]
-    pub(super) fn add_to_both<L: Demands, const BOOKS: bool>(&mut self, batch: &Batch<V>) {
+    pub(super) fn add_to_both<L: Demands, const EACH: usize>(&mut self, batch: &Batch<V>) {
         let start = self.rows.start;
-        let Share { force, torque, drag, drag_torque, rolling_drag, contacts } = &mut self.share;
+        let Share { force, torque, rolling_drag, contacts, .. } = &mut self.share;
         // What is of its own cannot change under the loop.
-        let (forces, torques, contacts) = (&mut **force, &mut **torque, &mut **contacts);
-        let (drags, drag_torques, rolling) = (&mut **drag, &mut **drag_torque, &mut **rolling_drag);
+        let (forces, torques) = (force.as_chunks_mut::<EACH>().0, torque.as_chunks_mut::<EACH>().0);
+        let (rolling, contacts) = (&mut **rolling_drag, &mut **contacts);
         let answer = &batch.answer;
         for lane in (0..batch.len.min(LANES)).filter(|&lane| batch.touches::<L>(lane)) {
             let [first, second] = batch.pairs[lane].both().map(|entry| entry - start);
             let is_here = second < forces.len();
-            let force = answer.force.get(lane);
-            forces[first] += force;
+            let force = answer.force::<EACH>(lane);
+            add(&mut forces[first], force);
             if is_here {
-                forces[second] -= force;
+                take(&mut forces[second], force);
             }
             if L::SPIN {
-                torques[first] += answer.torques[0].get(lane);
+                add(&mut torques[first], answer.torque::<EACH>(0, lane));
                 if is_here {
-                    torques[second] -= answer.torques[1].get(lane);
+                    take(&mut torques[second], answer.torque::<EACH>(1, lane));
+                }
+            }
+            if L::ROLLING && EACH == BOOKED {
+                let drag = answer.rolling_drag_torque.get(lane);
+                rolling[first] += drag;
+                if is_here {
+                    rolling[second] -= drag;
                 }
             }
             if L::AHEAD {
@@ -150,51 +173,25 @@ impl<'a, V: Space> Sums<'a, V> {
                     contacts[second] += 1;
                 }
             }
-            if !BOOKS {
-                continue;
-            }
-            let drag = answer.drag.get(lane);
-            drags[first] += drag;
-            if is_here {
-                drags[second] -= drag;
-            }
-            if L::SPIN {
-                drag_torques[first] += answer.drag_torques[0].get(lane);
-                if is_here {
-                    drag_torques[second] -= answer.drag_torques[1].get(lane);
-                }
-            }
-            if L::ROLLING {
-                let drag = answer.rolling_drag_torque.get(lane);
-                rolling[first] += drag;
-                if is_here {
-                    rolling[second] -= drag;
-                }
-            }
         }
     }
 
     /// Adds what the contacts of a batch do to their second members.
-    pub(super) fn add_to_second<L: Demands>(&mut self, batch: &Batch<V>) {
-        let (answer, share) = (&batch.answer, &mut self.share);
-        let has_books = !share.drag.is_empty();
+    pub(super) fn add_to_second<L: Demands, const EACH: usize>(&mut self, batch: &Batch<V>) {
+        let Share { force, torque, rolling_drag, contacts, .. } = &mut self.share;
+        let (forces, torques) = (force.as_chunks_mut::<EACH>().0, torque.as_chunks_mut::<EACH>().0);
+        let answer = &batch.answer;
         for lane in (0..batch.len.min(LANES)).filter(|&lane| batch.touches::<L>(lane)) {
             let second = batch.pairs[lane].second() - self.rows.start;
-            share.force[second] -= answer.force.get(lane);
+            take(&mut forces[second], answer.force::<EACH>(lane));
             if L::SPIN {
-                share.torque[second] -= answer.torques[1].get(lane);
+                take(&mut torques[second], answer.torque::<EACH>(1, lane));
+            }
+            if L::ROLLING && EACH == BOOKED {
+                rolling_drag[second] -= answer.rolling_drag_torque.get(lane);
             }
             if L::AHEAD {
-                share.contacts[second] += 1;
-            }
-            if has_books {
-                share.drag[second] -= answer.drag.get(lane);
-                if L::SPIN {
-                    share.drag_torque[second] -= answer.drag_torques[1].get(lane);
-                }
-                if L::ROLLING {
-                    share.rolling_drag[second] -= answer.rolling_drag_torque.get(lane);
-                }
+                contacts[second] += 1;
             }
         }
     }

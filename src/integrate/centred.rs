@@ -53,7 +53,7 @@ fn look_ahead<V: Space>(
 fn look_ahead_in_columns<V: Space>(clock: Res<Clock>, mut columns: ResMut<Columns<V>>) {
     columns.prepare(clock.dt);
     for i in 0..columns.movable_end {
-        columns.gain[i] = columns.gain_by(i, columns.loads.force[i]);
+        columns.gain[i] = columns.gain_by(i, columns.loads.force.of(i));
     }
 }
 
@@ -79,9 +79,9 @@ fn look_ahead_of_spins<V: Space>(
 fn look_ahead_of_spins_in_columns<V: Space>(mut columns: ResMut<Columns<V>>) {
     let Columns { rotation, loads, spin_gain, lookahead, movable_end: end, .. } = &mut *columns;
     spin_gain.clear();
-    spin_gain.extend(rotation[..*end].iter().zip(&loads.torque).map(|(rotation, torque)| {
+    spin_gain.extend(rotation[..*end].iter().enumerate().map(|(i, rotation)| {
         let inverse_inertia = rotation.inverse_inertia;
-        SpinGain { spin: *torque * (*lookahead * inverse_inertia), inverse_inertia }
+        SpinGain { spin: loads.torque.of(i) * (*lookahead * inverse_inertia), inverse_inertia }
     }));
     spin_gain.resize(rotation.len(), SpinGain::default());
 }

@@ -16,7 +16,7 @@ use std::ops::Add;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, DENSE, GatheredVelocities, Kicked, Longest, NOTHING, Walkers};
+use crate::columns::{BOOKED, Columns, DENSE, GatheredVelocities, Kicked, Longest, WHOLE, Walkers};
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
@@ -44,21 +44,35 @@ fn drift<V: Space>(clock: Res<Clock>, mut grains: Query<Drifting<V>, Movable>) {
 
 /// The same in the columns, where they lead.
 fn drift_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    // An open scene pays nothing for sides.
-    match columns.periodic.filter(|_| !columns.sets_back_later) {
-        None => drift_along(clock.dt, &walkers, &mut columns, |_| {}),
-        Some(periodic) => drift_along(clock.dt, &walkers, &mut columns, |x| periodic.wrap(x)),
+    if columns.has_books {
+        drift_by::<V, BOOKED>(clock.dt, &walkers, &mut columns);
+    } else {
+        drift_by::<V, WHOLE>(clock.dt, &walkers, &mut columns);
     }
 }
 
-fn drift_along<V: Space>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>, set_back: impl Fn(&mut V) + Sync) {
+/// By forces of which so many numbers are kept.
+fn drift_by<V: Space, const EACH: usize>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>) {
+    // An open scene pays nothing for sides.
+    match columns.periodic.filter(|_| !columns.sets_back_later) {
+        None => drift_along::<V, EACH>(dt, walkers, columns, |_| {}),
+        Some(periodic) => drift_along::<V, EACH>(dt, walkers, columns, |x| periodic.wrap(x)),
+    }
+}
+
+fn drift_along<V: Space, const EACH: usize>(
+    dt: f64,
+    walkers: &Walkers,
+    columns: &mut Columns<V>,
+    set_back: impl Fn(&mut V) + Sync,
+) {
     let Columns { body, loads, movable_end: end, .. } = columns;
     let ways = walkers.along(
-        (&loads.force[..*end], NOTHING),
+        &loads.force.entries::<EACH>()[..*end],
         &mut body[..*end],
         #[inline(always)]
-        |force, (), body, longest: &mut Longest| {
-            let velocity = body.velocity + half_kick(*force, dt, body.inverse_mass);
+        |force, body, longest: &mut Longest| {
+            let velocity = body.velocity + half_kick(force[0], dt, body.inverse_mass);
             let mut position = body.position + velocity * dt;
             // Before it is set back.
             longest.raise(position - body.position);
@@ -80,31 +94,27 @@ fn kick<V: Space>(clock: Res<Clock>, mut grains: Query<(&mut Velocity<V>, &Force
 
 /// The same in the columns, where they lead; with a sum, which saves a pass ([`Columns::kick_sum`]).
 fn kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    let dt = clock.dt;
-    let Columns { body, loads, movable_end: end, has_books, .. } = &mut *columns;
-    let (force, body) = (&loads.force[..*end], &mut body[..*end]);
-    let sums = if *has_books {
-        walkers.along(
-            (force, &loads.drag[..*end]),
-            body,
-            #[inline(always)]
-            |force, drag, body, power: &mut V| {
-                body.velocity += half_kick(*force, dt, body.inverse_mass);
-                *power += drag.times(body.velocity);
-            },
-        )
+    let sum = if columns.has_books {
+        kick_by::<V, BOOKED>(clock.dt, &walkers, &mut columns)
     } else {
-        walkers.along(
-            (force, NOTHING),
-            body,
-            #[inline(always)]
-            |force, (), body, sum: &mut V| {
-                body.velocity += half_kick(*force, dt, body.inverse_mass);
-                *sum += body.velocity;
-            },
-        )
+        kick_by::<V, WHOLE>(clock.dt, &walkers, &mut columns)
     };
-    columns.kick_sum = Some(sums.into_iter().fold(V::ZERO, Add::add));
+    columns.kick_sum = Some(sum);
+}
+
+fn kick_by<V: Space, const EACH: usize>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>) -> V {
+    let Columns { body, loads, movable_end: end, .. } = columns;
+    let sums = walkers.along(
+        &loads.force.entries::<EACH>()[..*end],
+        &mut body[..*end],
+        #[inline(always)]
+        |force, body, sum: &mut V| {
+            let velocity = body.velocity + half_kick(force[0], dt, body.inverse_mass);
+            *sum += force.get(1).map_or(velocity, |drag| drag.times(velocity));
+            body.velocity = velocity;
+        },
+    );
+    sums.into_iter().fold(V::ZERO, Add::add)
 }
 
 pub(super) fn add<V: Space>(app: &mut App, columns_lead: bool) {

@@ -14,7 +14,7 @@ use crate::contact::sums;
 use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairForce, PairLaw, memory_step};
 use crate::messages::DoorOpened;
 use crate::neighbours::list::Candidate;
-use crate::space::Space;
+use crate::space::{Linear, Space};
 use crate::step::{Clock, ForceStage, Phase, Step};
 use crate::walls::near::NearWalls;
 use crate::walls::surfaces::{Surfaces, WallLoad, pair, touching};
@@ -97,25 +97,19 @@ fn add_load<V: Space, L: Demands>(
     on_i: &PairForce<V>,
 ) {
     let (force, drag) = (sums::total::<L, V>(on_i), sums::drag::<L, V>(on_i));
-    loads.force[i] += force;
+    loads.force.add(i, force, drag);
     on_wall.force -= force;
     on_wall.drag -= drag;
-    let arm = pair.normal * -on_i.turning.arms[0];
     if L::SPIN {
-        loads.torque[i] += arm.cross(on_i.turning.friction);
-    }
-    if L::ROLLING {
-        loads.torque[i] += on_i.turning.rolling;
-    }
-    if loads.drag.is_empty() {
-        return;
-    }
-    loads.drag[i] += drag;
-    if L::SPIN {
-        loads.drag_torque[i] += arm.cross(on_i.turning.friction_drag);
-    }
-    if L::ROLLING {
-        loads.rolling_drag[i] += on_i.turning.rolling_drag;
+        let turning = &on_i.turning;
+        let arm = pair.normal * -turning.arms[0];
+        loads.torque.add(i, arm.cross(turning.friction), arm.cross(turning.friction_drag));
+        if L::ROLLING {
+            loads.torque.add(i, turning.rolling, V::Spin::ZERO);
+            if let Some(drag) = loads.rolling_drag.get_mut(i) {
+                *drag += turning.rolling_drag;
+            }
+        }
     }
 }
 

@@ -1,6 +1,6 @@
 //! One thread at work: candidates in, sums out.
 
-use crate::columns::Columns;
+use crate::columns::{BOOKED, Columns, WHOLE};
 use crate::contact::batch::Batch;
 use crate::contact::geometry::coincident;
 use crate::contact::history::{BLOCK, Lost, Pages, Walk};
@@ -125,9 +125,9 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         // What may be a record is found without dividing, and without the two radii, some rounding included.
         let deepest = self.largest * self.view.smallest_share * (1.0 - 8.0 * f64::EPSILON);
         let is_deeper = if self.view.has_books {
-            self.batch.ask::<L, true>(law, dt, instructions, deepest)
+            self.batch.ask::<L, BOOKED>(law, dt, instructions, deepest)
         } else {
-            self.batch.ask::<L, false>(law, dt, instructions, deepest)
+            self.batch.ask::<L, WHOLE>(law, dt, instructions, deepest)
         };
         if is_deeper {
             for (pair, overlap) in self.batch.pairs.iter().zip(&self.batch.bodies.overlap).take(self.batch.len) {
@@ -144,7 +144,11 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.batch.memory.set::<L>(lane, &memory);
         }
         self.ask();
-        self.sums.add_to_second::<L>(self.batch);
+        if self.view.has_books {
+            self.sums.add_to_second::<L, BOOKED>(self.batch);
+        } else {
+            self.sums.add_to_second::<L, WHOLE>(self.batch);
+        }
         self.batch.len = 0;
     }
 
@@ -164,7 +168,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         let (sums, batch) = (&mut self.sums, &*self.batch);
         self.pass.instructions.run_narrow(
             #[inline(always)]
-            || if has_books { sums.add_to_both::<L, true>(batch) } else { sums.add_to_both::<L, false>(batch) },
+            || if has_books { sums.add_to_both::<L, BOOKED>(batch) } else { sums.add_to_both::<L, WHOLE>(batch) },
         );
         self.batch.len = 0;
     }
