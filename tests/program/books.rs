@@ -1,0 +1,132 @@
+//! Runs without books of energy: the same motion to the last bit, and nothing that the books alone serve.
+
+use std::fs;
+use std::num::NonZeroUsize;
+
+use serde_json::Value;
+use siloflow::columns::Columns;
+use siloflow::energy::{Channels, EnergyFlows};
+use siloflow::instructions::Instructions;
+use siloflow::prelude::*;
+use siloflow::space::{Solid, Space};
+
+use crate::behaviours::registry;
+use crate::command_line::{siloflow, text};
+use crate::{hash, load, scene, simulation};
+
+const WITHOUT: (&str, &str) = ("energy_books", "false");
+
+/// Spawner and discharge; friction and rolling between moving walls and periodic sides; memories, in solid space, with gravity along
+/// a periodic side; centred contacts with and without.
+const SCENES: [(&str, &[(&str, &str)], u64); 5] = [
+    ("silo1.ron", &[("spawner.count", "20"), ("door.opens", "At(2.5)")], 5_000),
+    ("couette.ron", &[("integrator", "Verlet")], 400),
+    ("couette.ron", &[("integrator", "Centred")], 400),
+    ("chute3d.ron", &[("integrator", "Verlet"), ("profiles", "[]")], 600),
+    ("bed3d.ron", &[("fill[0].count", "2500"), ("profiles", "[]")], 2_000),
+];
+
+/// A scene without pictures, and further settings.
+fn quiet(name: &str, settings: &[(&str, &str)], more: &[(&str, &str)]) -> Loaded {
+    load(name, &[settings, more, &[("pictures", "None")]].concat())
+}
+
+#[test]
+fn books_change_no_bit_of_the_motion_on_any_path() {
+    for (name, settings, steps) in SCENES {
+        let run = |more: &[(&str, &str)], instructions: Instructions, threads: usize| {
+            let mut run = simulation(&quiet(name, settings, more), threads);
+            run.world_mut().insert_resource(instructions);
+            run.run_steps(steps);
+            hash(&mut run)
+        };
+        let with = run(&[], Instructions::default(), 1);
+        for instructions in Instructions::all() {
+            for threads in [1, 2] {
+                let without = run(&[WITHOUT], instructions, threads);
+                assert_eq!(without, with, "{name}: {instructions:?} on {threads} threads");
+            }
+        }
+    }
+}
+
+/// Whether books left traces in a world.
+fn has_traces<V: Space>(world: &World) -> bool {
+    let columns = world.resource::<Columns<V>>();
+    let flows = world.contains_resource::<EnergyFlows>() || world.contains_resource::<Channels>();
+    flows || columns.has_books || !columns.loads.rolling_drag.is_empty()
+}
+
+#[test]
+fn nothing_is_kept_for_books_that_nobody_keeps() {
+    let traces = |name: &str, more: &[(&str, &str)]| {
+        let mut run = simulation(&quiet(name, &[], more), 1);
+        run.run_steps(3);
+        match run.world().get_resource::<Columns<Solid>>() {
+            Some(_) => has_traces::<Solid>(run.world()),
+            None => has_traces::<Plane>(run.world()),
+        }
+    };
+    for name in ["silo1.ron", "couette.ron", "silo2d.ron", "bed3d.ron", "chute3d.ron"] {
+        assert!(traces(name, &[]) && !traces(name, &[WITHOUT]), "{name}");
+    }
+}
+
+#[test]
+fn a_run_without_books_writes_what_is_left() {
+    let here = tempfile::tempdir().unwrap();
+    let file = scene("couette.ron").display().to_string();
+    let set = ["--set", "energy_books=false", "--set", "pictures=None", "--until", "0.02", "--json"];
+    let output = siloflow(here.path(), &[&["run", &file, "--out", "run"][..], &set].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let energy = summary["energy"].as_object().unwrap();
+    assert!(energy["kinetic"].is_number() && energy["balance_error"].is_null() && energy["channels"].is_null());
+    assert!(!energy.contains_key("dissipated") && !energy.contains_key("released"));
+    let series = fs::read_to_string(here.path().join("run/series.csv")).unwrap();
+    let widths: Vec<_> = series.lines().map(|line| line.split(',').count()).collect();
+    assert!(widths.len() > 1 && widths.iter().all(|&width| width == 14), "{series}");
+    assert!(series.contains("kinetic_j") && !series.contains("dissipated_j"));
+}
+
+/// Where columns lead, and where components do.
+#[test]
+fn what_is_not_finite_is_found_in_its_step_without_books_too() {
+    let file = r#"(gravity: (0.0, 0.0), contact: Linear(k: 1.0e5, damping: B(0.0)), step: Fixed(1.0e-3), until: 1.0,
+         grains: (file: "free-fall.csv"), pictures: None, energy_books: false, behaviours: {"wind": (inf)})"#;
+    let loaded = load::from_text("wind.ron", "wind", &crate::root().join("scenes"), file.to_owned(), &[]).unwrap();
+    let mut run = Simulation::new(&loaded, &registry(), NonZeroUsize::MIN).unwrap();
+    let End::Failed(Failure::NotFinite { step, cause, .. }) = run.run() else { panic!("went on") };
+    assert!(step == 1 && cause.contains("behaviour"), "{step}: {cause}");
+
+    for (more, quantity) in [(&[][..], "velocity"), (&[WITHOUT], "velocity"), (&[], "spin"), (&[WITHOUT], "spin")] {
+        let mut run = simulation(&quiet("couette.ron", &[], more), 1);
+        run.run_steps(5);
+        let mut columns = run.world_mut().resource_mut::<Columns>();
+        if quantity == "spin" {
+            columns.rotation[7].spin = f64::NAN;
+        } else {
+            columns.body[7].velocity.x = f64::INFINITY;
+        }
+        let Some(End::Failed(Failure::NotFinite { step, .. })) = run.run_steps(3) else { panic!("went on") };
+        assert_eq!(step, 6, "{quantity} {more:?}");
+    }
+}
+
+#[test]
+fn who_wants_energy_watched_is_told_that_it_takes_books() {
+    let here = tempfile::tempdir().unwrap();
+    let file = scene("silo1.ron").display().to_string();
+    let output = siloflow(
+        here.path(),
+        &["check", &file, "--set", "energy_books=false", "--set", "watchdog=(energy: 0.2)"],
+    );
+    let said = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.contains("scene::no_books") && said.contains("watchdog.energy"), "{said}");
+    for watchdog in ["(energy: None)", "(overlap: 0.9)", "None"] {
+        let watchdog = format!("watchdog={watchdog}");
+        let output = siloflow(here.path(), &["check", &file, "--set", "energy_books=false", "--set", &watchdog]);
+        assert!(output.status.success(), "{watchdog}: {}", text(&output.stderr));
+    }
+}
