@@ -159,7 +159,7 @@ fn outputs(criterion: &mut Criterion) {
                 app.add_plugins(FramesPlugin::<Plane>(studio, std::marker::PhantomData));
             } else {
                 let interval = Series { interval: 1.0e-4.try_into().expect("positive") };
-                app.add_plugins(SeriesPlugin::<Plane>::create(interval, &series).expect("a file can be written"));
+                app.add_plugins(SeriesPlugin::<Plane>::create(interval, true, &series).expect("a file can be written"));
             }
         });
         let simulation = simulation.as_mut().expect("the scene needs no behaviours");

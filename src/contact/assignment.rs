@@ -97,7 +97,7 @@ mod tests {
     fn pushes_apart_and_drags_along_the_whole_relative_velocity() {
         let pair = Pair { overlap: 1e-3, relative_velocity: Vector::new(-2.0, 3.0), ..pair() };
         let force = law().force(&pair, &mut Memory::default());
-        assert_eq!(force.elastic, Vector::new(10.0, 0.0));
+        assert_eq!(force.elastic(), Vector::new(10.0, 0.0));
         assert_eq!(force.drag, Vector::new(10.0, -15.0));
     }
 

@@ -80,7 +80,7 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         let spring = self.normal.spring(pair);
         let drag = self.normal.drag(pair);
         let total = (spring - drag * pair.normal_velocity()).max(self.normal.floor());
-        let mut force = PairForce::smooth(pair.normal * spring, pair.normal * (total - spring));
+        let mut force = PairForce::along(pair.normal, total, spring);
         self.tangential.add(pair, total, drag, memory, &mut force.turning);
         self.rolling.add(pair, total, memory, &mut force.turning);
         force
@@ -151,7 +151,7 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite
         let change = half_lone * (spring_before - spring) + half * (force_before - spring_before);
         let closing = (window.closing + gained + change) / (1.0 + half * mean);
         let total = (spring + mean * closing).max(floor);
-        let mut force = PairForce::smooth(pair.normal * spring, pair.normal * (total - spring));
+        let mut force = PairForce::along(pair.normal, total, spring);
         if T::SPIN {
             let whole = (spring + drag * closing).max(floor);
             // Turning normals and rounding may put the beginning of the step into a contact that was not there: it holds nothing.

@@ -127,9 +127,9 @@ mod tests {
     #[test]
     fn a_parting_pair_pulls_only_where_attraction_is_allowed() {
         let pulled = parting(Attraction::Allowed);
-        assert_eq!(pulled.elastic + pulled.drag, Vector::new(-90.0, 0.0));
+        assert_eq!(pulled.smooth, Vector::new(-90.0, 0.0));
         let cut = parting(Attraction::Forbidden);
-        assert_eq!(cut.elastic + cut.drag, Vector::ZERO);
+        assert_eq!(cut.smooth, Vector::ZERO);
     }
 
     #[test]

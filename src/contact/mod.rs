@@ -128,12 +128,12 @@ impl<V: Space> Memory<V> {
     }
 }
 
-/// What the pair does to i; on j acts the opposite force. The total is `elastic + drag + friction`.
+/// What the pair does to i; on j acts the opposite force. The total is `smooth + friction`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PairForce<V: Space = Plane> {
-    /// The normal spring, N.
-    pub elastic: V,
-    /// The normal damping, which dissipates, N.
+    /// Spring and damping between the centres, N.
+    pub smooth: V,
+    /// The part of it that damping makes, which dissipates, N.
     pub drag: V,
     /// What spinning laws add.
     pub turning: Turning<V>,
@@ -162,10 +162,24 @@ pub struct Turning<V: Space = Plane> {
 }
 
 impl<V: Space> PairForce<V> {
-    /// A force along the centres only: spring and damping.
+    /// Spring and damping, and no friction, N.
+    #[inline(always)]
     #[must_use]
     pub fn smooth(elastic: V, drag: V) -> Self {
-        Self { elastic, drag, turning: Turning::default() }
+        Self { smooth: elastic + drag, drag, turning: Turning::default() }
+    }
+
+    /// The same along the normal: a total of which the spring makes a part, N.
+    #[inline(always)]
+    #[must_use]
+    pub fn along(normal: V, total: f64, spring: f64) -> Self {
+        Self { smooth: normal * total, drag: normal * (total - spring), turning: Turning::default() }
+    }
+
+    /// What the spring does, N.
+    #[must_use]
+    pub fn elastic(&self) -> V {
+        self.smooth - self.drag
     }
 }
 

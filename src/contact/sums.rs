@@ -44,8 +44,7 @@ pub(crate) fn drag<L: Demands, V: Space>(force: &PairForce<V>) -> V {
 /// The whole force on i.
 #[inline(always)]
 pub(crate) fn total<L: Demands, V: Space>(force: &PairForce<V>) -> V {
-    let smooth = force.elastic + force.drag;
-    if L::SPIN { smooth + force.turning.friction } else { smooth }
+    if L::SPIN { force.smooth + force.turning.friction } else { force.smooth }
 }
 
 /// A share of the loads: of consecutive particles.

@@ -84,7 +84,7 @@ impl<V: Space> Survey<'_, V> {
     fn state(&self, i: usize, partner: Partner, pair: &Pair<V>, memory: &Memory<V>, dt: f64) -> ContactState<V> {
         let force = self.law.force(pair, &mut memory.clone());
         let moved_on = self.law.force(&Pair { dt, ..*pair }, &mut memory.clone());
-        let normal_force = (force.elastic + force.drag).dot(pair.normal);
+        let normal_force = force.smooth.dot(pair.normal);
         let cap = self.law.friction(pair) * normal_force.abs();
         let friction = force.turning.friction;
         let distance = match partner {

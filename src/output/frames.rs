@@ -153,7 +153,7 @@ fn take<V: Space>(
 fn pressures<V: Space>(survey: &Survey<V>) -> Vec<f64> {
     let mut sums = vec![0.0; survey.columns.len()];
     survey.contacts(|i, partner, pair, memory| {
-        let force = survey.law.force(pair, &mut memory.clone()).elastic.length();
+        let force = survey.law.force(pair, &mut memory.clone()).elastic().length();
         sums[i] += force;
         if let Partner::Particle(j) = partner {
             sums[j] += force;

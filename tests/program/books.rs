@@ -117,10 +117,8 @@ fn what_is_not_finite_is_found_in_its_step_without_books_too() {
 fn who_wants_energy_watched_is_told_that_it_takes_books() {
     let here = tempfile::tempdir().unwrap();
     let file = scene("silo1.ron").display().to_string();
-    let output = siloflow(
-        here.path(),
-        &["check", &file, "--set", "energy_books=false", "--set", "watchdog=(energy: 0.2)"],
-    );
+    let output =
+        siloflow(here.path(), &["check", &file, "--set", "energy_books=false", "--set", "watchdog=(energy: 0.2)"]);
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
     assert!(said.contains("scene::no_books") && said.contains("watchdog.energy"), "{said}");
