@@ -181,8 +181,10 @@ fn book_contact_work<V: Space>(
     // As the kick sums them, if it does.
     let by_strides = || force.chunks(STRIDE).zip(body.chunks(STRIDE)).map(|(force, body)| power(force, body));
     let of_grains = columns.kick_sum.unwrap_or_else(|| by_strides().fold(V::ZERO, Add::add));
-    let (mut dissipation, mut wall) = (-(of_grains + power(on_fixed, fixed)).sum_of_components(), 0.0);
-    for ([force, _], body) in on_fixed.iter().zip(fixed) {
+    let (mut dissipation, mut wall) = (-of_grains.sum_of_components(), 0.0);
+    // Most of what is fixed stands still.
+    for ([force, drag], body) in on_fixed.iter().zip(fixed).filter(|(_, body)| body.velocity != V::ZERO) {
+        dissipation -= drag.dot(body.velocity);
         wall -= force.dot(body.velocity);
     }
     for belt in &walls.0 {

@@ -53,6 +53,10 @@ impl<V: Space> Columns<V> {
     #[inline]
     pub(crate) fn put(&mut self, slot: Slot, x: V, v: V, longest: &mut Longest) {
         if let Some(body) = self.body.get_mut(slot.index()) {
+            // Most of what is fixed stands still.
+            if x == body.position && v == body.velocity {
+                return;
+            }
             let way = x - body.position;
             longest.raise(self.periodic.map_or(way, |periodic| periodic.shortest(way)));
             (body.position, body.velocity) = (x, v);

@@ -221,7 +221,7 @@ impl<V: Space> Cells<V> {
     clippy::cast_precision_loss,
     reason = "saturates far outside any scene; NaN becomes 0 and touches nothing"
 )]
-fn floor(x: f64) -> i64 {
+pub(crate) fn floor(x: f64) -> i64 {
     let towards_zero = x as i64;
     towards_zero.saturating_sub(i64::from((towards_zero as f64) > x))
 }

@@ -6,8 +6,9 @@
 //! * The orifice is the line between the two wall grains that flank the door: the ones nearest to the door's two
 //!   ends, on opposite sides of it.
 
-use std::collections::HashMap;
+use rustc_hash::FxHashMap;
 
+use crate::neighbours::cells::floor;
 use crate::space::{Plane, Vector};
 use crate::walls::paths::{Crossing, Paths, enters};
 use crate::walls::silo_file::Disc;
@@ -27,7 +28,8 @@ pub struct Link {
 pub struct Outline {
     links: Vec<Link>,
     cell: f64,
-    near: HashMap<[i64; 2], Vec<usize>>,
+    /// Which links are in a cell: asked for every grain that has gone some way, so quickly hashed.
+    near: FxHashMap<[i64; 2], Vec<usize>>,
     half_planes: Vec<Surface>,
     orifice: Option<Link>,
     bounds: Option<[Vector; 2]>,
@@ -52,7 +54,7 @@ impl Outline {
         let mut outline = Self {
             links,
             cell: longest,
-            near: HashMap::new(),
+            near: FxHashMap::default(),
             half_planes,
             orifice: orifice(walls, door),
             bounds: bounds.map(|(low, high)| [low, high]),
@@ -150,10 +152,10 @@ impl Link {
 }
 
 /// Cells of side `cell` that the box around a line overlaps.
-#[expect(clippy::cast_possible_truncation, reason = "callers bound the number of cells; casts saturate")]
 fn cells(from: Vector, to: Vector, cell: f64) -> impl Iterator<Item = [i64; 2]> {
-    let (low, high) = ((from.min(to) / cell).floor(), (from.max(to) / cell).floor());
-    (low.y as i64..=high.y as i64).flat_map(move |y| (low.x as i64..=high.x as i64).map(move |x| [x, y]))
+    // Callers bound the number of cells.
+    let [low, high] = [from.min(to) / cell, from.max(to) / cell].map(|corner| [floor(corner.x), floor(corner.y)]);
+    (low[1]..=high[1]).flat_map(move |y| (low[0]..=high[0]).map(move |x| [x, y]))
 }
 
 fn disc_links(discs: &[Disc], smallest: f64) -> Vec<Link> {
