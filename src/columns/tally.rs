@@ -94,7 +94,6 @@ impl<T: Linear> Tally<T> {
 }
 
 #[cfg(test)]
-#[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
 

@@ -67,17 +67,14 @@ impl<'a, V: Space> Share<'a, V> {
 
     /// Takes those of the first so many away.
     pub(super) fn cut_off(&mut self, particles: usize) -> Self {
-        fn cut_off<'a, T>(column: &mut &'a mut [T], numbers: usize) -> &'a mut [T] {
-            // Of what is not asked for, nothing.
-            column.split_off_mut(..numbers).unwrap_or_default()
-        }
-        let each = self.each;
+        let (entries, numbers) = (..particles, ..particles * self.each);
+        // Of what is not asked for, nothing.
         Self {
-            force: cut_off(&mut self.force, particles * each),
-            torque: cut_off(&mut self.torque, particles * each),
-            each,
-            rolling_drag: cut_off(&mut self.rolling_drag, particles),
-            contacts: cut_off(&mut self.contacts, particles),
+            force: self.force.split_off_mut(numbers).unwrap_or_default(),
+            torque: self.torque.split_off_mut(numbers).unwrap_or_default(),
+            each: self.each,
+            rolling_drag: self.rolling_drag.split_off_mut(entries).unwrap_or_default(),
+            contacts: self.contacts.split_off_mut(entries).unwrap_or_default(),
         }
     }
 
