@@ -4,15 +4,16 @@
 //! instructions of it. Each lane does what a single contact would, operation by operation, so that how many are computed at
 //! once leaves no trace. Lanes beyond the last contact are computed too, from what an earlier one left there, and not read.
 
+mod answer;
 mod bodies;
 
+pub use self::answer::Answer;
 pub use self::bodies::Bodies;
 use crate::columns::{BOOKED, Columns, Rotation};
 use crate::contact::centred::{Ahead, Window};
 use crate::contact::history::Lost;
 use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
-use crate::contact::sums::{drag, total};
-use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw};
+use crate::contact::{Demands, Memory, Pair, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
 use crate::particle::Species;
@@ -58,59 +59,6 @@ pub struct MemoryLanes<V: Space> {
     spring: Lanes<V>,
     rolling: Lanes<V>,
     stiffness: Scalars,
-}
-
-/// What contacts do to their two.
-#[derive(Clone, Debug, Default)]
-pub struct Answer<V: Space> {
-    /// Whether the two touch: 1 or 0. Where not, nothing else is to be read.
-    pub touches: Scalars,
-    /// Force on i, N: the whole, and the part of it that dashpots make.
-    forces: [Lanes<V>; BOOKED],
-    /// Torques that i gains and j loses, N m: of each the whole, and the part that tangential dashpots make.
-    torques: [[Lanes<V::Spin>; BOOKED]; 2],
-    /// Torque on i of the dashpots of rolling resistance, N m.
-    pub rolling_drag_torque: Lanes<V::Spin>,
-    /// What sliding, rolling beyond the cap and tangential dashpots took, J.
-    pub lost: [Scalars; 3],
-}
-
-impl<V: Space> Answer<V> {
-    /// Force on i, as an entry of a [`Tally`](crate::columns::Tally).
-    #[inline(always)]
-    pub fn force<const EACH: usize>(&self, lane: usize) -> [V; EACH] {
-        std::array::from_fn(
-            #[inline(always)]
-            |part| self.forces[part].get(lane),
-        )
-    }
-
-    /// What i gains (side 0) or j loses (side 1), as an entry of one.
-    #[inline(always)]
-    pub fn torque<const EACH: usize>(&self, side: usize, lane: usize) -> [V::Spin; EACH] {
-        std::array::from_fn(
-            #[inline(always)]
-            |part| self.torques[side][part].get(lane),
-        )
-    }
-
-    /// Notes what serves the books of energy alone.
-    #[inline(always)]
-    fn book<L: Demands>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
-        self.forces[1].set(lane, drag::<L, V>(force));
-        if L::SPIN {
-            let turning = &force.turning;
-            let moment = pair.normal.cross(turning.friction_drag);
-            self.torques[0][1].set(lane, moment * -turning.arms[0]);
-            self.torques[1][1].set(lane, moment * turning.arms[1]);
-            self.lost[2][lane] = pair.taken_by_dashpot::<L>(turning);
-            self.lost[0][lane] = turning.lost_by_sliding;
-            if L::ROLLING {
-                self.rolling_drag_torque.set(lane, turning.rolling_drag);
-                self.lost[1][lane] = turning.lost_by_rolling;
-            }
-        }
-    }
 }
 
 impl<V: Space> Spins<V> {
@@ -229,13 +177,8 @@ impl<V: Space> Batch<V> {
     /// What contacts lose, J, added in order to what was lost so far.
     #[inline]
     pub fn lost<L: Demands>(&self, mut lost: Lost) -> Lost {
-        let [sliding, rolling, dashpots] = &self.answer.lost;
         for lane in (0..self.len.min(LANES)).filter(|&lane| self.touches::<L>(lane)) {
-            lost.sliding += sliding[lane];
-            lost.dashpots += dashpots[lane];
-            if L::ROLLING {
-                lost.rolling += rolling[lane];
-            }
+            self.answer.add_lost::<L>(lane, &mut lost);
         }
         lost
     }
@@ -257,30 +200,21 @@ impl<V: Space> Batch<V> {
             let pair = self.pair::<L>(lane, dt);
             let mut memory = self.memory.get::<L>(lane);
             let force = law.force(&pair, &mut memory);
-            let answer = &mut self.answer;
             if L::AHEAD {
-                answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
+                self.answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
             }
             deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
-            answer.forces[0].set(lane, total::<L, V>(&force));
-            if L::SPIN {
-                let turning = &force.turning;
-                let moment = pair.normal.cross(turning.friction);
-                let rolling = if L::ROLLING { turning.rolling } else { V::Spin::ZERO };
-                let [arm_i, arm_j] = turning.arms;
-                answer.torques[0][0].set(lane, moment * -arm_i + rolling);
-                answer.torques[1][0].set(lane, moment * arm_j + rolling);
-            }
+            self.answer.note::<L>(lane, &pair, &force);
             if EACH == BOOKED {
-                answer.book::<L>(lane, &pair, &force);
+                self.answer.book::<L>(lane, &pair, &force);
             }
             self.memory.set::<L>(lane, &memory);
         }
         deeper
     }
 
-    /// Asks `law` about all contacts of the batch; with [`BOOKED`] numbers to an entry also what serves the books of energy alone. Tells whether any of them
-    /// overlaps by more than `deepest` times the sum of the radii.
+    /// Asks `law` about all contacts of the batch; with [`BOOKED`] numbers to an entry also what serves the books of energy alone.
+    /// Tells whether any of them overlaps by more than `deepest` times the sum of the radii.
     pub fn ask<L: PairLaw<V> + Demands, const EACH: usize>(
         &mut self,
         law: &L,
