@@ -170,7 +170,7 @@ def loop_time(text):
 
 
 def forces_apart(args, name, scene, rows):
-    """Largest difference of the forces over their rms, from one step of both."""
+    """Largest difference of the forces, their rms, and what rounding velocities and positions amounts to, N, from one step."""
     bed, planar = BEDS[name], is_planar(name)
     more = {} if planar else {"mu": STICKING}
     lammps(args, f"{name[:2]}-run.in", data=f"{name}.data", nsteps=0, first=1, dump="afterdump", **more)
@@ -192,16 +192,19 @@ def forces_apart(args, name, scene, rows):
     heaviest = max(row[1] for row in rows.values())
     # Velocities carry a rounding of their own: as force, that is eps v m/dt.
     floor = 2.0**-52 * speed * heaviest / bed["dt"]
-    return largest, math.sqrt(squares / count), floor
+    # So do positions, which springs feel: a force that differs in its last digits rounds some of them to the next number.
+    farthest = max(abs(x) for row in rows.values() for x in row[2])
+    return largest, math.sqrt(squares / count), floor, 2.0**-52 * farthest * bed["k"]
 
 
 def compare(args, name):
     bed = BEDS[name]
     scene, rows = write_scene(args, name)
     steps = args.steps or bed["steps"]
-    largest, rms, floor = forces_apart(args, name, scene, rows)
+    largest, rms, of_velocities, of_positions = forces_apart(args, name, scene, rows)
     print(f"{name}: {len(rows)} grains, {steps} steps, {args.integrator}, core {args.core}")
-    print(f"forces differ by at most {largest:.1e} N; rms of what a step adds {rms:.1e} N; rounding of velocities {floor:.1e} N")
+    print(f"forces differ by at most {largest:.1e} N; rms of what a step adds {rms:.1e} N; "
+          f"rounding of velocities {of_velocities:.1e} N, of positions {of_positions:.1e} N")
     theirs, ways = [], {"siloflow": [], "  without books": ["--set", "energy_books=false"]}
     ours = {way: [] for way in ways}
     for _ in range(args.rounds):
