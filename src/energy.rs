@@ -17,6 +17,8 @@
 //! the whole counts by an error of the scheme's own order: c v^2 dt/4 or so for each contact of plain velocity Verlet.
 //!
 //! Sums run over the columns, so in ascending order of slots (those of the drag stride by stride), each component for itself.
+//! A scene with `energy_books: false` has none of this: no plugin of this file, no resource, and no room in the columns.
+//!
 //! Limit: a grain that a behaviour fixes or frees takes its
 //! kinetic energy out of or into the balance, which then shows as error; so does the work of one that is fixed and spins.
 
@@ -39,7 +41,7 @@ use crate::spin::{Inertia, Spin};
 use crate::step::{Clock, Phase, Step, is_step_zero};
 use crate::walls::surfaces::Surfaces;
 
-/// The flows of energy so far, J.
+/// The flows of energy so far, J; a resource where books are kept.
 #[derive(Resource, Clone, Copy, Debug, Default, Serialize)]
 pub struct EnergyFlows {
     /// Brought in by grains that entered.
