@@ -32,7 +32,7 @@ pub(crate) use self::passes::{DENSE, Longest, gather_velocities};
 pub use self::slots::{BeforeRenumbering, PopulationChanged, Renumbering, Slot, TIDY_EVERY, renumbering_due};
 pub(crate) use self::slots::{MANY, has_renumbered, is_time_to_tidy, population_changed, renumber};
 pub use self::tally::Tally;
-pub(crate) use self::tally::{BOOKED, WHOLE};
+pub(crate) use self::tally::{BOOKED, WHOLE, kick_term};
 use crate::particle::{GrainId, Species};
 use crate::periodic::Periodic;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};

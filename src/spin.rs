@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::columns::{
     self, BOOKED, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Rotation, Slot,
-    SpinsDrifted, WHOLE, Walkers,
+    SpinsDrifted, WHOLE, Walkers, kick_term,
 };
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
@@ -107,30 +107,48 @@ fn half_kick<V: Space>(clock: Res<Clock>, mut grains: Query<Turning<V>, Without<
     }
 }
 
-/// The same in the columns, where they lead. Gives a sum ([`Columns::spin_kick_sum`]).
-fn half_kick_by<V: Space, const EACH: usize>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>) -> V::Spin {
+/// The same in the columns, where they lead, by torques of which so many numbers are kept. `note` sums up what it makes of each
+/// torque and the spin that it leads to; gives those sums, stride by stride.
+fn half_kick_by<V: Space, const EACH: usize, T: Default + Send>(
+    dt: f64,
+    walkers: &Walkers,
+    columns: &mut Columns<V>,
+    note: impl Fn(&[V::Spin; EACH], V::Spin, &mut T) + Sync,
+) -> Vec<T> {
     let Columns { loads, rotation, movable_end: end, .. } = columns;
-    let sums = walkers.along(
+    walkers.along(
         &loads.torque.entries::<EACH>()[..*end],
         &mut rotation[..*end],
         #[inline(always)]
-        |torque, rotation, sum: &mut V::Spin| {
+        |torque, rotation, sum: &mut T| {
             let spin = rotation.spin + gained(torque[0], dt, rotation.inverse_inertia);
-            *sum += torque.get(1).map_or(spin, |drag| drag.times(spin));
+            note(torque, spin, sum);
             rotation.spin = spin;
         },
-    );
-    sums.into_iter().fold(V::Spin::ZERO, |sum, one| sum + one)
+    )
 }
 
-/// Before the drift and again after the forces.
+/// Before the drift.
 fn half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    let sum = if columns.has_books {
-        half_kick_by::<V, BOOKED>(clock.dt, &walkers, &mut columns)
+    if columns.has_books {
+        half_kick_by::<V, BOOKED, ()>(clock.dt, &walkers, &mut columns, |_, _, ()| {});
     } else {
-        half_kick_by::<V, WHOLE>(clock.dt, &walkers, &mut columns)
+        half_kick_by::<V, WHOLE, ()>(clock.dt, &walkers, &mut columns, |_, _, ()| {});
+    }
+}
+
+/// After the forces; with a sum, which saves a pass ([`Columns::spin_kick_sum`]).
+fn last_half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
+    #[inline(always)]
+    fn note<W: Linear, const EACH: usize>(torque: &[W; EACH], spin: W, sum: &mut W) {
+        *sum += kick_term(torque, spin);
+    }
+    let sums = if columns.has_books {
+        half_kick_by::<V, BOOKED, _>(clock.dt, &walkers, &mut columns, note)
+    } else {
+        half_kick_by::<V, WHOLE, _>(clock.dt, &walkers, &mut columns, note)
     };
-    columns.spin_kick_sum = Some(sum);
+    columns.spin_kick_sum = Some(sums.into_iter().fold(V::Spin::ZERO, |sum, one| sum + one));
 }
 
 /// Copies spins into the columns.
@@ -188,7 +206,7 @@ impl<V: Space> Plugin for SpinPlugin<V> {
             .add_observer(equip::<V>)
             .add_systems(Step, make_room::<V>.in_set(Renumbering).after(columns::renumber::<V>));
         if self.columns_lead {
-            let again = half_kick_columns::<V>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities);
+            let again = last_half_kick_columns::<V>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities);
             app.add_systems(
                 Step,
                 (half_kick_columns::<V>.in_set(Phase::Drift).in_set(SpinsDrifted).after(Drifted), again),

@@ -12,6 +12,13 @@ pub(crate) const WHOLE: usize = 1;
 /// Numbers of an entry where books are kept: the whole, and the part that dashpots make.
 pub(crate) const BOOKED: usize = 2;
 
+/// What the last kick of a step sums up of an entry and the motion that it leads to: the power of dashpots where books are kept, W,
+/// else the motion itself ([`Columns::kick_sum`](crate::columns::Columns::kick_sum)).
+#[inline(always)]
+pub(crate) fn kick_term<T: Linear, const EACH: usize>(entry: &[T; EACH], motion: T) -> T {
+    entry.get(1).map_or(motion, |of_dashpots| of_dashpots.times(motion))
+}
+
 /// The sums of all particles.
 #[derive(Clone, Debug)]
 pub struct Tally<T> {
@@ -94,6 +101,7 @@ impl<T: Linear> Tally<T> {
 }
 
 #[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
 
@@ -108,5 +116,6 @@ mod tests {
             assert_eq!(tally.numbers, numbers);
             assert_eq!(tally.entries::<BOOKED>().len(), if has_books { 3 } else { 0 });
         }
+        assert_eq!([kick_term(&[4.0], 3.0), kick_term(&[4.0, 2.0], 3.0)], [3.0, 6.0]);
     }
 }

@@ -16,7 +16,7 @@ use std::ops::Add;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::{BOOKED, Columns, DENSE, GatheredVelocities, Kicked, Longest, WHOLE, Walkers};
+use crate::columns::{BOOKED, Columns, DENSE, GatheredVelocities, Kicked, Longest, WHOLE, Walkers, kick_term};
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
@@ -110,7 +110,7 @@ fn kick_by<V: Space, const EACH: usize>(dt: f64, walkers: &Walkers, columns: &mu
         #[inline(always)]
         |force, body, sum: &mut V| {
             let velocity = body.velocity + half_kick(force[0], dt, body.inverse_mass);
-            *sum += force.get(1).map_or(velocity, |drag| drag.times(velocity));
+            *sum += kick_term(force, velocity);
             body.velocity = velocity;
         },
     );
