@@ -174,13 +174,10 @@ impl<V: Space> Batch<V> {
         !L::AHEAD || self.answer.touches[lane] > 0.0
     }
 
-    /// What contacts lose, J, added in order to what was lost so far.
+    /// What contacts lose, J.
     #[inline]
-    pub fn lost<L: Demands>(&self, mut lost: Lost) -> Lost {
-        for lane in (0..self.len.min(LANES)).filter(|&lane| self.touches::<L>(lane)) {
-            self.answer.add_lost::<L>(lane, &mut lost);
-        }
-        lost
+    pub fn lost<L: Demands>(&mut self) -> Lost {
+        self.answer.lost::<L>(self.len.min(LANES))
     }
 
     /// How many lanes are computed: a whole number of vectors.

@@ -11,6 +11,7 @@ mod pages;
 mod walk;
 
 use std::collections::HashMap;
+use std::ops::AddAssign;
 
 use bevy_ecs::prelude::*;
 
@@ -42,6 +43,14 @@ impl Lost {
     pub(crate) fn add(&mut self, [sliding, rolling]: [f64; 2]) {
         self.sliding += sliding;
         self.rolling += rolling;
+    }
+}
+
+impl AddAssign for Lost {
+    fn add_assign(&mut self, more: Self) {
+        self.sliding += more.sliding;
+        self.rolling += more.rolling;
+        self.dashpots += more.dashpots;
     }
 }
 
@@ -80,10 +89,7 @@ impl<V: Space> History<V> {
     #[must_use]
     pub fn lost(&self) -> Lost {
         let mut all = Lost::default();
-        for Pages { lost, .. } in self.pages.iter().chain([&self.walls[0]]) {
-            all.add([lost.sliding, lost.rolling]);
-            all.dashpots += lost.dashpots;
-        }
+        self.pages.iter().chain([&self.walls[0]]).for_each(|page| all += page.lost);
         all
     }
 
@@ -158,6 +164,18 @@ pub(super) mod tests {
 
     pub fn memory(x: f64) -> Memory {
         Memory { spring: Plane::new(x, 0.0), ..Memory::default() }
+    }
+
+    #[test]
+    fn who_is_asked_for_in_order_is_found_as_by_searching() {
+        let mut page = Pages::<Plane>::default();
+        for (contact, spring) in [([0, 1], 0.1), ([0, 3], 0.2), ([1, 2], 0.3)] {
+            page.push::<Springs>(contact.into(), &memory(spring));
+        }
+        let mut from = 0;
+        for contact in [[0, 0], [0, 1], [0, 2], [1, 2], [1, 2], [1, 3], [7, 8]].map(Candidate::from) {
+            assert_eq!(page.look_up_next(&mut from, contact), page.look_up(contact), "{contact:?}");
+        }
     }
 
     #[test]

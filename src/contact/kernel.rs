@@ -10,9 +10,11 @@
 //! ends with its block, so that neither do the books. What contacts with rows of others remember is copied before anyone writes.
 
 mod desk;
+mod fetch;
 mod worker;
 
 pub use self::desk::Desk;
+pub(super) use self::fetch::touch;
 use self::worker::Worker;
 use crate::columns::Columns;
 use crate::contact::history::{BLOCK, History};

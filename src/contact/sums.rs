@@ -7,12 +7,12 @@ use std::ops::{AddAssign, Range, SubAssign};
 use crate::columns::{BOOKED, Columns, Loads, WHOLE};
 use crate::contact::batch::Batch;
 use crate::contact::geometry::parted;
-use crate::contact::kernel::Pass;
+use crate::contact::kernel::{Pass, touch};
 use crate::contact::lanes::LANES;
 use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw, Turning};
 use crate::neighbours::list::Candidate;
 use crate::periodic::Metric;
-use crate::space::Space;
+use crate::space::{Linear, Space};
 
 impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
     /// What the springs of a contact that has ended held, J: it is lost to friction and rolling resistance.
@@ -133,6 +133,18 @@ impl<'a, V: Space> Sums<'a, V> {
         self.begun = end;
     }
 
+    /// Reads those of entries that are here.
+    pub(super) fn touch(&self, entries: Range<usize>) -> u64 {
+        fn first<T: Linear>(numbers: &[T], each: usize, entries: Range<usize>) -> u64 {
+            let numbers = numbers.get(entries.start * each..entries.end * each).unwrap_or_default();
+            touch(numbers.as_chunks::<WHOLE>().0, |[number]| number.component(0))
+        }
+        let Share { force, torque, each, .. } = &self.share;
+        let [start, end] =
+            [entries.start, entries.end].map(|entry| entry.clamp(self.rows.start, self.rows.end) - self.rows.start);
+        first(force, *each, start..end) ^ first(torque, *each, start..end)
+    }
+
     /// Adds what the contacts of a batch do to both, unless the second is in another share.
     #[inline(always)]
     pub(super) fn add_to_both<L: Demands, const EACH: usize>(&mut self, batch: &Batch<V>) {
@@ -151,9 +163,9 @@ impl<'a, V: Space> Sums<'a, V> {
                 take(&mut forces[second], force);
             }
             if L::SPIN {
-                add(&mut torques[first], answer.torque::<EACH>(0, lane));
+                add(&mut torques[first], answer.torque::<L, EACH>(0, lane));
                 if is_here {
-                    take(&mut torques[second], answer.torque::<EACH>(1, lane));
+                    take(&mut torques[second], answer.torque::<L, EACH>(1, lane));
                 }
             }
             if L::ROLLING && EACH == BOOKED {
@@ -181,7 +193,7 @@ impl<'a, V: Space> Sums<'a, V> {
             let second = batch.pairs[lane].second() - self.rows.start;
             take(&mut forces[second], answer.force::<EACH>(lane));
             if L::SPIN {
-                take(&mut torques[second], answer.torque::<EACH>(1, lane));
+                take(&mut torques[second], answer.torque::<L, EACH>(1, lane));
             }
             if L::ROLLING && EACH == BOOKED {
                 rolling_drag[second] -= answer.rolling_drag_torque.get(lane);

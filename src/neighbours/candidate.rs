@@ -38,6 +38,14 @@ impl Candidate {
     }
 }
 
+/// Whether these are the same. All are compared, without a branch: they mostly are.
+#[inline]
+#[must_use]
+pub fn are_same(some: &[Candidate], others: &[Candidate]) -> bool {
+    let differences = some.iter().zip(others).fold(0, |found, (one, other)| found | (one.0 ^ other.0));
+    some.len() == others.len() && differences == 0
+}
+
 impl From<[u32; 2]> for Candidate {
     fn from([first, second]: [u32; 2]) -> Self {
         Self::new(first, second)
@@ -53,6 +61,14 @@ impl fmt::Debug for Candidate {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn others_are_told_apart() {
+        let some = [[0, 7], [1, 0], [1, 2]].map(Candidate::from);
+        assert!(are_same(&some, &some) && are_same(&[], &[]));
+        assert!(!are_same(&some, &some[..2]) && !are_same(&some[1..], &some[..2]));
+        assert!(!are_same(&some, &[some[0], some[1], Candidate::new(1, 3)]));
+    }
 
     #[test]
     fn it_is_two_numbers_in_one() {

@@ -9,7 +9,7 @@
 
 use std::ops::Range;
 
-pub use crate::neighbours::candidate::Candidate;
+pub use crate::neighbours::candidate::{Candidate, are_same};
 
 /// The candidates.
 #[derive(Debug, Default)]

@@ -1,7 +1,7 @@
 //! Which grains are near which walls: all others are spared the look at every wall in every step.
 //!
-//! A grain is near a wall if its surface is less than a diameter of the largest grain away from it. The list holds until
-//! somebody can have gone that far, or a wall has changed.
+//! A grain is near a wall if its surface is less than a radius of the largest grain away from it: of a packing those are mostly
+//! the ones that touch it. The list holds until somebody can have gone that far, or a wall has changed.
 
 use crate::columns::Columns;
 use crate::neighbours::list::Candidate;
@@ -21,7 +21,7 @@ impl NearWalls {
     pub fn of<V: Space>(&mut self, columns: &Columns<V>, walls: &[FlatWall<V>], has_changed: bool) -> &[Candidate] {
         if has_changed || self.wait.is_over(columns, columns.margin) {
             let grains = &columns.body[..columns.movable_end];
-            let slack = 2.0 * grains.iter().map(|body| body.radius).fold(0.0, f64::max);
+            let slack = grains.iter().map(|body| body.radius).fold(0.0, f64::max);
             self.pairs.clear();
             for (i, body) in (0u32..).zip(grains) {
                 for (number, wall) in (0u32..).zip(walls) {

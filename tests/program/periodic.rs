@@ -1,7 +1,9 @@
 //! Periodic scenes, pairs of species and doors of panels where they could go wrong.
 
+use std::ops::Add;
 use std::path::Path;
 
+use siloflow::columns::Columns;
 use siloflow::energy::EnergyFlows;
 use siloflow::grains::file::GrainRow;
 use siloflow::measure::totals;
@@ -96,4 +98,48 @@ fn an_open_panel_does_not_stand_in_a_release_s_way() {
     let mut run = run(keys, &[], 1);
     assert_eq!(run.world_mut().resource::<Ledger>().released, 2);
     assert_eq!(run.run(), End::Empty, "both fall through where the door was");
+}
+
+/// A crystal with so large slices that slots go by beams, across whose sides, and those of the box, spheres touch and rub.
+#[test]
+fn beams_change_no_bit() {
+    const SIDE: u32 = 30;
+    let spacing = 0.0795;
+    let place = |number: u32| spacing * (0.5 + f64::from(number));
+    let grains: Vec<_> = (0..SIDE.pow(3))
+        .map(|number| {
+            let [x, y, z] = [number % SIDE, number / SIDE % SIDE, number / SIDE.pow(2)];
+            // All in different ways.
+            let way = f64::from(number) * 2.4;
+            let velocity = Solid::new(way.sin(), (1.7 * way).sin(), (2.3 * way).cos());
+            (Solid::new(place(x), place(y), place(z)), velocity, 0)
+        })
+        .collect();
+    let box_side = place(SIDE) - place(0);
+    let results = |neighbours: &str, threads: usize| {
+        let keys = format!(
+            "space: Solid, gravity: (0.0, 0.0, 0.0), periodic: (x: (0.0, {box_side}), y: (0.0, {box_side})), \
+             contact: Linear(k: 1.0e5, damping: Restitution(0.5), tangential: Spring(k: 2.0e4, damping: B(1.0), friction: 0.5)), \
+             step: Fixed(1.0e-4), until: 0.002, integrator: Verlet, neighbours: {neighbours}"
+        );
+        let mut run = run(&keys, &grains, threads);
+        let columns = run.world().resource::<Columns<Solid>>();
+        // Within a beam slots go along x; the next one begins at the beginning.
+        let back = columns.body.windows(2).filter(|two| two[1].position.x < two[0].position.x - 0.9 * box_side);
+        assert_eq!(back.count(), 2, "slots do not go by three beams");
+        let momentum = columns.body.iter().map(|body| body.velocity / body.inverse_mass).fold(Solid::ZERO, Add::add);
+        let dissipated = run.world().resource::<EnergyFlows>().dissipated;
+        (hash(&mut run), dissipated.to_bits(), momentum)
+    };
+    let reference = results("VerletList(skin: 0.004)", 1);
+    let before = grains.iter().map(|&(_, velocity, _)| velocity * 0.16).fold(Solid::ZERO, Add::add);
+    // Forces cancel but for rounding: each of 40 half kicks rounds a momentum of some 0.16 kg m/s.
+    let rounding = f64::from(SIDE.pow(3)) * 40.0 * 0.16 * f64::EPSILON;
+    assert!(reference.2.distance(before) < rounding, "{} {before}", reference.2);
+    assert!(f64::from_bits(reference.1) > 0.0);
+    for (neighbours, threads) in
+        [("VerletList(skin: 0.004)", 2), ("VerletList(skin: 0.004)", 3), ("Cells(size: 0.09)", 2)]
+    {
+        assert_eq!(results(neighbours, threads), reference, "{neighbours} on {threads} threads");
+    }
 }

@@ -5,7 +5,7 @@ use crate::contact::history::Lost;
 use crate::contact::lanes::{Lanes, Scalars};
 use crate::contact::sums::{drag, total};
 use crate::contact::{Demands, Pair, PairForce};
-use crate::space::{Linear, Space};
+use crate::space::Space;
 
 /// What contacts do to their two, side by side.
 #[derive(Clone, Debug, Default)]
@@ -14,8 +14,11 @@ pub struct Answer<V: Space> {
     pub touches: Scalars,
     /// Force on i, N: the whole, and the part of it that dashpots make.
     forces: [Lanes<V>; BOOKED],
-    /// Torques that i gains and j loses, N m: of each the whole, and the part that tangential dashpots make.
-    torques: [[Lanes<V::Spin>; BOOKED]; 2],
+    /// n x F_t, N: of the whole tangential force, and of the part that dashpots make. By the arms they make torques.
+    moments: [Lanes<V::Spin>; BOOKED],
+    arms: [Scalars; 2],
+    /// Torque of rolling resistance on i, N m.
+    rolling: Lanes<V::Spin>,
     /// Torque on i of the dashpots of rolling resistance, N m.
     pub rolling_drag_torque: Lanes<V::Spin>,
     /// What sliding, rolling beyond the cap and tangential dashpots took, J.
@@ -34,11 +37,17 @@ impl<V: Space> Answer<V> {
 
     /// Torque that i gains (side 0) or j loses (side 1), as an entry of one.
     #[inline(always)]
-    pub fn torque<const EACH: usize>(&self, side: usize, lane: usize) -> [V::Spin; EACH] {
-        std::array::from_fn(
+    pub fn torque<L: Demands, const EACH: usize>(&self, side: usize, lane: usize) -> [V::Spin; EACH] {
+        let arm = self.arms[side][lane];
+        let arm = if side == 0 { -arm } else { arm };
+        let mut torque = std::array::from_fn(
             #[inline(always)]
-            |part| self.torques[side][part].get(lane),
-        )
+            |part| self.moments[part].get(lane) * arm,
+        );
+        if L::ROLLING {
+            torque[0] += self.rolling.get(lane);
+        }
+        torque
     }
 
     /// Notes the whole.
@@ -47,11 +56,11 @@ impl<V: Space> Answer<V> {
         self.forces[0].set(lane, total::<L, V>(force));
         if L::SPIN {
             let turning = &force.turning;
-            let moment = pair.normal.cross(turning.friction);
-            let rolling = if L::ROLLING { turning.rolling } else { V::Spin::ZERO };
-            let [arm_i, arm_j] = turning.arms;
-            self.torques[0][0].set(lane, moment * -arm_i + rolling);
-            self.torques[1][0].set(lane, moment * arm_j + rolling);
+            self.moments[0].set(lane, pair.normal.cross(turning.friction));
+            (self.arms[0][lane], self.arms[1][lane]) = turning.arms.into();
+            if L::ROLLING {
+                self.rolling.set(lane, turning.rolling);
+            }
         }
     }
 
@@ -61,27 +70,29 @@ impl<V: Space> Answer<V> {
         self.forces[1].set(lane, drag::<L, V>(force));
         if L::SPIN {
             let turning = &force.turning;
-            let moment = pair.normal.cross(turning.friction_drag);
-            let [arm_i, arm_j] = turning.arms;
-            self.torques[0][1].set(lane, moment * -arm_i);
-            self.torques[1][1].set(lane, moment * arm_j);
-            self.lost[0][lane] = turning.lost_by_sliding;
-            self.lost[2][lane] = pair.taken_by_dashpot::<L>(turning);
+            self.moments[1].set(lane, pair.normal.cross(turning.friction_drag));
+            // What does not touch has lost nothing.
+            let counts = |lost: f64| if L::AHEAD && self.touches[lane] == 0.0 { 0.0 } else { lost };
+            self.lost[0][lane] = counts(turning.lost_by_sliding);
+            self.lost[2][lane] = counts(pair.taken_by_dashpot::<L>(turning));
             if L::ROLLING {
                 self.rolling_drag_torque.set(lane, turning.rolling_drag);
-                self.lost[1][lane] = turning.lost_by_rolling;
+                self.lost[1][lane] = counts(turning.lost_by_rolling);
             }
         }
     }
 
-    /// Adds what a contact has lost.
+    /// What the first so many lanes have lost, J, each kind added by fours: so that no addition waits for the one before.
     #[inline(always)]
-    pub(super) fn add_lost<L: Demands>(&self, lane: usize, lost: &mut Lost) {
-        let [sliding, rolling, dashpots] = &self.lost;
-        lost.sliding += sliding[lane];
-        lost.dashpots += dashpots[lane];
-        if L::ROLLING {
-            lost.rolling += rolling[lane];
-        }
+    pub(super) fn lost<L: Demands>(&mut self, lanes: usize) -> Lost {
+        self.lost.iter_mut().for_each(|numbers| numbers[lanes..].fill(0.0));
+        let sum = |kind: usize| {
+            let mut sums = [0.0; 4];
+            for four in self.lost[kind][..lanes.next_multiple_of(4)].as_chunks::<4>().0 {
+                sums.iter_mut().zip(four).for_each(|(sum, number)| *sum += number);
+            }
+            sums.into_iter().sum()
+        };
+        Lost { sliding: sum(0), rolling: if L::ROLLING { sum(1) } else { 0.0 }, dashpots: sum(2) }
     }
 }

@@ -165,6 +165,15 @@ impl<V: Space> Pages<V> {
         Some(self.any_memory(self.contacts.binary_search(&contact).ok()?))
     }
 
+    /// The same, if contacts are asked for in ascending order: `from` is where the last one was, at first 0.
+    #[must_use]
+    pub fn look_up_next(&self, from: &mut usize, contact: Candidate) -> Option<Memory<V>> {
+        while self.contacts.get(*from).is_some_and(|&before| before < contact) {
+            *from += 1;
+        }
+        (self.contacts.get(*from) == Some(&contact)).then(|| self.any_memory(*from))
+    }
+
     /// Every contact and its memory.
     pub(super) fn all(&self) -> impl Iterator<Item = (Candidate, Memory<V>)> {
         self.contacts.iter().enumerate().map(|(at, &contact)| (contact, self.any_memory(at)))

@@ -7,7 +7,7 @@
 use crate::contact::batch::MemoryLanes;
 use crate::contact::history::{Lost, Pages};
 use crate::contact::{Demands, Memory};
-use crate::neighbours::list::Candidate;
+use crate::neighbours::list::{Candidate, are_same};
 use crate::space::Space;
 
 /// A page and where the kernel is in it.
@@ -45,7 +45,7 @@ impl<'a, V: Space> Walk<'a, V> {
     ) -> bool {
         let before = if self.is_anew { &*self.spare } else { &*self.page };
         let next = self.passed..self.passed + contacts.len();
-        let are_next = before.contacts.get(next.clone()) == Some(contacts);
+        let are_next = before.contacts.get(next.clone()).is_some_and(|known| are_same(known, contacts));
         if are_next {
             self.passed = next.end;
             before.read::<L>(next, memories);

@@ -21,9 +21,12 @@ impl<V: Space> Desk<V> {
     /// Copies what contacts among those candidates remember.
     pub(super) fn welcome<L: Demands>(&mut self, incoming: &[Candidate], pages: &[Pages<V>]) {
         self.arrived.clear();
-        for &contact in incoming {
-            if let Some(memory) = pages[contact.first() / BLOCK].look_up(contact) {
-                self.arrived.push::<L>(contact, &memory);
+        for of_page in incoming.chunk_by(|one, next| one.first() / BLOCK == next.first() / BLOCK) {
+            let (page, mut at) = (&pages[of_page[0].first() / BLOCK], 0);
+            for &contact in of_page {
+                if let Some(memory) = page.look_up_next(&mut at, contact) {
+                    self.arrived.push::<L>(contact, &memory);
+                }
             }
         }
     }

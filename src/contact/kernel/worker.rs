@@ -12,9 +12,6 @@ use crate::neighbours::list::{self, Candidate, Task};
 use crate::periodic::Metric;
 use crate::space::Space;
 
-/// How many candidates a batch takes at a time, if it has room for as many.
-const PIECE: usize = 8;
-
 /// What one thread reads and writes.
 pub(super) struct Worker<'a, V: Space, L, M> {
     pub(super) pass: &'a Pass<'a, V, L, M>,
@@ -32,15 +29,18 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         let gravity = self.pass.gravity;
         self.sums.begin(list::end_of(&self.task.incoming), gravity, self.view);
         let mut left = &self.task.incoming[..];
+        let mut arrived = 0;
         while !left.is_empty() {
             left = self.offer(left);
-            self.flush_incoming();
+            self.flush_incoming(&mut arrived);
         }
+        let mut at_hand = self.task.rows.start;
         for (page, first) in pages.iter_mut().zip(self.task.rows.clone().step_by(BLOCK)) {
             let mut block = Block { walk: Walk::new(page, spare), remembered: [false; LANES], lost: Lost::default() };
             let (mut left, end) = self.pass.list.block(first / BLOCK);
             // Not all at once: so they are at hand when they are added to.
             self.sums.begin(end, gravity, self.view);
+            at_hand = self.fetch(at_hand, first + BLOCK);
             while !left.is_empty() {
                 left = self.offer(left);
                 self.flush(&mut block);
@@ -55,28 +55,26 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// it is full; gives those that are left. Whether one overlaps is hard to foresee, so there is no branch on it: each is
     /// written, and the end moves on if it counts.
     fn offer<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
-        let (bodies, batch, metric) = (&self.view.body[..], &mut *self.batch, self.pass.metric);
+        let (bodies, batch, pass) = (&self.view.body[..], &mut *self.batch, self.pass);
         let margin = if L::AHEAD { self.view.margin } else { 0.0 };
-        self.pass.instructions.run_narrow(
+        pass.instructions.run_narrow(
             #[inline(always)]
             || {
-                let (mut end, mut left) = (batch.len, candidates);
-                while end <= LANES - PIECE && !left.is_empty() {
-                    let (piece, others) = left.split_at(PIECE.min(left.len()));
-                    for &candidate in piece {
-                        let [body, other] = candidate.both().map(|entry| &bodies[entry]);
-                        // Never beyond; so the compiler knows as well.
-                        let lane = end % LANES;
-                        batch.pairs[lane] = candidate;
-                        let (squared, reach) = batch.bodies.take::<L>(lane, &metric, [body, other]);
-                        let farthest = if L::AHEAD { reach + margin } else { reach };
-                        // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
-                        end += usize::from(squared < farthest * farthest);
-                    }
-                    left = others;
+                // Of its own: what is written cannot change it.
+                let metric = pass.metric;
+                let (mut end, mut left) = (batch.len, candidates.iter());
+                while end < LANES
+                    && let Some(&candidate) = left.next()
+                {
+                    let [body, other] = candidate.both().map(|entry| &bodies[entry]);
+                    batch.pairs[end] = candidate;
+                    let (squared, reach) = batch.bodies.take::<L>(end, &metric, [body, other]);
+                    let farthest = if L::AHEAD { reach + margin } else { reach };
+                    // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
+                    end += usize::from(squared < farthest * farthest);
                 }
                 batch.len = end;
-                left
+                left.as_slice()
             },
         )
     }
@@ -137,10 +135,11 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         }
     }
 
-    /// Sums what the batch does to the particles of this share, the first ones being in others.
-    fn flush_incoming(&mut self) {
+    /// Sums what the batch does to the particles of this share, the first ones being in others. `arrived` is where what contacts
+    /// before these remember was.
+    fn flush_incoming(&mut self, arrived: &mut usize) {
         for lane in 0..if L::MEMORY { self.batch.len } else { 0 } {
-            let memory = self.arrived.look_up(self.batch.pairs[lane]).unwrap_or_default();
+            let memory = self.arrived.look_up_next(arrived, self.batch.pairs[lane]).unwrap_or_default();
             self.batch.memory.set::<L>(lane, &memory);
         }
         self.ask();
@@ -160,7 +159,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         self.ask();
         let has_books = self.view.has_books;
         if L::SPIN && has_books {
-            block.lost = self.batch.lost::<L>(block.lost);
+            block.lost += self.batch.lost::<L>();
         }
         if L::MEMORY {
             self.remember(block);
