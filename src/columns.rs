@@ -6,7 +6,7 @@
 //! runs over particles, contacts first of all, independent of table order, thread count and neighbour search: it *is* the order
 //! that the determinism of a run rests on.
 //!
-//! Slots go row by row through space (within a cell, by id), so that neighbours in space are neighbours
+//! Slots go row by row through space, in large packings beam by beam (within a cell, by id), so that neighbours in space are neighbours
 //! in memory; what is fixed comes last. They are dealt out anew at the end of the phase
 //! [`Spawn`](crate::step::Phase::Spawn) when a particle was added, removed, fixed or freed, or a radius or mass changed; and
 //! every [`TIDY_EVERY`] steps, if more than a tenth of the grains have left that order. That hangs on nothing but the
