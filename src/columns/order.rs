@@ -3,7 +3,7 @@
 //!
 //! Positions are put on a grid whose cells are as wide as the largest grain. Cells are ordered along the axis on which the
 //! grains reach farthest, slice by slice. A force pass then reads two or three rows side by side, each from its beginning to
-//! its end, which processors foresee. Ranges of slots, the shares of threads, meet in one cross-section.
+//! its end, which processors foresee. Ranges of slots, the shares of threads, meet in one cross-section, or at the side of a beam.
 //!
 //! Two slices are at work at a time, and what is known of their grains should stay at hand: where slices are large, the axis on which
 //! grains reach second farthest is cut into beams of [`SLICE`] grains a slice or so, one after the other. At least [`NARROWEST`]
@@ -11,8 +11,8 @@
 
 use crate::space::Space;
 
-/// How many cells of a slice are at hand without trouble: with all that a step takes, some 200 B a grain, a quarter of a
-/// processor's second cache.
+/// How many cells of a slice are at hand without trouble: at some 200 B a grain, all that a step asks for, two slices at work and the next one
+/// take 230 kB, a quarter of a second cache of 1 MB.
 const SLICE: f64 = 384.0;
 
 /// Fewest cells that a beam is wide.

@@ -168,10 +168,10 @@ impl<V: Space> Batch<V> {
         pair
     }
 
-    /// Whether the contact of a lane is one: what a law only looks at ahead of that does nothing.
+    /// Whether the contact of a lane is one.
     #[inline(always)]
     pub fn touches<L: Demands>(&self, lane: usize) -> bool {
-        !L::AHEAD || self.answer.touches[lane] > 0.0
+        self.answer.counts::<L>(lane)
     }
 
     /// What contacts lose, J.

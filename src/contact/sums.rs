@@ -135,14 +135,12 @@ impl<'a, V: Space> Sums<'a, V> {
 
     /// Reads those of entries that are here.
     pub(super) fn touch(&self, entries: Range<usize>) -> u64 {
-        fn first<T: Linear>(numbers: &[T], each: usize, entries: Range<usize>) -> u64 {
-            let numbers = numbers.get(entries.start * each..entries.end * each).unwrap_or_default();
-            touch(numbers.as_chunks::<WHOLE>().0, |[number]| number.component(0))
-        }
         let Share { force, torque, each, .. } = &self.share;
-        let [start, end] =
-            [entries.start, entries.end].map(|entry| entry.clamp(self.rows.start, self.rows.end) - self.rows.start);
-        first(force, *each, start..end) ^ first(torque, *each, start..end)
+        let [start, end] = [entries.start, entries.end]
+            .map(|entry| (entry.clamp(self.rows.start, self.rows.end) - self.rows.start) * each);
+        // Of what is not asked for, nothing.
+        let torque = torque.get(start..end).unwrap_or_default();
+        touch(&force[start..end], |number| number.component(0)) ^ touch(torque, |number| number.component(0))
     }
 
     /// Adds what the contacts of a batch do to both, unless the second is in another share.

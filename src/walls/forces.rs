@@ -56,8 +56,8 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
         add_load::<V, L>(&mut columns.loads, i, &mut walls.0[index].load, &pair, &on_i);
         if L::SPIN && columns.has_books {
             let rolling = if L::ROLLING { on_i.turning.lost_by_rolling } else { 0.0 };
-            lost.add([on_i.turning.lost_by_sliding, rolling]);
-            lost.dashpots += pair.taken_by_dashpot::<L>(&on_i.turning);
+            let dashpots = pair.taken_by_dashpot::<L>(&on_i.turning);
+            lost += Lost { sliding: on_i.turning.lost_by_sliding, rolling, dashpots };
         }
         if L::MEMORY {
             walk.remember::<L>(contact, &memory);

@@ -26,6 +26,12 @@ pub struct Answer<V: Space> {
 }
 
 impl<V: Space> Answer<V> {
+    /// Whether a lane is of two that touch: what a law only looks at ahead of that does nothing.
+    #[inline(always)]
+    pub(super) fn counts<L: Demands>(&self, lane: usize) -> bool {
+        !L::AHEAD || self.touches[lane] > 0.0
+    }
+
     /// Force on i, as an entry of a [`Tally`](crate::columns::Tally).
     #[inline(always)]
     pub fn force<const EACH: usize>(&self, lane: usize) -> [V; EACH] {
@@ -71,13 +77,13 @@ impl<V: Space> Answer<V> {
         if L::SPIN {
             let turning = &force.turning;
             self.moments[1].set(lane, pair.normal.cross(turning.friction_drag));
-            // What does not touch has lost nothing.
-            let counts = |lost: f64| if L::AHEAD && self.touches[lane] == 0.0 { 0.0 } else { lost };
-            self.lost[0][lane] = counts(turning.lost_by_sliding);
-            self.lost[2][lane] = counts(pair.taken_by_dashpot::<L>(turning));
+            let counts = self.counts::<L>(lane);
+            let lost = |lost: f64| if counts { lost } else { 0.0 };
+            self.lost[0][lane] = lost(turning.lost_by_sliding);
+            self.lost[2][lane] = lost(pair.taken_by_dashpot::<L>(turning));
             if L::ROLLING {
                 self.rolling_drag_torque.set(lane, turning.rolling_drag);
-                self.lost[1][lane] = counts(turning.lost_by_rolling);
+                self.lost[1][lane] = lost(turning.lost_by_rolling);
             }
         }
     }
