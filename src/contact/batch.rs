@@ -12,7 +12,7 @@ pub use self::bodies::Bodies;
 use crate::columns::{BOOKED, Columns, Rotation};
 use crate::contact::centred::{Ahead, Window};
 use crate::contact::history::Lost;
-use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
+use crate::contact::lanes::{LANES, Lanes, PerLane, Quads, Scalars, quad, spread};
 use crate::contact::{Demands, Memory, Pair, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
@@ -25,10 +25,10 @@ pub struct Batch<V: Space> {
     /// How many there are.
     pub len: usize,
     /// Entries of the columns.
-    pub pairs: [Candidate; LANES],
+    pub pairs: PerLane<Candidate>,
     pub bodies: Bodies<V>,
     pub spins: Spins<V>,
-    pub species: [[Species; LANES]; 2],
+    pub species: [PerLane<Species>; 2],
     pub ahead: AheadLanes<V>,
     pub memory: MemoryLanes<V>,
     pub answer: Answer<V>,

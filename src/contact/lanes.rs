@@ -1,12 +1,41 @@
 //! Lanes: numbers of many contacts side by side, so that one instruction works on several.
 
+use std::ops::{Deref, DerefMut};
+
 use crate::space::Linear;
 
 /// Contacts in a batch. A multiple of every vector width; with all that a law may ask for, a batch stays in the first cache.
 pub const LANES: usize = 32;
 
+/// One entry a lane. Aligned as cache lines are: a vector of lanes that straddled two would take twice as long to fetch.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+pub struct PerLane<T>([T; LANES]);
+
+impl<T: Copy + Default> Default for PerLane<T> {
+    fn default() -> Self {
+        Self([T::default(); LANES])
+    }
+}
+
+impl<T> Deref for PerLane<T> {
+    type Target = [T; LANES];
+
+    #[inline(always)]
+    fn deref(&self) -> &[T; LANES] {
+        &self.0
+    }
+}
+
+impl<T> DerefMut for PerLane<T> {
+    #[inline(always)]
+    fn deref_mut(&mut self) -> &mut [T; LANES] {
+        &mut self.0
+    }
+}
+
 /// One number a lane.
-pub type Scalars = [f64; LANES];
+pub type Scalars = PerLane<f64>;
 
 /// One vector or spin a lane, component by component.
 #[derive(Clone, Debug)]
@@ -17,12 +46,12 @@ pub struct Lanes<T> {
 
 impl<T> Default for Lanes<T> {
     fn default() -> Self {
-        Self { components: [[0.0; LANES]; 3], kind: std::marker::PhantomData }
+        Self { components: Default::default(), kind: std::marker::PhantomData }
     }
 }
 
 /// Four numbers a lane, side by side: they are written with half as many instructions as one by one, or a quarter.
-pub type Quads = [[f64; 4]; LANES];
+pub type Quads = PerLane<[f64; 4]>;
 
 /// Four numbers side by side, by place: instructions may work on all at once.
 #[inline(always)]

@@ -5,7 +5,7 @@
 
 use crate::columns::Body;
 use crate::contact::Demands;
-use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
+use crate::contact::lanes::{LANES, Lanes, PerLane, Quads, Scalars, quad, spread};
 use crate::contact::root::inverse_root;
 use crate::instructions::Instructions;
 use crate::periodic::Metric;
@@ -22,7 +22,7 @@ pub struct Bodies<V: Space> {
     /// the two is which, sums of radii and of inverse masses; in solid space they stand behind the rest of the relative velocity.
     taken: [Quads; 3],
     /// Those sums in the plane.
-    sums: [[f64; 2]; LANES],
+    sums: PerLane<[f64; 2]>,
     /// From j to i, m.
     separation: Lanes<V>,
     /// From j to i.

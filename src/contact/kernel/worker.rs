@@ -128,7 +128,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.batch.ask::<L, WHOLE>(law, dt, instructions, deepest)
         };
         if is_deeper {
-            for (pair, overlap) in self.batch.pairs.iter().zip(&self.batch.bodies.overlap).take(self.batch.len) {
+            for (pair, overlap) in self.batch.pairs.iter().zip(self.batch.bodies.overlap.iter()).take(self.batch.len) {
                 let [i, j] = pair.both().map(|entry| self.view.body[entry].radius);
                 self.largest = self.largest.max(overlap / i.min(j));
             }
