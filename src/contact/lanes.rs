@@ -5,7 +5,7 @@ use std::ops::{Deref, DerefMut};
 use crate::space::Linear;
 
 /// Contacts in a batch. A multiple of every vector width; with all that a law may ask for, a batch stays in the first cache.
-pub const LANES: usize = 32;
+pub const LANES: usize = 48;
 
 /// One entry a lane. Aligned as cache lines are: a vector of lanes that straddled two would take twice as long to fetch.
 #[derive(Clone, Copy, Debug)]
