@@ -13,6 +13,7 @@
 //! state. Until then a particle that vanished in the middle of a step keeps a ghost in its slot, and one that appeared has
 //! none.
 
+mod ahead;
 mod along;
 mod lead;
 mod order;
@@ -22,6 +23,7 @@ mod tally;
 
 use bevy_ecs::prelude::*;
 
+pub(crate) use self::ahead::AT_ONCE;
 pub(crate) use self::along::{STRIDE, Walkers};
 pub(crate) use self::lead::{Lead, follow};
 pub(crate) use self::order::Order;

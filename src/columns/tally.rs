@@ -70,6 +70,13 @@ impl<T: Linear> Tally<T> {
         self.numbers[i * self.each]
     }
 
+    /// The first and the last component of entry `i`; 0 if there is none.
+    pub(crate) fn ends(&self, i: usize) -> [f64; 2] {
+        let entry = self.numbers.get(i * self.each..(i + 1) * self.each).unwrap_or_default();
+        [entry.first().map(|first| first.component(0)), entry.last().map(|last| last.component(T::COUNT - 1))]
+            .map(Option::unwrap_or_default)
+    }
+
     /// Sets the whole sum of entry `i`, if there is one.
     #[inline]
     pub(crate) fn set(&mut self, i: usize, whole: T) {

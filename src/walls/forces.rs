@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, Loads};
+use crate::columns::{AT_ONCE, Columns, Loads};
 use crate::contact::history::{History, Lost};
 use crate::contact::sums;
 use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairForce, PairLaw, memory_step};
@@ -34,7 +34,10 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
     let have_changed = walls.is_changed();
     walls.0.iter_mut().for_each(|wall| wall.load = WallLoad::default());
     let near = near.of(&columns, &walls.0, have_changed);
-    for &contact in near {
+    for (number, &contact) in near.iter().enumerate() {
+        if number % AT_ONCE == 0 {
+            columns.touch(near[number..].iter().take(AT_ONCE).map(|contact| contact.first()));
+        }
         let [i, index] = contact.both();
         let pair = if L::AHEAD {
             touching::<true, V>(&columns, i, &walls.0[index], dt)
