@@ -120,6 +120,7 @@ mod tests {
             tally.set(1, 4.0);
             tally.add(1, 1.0, 2.0);
             assert_eq!((tally.len(), tally.of(1), tally.get(3)), (3, 5.0, None));
+            assert_eq!([tally.ends(1), tally.ends(3)], [[5.0, if has_books { 2.0 } else { 5.0 }], [0.0; 2]]);
             assert_eq!(tally.numbers, numbers);
             assert_eq!(tally.entries::<BOOKED>().len(), if has_books { 3 } else { 0 });
         }

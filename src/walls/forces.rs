@@ -36,7 +36,7 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
     let near = near.of(&columns, &walls.0, have_changed);
     for (number, &contact) in near.iter().enumerate() {
         if number % AT_ONCE == 0 {
-            columns.touch(near[number..].iter().take(AT_ONCE).map(|contact| contact.first()));
+            columns.fetch(near[number..].iter().take(AT_ONCE).map(|contact| contact.first()));
         }
         let [i, index] = contact.both();
         let pair = if L::AHEAD {
