@@ -4,7 +4,8 @@ use std::ops::{Deref, DerefMut};
 
 use crate::space::Linear;
 
-/// Contacts in a batch. A multiple of every vector width; with all that a law may ask for, a batch stays in the first cache.
+/// Contacts in a batch. A multiple of every vector width; what friction with memory asks for in solid space, 25 kB, stays in a first
+/// cache of 32, and with a scheme that looks ahead 30 kB.
 pub const LANES: usize = 48;
 
 /// One entry a lane. Aligned as cache lines are: a vector of lanes that straddled two would take twice as long to fetch.
