@@ -1,4 +1,6 @@
 //! Reading ahead of a walk among entries that lie far apart: each would wait for memory by itself, together they wait once.
+//!
+//! For entries that lie side by side `contact/kernel/fetch.rs` does with less: one number of each, and of the sums of one share.
 
 use std::hint::black_box;
 

@@ -168,12 +168,6 @@ impl<V: Space> Batch<V> {
         pair
     }
 
-    /// Whether the contact of a lane is one.
-    #[inline(always)]
-    pub fn touches<L: Demands>(&self, lane: usize) -> bool {
-        self.answer.counts::<L>(lane)
-    }
-
     /// What contacts lose, J.
     #[inline]
     pub fn lost<L: Demands>(&mut self) -> Lost {

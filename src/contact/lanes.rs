@@ -8,7 +8,7 @@ use crate::space::Linear;
 /// cache of 32, and with a scheme that looks ahead 30 kB.
 pub const LANES: usize = 48;
 
-/// One entry a lane. Aligned as cache lines are: a vector of lanes that straddled two would take twice as long to fetch.
+/// One entry a lane. Aligned as cache lines are, so that no vector of lanes straddles two.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct PerLane<T>([T; LANES]);

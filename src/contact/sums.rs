@@ -152,7 +152,7 @@ impl<'a, V: Space> Sums<'a, V> {
         let (forces, torques) = (force.as_chunks_mut::<EACH>().0, torque.as_chunks_mut::<EACH>().0);
         let (rolling, contacts) = (&mut **rolling_drag, &mut **contacts);
         let answer = &batch.answer;
-        for lane in (0..batch.len.min(LANES)).filter(|&lane| batch.touches::<L>(lane)) {
+        for lane in (0..batch.len.min(LANES)).filter(|&lane| answer.counts::<L>(lane)) {
             let [first, second] = batch.pairs[lane].both().map(|entry| entry - start);
             let is_here = second < forces.len();
             let force = answer.force::<EACH>(lane);
@@ -187,7 +187,7 @@ impl<'a, V: Space> Sums<'a, V> {
         let Share { force, torque, rolling_drag, contacts, .. } = &mut self.share;
         let (forces, torques) = (force.as_chunks_mut::<EACH>().0, torque.as_chunks_mut::<EACH>().0);
         let answer = &batch.answer;
-        for lane in (0..batch.len.min(LANES)).filter(|&lane| batch.touches::<L>(lane)) {
+        for lane in (0..batch.len.min(LANES)).filter(|&lane| answer.counts::<L>(lane)) {
             let second = batch.pairs[lane].second() - self.rows.start;
             take(&mut forces[second], answer.force::<EACH>(lane));
             if L::SPIN {

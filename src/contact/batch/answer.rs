@@ -28,7 +28,7 @@ pub struct Answer<V: Space> {
 impl<V: Space> Answer<V> {
     /// Whether a lane is of two that touch: what a law only looks at ahead of that does nothing.
     #[inline(always)]
-    pub(super) fn counts<L: Demands>(&self, lane: usize) -> bool {
+    pub fn counts<L: Demands>(&self, lane: usize) -> bool {
         !L::AHEAD || self.touches[lane] > 0.0
     }
 

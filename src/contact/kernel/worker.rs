@@ -195,13 +195,13 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     fn remember(&self, block: &mut Block<'_, V>) {
         let batch = &*self.batch;
         let contacts = &batch.pairs[..batch.len.min(LANES)];
-        if !L::AHEAD || (0..contacts.len()).all(|lane| batch.touches::<L>(lane)) {
+        if !L::AHEAD || (0..contacts.len()).all(|lane| batch.answer.counts::<L>(lane)) {
             block.walk.remember_all::<L>(contacts, &batch.memory);
             return;
         }
         block.walk.part::<L>(contacts);
         for (lane, &contact) in contacts.iter().enumerate() {
-            if batch.touches::<L>(lane) {
+            if batch.answer.counts::<L>(lane) {
                 block.walk.remember::<L>(contact, &batch.memory.get::<L>(lane));
             } else if block.remembered[lane] {
                 // It has ended, and its memory been moved on all the same: what it held before is lost.
