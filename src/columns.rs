@@ -2,7 +2,8 @@
 //!
 //! Components keep whatever order the ECS gives them; a behaviour may add components, which moves rows between tables. So a
 //! step works here. Where a behaviour may look at grains or change them, it copies positions and velocities into these columns
-//! and forces back; elsewhere components follow when somebody asks (`columns/lead.rs`). The order of slots makes every sum that
+//! and forces back; elsewhere components follow when somebody asks (`columns/lead.rs`), and until then grains are not even entities
+//! (`columns/bare.rs`). The order of slots makes every sum that
 //! runs over particles, contacts first of all, independent of table order, thread count and neighbour search: it *is* the order
 //! that the determinism of a run rests on.
 //!
@@ -15,6 +16,7 @@
 
 mod ahead;
 mod along;
+mod bare;
 mod lead;
 mod order;
 mod passes;
@@ -25,6 +27,8 @@ use bevy_ecs::prelude::*;
 
 pub(crate) use self::ahead::AT_ONCE;
 pub(crate) use self::along::{STRIDE, Walkers};
+pub use self::bare::Entering;
+pub(crate) use self::bare::{Gate, Newcomer, Turnover, embody};
 pub(crate) use self::lead::{Lead, follow};
 pub(crate) use self::order::Order;
 pub use self::passes::{
@@ -38,6 +42,7 @@ pub(crate) use self::tally::{BOOKED, WHOLE, kick_term};
 use crate::particle::{GrainId, Species};
 use crate::periodic::Periodic;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
+use crate::spin::InertiaLaw;
 
 /// What every contact asks of a particle, side by side in memory, and in this order: they are read by fours.
 #[derive(Clone, Copy, Debug)]
@@ -105,11 +110,16 @@ pub struct SpinGain<V: Space = Plane> {
 pub struct Columns<V: Space = Plane> {
     /// Names.
     pub id: Vec<GrainId>,
-    /// Whose entry this is.
+    /// Whose entry this is; [`Entity::PLACEHOLDER`] of bare grains (`columns/bare.rs`), which are none.
     pub entity: Vec<Entity>,
-    /// The slot that each had before slots were dealt out anew; that of nobody if it had none, or another radius, or was fixed
-    /// and is free, or the reverse.
+    /// The slot that each had before slots were dealt out anew; that of nobody if it had none.
     pub(crate) former: Vec<Slot>,
+    /// Who had another radius in that one, or was fixed and is free, or the reverse; in ascending order.
+    pub(crate) altered: Vec<Slot>,
+    /// What moments of inertia follow from, where grains spin.
+    pub(crate) inertia: Option<InertiaLaw>,
+    /// Whether grains are bare.
+    pub(crate) is_bare: bool,
     /// What every contact asks for.
     pub body: Vec<Body<V>>,
     /// Masses, kg; 0 for what has none.
@@ -158,6 +168,9 @@ impl<V: Space> Default for Columns<V> {
             id: Vec::new(),
             entity: Vec::new(),
             former: Vec::new(),
+            altered: Vec::new(),
+            inertia: None,
+            is_bare: false,
             body: Vec::new(),
             mass: Vec::new(),
             species: Vec::new(),

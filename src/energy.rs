@@ -29,13 +29,15 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::columns::{BOOKED, BeforeRenumbering, Body, Columns, Renumbering, Rotation, STRIDE};
+use crate::columns::{
+    self, BOOKED, BeforeRenumbering, Body, Columns, Entering, Renumbering, Rotation, STRIDE, Slot, Turnover,
+};
 use crate::contact::Memory;
 use crate::contact::history::History;
 use crate::contact::survey::{Partner, Scenery};
 use crate::gravity::Gravity;
 use crate::messages::DoorOpened;
-use crate::particle::{Force, Grain, GrainId, Mass, Position, Velocity};
+use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Position, Velocity};
 use crate::space::{Linear, Space};
 use crate::spin::{Inertia, Spin};
 use crate::step::{Clock, Phase, Step, is_step_zero};
@@ -96,13 +98,14 @@ fn mechanical<V: Space>(mass: f64, x: V, v: V, gravity: V) -> f64 {
 
 /// Everything whose entity is gone takes its energy with it. The columns still hold the state it had.
 fn book_removed<V: Space>(
-    columns: Res<Columns<V>>,
+    (columns, turnover): (Res<Columns<V>>, Res<Turnover<V>>),
     scenery: Scenery<V>,
     gravity: Res<Gravity<V>>,
     present: Query<(), With<GrainId>>,
     mut flows: ResMut<EnergyFlows>,
 ) {
-    let gone: Vec<bool> = columns.entity.iter().map(|&entity| !present.contains(entity)).collect();
+    let is_gone = |i| turnover.is_leaving(i) || !columns.is_somebody(i, |entity| present.contains(entity));
+    let gone: Vec<_> = (0..columns.len()).map(is_gone).collect();
     if !gone.contains(&true) {
         return;
     }
@@ -114,7 +117,8 @@ fn book_removed<V: Space>(
         scenery.survey().elastic_energy(|i, partner| gone[i] || matches!(partner, Partner::Particle(j) if gone[j]));
 }
 
-type Newcomer<V> = (
+type Energetic<V> = (
+    &'static Slot,
     &'static GrainId,
     &'static Position<V>,
     &'static Velocity<V>,
@@ -123,15 +127,25 @@ type Newcomer<V> = (
 );
 
 fn book_released<V: Space>(
-    gravity: Res<Gravity<V>>,
-    new: Query<Newcomer<V>, Added<Grain>>,
+    (columns, turnover, gravity): (Res<Columns<V>>, Res<Turnover<V>>, Res<Gravity<V>>),
+    entities: Query<Energetic<V>, With<Grain>>,
     mut flows: ResMut<EnergyFlows>,
 ) {
-    let energies = new.iter().map(|(id, x, v, mass, rotation)| {
-        let rotation = rotation.map_or(0.0, |(spin, inertia)| 0.5 * inertia.0 * spin.0.length_squared());
-        (*id, mechanical(mass.0, x.0, v.0, gravity.0), rotation)
+    let energies = |id, x: V, v: V, mass: Mass, turning: Option<(V::Spin, f64)>| {
+        let rotation = turning.map_or(0.0, |(spin, inertia)| 0.5 * inertia * spin.length_squared());
+        (id, mechanical(mass.0, x, v, gravity.0), rotation)
+    };
+    let bare = turnover.entering.iter().map(|new| {
+        let GrainBundle { particle, mass, .. } = &new.grain;
+        let turning = columns.inertia.map(|law| new.turning(law)).map(|(spin, _, inertia)| (spin.0, inertia.0));
+        energies(particle.id, particle.position.0, particle.velocity.0, *mass, turning)
     });
-    let mut new: Vec<_> = energies.collect();
+    // Whose mass the columns do not know yet.
+    let is_new = |slot: &Slot| columns.mass.get(slot.index()).is_none_or(|&mass| mass <= 0.0);
+    let entities = entities.iter().filter(|(slot, ..)| is_new(slot)).map(|(_, id, x, v, mass, turning)| {
+        energies(*id, x.0, v.0, *mass, turning.map(|(spin, inertia)| (spin.0, inertia.0)))
+    });
+    let mut new: Vec<_> = bare.chain(entities).collect();
     new.sort_unstable_by_key(|&(id, ..)| id);
     for (_, mechanical, rotation) in new {
         flows.released += mechanical;
@@ -148,7 +162,7 @@ fn book_initial_overlaps<V: Space>(scenery: Scenery<V>, mut flows: ResMut<Energy
 /// A door of panels that is about to go takes its elastic energy with it.
 fn book_panel_door<V: Space>(
     mut opened: MessageReader<DoorOpened>,
-    scenery: Scenery<V>,
+    (scenery, turnover): (Scenery<V>, Res<Turnover<V>>),
     present: Query<(), With<GrainId>>,
     mut flows: ResMut<EnergyFlows>,
 ) {
@@ -157,7 +171,7 @@ fn book_panel_door<V: Space>(
         // What was culled meanwhile takes its contacts with it already.
         flows.removed += survey.elastic_energy(|i, partner| {
             let is_door = matches!(partner, Partner::Wall(wall) if survey.walls[wall].is_door);
-            is_door && present.contains(survey.columns.entity[i])
+            is_door && !turnover.is_leaving(i) && survey.columns.is_somebody(i, |entity| present.contains(entity))
         });
     }
 }
@@ -265,7 +279,7 @@ impl<V: Space> Plugin for EnergyPlugin<V> {
             Step,
             (
                 book_removed::<V>.in_set(BeforeRenumbering),
-                book_released::<V>.in_set(Renumbering),
+                book_released::<V>.in_set(Renumbering).before(columns::renumber::<V>),
                 book_contact_work::<V>.in_set(Phase::Control).in_set(EnergyBooked),
                 book_initial_overlaps::<V>.in_set(Phase::Cull).run_if(is_step_zero),
             ),
@@ -290,7 +304,7 @@ pub struct PanelDoorEnergyPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for PanelDoorEnergyPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, book_panel_door::<V>.in_set(Phase::Spawn).before(BeforeRenumbering));
+        app.add_systems(Step, book_panel_door::<V>.in_set(Phase::Spawn).before(Entering).before(BeforeRenumbering));
     }
 }
 

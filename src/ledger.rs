@@ -25,7 +25,7 @@ use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{BeforeRenumbering, Columns, DENSE, Slot};
+use crate::columns::{self, BeforeRenumbering, Columns, Gate, Renumbering};
 use crate::door::DoorState;
 use crate::messages::{GrainLost, GrainOut, GrainReleased};
 use crate::outcome::{Failure, Outcome};
@@ -54,14 +54,15 @@ pub enum OnLoss {
     Continue,
 }
 
-/// Where the ledger holds a grain to be.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
-pub struct Whereabouts<V: Space>(Place<V>);
+/// Where the ledger holds grains to be, in the order of slots.
+#[derive(Resource)]
+struct Whereabouts<V: Space>(Vec<Place<V>>);
 
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 enum Place<V> {
+    /// It is no grain.
+    Nowhere,
     /// It has just entered.
-    #[default]
     New,
     /// It was there when it was looked at, m.
     Inside(V),
@@ -148,12 +149,27 @@ fn count_released(mut ledger: ResMut<Ledger>, mut released: MessageReader<GrainR
     ledger.released += count(released.read().count());
 }
 
+/// Places go along with their grains when slots are dealt out anew.
+fn move_places<V: Space>(
+    columns: Res<Columns<V>>,
+    mut whereabouts: ResMut<Whereabouts<V>>,
+    grains: Query<(), With<Grain>>,
+) {
+    let place = |i: usize| match whereabouts.0.get(columns.former[i].index()) {
+        Some(&place) if place != Place::Nowhere => place,
+        _ if columns.is_somebody(i, |entity| grains.contains(entity)) => Place::New,
+        _ => Place::Nowhere,
+    };
+    whereabouts.0 = (0..columns.len()).map(place).collect();
+}
+
 fn watch_paths<V: Space>(
     (enclosure, columns): (Res<Enclosure<V>>, Res<Columns<V>>),
     (door, cull): (Option<Res<DoorState>>, Option<Res<CullLine>>),
     mut out: MessageWriter<GrainOut<V>>,
     mut lost: MessageWriter<GrainLost<V>>,
-    mut grains: Query<(&GrainId, &Slot, &mut Whereabouts<V>), With<Grain>>,
+    mut whereabouts: ResMut<Whereabouts<V>>,
+    grains: Query<(), With<Grain>>,
     wall_grains: Query<(&GrainId, &Position<V>), With<Fixed>>,
     mut wait: Local<Wait>,
 ) {
@@ -164,40 +180,42 @@ fn watch_paths<V: Space>(
     let patience = (0.25 * enclosure.smallest_radius).powi(2);
     let door_is_closed = door.is_none_or(|door| !door.is_open());
     let last_chance = cull.map_or(f64::NEG_INFINITY, |line| line.0);
-    for (ids, slots, mut places) in grains.contiguous_iter_mut().expect(DENSE) {
-        // Nothing watches whereabouts for changes.
-        let places = places.bypass_change_detection().iter_mut();
-        for ((&id, slot), Whereabouts(place)) in ids.iter().zip(slots).zip(places) {
-            let Some(here) = columns.body.get(slot.index()).map(|body| body.position) else { continue };
-            let looked_at = match *place {
-                Place::New => here,
-                Place::Inside(looked_at) => looked_at,
-                Place::Out | Place::Lost => continue,
-            };
-            let way = columns.separation(here, looked_at);
-            lowest = lowest.min(here.height());
-            let squared = way.length_squared();
-            // Whoever will soon have moved so far is looked at now, so that there is time until the next pass.
-            if squared < 0.25 * patience && here.height() >= last_chance {
-                longest = longest.max(squared);
-                *place = Place::Inside(looked_at);
-                continue;
+    for (i, (place, body)) in whereabouts.0.iter_mut().zip(&columns.body).enumerate() {
+        let here = body.position;
+        let looked_at = match *place {
+            Place::New => here,
+            Place::Inside(looked_at) => looked_at,
+            Place::Out | Place::Lost | Place::Nowhere => continue,
+        };
+        let way = columns.separation(here, looked_at);
+        lowest = lowest.min(here.height());
+        let squared = way.length_squared();
+        // Whoever will soon have moved so far is looked at now, so that there is time until the next pass.
+        if squared < 0.25 * patience && here.height() >= last_chance {
+            longest = longest.max(squared);
+            *place = Place::Inside(looked_at);
+            continue;
+        }
+        *place = Place::Inside(here);
+        let distance = way.length();
+        // In a periodic scene, of where it was the image that is nearest to here.
+        let before = here - way;
+        let Some(fate) = fate(&*enclosure.paths, door_is_closed, before, here) else { continue };
+        // Who has vanished meanwhile is missed by others.
+        if !columns.is_somebody(i, |entity| grains.contains(entity)) {
+            *place = Place::Nowhere;
+            continue;
+        }
+        let id = columns.id[i];
+        match fate {
+            Fate::Out => {
+                *place = Place::Out;
+                out.write(GrainOut { id, position: here });
             }
-            *place = Place::Inside(here);
-            let distance = way.length();
-            // In a periodic scene, of where it was the image that is nearest to here.
-            let before = here - way;
-            match fate(&*enclosure.paths, door_is_closed, before, here) {
-                None => {}
-                Some(Fate::Out) => {
-                    *place = Place::Out;
-                    out.write(GrainOut { id, position: here });
-                }
-                Some(Fate::Lost(way)) => {
-                    *place = Place::Lost;
-                    let way = swept(way, distance, enclosure.smallest_radius);
-                    lost.write(GrainLost { id, position: here, way, nearest: nearest(here, &wall_grains) });
-                }
+            Fate::Lost(way) => {
+                *place = Place::Lost;
+                let way = swept(way, distance, enclosure.smallest_radius);
+                lost.write(GrainLost { id, position: here, way, nearest: nearest(here, &wall_grains) });
             }
         }
     }
@@ -242,33 +260,36 @@ fn nearest<V: Space>(x: V, wall_grains: &Query<(&GrainId, &Position<V>), With<Fi
 }
 
 fn cull<V: Space>(
-    mut commands: Commands,
-    (line, columns): (Res<CullLine>, Res<Columns<V>>),
+    mut gate: Gate<V>,
+    (line, whereabouts): (Res<CullLine>, Option<Res<Whereabouts<V>>>),
     mut ledger: ResMut<Ledger>,
     mut expected: ResMut<Culled>,
     mut lost: MessageWriter<GrainLost<V>>,
     mut wait: Local<Wait>,
-    grains: Query<(Entity, &GrainId, &Slot, Option<&Whereabouts<V>>), With<Grain>>,
+    grains: Query<(), With<Grain>>,
 ) {
-    if !wait.is_over(&columns, 0.0) {
+    if !wait.is_over(&gate.columns, 0.0) {
         return;
     }
     let mut lowest = f64::INFINITY;
-    for (entity, &id, slot, place) in &grains {
-        let Some(position) = columns.body.get(slot.index()).map(|body| body.position) else { continue };
+    for i in 0..gate.columns.len() {
+        let (id, position) = (gate.columns.id[i], gate.columns.body[i].position);
+        if id.is_wall() || !gate.columns.is_somebody(i, |entity| grains.contains(entity)) {
+            continue;
+        }
         lowest = lowest.min(position.height());
         if position.height() < line.0 {
-            commands.entity(entity).despawn();
-            expected.0.insert(entity);
+            expected.0.extend(gate.dismiss(i));
             ledger.culled += 1;
-            if place.is_none_or(|place| !matches!(place.0, Place::Out | Place::Lost)) {
+            let place = whereabouts.as_ref().and_then(|places| places.0.get(i));
+            if place.is_none_or(|place| !matches!(place, Place::Out | Place::Lost)) {
                 let way = "below the cull line, without having crossed the orifice".to_owned();
                 lost.write(GrainLost { id, position, way, nearest: None });
             }
         }
     }
     // Nobody is below the line before somebody has gone this far.
-    *wait = Wait::for_distance(&columns, lowest - line.0);
+    *wait = Wait::for_distance(&gate.columns, lowest - line.0);
 }
 
 /// Grains that left the world by somebody else's hand are lost too; the columns still know their names.
@@ -360,8 +381,9 @@ pub struct PathsPlugin<V: Space> {
 
 impl<V: Space> Plugin for PathsPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.register_required_components::<Grain, Whereabouts<V>>();
-        app.insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
+        app.insert_resource(Whereabouts::<V>(Vec::new()))
+            .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
+            .add_systems(Step, move_places::<V>.in_set(Renumbering).after(columns::renumber::<V>))
             .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(keep_books::<V>));
     }
 }

@@ -7,7 +7,7 @@ use bevy_ecs::message::message_update_system;
 use bevy_ecs::prelude::*;
 
 use crate::behaviour::{Behaviour, Registry};
-use crate::columns::Lead;
+use crate::columns::{self, Columns, Lead, Newcomer, Turnover};
 use crate::fault::Fault;
 use crate::grains::file::GrainRow;
 use crate::grains::spawner::Pending;
@@ -40,7 +40,9 @@ impl Simulation {
     /// # Errors
     /// If a behaviour is unknown or its keys are wrong, or systems of behaviours conflict.
     pub fn new(loaded: &Loaded, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
-        Self::with(loaded, registry, threads, |_| {})
+        let mut simulation = Self::with(loaded, registry, threads, |_| {})?;
+        simulation.follow();
+        Ok(simulation)
     }
 
     /// The same, with what a program adds on top: outputs, say, which look and write no physics. (What does is a
@@ -57,7 +59,7 @@ impl Simulation {
         Self::with_watchers(loaded, registry, threads, true, |assembly| assembly.add_own(more))
     }
 
-    /// The same, with plugins of the caller's on top, which look at no components.
+    /// The same, with plugins of the caller's on top, which look at no components of grains: these need not be entities.
     pub(crate) fn with(
         loaded: &Loaded,
         registry: &Registry,
@@ -217,6 +219,11 @@ impl Simulation {
         self.app.world()
     }
 
+    /// Everything there is, for who looks at grains in the columns or by the census alone: components may be behind, or not be.
+    pub(crate) fn columns_world_mut(&mut self) -> &mut World {
+        self.app.world_mut()
+    }
+
     /// Everything there is, to be changed; what is changed between steps counts from the next step on.
     pub fn world_mut(&mut self) -> &mut World {
         let world = self.app.world_mut();
@@ -295,20 +302,15 @@ fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
         }
     }
     world.write_message_batch(loaded.grains.iter().map(|grain| GrainReleased { id: grain.id }));
-    let bundle = |row: &GrainRow| {
-        let mut bundle = row.bundle::<V>();
-        bundle.particle.position.0 = in_box(bundle.particle.position.0);
-        bundle
+    let newcomer = |row: &GrainRow| {
+        let mut grain = row.bundle::<V>();
+        grain.particle.position.0 = in_box(grain.particle.position.0);
+        Newcomer { grain, spin: V::narrow_spin(row.spin) }
     };
-    // All at once: tables are made for as many.
-    let order = rows::first_order(&loaded.grains, |row| bundle(row).particle.position.0);
-    let grains = order.iter().map(|&row| &loaded.grains[row as usize]);
-    if loaded.scene.contact.spins() {
-        let inertia = loaded.inertia();
-        world.spawn_batch(
-            grains.map(|row| (bundle(row), inertia.turning::<V>(row.mass, row.radius, V::narrow_spin(row.spin)))),
-        );
-    } else {
-        world.spawn_batch(grains.map(bundle));
+    let order = rows::first_order(&loaded.grains, |row| in_box(V::narrow(row.position)));
+    world.resource_mut::<Turnover<V>>().entering =
+        order.iter().map(|&row| newcomer(&loaded.grains[row as usize])).collect();
+    if !world.resource::<Columns<V>>().is_bare {
+        columns::embody::<V>(world);
     }
 }

@@ -12,8 +12,8 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{
-    self, BOOKED, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Renumbering, Rotation, Slot,
-    SpinsDrifted, WHOLE, Walkers, kick_term,
+    self, BOOKED, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Slot, SpinsDrifted, WHOLE,
+    Walkers, kick_term,
 };
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
@@ -67,13 +67,10 @@ impl InertiaLaw {
 
 pub(crate) type TurningBundle<V> = (Spin<<V as Space>::Spin>, Torque<<V as Space>::Spin>, Inertia);
 
-#[derive(Resource, Clone, Copy)]
-struct InertiaFactor(f64);
-
 /// Every grain that enters gets what it needs to turn, unless it brings all of it.
 fn equip<V: Space>(
     added: On<Add<Grain>>,
-    factor: Res<InertiaFactor>,
+    columns: Res<Columns<V>>,
     grains: Query<(&Mass, &Radius, Has<Spin<V::Spin>>, Has<Torque<V::Spin>>, Has<Inertia>)>,
     mut commands: Commands,
 ) {
@@ -81,11 +78,12 @@ fn equip<V: Space>(
     if spins && has_torque && has_inertia {
         return;
     }
-    let inertia = Inertia(factor.0 * mass.0 * radius.0 * radius.0);
+    let Some(law) = columns.inertia else { return };
+    let (spin, torque, inertia) = law.turning::<V>(mass.0, radius.0, V::Spin::ZERO);
     let mut grain = commands.entity(added.entity);
-    grain.insert((Torque(V::Spin::ZERO), inertia));
+    grain.insert((torque, inertia));
     if !spins {
-        grain.insert(Spin(V::Spin::ZERO));
+        grain.insert(spin);
     }
 }
 
@@ -162,23 +160,6 @@ fn gather<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<(&Slot, &Spin
     }
 }
 
-/// New slots: those of what does not spin stay at zero.
-fn make_room<V: Space>(
-    mut columns: ResMut<Columns<V>>,
-    grains: Query<(&Slot, &Spin<V::Spin>, &Torque<V::Spin>, &Inertia)>,
-) {
-    let (particles, Columns { rotation, loads, has_books, .. }) = (columns.len(), &mut *columns);
-    rotation.clear();
-    rotation.resize(particles, Rotation::default());
-    loads.torque.reset(particles, *has_books);
-    for (slot, spin, torque, inertia) in &grains {
-        if let Some(rotation) = rotation.get_mut(slot.index()) {
-            *rotation = Rotation { spin: spin.0, inverse_inertia: 1.0 / inertia.0 };
-        }
-        loads.torque.set(slot.index(), torque.0);
-    }
-}
-
 /// Writes the torques.
 fn write<V: Space>(columns: Res<Columns<V>>, mut grains: Query<(&Slot, &mut Torque<V::Spin>)>) {
     for (slots, mut torques) in grains.contiguous_iter_mut().expect(DENSE) {
@@ -202,9 +183,8 @@ pub struct SpinPlugin<V: Space> {
 
 impl<V: Space> Plugin for SpinPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(InertiaFactor(self.inertia.factor()))
-            .add_observer(equip::<V>)
-            .add_systems(Step, make_room::<V>.in_set(Renumbering).after(columns::renumber::<V>));
+        app.world_mut().resource_mut::<Columns<V>>().inertia = Some(self.inertia);
+        app.add_observer(equip::<V>);
         if self.columns_lead {
             let again = last_half_kick_columns::<V>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities);
             app.add_systems(

@@ -6,6 +6,7 @@ use bevy_ecs::prelude::*;
 
 use crate::behaviour::Registry;
 use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
+use crate::columns::Lead;
 use crate::fault::Fault;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::rules::Rules;
@@ -96,6 +97,9 @@ fn describe_grain(world: &mut World, text: &mut String) {
     let _ = writeln!(text, "components of a grain: {total} bytes");
     for (name, size) in rows {
         let _ = writeln!(text, "  {name:<24} {size:>3} B");
+    }
+    if world.contains_resource::<Lead>() {
+        text.push_str("  (`run` keeps grains as rows of packed columns, for nothing here looks at components)\n");
     }
     text.push('\n');
 }

@@ -1,10 +1,10 @@
 //! Who leads: components, or columns.
 //!
 //! A behaviour may look at grains and change them at any moment: with one, components are the live state, and every step
-//! copies them into the columns and back. Without one columns are. Grains move there, nothing is copied in a step, and
-//! components follow when somebody asks for them: slots that are dealt out anew, the spawner, the file of the last state, whoever is
-//! handed the world between steps ([`Simulation::step`](crate::simulation::Simulation::step)), and in every step the systems that a
-//! program has added.
+//! copies them into the columns and back. Without one columns are. Grains move there, and nothing is copied in a step. Until somebody
+//! asks for components there are none ([`bare`]); then they are made, and follow when somebody asks again: slots that are
+//! dealt out anew, whoever is handed the world between steps ([`Simulation::step`](crate::simulation::Simulation::step)), and in
+//! every step the systems that a program has added.
 //!
 //! What is fixed is moved by whoever moves it in its components, and copied into the columns in every step.
 
@@ -13,7 +13,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemId;
 
-use crate::columns::{BeforeRenumbering, Columns, GatheredVelocities, Kicked, Longest, Slot, SpinsDrifted};
+use crate::columns::{BeforeRenumbering, Columns, GatheredVelocities, Kicked, Longest, Slot, SpinsDrifted, bare};
 use crate::particle::{Fixed, Force, Position, Velocity};
 use crate::space::Space;
 use crate::spin::{Spin, Torque};
@@ -22,10 +22,10 @@ use crate::step::{Drifted, ForceStage, Phase, Step, is_step_zero};
 /// Who leads, in scenes where columns may.
 #[derive(Resource, Clone, Copy, Debug)]
 pub(crate) struct Lead {
+    /// Makes entities of grains that are none.
+    embody: Option<SystemId>,
     follow: SystemId,
     take_over: SystemId,
-    /// Whether components follow in every step.
-    watched: bool,
     state: State,
 }
 
@@ -40,11 +40,6 @@ enum State {
 }
 
 impl Lead {
-    /// Whether components are behind when a step begins.
-    pub(crate) fn leaves_components_behind(world: &World) -> bool {
-        world.get_resource::<Self>().is_some_and(|lead| !lead.watched)
-    }
-
     /// Gives the lead to the columns, before a step.
     pub(crate) fn to_columns(world: &mut World) {
         let Some(mut lead) = world.get_resource_mut::<Self>() else { return };
@@ -60,7 +55,10 @@ impl Lead {
         let Some(mut lead) = world.get_resource_mut::<Self>() else { return };
         if lead.state == State::Columns {
             lead.state = State::Both;
-            let follow = lead.follow;
+            let (embody, follow) = (lead.embody.take(), lead.follow);
+            if let Some(embody) = embody {
+                run(world, embody);
+            }
             run(world, follow);
         }
     }
@@ -139,7 +137,13 @@ fn take_over<V: Space>(mut columns: ResMut<Columns<V>>, grains: Query<Changed<V>
 pub(super) fn add<V: Space>(app: &mut App, watched: bool) {
     let world = app.world_mut();
     let (follow, take_over) = (world.register_system(follow::<V>), world.register_system(take_over::<V>));
-    world.insert_resource(Lead { follow, take_over, watched, state: State::Components });
+    world.resource_mut::<Columns<V>>().is_bare = !watched;
+    let (embody, state) = if watched {
+        (None, State::Components)
+    } else {
+        (Some(world.register_system(bare::embody::<V>)), State::Columns)
+    };
+    world.insert_resource(Lead { embody, follow, take_over, state });
     if watched {
         let drifted = self::follow::<V>.in_set(Phase::Drift).after(Drifted).after(SpinsDrifted);
         let kicked = self::follow::<V>.in_set(Phase::Kick).in_set(GatheredVelocities).after(Kicked);

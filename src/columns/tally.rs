@@ -4,6 +4,7 @@
 //! Both lie side by side, so that they are added to together; where no books are kept there is no room for the second, and
 //! nobody reads past it. Hot loops take entries of a length known to the compiler: [`WHOLE`] numbers, or [`BOOKED`].
 
+use crate::columns::Slot;
 use crate::space::Linear;
 
 /// Numbers of an entry: the whole.
@@ -39,6 +40,15 @@ impl<T: Linear> Tally<T> {
         self.each = if has_books { BOOKED } else { WHOLE };
         self.numbers.clear();
         self.numbers.resize(particles * self.each, T::ZERO);
+    }
+
+    /// Makes room for those who had these slots, or none, with their whole sums.
+    pub(crate) fn rearrange(&mut self, former: &[Slot], has_books: bool) {
+        let before = std::mem::take(self);
+        self.reset(former.len(), has_books);
+        for (i, slot) in former.iter().enumerate() {
+            self.set(i, before.get(slot.index()).unwrap_or(T::ZERO));
+        }
     }
 
     /// How many particles there is room for.

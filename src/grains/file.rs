@@ -14,7 +14,6 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 pub use self::read::{parse, read};
-pub(crate) use self::write::by_id;
 pub use self::write::{write, write_to};
 use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use crate::space::{Dimension, Solid, Space};

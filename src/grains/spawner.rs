@@ -12,7 +12,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{self, BeforeRenumbering, Columns, Lead};
+use crate::columns::{self, Entering, Gate, Lead};
 use crate::grains::mass::MassLaw;
 use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
@@ -22,7 +22,7 @@ use crate::periodic::Periodic;
 use crate::random::Stream;
 use crate::scene::values::{FiniteVector, NonNegative, Positive, Share};
 use crate::space::Space;
-use crate::step::{Clock, Phase, Step};
+use crate::step::{Clock, Step};
 use crate::walls::surfaces::Surfaces;
 
 /// The scene's `spawner`.
@@ -175,18 +175,18 @@ impl<V: Space> SpawnerState<V> {
 
 #[expect(clippy::too_many_arguments, reason = "what a release touches")]
 fn release<V: Space>(
-    mut commands: Commands,
+    mut gate: Gate<V>,
     mut state: ResMut<SpawnerState<V>>,
     mut pending: ResMut<Pending>,
     mut delays: ResMut<ReleaseDelays>,
     mut outcome: ResMut<Outcome>,
     mut released: MessageWriter<GrainReleased>,
-    (clock, gravity, walls, columns): (Res<Clock>, Res<Gravity<V>>, Res<Surfaces<V>>, Res<Columns<V>>),
+    (clock, gravity, walls): (Res<Clock>, Res<Gravity<V>>, Res<Surfaces<V>>),
     particles: Query<(&GrainId, &Position<V>, &Radius)>,
 ) {
-    let Some(grain) = state.candidate(columns.periodic) else { return };
+    let Some(grain) = state.candidate(gate.columns.periodic) else { return };
     let waited = clock.time() - state.due;
-    if let Some(blocker) = blocker(&grain, &particles, &walls, &columns) {
+    if let Some(blocker) = blocker(&grain, &particles, &walls, &gate) {
         state.is_blocked = true;
         if waited > state.config.release_timeout.get() {
             outcome.fail(Failure::ReleaseBlocked { step: clock.steps, grain: grain.id, waited_s: waited, blocker });
@@ -205,7 +205,7 @@ fn release<V: Space>(
         delays.longest_delay_s = delays.longest_delay_s.max(waited);
     }
     let mass = state.mass.of(grain.radius);
-    commands.spawn(GrainBundle {
+    gate.admit(GrainBundle {
         particle: Particle {
             id: grain.id,
             position: Position(grain.position),
@@ -231,10 +231,13 @@ fn blocker<V: Space>(
     grain: &Candidate<V>,
     particles: &Query<(&GrainId, &Position<V>, &Radius)>,
     walls: &Surfaces<V>,
-    columns: &Columns<V>,
+    gate: &Gate<V>,
 ) -> Option<String> {
-    for (id, x, radius) in particles {
-        if columns.separation(x.0, grain.position).length() < radius.0 + grain.radius {
+    let columns = &*gate.columns;
+    let bare = columns.bare(&gate.turnover).map(|i| (columns.id[i], columns.body[i].position, columns.body[i].radius));
+    let entities = particles.iter().map(|(id, x, radius)| (*id, x.0, radius.0));
+    for (id, x, radius) in bare.chain(entities) {
+        if columns.separation(x, grain.position).length() < radius + grain.radius {
             return Some(id.to_string());
         }
     }
@@ -274,12 +277,12 @@ impl<V: Space> Plugin for SpawnerPlugin<V> {
             is_blocked: false,
             waiting: None,
         });
-        let releases = if Lead::leaves_components_behind(app.world()) {
+        let releases = if app.world().contains_resource::<Lead>() {
             (columns::follow::<V>, release::<V>).chain().into_configs()
         } else {
             release::<V>.into_configs()
         };
-        app.add_systems(Step, releases.in_set(Phase::Spawn).before(BeforeRenumbering).run_if(release_due::<V>));
+        app.add_systems(Step, releases.in_set(Entering).run_if(release_due::<V>));
     }
 }
 

@@ -15,7 +15,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{Body, Slot};
+use crate::columns::{Body, Slot, Turnover};
 use crate::contact::survey::{Partner, Scenery, Survey};
 use crate::grains::spawner::RadiusLaw;
 use crate::ledger::Ledger;
@@ -100,7 +100,7 @@ const BONDS: [Rgb; 2] = [[0x22, 0x22, 0x22], [0xff, 0x7f, 0x0e]];
 
 fn take<V: Space>(
     (clock, ledger, scenery): (Res<Clock>, Res<Ledger>, Scenery<V>),
-    (walls, studio): (Res<Surfaces<V>>, Res<Studio>),
+    (walls, studio, turnover): (Res<Surfaces<V>>, Res<Studio>, Res<Turnover<V>>),
     bodies: Bodies,
     mut album: ResMut<Album>,
     mut outcome: ResMut<Outcome>,
@@ -111,22 +111,27 @@ fn take<V: Space>(
         _ => Vec::new(),
     };
     // Who has no place yet is not seen.
-    let seen = bodies.iter().filter_map(|(slot, radius, species, is_door, is_grain)| {
-        let Body { position: x, velocity: v, .. } = *survey.columns.body.get(slot.index())?;
+    let columns = survey.columns;
+    let bare = columns.bare(&turnover).map(|i| (i, columns.body[i].radius, columns.species[i], false, true));
+    let entities = bodies.iter().map(|(slot, radius, species, is_door, is_grain)| {
+        (slot.index(), radius.0, species.copied().unwrap_or_default(), is_door, is_grain)
+    });
+    let seen = bare.chain(entities).filter_map(|(slot, radius, species, is_door, is_grain)| {
+        let Body { position: x, velocity: v, .. } = *columns.body.get(slot)?;
         Some((slot, x, v, radius, species, is_door, is_grain))
     });
     let mut rows: Vec<_> = seen.collect();
     // From far to near; what is equally far, in the order of the ids.
-    rows.sort_unstable_by(|a, b| b.1.depth().total_cmp(&a.1.depth()).then(a.0.index().cmp(&b.0.index())));
+    rows.sort_unstable_by(|a, b| b.1.depth().total_cmp(&a.1.depth()).then(a.0.cmp(&b.0)));
     let discs = rows.into_iter().map(|(slot, x, v, radius, species, is_door, is_grain)| {
         let colour: Rgb = match studio.pictures.colour {
             _ if is_door => colour::DOOR,
             _ if !is_grain => colour::WALL,
-            Colour::Species => colour::species(species.map_or(0, |species| species.0)),
+            Colour::Species => colour::species(species.0),
             Colour::Speed(top) => colour::viridis(v.length() / top.get()),
-            Colour::Pressure(top) => colour::viridis(pressures.get(slot.index()).map_or(0.0, |p| p / top.get())),
+            Colour::Pressure(top) => colour::viridis(pressures.get(slot).map_or(0.0, |p| p / top.get())),
         };
-        (x.on_paper(), radius.0, colour)
+        (x.on_paper(), radius, colour)
     });
     let picture = Picture {
         low: studio.view.0,

@@ -5,12 +5,12 @@
 //! radius, mass), and where grains spin the spin (one component in the plane, three in space), all little-endian.
 //! Positions and velocities are those of the last full step.
 
+use std::convert::Infallible;
+
 use bevy_ecs::prelude::*;
 
-use crate::grains::file::by_id;
-use crate::particle::{Grain, GrainId, Mass, Position, Radius, Velocity};
+use crate::grains::census;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
-use crate::spin::Spin;
 
 /// The hash of a world's grains.
 pub fn of_world(world: &mut World) -> u64 {
@@ -20,26 +20,22 @@ pub fn of_world(world: &mut World) -> u64 {
     }
 }
 
-type Row<'a, V> =
-    (&'a GrainId, &'a Position<V>, &'a Velocity<V>, &'a Radius, &'a Mass, Option<&'a Spin<<V as Space>::Spin>>);
-
 fn of<V: Space>(world: &mut World) -> u64 {
-    let mut grains = world.query_filtered::<Row<V>, With<Grain>>();
     let mut hash = Fnv::default();
-    for entity in by_id(world) {
-        let Ok((id, x, v, radius, mass, spin)) = grains.get(world, entity) else { continue };
-        hash.eat(&id.number().to_le_bytes());
-        let mut numbers = x.0.components();
-        numbers.extend(v.0.components());
-        numbers.extend([radius.0, mass.0]);
-        if let Some(spin) = spin {
-            let components = spin.0.spread().to_array();
+    let Ok(()) = census::take::<V, Infallible>(world, |grain| {
+        hash.eat(&grain.id.number().to_le_bytes());
+        let mut numbers = grain.position.components();
+        numbers.extend(grain.velocity.components());
+        numbers.extend([grain.radius, grain.mass]);
+        if let Some(spin) = grain.spin {
+            let components = spin.spread().to_array();
             numbers.extend(if V::DIMENSION == Dimension::Plane { &components[2..] } else { &components[..] });
         }
         for number in numbers {
             hash.eat(&number.to_le_bytes());
         }
-    }
+        Ok(())
+    });
     hash.0
 }
 

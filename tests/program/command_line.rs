@@ -257,11 +257,11 @@ fn render_makes_pngs_of_a_run() {
 fn explain_shows_what_is_modelled_and_nothing_else() {
     let here = tempfile::tempdir().unwrap();
     let silo = text(&siloflow(here.path(), &["explain", &path("silo1.ron")]).stdout);
-    for part in ["Position", "Velocity", "Whereabouts", "door::open", "rest::detect", "spawner::release"] {
+    for part in ["Position", "Velocity", "ledger::watch_paths", "door::open", "rest::detect", "spawner::release"] {
         assert!(silo.contains(part), "{part}\n{silo}");
     }
     let fall = text(&siloflow(here.path(), &["explain", &path("free-fall.ron")]).stdout);
-    for part in ["Whereabouts", "door::", "rest::", "spawner::", "surfaces::", "cull", "Spin", "Torque"] {
+    for part in ["watch_paths", "door::", "rest::", "spawner::", "surfaces::", "cull", "Spin", "Torque"] {
         assert!(!fall.contains(part), "{part}\n{fall}");
     }
     assert_eq!(fs::read_dir(here.path()).unwrap().count(), 0, "explain writes nothing");

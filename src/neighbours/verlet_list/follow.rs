@@ -2,7 +2,7 @@
 //! stay where they are: in filling and discharging that happens far more often than anything else.
 //!
 //! When slots are dealt out anew, pairs go over to the new ones; those of particles that left, or that are no longer what they
-//! were ([`Columns::former`]), go. The others' allowances go on as they were. Everybody is asked about each newcomer, who is
+//! were ([`Columns::same_before`]), go. The others' allowances go on as they were. Everybody is asked about each newcomer, who is
 //! given an allowance from here on; and so about each that has gone far.
 
 use crate::columns::{Columns, Slot};
@@ -18,7 +18,8 @@ const FEW: usize = 16;
 impl<V: Space> VerletList<V> {
     /// Brings `list` to the slots that have just been dealt out in `columns`; `dt` is the time step, s. Tells whether it did.
     pub(in crate::neighbours) fn follow(&mut self, columns: &Columns<V>, list: &mut PairList, dt: f64) -> bool {
-        let entries = || (0u32..).zip(&columns.former);
+        let former: Vec<_> = (0..columns.len()).map(|i| columns.same_before(i)).collect();
+        let entries = || (0u32..).zip(&former);
         let known = |former: &Slot| self.made_at.get(former.index());
         let newcomers: Vec<_> = entries().filter(|(_, former)| known(former).is_none()).map(|(i, _)| i).collect();
         if newcomers.len() > FEW {
@@ -35,7 +36,7 @@ impl<V: Space> VerletList<V> {
             _ => None,
         });
         let followed = followed.collect();
-        let anchors = columns.former.iter().zip(&columns.body);
+        let anchors = former.iter().zip(&columns.body);
         let anchors = anchors.map(|(former, body)| known(former).copied().unwrap_or(Anchor::of(body, self.skin, dt)));
         self.made_at = anchors.collect();
         self.admit(columns, list, followed, &newcomers);

@@ -1,0 +1,66 @@
+//! The census: every grain of a world as it is, in ascending order of id, entity or not.
+
+use bevy_ecs::prelude::*;
+
+use crate::columns::Columns;
+use crate::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity};
+use crate::space::Space;
+use crate::spin::Spin;
+
+/// A grain, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Resident<V: Space> {
+    pub(crate) id: GrainId,
+    pub(crate) radius: f64,
+    pub(crate) mass: f64,
+    pub(crate) position: V,
+    pub(crate) velocity: V,
+    pub(crate) species: Species,
+    /// If it can spin.
+    pub(crate) spin: Option<V::Spin>,
+}
+
+/// Shows each grain to `visit`, until that fails.
+pub(crate) fn take<V: Space, E>(world: &mut World, visit: impl FnMut(Resident<V>) -> Result<(), E>) -> Result<(), E> {
+    if let Some(columns) = world.get_resource::<Columns<V>>().filter(|columns| columns.is_bare) {
+        let mut grains: Vec<_> = columns.bare(world.resource()).collect();
+        grains.sort_unstable_by_key(|&i| columns.id[i]);
+        return grains.into_iter().map(|i| of_entry(columns, i)).try_for_each(visit);
+    }
+    let mut grains: Vec<(GrainId, Entity)> =
+        world.query_filtered::<(&GrainId, Entity), With<Grain>>().iter(world).map(|(id, grain)| (*id, grain)).collect();
+    grains.sort_unstable_by_key(|&(id, _)| id);
+    let mut rows = world.query::<Row<V>>();
+    let resident = |(id, radius, mass, x, v, species, spin): Row<'_, V>| Resident {
+        id: *id,
+        radius: radius.0,
+        mass: mass.0,
+        position: x.0,
+        velocity: v.0,
+        species: *species,
+        spin: spin.map(|spin| spin.0),
+    };
+    grains.into_iter().filter_map(|(_, grain)| rows.get(world, grain).ok()).map(resident).try_for_each(visit)
+}
+
+fn of_entry<V: Space>(columns: &Columns<V>, i: usize) -> Resident<V> {
+    Resident {
+        id: columns.id[i],
+        radius: columns.body[i].radius,
+        mass: columns.mass[i],
+        position: columns.body[i].position,
+        velocity: columns.body[i].velocity,
+        species: columns.species[i],
+        spin: columns.inertia.map(|_| columns.spin(i)),
+    }
+}
+
+type Row<'a, V> = (
+    &'a GrainId,
+    &'a Radius,
+    &'a Mass,
+    &'a Position<V>,
+    &'a Velocity<V>,
+    &'a Species,
+    Option<&'a Spin<<V as Space>::Spin>>,
+);
