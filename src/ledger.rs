@@ -169,8 +169,7 @@ fn watch_paths<V: Space>(
     mut out: MessageWriter<GrainOut<V>>,
     mut lost: MessageWriter<GrainLost<V>>,
     mut whereabouts: ResMut<Whereabouts<V>>,
-    grains: Query<(), With<Grain>>,
-    wall_grains: Query<(&GrainId, &Position<V>), With<Fixed>>,
+    (grains, wall_grains): (Query<(), With<Grain>>, Query<(&GrainId, &Position<V>), With<Fixed>>),
     mut wait: Local<Wait>,
 ) {
     if !wait.is_over(&columns, 0.0) {

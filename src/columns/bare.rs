@@ -6,6 +6,7 @@
 //!
 //! [`Gate`] lets grains in and out, bare or not. Bare ones come and go when slots are dealt out, as entities do.
 
+use bevy_ecs::change_detection::Tick;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
@@ -130,6 +131,11 @@ pub(crate) fn embody<V: Space>(world: &mut World) {
     let population = std::mem::take(&mut *world.resource_mut::<PopulationChanged>());
     let entities = spawn(world, inertia, residents.into_iter());
     spawn(world, inertia, turnover.entering.into_iter().map(|new| (new, Slot::default())));
+    // New as they are, nothing has changed: slots must not be dealt out anew because somebody looks.
+    for (mut radius, mut mass) in world.query_filtered::<(&mut Radius, &mut Mass), With<Grain>>().iter_mut(world) {
+        radius.set_last_changed(Tick::new(0));
+        mass.set_last_changed(Tick::new(0));
+    }
     // It is the same population as before, and the same grains are leaving.
     world.insert_resource(population);
     world.resource_mut::<Turnover<V>>().leaving = turnover.leaving;
