@@ -20,6 +20,7 @@ mod bare;
 mod lead;
 mod order;
 mod passes;
+mod refill;
 mod slots;
 mod tally;
 

@@ -1,4 +1,5 @@
-//! The data structure: particles are entities, their properties are components.
+//! The data structure: particles are entities, their properties are components. (Grains that nobody looks at as such are rows of the
+//! columns alone: `columns/bare.rs`.)
 //!
 //! A *grain* moves; a *wall grain* is a disc that is part of the silo's wall or door and carries [`Fixed`].
 //! Both have the columns of [`Particle`]; a grain has also those of [`GrainBundle`]. The ECS keeps each component
@@ -109,6 +110,7 @@ pub struct Species(pub u8);
 
 /// Marks a particle that can move and that the ledger counts.
 #[derive(Component, Clone, Copy, Debug, Default)]
+#[component(on_insert = population_changed)]
 pub struct Grain;
 
 /// Marks a particle that no force moves: a wall grain, or a grain that a behaviour holds. Who moves it sets its

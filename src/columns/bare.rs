@@ -171,16 +171,21 @@ mod tests {
     use crate::scene::load::{self, Loaded};
     use crate::simulation::Simulation;
     use crate::space::{Dimension, Plane, Solid};
+    use crate::step::Clock;
 
     fn scene(name: &str, settings: &[(&str, &str)]) -> Loaded {
         let settings: Vec<_> = settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
         load::load(&Path::new("scenes").join(name), &settings).unwrap()
     }
 
-    fn is_bare(world: &World) -> bool {
+    /// Whether grains are bare, and whether some are leaving.
+    fn are_bare(world: &World) -> (bool, bool) {
+        fn of<V: Space>(world: &World) -> (bool, bool) {
+            (world.resource::<Columns<V>>().is_bare, !world.resource::<Turnover<V>>().leaving.is_empty())
+        }
         match Dimension::of_world(world) {
-            Dimension::Plane => world.resource::<Columns<Plane>>().is_bare,
-            Dimension::Solid => world.resource::<Columns<Solid>>().is_bare,
+            Dimension::Plane => of::<Plane>(world),
+            Dimension::Solid => of::<Solid>(world),
         }
     }
 
@@ -212,24 +217,30 @@ mod tests {
             let loaded = scene(name, &[settings, &[("pictures", "None")]].concat());
             let registry = Registry::default();
             let bare = || Simulation::with(&loaded, &registry, NonZeroUsize::MIN, |_| {}).unwrap();
-            let [mut never, mut midway] = [bare(), bare()];
+            let mut never = bare();
             let mut always = Simulation::new(&loaded, &registry, NonZeroUsize::MIN).unwrap();
-            let start = look(&mut always);
-            never.advance_to_end(|_| {});
-            assert!(is_bare(midway.world()), "{name}");
-            assert!(midway.run_steps(step).is_none(), "{name}: it has ended");
-            assert!(!is_bare(midway.world()) && !is_bare(always.world()), "{name}");
-            midway.run();
+            assert_eq!([&never, &always].map(|run| are_bare(run.world()).0), [true, false], "{name}");
+            let (start, mut first_leaves) = (look(&mut always), None);
+            never.advance_to_end(|world| {
+                first_leaves = first_leaves.or(are_bare(world).1.then_some(world.resource::<Clock>().steps));
+            });
             always.run();
             let end = look(&mut never);
-            assert!(is_bare(never.world()), "{name}");
-            assert_eq!(end, look(&mut midway), "{name}: entities from step {step} on");
             assert_eq!(end, look(&mut always), "{name}: entities from the start");
             assert_ne!(end, start, "{name}: nothing happened");
+            for step in [Some(step), first_leaves].into_iter().flatten() {
+                let mut midway = bare();
+                assert!(midway.run_steps(step).is_none(), "{name}: it has ended");
+                assert!(!are_bare(midway.world()).0, "{name}");
+                midway.run();
+                assert_eq!(end, look(&mut midway), "{name}: entities from step {step} on");
+            }
             if name == "silo1.ron" {
                 let [released, _, out, culled] = end.3;
                 assert!(released == 20 && out > 0 && culled > 0 && culled < 20, "{:?}", end.3);
+                assert!(first_leaves.is_some());
             }
+            assert!(are_bare(never.world()).0, "{name}");
             // Whoever asks is given all of them.
             let grains = never.world_mut().query_filtered::<(), With<Grain>>().iter(never.world()).count();
             assert_eq!(grains, end.1.lines().count() - 1, "{name}");

@@ -4,14 +4,12 @@ use bevy_app::App;
 use bevy_ecs::change_detection::ContiguousRef;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::QueryData;
 use bevy_ecs::world::DeferredWorld;
 
-use crate::columns::order::{Order, Place};
-use crate::columns::{Body, Columns, DENSE, Entering, Newcomer, Rotation, Turnover};
-use crate::particle::{Fixed, Force, GrainBundle, GrainId, Mass, Position, Radius, Species, Velocity};
+use crate::columns::refill::EntityRow;
+use crate::columns::{Columns, DENSE, Entering, Turnover};
+use crate::particle::{Mass, Radius};
 use crate::space::Space;
-use crate::spin::{Inertia, Spin, Torque};
 use crate::step::{Clock, Phase, Step};
 
 /// Index of a particle in the [`Columns`].
@@ -26,8 +24,7 @@ impl Default for Slot {
 }
 
 impl Slot {
-    #[cfg(test)]
-    pub(crate) fn at(index: u32) -> Self {
+    pub(crate) fn new(index: u32) -> Self {
         Self(index)
     }
 
@@ -43,186 +40,7 @@ impl Slot {
     }
 }
 
-/// What the columns hold of a particle, and its slot.
-#[derive(QueryData)]
-#[query_data(mutable)]
-pub(crate) struct Particle<V: Space> {
-    entity: Entity,
-    id: &'static GrainId,
-    position: &'static Position<V>,
-    velocity: &'static Velocity<V>,
-    force: &'static Force<V>,
-    radius: &'static Radius,
-    mass: Option<&'static Mass>,
-    species: Option<&'static Species>,
-    is_fixed: Has<Fixed>,
-    turning: Option<(&'static Spin<V::Spin>, &'static Torque<V::Spin>, &'static Inertia)>,
-    slot: &'static mut Slot,
-}
-
-impl<V: Space> ParticleReadOnlyItem<'_, '_, V> {
-    /// Whether no force moves it.
-    fn never_moves(&self) -> bool {
-        inverse_mass(self.mass, self.is_fixed) == 0.0
-    }
-}
-
-/// 1/m as contacts see it, 1/kg.
-fn inverse_mass(mass: Option<&Mass>, is_fixed: bool) -> f64 {
-    mass.map_or(0.0, |mass| if is_fixed { 0.0 } else { 1.0 / mass.0 })
-}
-
-/// Where a particle comes in the order of slots.
-type Key = (bool, Place, GrainId);
-
-/// A particle that will have a slot: where it comes, its number, and the slot that it had. Numbered are newcomers, then entities as
-/// they come, then bare grains that stay.
-type Entrant = (Key, u32, Slot);
-
 impl<V: Space> Columns<V> {
-    /// Deals out slots to bare grains and to particles that are entities, and fills the columns.
-    fn refill(&mut self, turnover: &Turnover<V>, particles: &mut Query<Particle<V>>) {
-        let newcomers = &turnover.entering;
-        self.order = self.next_order(turnover, particles);
-        let altered: Vec<_> = self.entities_altered(particles).collect();
-        let entrants = self.entrants(turnover, particles);
-        self.movable_end = entrants.partition_point(|&((is_fixed, ..), ..)| !is_fixed);
-        self.id.clear();
-        self.id.extend(entrants.iter().map(|&((.., id), ..)| id));
-        self.former.clear();
-        self.former.extend(entrants.iter().map(|&(.., former)| former));
-        let mut slots = vec![Slot::default(); entrants.len()];
-        for (slot, (_, number, _)) in (0u32..).zip(entrants) {
-            slots[number as usize] = Slot(slot);
-        }
-        let (of_newcomers, of_others) = slots.split_at(newcomers.len());
-        self.altered.clear();
-        self.altered.extend(altered.into_iter().map(|entity: usize| of_others[entity]));
-        self.altered.sort_unstable();
-        self.make_room();
-        for (newcomer, slot) in newcomers.iter().zip(of_newcomers) {
-            self.fill_newcomer(newcomer, slot.index());
-        }
-        for (mut particle, &slot) in particles.iter_mut().zip(of_others) {
-            self.fill_entity(&mut particle, slot);
-        }
-        let radii = || self.body.iter().map(|body| body.radius);
-        let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
-        self.smallest_share = smallest / (smallest + largest);
-        self.generation += 1;
-    }
-
-    /// The order of slots for all who are not fixed.
-    fn next_order(&self, turnover: &Turnover<V>, particles: &Query<Particle<V>>) -> Order {
-        let grains = || turnover.entering.iter().map(|newcomer| &newcomer.grain.particle);
-        let free = || particles.iter().filter(|row| !row.is_fixed);
-        let bare = || self.bare(turnover).map(|i| &self.body[i]);
-        let places = grains().map(|grain| grain.position.0).chain(free().map(|row| row.position.0));
-        let radii = grains().map(|grain| grain.radius.0).chain(free().map(|row| row.radius.0));
-        let largest = radii.chain(bare().map(|body| body.radius)).fold(0.0, f64::max);
-        Order::of(places.chain(bare().map(|body| body.position)), 2.0 * largest)
-    }
-
-    /// All who will have slots, in the order of these.
-    fn entrants(&self, turnover: &Turnover<V>, particles: &Query<Particle<V>>) -> Vec<Entrant> {
-        let key = |is_fixed, position: V, id| (is_fixed, self.order.place(position), id);
-        let of_newcomers =
-            turnover.entering.iter().map(|Newcomer { grain: GrainBundle { particle: grain, .. }, .. }| {
-                (key(false, grain.position.0, grain.id), Slot::default())
-            });
-        // Tables are walked several times: that takes less room than to keep who was met.
-        let of_entities = particles.iter().map(|row| {
-            let former = if self.knows(&row) { *row.slot } else { Slot::default() };
-            (key(row.never_moves(), row.position.0, *row.id), former)
-        });
-        let of_bare = self.bare(turnover).map(|i| (key(false, self.body[i].position, self.id[i]), Slot::of(i)));
-        let all = of_newcomers.chain(of_entities).chain(of_bare);
-        let mut entrants: Vec<_> = (0u32..).zip(all).map(|(number, (key, former))| (key, number, former)).collect();
-        entrants.sort_unstable_by_key(|&(key, ..)| key);
-        entrants
-    }
-
-    /// Which entities, as they come, had another radius in the slots that they had, or were fixed and are free, or the reverse.
-    fn entities_altered(&self, particles: &Query<Particle<V>>) -> impl Iterator<Item = usize> {
-        particles.iter().enumerate().filter_map(|(number, row)| {
-            let i = row.slot.index();
-            let is_same =
-                |was: &Body<V>| was.radius.total_cmp(&row.radius.0).is_eq() && self.is_fixed(i) == row.never_moves();
-            (self.knows(&row) && !is_same(&self.body[i])).then_some(number)
-        })
-    }
-
-    /// Whether the slot of an entity is its own.
-    fn knows(&self, row: &ParticleReadOnlyItem<'_, '_, V>) -> bool {
-        self.entity.get(row.slot.index()) == Some(&row.entity)
-    }
-
-    /// Makes room for all who have slots now, with what the columns hold of bare grains.
-    fn make_room(&mut self) {
-        let Self { former, is_bare, has_books, inertia, loads, .. } = self;
-        let size = former.len();
-        let nobody = Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 };
-        refit(&mut self.entity, size, Entity::PLACEHOLDER);
-        if *is_bare {
-            rearrange(&mut self.body, former, nobody);
-            rearrange(&mut self.mass, former, 0.0);
-            rearrange(&mut self.species, former, Species::default());
-            loads.force.rearrange(former, *has_books);
-            if inertia.is_some() {
-                rearrange(&mut self.rotation, former, Rotation::default());
-                loads.torque.rearrange(former, *has_books);
-            }
-        } else {
-            refit(&mut self.body, size, nobody);
-            refit(&mut self.mass, size, 0.0);
-            refit(&mut self.species, size, Species::default());
-            loads.force.reset(size, *has_books);
-            if inertia.is_some() {
-                refit(&mut self.rotation, size, Rotation::default());
-                loads.torque.reset(size, *has_books);
-            }
-        }
-        if !loads.contacts.is_empty() {
-            rearrange(&mut loads.contacts, former, MANY);
-        }
-    }
-
-    fn fill_newcomer(&mut self, newcomer: &Newcomer<V>, i: usize) {
-        let GrainBundle { particle, mass, species, .. } = &newcomer.grain;
-        self.body[i] = Body {
-            position: particle.position.0,
-            velocity: particle.velocity.0,
-            radius: particle.radius.0,
-            inverse_mass: inverse_mass(Some(mass), false),
-        };
-        self.loads.force.set(i, particle.force.0);
-        self.mass[i] = mass.0;
-        self.species[i] = *species;
-        if let Some(law) = self.inertia {
-            let (spin, _, inertia) = newcomer.turning(law);
-            self.rotation[i] = Rotation { spin: spin.0, inverse_inertia: 1.0 / inertia.0 };
-        }
-    }
-
-    fn fill_entity(&mut self, row: &mut ParticleItem<'_, '_, V>, slot: Slot) {
-        let i = slot.index();
-        self.entity[i] = row.entity;
-        self.body[i] = Body {
-            position: row.position.0,
-            velocity: row.velocity.0,
-            radius: row.radius.0,
-            inverse_mass: inverse_mass(row.mass, row.is_fixed),
-        };
-        self.loads.force.set(i, row.force.0);
-        self.mass[i] = row.mass.map_or(0.0, |mass| mass.0);
-        self.species[i] = row.species.copied().unwrap_or_default();
-        if let (Some((spin, torque, inertia)), Some(rotation)) = (row.turning, self.rotation.get_mut(i)) {
-            *rotation = Rotation { spin: spin.0, inverse_inertia: 1.0 / inertia.0 };
-            self.loads.torque.set(i, torque.0);
-        }
-        *row.slot = slot;
-    }
-
     /// The slot that who has slot `i` had before, if it was what it is now.
     pub(crate) fn same_before(&self, i: usize) -> Slot {
         let is_altered = self.altered.binary_search(&Slot::of(i)).is_ok();
@@ -234,17 +52,6 @@ impl<V: Space> Columns<V> {
         let places = self.body[..self.movable_end].iter().map(|body| self.order.place(body.position));
         10 * places.clone().zip(places.skip(1)).filter(|(one, next)| next < one).count() > self.movable_end
     }
-}
-
-/// Makes a column as long as this, of blanks.
-fn refit<T: Copy>(column: &mut Vec<T>, size: usize, blank: T) {
-    column.clear();
-    column.resize(size, blank);
-}
-
-/// Brings what was of the slot that each had to the slot that it has now; who had none is given a blank.
-fn rearrange<T: Copy>(column: &mut Vec<T>, former: &[Slot], blank: T) {
-    *column = former.iter().map(|slot| column.get(slot.index()).copied().unwrap_or(blank)).collect();
 }
 
 /// Whether particles were added, removed, fixed or freed since slots were dealt out.
@@ -312,7 +119,7 @@ pub(crate) fn renumber<V: Space>(
     mut columns: ResMut<Columns<V>>,
     (mut changed, mut count): (ResMut<PopulationChanged>, ResMut<Renumberings>),
     mut turnover: ResMut<Turnover<V>>,
-    mut particles: Query<Particle<V>>,
+    mut particles: Query<EntityRow<V>>,
 ) {
     columns.refill(&std::mem::take(&mut *turnover), &mut particles);
     changed.0 = false;

@@ -112,12 +112,12 @@ mod tests {
             let (mut verlet, mut list) = (VerletList::new(SKIN), PairList::default());
             verlet.renew(&before, &mut list, 1e-3, &Threads::one());
             let stays = |former: &u32| !leaving.contains(former);
-            let mut former: Vec<_> = (0u32..25).filter(stays).map(Slot::at).collect();
+            let mut former: Vec<_> = (0u32..25).filter(stays).map(Slot::new).collect();
             former.extend(coming.iter().map(|_| Slot::default()));
             let turn = turn.min(former.len());
             former.rotate_left(turn);
             let free = former.len();
-            former.extend((25u32..30).filter(stays).map(Slot::at));
+            former.extend((25u32..30).filter(stays).map(Slot::new));
             let mut newcomers = coming.iter().copied();
             let place = |former: &Slot| places.get(former.index()).copied().or_else(|| newcomers.next());
             let places: Vec<_> = former.iter().map_while(place).collect();
