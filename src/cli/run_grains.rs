@@ -49,7 +49,7 @@ pub(super) fn run_into(
     Simulation::check(loaded, registry)?;
     let directory = RunDirectory::prepare(path, &loaded.source)?;
     let mut simulation = build(loaded, registry, threads, &directory)?;
-    // They are entities now.
+    // They are in the world now.
     loaded.grains = Vec::new();
     let (end, cost) = drive(&mut simulation, loaded, quiet);
     let world = simulation.columns_world_mut();
