@@ -10,8 +10,7 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{DENSE, Order, Renumbering, Slot, TIDY_EVERY, has_renumbered, is_time_to_tidy};
-use crate::grains::file::GrainRow;
+use crate::columns::{DENSE, Newcomer, Order, Renumbering, Slot, TIDY_EVERY, has_renumbered, is_time_to_tidy};
 use crate::particle::Fixed;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
@@ -73,19 +72,15 @@ fn arrange(world: &mut World, mut grains: Vec<Entity>, mut ranks: Vec<u32>) {
     }
 }
 
-/// In which order grains are spawned: of many, that of the slots that they will get; of few, as they come. `place` gives
-/// positions, m.
-pub(crate) fn first_order<V: Space>(grains: &[GrainRow], place: impl Fn(&GrainRow) -> V) -> Vec<u32> {
-    let mut order: Vec<u32> = (0..).zip(grains).map(|(row, _)| row).collect();
-    if grains.len() >= WORTHWHILE {
-        let largest = grains.iter().map(|grain| grain.radius).fold(0.0, f64::max);
-        let places = Order::of(grains.iter().map(&place), 2.0 * largest);
-        order.sort_by_cached_key(|&row| {
-            let grain = &grains[row as usize];
-            (places.place(place(grain)), grain.id)
-        });
+/// Brings grains that will be spawned into order: many into that of the slots that they will get; few stay as they come.
+pub(crate) fn sort_newcomers<V: Space>(newcomers: &mut [Newcomer<V>]) {
+    if newcomers.len() < WORTHWHILE {
+        return;
     }
-    order
+    let grains = || newcomers.iter().map(|new| &new.grain.particle);
+    let largest = grains().map(|grain| grain.radius.0).fold(0.0, f64::max);
+    let order = Order::of(grains().map(|grain| grain.position.0), 2.0 * largest);
+    newcomers.sort_by_cached_key(|new| (order.place(new.grain.particle.position.0), new.grain.particle.id));
 }
 
 /// Keeps rows in the order of slots.

@@ -19,7 +19,6 @@ use crate::outcome::{End, Outcome};
 use crate::particle::{Door, GrainId, Species, wall_grain};
 use crate::periodic::Periodic;
 use crate::plugins::{AddPaths, Assembly, add_all, planar_paths, solid_paths};
-use crate::rows;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::step::{Clock, Phase, Step};
@@ -307,9 +306,7 @@ fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
         grain.particle.position.0 = in_box(grain.particle.position.0);
         Newcomer { grain, spin: V::narrow_spin(row.spin) }
     };
-    let order = rows::first_order(&loaded.grains, |row| in_box(V::narrow(row.position)));
-    world.resource_mut::<Turnover<V>>().entering =
-        order.iter().map(|&row| newcomer(&loaded.grains[row as usize])).collect();
+    world.resource_mut::<Turnover<V>>().entering = loaded.grains.iter().map(newcomer).collect();
     if !world.resource::<Columns<V>>().is_bare {
         columns::embody::<V>(world);
     }

@@ -12,6 +12,7 @@ use bevy_ecs::system::SystemParam;
 
 use crate::columns::{Columns, PopulationChanged, Slot};
 use crate::particle::{Force, Grain, GrainBundle, Mass, Particle, Position, Radius, Velocity};
+use crate::rows;
 use crate::space::Space;
 use crate::spin::{InertiaLaw, TurningBundle};
 
@@ -121,7 +122,8 @@ impl<V: Space> Gate<'_, '_, V> {
 
 /// Makes entities of all bare grains and newcomers. Slots stay what they are; [`follow`](super::follow) gives torques.
 pub(crate) fn embody<V: Space>(world: &mut World) {
-    let turnover = std::mem::take(&mut *world.resource_mut::<Turnover<V>>());
+    let mut turnover = std::mem::take(&mut *world.resource_mut::<Turnover<V>>());
+    rows::sort_newcomers(&mut turnover.entering);
     let mut columns = world.resource_mut::<Columns<V>>();
     let entries: Vec<_> = columns.bare(&turnover).collect();
     let resident = |&i: &usize| (Newcomer { grain: columns.bundle(i), spin: columns.spin(i) }, Slot::of(i));

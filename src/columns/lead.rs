@@ -3,7 +3,7 @@
 //! A behaviour may look at grains and change them at any moment: with one, components are the live state, and every step
 //! copies them into the columns and back. Without one columns are. Grains move there, and nothing is copied in a step. Until somebody
 //! asks for components there are none ([`bare`]); then they are made, and follow when somebody asks again: slots that are
-//! dealt out anew, whoever is handed the world between steps ([`Simulation::step`](crate::simulation::Simulation::step)), and in
+//! dealt out anew, the spawner, whoever is handed the world between steps ([`Simulation::step`](crate::simulation::Simulation::step)), and in
 //! every step the systems that a program has added.
 //!
 //! What is fixed is moved by whoever moves it in its components, and copied into the columns in every step.

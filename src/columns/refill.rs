@@ -9,7 +9,7 @@ use crate::columns::order::{Order, Place};
 use crate::columns::{Body, Columns, MANY, Newcomer, Rotation, Slot, Turnover};
 use crate::particle::{Fixed, Force, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use crate::space::Space;
-use crate::spin::{Inertia, Spin, Torque};
+use crate::spin::{Inertia, Spin, Torque, TurningBundle};
 
 /// What the columns hold of a particle, and its slot.
 #[derive(QueryData)]
@@ -129,29 +129,20 @@ impl<V: Space> Columns<V> {
     fn make_room(&mut self) {
         let Self { former, is_bare, has_books, inertia, loads, .. } = self;
         let size = former.len();
+        // What is of entities they bring along.
+        let kept = if *is_bare { &former[..] } else { &[] };
         let nobody = Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 };
-        refit(&mut self.entity, size, Entity::PLACEHOLDER);
-        if *is_bare {
-            rearrange(&mut self.body, former, nobody);
-            rearrange(&mut self.mass, former, 0.0);
-            rearrange(&mut self.species, former, Species::default());
-            loads.force.rearrange(former, *has_books);
-            if inertia.is_some() {
-                rearrange(&mut self.rotation, former, Rotation::default());
-                loads.torque.rearrange(former, *has_books);
-            }
-        } else {
-            refit(&mut self.body, size, nobody);
-            refit(&mut self.mass, size, 0.0);
-            refit(&mut self.species, size, Species::default());
-            loads.force.reset(size, *has_books);
-            if inertia.is_some() {
-                refit(&mut self.rotation, size, Rotation::default());
-                loads.torque.reset(size, *has_books);
-            }
+        rearrange(&mut self.entity, size, &[], Entity::PLACEHOLDER);
+        rearrange(&mut self.body, size, kept, nobody);
+        rearrange(&mut self.mass, size, kept, 0.0);
+        rearrange(&mut self.species, size, kept, Species::default());
+        loads.force.rearrange(size, kept, *has_books);
+        if inertia.is_some() {
+            rearrange(&mut self.rotation, size, kept, Rotation::default());
+            loads.torque.rearrange(size, kept, *has_books);
         }
         if !loads.contacts.is_empty() {
-            rearrange(&mut loads.contacts, former, MANY);
+            rearrange(&mut loads.contacts, size, former, MANY);
         }
     }
 
@@ -164,13 +155,20 @@ impl<V: Space> Columns<V> {
         self.species[i] = species;
     }
 
+    /// The same of how it turns, where grains spin.
+    fn fill_turning(&mut self, i: usize, (spin, torque, inertia): TurningBundle<V>) {
+        if let Some(rotation) = self.rotation.get_mut(i) {
+            *rotation = Rotation { spin: spin.0, inverse_inertia: 1.0 / inertia.0 };
+            self.loads.torque.set(i, torque.0);
+        }
+    }
+
     fn fill_newcomer(&mut self, newcomer: &Newcomer<V>, i: usize) {
         let GrainBundle { particle, mass, species, .. } = &newcomer.grain;
         let Particle { position, velocity, force, radius, .. } = particle;
         self.fill(i, (position.0, velocity.0, force.0), radius.0, (mass.0, inverse_mass(Some(mass), false)), *species);
         if let Some(law) = self.inertia {
-            let (spin, _, inertia) = newcomer.turning(law);
-            self.rotation[i] = Rotation { spin: spin.0, inverse_inertia: 1.0 / inertia.0 };
+            self.fill_turning(i, newcomer.turning(law));
         }
     }
 
@@ -180,21 +178,64 @@ impl<V: Space> Columns<V> {
         let masses = (row.mass.map_or(0.0, |mass| mass.0), inverse_mass(row.mass, row.is_fixed));
         let species = row.species.copied().unwrap_or_default();
         self.fill(i, (row.position.0, row.velocity.0, row.force.0), row.radius.0, masses, species);
-        if let (Some((spin, torque, inertia)), Some(rotation)) = (row.turning, self.rotation.get_mut(i)) {
-            *rotation = Rotation { spin: spin.0, inverse_inertia: 1.0 / inertia.0 };
-            self.loads.torque.set(i, torque.0);
+        if let Some((spin, torque, inertia)) = row.turning {
+            self.fill_turning(i, (*spin, *torque, *inertia));
         }
         *row.slot = slot;
     }
 }
 
-/// Makes a column as long as this, of blanks.
-fn refit<T: Copy>(column: &mut Vec<T>, size: usize, blank: T) {
-    column.clear();
-    column.resize(size, blank);
+/// Makes a column as long as this: what was of the slots that the first ones had, and blanks for who had none and for the others.
+fn rearrange<T: Copy>(column: &mut Vec<T>, size: usize, former: &[Slot], blank: T) {
+    let before = |i: usize| column.get(former.get(i)?.index()).copied();
+    *column = (0..size).map(|i| before(i).unwrap_or(blank)).collect();
 }
 
-/// Brings what was of the slot that each had to the slot that it has now; who had none is given a blank.
-fn rearrange<T: Copy>(column: &mut Vec<T>, former: &[Slot], blank: T) {
-    *column = former.iter().map(|slot| column.get(slot.index()).copied().unwrap_or(blank)).collect();
+#[cfg(test)]
+mod tests {
+    use bevy_ecs::system::RunSystemOnce;
+
+    use super::*;
+    use crate::columns::slots::{PopulationChanged, Renumberings, renumber};
+    use crate::particle::Grain;
+    use crate::space::Plane;
+
+    fn grain(number: u32) -> GrainBundle {
+        GrainBundle {
+            particle: Particle {
+                id: GrainId::grain(number).unwrap(),
+                position: Position(Plane::new(f64::from(number), 0.0)),
+                velocity: Velocity::default(),
+                force: Force::default(),
+                radius: Radius(0.1),
+            },
+            mass: Mass(1.0),
+            species: Species(0),
+            grain: Grain,
+        }
+    }
+
+    #[test]
+    fn whoever_is_altered_is_known_but_not_the_same() {
+        let mut world = World::new();
+        world.init_resource::<Columns>();
+        world.init_resource::<Turnover<Plane>>();
+        world.init_resource::<PopulationChanged>();
+        world.init_resource::<Renumberings>();
+        let [gone, grown, held, same] = [0, 1, 2, 3].map(|number| world.spawn(grain(number)).id());
+        world.run_system_once(renumber::<Plane>).unwrap();
+        let nobody = Slot::default();
+        assert_eq!(world.resource::<Columns>().entity, [gone, grown, held, same]);
+        assert_eq!(world.resource::<Columns>().former, [nobody; 4]);
+        world.despawn(gone);
+        world.get_mut::<Radius>(grown).unwrap().0 = 0.2;
+        world.entity_mut(held).insert(Fixed);
+        let new = world.spawn(grain(4)).id();
+        world.run_system_once(renumber::<Plane>).unwrap();
+        let columns = world.resource::<Columns>();
+        assert_eq!((&columns.entity[..], columns.movable_end), (&[grown, same, new, held][..], 3));
+        assert_eq!(columns.former, [Slot::new(1), Slot::new(3), nobody, Slot::new(2)]);
+        let same_before: Vec<_> = (0..4).map(|i| columns.same_before(i)).collect();
+        assert_eq!(same_before, [nobody, Slot::new(3), nobody, nobody]);
+    }
 }

@@ -42,10 +42,10 @@ impl<T: Linear> Tally<T> {
         self.numbers.resize(particles * self.each, T::ZERO);
     }
 
-    /// Makes room for those who had these slots, or none, with their whole sums.
-    pub(crate) fn rearrange(&mut self, former: &[Slot], has_books: bool) {
+    /// Makes room for so many particles, with the whole sums of the first ones, who had these slots.
+    pub(crate) fn rearrange(&mut self, particles: usize, former: &[Slot], has_books: bool) {
         let before = std::mem::take(self);
-        self.reset(former.len(), has_books);
+        self.reset(particles, has_books);
         for (i, slot) in former.iter().enumerate() {
             self.set(i, before.get(slot.index()).unwrap_or(T::ZERO));
         }

@@ -20,9 +20,22 @@ pub(crate) struct Resident<V: Space> {
     pub(crate) spin: Option<V::Spin>,
 }
 
+/// Whether any grain can spin.
+pub(crate) fn has_spins<V: Space>(world: &mut World) -> bool {
+    match bare_columns::<V>(world) {
+        Some(columns) => columns.inertia.is_some() && columns.bare(world.resource()).next().is_some(),
+        None => world.query_filtered::<(), (With<Grain>, With<Spin<V::Spin>>)>().iter(world).next().is_some(),
+    }
+}
+
+/// The columns, where grains are no entities.
+fn bare_columns<V: Space>(world: &World) -> Option<&Columns<V>> {
+    world.get_resource::<Columns<V>>().filter(|columns| columns.is_bare)
+}
+
 /// Shows each grain to `visit`, until that fails.
 pub(crate) fn take<V: Space, E>(world: &mut World, visit: impl FnMut(Resident<V>) -> Result<(), E>) -> Result<(), E> {
-    if let Some(columns) = world.get_resource::<Columns<V>>().filter(|columns| columns.is_bare) {
+    if let Some(columns) = bare_columns::<V>(world) {
         let mut grains: Vec<_> = columns.bare(world.resource()).collect();
         grains.sort_unstable_by_key(|&i| columns.id[i]);
         return grains.into_iter().map(|i| of_entry(columns, i)).try_for_each(visit);

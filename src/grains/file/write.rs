@@ -20,8 +20,7 @@ pub fn write<V: Space>(world: &mut World) -> String {
 /// # Errors
 /// If that cannot be written to.
 pub fn write_to<V: Space>(world: &mut World, out: &mut dyn io::Write) -> io::Result<()> {
-    // Told by the first who does.
-    let spins = census::take::<V, ()>(world, |grain| grain.spin.map_or(Ok(()), |_| Err(()))).is_err();
+    let spins = census::has_spins::<V>(world);
     let is_solid = V::DIMENSION == Dimension::Solid;
     let columns = if is_solid { "id,radius,mass,x,y,z,vx,vy,vz,species" } else { "id,radius,mass,x,y,vx,vy,species" };
     let more = match (spins, is_solid) {
