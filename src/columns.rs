@@ -21,6 +21,7 @@ mod lead;
 mod order;
 mod passes;
 mod refill;
+mod settle;
 mod slots;
 mod tally;
 
@@ -36,6 +37,9 @@ pub use self::passes::{
     ColumnsPlugin, Gathered, GatheredVelocities, Kicked, LookedAhead, Passes, PlacesGathered, SpinsDrifted,
 };
 pub(crate) use self::passes::{DENSE, Longest, gather_velocities};
+pub(crate) use self::settle::{
+    Late, SecondKick, SecondKicks, Settled, Settling, add_second_kick, after_kicks, looks_when, settle,
+};
 pub use self::slots::{BeforeRenumbering, PopulationChanged, Renumbering, Slot, TIDY_EVERY, renumbering_due};
 pub(crate) use self::slots::{MANY, has_renumbered, is_time_to_tidy, population_changed, renumber};
 pub use self::tally::Tally;
@@ -51,7 +55,8 @@ use crate::spin::InertiaLaw;
 pub struct Body<V: Space = Plane> {
     /// Centre, m.
     pub position: V,
-    /// v(t+dt/2) while forces are evaluated, v(t) from the end of [`Phase::Kick`](crate::step::Phase::Kick) on, m/s.
+    /// v(t+dt/2) while forces are evaluated, v(t) from the end of [`Phase::Kick`](crate::step::Phase::Kick) on, or once somebody looks
+    /// (`columns/settle.rs`), m/s.
     pub velocity: V,
     /// Radius, m.
     pub radius: f64,

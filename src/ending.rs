@@ -5,6 +5,7 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
+use crate::columns::looks_when;
 use crate::grains::spawner::Pending;
 use crate::ledger::{BooksKept, Ledger};
 use crate::messages::CameToRest;
@@ -58,6 +59,7 @@ impl Plugin for EndingPlugin {
             Step,
             (end_when_empty, end_at_time).chain().in_set(Phase::Cull).after(BooksKept).run_if(time_moves),
         );
+        looks_when(app, |clock: Res<Clock>, until: Res<Until>| clock.has_reached(until.0));
         if self.at_rest {
             app.add_systems(Step, end_at_rest.in_set(Phase::Cull).before(end_when_empty));
         }

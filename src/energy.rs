@@ -30,7 +30,8 @@ use bevy_ecs::prelude::*;
 use serde::Serialize;
 
 use crate::columns::{
-    self, BOOKED, BeforeRenumbering, Body, Columns, Entering, Renumbering, Rotation, STRIDE, Slot, Turnover,
+    self, BOOKED, BeforeRenumbering, Body, Columns, Entering, Renumbering, Rotation, STRIDE, Settled, Slot, Turnover,
+    after_kicks, looks_when,
 };
 use crate::contact::Memory;
 use crate::contact::history::History;
@@ -265,7 +266,7 @@ fn book_added_work<V: Space>(
     last.added = added;
 }
 
-/// The books of the step are kept after this set of [`Phase::Control`].
+/// The books of the step are kept after this set, in [`Phase::Control`] or with the second kick (`columns/settle.rs`).
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct EnergyBooked;
 
@@ -280,10 +281,10 @@ impl<V: Space> Plugin for EnergyPlugin<V> {
             (
                 book_removed::<V>.in_set(BeforeRenumbering),
                 book_released::<V>.in_set(Renumbering).before(columns::renumber::<V>),
-                book_contact_work::<V>.in_set(Phase::Control).in_set(EnergyBooked),
                 book_initial_overlaps::<V>.in_set(Phase::Cull).run_if(is_step_zero),
             ),
         );
+        after_kicks(app, || book_contact_work::<V>.in_set(EnergyBooked).into_configs());
     }
 }
 
@@ -292,10 +293,10 @@ pub struct SpinEnergyPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for SpinEnergyPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Channels>().init_resource::<TurningPowers>().add_systems(
-            Step,
-            book_friction::<V>.in_set(Phase::Control).in_set(EnergyBooked).after(book_contact_work::<V>),
-        );
+        app.init_resource::<Channels>().init_resource::<TurningPowers>();
+        after_kicks(app, || book_friction::<V>.in_set(EnergyBooked).after(book_contact_work::<V>).into_configs());
+        // What rolling resistance takes goes by spins that no kick has summed.
+        looks_when(app, |columns: Res<Columns<V>>| !columns.loads.rolling_drag.is_empty());
     }
 }
 
@@ -304,7 +305,7 @@ pub struct PanelDoorEnergyPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for PanelDoorEnergyPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, book_panel_door::<V>.in_set(Phase::Spawn).before(Entering).before(BeforeRenumbering));
+        app.add_systems(Step, book_panel_door::<V>.in_set(Phase::Spawn).before(Entering).before(Settled));
     }
 }
 

@@ -3,14 +3,16 @@
 //! Nobody needs a pass for it: a velocity or spin that is not finite makes the power of the drag forces so ([`crate::energy`]), or,
 //! where no books are kept, the sum of all (of grains that components move, this takes a pass); a position the way that was gone
 //! ([`Columns::travel`]); and a force that is not finite shows in the velocity of the same step. Only then, and in step
-//! zero, are all of them looked through for the grain.
+//! zero, are all of them looked through for the grain. Where the second kick of a step is made with the next drift (`columns/settle.rs`),
+//! velocities show it then, and the step before is named.
 
 use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 
-use crate::columns::Columns;
+use crate::columns::{Columns, Late, SecondKick, SecondKicks, Settling};
 use crate::contact::{AnyLaw, Bounce};
 use crate::energy::{EnergyBooked, EnergyFlows};
 use crate::outcome::{Failure, Outcome};
@@ -27,30 +29,50 @@ fn sums_are_finite<V: Space>(columns: &Columns<V>) -> bool {
     velocities.is_finite() && spins.is_finite()
 }
 
-fn check<V: Space>(
-    clock: Res<Clock>,
-    columns: Res<Columns<V>>,
-    law: Option<Res<AnyLaw<V>>>,
-    flows: Option<Res<EnergyFlows>>,
-    forces: Query<&Force<V>>,
-    mut outcome: ResMut<Outcome>,
-) {
-    let motion_is_finite = || match &flows {
-        Some(flows) => flows.dissipated.is_finite(),
-        None => sums_are_finite(&columns),
-    };
-    if !clock.is_step_zero() && columns.travel.is_finite() && motion_is_finite() {
-        return;
+/// What tells whether all is finite, and whose fault it is if not.
+#[derive(SystemParam)]
+struct Evidence<'w, 's, V: Space> {
+    clock: Res<'w, Clock>,
+    columns: Res<'w, Columns<V>>,
+    law: Option<Res<'w, AnyLaw<V>>>,
+    flows: Option<Res<'w, EnergyFlows>>,
+    forces: Query<'w, 's, &'static Force<V>>,
+    outcome: ResMut<'w, Outcome>,
+}
+
+impl<V: Space> Evidence<'_, '_, V> {
+    /// Whether velocities and spins are.
+    fn motion_is_finite(&self) -> bool {
+        match &self.flows {
+            Some(flows) => flows.dissipated.is_finite(),
+            None => sums_are_finite(&self.columns),
+        }
     }
-    for i in 0..columns.len() {
-        let quantity = match (columns.body[i].velocity.is_finite(), columns.body[i].position.is_finite()) {
-            (_, false) => "position",
-            (false, _) => "velocity",
-            _ if !columns.spin(i).is_finite() => "spin",
-            _ => continue,
-        };
+
+    /// Fails with the first grain of which something is not; positions count if they are of that step.
+    fn accuse(&mut self, step: u64, positions_count: bool) {
+        for i in 0..self.columns.len() {
+            let body = &self.columns.body[i];
+            let quantity = if positions_count && !body.position.is_finite() {
+                "position"
+            } else if !body.velocity.is_finite() {
+                "velocity"
+            } else if !self.columns.spin(i).is_finite() {
+                "spin"
+            } else {
+                continue;
+            };
+            let (grain, cause) = (self.columns.id[i], self.cause(i));
+            self.outcome.fail(Failure::NotFinite { step, grain, quantity, cause });
+            return;
+        }
+    }
+
+    /// Why entry `i` may be as it is.
+    fn cause(&self, i: usize) -> String {
+        let Self { clock, columns, law, forces, .. } = self;
         let total = forces.get(columns.entity[i]).map_or(columns.loads.force.of(i), |force| force.0);
-        let cause = if !columns.loads.force.of(i).is_finite() {
+        if !columns.loads.force.of(i).is_finite() {
             let (mass, radius) = (1.0 / columns.body[i].inverse_mass, columns.body[i].radius);
             let bounce = Bounce { reduced_mass: mass, reduced_radius: radius, speed: 1.0 };
             let step = law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(&bounce));
@@ -62,9 +84,22 @@ fn check<V: Space>(
             "a behaviour has added a force that is not finite".to_owned()
         } else {
             "its forces are finite, so a behaviour or an input file has set it".to_owned()
-        };
-        outcome.fail(Failure::NotFinite { step: clock.steps, grain: columns.id[i], quantity, cause });
-        return;
+        }
+    }
+}
+
+fn check<V: Space>(mut evidence: Evidence<V>) {
+    if evidence.clock.is_step_zero() || !evidence.columns.travel.is_finite() || !evidence.motion_is_finite() {
+        let step = evidence.clock.steps;
+        evidence.accuse(step, true);
+    }
+}
+
+/// Of the step before, whose second kick was made with the drift: positions that have followed from it do not count.
+fn check_late<V: Space>(mut evidence: Evidence<V>) {
+    if !evidence.motion_is_finite() {
+        let step = evidence.clock.steps - 1;
+        evidence.accuse(step, false);
     }
 }
 
@@ -74,5 +109,9 @@ pub struct FinitePlugin<V: Space>(pub PhantomData<V>);
 impl<V: Space> Plugin for FinitePlugin<V> {
     fn build(&self, app: &mut App) {
         app.add_systems(Step, check::<V>.in_set(Phase::Control).after(EnergyBooked));
+        if app.world().contains_resource::<SecondKick>() {
+            app.add_systems(Settling, check::<V>.after(SecondKicks).after(EnergyBooked));
+            app.add_systems(Step, check_late::<V>.in_set(Late).after(EnergyBooked));
+        }
     }
 }

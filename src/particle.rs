@@ -82,11 +82,13 @@ impl fmt::Display for GrainId {
 
 /// Centre, m.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[component(summary_tick)]
 pub struct Position<V: Space = Plane>(pub V);
 
 /// Velocity of the centre, m/s. Between [`Phase::Drift`](crate::step::Phase::Drift) and
 /// [`Phase::Kick`](crate::step::Phase::Kick) it is v(t+dt/2), elsewhere v(t).
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[component(summary_tick)]
 pub struct Velocity<V: Space = Plane>(pub V);
 
 /// Sum of the forces, N, as of the last evaluation; the acceleration is this over [`Mass`].

@@ -15,7 +15,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::ArchetypeFilter;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{Columns, DENSE, Slot, SpinsDrifted};
+use crate::columns::{Columns, DENSE, Late, Slot, SpinsDrifted};
 use crate::contact::lanes::quad;
 use crate::energy::EnergyFlows;
 use crate::gravity::Gravity;
@@ -274,7 +274,7 @@ impl<V: Space> Plugin for PeriodicPlugin<V> {
             (true, false) => wrap::<V, With<Fixed>>.into_configs(),
             (true, true) => (wrap::<V, With<Fixed>>, wrap_columns_and_book::<V>).chain().into_configs(),
         };
-        app.add_systems(Step, all.in_set(Phase::Drift).after(Drifted).before(SpinsDrifted));
+        app.add_systems(Step, all.in_set(Phase::Drift).after(Drifted).before(SpinsDrifted).before(Late));
     }
 }
 

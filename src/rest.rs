@@ -13,7 +13,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::Columns;
+use crate::columns::{Columns, looks_when};
 use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
 use crate::messages::CameToRest;
@@ -97,5 +97,6 @@ impl<V: Space> Plugin for RestPlugin<V> {
                 .run_if(everything_is_released_and_moves)
                 .run_if(crate::step::time_moves),
         );
+        looks_when(app, everything_is_released_and_moves);
     }
 }

@@ -220,7 +220,9 @@ impl Simulation {
 
     /// Everything there is, for who looks at grains in the columns or by the census alone: components may be behind, or not be.
     pub(crate) fn columns_world_mut(&mut self) -> &mut World {
-        self.app.world_mut()
+        let world = self.app.world_mut();
+        columns::settle(world);
+        world
     }
 
     /// Everything there is, to be changed; what is changed between steps counts from the next step on.

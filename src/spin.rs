@@ -12,8 +12,8 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::columns::{
-    self, BOOKED, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, Slot, SpinsDrifted, WHOLE,
-    Walkers, kick_term,
+    self, BOOKED, Columns, DENSE, Gathered, GatheredVelocities, Kicked, PlacesGathered, SecondKick, Slot, SpinsDrifted,
+    WHOLE, Walkers, add_second_kick, kick_term,
 };
 use crate::particle::{Fixed, Grain, Mass, Radius};
 use crate::space::{Dimension, Linear, Space};
@@ -105,48 +105,59 @@ fn half_kick<V: Space>(clock: Res<Clock>, mut grains: Query<Turning<V>, Without<
     }
 }
 
-/// The same in the columns, where they lead, by torques of which so many numbers are kept. `note` sums up what it makes of each
-/// torque and the spin that it leads to; gives those sums, stride by stride.
-fn half_kick_by<V: Space, const EACH: usize, T: Default + Send>(
+/// The same in the columns, where they lead: the second kick of a step, the first of the next, or both in one pass. The second leaves
+/// a sum, which saves a pass ([`Columns::spin_kick_sum`]).
+fn kick_columns<V: Space, const SECOND: bool, const FIRST: bool>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>) {
+    if columns.has_books {
+        kick_by::<V, BOOKED, SECOND, FIRST>(dt, walkers, columns);
+    } else {
+        kick_by::<V, WHOLE, SECOND, FIRST>(dt, walkers, columns);
+    }
+}
+
+/// By torques of which so many numbers are kept.
+fn kick_by<V: Space, const EACH: usize, const SECOND: bool, const FIRST: bool>(
     dt: f64,
     walkers: &Walkers,
     columns: &mut Columns<V>,
-    note: impl Fn(&[V::Spin; EACH], V::Spin, &mut T) + Sync,
-) -> Vec<T> {
+) {
     let Columns { loads, rotation, movable_end: end, .. } = columns;
-    walkers.along(
+    let sums = walkers.along(
         &loads.torque.entries::<EACH>()[..*end],
         &mut rotation[..*end],
         #[inline(always)]
-        |torque, rotation, sum: &mut T| {
-            let spin = rotation.spin + gained(torque[0], dt, rotation.inverse_inertia);
-            note(torque, spin, sum);
-            rotation.spin = spin;
+        |torque, rotation, sum: &mut V::Spin| {
+            let gained = gained(torque[0], dt, rotation.inverse_inertia);
+            if SECOND {
+                rotation.spin += gained;
+                *sum += kick_term(torque, rotation.spin);
+            }
+            if FIRST {
+                rotation.spin += gained;
+            }
         },
-    )
-}
-
-/// Before the drift.
-fn half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    if columns.has_books {
-        half_kick_by::<V, BOOKED, ()>(clock.dt, &walkers, &mut columns, |_, _, ()| {});
-    } else {
-        half_kick_by::<V, WHOLE, ()>(clock.dt, &walkers, &mut columns, |_, _, ()| {});
+    );
+    if SECOND {
+        columns.spin_kick_sum = Some(sums.into_iter().fold(V::Spin::ZERO, |sum, one| sum + one));
     }
 }
 
-/// After the forces; with a sum, which saves a pass ([`Columns::spin_kick_sum`]).
-fn last_half_kick_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    #[inline(always)]
-    fn note<W: Linear, const EACH: usize>(torque: &[W; EACH], spin: W, sum: &mut W) {
-        *sum += kick_term(torque, spin);
-    }
-    let sums = if columns.has_books {
-        half_kick_by::<V, BOOKED, _>(clock.dt, &walkers, &mut columns, note)
+/// Before the drift; with the second kick of the step before, if it is owed.
+fn first_kick<V: Space>(
+    (clock, walkers): (Res<Clock>, Walkers),
+    second: Option<Res<SecondKick>>,
+    mut columns: ResMut<Columns<V>>,
+) {
+    if second.is_some_and(|kick| kick.is_owed) {
+        kick_columns::<V, true, true>(clock.dt, &walkers, &mut columns);
     } else {
-        half_kick_by::<V, WHOLE, _>(clock.dt, &walkers, &mut columns, note)
-    };
-    columns.spin_kick_sum = Some(sums.into_iter().fold(V::Spin::ZERO, |sum, one| sum + one));
+        kick_columns::<V, false, true>(clock.dt, &walkers, &mut columns);
+    }
+}
+
+/// After the forces.
+fn second_kick<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
+    kick_columns::<V, true, false>(clock.dt, &walkers, &mut columns);
 }
 
 /// Copies spins into the columns.
@@ -186,11 +197,8 @@ impl<V: Space> Plugin for SpinPlugin<V> {
         app.world_mut().resource_mut::<Columns<V>>().inertia = Some(self.inertia);
         app.add_observer(equip::<V>);
         if self.columns_lead {
-            let again = last_half_kick_columns::<V>.in_set(Phase::Kick).after(Kicked).before(GatheredVelocities);
-            app.add_systems(
-                Step,
-                (half_kick_columns::<V>.in_set(Phase::Drift).in_set(SpinsDrifted).after(Drifted), again),
-            );
+            app.add_systems(Step, first_kick::<V>.in_set(Phase::Drift).in_set(SpinsDrifted).after(Drifted));
+            add_second_kick(app, second_kick::<V>.after(Kicked).before(GatheredVelocities));
         } else {
             let again = gather::<V>.in_set(Phase::Kick).in_set(GatheredVelocities);
             app.add_systems(

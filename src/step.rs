@@ -24,7 +24,7 @@ pub enum Phase {
     Neighbours,
     /// Forces at x(t+dt), v(t+dt/2): see [`ForceStage`].
     Forces,
-    /// a(t+dt), v(t+dt). Not in step zero.
+    /// a(t+dt), v(t+dt). Not in step zero. Where nobody looks at components it may be put off (`columns/settle.rs`).
     Kick,
     /// Rest detector, door controller.
     Control,
@@ -104,6 +104,17 @@ pub fn is_step_zero(clock: Res<Clock>) -> bool {
     clock.is_step_zero()
 }
 
+/// A schedule on one thread, in which two systems whose order matters must have one.
+pub(crate) fn serial(label: impl ScheduleLabel) -> Schedule {
+    let mut schedule = Schedule::new(label);
+    schedule.set_executor(SingleThreadedExecutor::new());
+    schedule.set_build_settings(ScheduleBuildSettings {
+        ambiguity_detection: LogLevel::Error,
+        ..ScheduleBuildSettings::new()
+    });
+    schedule
+}
+
 fn advance(mut clock: ResMut<Clock>) {
     clock.steps += 1;
 }
@@ -124,13 +135,8 @@ pub struct Drifted;
 
 impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
-        app.init_schedule(Step).insert_resource(Clock::new(self.dt));
+        app.add_schedule(serial(Step)).insert_resource(Clock::new(self.dt));
         app.edit_schedule(Step, |schedule| {
-            schedule.set_executor(SingleThreadedExecutor::new());
-            schedule.set_build_settings(ScheduleBuildSettings {
-                ambiguity_detection: LogLevel::Error,
-                ..ScheduleBuildSettings::new()
-            });
             schedule.configure_sets(
                 (
                     Phase::Spawn,

@@ -32,6 +32,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::columns::looks_when;
 use crate::contact::survey::{Partner, Scenery, Survey};
 use crate::contact::{Bounce, LargestOverlap};
 use crate::energy::EnergyFlows;
@@ -230,7 +231,11 @@ impl<V: Space> Plugin for WatchdogPlugin<V> {
             has_warned: overlap.is_none(),
         });
         // After the books of the step are closed, and before anybody writes what the end of the run looks like.
-        app.add_systems(Step, look::<V>.run_if(is_called).in_set(Phase::Observe).before(ObserveStage::Due));
+        app.add_systems(
+            Step,
+            look::<V>.run_if(is_called).in_set(Phase::Observe).after(ObserveStage::Settled).before(ObserveStage::Due),
+        );
+        looks_when(app, is_called);
     }
 }
 

@@ -6,7 +6,7 @@ use bevy_ecs::prelude::*;
 
 use crate::behaviour::Registry;
 use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
-use crate::columns::Lead;
+use crate::columns::{Lead, Settling};
 use crate::fault::Fault;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::rules::Rules;
@@ -115,6 +115,11 @@ fn describe_systems(world: &World, text: &mut String) {
         if let Some(asked) = asked_by.0.get(&key) {
             let _ = writeln!(text, "  {:<52} {asked}", short_path(&system.name().to_string()));
         }
+    }
+    let Some(Ok(systems)) = schedules.get(Settling).map(bevy_ecs::schedule::Schedule::systems) else { return };
+    text.push_str("and where velocities are looked at between two steps, else with the next drift:\n");
+    for (_, system) in systems {
+        let _ = writeln!(text, "  {}", short_path(&system.name().to_string()));
     }
 }
 

@@ -159,7 +159,7 @@ fn line(world: &World, until: f64, pace: Pace) -> String {
     )
 }
 
-/// Kinetic energy of translation, J.
+/// Kinetic energy of translation, J; by velocities that may be half a step old.
 fn kinetic<V: Space>(world: &World) -> f64 {
     let columns = world.resource::<Columns<V>>();
     (0..columns.movable_end).map(|i| columns.kinetic_energy(i)).sum()

@@ -166,10 +166,12 @@ mod tests {
 
     use super::*;
     use crate::behaviour::Registry;
+    use crate::columns::{SecondKick, looks_when};
     use crate::energy::EnergyFlows;
     use crate::grains::file;
     use crate::ledger::Ledger;
     use crate::output::state_hash;
+    use crate::plugins::Assembly;
     use crate::scene::load::{self, Loaded};
     use crate::simulation::Simulation;
     use crate::space::{Dimension, Plane, Solid};
@@ -214,7 +216,7 @@ mod tests {
     ];
 
     #[test]
-    fn who_is_an_entity_changes_no_bit_of_state_and_books() {
+    fn who_looks_and_who_is_an_entity_changes_no_bit_of_state_and_books() {
         for (name, settings, step) in SCENES {
             let loaded = scene(name, &[settings, &[("pictures", "None")]].concat());
             let registry = Registry::default();
@@ -222,13 +224,19 @@ mod tests {
             let mut never = bare();
             let mut always = Simulation::new(&loaded, &registry, NonZeroUsize::MIN).unwrap();
             assert_eq!([&never, &always].map(|run| are_bare(run.world()).0), [true, false], "{name}");
-            let (start, mut first_leaves) = (look(&mut always), None);
+            let (start, mut first_leaves, mut late) = (look(&mut always), None, 0);
             never.advance_to_end(|world| {
+                late += u32::from(world.resource::<SecondKick>().is_owed);
                 first_leaves = first_leaves.or(are_bare(world).1.then_some(world.resource::<Clock>().steps));
             });
             always.run();
             let end = look(&mut never);
             assert_eq!(end, look(&mut always), "{name}: entities from the start");
+            let looked_at = |assembly: &mut Assembly<'_>| assembly.add_own(|app| looks_when(app, || true));
+            let mut looked_at = Simulation::with(&loaded, &registry, NonZeroUsize::MIN, looked_at).unwrap();
+            looked_at.run();
+            assert_eq!(end, look(&mut looked_at), "{name}: velocities looked at in every step");
+            assert!(late > 0, "{name}: no kick was put off");
             assert_ne!(end, start, "{name}: nothing happened");
             for step in [Some(step), first_leaves].into_iter().flatten() {
                 let mut midway = bare();

@@ -13,7 +13,9 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
 use bevy_ecs::system::SystemId;
 
-use crate::columns::{BeforeRenumbering, Columns, GatheredVelocities, Kicked, Longest, Slot, SpinsDrifted, bare};
+use crate::columns::{
+    BeforeRenumbering, Columns, GatheredVelocities, Kicked, Longest, Slot, SpinsDrifted, bare, settle,
+};
 use crate::particle::{Fixed, Force, Position, Velocity};
 use crate::space::Space;
 use crate::spin::{Spin, Torque};
@@ -56,6 +58,7 @@ impl Lead {
         if lead.state == State::Columns {
             lead.state = State::Both;
             let (embody, follow) = (lead.embody.take(), lead.follow);
+            settle::settle(world);
             if let Some(embody) = embody {
                 run(world, embody);
             }
@@ -152,5 +155,6 @@ pub(super) fn add<V: Space>(app: &mut App, watched: bool) {
         app.add_systems(Step, (drifted, kicked, begun));
     } else {
         app.add_systems(Step, self::follow::<V>.in_set(BeforeRenumbering));
+        settle::add(app);
     }
 }

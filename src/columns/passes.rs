@@ -5,8 +5,8 @@
 use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
+use bevy_ecs::change_detection::ContiguousRef;
 use bevy_ecs::prelude::*;
-use bevy_ecs::query::ArchetypeFilter;
 
 use crate::columns::{Columns, Slot, lead, slots};
 use crate::contact::ContactForces;
@@ -64,15 +64,31 @@ impl<V: Space> Columns<V> {
     }
 }
 
-/// Copies positions and velocities of those whom `F` accepts into the columns.
-pub(crate) fn gather<V: Space, F: ArchetypeFilter + 'static>(
-    mut columns: ResMut<Columns<V>>,
-    particles: Query<(&Slot, &Position<V>, &Velocity<V>), F>,
-) {
+/// Copies positions and velocities into the columns.
+fn gather<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<(&Slot, &Position<V>, &Velocity<V>)>) {
     let columns = &mut *columns;
     let mut longest = Longest::default();
     for (slots, xs, vs) in particles.contiguous_iter().expect(DENSE) {
         for (slot, (x, v)) in slots.iter().zip(xs.iter().zip(vs.iter())) {
+            columns.put(*slot, x.0, v.0, &mut longest);
+        }
+    }
+    columns.travel += longest.length();
+}
+
+/// Copies those of what is fixed, of tables in which anything has changed: most of it stands still.
+fn gather_fixed<V: Space>(
+    mut columns: ResMut<Columns<V>>,
+    particles: Query<(&Slot, Ref<Position<V>>, Ref<Velocity<V>>), With<Fixed>>,
+) {
+    let columns = &mut *columns;
+    let mut longest = Longest::default();
+    for (slots, xs, vs) in particles.contiguous_iter().expect(DENSE) {
+        let ((xs, moved), (vs, turned)) = (ContiguousRef::split(xs), ContiguousRef::split(vs));
+        if moved.summary_tick_is_changed() == Some(false) && turned.summary_tick_is_changed() == Some(false) {
+            continue;
+        }
+        for (slot, (x, v)) in slots.iter().zip(xs.iter().zip(vs)) {
             columns.put(*slot, x.0, v.0, &mut longest);
         }
     }
@@ -164,10 +180,10 @@ impl<V: Space> Plugin for ColumnsPlugin<V> {
         }
         if self.passes.columns_lead {
             lead::add::<V>(app, self.passes.watched);
-            let fixed = gather::<V, With<Fixed>>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
+            let fixed = gather_fixed::<V>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
             app.add_systems(Step, fixed);
         } else {
-            let all = gather::<V, ()>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
+            let all = gather::<V>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
             let again = gather_velocities::<V>.in_set(Phase::Kick).in_set(GatheredVelocities);
             app.add_systems(Step, (all, write_forces::<V>.in_set(ForceStage::Written), again));
         }

@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 
 use crate::columns::refill::EntityRow;
-use crate::columns::{Columns, DENSE, Entering, Turnover};
+use crate::columns::{Columns, DENSE, Entering, Settled, Turnover};
 use crate::particle::{Mass, Radius};
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
@@ -138,13 +138,14 @@ pub struct Renumbering;
 pub(super) fn add<V: Space>(app: &mut App) {
     app.insert_resource(PopulationChanged(true)).init_resource::<Renumberings>().init_resource::<Turnover<V>>();
     app.edit_schedule(Step, |schedule| {
-        schedule.configure_sets(Entering.in_set(Phase::Spawn).before(BeforeRenumbering));
-        schedule.configure_sets((BeforeRenumbering, Renumbering).chain().run_if(renumbering_due).in_set(Phase::Spawn));
+        schedule.configure_sets(Entering.in_set(Phase::Spawn).before(Settled));
+        let all = (Settled, BeforeRenumbering, Renumbering).chain().run_if(renumbering_due).in_set(Phase::Spawn);
+        schedule.configure_sets(all);
     });
     app.add_systems(
         Step,
         (
-            tidy_up::<V>.in_set(Phase::Spawn).before(Entering).before(BeforeRenumbering).run_if(is_time_to_tidy),
+            tidy_up::<V>.in_set(Phase::Spawn).before(Entering).before(Settled).run_if(is_time_to_tidy),
             renumber::<V>.in_set(Renumbering),
         ),
     );

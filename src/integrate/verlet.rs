@@ -16,7 +16,9 @@ use std::ops::Add;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::{BOOKED, Columns, DENSE, GatheredVelocities, Kicked, Longest, WHOLE, Walkers, kick_term};
+use crate::columns::{
+    BOOKED, Columns, DENSE, GatheredVelocities, Kicked, Longest, SecondKick, WHOLE, Walkers, add_second_kick, kick_term,
+};
 use crate::particle::{Fixed, Force, Mass, Position, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
@@ -42,37 +44,48 @@ fn drift<V: Space>(clock: Res<Clock>, mut grains: Query<Drifting<V>, Movable>) {
     }
 }
 
-/// The same in the columns, where they lead.
-fn drift_columns<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    if columns.has_books {
-        drift_by::<V, BOOKED>(clock.dt, &walkers, &mut columns);
-    } else {
-        drift_by::<V, WHOLE>(clock.dt, &walkers, &mut columns);
+/// The same in the columns, where they lead; if the second kick of the step before is owed, with that, and with its sum.
+fn drift_columns<V: Space>(
+    (clock, walkers): (Res<Clock>, Walkers),
+    second: Option<Res<SecondKick>>,
+    mut columns: ResMut<Columns<V>>,
+) {
+    let is_owed = second.is_some_and(|kick| kick.is_owed);
+    match (columns.has_books, is_owed) {
+        (true, true) => drift_by::<V, BOOKED, true>(clock.dt, &walkers, &mut columns),
+        (true, false) => drift_by::<V, BOOKED, false>(clock.dt, &walkers, &mut columns),
+        (false, true) => drift_by::<V, WHOLE, true>(clock.dt, &walkers, &mut columns),
+        (false, false) => drift_by::<V, WHOLE, false>(clock.dt, &walkers, &mut columns),
     }
 }
 
 /// By forces of which so many numbers are kept.
-fn drift_by<V: Space, const EACH: usize>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>) {
+fn drift_by<V: Space, const EACH: usize, const OWED: bool>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>) {
     // An open scene pays nothing for sides.
     match columns.periodic.filter(|_| !columns.sets_back_later) {
-        None => drift_along::<V, EACH>(dt, walkers, columns, |_| {}),
-        Some(periodic) => drift_along::<V, EACH>(dt, walkers, columns, |x| periodic.wrap(x)),
+        None => drift_along::<V, EACH, OWED>(dt, walkers, columns, |_| {}),
+        Some(periodic) => drift_along::<V, EACH, OWED>(dt, walkers, columns, |x| periodic.wrap(x)),
     }
 }
 
-fn drift_along<V: Space, const EACH: usize>(
+fn drift_along<V: Space, const EACH: usize, const OWED: bool>(
     dt: f64,
     walkers: &Walkers,
     columns: &mut Columns<V>,
     set_back: impl Fn(&mut V) + Sync,
 ) {
     let Columns { body, loads, movable_end: end, .. } = columns;
-    let ways = walkers.along(
+    let strides = walkers.along(
         &loads.force.entries::<EACH>()[..*end],
         &mut body[..*end],
         #[inline(always)]
-        |force, body, longest: &mut Longest| {
-            let velocity = body.velocity + half_kick(force[0], dt, body.inverse_mass);
+        |force, body, (longest, sum): &mut (Longest, V)| {
+            let gained = half_kick(force[0], dt, body.inverse_mass);
+            let mut velocity = body.velocity + gained;
+            if OWED {
+                *sum += kick_term(force, velocity);
+                velocity += gained;
+            }
             let mut position = body.position + velocity * dt;
             // Before it is set back.
             longest.raise(position - body.position);
@@ -80,7 +93,11 @@ fn drift_along<V: Space, const EACH: usize>(
             (body.position, body.velocity) = (position, velocity);
         },
     );
+    let (ways, sums): (Vec<_>, Vec<_>) = strides.into_iter().unzip();
     columns.travel += ways.into_iter().fold(Longest::default(), Longest::or).length();
+    if OWED {
+        columns.kick_sum = Some(sums.into_iter().fold(V::ZERO, Add::add));
+    }
 }
 
 fn kick<V: Space>(clock: Res<Clock>, mut grains: Query<(&mut Velocity<V>, &Force<V>, &Mass), Movable>) {
@@ -124,5 +141,5 @@ pub(super) fn add<V: Space>(app: &mut App, columns_lead: bool) {
         (drift::<V>.into_configs(), kick::<V>.into_configs())
     };
     app.add_systems(Step, drifts.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
-    app.add_systems(Step, kicks.in_set(Phase::Kick).in_set(Kicked).before(GatheredVelocities));
+    add_second_kick(app, kicks.in_set(Kicked).before(GatheredVelocities));
 }

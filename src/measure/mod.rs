@@ -11,12 +11,15 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
+use crate::columns::looks_when;
 use crate::outcome::Outcome;
 use crate::step::{Clock, Phase, Step};
 
 /// The stages of [`Phase::Observe`], in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ObserveStage {
+    /// Velocities are those of the step's end, if somebody looks.
+    Settled,
     /// Who is due?
     Due,
     /// What is needed is measured.
@@ -34,14 +37,20 @@ pub struct Every<T> {
     observer: PhantomData<T>,
 }
 
+impl<T> Every<T> {
+    #[expect(clippy::cast_precision_loss, reason = "2^53 looks are out of reach")]
+    fn is_time(&self, clock: &Clock) -> bool {
+        clock.has_reached(self.looks as f64 * self.interval)
+    }
+}
+
 #[expect(
-    clippy::cast_precision_loss,
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
     reason = "2^53 looks are out of reach, and time is not negative"
 )]
 fn tick<T: Send + Sync + 'static>(clock: Res<Clock>, outcome: Res<Outcome>, mut every: ResMut<Every<T>>) {
-    let is_time = clock.has_reached(every.looks as f64 * every.interval);
+    let is_time = every.is_time(&clock);
     if is_time {
         every.looks = (((clock.time() + 1e-3 * clock.dt) / every.interval).floor() as u64).saturating_add(1);
     }
@@ -58,6 +67,7 @@ pub fn due<T: Send + Sync + 'static>(every: Option<Res<Every<T>>>) -> bool {
 pub fn observe_every<T: Send + Sync + 'static>(app: &mut App, interval: f64) {
     app.insert_resource(Every::<T> { interval, looks: 0, is_due: false, observer: PhantomData })
         .add_systems(Step, tick::<T>.in_set(ObserveStage::Due));
+    looks_when(app, |clock: Res<Clock>, every: Res<Every<T>>| every.is_time(&clock));
 }
 
 /// The stages.
@@ -66,7 +76,7 @@ pub struct ObservePlugin;
 impl Plugin for ObservePlugin {
     fn build(&self, app: &mut App) {
         app.edit_schedule(Step, |schedule| {
-            let stages = (ObserveStage::Due, ObserveStage::Measure, ObserveStage::Write);
+            let stages = (ObserveStage::Settled, ObserveStage::Due, ObserveStage::Measure, ObserveStage::Write);
             schedule.configure_sets(stages.chain().in_set(Phase::Observe));
         });
     }

@@ -20,7 +20,7 @@ use std::path::Path;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::Columns;
+use crate::columns::{Columns, looks_when};
 use crate::measure::profile::{Profile, Sampler};
 use crate::measure::{ObserveStage, due};
 use crate::outcome::Outcome;
@@ -59,7 +59,6 @@ fn axes<V: Space>(prefix: &str, suffix: &str) -> String {
     names.collect::<Vec<_>>().join(",")
 }
 
-#[expect(clippy::cast_precision_loss, reason = "2^53 samples are out of reach")]
 fn sample<V: Space>(
     clock: Res<Clock>,
     columns: Res<Columns<V>>,
@@ -69,9 +68,8 @@ fn sample<V: Space>(
     let (now, ends) = (clock.time(), outcome.end().is_some());
     let Profiles { file, running } = &mut *profiles;
     for one in running {
-        let Profile { sample, from, average, .. } = one.sampler.profile;
-        let start = from.map_or(0.0, NonNegative::get);
-        if clock.has_reached(start + one.looks as f64 * sample.get()) {
+        let Profile { sample, average, .. } = one.sampler.profile;
+        if one.is_time(&clock) {
             one.looks += 1;
             if one.sampler.samples == 0 {
                 one.from = now;
@@ -87,6 +85,12 @@ fn sample<V: Space>(
 }
 
 impl<V: Space> Running<V> {
+    #[expect(clippy::cast_precision_loss, reason = "2^53 samples are out of reach")]
+    fn is_time(&self, clock: &Clock) -> bool {
+        let Profile { sample, from, .. } = self.sampler.profile;
+        clock.has_reached(from.map_or(0.0, NonNegative::get) + self.looks as f64 * sample.get())
+    }
+
     /// The rows of the means, and a new start.
     fn rows(&mut self) -> String {
         let species = self.species.map_or_else(|| "all".to_owned(), |species| species.0.to_string());
@@ -172,7 +176,11 @@ impl<V: Space> ProfilesPlugin<V> {
 impl<V: Space> Plugin for ProfilesPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some((profiles, centres)) = self.0.open() else { return };
-        app.insert_resource(profiles).insert_resource(centres).add_systems(
+        let is_time =
+            |clock: Res<Clock>, profiles: Res<Profiles<V>>| profiles.running.iter().any(|one| one.is_time(&clock));
+        app.insert_resource(profiles).insert_resource(centres);
+        looks_when(app, is_time);
+        app.add_systems(
             Step,
             (
                 sample::<V>.in_set(ObserveStage::Measure),

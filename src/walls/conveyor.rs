@@ -20,7 +20,7 @@ type Belt = (With<Conveyed>, With<Fixed>);
 
 fn convey<V: Space>(clock: Res<Clock>, mut belt: Query<(&mut Position<V>, &Velocity<V>), Belt>) {
     for (mut x, v) in &mut belt {
-        x.bypass_change_detection().0 += v.0 * clock.dt;
+        x.0 += v.0 * clock.dt;
     }
 }
 

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{AT_ONCE, Columns, Loads};
+use crate::columns::{AT_ONCE, Columns, Late, Loads};
 use crate::contact::history::{History, Lost};
 use crate::contact::sums;
 use crate::contact::{Demands, LargestOverlap, Law, Memory, Pair, PairForce, PairLaw, memory_step};
@@ -139,7 +139,7 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for SurfacesPlugin<V, L> {
         app.add_systems(Step, wall_forces::<V, L>.in_set(ForceStage::Walls));
         if app.world().resource::<Surfaces<V>>().0.iter().any(|wall| wall.is_door) {
             // In the step after the one that opens the door, so that what it held is booked first.
-            app.add_systems(Step, open_door::<V>.in_set(Phase::Drift));
+            app.add_systems(Step, open_door::<V>.in_set(Phase::Drift).after(Late));
         }
     }
 }
