@@ -182,7 +182,10 @@ fn watch_paths<V: Space>(
     for (i, (place, body)) in whereabouts.0.iter_mut().zip(&columns.body).enumerate() {
         let here = body.position;
         let looked_at = match *place {
-            Place::New => here,
+            Place::New => {
+                *place = Place::Inside(here);
+                here
+            }
             Place::Inside(looked_at) => looked_at,
             Place::Out | Place::Lost | Place::Nowhere => continue,
         };
@@ -192,7 +195,6 @@ fn watch_paths<V: Space>(
         // Whoever will soon have moved so far is looked at now, so that there is time until the next pass.
         if squared < 0.25 * patience && here.height() >= last_chance {
             longest = longest.max(squared);
-            *place = Place::Inside(looked_at);
             continue;
         }
         *place = Place::Inside(here);

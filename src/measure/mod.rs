@@ -1,4 +1,7 @@
 //! Measurements: they look when they are due, and at the end of the run, and never write physics.
+//!
+//! The clock of [`observe_every`] tells beforehand when somebody looks, for velocities may be half a step old where nobody does; an observer
+//! with a clock of its own tells by itself (`looks_when` in `columns/settle.rs`).
 
 pub mod bed;
 pub mod discharge;
