@@ -20,31 +20,27 @@ use crate::step::{ForceStage, Phase, Step};
 /// Why contiguous iteration cannot fail: every component of a particle's columns is stored in tables.
 pub(crate) const DENSE: &str = "table components are contiguous";
 
-/// The longest of many ways.
+/// The longest of many ways: the bits of its square. Those of numbers that are not negative are ordered as the numbers are, and
+/// what is no number comes after all of them, where a maximum of numbers would forget it.
 #[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Longest {
-    squared: f64,
-    /// Of all squares: it tells at the end whether one of them was not a number, which a maximum forgets.
-    sum: f64,
-}
+pub(crate) struct Longest(u64);
 
 impl Longest {
     /// Takes another one into account, m.
     #[inline]
     pub(crate) fn raise<V: Space>(&mut self, way: V) {
-        let squared = way.length_squared();
-        self.squared = if squared > self.squared { squared } else { self.squared };
-        self.sum += squared;
+        self.0 = self.0.max(way.length_squared().to_bits());
     }
 
     /// The longer of two.
     pub(crate) fn or(self, other: Self) -> Self {
-        Self { squared: self.squared.max(other.squared), sum: self.sum + other.sum }
+        Self(self.0.max(other.0))
     }
 
     /// Its length, m; not a number if one of them had none.
     pub(crate) fn length(self) -> f64 {
-        if self.sum.is_finite() { self.squared.sqrt() } else { f64::NAN }
+        let squared = f64::from_bits(self.0);
+        if squared.is_finite() { squared.sqrt() } else { f64::NAN }
     }
 }
 
@@ -186,6 +182,30 @@ impl<V: Space> Plugin for ColumnsPlugin<V> {
             let all = gather::<V>.in_set(Phase::Neighbours).in_set(Gathered).in_set(PlacesGathered);
             let again = gather_velocities::<V>.in_set(Phase::Kick).in_set(GatheredVelocities);
             app.add_systems(Step, (all, write_forces::<V>.in_set(ForceStage::Written), again));
+        }
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
+mod tests {
+    use super::*;
+    use crate::space::Vector;
+
+    /// Of ways along x, m.
+    fn longest(ways: &[f64]) -> f64 {
+        let mut longest = Longest::default();
+        ways.iter().for_each(|&way| longest.raise(Vector::new(way, 0.0)));
+        let [one, other] = [longest, Longest::default()];
+        assert_eq!(one.or(other).length().to_bits(), other.or(one).length().to_bits());
+        longest.length()
+    }
+
+    #[test]
+    fn the_longest_way_is_found_and_what_is_no_number_is_not_forgotten() {
+        assert_eq!((longest(&[]), longest(&[1.0, -3.0, 2.0])), (0.0, 3.0));
+        for odd in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(longest(&[odd, 1.0]).is_nan() && longest(&[1.0, odd]).is_nan(), "{odd}");
         }
     }
 }

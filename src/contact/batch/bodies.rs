@@ -5,7 +5,7 @@
 
 use crate::columns::Body;
 use crate::contact::Demands;
-use crate::contact::lanes::{LANES, Lanes, PerLane, Quads, Scalars, quad, spread};
+use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
 use crate::contact::root::inverse_root;
 use crate::instructions::Instructions;
 use crate::periodic::Metric;
@@ -19,10 +19,9 @@ const COINCIDENT: f64 = 1e-200;
 pub struct Bodies<V: Space> {
     /// As taken: in the plane separation and relative velocity; radii and inverse masses. In solid space separation and
     /// first component of the velocity; what else is held of the first; and of the second. Where it does not count which of
-    /// the two is which, sums of radii and of inverse masses; in solid space they stand behind the rest of the relative velocity.
+    /// the two is which, sums of radii and of inverse masses: in solid space behind the rest of the relative velocity, in the plane before
+    /// two zeros.
     taken: [Quads; 3],
-    /// Those sums in the plane.
-    sums: PerLane<[f64; 2]>,
     /// From j to i, m.
     separation: Lanes<V>,
     /// From j to i.
@@ -58,7 +57,7 @@ impl<V: Space> Bodies<V> {
             if L::EACH {
                 two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
             } else {
-                self.sums[lane] = [reach, mobility];
+                two[lane] = [reach, mobility, 0.0, 0.0];
             }
             apart[0] * apart[0] + apart[1] * apart[1]
         } else {
@@ -91,7 +90,7 @@ impl<V: Space> Bodies<V> {
             (2, false) => {
                 spread(one, lanes, x, y, vx, vy);
                 for lane in 0..lanes.min(LANES) {
-                    [reach[lane], mobility[lane]] = self.sums[lane];
+                    [reach[lane], mobility[lane], ..] = two[lane];
                 }
             }
             (_, true) => {
