@@ -187,7 +187,6 @@ impl<V: Space> Plugin for ColumnsPlugin<V> {
 }
 
 #[cfg(test)]
-#[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
     use crate::space::Vector;
@@ -195,7 +194,9 @@ mod tests {
     /// Of ways along x, m.
     fn longest(ways: &[f64]) -> f64 {
         let mut longest = Longest::default();
-        ways.iter().for_each(|&way| longest.raise(Vector::new(way, 0.0)));
+        for &way in ways {
+            longest.raise(Vector::new(way, 0.0));
+        }
         let [one, other] = [longest, Longest::default()];
         assert_eq!(one.or(other).length().to_bits(), other.or(one).length().to_bits());
         longest.length()
