@@ -32,10 +32,12 @@ fn end_when_empty(
     }
 }
 
-fn end_at_time(clock: Res<Clock>, until: Res<Until>, mut outcome: ResMut<Outcome>) {
-    if clock.has_reached(until.0) {
-        outcome.finish(End::TimeReached);
-    }
+fn time_is_up(clock: Res<Clock>, until: Res<Until>) -> bool {
+    clock.has_reached(until.0)
+}
+
+fn end_at_time(mut outcome: ResMut<Outcome>) {
+    outcome.finish(End::TimeReached);
 }
 
 /// Ends the run when rest is found.
@@ -57,9 +59,13 @@ impl Plugin for EndingPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(Until(self.until)).init_resource::<EmptyTime>().add_systems(
             Step,
-            (end_when_empty, end_at_time).chain().in_set(Phase::Cull).after(BooksKept).run_if(time_moves),
+            (end_when_empty, end_at_time.run_if(time_is_up))
+                .chain()
+                .in_set(Phase::Cull)
+                .after(BooksKept)
+                .run_if(time_moves),
         );
-        looks_when(app, |clock: Res<Clock>, until: Res<Until>| clock.has_reached(until.0));
+        looks_when(app, time_is_up);
         if self.at_rest {
             app.add_systems(Step, end_at_rest.in_set(Phase::Cull).before(end_when_empty));
         }

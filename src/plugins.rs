@@ -8,10 +8,10 @@ use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::SystemKey;
+use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SystemKey};
 
 use crate::behaviour::Behaviour;
-use crate::columns::{ColumnsPlugin, Passes};
+use crate::columns::{ColumnsPlugin, Passes, Settling};
 use crate::contact::config::LawVisitor;
 use crate::contact::{Centred, CentredLaw, ContactPlugin, Demands, PairLaw};
 use crate::door::{DoorPlugin, Orifice};
@@ -39,14 +39,14 @@ use crate::walls::outline::Outline;
 use crate::walls::paths::FlatWalls;
 use crate::watchdog::WatchdogPlugin;
 
-/// Which scene key asked for each system of the schedule [`Step`].
+/// Which scene key asked for each system of the schedules [`Step`] and [`Settling`].
 #[derive(Resource, Default)]
-pub struct AskedBy(pub HashMap<SystemKey, String>);
+pub struct AskedBy(pub HashMap<(InternedScheduleLabel, SystemKey), String>);
 
 /// Adds plugins and notes who asked for their systems.
 pub(crate) struct Assembly<'a> {
     app: &'a mut App,
-    asked_by: HashMap<SystemKey, String>,
+    asked_by: HashMap<(InternedScheduleLabel, SystemKey), String>,
 }
 
 impl<'a> Assembly<'a> {
@@ -78,9 +78,10 @@ impl<'a> Assembly<'a> {
     }
 
     fn note(&mut self, key: &str) {
-        if let Some(schedule) = self.app.get_schedule(Step) {
+        for label in [Step.intern(), Settling.intern()] {
+            let Some(schedule) = self.app.get_schedule(label) else { continue };
             for (system, ..) in schedule.graph().systems.iter() {
-                self.asked_by.entry(system).or_insert_with(|| key.to_owned());
+                self.asked_by.entry((label, system)).or_insert_with(|| key.to_owned());
             }
         }
     }

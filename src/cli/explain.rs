@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::ScheduleLabel;
 
 use crate::behaviour::Registry;
 use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
@@ -108,18 +109,19 @@ fn describe_systems(world: &World, text: &mut String) {
     let (Some(schedules), Some(asked_by)) = (world.get_resource::<Schedules>(), world.get_resource::<AskedBy>()) else {
         return;
     };
-    let Some(Ok(systems)) = schedules.get(Step).map(bevy_ecs::schedule::Schedule::systems) else { return };
-    text.push_str("systems of a step, in order, and the key that asks for each:\n");
-    for (key, system) in systems {
-        // What no key asked for is the ECS's own: points where commands are applied, messages are aged.
-        if let Some(asked) = asked_by.0.get(&key) {
-            let _ = writeln!(text, "  {:<52} {asked}", short_path(&system.name().to_string()));
+    let parts = [
+        (Step.intern(), "systems of a step, in order, and the key that asks for each:"),
+        (Settling.intern(), "and where velocities are looked at between two steps, else with the next drift:"),
+    ];
+    for (label, heading) in parts {
+        let Some(Ok(systems)) = schedules.get(label).map(Schedule::systems) else { continue };
+        let _ = writeln!(text, "{heading}");
+        for (key, system) in systems {
+            // What no key asked for is the ECS's own: points where commands are applied, messages are aged.
+            if let Some(asked) = asked_by.0.get(&(label, key)) {
+                let _ = writeln!(text, "  {:<52} {asked}", short_path(&system.name().to_string()));
+            }
         }
-    }
-    let Some(Ok(systems)) = schedules.get(Settling).map(bevy_ecs::schedule::Schedule::systems) else { return };
-    text.push_str("and where velocities are looked at between two steps, else with the next drift:\n");
-    for (_, system) in systems {
-        let _ = writeln!(text, "  {}", short_path(&system.name().to_string()));
     }
 }
 

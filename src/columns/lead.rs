@@ -6,7 +6,7 @@
 //! dealt out anew, the spawner, whoever is handed the world between steps ([`Simulation::step`](crate::simulation::Simulation::step)), and in
 //! every step the systems that a program has added.
 //!
-//! What is fixed is moved by whoever moves it in its components, and copied into the columns in every step.
+//! What is fixed is moved by whoever moves it in its components, and copied into the columns in steps in which these have changed.
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;

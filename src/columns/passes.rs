@@ -58,16 +58,20 @@ impl<V: Space> Columns<V> {
             (body.position, body.velocity) = (x, v);
         }
     }
+
+    /// The same of rows of a table.
+    fn put_rows(&mut self, slots: &[Slot], xs: &[Position<V>], vs: &[Velocity<V>], longest: &mut Longest) {
+        for (slot, (x, v)) in slots.iter().zip(xs.iter().zip(vs)) {
+            self.put(*slot, x.0, v.0, longest);
+        }
+    }
 }
 
 /// Copies positions and velocities into the columns.
 fn gather<V: Space>(mut columns: ResMut<Columns<V>>, particles: Query<(&Slot, &Position<V>, &Velocity<V>)>) {
-    let columns = &mut *columns;
     let mut longest = Longest::default();
     for (slots, xs, vs) in particles.contiguous_iter().expect(DENSE) {
-        for (slot, (x, v)) in slots.iter().zip(xs.iter().zip(vs.iter())) {
-            columns.put(*slot, x.0, v.0, &mut longest);
-        }
+        columns.put_rows(slots, xs, vs, &mut longest);
     }
     columns.travel += longest.length();
 }
@@ -77,18 +81,20 @@ fn gather_fixed<V: Space>(
     mut columns: ResMut<Columns<V>>,
     particles: Query<(&Slot, Ref<Position<V>>, Ref<Velocity<V>>), With<Fixed>>,
 ) {
-    let columns = &mut *columns;
     let mut longest = Longest::default();
     for (slots, xs, vs) in particles.contiguous_iter().expect(DENSE) {
-        let ((xs, moved), (vs, turned)) = (ContiguousRef::split(xs), ContiguousRef::split(vs));
-        if moved.summary_tick_is_changed() == Some(false) && turned.summary_tick_is_changed() == Some(false) {
-            continue;
-        }
-        for (slot, (x, v)) in slots.iter().zip(xs.iter().zip(vs)) {
-            columns.put(*slot, x.0, v.0, &mut longest);
+        let ((xs, moved), (vs, turned)) = (with_changes(xs), with_changes(vs));
+        if moved || turned {
+            columns.put_rows(slots, xs, vs, &mut longest);
         }
     }
     columns.travel += longest.length();
+}
+
+/// A table's column, and whether its summary says that it has changed since the system at hand looked at it.
+pub(super) fn with_changes<T>(column: ContiguousRef<'_, T>) -> (&[T], bool) {
+    let (rows, ticks) = ContiguousRef::split(column);
+    (rows, ticks.summary_tick_is_changed() != Some(false))
 }
 
 /// Where behaviours may have changed them.

@@ -91,7 +91,7 @@ fn has_ended(outcome: Res<Outcome>) -> bool {
     outcome.end().is_some()
 }
 
-/// All look then.
+/// All look then. A system of its own, so that each of the schedule has its own type: who times them tells them apart by it.
 fn settle_at_end(world: &mut World) {
     settle(world);
 }

@@ -1,11 +1,11 @@
 //! Slots: which entry of the columns belongs to whom, and when they are dealt out anew.
 
 use bevy_app::App;
-use bevy_ecs::change_detection::ContiguousRef;
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 
+use crate::columns::passes::with_changes;
 use crate::columns::refill::EntityRow;
 use crate::columns::{Columns, DENSE, Entering, Settled, Turnover};
 use crate::particle::{Mass, Radius};
@@ -88,7 +88,7 @@ pub fn renumbering_due(
 /// Whether the summary of any table says that its column has changed.
 fn is_any_touched<T: Component>(column: &Query<Ref<T>>) -> bool {
     let mut tables = column.contiguous_iter().expect(DENSE);
-    tables.any(|rows| ContiguousRef::split(rows).1.summary_tick_is_changed() != Some(false))
+    tables.any(|rows| with_changes(rows).1)
 }
 
 /// How often the order of slots is looked over, in steps.

@@ -7,7 +7,7 @@
 //! 5. v(t+dt) = v(t+dt/2) + dt/2 a(t+dt)
 //!
 //! Steps 1 and 2 are [`Phase::Drift`], where 1 is written as x + dt v(t+dt/2), the same number; 4 and 5 are
-//! [`Phase::Kick`]. Second order, symplectic and time-reversible while forces depend on positions alone. Drag is
+//! [`Phase::Kick`], unless they are put off until the next drift (`columns/settle.rs`). Second order, symplectic and time-reversible while forces depend on positions alone. Drag is
 //! evaluated with a velocity half a step old, which makes damped contacts first order; one such contact is stable
 //! for dt < 2/w0 (sqrt(1 + zeta^2) - zeta).
 
@@ -93,10 +93,11 @@ fn drift_along<V: Space, const EACH: usize, const OWED: bool>(
             (body.position, body.velocity) = (position, velocity);
         },
     );
-    let (ways, sums): (Vec<_>, Vec<_>) = strides.into_iter().unzip();
-    columns.travel += ways.into_iter().fold(Longest::default(), Longest::or).length();
+    let both = |(longest, sum): (Longest, V), (way, term)| (longest.or(way), sum + term);
+    let (longest, sum) = strides.into_iter().fold((Longest::default(), V::ZERO), both);
+    columns.travel += longest.length();
     if OWED {
-        columns.kick_sum = Some(sums.into_iter().fold(V::ZERO, Add::add));
+        columns.kick_sum = Some(sum);
     }
 }
 
