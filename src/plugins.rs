@@ -39,7 +39,7 @@ use crate::walls::outline::Outline;
 use crate::walls::paths::FlatWalls;
 use crate::watchdog::WatchdogPlugin;
 
-/// Which scene key asked for each system of the schedules [`Step`] and [`Settling`].
+/// Which scene key asked for each system of the schedule [`Step`], and of what settles (`columns/settle.rs`).
 #[derive(Resource, Default)]
 pub struct AskedBy(pub HashMap<(InternedScheduleLabel, SystemKey), String>);
 
