@@ -15,8 +15,8 @@ LAMMPS's settled state becomes the grains file of a scene, with all its digits. 
 it: what their velocities differ by, times m/dt, is how far their forces are apart, and must be round-off. (For W2 with
 mu = 1e4 in that step: neither has springs yet, and LAMMPS lets a contact whose dashpot alone is beyond the cap go
 without friction until its spring has moved.) Then both run
-the same number of steps by turns; the figure is the median of the runs, LAMMPS's from its loop time, siloflow's from
-its own summary, set-up left out in both. Skins are those that each program is fastest with: --skin, --lammps-skin. siloflow
+the same number of steps by turns, after 20 of which nobody takes the time: LAMMPS's is the loop time of its second run, siloflow's what
+its run takes longer than one of 20 steps. So set-up is left out in both. The figure is the median of the runs. Skins are those that each program is fastest with: --skin, --lammps-skin. siloflow
 runs twice: as it comes, and with `energy_books: false`, for LAMMPS keeps no energy balance either.
 
 The laws, in both: F_n = k delta - gamma m_eff v_n, which may pull, on flat walls with m_eff = m. W1: k = 1e5 N/m, e = 0.55 for
@@ -42,6 +42,8 @@ HALF_LOG = 2.0 * DECREMENT / math.hypot(math.pi, DECREMENT)
 D, M, G = 1.0e-3, math.pi / 6 * 1.0e-3**3 * 2500, 9.81
 W1 = {"k": 1e5, "gamma": HALF_LOG * math.sqrt(1e5 / 0.08), "dt": 1e-4, "skin": 0.02, "lammps_skin": 0.01}
 W2 = {"k": 2e5 * M * G / D, "dt": 1e-6, "skin": 0.02e-3, "lammps_skin": 0.05}
+# Steps of LAMMPS's first run, in its input.
+FIRST = 20
 STICKING = 1.0e4  # the largest that LAMMPS takes
 W2["gamma"] = HALF_LOG * math.sqrt(2 * W2["k"] / M)
 BEDS = {
@@ -161,6 +163,13 @@ def siloflow(args, scene, dt, steps, *more):
     return json.loads(sh(command)), out
 
 
+def nanoseconds(args, scene, dt, steps, *more):
+    """A particle-step after the first ones, and the summary of the whole run."""
+    first, whole = (siloflow(args, scene, dt, count, *more)[0] for count in (FIRST, FIRST + steps))
+    spent, done = (whole["performance"][key] - first["performance"][key] for key in ("wall_s", "particle_steps"))
+    return 1e9 * spent / done, whole
+
+
 def loop_time(text):
     """Of the second of LAMMPS's runs, s, and its last coordination number."""
     times = re.findall(r"Loop time of (\S+) on .* for (\d+) steps with (\d+) atoms", text)
@@ -212,8 +221,8 @@ def compare(args, name):
         ns, z_theirs = loop_time(lammps(args, f"{name[:2]}-run.in", data=f"{name}.data", nsteps=steps, skin=skin))
         theirs.append(ns)
         for way, settings in ways.items():
-            summary, _ = siloflow(args, scene, bed["dt"], steps, *settings)
-            ours[way].append(1e9 / summary["performance"]["particle_steps_per_s"])
+            ns, summary = nanoseconds(args, scene, bed["dt"], steps, *settings)
+            ours[way].append(ns)
     reference = statistics.median(theirs)
     rows = [("LAMMPS", theirs, z_theirs, "walls left out")]
     rows += [(way, times, summary["coordination"], "walls too") for way, times in ours.items()]
@@ -226,8 +235,8 @@ def compare(args, name):
 def tile(args, name, copies):
     bed = BEDS[name]
     scene, _ = write_scene(args, name, copies)
-    summary, _ = siloflow(args, scene, bed["dt"], args.steps or 2000)
-    speed = summary["performance"]
+    ns, summary = nanoseconds(args, scene, bed["dt"], args.steps or 2000)
+    speed = {**summary["performance"], "ns": round(ns, 2)}
     print(json.dumps({"grains": summary["grains"]["released"] if "grains" in summary else None,
                       "coordination": summary["coordination"], **speed}))
 
@@ -245,8 +254,7 @@ def shuffle(args, name):
     times = {scene: [], shuffled: []}
     for _ in range(args.rounds):
         for each, found in times.items():
-            summary, _ = siloflow(args, each, bed["dt"], args.steps or bed["steps"])
-            found.append(1e9 / summary["performance"]["particle_steps_per_s"])
+            found.append(nanoseconds(args, each, bed["dt"], args.steps or bed["steps"])[0])
     for each, found in times.items():
         print(f"{each.stem:20} {statistics.median(found):7.1f} ns a particle-step ({min(found):.1f} to {max(found):.1f})")
 
