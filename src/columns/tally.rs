@@ -95,15 +95,6 @@ impl<T: Linear> Tally<T> {
         }
     }
 
-    /// Adds to entry `i`.
-    #[inline]
-    pub(crate) fn add(&mut self, i: usize, whole: T, of_dashpots: T) {
-        self.numbers[i * self.each] += whole;
-        if self.each == BOOKED {
-            self.numbers[i * BOOKED + 1] += of_dashpots;
-        }
-    }
-
     /// All entries, of `EACH` numbers; none if they have another number of them.
     #[inline]
     pub(crate) fn entries<const EACH: usize>(&self) -> &[[T; EACH]] {
@@ -128,7 +119,11 @@ mod tests {
             let mut tally = Tally::<f64>::default();
             tally.reset(3, has_books);
             tally.set(1, 4.0);
-            tally.add(1, 1.0, 2.0);
+            let (numbers_of, each) = tally.numbers_mut();
+            numbers_of[each] += 1.0;
+            if has_books {
+                numbers_of[each + 1] += 2.0;
+            }
             assert_eq!((tally.len(), tally.of(1), tally.get(3)), (3, 5.0, None));
             assert_eq!([tally.ends(1), tally.ends(3)], [[5.0, if has_books { 2.0 } else { 5.0 }], [0.0; 2]]);
             assert_eq!(tally.numbers, numbers);

@@ -4,16 +4,22 @@
 //! instructions of it. Each lane does what a single contact would, operation by operation, so that how many are computed at
 //! once leaves no trace. Lanes beyond the last contact are computed too, from what an earlier one left there, and not read.
 
+mod ahead;
 mod answer;
 mod bodies;
+mod memories;
+mod spins;
 
+pub use self::ahead::AheadLanes;
 pub use self::answer::Answer;
 pub use self::bodies::Bodies;
-use crate::columns::{BOOKED, Columns, Rotation};
+pub use self::memories::MemoryLanes;
+pub use self::spins::Spins;
+use crate::columns::{BOOKED, Rotation};
 use crate::contact::centred::{Ahead, Window};
 use crate::contact::history::Lost;
-use crate::contact::lanes::{LANES, Lanes, PerLane, Quads, Scalars, quad, spread};
-use crate::contact::{Demands, Memory, Pair, PairLaw};
+use crate::contact::lanes::{LANES, PerLane, of_both};
+use crate::contact::{Demands, Pair, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
 use crate::particle::Species;
@@ -31,109 +37,50 @@ pub struct Batch<V: Space> {
     pub species: [PerLane<Species>; 2],
     pub ahead: AheadLanes<V>,
     pub memory: MemoryLanes<V>,
+    /// Whether a contact is one of the pass before.
+    pub is_known: PerLane<bool>,
     pub answer: Answer<V>,
 }
 
-/// How the two spin.
-#[derive(Clone, Debug, Default)]
-pub struct Spins<V: Space> {
-    /// As taken, where they have three components.
-    taken: [Quads; 2],
-    /// What lies beside them, which nobody reads.
-    fourth: Scalars,
-    lanes: [Lanes<V::Spin>; 2],
-}
-
-/// As [`Ahead`].
-#[derive(Clone, Debug, Default)]
-pub struct AheadLanes<V: Space> {
-    pub velocity: Lanes<V>,
-    pub spins: [Lanes<V::Spin>; 2],
-    pub inverse_inertias: [Scalars; 2],
-    pub lone: [Scalars; 2],
-}
-
-/// As [`Memory`].
-#[derive(Clone, Debug, Default)]
-pub struct MemoryLanes<V: Space> {
-    spring: Lanes<V>,
-    rolling: Lanes<V>,
-    stiffness: Scalars,
-}
-
-impl<V: Space> Spins<V> {
-    /// Takes those of two into a lane.
-    #[inline(always)]
-    pub fn take(&mut self, lane: usize, pair: [&Rotation<V>; 2]) {
-        for (side, Rotation { spin, inverse_inertia }) in pair.into_iter().enumerate() {
-            if V::Spin::COUNT == 1 {
-                self.lanes[side].set(lane, *spin);
-            } else {
-                // Four that lie side by side.
-                let number = |axis| if axis < V::Spin::COUNT { spin.component(axis) } else { *inverse_inertia };
-                self.taken[side][lane] = quad(number);
-            }
-        }
-    }
-
-    /// Spreads what was taken over so many lanes.
-    #[inline(always)]
-    fn spread(&mut self, lanes: usize) {
-        if V::Spin::COUNT > 1 {
-            for (taken, spins) in self.taken.iter().zip(&mut self.lanes) {
-                let [x, y, z] = spins.axes();
-                spread(taken, lanes, x, y, z, &mut self.fourth);
-            }
-        }
-    }
-}
-
-impl<V: Space> AheadLanes<V> {
-    /// Fills in what is to come for a pair of entries.
-    #[inline]
-    pub fn describe<L: Demands>(&mut self, lane: usize, pair: [usize; 2], columns: &Columns<V>) {
-        let [i, j] = pair.map(|entry| columns.gain[entry]);
-        self.velocity.set(lane, i.velocity - j.velocity);
-        for (side, entry) in pair.into_iter().enumerate() {
-            self.lone[side][lane] = columns.gain[entry].lone;
-            if L::SPIN {
-                self.spins[side].set(lane, columns.spin_gain[entry].spin);
-                self.inverse_inertias[side][lane] = columns.spin_gain[entry].inverse_inertia;
-            }
-        }
-    }
-}
-
-impl<V: Space> MemoryLanes<V> {
-    #[inline(always)]
-    pub fn get<L: Demands>(&self, lane: usize) -> Memory<V> {
-        Memory {
-            spring: if L::SPRING { self.spring.get(lane) } else { V::ZERO },
-            rolling: if L::ROLLING { self.rolling.get(lane) } else { V::ZERO },
-            stiffness: if L::STIFFNESS { self.stiffness[lane] } else { 0.0 },
-        }
-    }
-
-    #[inline(always)]
-    pub fn set<L: Demands>(&mut self, lane: usize, memory: &Memory<V>) {
-        if L::SPRING {
-            self.spring.set(lane, memory.spring);
-        }
-        if L::ROLLING {
-            self.rolling.set(lane, memory.rolling);
-        }
-        if L::STIFFNESS {
-            self.stiffness[lane] = memory.stiffness;
-        }
-    }
-}
-
 impl<V: Space> Batch<V> {
+    /// Takes one more contact, which has been measured; with a flat wall.
+    #[inline(always)]
+    pub fn push<L: Demands>(&mut self, contact: Candidate, pair: &Pair<V>) {
+        let (lane, bodies) = (self.len, &mut self.bodies);
+        self.pairs[lane] = contact;
+        bodies.normal.set(lane, pair.normal);
+        bodies.overlap[lane] = pair.overlap;
+        bodies.relative_velocity.set(lane, pair.relative_velocity);
+        bodies.reduced_mass[lane] = pair.reduced_mass;
+        bodies.root[lane] = pair.root;
+        bodies.reach[lane] = pair.radii[0];
+        for side in 0..2 {
+            if L::RADII {
+                bodies.radii[side][lane] = pair.radii[side];
+            }
+            if L::SPECIES {
+                self.species[side][lane] = pair.species[side];
+            }
+            if L::AHEAD {
+                bodies.inverse_masses[side][lane] = pair.ahead.inverse_masses[side];
+            }
+        }
+        if L::RADII {
+            bodies.inverse_reach[lane] = pair.inverse_reach;
+        }
+        if L::SPIN {
+            let rotations = pair.spins.map(|spin| Rotation { spin, inverse_inertia: 0.0 });
+            self.spins.take(lane, rotations.each_ref());
+        }
+        if L::AHEAD {
+            self.ahead.set::<L>(lane, &pair.ahead);
+        }
+        self.len += 1;
+    }
+
     /// The contact of a lane, moved on by `dt` (s), as the law sees it.
     #[inline(always)]
     fn pair<L: Demands>(&self, lane: usize, dt: f64) -> Pair<V> {
-        let of = |both: &[Scalars; 2]| [both[0][lane], both[1][lane]];
-        let spins_of = |both: &[Lanes<V::Spin>; 2]| [both[0].get(lane), both[1].get(lane)];
         let mut pair = Pair {
             normal: self.bodies.normal.get(lane),
             overlap: self.bodies.overlap[lane],
@@ -141,29 +88,24 @@ impl<V: Space> Batch<V> {
             reduced_mass: self.bodies.reduced_mass[lane],
             root: self.bodies.root[lane],
             radii: [0.0; 2],
+            inverse_reach: 0.0,
             spins: [V::Spin::ZERO; 2],
             species: [Species(0); 2],
             dt,
             ahead: Ahead::default(),
         };
-        if L::EACH {
-            pair.radii = of(&self.bodies.radii);
+        if L::RADII {
+            pair.radii = of_both(&self.bodies.radii, lane);
+            pair.inverse_reach = self.bodies.inverse_reach[lane];
         }
         if L::SPIN {
-            pair.spins = spins_of(&self.spins.lanes);
+            pair.spins = self.spins.get(lane);
         }
         if L::SPECIES {
             pair.species = [self.species[0][lane], self.species[1][lane]];
         }
         if L::AHEAD {
-            let ahead = &self.ahead;
-            pair.ahead.velocity = ahead.velocity.get(lane);
-            pair.ahead.inverse_masses = of(&self.bodies.inverse_masses);
-            pair.ahead.lone = of(&ahead.lone);
-            if L::SPIN {
-                pair.ahead.spins = spins_of(&ahead.spins);
-                pair.ahead.inverse_inertias = of(&ahead.inverse_inertias);
-            }
+            pair.ahead = self.ahead.get::<L>(lane, of_both(&self.bodies.inverse_masses, lane));
         }
         pair
     }
@@ -218,5 +160,93 @@ impl<V: Space> Batch<V> {
             || self.answer_all::<L, EACH>(law, dt, deepest),
         );
         deeper > 0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::columns::WHOLE;
+    use crate::contact::composite::Composite;
+    use crate::contact::damping::{Attraction, Coefficient, Damping};
+    use crate::contact::linear::LinearNormal;
+    use crate::contact::rolling::Free;
+    use crate::contact::sums::{drag, total};
+    use crate::contact::tangential::{Constant, Lever, Stick};
+    use crate::contact::{Centred, Memory};
+    use crate::space::{Linear, Plane, Solid};
+
+    /// A grain of 1 to 5 cm on a flat wall, unlike all others; every other one is fast enough to slide.
+    fn on_wall<V: Space>(number: u32) -> Pair<V> {
+        let part = f64::from(number % 17) / 17.0;
+        let along = |x: f64, y: f64, z: f64| V::narrow(Solid::new(x, y, z));
+        let speed = if number.is_multiple_of(2) { 0.01 } else { 3.0 };
+        Pair {
+            normal: along(0.6, 0.8, 0.0),
+            overlap: 1e-4 * (0.1 + part),
+            relative_velocity: along(speed, part - 0.5, 0.2 * part),
+            reduced_mass: 0.1 + part,
+            root: (0.1 + part).sqrt(),
+            radii: [0.01 + 0.04 * part, f64::INFINITY],
+            inverse_reach: 0.0,
+            spins: [V::narrow_spin(Solid::new(part, 1.0 - part, 3.0 * part)), V::Spin::ZERO],
+            species: [Species(0), Species(1)],
+            dt: 1e-5,
+            ahead: Ahead {
+                velocity: along(0.0, -1e-4, 2e-4),
+                spins: [V::narrow_spin(Solid::new(0.1 * part, 0.2, 0.3)), V::Spin::ZERO],
+                inverse_masses: [1.0 / (0.1 + part), 0.0],
+                inverse_inertias: [40.0, 0.0],
+                lone: [f64::from(number % 3 / 2), 0.0],
+            },
+        }
+    }
+
+    fn answers_agree<V: Space, L: PairLaw<V> + Demands>(law: &L) {
+        let contacts = 33;
+        for instructions in Instructions::all() {
+            let mut batch = Batch::<V>::default();
+            for number in 0..contacts {
+                batch.push::<L>(Candidate::new(number, 1), &on_wall(number));
+            }
+            assert!(batch.ask::<L, BOOKED>(law, 1e-5, instructions, 0.0));
+            for (lane, number) in (0..contacts).enumerate() {
+                let (mut pair, mut memory) = (on_wall(number), Memory::default());
+                if !L::AHEAD {
+                    pair.ahead = Ahead::default();
+                }
+                let on_i = law.force(&pair, &mut memory);
+                let turning = &on_i.turning;
+                let torque = |friction: V| pair.normal.cross(friction) * -turning.arms[0];
+                assert_eq!(batch.answer.force::<BOOKED>(lane), [total::<L, V>(&on_i), drag::<L, V>(&on_i)]);
+                assert_eq!(
+                    batch.answer.torques::<L, BOOKED>(lane)[0],
+                    [torque(turning.friction), torque(turning.friction_drag)]
+                );
+                assert_eq!(batch.memory.get::<L>(lane), memory);
+                assert!(batch.answer.counts::<L>(lane));
+            }
+            assert!(!batch.ask::<L, WHOLE>(law, 1e-5, instructions, 1.0));
+        }
+    }
+
+    #[test]
+    fn what_is_pushed_is_answered_as_by_itself() {
+        let damping = |per_mass| Coefficient { per_mass, ..Coefficient::default() };
+        for lever in [Lever::Radius, Lever::ContactPoint] {
+            let law = Composite {
+                normal: LinearNormal::new(
+                    1e5.try_into().unwrap(),
+                    Damping::PerMass(300.0.try_into().unwrap()),
+                    Attraction::Allowed,
+                ),
+                tangential: Stick { modulus: Constant { k: 3e4, damping: damping(150.0) }, friction: 0.4, lever },
+                rolling: Free,
+            };
+            answers_agree::<Plane, _>(&law);
+            answers_agree::<Solid, _>(&law);
+            answers_agree::<Plane, _>(&Centred(law));
+            answers_agree::<Solid, _>(&Centred(law));
+        }
     }
 }

@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
 use crate::contact::history::History;
-use crate::contact::kernel::{Desk, Pass};
+use crate::contact::kernel::{Desks, Pass};
 use crate::contact::{AnyLaw, Demands, PairLaw};
 use crate::energy::SpinEnergyPlugin;
 use crate::gravity::Gravity;
@@ -42,7 +42,7 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
     law: Res<Law<L>>,
     (clock, gravity): (Res<Clock>, Res<Gravity<V>>),
     search: Res<Search<V>>,
-    (threads, instructions, mut desks): (Res<Threads>, Res<Instructions>, Local<Vec<Desk<V>>>),
+    (threads, instructions, mut desks): (Res<Threads>, Res<Instructions>, ResMut<Desks<V>>),
     mut columns: ResMut<Columns<V>>,
     mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
@@ -59,8 +59,8 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
         instructions: *instructions,
     };
     largest.0 = match columns.periodic {
-        None => pass.sum(&mut columns, &mut history, &threads, &mut desks, largest.0),
-        Some(metric) => pass.with(metric).sum(&mut columns, &mut history, &threads, &mut desks, largest.0),
+        None => pass.sum(&mut columns, &mut history, &threads, &mut desks.0, largest.0),
+        Some(metric) => pass.with(metric).sum(&mut columns, &mut history, &threads, &mut desks.0, largest.0),
     };
 }
 
@@ -105,6 +105,7 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
         app.insert_resource(Law(self.law.clone()))
             .insert_resource(AnyLaw::<V>(self.law.clone()))
             .init_resource::<History<V>>()
+            .init_resource::<Desks<V>>()
             .init_resource::<LargestOverlap>()
             .init_resource::<Instructions>()
             .add_systems(Step, contact_forces::<V, L>.in_set(ForceStage::Contacts).in_set(ContactForces));

@@ -44,6 +44,7 @@ fn pair<V: Space>(columns: &Columns<V>, i: usize, j: usize, normal: V, overlap: 
         reduced_mass,
         root: reduced_mass.sqrt(),
         radii: [a.radius, b.radius],
+        inverse_reach: 1.0 / (a.radius + b.radius),
         spins: both.map(|entry| columns.spin(entry)),
         species: both.map(|entry| columns.species[entry]),
         dt,

@@ -13,7 +13,7 @@ mod desk;
 mod fetch;
 mod worker;
 
-pub use self::desk::Desk;
+pub use self::desk::{Desk, Desks};
 pub(super) use self::fetch::touch;
 use self::worker::Worker;
 use crate::columns::Columns;

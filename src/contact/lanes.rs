@@ -38,6 +38,12 @@ impl<T> DerefMut for PerLane<T> {
 /// One number a lane.
 pub type Scalars = PerLane<f64>;
 
+/// The numbers of both of a contact.
+#[inline(always)]
+pub fn of_both(both: &[Scalars; 2], lane: usize) -> [f64; 2] {
+    [both[0][lane], both[1][lane]]
+}
+
 /// One vector or spin a lane, component by component.
 #[derive(Clone, Debug)]
 pub struct Lanes<T> {

@@ -57,6 +57,8 @@ pub struct Pair<V: Space = Plane> {
     pub root: f64,
     /// R_i and R_j, m; R_j is infinite for a flat wall. May be zero unless the law demands them.
     pub radii: [f64; 2],
+    /// 1/(R_i + R_j), 1/m: 0 for a flat wall. May be zero unless the law demands radii.
+    pub inverse_reach: f64,
     /// Spins of i and j, rad/s; zero unless the law demands them.
     pub spins: [V::Spin; 2],
     /// Materials of i and j; the first unless the law demands them.
@@ -88,7 +90,7 @@ impl<V: Space> Pair<V> {
     #[must_use]
     pub fn reduced_radius(&self) -> f64 {
         let [i, j] = self.radii;
-        if j.is_infinite() { i } else { i * j / (i + j) }
+        if j.is_infinite() { i } else { i * j * self.inverse_reach }
     }
 
     /// (v_i - v_j).n, m/s: negative while the two approach.
@@ -293,6 +295,7 @@ pub(crate) mod tests {
             reduced_mass: 0.1,
             root: 0.1f64.sqrt(),
             radii: [0.04, 0.04],
+            inverse_reach: 1.0 / 0.08,
             spins: [0.0, 0.0],
             species: [Species(0); 2],
             dt: 1e-4,

@@ -13,7 +13,6 @@
 //! spring takes as well. The dashpot's part is booked by the particles' velocities at the full step ([`crate::energy`]).
 
 use crate::contact::centred::cut;
-use crate::contact::root::inverse_root;
 use crate::space::Space;
 
 /// Stiffness (N/m), drag coefficient (N s/m) and largest force (N).
@@ -49,11 +48,8 @@ impl Slider {
         let moved = before + velocity * dt;
         let mut after = moved - normal * moved.dot(normal);
         let drag = velocity * -self.drag;
-        let mut force = after * -self.stiffness + drag;
-        let squared = force.length_squared();
-        let is_sliding = squared > self.cap * self.cap;
+        let (is_sliding, force) = cut(after * -self.stiffness + drag, self.cap);
         if is_sliding {
-            force = force * (self.cap * inverse_root(squared));
             after = (force - drag) * (-1.0 / self.stiffness);
         }
         *spring = after;

@@ -48,7 +48,7 @@ pub(crate) fn total<L: Demands, V: Space>(force: &PairForce<V>) -> V {
 }
 
 /// A share of the loads: of consecutive particles.
-pub(super) struct Share<'a, V: Space> {
+pub(crate) struct Share<'a, V: Space> {
     /// Of [`Tally`](crate::columns::Tally)s, all numbers, so many to an entry.
     force: &'a mut [V],
     torque: &'a mut [V::Spin],
@@ -59,7 +59,7 @@ pub(super) struct Share<'a, V: Space> {
 
 impl<'a, V: Space> Share<'a, V> {
     /// Everybody's.
-    pub(super) fn all(loads: &'a mut Loads<V>) -> Self {
+    pub(crate) fn all(loads: &'a mut Loads<V>) -> Self {
         let Loads { force, torque, rolling_drag, contacts } = loads;
         let (force, each) = force.numbers_mut();
         Self { force, torque: torque.numbers_mut().0, each, rolling_drag, contacts }
@@ -109,7 +109,7 @@ fn take<T: SubAssign, const EACH: usize>(entry: &mut [T; EACH], numbers: [T; EAC
 }
 
 /// The sums of the particles of a share of rows, entry by entry.
-pub(super) struct Sums<'a, V: Space> {
+pub(crate) struct Sums<'a, V: Space> {
     rows: Range<usize>,
     /// Entries before this one have begun.
     begun: usize,
@@ -117,7 +117,7 @@ pub(super) struct Sums<'a, V: Space> {
 }
 
 impl<'a, V: Space> Sums<'a, V> {
-    pub(super) fn new(rows: Range<usize>, share: Share<'a, V>) -> Self {
+    pub(crate) fn new(rows: Range<usize>, share: Share<'a, V>) -> Self {
         Self { begun: rows.start, rows, share }
     }
 
@@ -148,22 +148,26 @@ impl<'a, V: Space> Sums<'a, V> {
     pub(super) fn add_to_both<L: Demands, const EACH: usize>(&mut self, batch: &Batch<V>) {
         let start = self.rows.start;
         let Share { force, torque, rolling_drag, contacts, .. } = &mut self.share;
-        // What is of its own cannot change under the loop.
-        let (forces, torques) = (force.as_chunks_mut::<EACH>().0, torque.as_chunks_mut::<EACH>().0);
+        // What is of its own cannot change under the loop; and who has a force has a torque.
+        let (forces, mut torques) = (force.as_chunks_mut::<EACH>().0, torque.as_chunks_mut::<EACH>().0);
+        if L::SPIN {
+            torques = &mut torques[..forces.len()];
+        }
         let (rolling, contacts) = (&mut **rolling_drag, &mut **contacts);
         let answer = &batch.answer;
         for lane in (0..batch.len.min(LANES)).filter(|&lane| answer.counts::<L>(lane)) {
             let [first, second] = batch.pairs[lane].both().map(|entry| entry - start);
             let is_here = second < forces.len();
-            let force = answer.force::<EACH>(lane);
+            // All is read before anything is written: sums might lie where answers do, for all the compiler knows.
+            let (force, torques_of) = (answer.force::<EACH>(lane), answer.torques::<L, EACH>(lane));
             add(&mut forces[first], force);
             if is_here {
                 take(&mut forces[second], force);
             }
             if L::SPIN {
-                add(&mut torques[first], answer.torque::<L, EACH>(0, lane));
+                add(&mut torques[first], torques_of[0]);
                 if is_here {
-                    take(&mut torques[second], answer.torque::<L, EACH>(1, lane));
+                    take(&mut torques[second], torques_of[1]);
                 }
             }
             if L::ROLLING && EACH == BOOKED {
@@ -182,22 +186,31 @@ impl<'a, V: Space> Sums<'a, V> {
         }
     }
 
-    /// Adds what the contacts of a batch do to their second members.
-    pub(super) fn add_to_second<L: Demands, const EACH: usize>(&mut self, batch: &Batch<V>) {
+    /// Adds what the contacts of a batch do to their first members (`SIDE` 0) or to their second ones (1) alone.
+    pub(crate) fn add_to_one<L: Demands, const EACH: usize, const SIDE: usize>(&mut self, batch: &Batch<V>) {
         let Share { force, torque, rolling_drag, contacts, .. } = &mut self.share;
         let (forces, torques) = (force.as_chunks_mut::<EACH>().0, torque.as_chunks_mut::<EACH>().0);
         let answer = &batch.answer;
         for lane in (0..batch.len.min(LANES)).filter(|&lane| answer.counts::<L>(lane)) {
-            let second = batch.pairs[lane].second() - self.rows.start;
-            take(&mut forces[second], answer.force::<EACH>(lane));
-            if L::SPIN {
-                take(&mut torques[second], answer.torque::<L, EACH>(1, lane));
+            let entry = batch.pairs[lane].both()[SIDE] - self.rows.start;
+            let force = answer.force::<EACH>(lane);
+            let torque = answer.torques::<L, EACH>(lane)[SIDE];
+            if SIDE == 0 {
+                add(&mut forces[entry], force);
+            } else {
+                take(&mut forces[entry], force);
+            }
+            if L::SPIN && SIDE == 0 {
+                add(&mut torques[entry], torque);
+            } else if L::SPIN {
+                take(&mut torques[entry], torque);
             }
             if L::ROLLING && EACH == BOOKED {
-                rolling_drag[second] -= answer.rolling_drag_torque.get(lane);
+                let drag = answer.rolling_drag_torque.get(lane);
+                rolling_drag[entry] += if SIDE == 0 { drag } else { -drag };
             }
             if L::AHEAD {
-                contacts[second] += 1;
+                contacts[entry] += 1;
             }
         }
     }

@@ -39,7 +39,7 @@ impl Lever {
             (Self::Radius, false) => pair.radii,
             (Self::Radius, true) => [i, 0.0],
             (Self::ContactPoint, false) => {
-                let share = pair.overlap / (i + j);
+                let share = pair.overlap * pair.inverse_reach;
                 [i - share * j, j - share * i]
             }
             (Self::ContactPoint, true) => [i - pair.overlap, 0.0],
@@ -392,12 +392,15 @@ mod tests {
 
     #[test]
     fn arms_reach_to_the_contact_point_and_meet_there() {
-        let pair = Pair { radii: [0.03, 0.05], overlap: 0.004, ..pair() };
+        let pair = Pair { radii: [0.03, 0.05], inverse_reach: 12.5, overlap: 0.004, ..pair() };
         let [i, j] = Lever::ContactPoint.arms(&pair);
         // Both arms together span the distance of the centres, and split the overlap in the other one's proportion.
         assert!((i + j - 0.076).abs() < 1e-16 && (i - 0.0275).abs() < 1e-16, "{i} {j}");
         assert_eq!(Lever::Radius.arms(&pair), [0.03, 0.05]);
-        assert_eq!(Lever::ContactPoint.arms(&Pair { radii: [0.03, f64::INFINITY], ..pair }), [0.026, 0.0]);
+        assert_eq!(
+            Lever::ContactPoint.arms(&Pair { radii: [0.03, f64::INFINITY], inverse_reach: 0.0, ..pair }),
+            [0.026, 0.0]
+        );
     }
 
     #[test]
@@ -407,6 +410,7 @@ mod tests {
             normal: Vector::Y,
             relative_velocity: Vector::new(0.6, -0.2),
             radii: [0.04, f64::INFINITY],
+            inverse_reach: 0.0,
             spins: [-15.0, 0.0],
             ..pair()
         };

@@ -151,6 +151,7 @@ pub(super) fn pair<V: Space>(
         reduced_mass,
         root: reduced_mass.sqrt(),
         radii: [body.radius, f64::INFINITY],
+        inverse_reach: 0.0,
         spins: [columns.spin(i), V::Spin::ZERO],
         species: [columns.species[i], wall.species],
         dt,

@@ -5,7 +5,7 @@ use crate::contact::history::Lost;
 use crate::contact::lanes::{Lanes, Scalars};
 use crate::contact::sums::{drag, total};
 use crate::contact::{Demands, Pair, PairForce};
-use crate::space::Space;
+use crate::space::{Linear, Space};
 
 /// What contacts do to their two, side by side.
 #[derive(Clone, Debug, Default)]
@@ -41,19 +41,21 @@ impl<V: Space> Answer<V> {
         )
     }
 
-    /// Torque that i gains (side 0) or j loses (side 1), as an entry of one.
+    /// Torques that i gains and that j loses, as entries of one.
     #[inline(always)]
-    pub fn torque<L: Demands, const EACH: usize>(&self, side: usize, lane: usize) -> [V::Spin; EACH] {
-        let arm = self.arms[side][lane];
-        let arm = if side == 0 { -arm } else { arm };
-        let mut torque = std::array::from_fn(
-            #[inline(always)]
-            |part| self.moments[part].get(lane) * arm,
-        );
-        if L::ROLLING {
-            torque[0] += self.rolling.get(lane);
+    pub fn torques<L: Demands, const EACH: usize>(&self, lane: usize) -> [[V::Spin; EACH]; 2] {
+        let mut torques = [[V::Spin::ZERO; EACH]; 2];
+        for (part, moments) in self.moments.iter().enumerate().take(EACH) {
+            let moment = moments.get(lane);
+            torques[0][part] = moment * -self.arms[0][lane];
+            torques[1][part] = moment * self.arms[1][lane];
         }
-        torque
+        if L::ROLLING {
+            let rolling = self.rolling.get(lane);
+            torques[0][0] += rolling;
+            torques[1][0] += rolling;
+        }
+        torques
     }
 
     /// Notes the whole.

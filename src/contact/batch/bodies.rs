@@ -17,11 +17,10 @@ const COINCIDENT: f64 = 1e-200;
 /// The bodies of contacts i, j side by side; SI.
 #[derive(Clone, Debug, Default)]
 pub struct Bodies<V: Space> {
-    /// As taken: in the plane separation and relative velocity; radii and inverse masses. In solid space separation and
-    /// first component of the velocity; what else is held of the first; and of the second. Where it does not count which of
-    /// the two is which, sums of radii and of inverse masses: in solid space behind the rest of the relative velocity, in the plane before
-    /// two zeros.
-    taken: [Quads; 3],
+    /// As taken. In the plane: separation and relative velocity; radii and inverse masses. In solid space: separation and first
+    /// component of the relative velocity; the rest of it and the radii, beside which there is no room for masses. Where it does
+    /// not count which of the two is which: sums of radii and of inverse masses instead, in the plane by themselves.
+    taken: [Quads; 2],
     /// From j to i, m.
     separation: Lanes<V>,
     /// From j to i.
@@ -34,10 +33,13 @@ pub struct Bodies<V: Space> {
     pub root: Scalars,
     /// The sum of the radii.
     pub reach: Scalars,
+    /// Its inverse, where the law demands radii; else 0.
+    pub inverse_reach: Scalars,
     /// The sum of the inverse masses.
     mobility: Scalars,
     /// Where it counts which is which.
     pub radii: [Scalars; 2],
+    /// Where the scheme looks ahead.
     pub inverse_masses: [Scalars; 2],
 }
 
@@ -45,7 +47,7 @@ impl<V: Space> Bodies<V> {
     /// Takes two into a lane; gives the square of their distance, m^2, and the sum of their radii, m.
     #[inline(always)]
     pub fn take<L: Demands>(&mut self, lane: usize, metric: &impl Metric<V>, [i, j]: [&Body<V>; 2]) -> (f64, f64) {
-        let [one, two, three] = &mut self.taken;
+        let [one, two] = &mut self.taken;
         let (x, v) = (|body: &Body<V>, axis| body.position.axis(axis), |body: &Body<V>, axis| body.velocity.axis(axis));
         // Side by side, so one instruction adds both.
         let [reach, mobility] = [i.radius + j.radius, i.inverse_mass + j.inverse_mass];
@@ -57,19 +59,24 @@ impl<V: Space> Bodies<V> {
             if L::EACH {
                 two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
             } else {
-                two[lane] = [reach, mobility, 0.0, 0.0];
+                // What lies beside them nobody reads: a store less.
+                (two[lane][0], two[lane][1]) = (reach, mobility);
             }
             apart[0] * apart[0] + apart[1] * apart[1]
         } else {
             let state = |body| [x(body, 0), x(body, 1), x(body, 2), v(body, 0)];
-            let rest = |body: &Body<V>| [v(body, 1), v(body, 2), body.radius, body.inverse_mass];
             let (i_state, j_state) = (state(i), state(j));
             let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
             one[lane] = apart;
+            let [vy, vz] = [v(i, 1) - v(j, 1), v(i, 2) - v(j, 2)];
             if L::EACH {
-                (two[lane], three[lane]) = (rest(i), rest(j));
+                two[lane] = [vy, vz, i.radius, j.radius];
+                self.mobility[lane] = mobility;
             } else {
-                two[lane] = [v(i, 1) - v(j, 1), v(i, 2) - v(j, 2), reach, mobility];
+                two[lane] = [vy, vz, reach, mobility];
+            }
+            if L::AHEAD {
+                (self.inverse_masses[0][lane], self.inverse_masses[1][lane]) = (i.inverse_mass, j.inverse_mass);
             }
             apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]
         };
@@ -79,7 +86,7 @@ impl<V: Space> Bodies<V> {
     /// Spreads what was taken over so many lanes.
     #[inline(always)]
     fn spread<L: Demands>(&mut self, lanes: usize) {
-        let ([one, two, three], [m_i, m_j]) = (&self.taken, self.inverse_masses.each_mut());
+        let ([one, two], [m_i, m_j]) = (&self.taken, self.inverse_masses.each_mut());
         let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
         let ([r_i, r_j], reach, mobility) = (self.radii.each_mut(), &mut self.reach, &mut self.mobility);
         match (V::COMPONENTS, L::EACH) {
@@ -95,13 +102,7 @@ impl<V: Space> Bodies<V> {
             }
             (_, true) => {
                 spread(one, lanes, x, y, z, vx);
-                spread(two, lanes, vy, vz, r_i, m_i);
-                for lane in 0..lanes.min(LANES) {
-                    let second = three[lane];
-                    vy[lane] -= second[0];
-                    vz[lane] -= second[1];
-                    (r_j[lane], m_j[lane]) = (second[2], second[3]);
-                }
+                spread(two, lanes, vy, vz, r_i, r_j);
             }
             (_, false) => {
                 spread(one, lanes, x, y, z, vx);
@@ -111,25 +112,32 @@ impl<V: Space> Bodies<V> {
         if L::EACH {
             for lane in 0..lanes.min(LANES) {
                 reach[lane] = r_i[lane] + r_j[lane];
-                mobility[lane] = m_i[lane] + m_j[lane];
+                if V::COMPONENTS == 2 {
+                    mobility[lane] = m_i[lane] + m_j[lane];
+                }
             }
         }
     }
 
-    /// Finds what would take a root and two divisions, from one root alone; gives how many distances are nothing.
+    /// Finds what would take a root and two or three divisions, from one root alone; gives how many distances are nothing.
     #[inline(always)]
-    fn measure_all(&mut self, lanes: usize, root: bool) -> u32 {
+    fn measure_all<L: Demands>(&mut self, lanes: usize, root: bool) -> u32 {
         let mut coincident = 0;
         for lane in 0..lanes.min(LANES) {
             let (separation, mobility) = (self.separation.get(lane), self.mobility[lane]);
             let squared = separation.length_squared();
-            // 1/d and 1/mobility from one root.
-            let both = inverse_root(squared * (mobility * mobility));
-            let inverse_distance = both * mobility;
+            // 1/d and 1/mobility from one root, and 1/reach where somebody asks for it.
+            let reach = if L::RADII { self.reach[lane] } else { 1.0 };
+            let others = mobility * reach;
+            let all = inverse_root(squared * (others * others));
+            let inverse_distance = all * others;
             let distance = squared * inverse_distance;
             self.normal.set(lane, separation * inverse_distance);
             self.overlap[lane] = self.reach[lane] - distance;
-            self.reduced_mass[lane] = both * distance;
+            self.reduced_mass[lane] = all * distance * reach;
+            if L::RADII {
+                self.inverse_reach[lane] = all * distance * mobility;
+            }
             coincident += u32::from(squared < COINCIDENT);
         }
         if root {
@@ -147,7 +155,7 @@ impl<V: Space> Bodies<V> {
             #[inline(always)]
             || {
                 self.spread::<L>(lanes);
-                self.measure_all(lanes, root)
+                self.measure_all::<L>(lanes, root)
             },
         );
         coincident > 0
@@ -156,13 +164,13 @@ impl<V: Space> Bodies<V> {
     /// Gives coincident centres a normal: a separation so near to nothing that the overlap stays what it is. `normal` gives
     /// that of a lane.
     #[cold]
-    pub fn part_coincident(&mut self, lanes: usize, normal: impl Fn(usize) -> V) {
+    pub fn part_coincident<L: Demands>(&mut self, lanes: usize, normal: impl Fn(usize) -> V) {
         for lane in 0..lanes {
             if self.separation.get(lane).length_squared() < COINCIDENT {
                 self.separation.set(lane, normal(lane) * 1e-90);
             }
         }
-        self.measure_all(lanes, false);
+        self.measure_all::<L>(lanes, false);
     }
 }
 
@@ -193,7 +201,8 @@ mod tests {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;
                 assert_eq!(bodies.relative_velocity.get(lane), i.velocity - j.velocity);
-                // The inverse root is right to one eps, and up to five roundings follow, of half an eps each.
+                // The inverse root is right to one eps, of what four roundings made, which it halves; up to four follow, of half an eps
+                // each.
                 let error = 4.0 * f64::EPSILON;
                 assert!(bodies.normal.get(lane).distance(separation * (1.0 / separation.length())) < error);
                 let reduced_mass = 1.0 / (i.inverse_mass + j.inverse_mass);
@@ -201,8 +210,13 @@ mod tests {
                 assert!((bodies.root[lane] / reduced_mass.sqrt() - 1.0).abs() < error);
                 let overlap = i.radius + j.radius - separation.length();
                 assert!((bodies.overlap[lane] - overlap).abs() < error * separation.length());
+                if L::RADII {
+                    assert!((bodies.inverse_reach[lane] * (i.radius + j.radius) - 1.0).abs() < error);
+                }
                 if L::EACH {
                     assert_eq!(bodies.radii.map(|radii| radii[lane]), [i.radius, j.radius]);
+                }
+                if L::AHEAD {
                     assert_eq!(bodies.inverse_masses.map(|masses| masses[lane]), [i.inverse_mass, j.inverse_mass]);
                 }
             }
@@ -212,11 +226,15 @@ mod tests {
     /// Without regard to which of the two is which, and with.
     struct Together;
     struct Each;
+    struct Foresighted;
 
     impl Demands for Together {
         const RADII: bool = false;
     }
     impl Demands for Each {}
+    impl Demands for Foresighted {
+        const AHEAD: bool = true;
+    }
 
     #[test]
     fn what_is_taken_arrives_in_its_lane() {
@@ -224,5 +242,7 @@ mod tests {
         everything_arrives::<Solid, Together>();
         everything_arrives::<Plane, Each>();
         everything_arrives::<Solid, Each>();
+        everything_arrives::<Plane, Foresighted>();
+        everything_arrives::<Solid, Foresighted>();
     }
 }

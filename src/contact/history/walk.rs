@@ -84,7 +84,7 @@ impl<'a, V: Space> Walk<'a, V> {
 
     /// Writes down what these contacts remember, which have just been recalled.
     #[inline]
-    pub(in crate::contact) fn remember_all<L: Demands>(&mut self, contacts: &[Candidate], memories: &MemoryLanes<V>) {
+    pub(crate) fn remember_all<L: Demands>(&mut self, contacts: &[Candidate], memories: &MemoryLanes<V>) {
         if self.is_anew {
             self.page.extend::<L>(contacts, memories);
         } else {

@@ -1,5 +1,7 @@
 //! What a thread keeps for itself from pass to pass, so that nothing is allocated in a step.
 
+use bevy_ecs::prelude::*;
+
 use crate::contact::Demands;
 use crate::contact::batch::Batch;
 use crate::contact::history::{BLOCK, Pages};
@@ -15,6 +17,20 @@ pub struct Desk<V: Space> {
     pub arrived: Pages<V>,
     /// For pages that are written anew.
     pub spare: Pages<V>,
+}
+
+/// One a thread.
+#[derive(Resource, Debug, Default)]
+pub struct Desks<V: Space>(pub Vec<Desk<V>>);
+
+impl<V: Space> Desks<V> {
+    /// Where the thread works that steps.
+    pub(crate) fn first(&mut self) -> &mut Desk<V> {
+        if self.0.is_empty() {
+            self.0.push(Desk::default());
+        }
+        &mut self.0[0]
+    }
 }
 
 impl<V: Space> Desk<V> {

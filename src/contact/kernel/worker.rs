@@ -36,7 +36,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         }
         let mut at_hand = self.task.rows.start;
         for (page, first) in pages.iter_mut().zip(self.task.rows.clone().step_by(BLOCK)) {
-            let mut block = Block { walk: Walk::new(page, spare), remembered: [false; LANES], lost: Lost::default() };
+            let mut block = Block { walk: Walk::new(page, spare), lost: Lost::default() };
             let (mut left, end) = self.pass.list.block(first / BLOCK);
             // Not all at once: so they are at hand when they are added to.
             self.sums.begin(end, gravity, self.view);
@@ -118,7 +118,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         if self.batch.bodies.measure::<L>(lanes, law.takes_root(), instructions) {
             let (id, pairs) = (&self.view.id, &self.batch.pairs);
             let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
-            self.batch.bodies.part_coincident(self.batch.len, normal);
+            self.batch.bodies.part_coincident::<L>(self.batch.len, normal);
         }
         // What may be a record is found without dividing, and without the two radii, some rounding included.
         let deepest = self.largest * self.view.smallest_share * (1.0 - 8.0 * f64::EPSILON);
@@ -144,9 +144,9 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         }
         self.ask();
         if self.view.has_books {
-            self.sums.add_to_second::<L, BOOKED>(self.batch);
+            self.sums.add_to_one::<L, BOOKED, 1>(self.batch);
         } else {
-            self.sums.add_to_second::<L, WHOLE>(self.batch);
+            self.sums.add_to_one::<L, WHOLE, 1>(self.batch);
         }
         self.batch.len = 0;
     }
@@ -154,7 +154,8 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// Sums what the batch does to both members, and keeps the books.
     fn flush(&mut self, block: &mut Block<'_, V>) {
         if L::MEMORY {
-            self.recall(block);
+            let Block { walk, lost } = block;
+            self.batch.recall::<L>(walk, |contact, memory| lost.add(self.pass.forget(self.view, contact, memory)));
         }
         self.ask();
         let has_books = self.view.has_books;
@@ -172,24 +173,6 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         self.batch.len = 0;
     }
 
-    /// Fetches what contacts remember.
-    #[inline]
-    fn recall(&mut self, block: &mut Block<'_, V>) {
-        let batch = &mut *self.batch;
-        let contacts = &batch.pairs[..batch.len.min(LANES)];
-        if block.walk.recall_all::<L>(contacts, &mut batch.memory) {
-            block.remembered.fill(true);
-            return;
-        }
-        for (lane, &contact) in contacts.iter().enumerate() {
-            let memory = block.walk.recall::<L>(contact, |contact, memory| {
-                block.lost.add(self.pass.forget(self.view, contact, memory));
-            });
-            block.remembered[lane] = memory.is_some();
-            batch.memory.set::<L>(lane, &memory.unwrap_or_default());
-        }
-    }
-
     /// Writes down what contacts remember.
     #[inline]
     fn remember(&self, block: &mut Block<'_, V>) {
@@ -203,7 +186,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         for (lane, &contact) in contacts.iter().enumerate() {
             if batch.answer.counts::<L>(lane) {
                 block.walk.remember::<L>(contact, &batch.memory.get::<L>(lane));
-            } else if block.remembered[lane] {
+            } else if batch.is_known[lane] {
                 // It has ended, and its memory been moved on all the same: what it held before is lost.
                 let memory = block.walk.before(contact).unwrap_or_default();
                 block.lost.add(self.pass.forget(self.view, contact, &memory));
@@ -215,8 +198,6 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
 /// The rows that are being summed.
 struct Block<'a, V: Space> {
     walk: Walk<'a, V>,
-    /// Which lanes are contacts of the pass before.
-    remembered: [bool; LANES],
     /// What contacts lose, and what ended ones held: each in order, whenever the batch is full.
     lost: Lost,
 }
