@@ -7,6 +7,7 @@
     docs/speed/side-by-side.py compare w1-1e4                (times both alternately, pinned to one core)
     docs/speed/side-by-side.py tile w1-1e5 10 --steps 200    (siloflow alone, ten such beds side by side)
     docs/speed/side-by-side.py shuffle w1-1e5                (siloflow alone, grains entering in random order)
+    docs/speed/side-by-side.py threads w1-1e5 --threads 2    (siloflow alone, on one thread and on two by turns)
 
 Beds: w1-1e3, w1-1e4, w1-1e5 (2D, frictionless, half R = 0.03 m and half 0.04 m) and w2-1e4, w2-1e5 (3D, friction with history).
 All files are kept in --dir (default target/side-by-side). No packages needed.
@@ -259,9 +260,27 @@ def shuffle(args, name):
         print(f"{each.stem:20} {statistics.median(found):7.1f} ns a particle-step ({min(found):.1f} to {max(found):.1f})")
 
 
+def threads(args, name, most):
+    """The bed on one thread and on `most`: siloflow alone, by turns, with the same bits."""
+    bed = BEDS[name]
+    scene, _ = write_scene(args, name)
+    times, states = {1: [], most: []}, set()
+    for _ in range(args.rounds):
+        for args.threads, found in times.items():
+            ns, summary = nanoseconds(args, scene, bed["dt"], args.steps or bed["steps"])
+            found.append(ns)
+            states.add(summary["state_hash"])
+    if len(states) > 1:
+        sys.exit(f"states differ: {states}")
+    one = statistics.median(times[1])
+    for count, found in times.items():
+        ns = statistics.median(found)
+        print(f"{name}, threads: {count} {ns:7.1f} ns a particle-step ({min(found):.1f} to {max(found):.1f}), {one / ns:.2f} times")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=("settle", "compare", "tile", "shuffle", "scene"))
+    parser.add_argument("what", choices=("settle", "compare", "tile", "shuffle", "threads", "scene"))
     parser.add_argument("bed", choices=BEDS)
     parser.add_argument("copies", nargs="?", type=int, default=1)
     parser.add_argument("--lmp", default="lmp")
@@ -284,6 +303,8 @@ def main():
         compare(args, args.bed)
     elif args.what == "shuffle":
         shuffle(args, args.bed)
+    elif args.what == "threads":
+        threads(args, args.bed, max(args.threads, 2))
     elif args.what == "scene":
         print(write_scene(args, args.bed, args.copies)[0])
     else:
