@@ -113,6 +113,12 @@ pub(crate) fn follow<V: Space>(columns: Res<Columns<V>>, mut particles: Query<Fo
     }
 }
 
+/// The same, where somebody looks in every step, at one of several times of it: a system of its own for each, so that an order of
+/// systems can be asked for.
+fn follow_at<V: Space, const TIME: u8>(columns: Res<Columns<V>>, particles: Query<Follower<V>>) {
+    follow(columns, particles);
+}
+
 /// What may have been changed.
 type Changed<V> = (
     &'static Slot,
@@ -148,10 +154,10 @@ pub(super) fn add<V: Space>(app: &mut App, watched: bool) {
     };
     world.insert_resource(Lead { embody, follow, take_over, state });
     if watched {
-        let drifted = self::follow::<V>.in_set(Phase::Drift).after(Drifted).after(SpinsDrifted);
-        let kicked = self::follow::<V>.in_set(Phase::Kick).in_set(GatheredVelocities).after(Kicked);
+        let drifted = follow_at::<V, 0>.in_set(Phase::Drift).after(Drifted).after(SpinsDrifted);
+        let kicked = follow_at::<V, 1>.in_set(Phase::Kick).in_set(GatheredVelocities).after(Kicked);
         // In step zero nothing is kicked.
-        let begun = self::follow::<V>.in_set(ForceStage::Written).run_if(is_step_zero);
+        let begun = follow_at::<V, 2>.in_set(ForceStage::Written).run_if(is_step_zero);
         app.add_systems(Step, (drifted, kicked, begun));
     } else {
         app.add_systems(Step, self::follow::<V>.in_set(BeforeRenumbering));
