@@ -43,7 +43,7 @@ pub struct Batch<V: Space> {
 }
 
 impl<V: Space> Batch<V> {
-    /// Takes one more contact, which has been measured; with a flat wall.
+    /// Takes one more contact, which has been measured: one with a flat wall, for the reach is the radius of i.
     #[inline(always)]
     pub fn push<L: Demands>(&mut self, contact: Candidate, pair: &Pair<V>) {
         let (lane, bodies) = (self.len, &mut self.bodies);
@@ -54,25 +54,19 @@ impl<V: Space> Batch<V> {
         bodies.reduced_mass[lane] = pair.reduced_mass;
         bodies.root[lane] = pair.root;
         bodies.reach[lane] = pair.radii[0];
-        for side in 0..2 {
-            if L::RADII {
-                bodies.radii[side][lane] = pair.radii[side];
-            }
-            if L::SPECIES {
-                self.species[side][lane] = pair.species[side];
-            }
-            if L::AHEAD {
-                bodies.inverse_masses[side][lane] = pair.ahead.inverse_masses[side];
-            }
-        }
         if L::RADII {
+            (bodies.radii[0][lane], bodies.radii[1][lane]) = pair.radii.into();
             bodies.inverse_reach[lane] = pair.inverse_reach;
+        }
+        if L::SPECIES {
+            (self.species[0][lane], self.species[1][lane]) = pair.species.into();
         }
         if L::SPIN {
             let rotations = pair.spins.map(|spin| Rotation { spin, inverse_inertia: 0.0 });
             self.spins.take(lane, rotations.each_ref());
         }
         if L::AHEAD {
+            (bodies.inverse_masses[0][lane], bodies.inverse_masses[1][lane]) = pair.ahead.inverse_masses.into();
             self.ahead.set::<L>(lane, &pair.ahead);
         }
         self.len += 1;

@@ -119,24 +119,23 @@ impl<V: Space> Bodies<V> {
         }
     }
 
-    /// Finds what would take a root and two or three divisions, from one root alone; gives how many distances are nothing.
+    /// Finds what would take a root and two divisions, from one root alone; gives how many distances are nothing.
     #[inline(always)]
     fn measure_all<L: Demands>(&mut self, lanes: usize, root: bool) -> u32 {
         let mut coincident = 0;
         for lane in 0..lanes.min(LANES) {
             let (separation, mobility) = (self.separation.get(lane), self.mobility[lane]);
             let squared = separation.length_squared();
-            // 1/d and 1/mobility from one root, and 1/reach where somebody asks for it.
-            let reach = if L::RADII { self.reach[lane] } else { 1.0 };
-            let others = mobility * reach;
-            let all = inverse_root(squared * (others * others));
-            let inverse_distance = all * others;
+            // 1/d and 1/mobility from one root.
+            let both = inverse_root(squared * (mobility * mobility));
+            let inverse_distance = both * mobility;
             let distance = squared * inverse_distance;
             self.normal.set(lane, separation * inverse_distance);
             self.overlap[lane] = self.reach[lane] - distance;
-            self.reduced_mass[lane] = all * distance * reach;
+            self.reduced_mass[lane] = both * distance;
             if L::RADII {
-                self.inverse_reach[lane] = all * distance * mobility;
+                // Here, where nothing waits for it.
+                self.inverse_reach[lane] = 1.0 / self.reach[lane];
             }
             coincident += u32::from(squared < COINCIDENT);
         }
@@ -201,8 +200,7 @@ mod tests {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;
                 assert_eq!(bodies.relative_velocity.get(lane), i.velocity - j.velocity);
-                // The inverse root is right to one eps, of what four roundings made, which it halves; up to four follow, of half an eps
-                // each.
+                // The inverse root is right to one eps, and up to five roundings follow, of half an eps each.
                 let error = 4.0 * f64::EPSILON;
                 assert!(bodies.normal.get(lane).distance(separation * (1.0 / separation.length())) < error);
                 let reduced_mass = 1.0 / (i.inverse_mass + j.inverse_mass);
