@@ -16,43 +16,25 @@
 //! Limit: what happens to a door grain's line while the door slides is not followed; from the first step of opening
 //! the orifice is open.
 
-use std::collections::HashSet;
-use std::marker::PhantomData;
+mod books;
+mod cull;
+
 use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
-use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
-use serde::{Deserialize, Serialize};
 
-use crate::columns::{self, BeforeRenumbering, Columns, Gate, Renumbering};
+pub use self::books::{BooksKept, Ledger, LedgerPlugin, LossRecord, OnLoss};
+use self::cull::CullLine;
+pub use self::cull::{Cull, CullPlugin};
+use crate::columns::{self, Columns, Renumbering};
 use crate::door::DoorState;
-use crate::messages::{GrainLost, GrainOut, GrainReleased};
-use crate::outcome::{Failure, Outcome};
+use crate::messages::{GrainLost, GrainOut};
 use crate::particle::{Fixed, Grain, GrainId, Position};
-use crate::scene::values::Finite;
 use crate::space::{Plane, Space};
-use crate::step::{Clock, Phase, Step};
+use crate::step::{Phase, Step};
 use crate::wait::Wait;
 use crate::walls::paths::{Crossing, Paths};
-
-/// The scene's `cull`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Cull {
-    /// Grains whose centre is below this height are removed, m.
-    pub below: Finite,
-}
-
-/// The scene's `on_loss`: what a lost grain does to the run.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-pub enum OnLoss {
-    /// The run stops and has failed.
-    #[default]
-    Stop,
-    /// The run goes on; it has failed all the same when it ends.
-    Continue,
-}
 
 /// Where the ledger holds grains to be, in the order of slots.
 #[derive(Resource)]
@@ -70,72 +52,6 @@ enum Place<V> {
     Lost,
 }
 
-/// One lost grain.
-#[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct LossRecord {
-    /// Its id.
-    pub grain: u32,
-    /// The step in which it was noticed.
-    pub step: u64,
-    /// Simulated time, s.
-    pub time_s: f64,
-    /// Where it was, m.
-    pub position_m: Vec<f64>,
-    /// How it went.
-    pub way: String,
-    /// The nearest wall grain, by its number in the silo file.
-    pub nearest_wall_grain: Option<u32>,
-}
-
-/// The books.
-#[derive(Resource, Default, Debug)]
-pub struct Ledger {
-    /// Grains that have entered.
-    pub released: u32,
-    /// When each grain that is out crossed the orifice, s, in order.
-    pub out_times: Vec<f64>,
-    /// Who was lost, in order.
-    pub lost: Vec<LossRecord>,
-    /// Grains removed below the cull line, whether out or lost.
-    pub culled: u32,
-    /// Who is out or lost.
-    gone: HashSet<GrainId>,
-}
-
-/// Entities that the culler has removed, until the ECS reports them.
-#[derive(Resource, Default)]
-struct Culled(EntityHashSet);
-
-impl Ledger {
-    /// Grains that are out.
-    #[must_use]
-    pub fn out(&self) -> u32 {
-        count(self.out_times.len())
-    }
-
-    /// Grains that are lost.
-    #[must_use]
-    pub fn lost(&self) -> u32 {
-        count(self.lost.len())
-    }
-
-    /// Whether a grain is out or lost.
-    #[must_use]
-    pub fn is_gone(&self, grain: GrainId) -> bool {
-        self.gone.contains(&grain)
-    }
-
-    /// Grains that are inside: released, neither out nor lost.
-    #[must_use]
-    pub fn inside(&self) -> u32 {
-        self.released.saturating_sub(self.out() + self.lost())
-    }
-}
-
-fn count(n: usize) -> u32 {
-    u32::try_from(n).expect("grain ids are 31 bits wide")
-}
-
 /// The lines that paths must not cross, and the scale of a look.
 #[derive(Resource)]
 pub struct Enclosure<V: Space = Plane> {
@@ -143,10 +59,6 @@ pub struct Enclosure<V: Space = Plane> {
     pub paths: Arc<dyn Paths<V>>,
     /// Radius of the smallest grain, m.
     pub smallest_radius: f64,
-}
-
-fn count_released(mut ledger: ResMut<Ledger>, mut released: MessageReader<GrainReleased>) {
-    ledger.released += count(released.read().count());
 }
 
 /// Places go along with their grains when slots are dealt out anew.
@@ -260,118 +172,6 @@ fn nearest<V: Space>(x: V, wall_grains: &Query<(&GrainId, &Position<V>), With<Fi
     distances.min_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal)).map(|(_, id)| id)
 }
 
-fn cull<V: Space>(
-    mut gate: Gate<V>,
-    (line, whereabouts): (Res<CullLine>, Option<Res<Whereabouts<V>>>),
-    mut ledger: ResMut<Ledger>,
-    mut expected: ResMut<Culled>,
-    mut lost: MessageWriter<GrainLost<V>>,
-    mut wait: Local<Wait>,
-    grains: Query<(), With<Grain>>,
-) {
-    if !wait.is_over(&gate.columns, 0.0) {
-        return;
-    }
-    let mut lowest = f64::INFINITY;
-    for i in 0..gate.columns.len() {
-        let (id, position) = (gate.columns.id[i], gate.columns.body[i].position);
-        if id.is_wall() || !gate.columns.is_somebody(i, |entity| grains.contains(entity)) {
-            continue;
-        }
-        lowest = lowest.min(position.height());
-        if position.height() < line.0 {
-            expected.0.extend(gate.dismiss(i));
-            ledger.culled += 1;
-            let place = whereabouts.as_ref().and_then(|places| places.0.get(i));
-            if place.is_none_or(|place| !matches!(place, Place::Out | Place::Lost)) {
-                let way = "below the cull line, without having crossed the orifice".to_owned();
-                lost.write(GrainLost { id, position, way, nearest: None });
-            }
-        }
-    }
-    // Nobody is below the line before somebody has gone this far.
-    *wait = Wait::for_distance(&gate.columns, lowest - line.0);
-}
-
-/// Grains that left the world by somebody else's hand are lost too; the columns still know their names.
-fn miss_vanished<V: Space>(
-    mut removed: RemovedComponents<Grain>,
-    mut expected: ResMut<Culled>,
-    columns: Res<Columns<V>>,
-    mut lost: MessageWriter<GrainLost<V>>,
-    ledger: Res<Ledger>,
-) {
-    for entity in removed.read() {
-        if expected.0.remove(&entity) {
-            continue;
-        }
-        let Some(i) = columns.entity.iter().position(|&known| known == entity) else { continue };
-        if !ledger.gone.contains(&columns.id[i]) {
-            let way = "out of the world, removed by a behaviour".to_owned();
-            lost.write(GrainLost { id: columns.id[i], position: columns.body[i].position, way, nearest: None });
-        }
-    }
-}
-
-fn keep_books<V: Space>(
-    clock: Res<Clock>,
-    on_loss: Res<OnLossSetting>,
-    mut ledger: ResMut<Ledger>,
-    mut out: MessageReader<GrainOut<V>>,
-    mut lost: MessageReader<GrainLost<V>>,
-    mut outcome: ResMut<Outcome>,
-) {
-    let (step, time_s) = (clock.steps, clock.time());
-    // Whoever leaves in the same step is booked in the order of the ids, whatever tables the grains are in.
-    let mut out: Vec<_> = out.read().collect();
-    out.sort_unstable_by_key(|grain| grain.id);
-    let mut lost: Vec<_> = lost.read().collect();
-    lost.sort_unstable_by_key(|grain| grain.id);
-    for grain in out {
-        ledger.gone.insert(grain.id);
-        ledger.out_times.push(time_s);
-    }
-    for grain in lost {
-        tracing::debug!("t = {time_s:.3} s: {} was lost {}", grain.id, grain.way);
-        ledger.gone.insert(grain.id);
-        ledger.lost.push(LossRecord {
-            grain: grain.id.number(),
-            step,
-            time_s,
-            position_m: grain.position.components(),
-            way: grain.way.clone(),
-            nearest_wall_grain: grain.nearest.map(GrainId::number),
-        });
-        if on_loss.0 == OnLoss::Stop {
-            let GrainLost { id, position, way, .. } = grain.clone();
-            outcome.fail(Failure::GrainLost { step, grain: id, position: shown(position), way });
-        }
-    }
-}
-
-#[derive(Resource)]
-struct CullLine(f64);
-
-#[derive(Resource)]
-struct OnLossSetting(OnLoss);
-
-/// Systems of [`Phase::Cull`] that act on a settled ledger run after this set.
-#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
-pub struct BooksKept;
-
-/// The ledger, with what a loss does.
-pub struct LedgerPlugin<V: Space>(pub OnLoss, pub PhantomData<V>);
-
-impl<V: Space> Plugin for LedgerPlugin<V> {
-    fn build(&self, app: &mut App) {
-        app.init_resource::<Ledger>()
-            .insert_resource(OnLossSetting(self.0))
-            .init_resource::<Culled>()
-            .add_systems(Step, miss_vanished::<V>.in_set(BeforeRenumbering))
-            .add_systems(Step, (count_released, keep_books::<V>).chain().in_set(Phase::Cull).in_set(BooksKept));
-    }
-}
-
 /// Watches the paths of grains, where there are walls to cross.
 pub struct PathsPlugin<V: Space> {
     /// The walls.
@@ -385,18 +185,6 @@ impl<V: Space> Plugin for PathsPlugin<V> {
         app.insert_resource(Whereabouts::<V>(Vec::new()))
             .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
             .add_systems(Step, move_places::<V>.in_set(Renumbering).after(columns::renumber::<V>))
-            .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(keep_books::<V>));
-    }
-}
-
-/// Removes grains below the cull line.
-pub struct CullPlugin<V: Space>(pub Cull, pub PhantomData<V>);
-
-impl<V: Space> Plugin for CullPlugin<V> {
-    fn build(&self, app: &mut App) {
-        app.insert_resource(CullLine(self.0.below.get())).add_systems(
-            Step,
-            cull::<V>.in_set(Phase::Cull).after(count_released).after(watch_paths::<V>).before(keep_books::<V>),
-        );
+            .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(books::keep_books::<V>));
     }
 }

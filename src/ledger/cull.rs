@@ -1,0 +1,78 @@
+//! The culler: removes grains that have fallen far enough. Who is there without having crossed the orifice is lost.
+
+use std::marker::PhantomData;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::entity::EntityHashSet;
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::columns::Gate;
+use crate::ledger::books::{count_released, keep_books};
+use crate::ledger::{Ledger, Place, Whereabouts, watch_paths};
+use crate::messages::GrainLost;
+use crate::particle::Grain;
+use crate::scene::values::Finite;
+use crate::space::Space;
+use crate::step::{Phase, Step};
+use crate::wait::Wait;
+
+/// The scene's `cull`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Cull {
+    /// Grains whose centre is below this height are removed, m.
+    pub below: Finite,
+}
+
+/// Entities that the culler has removed, until the ECS reports them.
+#[derive(Resource, Default)]
+pub(super) struct Culled(pub(super) EntityHashSet);
+
+#[derive(Resource)]
+pub(super) struct CullLine(pub(super) f64);
+
+fn cull<V: Space>(
+    mut gate: Gate<V>,
+    (line, whereabouts): (Res<CullLine>, Option<Res<Whereabouts<V>>>),
+    mut ledger: ResMut<Ledger>,
+    mut expected: ResMut<Culled>,
+    mut lost: MessageWriter<GrainLost<V>>,
+    mut wait: Local<Wait>,
+    grains: Query<(), With<Grain>>,
+) {
+    if !wait.is_over(&gate.columns, 0.0) {
+        return;
+    }
+    let mut lowest = f64::INFINITY;
+    for i in 0..gate.columns.len() {
+        let (id, position) = (gate.columns.id[i], gate.columns.body[i].position);
+        if id.is_wall() || !gate.columns.is_somebody(i, |entity| grains.contains(entity)) {
+            continue;
+        }
+        lowest = lowest.min(position.height());
+        if position.height() < line.0 {
+            expected.0.extend(gate.dismiss(i));
+            ledger.culled += 1;
+            let place = whereabouts.as_ref().and_then(|places| places.0.get(i));
+            if place.is_none_or(|place| !matches!(place, Place::Out | Place::Lost)) {
+                let way = "below the cull line, without having crossed the orifice".to_owned();
+                lost.write(GrainLost { id, position, way, nearest: None });
+            }
+        }
+    }
+    // Nobody is below the line before somebody has gone this far.
+    *wait = Wait::for_distance(&gate.columns, lowest - line.0);
+}
+
+/// Removes grains below the cull line.
+pub struct CullPlugin<V: Space>(pub Cull, pub PhantomData<V>);
+
+impl<V: Space> Plugin for CullPlugin<V> {
+    fn build(&self, app: &mut App) {
+        app.insert_resource(CullLine(self.0.below.get())).add_systems(
+            Step,
+            cull::<V>.in_set(Phase::Cull).after(count_released).after(watch_paths::<V>).before(keep_books::<V>),
+        );
+    }
+}
