@@ -77,14 +77,23 @@ impl<'a, V: Space> Survey<'a, V> {
 
     /// Calls `visit` once for each contact: with the index of one particle, its partner, and the pair and its memory as
     /// seen from that particle. Between particles the first is the one with the lower slot.
-    pub fn contacts(&self, mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>)) {
+    pub fn contacts(&self, visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>)) {
+        self.contacts_among(|_, _| true, visit);
+    }
+
+    /// The same for those contacts alone that `counts` accepts; of others not even the geometry is found.
+    fn contacts_among(
+        &self,
+        counts: impl Fn(usize, Partner) -> bool,
+        mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
+    ) {
         match self.columns.periodic {
-            None => self.pairs(&Open, &mut visit),
-            Some(periodic) => self.pairs(&periodic, &mut visit),
+            None => self.pairs(&Open, &counts, &mut visit),
+            Some(periodic) => self.pairs(&periodic, &counts, &mut visit),
         }
         let columns = self.columns;
         for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
-            for (index, wall) in self.walls.iter().enumerate() {
+            for (index, wall) in self.walls.iter().enumerate().filter(|&(index, _)| counts(i, Partner::Wall(index))) {
                 if let Some(pair) = surfaces::touching::<false, V>(columns, i, wall, 0.0) {
                     let memory = self.history.of_wall(i, index).unwrap_or_default();
                     visit(i, Partner::Wall(index), &pair, &memory);
@@ -93,9 +102,14 @@ impl<'a, V: Space> Survey<'a, V> {
         }
     }
 
-    fn pairs(&self, metric: &impl Metric<V>, visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>)) {
-        for &candidate in self.search.list.pairs() {
-            let [i, j] = candidate.both();
+    fn pairs(
+        &self,
+        metric: &impl Metric<V>,
+        counts: &impl Fn(usize, Partner) -> bool,
+        visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
+    ) {
+        let candidates = self.search.list.pairs().iter().map(|candidate| candidate.both());
+        for [i, j] in candidates.filter(|&[i, j]| counts(i, Partner::Particle(j))) {
             if let Some(pair) = geometry::touching(metric, self.columns, i, j) {
                 let memory = self.history.of_pair(i, j).unwrap_or_default();
                 visit(i, Partner::Particle(j), &pair, &memory);
@@ -106,11 +120,7 @@ impl<'a, V: Space> Survey<'a, V> {
     /// Elastic energy of all contacts that `counts` accepts, J.
     pub fn elastic_energy(&self, counts: impl Fn(usize, Partner) -> bool) -> f64 {
         let mut energy = 0.0;
-        self.contacts(|i, partner, pair, memory| {
-            if counts(i, partner) {
-                energy += self.law.elastic_energy(pair, memory);
-            }
-        });
+        self.contacts_among(counts, |_, _, pair, memory| energy += self.law.elastic_energy(pair, memory));
         energy
     }
 }
