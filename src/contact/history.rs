@@ -4,13 +4,12 @@
 //! exactly as long as its contact, whatever the neighbour search does; and a contact that ends is forgotten. A contact stands
 //! once, in the row of its lower member and as seen from it. Rows are particles in the order of the columns, each with its
 //! partners in ascending order: the order in which the kernel comes by, so that looking up is walking along. Pages have
-//! [`BLOCK`] rows each, so that threads have pages of their own. When slots are dealt out anew, pages are rewritten by the names
-//! of the particles, which do not change.
+//! [`BLOCK`] rows each, so that threads have pages of their own. When slots are dealt out anew, pages are rewritten by where
+//! each particle was before.
 
 mod pages;
 mod walk;
 
-use std::collections::HashMap;
 use std::ops::AddAssign;
 
 use bevy_ecs::prelude::*;
@@ -20,7 +19,6 @@ pub use self::walk::Walk;
 use crate::columns::Columns;
 use crate::contact::{Demands, Memory};
 use crate::neighbours::list::Candidate;
-use crate::particle::GrainId;
 use crate::space::{Plane, Space};
 
 /// Rows of a page: what a force pass does at a time, on however many threads.
@@ -61,13 +59,12 @@ pub struct History<V: Space = Plane> {
     pages: Vec<Pages<V>>,
     /// With flat walls, the partner being the wall's index, all rows together; and a page to spare.
     walls: [Pages<V>; 2],
-    names: Vec<GrainId>,
     generation: u64,
 }
 
 impl<V: Space> Default for History<V> {
     fn default() -> Self {
-        Self { pages: Vec::new(), walls: Default::default(), names: Vec::new(), generation: 0 }
+        Self { pages: Vec::new(), walls: Default::default(), generation: 0 }
     }
 }
 
@@ -105,18 +102,23 @@ impl<V: Space> History<V> {
         Walk::new(page, spare)
     }
 
-    /// Follows the particles to the slots that they have in `columns`.
+    /// Follows the particles to the slots that they have in `columns`, dealt out once since the last time or not at all.
     pub(super) fn follow<L: Demands>(&mut self, columns: &Columns<V>) {
         if columns.generation == self.generation {
             return;
         }
-        self.generation = columns.generation;
+        let was = std::mem::replace(&mut self.generation, columns.generation);
         if self.pages.iter().chain(&self.walls[..1]).all(Pages::is_empty) {
-            self.names.clone_from(&columns.id);
             return;
         }
-        let slots: HashMap<GrainId, u32> = columns.id.iter().copied().zip(0..).collect();
-        let place = |old: usize| self.names.get(old).and_then(|name| slots.get(name)).copied();
+        debug_assert_eq!(was + 1, columns.generation, "each force pass follows");
+        let mut slots = vec![None; self.pages.len() * BLOCK];
+        for (slot, former) in (0u32..).zip(&columns.former) {
+            if let Some(entry) = slots.get_mut(former.index()) {
+                *entry = Some(slot);
+            }
+        }
+        let place = |old: usize| slots.get(old).copied().flatten();
         let mut pairs = Vec::new();
         for (contact, mut memory) in self.pages.iter().flat_map(Pages::all) {
             if let [Some(i), Some(j)] = contact.both().map(place) {
@@ -133,8 +135,9 @@ impl<V: Space> History<V> {
                 Some((Candidate::new(place(contact.first())?, wall), memory))
             })
             .collect();
-        pairs.sort_unstable_by_key(|(contact, _)| *contact);
-        walls.sort_unstable_by_key(|(contact, _)| *contact);
+        // What most have kept is their order, which a stable sort makes use of.
+        pairs.sort_by_key(|(contact, _)| *contact);
+        walls.sort_by_key(|(contact, _)| *contact);
         self.pages.clear();
         for (contact, memory) in &pairs {
             self.pages(columns)[contact.first() / BLOCK].push::<L>(*contact, memory);
@@ -143,13 +146,14 @@ impl<V: Space> History<V> {
         for (contact, memory) in &walls {
             self.walls[0].push::<L>(*contact, memory);
         }
-        self.names.clone_from(&columns.id);
     }
 }
 
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
+    use crate::columns::Slot;
+    use crate::particle::GrainId;
 
     pub struct Springs;
     impl Demands for Springs {
@@ -157,9 +161,12 @@ pub(super) mod tests {
         const SPRING: bool = true;
     }
 
-    fn columns(numbers: &[u32], generation: u64) -> Columns {
-        let id = numbers.iter().map(|&number| GrainId::grain(number).unwrap()).collect();
-        Columns { id, generation, ..Columns::default() }
+    /// Of grains with these names, after others with those.
+    fn columns(names: &[u32], before: &[u32], generation: u64) -> Columns {
+        let id = names.iter().map(|&name| GrainId::grain(name).unwrap()).collect();
+        let former = |name| before.iter().zip(0..).find(|(before, _)| *before == name).map(|(_, slot)| Slot::new(slot));
+        let former = names.iter().map(|name| former(name).unwrap_or_default()).collect();
+        Columns { id, former, generation, ..Columns::default() }
     }
 
     pub fn memory(x: f64) -> Memory {
@@ -181,7 +188,7 @@ pub(super) mod tests {
     #[test]
     fn memories_follow_their_particles() {
         let old: Vec<u32> = (0..3000).map(|n| 10 * n).collect();
-        let before = columns(&old, 1);
+        let before = columns(&old, &[], 1);
         let mut history = History::default();
         history.follow::<Springs>(&before);
         for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
@@ -189,7 +196,7 @@ pub(super) mod tests {
         }
         // Grain 0 goes, two come, and the order is turned round: who was the lower one is the upper one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();
-        let after = columns(&new, 2);
+        let after = columns(&new, &old, 2);
         history.follow::<Springs>(&after);
         let slot = |name: u32| new.iter().position(|&other| other == name).unwrap();
         let spring = |a: u32, b: u32| history.of_pair(slot(a), slot(b)).map(|memory| memory.spring.x);
