@@ -6,7 +6,7 @@ use std::sync::Arc;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::Columns;
+use crate::columns::{self, Columns, Renumbering};
 use crate::contact::history::History;
 use crate::contact::kernel::{Desks, Pass};
 use crate::contact::{AnyLaw, Demands, PairLaw};
@@ -47,9 +47,6 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
     mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
 ) {
-    if L::MEMORY {
-        history.follow::<L>(&columns);
-    }
     let pass = Pass {
         law: &*law.0,
         metric: Open,
@@ -62,6 +59,11 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
         None => pass.sum(&mut columns, &mut history, &threads, &mut desks.0, largest.0),
         Some(metric) => pass.with(metric).sum(&mut columns, &mut history, &threads, &mut desks.0, largest.0),
     };
+}
+
+/// Memories go along with their particles when slots are dealt out anew.
+fn move_memories<V: Space, L: Demands>(columns: Res<Columns<V>>, mut history: ResMut<History<V>>) {
+    history.follow::<L>(&columns);
 }
 
 /// Contacts with the law `law`. Outsiders' laws enter here: `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
@@ -109,5 +111,8 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
             .init_resource::<LargestOverlap>()
             .init_resource::<Instructions>()
             .add_systems(Step, contact_forces::<V, L>.in_set(ForceStage::Contacts).in_set(ContactForces));
+        if L::MEMORY {
+            app.add_systems(Step, move_memories::<V, L>.in_set(Renumbering).after(columns::renumber::<V>));
+        }
     }
 }

@@ -59,12 +59,11 @@ pub struct History<V: Space = Plane> {
     pages: Vec<Pages<V>>,
     /// With flat walls, the partner being the wall's index, all rows together; and a page to spare.
     walls: [Pages<V>; 2],
-    generation: u64,
 }
 
 impl<V: Space> Default for History<V> {
     fn default() -> Self {
-        Self { pages: Vec::new(), walls: Default::default(), generation: 0 }
+        Self { pages: Vec::new(), walls: Default::default() }
     }
 }
 
@@ -102,16 +101,11 @@ impl<V: Space> History<V> {
         Walk::new(page, spare)
     }
 
-    /// Follows the particles to the slots that they have in `columns`, dealt out once since the last time or not at all.
+    /// Follows the particles to the slots that `columns` have just dealt out.
     pub(super) fn follow<L: Demands>(&mut self, columns: &Columns<V>) {
-        if columns.generation == self.generation {
-            return;
-        }
-        let was = std::mem::replace(&mut self.generation, columns.generation);
         if self.pages.iter().chain(&self.walls[..1]).all(Pages::is_empty) {
             return;
         }
-        debug_assert_eq!(was + 1, columns.generation, "each force pass follows");
         let mut slots = vec![None; self.pages.len() * BLOCK];
         for (slot, former) in (0u32..).zip(&columns.former) {
             if let Some(entry) = slots.get_mut(former.index()) {
@@ -162,11 +156,11 @@ pub(super) mod tests {
     }
 
     /// Of grains with these names, after others with those.
-    fn columns(names: &[u32], before: &[u32], generation: u64) -> Columns {
+    fn columns(names: &[u32], before: &[u32]) -> Columns {
         let id = names.iter().map(|&name| GrainId::grain(name).unwrap()).collect();
         let former = |name| before.iter().zip(0..).find(|(before, _)| *before == name).map(|(_, slot)| Slot::new(slot));
         let former = names.iter().map(|name| former(name).unwrap_or_default()).collect();
-        Columns { id, former, generation, ..Columns::default() }
+        Columns { id, former, ..Columns::default() }
     }
 
     pub fn memory(x: f64) -> Memory {
@@ -188,7 +182,7 @@ pub(super) mod tests {
     #[test]
     fn memories_follow_their_particles() {
         let old: Vec<u32> = (0..3000).map(|n| 10 * n).collect();
-        let before = columns(&old, &[], 1);
+        let before = columns(&old, &[]);
         let mut history = History::default();
         history.follow::<Springs>(&before);
         for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
@@ -196,7 +190,7 @@ pub(super) mod tests {
         }
         // Grain 0 goes, two come, and the order is turned round: who was the lower one is the upper one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();
-        let after = columns(&new, &old, 2);
+        let after = columns(&new, &old);
         history.follow::<Springs>(&after);
         let slot = |name: u32| new.iter().position(|&other| other == name).unwrap();
         let spring = |a: u32, b: u32| history.of_pair(slot(a), slot(b)).map(|memory| memory.spring.x);
