@@ -7,6 +7,8 @@ use crate::periodic::Metric;
 use crate::space::Space;
 
 /// The geometry of `i` and `j` if they overlap and at least one can move.
+// A pair is large: handed over in memory, and copied, each contact would wait for its own stores.
+#[inline(always)]
 #[must_use]
 pub fn touching<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usize, j: usize) -> Option<Pair<V>> {
     let (a, b) = (&columns.body[i], &columns.body[j]);
@@ -34,6 +36,7 @@ pub(super) fn parted<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i:
 }
 
 /// Two with this normal and overlap (m).
+#[inline(always)]
 fn pair<V: Space>(columns: &Columns<V>, i: usize, j: usize, normal: V, overlap: f64, dt: f64) -> Pair<V> {
     let ((a, b), both) = ((&columns.body[i], &columns.body[j]), [i, j]);
     let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
