@@ -6,11 +6,17 @@ use crate::particle::GrainId;
 use crate::periodic::Metric;
 use crate::space::Space;
 
-/// The geometry of `i` and `j` if they overlap and at least one can move.
+/// The geometry of `i` and `j` if they overlap and at least one can move; with the root of the reduced mass if it is asked for.
 // A pair is large: handed over in memory, and copied, each contact would wait for its own stores.
 #[inline(always)]
 #[must_use]
-pub fn touching<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usize, j: usize) -> Option<Pair<V>> {
+pub fn touching<V: Space>(
+    metric: &impl Metric<V>,
+    columns: &Columns<V>,
+    i: usize,
+    j: usize,
+    root: bool,
+) -> Option<Pair<V>> {
     let (a, b) = (&columns.body[i], &columns.body[j]);
     let separation = metric.separation(a.position, b.position);
     let reach = a.radius + b.radius;
@@ -22,7 +28,7 @@ pub fn touching<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usiz
         let distance = squared.sqrt();
         let normal =
             if distance > 0.0 { separation * (1.0 / distance) } else { coincident(columns.id[i], columns.id[j]) };
-        Some(pair(columns, i, j, normal, reach - distance, 0.0))
+        Some(pair(columns, i, j, normal, reach - distance, root, 0.0))
     } else {
         None
     }
@@ -32,12 +38,12 @@ pub fn touching<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usiz
 pub(super) fn parted<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
     let (a, b) = (&columns.body[i], &columns.body[j]);
     let separation = metric.separation(a.position, b.position);
-    pair(columns, i, j, separation.unit_or_zero(), a.radius + b.radius - separation.length(), dt)
+    pair(columns, i, j, separation.unit_or_zero(), a.radius + b.radius - separation.length(), true, dt)
 }
 
 /// Two with this normal and overlap (m).
 #[inline(always)]
-fn pair<V: Space>(columns: &Columns<V>, i: usize, j: usize, normal: V, overlap: f64, dt: f64) -> Pair<V> {
+fn pair<V: Space>(columns: &Columns<V>, i: usize, j: usize, normal: V, overlap: f64, root: bool, dt: f64) -> Pair<V> {
     let ((a, b), both) = ((&columns.body[i], &columns.body[j]), [i, j]);
     let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
     Pair {
@@ -45,7 +51,7 @@ fn pair<V: Space>(columns: &Columns<V>, i: usize, j: usize, normal: V, overlap: 
         overlap,
         relative_velocity: a.velocity - b.velocity,
         reduced_mass,
-        root: reduced_mass.sqrt(),
+        root: if root { reduced_mass.sqrt() } else { 0.0 },
         radii: [a.radius, b.radius],
         inverse_reach: 1.0 / (a.radius + b.radius),
         spins: both.map(|entry| columns.spin(entry)),

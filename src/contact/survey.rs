@@ -108,9 +108,10 @@ impl<'a, V: Space> Survey<'a, V> {
         counts: &impl Fn(usize, Partner) -> bool,
         visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
+        let root = self.law.takes_root();
         let candidates = self.search.list.pairs().iter().map(|candidate| candidate.both());
         for [i, j] in candidates.filter(|&[i, j]| counts(i, Partner::Particle(j))) {
-            if let Some(pair) = geometry::touching(metric, self.columns, i, j) {
+            if let Some(pair) = geometry::touching(metric, self.columns, i, j, root) {
                 let memory = self.history.of_pair(i, j).unwrap_or_default();
                 visit(i, Partner::Particle(j), &pair, &memory);
             }
