@@ -11,10 +11,15 @@
 //! and what most codes have: a contact then leaks the angular momentum -delta n x F_t) or reaches to the contact point,
 //! which keeps angular momentum. c_t in N s/m by [`TangentialDamping`], k_t in N/m by [`Modulus`].
 
+mod dashpot;
+mod stick;
+
 use serde::{Deserialize, Serialize};
 
+pub use self::dashpot::Dashpot;
+pub use self::stick::{Constant, Modulus, Stick};
 use crate::contact::damping::Coefficient;
-use crate::contact::spring::{Event, Slider, Sweep, lost_at_the_end};
+use crate::contact::spring::{Event, Sweep};
 use crate::contact::{Ahead, Bounce, Memory, Pair, Turning};
 use crate::scene::values::NonNegative;
 use crate::space::Space;
@@ -181,208 +186,6 @@ impl Tangential for Smooth {
     }
 }
 
-/// A dashpot cut at mu |F_n|.
-#[derive(Clone, Copy, Debug)]
-pub struct Dashpot {
-    /// c_t, from the effective mass and the normal c.
-    pub damping: Coefficient,
-    /// mu.
-    pub friction: f64,
-    /// Where it acts.
-    pub lever: Lever,
-}
-
-impl Tangential for Dashpot {
-    #[inline(always)]
-    fn add<V: Space>(
-        &self,
-        pair: &Pair<V>,
-        normal_force: f64,
-        normal_drag: f64,
-        _: &mut Memory<V>,
-        turning: &mut Turning<V>,
-    ) {
-        turning.arms = self.lever.arms(pair);
-        let velocity = pair.sliding_velocity(turning.arms);
-        let (drag, cap) = (self.damping.of(pair.reduced_mass, normal_drag), self.friction * normal_force.abs());
-        let squared = velocity.length_squared() * drag * drag;
-        turning.is_sliding = squared > cap * cap;
-        let cut = if turning.is_sliding { cap / squared.sqrt() } else { 1.0 };
-        turning.friction = velocity * (-drag * cut);
-        turning.friction_drag = turning.friction;
-    }
-
-    #[inline(always)]
-    fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, _: &mut Memory<V>, turning: &mut Turning<V>) {
-        turning.arms = self.lever.arms(pair);
-        let (motion, mobilities) = pair.sliding(turning.arms);
-        let drag = self.damping.of(pair.reduced_mass, grip.drag);
-        let slider = Slider { stiffness: 0.0, drag, cap: self.friction * grip.whole.abs() };
-        let pull = slider.pull_centred(
-            &mut V::default(),
-            &grip.sweep(motion, mobilities, self.friction, pair.dt),
-            pair.normal,
-        );
-        turning.is_sliding = pull.is_sliding;
-        (turning.friction, turning.friction_drag) = (pull.force, pull.force);
-    }
-
-    fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
-        [0.0, self.damping.of(bounce.reduced_mass, normal_drag)]
-    }
-
-    fn friction(&self) -> f64 {
-        self.friction
-    }
-}
-
-/// The tangential stiffness and drag of a contact.
-pub trait Modulus: Copy + Send + Sync + 'static {
-    /// Whether the stiffness changes while a contact lasts.
-    const VARIES: bool;
-
-    /// k_t (N/m) and c_t (N s/m); `normal_drag` is the normal c, N s/m.
-    fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64);
-
-    /// The k_t that a spring was last used with, N/m, of which `memory` has a note if it varies.
-    fn remembered(&self, memory: f64) -> f64;
-
-    /// k_t (N/m) and c_t (N s/m) at the deepest point of a bounce.
-    fn at(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2];
-}
-
-/// The same k_t in every contact.
-#[derive(Clone, Copy, Debug)]
-pub struct Constant {
-    /// k_t, N/m.
-    pub k: f64,
-    /// c_t, from the effective mass and the normal c.
-    pub damping: Coefficient,
-}
-
-impl Modulus for Constant {
-    const VARIES: bool = false;
-
-    #[inline(always)]
-    fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64) {
-        (self.k, self.damping.of(pair.reduced_mass, normal_drag))
-    }
-
-    fn remembered(&self, _: f64) -> f64 {
-        self.k
-    }
-
-    fn at(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
-        [self.k, self.damping.of(bounce.reduced_mass, normal_drag)]
-    }
-}
-
-/// A spring with memory and a dashpot, cut together at mu |F_n|. Where the stiffness varies, a stiffening spring keeps
-/// its force and a softening one its displacement, so that neither gains energy (Thornton, Cummins and Cleary, Powder
-/// Technology 233, 30, 2013); what it loses is booked with sliding.
-#[derive(Clone, Copy, Debug)]
-pub struct Stick<M> {
-    /// k_t and c_t.
-    pub modulus: M,
-    /// mu.
-    pub friction: f64,
-    /// Where it acts.
-    pub lever: Lever,
-}
-
-impl<M: Modulus> Stick<M> {
-    /// The mean stiffness of a step over that of its end: what is gathered while a spring stiffens keeps its force. From
-    /// nothing it grows like the root of time.
-    #[inline(always)]
-    fn mean_stiffness(before: f64, now: f64) -> f64 {
-        if before >= now {
-            1.0
-        } else if before == 0.0 {
-            2.0 / 3.0
-        } else {
-            0.5 * (1.0 + before / now)
-        }
-    }
-
-    /// Adapts the spring to a changed stiffness; gives what it loses, J.
-    #[inline(always)]
-    fn adapt<V: Space>(k: f64, memory: &mut Memory<V>) -> f64 {
-        let before = memory.stiffness * memory.spring.length_squared();
-        if k > memory.stiffness {
-            memory.spring = memory.spring * (memory.stiffness / k);
-        }
-        memory.stiffness = k;
-        0.5 * (before - k * memory.spring.length_squared())
-    }
-}
-
-impl<M: Modulus> Tangential for Stick<M> {
-    const SPRING: bool = true;
-    const STIFFNESS: bool = M::VARIES;
-
-    #[inline(always)]
-    fn add<V: Space>(
-        &self,
-        pair: &Pair<V>,
-        normal_force: f64,
-        normal_drag: f64,
-        memory: &mut Memory<V>,
-        turning: &mut Turning<V>,
-    ) {
-        let (stiffness, drag) = self.modulus.of(pair, normal_drag);
-        if M::VARIES {
-            turning.lost_by_sliding = Self::adapt(stiffness, memory);
-        }
-        turning.arms = self.lever.arms(pair);
-        let velocity = pair.sliding_velocity(turning.arms);
-        let slider = Slider { stiffness, drag, cap: self.friction * normal_force.abs() };
-        let pull = slider.pull(&mut memory.spring, velocity, pair.normal, pair.dt);
-        turning.friction = pull.force;
-        turning.friction_drag = pull.drag;
-        turning.lost_by_sliding += pull.lost;
-        turning.is_sliding = pull.is_sliding;
-    }
-
-    #[inline(always)]
-    fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, memory: &mut Memory<V>, turning: &mut Turning<V>) {
-        // Across a gap too the arms meet: what the contact point's keep of the angular momentum, they keep there.
-        let (stiffness, drag) = self.modulus.of(&pair.at_overlap(pair.overlap), grip.drag);
-        turning.arms = self.lever.arms(pair);
-        let (motion, mobilities) = pair.sliding(turning.arms);
-        let mut sweep = grip.sweep(motion, mobilities, self.friction, pair.dt);
-        sweep.pulled = memory.spring * -self.modulus.remembered(memory.stiffness);
-        if M::VARIES {
-            sweep.gathering *= Self::mean_stiffness(memory.stiffness, stiffness);
-            // Where a contact opens there is neither stiffness nor drag.
-            sweep.event = sweep.event.filter(|_| memory.stiffness > 0.0);
-            turning.lost_by_sliding = Self::adapt(stiffness, memory);
-        }
-        let slider = Slider { stiffness, drag, cap: self.friction * grip.whole.abs() };
-        let pull = slider.pull_centred(&mut memory.spring, &sweep, pair.normal);
-        turning.friction = pull.force;
-        turning.friction_drag = pull.drag;
-        turning.lost_by_sliding += pull.lost;
-        turning.is_sliding = pull.is_sliding;
-    }
-
-    fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {
-        0.5 * self.modulus.remembered(memory.stiffness) * memory.spring.length_squared()
-    }
-
-    fn forget<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        let velocity = pair.sliding_velocity(self.lever.arms(pair));
-        lost_at_the_end(self.modulus.remembered(memory.stiffness), memory.spring, velocity, pair.dt)
-    }
-
-    fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
-        self.modulus.at(bounce, normal_drag)
-    }
-
-    fn friction(&self) -> f64 {
-        self.friction
-    }
-}
-
 #[cfg(test)]
 #[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
@@ -415,29 +218,5 @@ mod tests {
             ..pair()
         };
         assert!(pair.sliding_velocity(Lever::Radius.arms(&pair)).length() < 1e-16);
-    }
-
-    #[test]
-    fn a_dashpot_is_cut_at_the_cap() {
-        let zero = NonNegative::try_from(2.0).unwrap();
-        let law = Dashpot { damping: TangentialDamping::B(zero).into(), friction: 0.5, lever: Lever::Radius };
-        let slow = Pair { relative_velocity: Vector::new(0.0, 1.0), ..pair() };
-        let fast = Pair { relative_velocity: Vector::new(0.0, 10.0), ..pair() };
-        let mut turning = Turning::default();
-        law.add(&slow, 10.0, 0.0, &mut Memory::default(), &mut turning);
-        assert_eq!((turning.friction, turning.is_sliding), (Vector::new(0.0, -2.0), false));
-        law.add(&fast, -10.0, 0.0, &mut Memory::default(), &mut turning);
-        assert_eq!((turning.friction, turning.is_sliding), (Vector::new(0.0, -5.0), true));
-    }
-
-    #[test]
-    fn a_spring_of_changing_stiffness_gains_no_energy() {
-        let mut memory = Memory { spring: Vector::new(0.0, 1e-5), stiffness: 1e4, ..Memory::default() };
-        let stiffer = Stick::<Constant>::adapt(2e4, &mut memory);
-        assert_eq!((memory.spring.y, memory.stiffness), (5e-6, 2e4));
-        let softer = Stick::<Constant>::adapt(1e4, &mut memory);
-        assert_eq!(memory.spring.y, 5e-6);
-        assert!(stiffer > 0.0 && softer > 0.0);
-        assert!((stiffer + softer - 0.5e4 * (1e-10 - 0.25e-10)).abs() < 1e-21);
     }
 }

@@ -1,0 +1,119 @@
+//! The work of a step: of dashpots, of moving walls and of forces that behaviours add, J.
+//!
+//! Sums run in ascending order of slots, those of the drag stride by stride, each component for itself.
+
+use std::ops::Add;
+
+use bevy_ecs::prelude::*;
+
+use crate::columns::{BOOKED, Body, Columns, Rotation, STRIDE};
+use crate::contact::history::History;
+use crate::energy::{Channels, EnergyFlows};
+use crate::particle::Force;
+use crate::space::{Linear, Space};
+use crate::step::Clock;
+use crate::walls::surfaces::Surfaces;
+
+/// Powers at the end of the last step, W.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(super) struct Powers {
+    wall: f64,
+    added: f64,
+    dissipation: f64,
+}
+
+/// Powers of dashpots' torques, tangential and rolling, at the end of the last step, W.
+#[derive(Resource, Clone, Copy, Debug, Default)]
+pub(super) struct TurningPowers {
+    turning: f64,
+    rolling: f64,
+}
+
+/// The sum of scalar products, given by component: in ascending order of slots, each component for itself.
+fn sum<T: Linear>(products: impl Iterator<Item = T>) -> f64 {
+    products.fold(T::ZERO, Add::add).sum_of_components()
+}
+
+pub(super) fn book_contact_work<V: Space>(
+    clock: Res<Clock>,
+    columns: Res<Columns<V>>,
+    walls: Res<Surfaces<V>>,
+    mut flows: ResMut<EnergyFlows>,
+    mut last: ResMut<Powers>,
+) {
+    let power = |forces: &[[V; BOOKED]], bodies: &[Body<V>]| {
+        let powers = forces.iter().zip(bodies).map(|([_, drag], body)| drag.times(body.velocity));
+        powers.fold(V::ZERO, Add::add)
+    };
+    let (force, on_fixed) = columns.loads.force.entries().split_at(columns.movable_end);
+    let (body, fixed) = columns.body.split_at(columns.movable_end);
+    // As the kick sums them, if it does.
+    let by_strides = || force.chunks(STRIDE).zip(body.chunks(STRIDE)).map(|(force, body)| power(force, body));
+    let of_grains = columns.kick_sum.unwrap_or_else(|| by_strides().fold(V::ZERO, Add::add));
+    let (mut dissipation, mut wall) = (-of_grains.sum_of_components(), 0.0);
+    // Most of what is fixed stands still.
+    for ([force, drag], body) in on_fixed.iter().zip(fixed).filter(|(_, body)| body.velocity != V::ZERO) {
+        dissipation -= drag.dot(body.velocity);
+        wall -= force.dot(body.velocity);
+    }
+    for belt in &walls.0 {
+        dissipation -= belt.load.drag.dot(belt.velocity);
+        wall -= belt.load.force.dot(belt.velocity);
+    }
+    if !clock.is_step_zero() {
+        flows.dissipated += 0.5 * clock.dt * (last.dissipation + dissipation);
+        flows.wall_work += 0.5 * clock.dt * (last.wall + wall);
+    }
+    (last.dissipation, last.wall) = (dissipation, wall);
+}
+
+pub(super) fn book_friction<V: Space>(
+    clock: Res<Clock>,
+    columns: Res<Columns<V>>,
+    history: Res<History<V>>,
+    mut flows: ResMut<EnergyFlows>,
+    mut channels: ResMut<Channels>,
+    mut last: ResMut<TurningPowers>,
+) {
+    let power = |torques: &[[V::Spin; BOOKED]], rotations: &[Rotation<V>]| {
+        let powers = torques.iter().zip(rotations).map(|([_, drag], rotation)| drag.times(rotation.spin));
+        powers.fold(V::Spin::ZERO, Add::add)
+    };
+    let (torque, on_fixed) = columns.loads.torque.entries().split_at(columns.movable_end);
+    let (rotation, fixed) = columns.rotation.split_at(columns.movable_end);
+    // As the kick sums them, if it does.
+    let by_strides = || torque.chunks(STRIDE).zip(rotation.chunks(STRIDE)).map(|(torque, of)| power(torque, of));
+    let of_grains = columns.spin_kick_sum.unwrap_or_else(|| by_strides().fold(V::Spin::ZERO, Add::add));
+    let turning = -(of_grains + power(on_fixed, fixed)).sum_of_components();
+    let rolling = -sum(columns.loads.rolling_drag.iter().zip(&columns.rotation).map(|(drag, of)| drag.times(of.spin)));
+    let taken = history.lost();
+    // In step zero too: there a dashpot beyond the cap loads its spring, and what that stores is not to be had for nothing.
+    channels.tangential += taken.sliding + taken.dashpots;
+    channels.rolling += taken.rolling;
+    flows.dissipated += taken.sliding + taken.rolling;
+    if !clock.is_step_zero() {
+        let half = 0.5 * clock.dt;
+        channels.rolling += half * (last.rolling + rolling);
+        flows.dissipated += half * (last.turning + turning + last.rolling + rolling);
+    }
+    *last = TurningPowers { turning, rolling };
+}
+
+pub(super) fn book_added_work<V: Space>(
+    clock: Res<Clock>,
+    columns: Res<Columns<V>>,
+    forces: Query<&Force<V>>,
+    mut flows: ResMut<EnergyFlows>,
+    mut last: ResMut<Powers>,
+) {
+    let mut added = 0.0;
+    for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
+        if let Ok(total) = forces.get(columns.entity[i]) {
+            added += (total.0 - columns.loads.force.of(i)).dot(columns.body[i].velocity);
+        }
+    }
+    if !clock.is_step_zero() {
+        flows.added_work += 0.5 * clock.dt * (last.added + added);
+    }
+    last.added = added;
+}
