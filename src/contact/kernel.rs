@@ -7,12 +7,14 @@
 //!
 //! Threads sum a range of rows each, and evaluate for themselves what rows of others do to theirs ([`PairList`]): the order
 //! of every sum, and so its bits, do not depend on their number. Memories are written in pages of [`BLOCK`] rows, and a batch
-//! ends with its block, so that neither do the books. What contacts with rows of others remember is copied before anyone writes.
+//! ends with its block, so that neither do the books. What contacts with rows of others remember is copied before anyone writes:
+//! at the end of the pass before, by whoever has just written it.
 
 mod desk;
 mod fetch;
 mod worker;
 
+use self::desk::{Arrivals, get_ready, see_off};
 pub use self::desk::{Desk, Desks};
 pub(super) use self::fetch::touch;
 use self::worker::Worker;
@@ -50,13 +52,14 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
     }
 
     /// Sets the loads of `columns` to the sums of weight and all pair forces. `deepest` is the largest overlap so
-    /// far over the smaller radius of its pair; gives that with these. `desks` are kept for the next pass.
+    /// far over the smaller radius of its pair; gives that with these. `desks` are kept for the next pass; `goes_on` tells
+    /// whether nobody has changed what contacts remember since the last one with them.
     pub fn sum(
         &self,
         columns: &mut Columns<V>,
         history: &mut History<V>,
         threads: &Threads,
-        desks: &mut Vec<Desk<V>>,
+        (desks, goes_on): (&mut Vec<Desk<V>>, bool),
         deepest: f64,
     ) -> f64 {
         let mut loads = std::mem::take(&mut columns.loads);
@@ -66,21 +69,32 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
         let tasks = self.list.tasks();
         desks.resize_with(tasks.len(), Desk::default);
         let mut pages = history.pages(columns);
-        if L::MEMORY && tasks.len() > 1 {
-            let pages = &*pages;
-            threads
-                .share(tasks.iter().zip(&mut *desks).map(|(task, desk)| || desk.welcome::<L>(&task.incoming, pages)));
+        let has_borders = L::MEMORY && tasks.len() > 1;
+        if has_borders {
+            get_ready::<V, L>(desks, self.list, pages, goes_on);
         }
         let view = &*columns;
+        let (left, places): (Vec<_>, Vec<_>) = desks
+            .iter_mut()
+            .map(|Desk { batch, left, leaving, rows, spare }| (&*left, (batch, leaving, rows, spare)))
+            .unzip();
+        let arrivals = Arrivals::new(tasks, &left);
         // What is left for the tasks to come.
         let mut rest = Share::all(&mut loads);
         let mut workers = Vec::with_capacity(tasks.len());
-        for (task, Desk { batch, arrived, spare }) in tasks.iter().zip(desks) {
-            let rows = task.rows.len();
-            let sums = Sums::new(task.rows.clone(), rest.cut_off(rows));
-            let pages = pages.split_off_mut(..rows.div_ceil(BLOCK)).unwrap_or_default();
-            let worker = Worker { pass: self, view, task, arrived, sums, batch, largest: deepest };
-            workers.push(move || worker.sum(pages, spare));
+        for (task, (batch, leaving, rows, spare)) in tasks.iter().zip(places) {
+            let count = task.rows.len();
+            let sums = Sums::new(task.rows.clone(), rest.cut_off(count));
+            let pages = pages.split_off_mut(..count.div_ceil(BLOCK)).unwrap_or_default();
+            let worker = Worker { pass: self, view, task, arrivals: arrivals.clone(), sums, batch, largest: deepest };
+            workers.push(move || {
+                let largest = worker.sum(pages, spare);
+                if has_borders {
+                    see_off::<V, L>(&task.rows, self.list, pages, leaving);
+                    *rows = task.rows.clone();
+                }
+                largest
+            });
         }
         let largest = threads.share(workers).into_iter().fold(deepest, f64::max);
         columns.loads = loads;

@@ -41,7 +41,7 @@ fn wall_forces<V: Space, L: PairLaw<V> + Demands>(
         instructions: *instructions,
         columns: &mut columns,
         walls: &mut walls.0,
-        walk: history.walk_on_walls(),
+        walk: history.bypass_change_detection().walk_on_walls(),
         batch: &mut desks.first().batch,
         lost: Lost::default(),
         largest: &mut largest.0,

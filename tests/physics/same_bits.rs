@@ -4,8 +4,11 @@ use glam::DVec3;
 
 use crate::symmetry::{HERTZ, LINEAR, R, end, throw};
 use crate::{motion, simulation_on, sphere};
+use siloflow::columns::Columns;
+use siloflow::contact::history::History;
 use siloflow::grains::file::GrainRow;
 use siloflow::output::state_hash;
+use siloflow::prelude::*;
 
 /// Grains of two sizes that fall on a floor, between walls or in a periodic box: `side` a row.
 fn fall(solid: bool, side: u32, layers: u32) -> Vec<GrainRow> {
@@ -109,4 +112,35 @@ fn threads_and_searches_change_no_bit_of_a_frictional_plane() {
 #[test]
 fn threads_and_searches_change_no_bit_of_frictional_spheres() {
     assert_same(true, &fall(true, 5, 2), 0.425);
+}
+
+/// Hashes of many discs on so many threads, whose contacts forget all after 150 steps, and after 200 if `twice`.
+fn forgetful(threads: usize, twice: bool) -> Vec<u64> {
+    let keys = format!(
+        "{}, contact: {LINEAR}, neighbours: VerletList(skin: 0.01), step: Fixed(2.0e-4), until: 9.0",
+        walled(false, 1, true, 60.0 * 0.085)
+    );
+    let mut simulation = simulation_on(threads, &keys, fall(false, 60, 55));
+    let mut hashes = Vec::new();
+    for (steps, forgets) in [(150, true), (200, twice), (250, false)] {
+        simulation.run_steps(steps);
+        hashes.push(state_hash::of_world(simulation.world_mut()));
+        simulation.world_mut().resource_scope(|world, mut history: Mut<History>| {
+            if forgets {
+                history.pages(world.resource::<Columns>()).iter_mut().for_each(|page| page.clear());
+            }
+        });
+    }
+    hashes
+}
+
+#[test]
+fn what_contacts_across_borders_remember_is_what_was_made_of_it() {
+    // Four blocks of rows, so that there are borders of shares.
+    let reference = forgetful(1, true);
+    let other = forgetful(1, false);
+    assert!(reference[1] == other[1] && reference[2] != other[2], "nothing hangs on memories");
+    for threads in [2, 3, 4] {
+        assert_eq!(forgetful(threads, true), reference, "{threads} threads");
+    }
 }

@@ -104,6 +104,13 @@ impl<V: Space> Pages<V> {
         }
     }
 
+    /// Adds those contacts of others that are wanted, and that come after the last one.
+    pub(in crate::contact) fn copy<L: Demands>(&mut self, others: &Self, is_wanted: impl Fn(Candidate) -> bool) {
+        for (at, &contact) in others.contacts.iter().enumerate().filter(|&(_, &contact)| is_wanted(contact)) {
+            self.push::<L>(contact, &others.memory::<L>(at));
+        }
+    }
+
     /// Adds these contacts, which were asked about together.
     #[inline]
     pub(super) fn extend<L: Demands>(&mut self, contacts: &[Candidate], memories: &MemoryLanes<V>) {

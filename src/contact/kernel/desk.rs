@@ -1,11 +1,13 @@
-//! What a thread keeps for itself from pass to pass, so that nothing is allocated in a step.
+//! What a thread keeps for itself from pass to pass, so that nothing is allocated in a step; and what it leaves to others.
+
+use std::ops::Range;
 
 use bevy_ecs::prelude::*;
 
-use crate::contact::Demands;
 use crate::contact::batch::Batch;
 use crate::contact::history::{BLOCK, Pages};
-use crate::neighbours::list::Candidate;
+use crate::contact::{Demands, Memory};
+use crate::neighbours::list::{Candidate, PairList, Task};
 use crate::space::Space;
 
 /// The place where a thread works.
@@ -13,8 +15,12 @@ use crate::space::Space;
 pub struct Desk<V: Space> {
     /// The contacts at hand.
     pub batch: Batch<V>,
-    /// What contacts with rows of others remember, as it was before this pass.
-    pub arrived: Pages<V>,
+    /// What contacts of its rows with later ones remember, as it was before this pass.
+    pub left: Pages<V>,
+    /// The same, as it is after this pass.
+    pub leaving: Pages<V>,
+    /// Those rows.
+    pub rows: Range<usize>,
     /// For pages that are written anew.
     pub spare: Pages<V>,
 }
@@ -33,17 +39,62 @@ impl<V: Space> Desks<V> {
     }
 }
 
-impl<V: Space> Desk<V> {
-    /// Copies what contacts among those candidates remember.
-    pub(super) fn welcome<L: Demands>(&mut self, incoming: &[Candidate], pages: &[Pages<V>]) {
-        self.arrived.clear();
-        for of_page in incoming.chunk_by(|one, next| one.first() / BLOCK == next.first() / BLOCK) {
-            let (page, mut at) = (&pages[of_page[0].first() / BLOCK], 0);
-            for &contact in of_page {
-                if let Some(memory) = page.look_up_next(&mut at, contact) {
-                    self.arrived.push::<L>(contact, &memory);
-                }
-            }
+/// What contacts across borders remembered after the last pass is what they do before this one: if nobody has changed it since, and
+/// the borders are the same, it stands on the desks.
+pub(super) fn get_ready<V: Space, L: Demands>(
+    desks: &mut [Desk<V>],
+    list: &PairList,
+    pages: &[Pages<V>],
+    goes_on: bool,
+) {
+    let tasks = list.tasks();
+    if !goes_on || tasks.iter().zip(&*desks).any(|(task, desk)| task.rows != desk.rows) {
+        for (Task { rows, .. }, desk) in tasks.iter().zip(&mut *desks) {
+            let own = &pages[rows.start / BLOCK..rows.end.div_ceil(BLOCK)];
+            see_off::<V, L>(rows, list, own, &mut desk.leaving);
         }
+    }
+    for desk in desks {
+        std::mem::swap(&mut desk.left, &mut desk.leaving);
+    }
+}
+
+/// Copies what contacts of these rows with later ones remember, which stands in these pages.
+pub(super) fn see_off<V: Space, L: Demands>(
+    rows: &Range<usize>,
+    list: &PairList,
+    pages: &[Pages<V>],
+    leaving: &mut Pages<V>,
+) {
+    leaving.clear();
+    for (page, first) in pages.iter().zip(rows.clone().step_by(BLOCK)) {
+        // In most blocks nobody has partners so far away.
+        if list.block(first / BLOCK).1 > rows.end {
+            leaving.copy::<L>(page, |contact| contact.second() >= rows.end);
+        }
+    }
+}
+
+/// What contacts with earlier rows remember: what the tasks of those have left.
+#[derive(Clone)]
+pub(super) struct Arrivals<'a, V: Space> {
+    tasks: &'a [Task],
+    left: &'a [&'a Pages<V>],
+    /// Where the last one was that was asked for: in what which task has left, and at what place there.
+    task: usize,
+    at: usize,
+}
+
+impl<'a, V: Space> Arrivals<'a, V> {
+    pub(super) fn new(tasks: &'a [Task], left: &'a [&'a Pages<V>]) -> Self {
+        Self { tasks, left, task: 0, at: 0 }
+    }
+
+    /// The memory of a contact; they are asked for in ascending order.
+    pub(super) fn next(&mut self, contact: Candidate) -> Option<Memory<V>> {
+        while self.tasks[self.task].rows.end <= contact.first() {
+            (self.task, self.at) = (self.task + 1, 0);
+        }
+        self.left[self.task].look_up_next(&mut self.at, contact)
     }
 }

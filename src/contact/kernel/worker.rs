@@ -4,7 +4,7 @@ use crate::columns::{BOOKED, Columns, WHOLE};
 use crate::contact::batch::Batch;
 use crate::contact::geometry::coincident;
 use crate::contact::history::{BLOCK, Lost, Pages, Walk};
-use crate::contact::kernel::Pass;
+use crate::contact::kernel::{Arrivals, Pass};
 use crate::contact::lanes::LANES;
 use crate::contact::sums::Sums;
 use crate::contact::{Demands, PairLaw};
@@ -17,7 +17,7 @@ pub(super) struct Worker<'a, V: Space, L, M> {
     pub(super) pass: &'a Pass<'a, V, L, M>,
     pub(super) view: &'a Columns<V>,
     pub(super) task: &'a Task,
-    pub(super) arrived: &'a Pages<V>,
+    pub(super) arrivals: Arrivals<'a, V>,
     pub(super) sums: Sums<'a, V>,
     pub(super) batch: &'a mut Batch<V>,
     pub(super) largest: f64,
@@ -29,10 +29,9 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         let gravity = self.pass.gravity;
         self.sums.begin(list::end_of(&self.task.incoming), gravity, self.view);
         let mut left = &self.task.incoming[..];
-        let mut arrived = 0;
         while !left.is_empty() {
             left = self.offer(left);
-            self.flush_incoming(&mut arrived);
+            self.flush_incoming();
         }
         let mut at_hand = self.task.rows.start;
         for (page, first) in pages.iter_mut().zip(self.task.rows.clone().step_by(BLOCK)) {
@@ -135,11 +134,10 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         }
     }
 
-    /// Sums what the batch does to the particles of this share, the first ones being in others. `arrived` is where what contacts
-    /// before these remember was.
-    fn flush_incoming(&mut self, arrived: &mut usize) {
+    /// Sums what the batch does to the particles of this share, the first ones being in others.
+    fn flush_incoming(&mut self) {
         for lane in 0..if L::MEMORY { self.batch.len } else { 0 } {
-            let memory = self.arrived.look_up_next(arrived, self.batch.pairs[lane]).unwrap_or_default();
+            let memory = self.arrivals.next(self.batch.pairs[lane]).unwrap_or_default();
             self.batch.memory.set::<L>(lane, &memory);
         }
         self.ask();

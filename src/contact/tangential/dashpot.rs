@@ -62,7 +62,6 @@ impl Tangential for Dashpot {
 }
 
 #[cfg(test)]
-#[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
     use crate::contact::tangential::TangentialDamping;
