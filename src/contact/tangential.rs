@@ -4,7 +4,7 @@
 //!
 //! * [`Dashpot`]: F_t = -c_t v_t, without memory. A heap of such grains creeps.
 //! * [`Stick`]: a spring S that remembers how far the surfaces have moved against each other while the contact lasts,
-//!   F_t = -k_t S - c_t v_t, elastic-plastic as [`Slider`] has it. Source: Cundall and Strack 1979, as in the
+//!   F_t = -k_t S - c_t v_t, elastic-plastic as [`Slider`](super::spring::Slider) has it. Source: Cundall and Strack 1979, as in the
 //!   soft-particle codes and LAMMPS's `hooke/history`.
 //!
 //! The force on j is the opposite; each grain gets the torque -l n x F_t. By [`Lever`] the arm l is the radius (simple,

@@ -5,7 +5,7 @@ use glam::DVec3;
 use crate::symmetry::{HERTZ, LINEAR, R, end, throw};
 use crate::{motion, simulation_on, sphere};
 use siloflow::columns::Columns;
-use siloflow::contact::history::History;
+use siloflow::contact::history::{History, Pages};
 use siloflow::grains::file::GrainRow;
 use siloflow::output::state_hash;
 use siloflow::prelude::*;
@@ -127,7 +127,7 @@ fn forgetful(threads: usize, twice: bool) -> Vec<u64> {
         hashes.push(state_hash::of_world(simulation.world_mut()));
         simulation.world_mut().resource_scope(|world, mut history: Mut<History>| {
             if forgets {
-                history.pages(world.resource::<Columns>()).iter_mut().for_each(|page| page.clear());
+                history.pages(world.resource::<Columns>()).iter_mut().for_each(Pages::clear);
             }
         });
     }
