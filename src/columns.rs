@@ -14,7 +14,6 @@
 //! state. Until then a particle that vanished in the middle of a step keeps a ghost in its slot, and one that appeared has
 //! none.
 
-mod ahead;
 mod along;
 mod bare;
 mod lead;
@@ -27,7 +26,6 @@ mod tally;
 
 use bevy_ecs::prelude::*;
 
-pub(crate) use self::ahead::AT_ONCE;
 pub(crate) use self::along::{STRIDE, Walkers};
 pub use self::bare::Entering;
 pub(crate) use self::bare::{Gate, Newcomer, Turnover, embody};

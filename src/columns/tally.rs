@@ -80,13 +80,6 @@ impl<T: Linear> Tally<T> {
         self.numbers[i * self.each]
     }
 
-    /// The first and the last component of entry `i`; 0 if there is none.
-    pub(crate) fn ends(&self, i: usize) -> [f64; 2] {
-        let entry = self.numbers.get(i * self.each..(i + 1) * self.each).unwrap_or_default();
-        [entry.first().map(|first| first.component(0)), entry.last().map(|last| last.component(T::COUNT - 1))]
-            .map(Option::unwrap_or_default)
-    }
-
     /// Sets the whole sum of entry `i`, if there is one.
     #[inline]
     pub(crate) fn set(&mut self, i: usize, whole: T) {
@@ -125,7 +118,6 @@ mod tests {
                 numbers_of[each + 1] += 2.0;
             }
             assert_eq!((tally.len(), tally.of(1), tally.get(3)), (3, 5.0, None));
-            assert_eq!([tally.ends(1), tally.ends(3)], [[5.0, if has_books { 2.0 } else { 5.0 }], [0.0; 2]]);
             assert_eq!(tally.numbers, numbers);
             assert_eq!(tally.entries::<BOOKED>().len(), if has_books { 3 } else { 0 });
         }

@@ -57,13 +57,13 @@ impl AddAssign for Lost {
 pub struct History<V: Space = Plane> {
     /// Between particles, page by page.
     pages: Vec<Pages<V>>,
-    /// With flat walls, the partner being the wall's index, all rows together; and a page to spare.
-    walls: [Pages<V>; 2],
+    /// With flat walls, the partner being the wall's index, page by page too.
+    walls: Vec<Pages<V>>,
 }
 
 impl<V: Space> Default for History<V> {
     fn default() -> Self {
-        Self { pages: Vec::new(), walls: Default::default() }
+        Self { pages: Vec::new(), walls: Vec::new() }
     }
 }
 
@@ -78,14 +78,14 @@ impl<V: Space> History<V> {
     /// The memory of the contact of entry i with a flat wall.
     #[must_use]
     pub fn of_wall(&self, i: usize, wall: usize) -> Option<Memory<V>> {
-        self.walls[0].look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
+        self.walls.get(i / BLOCK)?.look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
     }
 
     /// What contacts took in the last step.
     #[must_use]
     pub fn lost(&self) -> Lost {
         let mut all = Lost::default();
-        self.pages.iter().chain([&self.walls[0]]).for_each(|page| all += page.lost);
+        self.pages.iter().chain(&self.walls).for_each(|page| all += page.lost);
         all
     }
 
@@ -95,15 +95,15 @@ impl<V: Space> History<V> {
         &mut self.pages
     }
 
-    /// The walk along the contacts with flat walls.
-    pub(crate) fn walk_on_walls(&mut self) -> Walk<'_, V> {
-        let [page, spare] = &mut self.walls;
-        Walk::new(page, spare)
+    /// Those of contacts with flat walls.
+    pub(crate) fn wall_pages(&mut self, columns: &Columns<V>) -> &mut [Pages<V>] {
+        self.walls.resize_with(columns.len().div_ceil(BLOCK), Pages::default);
+        &mut self.walls
     }
 
     /// Follows the particles to the slots that `columns` have just dealt out.
     pub(super) fn follow<L: Demands>(&mut self, columns: &Columns<V>) {
-        if self.pages.iter().chain(&self.walls[..1]).all(Pages::is_empty) {
+        if self.pages.iter().chain(&self.walls).all(Pages::is_empty) {
             return;
         }
         let mut slots = vec![None; self.pages.len() * BLOCK];
@@ -122,7 +122,7 @@ impl<V: Space> History<V> {
                 pairs.push((Candidate::new(i.min(j), i.max(j)), memory));
             }
         }
-        let on_walls = self.walls[0].all();
+        let on_walls = self.walls.iter().flat_map(Pages::all);
         let mut walls: Vec<_> = on_walls
             .filter_map(|(contact, memory)| {
                 let wall = u32::try_from(contact.second()).ok()?;
@@ -136,9 +136,9 @@ impl<V: Space> History<V> {
         for (contact, memory) in &pairs {
             self.pages(columns)[contact.first() / BLOCK].push::<L>(*contact, memory);
         }
-        self.walls[0].clear();
+        self.walls.clear();
         for (contact, memory) in &walls {
-            self.walls[0].push::<L>(*contact, memory);
+            self.wall_pages(columns)[contact.first() / BLOCK].push::<L>(*contact, memory);
         }
     }
 }

@@ -66,7 +66,7 @@ impl<'a, V: Space> Share<'a, V> {
     }
 
     /// Takes those of the first so many away.
-    pub(super) fn cut_off(&mut self, particles: usize) -> Self {
+    pub(crate) fn cut_off(&mut self, particles: usize) -> Self {
         let (entries, numbers) = (..particles, ..particles * self.each);
         // Of what is not asked for, nothing.
         Self {
@@ -141,6 +141,21 @@ impl<'a, V: Space> Sums<'a, V> {
         // Of what is not asked for, nothing.
         let torque = torque.get(start..end).unwrap_or_default();
         touch(&force[start..end], |number| number.component(0)) ^ touch(torque, |number| number.component(0))
+    }
+
+    /// Reads both ends of the sums of an entry that is here.
+    pub(crate) fn read_ends(&self, entry: usize) -> u64 {
+        fn ends<T: Linear>(numbers: &[T]) -> u64 {
+            let [first, last] = [
+                numbers.first().map(|first| first.component(0)),
+                numbers.last().map(|last| last.component(T::COUNT - 1)),
+            ];
+            first.map_or(0, f64::to_bits) ^ last.map_or(0, f64::to_bits)
+        }
+        let Share { force, torque, each, .. } = &self.share;
+        let numbers = (entry - self.rows.start) * each..(entry - self.rows.start + 1) * each;
+        // Of what is not asked for, nothing.
+        ends(&force[numbers.clone()]) ^ ends(torque.get(numbers).unwrap_or_default())
     }
 
     /// Adds what the contacts of a batch do to both, unless the second is in another share.

@@ -1,5 +1,6 @@
 //! What encloses the grains: discs of a silo file, discs and flat walls of the scene, and what counts as a way out.
 
+mod ahead;
 pub mod config;
 pub mod conveyor;
 pub mod forces;

@@ -6,6 +6,8 @@
 //! panel, its rectangle in solid space, are thin and act on both sides. A grain above the seam of two panels in one plane
 //! touches both: build floors of one piece. Forces: [`crate::walls::forces`].
 
+use std::ops::AddAssign;
+
 use bevy_ecs::prelude::*;
 
 use crate::columns::Columns;
@@ -48,6 +50,13 @@ pub struct WallLoad<V> {
     pub force: V,
     /// The part of it that dashpots make, along the normal and across, N.
     pub drag: V,
+}
+
+impl<V: Space> AddAssign for WallLoad<V> {
+    fn add_assign(&mut self, more: Self) {
+        self.force += more.force;
+        self.drag += more.drag;
+    }
 }
 
 /// A flat wall of the scene.

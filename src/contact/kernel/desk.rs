@@ -30,12 +30,12 @@ pub struct Desk<V: Space> {
 pub struct Desks<V: Space>(pub Vec<Desk<V>>);
 
 impl<V: Space> Desks<V> {
-    /// Where the thread works that steps.
-    pub(crate) fn first(&mut self) -> &mut Desk<V> {
-        if self.0.is_empty() {
-            self.0.push(Desk::default());
+    /// Desks for so many threads, or more.
+    pub(crate) fn at_least(&mut self, threads: usize) -> &mut [Desk<V>] {
+        if self.0.len() < threads {
+            self.0.resize_with(threads, Desk::default);
         }
-        &mut self.0[0]
+        &mut self.0
     }
 }
 
