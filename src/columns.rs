@@ -41,7 +41,7 @@ pub(crate) use self::settle::{
 pub use self::slots::{BeforeRenumbering, PopulationChanged, Renumbering, Slot, TIDY_EVERY, renumbering_due};
 pub(crate) use self::slots::{MANY, has_renumbered, is_time_to_tidy, population_changed, renumber};
 pub use self::tally::Tally;
-pub(crate) use self::tally::{BOOKED, WHOLE, kick_term};
+pub(crate) use self::tally::{BOOKED, WHOLE, ends, kick_term};
 use crate::particle::{GrainId, Species};
 use crate::periodic::Periodic;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};

@@ -91,14 +91,12 @@ impl<V: Space> History<V> {
 
     /// The pages for the particles of `columns`.
     pub fn pages(&mut self, columns: &Columns<V>) -> &mut [Pages<V>] {
-        self.pages.resize_with(columns.len().div_ceil(BLOCK), Pages::default);
-        &mut self.pages
+        fit(&mut self.pages, columns)
     }
 
     /// Those of contacts with flat walls.
     pub(crate) fn wall_pages(&mut self, columns: &Columns<V>) -> &mut [Pages<V>] {
-        self.walls.resize_with(columns.len().div_ceil(BLOCK), Pages::default);
-        &mut self.walls
+        fit(&mut self.walls, columns)
     }
 
     /// Follows the particles to the slots that `columns` have just dealt out.
@@ -123,23 +121,35 @@ impl<V: Space> History<V> {
             }
         }
         let on_walls = self.walls.iter().flat_map(Pages::all);
-        let mut walls: Vec<_> = on_walls
+        let walls = on_walls
             .filter_map(|(contact, memory)| {
                 let wall = u32::try_from(contact.second()).ok()?;
                 Some((Candidate::new(place(contact.first())?, wall), memory))
             })
             .collect();
-        // What most have kept is their order, which a stable sort makes use of.
-        pairs.sort_by_key(|(contact, _)| *contact);
-        walls.sort_by_key(|(contact, _)| *contact);
-        self.pages.clear();
-        for (contact, memory) in &pairs {
-            self.pages(columns)[contact.first() / BLOCK].push::<L>(*contact, memory);
-        }
-        self.walls.clear();
-        for (contact, memory) in &walls {
-            self.wall_pages(columns)[contact.first() / BLOCK].push::<L>(*contact, memory);
-        }
+        rewrite::<V, L>(&mut self.pages, columns, pairs);
+        rewrite::<V, L>(&mut self.walls, columns, walls);
+    }
+}
+
+/// As many pages as the particles of `columns` take.
+fn fit<'p, V: Space>(pages: &'p mut Vec<Pages<V>>, columns: &Columns<V>) -> &'p mut [Pages<V>] {
+    pages.resize_with(columns.len().div_ceil(BLOCK), Pages::default);
+    pages
+}
+
+/// Writes pages anew for the particles of `columns`, with these contacts.
+fn rewrite<V: Space, L: Demands>(
+    pages: &mut Vec<Pages<V>>,
+    columns: &Columns<V>,
+    mut contacts: Vec<(Candidate, Memory<V>)>,
+) {
+    // What most have kept is their order, which a stable sort makes use of.
+    contacts.sort_by_key(|(contact, _)| *contact);
+    pages.clear();
+    let pages = fit(pages, columns);
+    for (contact, memory) in &contacts {
+        pages[contact.first() / BLOCK].push::<L>(*contact, memory);
     }
 }
 

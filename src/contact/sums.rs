@@ -4,7 +4,7 @@
 
 use std::ops::{AddAssign, Range, SubAssign};
 
-use crate::columns::{BOOKED, Columns, Loads, WHOLE};
+use crate::columns::{BOOKED, Columns, Loads, WHOLE, ends};
 use crate::contact::batch::Batch;
 use crate::contact::geometry::parted;
 use crate::contact::kernel::{Pass, touch};
@@ -143,19 +143,12 @@ impl<'a, V: Space> Sums<'a, V> {
         touch(&force[start..end], |number| number.component(0)) ^ touch(torque, |number| number.component(0))
     }
 
-    /// Reads both ends of the sums of an entry that is here.
-    pub(crate) fn read_ends(&self, entry: usize) -> u64 {
-        fn ends<T: Linear>(numbers: &[T]) -> u64 {
-            let [first, last] = [
-                numbers.first().map(|first| first.component(0)),
-                numbers.last().map(|last| last.component(T::COUNT - 1)),
-            ];
-            first.map_or(0, f64::to_bits) ^ last.map_or(0, f64::to_bits)
-        }
+    /// Both ends of the force and of the torque of an entry that is here.
+    pub(crate) fn ends(&self, entry: usize) -> [[f64; 2]; 2] {
         let Share { force, torque, each, .. } = &self.share;
         let numbers = (entry - self.rows.start) * each..(entry - self.rows.start + 1) * each;
         // Of what is not asked for, nothing.
-        ends(&force[numbers.clone()]) ^ ends(torque.get(numbers).unwrap_or_default())
+        [ends(&force[numbers.clone()]), ends(torque.get(numbers).unwrap_or_default())]
     }
 
     /// Adds what the contacts of a batch do to both, unless the second is in another share.

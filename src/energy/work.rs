@@ -6,7 +6,7 @@ use std::ops::Add;
 
 use bevy_ecs::prelude::*;
 
-use crate::columns::{BOOKED, Body, Columns, Rotation, STRIDE};
+use crate::columns::{BOOKED, Columns, STRIDE};
 use crate::contact::history::History;
 use crate::energy::{Channels, EnergyFlows};
 use crate::particle::Force;
@@ -34,6 +34,17 @@ fn sum<T: Linear>(products: impl Iterator<Item = T>) -> f64 {
     products.fold(T::ZERO, Add::add).sum_of_components()
 }
 
+/// The power of the dashpots in these sums, by component, W; `motion` is the velocity or spin of who has them.
+fn power<T: Linear, M>(sums: &[[T; BOOKED]], movers: &[M], motion: impl Fn(&M) -> T) -> T {
+    sums.iter().zip(movers).map(|([_, drag], mover)| drag.times(motion(mover))).fold(T::ZERO, Add::add)
+}
+
+/// The same, summed stride by stride.
+fn power_by_strides<T: Linear, M>(sums: &[[T; BOOKED]], movers: &[M], motion: impl Fn(&M) -> T) -> T {
+    let strides = sums.chunks(STRIDE).zip(movers.chunks(STRIDE));
+    strides.map(|(sums, movers)| power(sums, movers, &motion)).fold(T::ZERO, Add::add)
+}
+
 pub(super) fn book_contact_work<V: Space>(
     clock: Res<Clock>,
     columns: Res<Columns<V>>,
@@ -41,15 +52,10 @@ pub(super) fn book_contact_work<V: Space>(
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
-    let power = |forces: &[[V; BOOKED]], bodies: &[Body<V>]| {
-        let powers = forces.iter().zip(bodies).map(|([_, drag], body)| drag.times(body.velocity));
-        powers.fold(V::ZERO, Add::add)
-    };
     let (force, on_fixed) = columns.loads.force.entries().split_at(columns.movable_end);
     let (body, fixed) = columns.body.split_at(columns.movable_end);
     // As the kick sums them, if it does.
-    let by_strides = || force.chunks(STRIDE).zip(body.chunks(STRIDE)).map(|(force, body)| power(force, body));
-    let of_grains = columns.kick_sum.unwrap_or_else(|| by_strides().fold(V::ZERO, Add::add));
+    let of_grains = columns.kick_sum.unwrap_or_else(|| power_by_strides(force, body, |body| body.velocity));
     let (mut dissipation, mut wall) = (-of_grains.sum_of_components(), 0.0);
     // Most of what is fixed stands still.
     for ([force, drag], body) in on_fixed.iter().zip(fixed).filter(|(_, body)| body.velocity != V::ZERO) {
@@ -75,16 +81,11 @@ pub(super) fn book_friction<V: Space>(
     mut channels: ResMut<Channels>,
     mut last: ResMut<TurningPowers>,
 ) {
-    let power = |torques: &[[V::Spin; BOOKED]], rotations: &[Rotation<V>]| {
-        let powers = torques.iter().zip(rotations).map(|([_, drag], rotation)| drag.times(rotation.spin));
-        powers.fold(V::Spin::ZERO, Add::add)
-    };
     let (torque, on_fixed) = columns.loads.torque.entries().split_at(columns.movable_end);
     let (rotation, fixed) = columns.rotation.split_at(columns.movable_end);
     // As the kick sums them, if it does.
-    let by_strides = || torque.chunks(STRIDE).zip(rotation.chunks(STRIDE)).map(|(torque, of)| power(torque, of));
-    let of_grains = columns.spin_kick_sum.unwrap_or_else(|| by_strides().fold(V::Spin::ZERO, Add::add));
-    let turning = -(of_grains + power(on_fixed, fixed)).sum_of_components();
+    let of_grains = columns.spin_kick_sum.unwrap_or_else(|| power_by_strides(torque, rotation, |of| of.spin));
+    let turning = -(of_grains + power(on_fixed, fixed, |of| of.spin)).sum_of_components();
     let rolling = -sum(columns.loads.rolling_drag.iter().zip(&columns.rotation).map(|(drag, of)| drag.times(of.spin)));
     let taken = history.lost();
     // In step zero too: there a dashpot beyond the cap loads its spring, and what that stores is not to be had for nothing.

@@ -17,6 +17,7 @@ pub(super) fn fetch<V: Space>(columns: &Columns<V>, sums: &Sums<V>, entries: imp
     black_box(entries.fold(0, |all, i| {
         let body = &columns.body[i];
         let rotation = columns.rotation.get(i).map_or(0, |of| read([of.spin.component(0), of.inverse_inertia]));
-        all ^ read([body.position.axis(0), body.inverse_mass]) ^ rotation ^ sums.read_ends(i)
+        let [force, torque] = sums.ends(i);
+        all ^ read([body.position.axis(0), body.inverse_mass]) ^ rotation ^ read(force) ^ read(torque)
     }));
 }
