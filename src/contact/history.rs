@@ -198,6 +198,7 @@ pub(super) mod tests {
         for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
             history.pages(&before)[contact[0] as usize / BLOCK].push::<Springs>(contact.into(), &memory(spring));
         }
+        history.wall_pages(&before)[1500 / BLOCK].push::<Springs>([1500, 2].into(), &memory(7.0));
         // Grain 0 goes, two come, and the order is turned round: who was the lower one is the upper one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();
         let after = columns(&new, &old);
@@ -208,6 +209,7 @@ pub(super) mod tests {
         assert_eq!(spring(10230, 10240), Some(-2.5));
         assert_eq!(spring(15000, 15010), Some(-5.2));
         assert_eq!(spring(5, 10), None);
+        assert_eq!(history.of_wall(slot(15000), 2).map(|memory| memory.spring.x), Some(7.0));
         let kept: usize = history.pages.iter().map(Pages::len).sum();
         assert_eq!(kept, 3);
     }
