@@ -31,6 +31,7 @@ use crate::columns::{self, Columns, Renumbering};
 use crate::door::DoorState;
 use crate::messages::{GrainLost, GrainOut};
 use crate::particle::{Fixed, Grain, GrainId, Position};
+use crate::periodic::Periodic;
 use crate::space::{Plane, Space};
 use crate::step::{Phase, Step};
 use crate::wait::Wait;
@@ -113,7 +114,8 @@ fn watch_paths<V: Space>(
         let distance = way.length();
         // In a periodic scene, of where it was the image that is nearest to here.
         let before = here - way;
-        let Some(fate) = fate(&*enclosure.paths, door_is_closed, before, here) else { continue };
+        let fate = fate(&*enclosure.paths, columns.periodic.as_ref(), door_is_closed, before, here);
+        let Some(fate) = fate else { continue };
         // Who has vanished meanwhile is missed by others.
         if !columns.is_somebody(i, |entity| grains.contains(entity)) {
             *place = Place::Nowhere;
@@ -149,9 +151,15 @@ enum Fate {
     Lost(String),
 }
 
-/// What became of a grain that went from `before` to `here`, if it is not inside any more.
-fn fate<V: Space>(paths: &dyn Paths<V>, door_is_closed: bool, before: V, here: V) -> Option<Fate> {
-    let way = match paths.crossing(before, here) {
+/// The fate of a grain that went from `before` to `here`; `None` if it is still inside.
+fn fate<V: Space>(
+    paths: &dyn Paths<V>,
+    periodic: Option<&Periodic<V>>,
+    door_is_closed: bool,
+    before: V,
+    here: V,
+) -> Option<Fate> {
+    let way = match crossing(paths, periodic, before, here) {
         Some(Crossing::Orifice) if !door_is_closed => return Some(Fate::Out),
         Some(Crossing::Orifice) => "through the closed door".to_owned(),
         Some(Crossing::Wall { from, to }) => format!("through the wall between {} and {} m", shown(from), shown(to)),
@@ -159,6 +167,16 @@ fn fate<V: Space>(paths: &dyn Paths<V>, door_is_closed: bool, before: V, here: V
         None => paths.beyond(before, here)?.to_owned(),
     };
     Some(Fate::Lost(way))
+}
+
+/// The line or face that a path crosses, in any of its periodic images.
+fn crossing<V: Space>(paths: &dyn Paths<V>, periodic: Option<&Periodic<V>>, before: V, here: V) -> Option<Crossing<V>> {
+    match periodic {
+        None => paths.crossing(before, here),
+        Some(periodic) => {
+            periodic.shifts_of_path(before).find_map(|shift| paths.crossing(before + shift, here + shift))
+        }
+    }
 }
 
 /// A place as messages show it, in m.

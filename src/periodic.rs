@@ -145,6 +145,18 @@ impl<V: Space> Periodic<V> {
         }
         position
     }
+
+    /// The shifts (m) that give the images of a short path that starts at `from` and ends in the box: no shift, and, along each
+    /// axis on which `from` lies outside the box, the side that brings it back, in all combinations. A wall stands in one image
+    /// only, so a grain that comes round a side may pass it in any of these.
+    pub(crate) fn shifts_of_path(&self, from: V) -> impl Iterator<Item = V> {
+        let back = self.wrapped(from) - from;
+        let axes: Vec<_> = (0..V::COMPONENTS).filter(|&axis| back.axis(axis) != 0.0).collect();
+        (0..1usize << axes.len()).map(move |chosen| {
+            let shifted = axes.iter().enumerate().filter(|(number, _)| chosen >> number & 1 == 1);
+            shifted.fold(V::ZERO, |shift, (_, &axis)| shift.with_axis(axis, back.axis(axis)))
+        })
+    }
 }
 
 /// How separations are measured: compiled into the kernel, so that open scenes pay nothing for periodic ones.
@@ -294,6 +306,16 @@ mod tests {
         assert_eq!(strip().wrapped(Plane::new(0.5, 1e9)), Plane::new(0.5, 1e9));
         assert_eq!(strip().shortest(Plane::new(0.5, -1e9)), Plane::new(0.5, -1e9));
         assert_eq!(Periodic::<Solid>::new(&PeriodicSides::default()), None);
+    }
+
+    #[test]
+    fn a_path_that_came_round_has_an_image_at_each_side_that_it_crossed() {
+        let sides = PeriodicSides { x: Some((-1.0, 2.0)), y: Some((0.0, 1.0)), z: None };
+        let shifts = |from| Periodic::<Plane>::new(&sides).unwrap().shifts_of_path(from).collect::<Vec<_>>();
+        assert_eq!(shifts(Plane::new(0.5, 0.5)), [Plane::ZERO]);
+        assert_eq!(shifts(Plane::new(-1.25, 0.5)), [Plane::ZERO, Plane::new(3.0, 0.0)]);
+        let corner = [(0.0, 0.0), (-3.0, 0.0), (0.0, 1.0), (-3.0, 1.0)].map(|(x, y)| Plane::new(x, y));
+        assert_eq!(shifts(Plane::new(2.25, -0.25)), corner);
     }
 
     proptest! {
