@@ -20,8 +20,9 @@ use siloflow::columns::Columns;
 use siloflow::grains::file;
 use siloflow::measure::totals;
 use siloflow::output::frames::{FramesPlugin, Studio};
-use siloflow::output::series::{Series, SeriesPlugin};
+use siloflow::output::series::SeriesPlugin;
 use siloflow::prelude::*;
+use siloflow::scene::outputs::Series;
 use stopwatch::{PARTS, Stopwatch};
 
 use self::crystal::{Crystal, R, go_on};

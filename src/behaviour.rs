@@ -44,8 +44,8 @@ use serde::de::DeserializeOwned;
 use crate::fault::Fault;
 use crate::lattice::load::LoadedLattice;
 use crate::scene::load::Loaded;
-use crate::scene::parse;
-use crate::scene::source::Source;
+use crate::source::Source;
+use crate::source::parse;
 use crate::space::Dimension;
 
 /// What the keys of one behaviour make.

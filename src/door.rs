@@ -10,9 +10,9 @@ use serde::{Deserialize, Serialize};
 use crate::messages::{CameToRest, DoorOpened};
 use crate::particle::{Door, Fixed, Position, Radius, Velocity};
 use crate::rest::RestDetection;
-use crate::scene::values::{NonNegative, Positive};
 use crate::space::Vector;
 use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
+use crate::values::{NonNegative, Positive};
 use crate::walls::outline::Link;
 
 /// The scene's `door`.

@@ -106,3 +106,20 @@ impl Diagnostic for Fault {
         Some(Box::new(std::iter::once(label)))
     }
 }
+
+/// A warning about an input that can be run: what to expect, and what to do.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Warning {
+    /// A stable code, `check::what`.
+    pub code: &'static str,
+    /// What to expect.
+    pub message: String,
+    /// What to do.
+    pub help: String,
+}
+
+impl fmt::Display for Warning {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: {}; {}", self.code, self.message, self.help)
+    }
+}

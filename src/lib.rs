@@ -34,8 +34,8 @@
 //! ```
 
 pub mod accuracy;
+pub mod assembly;
 pub mod behaviour;
-pub mod check;
 pub mod cli;
 pub mod columns;
 pub mod compare;
@@ -50,6 +50,7 @@ pub mod gravity;
 pub mod instructions;
 pub mod integrate;
 pub mod lattice;
+pub mod lattice_study;
 pub mod ledger;
 pub mod measure;
 pub mod messages;
@@ -64,13 +65,16 @@ pub mod rest;
 pub(crate) mod rows;
 pub mod scene;
 pub mod simulation;
+pub mod source;
 pub mod space;
 pub mod spin;
 pub mod step;
 pub mod threads;
+pub mod values;
 pub mod wait;
 pub mod walls;
 pub mod watchdog;
+pub mod writers;
 
 /// What a behaviour needs.
 pub mod prelude {

@@ -2,16 +2,12 @@
 //!
 //! Each is added together with the scene key that asks for it, so that `explain` can tell why a system is there.
 
-use std::collections::HashMap;
 use std::marker::PhantomData;
 use std::sync::Arc;
 
-use bevy_app::{App, Plugin};
-use bevy_ecs::prelude::*;
-use bevy_ecs::schedule::{InternedScheduleLabel, ScheduleLabel, SystemKey};
-
+use crate::assembly::Assembly;
 use crate::behaviour::Behaviour;
-use crate::columns::{ColumnsPlugin, Passes, Settling};
+use crate::columns::{ColumnsPlugin, Passes};
 use crate::contact::config::LawVisitor;
 use crate::contact::{Centred, CentredLaw, ContactPlugin, Demands, PairLaw};
 use crate::door::{DoorPlugin, Orifice};
@@ -32,64 +28,12 @@ use crate::rows::RowsPlugin;
 use crate::scene::load::Loaded;
 use crate::space::{Solid, Space};
 use crate::spin::SpinPlugin;
-use crate::step::{Step, StepPlugin};
+use crate::step::StepPlugin;
 use crate::walls::conveyor::ConveyorPlugin;
 use crate::walls::forces::SurfacesPlugin;
 use crate::walls::outline::Outline;
 use crate::walls::paths::FlatWalls;
 use crate::watchdog::WatchdogPlugin;
-
-/// Which scene key asked for each system of the schedule [`Step`], and of what settles (`columns/settle.rs`).
-#[derive(Resource, Default)]
-pub struct AskedBy(pub HashMap<(InternedScheduleLabel, SystemKey), String>);
-
-/// Adds plugins and notes who asked for their systems.
-pub(crate) struct Assembly<'a> {
-    app: &'a mut App,
-    asked_by: HashMap<(InternedScheduleLabel, SystemKey), String>,
-}
-
-impl<'a> Assembly<'a> {
-    pub(crate) fn new(app: &'a mut App) -> Self {
-        Self { app, asked_by: HashMap::new() }
-    }
-
-    pub(crate) fn add(&mut self, key: &str, plugin: impl Plugin) -> &mut Self {
-        self.app.add_plugins(plugin);
-        self.note(key);
-        self
-    }
-
-    /// What a program brings along.
-    pub(crate) fn add_own(&mut self, build: impl FnOnce(&mut App)) {
-        build(self.app);
-        self.note("the program");
-    }
-
-    pub(crate) fn add_behaviours(&mut self, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
-        for (name, behaviour) in behaviours {
-            behaviour.build(self.app);
-            self.note(&format!("behaviours.{name}"));
-        }
-    }
-
-    pub(crate) fn provide(&mut self, resource: impl Resource) {
-        self.app.insert_resource(resource);
-    }
-
-    fn note(&mut self, key: &str) {
-        for label in [Step.intern(), Settling.intern()] {
-            let Some(schedule) = self.app.get_schedule(label) else { continue };
-            for (system, ..) in schedule.graph().systems.iter() {
-                self.asked_by.entry((label, system)).or_insert_with(|| key.to_owned());
-            }
-        }
-    }
-
-    pub(crate) fn finish(self) {
-        self.app.insert_resource(AskedBy(self.asked_by));
-    }
-}
 
 /// Adds what the scene asks for to an app that has the resources of a run.
 pub(crate) fn add_all<V: Space>(
@@ -166,7 +110,21 @@ pub(crate) fn add_all<V: Space>(
     if let Some(bed) = scene.bed {
         app.add("bed", BedPlugin(bed));
     }
-    app.add_behaviours(behaviours);
+    add_behaviours(app, behaviours);
+    app.add_with("contact.tangential", |app| {
+        // A behaviour's law may turn grains where the scene's own does not.
+        if scene.energy_books && app.is_plugin_added::<SpinPlugin<V>>() && !app.is_plugin_added::<SpinEnergyPlugin<V>>()
+        {
+            app.add_plugins(SpinEnergyPlugin(space));
+        }
+    });
+}
+
+/// Adds the behaviours of a scene, in the order of their names.
+pub(crate) fn add_behaviours(app: &mut Assembly, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
+    for (name, behaviour) in behaviours {
+        app.add_with(&format!("behaviours.{name}"), |app| behaviour.build(app));
+    }
 }
 
 /// Adds the law's kernel, and the same law on flat walls if the scene has any.

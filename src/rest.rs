@@ -17,9 +17,9 @@ use crate::columns::{Columns, looks_when};
 use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
 use crate::messages::CameToRest;
-use crate::scene::values::{NonNegative, Positive};
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
+use crate::values::{NonNegative, Positive};
 
 /// The scene's `rest`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

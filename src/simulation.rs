@@ -6,6 +6,7 @@ use bevy_app::App;
 use bevy_ecs::message::message_update_system;
 use bevy_ecs::prelude::*;
 
+use crate::assembly::Assembly;
 use crate::behaviour::{Behaviour, Registry};
 use crate::columns::{self, Columns, Lead, Newcomer, Turnover};
 use crate::fault::Fault;
@@ -18,7 +19,7 @@ use crate::messages::GrainReleased;
 use crate::outcome::{End, Outcome};
 use crate::particle::{Door, GrainId, Species, wall_grain};
 use crate::periodic::Periodic;
-use crate::plugins::{AddPaths, Assembly, add_all, planar_paths, solid_paths};
+use crate::plugins::{AddPaths, add_all, add_behaviours, planar_paths, solid_paths};
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::step::{Clock, Phase, Step};
@@ -55,7 +56,7 @@ impl Simulation {
         threads: NonZeroUsize,
         more: impl FnOnce(&mut App),
     ) -> Result<Self, Fault> {
-        Self::with_watchers(loaded, registry, threads, true, |assembly| assembly.add_own(more))
+        Self::with_watchers(loaded, registry, threads, true, |assembly| assembly.add_with("the program", more))
     }
 
     /// The same, with plugins of the caller's on top, which look at no components of grains: these need not be entities.
@@ -127,7 +128,8 @@ impl Simulation {
         let behaviours = registry.of_lattice(loaded)?;
         let mut app = empty(threads)?;
         let mut assembly = Assembly::new(&mut app);
-        lattice::plugins::add_all(&mut assembly, loaded, behaviours);
+        lattice::plugins::add_all(&mut assembly, loaded);
+        add_behaviours(&mut assembly, behaviours);
         more(&mut assembly);
         assembly.finish();
         Self::ready(app)

@@ -40,9 +40,9 @@ use crate::gravity::Gravity;
 use crate::measure::ObserveStage;
 use crate::outcome::{End, Failure, Outcome};
 use crate::particle::GrainId;
-use crate::scene::values::Positive;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
+use crate::values::Positive;
 
 /// The scene's `watchdog`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

@@ -12,9 +12,9 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use siloflow::grains::file::GrainRow;
-use siloflow::output::plot::{Axis, Curve, figure};
-use siloflow::output::png;
 use siloflow::prelude::*;
+use siloflow::writers::plot::{Axis, Curve, figure};
+use siloflow::writers::png;
 
 const G: f64 = 9.81;
 const V0: Vector = Vector::new(3.0, 2.0);

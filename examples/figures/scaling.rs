@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use siloflow::output::plot::{Axis, Curve, Panel, colour, sheet};
+use siloflow::writers::plot::{Axis, Curve, Panel, colour, sheet};
 
 /// Size, ns, bytes.
 type Row = (f64, f64, f64);

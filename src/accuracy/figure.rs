@@ -5,7 +5,7 @@
 
 use super::report::{Entry, Report, SUMMARY};
 use super::work_precision::{geometric_mean, pareto};
-use crate::output::plot::{Axis, Curve, Panel, colour, sheet};
+use crate::writers::plot::{Axis, Curve, Panel, colour, sheet};
 
 /// Panels side by side.
 const PER_ROW: usize = 4;

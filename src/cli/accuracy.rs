@@ -17,7 +17,7 @@ use crate::accuracy::{SCHEMES, cases, cost, figure};
 use crate::behaviour::Registry;
 use crate::cli::{Verdict, say, setting};
 use crate::fault::Fault;
-use crate::output::png;
+use crate::writers::png;
 
 /// Arguments of `accuracy`.
 #[derive(Args, Debug)]

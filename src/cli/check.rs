@@ -5,14 +5,14 @@ use std::fmt::Write as _;
 use clap::Args;
 
 use crate::behaviour::Registry;
-use crate::check::step::automatic;
-use crate::check::{self, Estimates};
 use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
 use crate::fault::Fault;
 use crate::lattice;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::sites::Sites;
 use crate::scene::TimeStep;
+use crate::scene::check::step::automatic;
+use crate::scene::check::{self, Estimates};
 use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 

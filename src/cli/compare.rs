@@ -12,8 +12,8 @@ use crate::cli::{ONE_THREAD, Verdict, say};
 use crate::compare::report::Report;
 use crate::compare::{Run, compare as compare_runs, pictures, read};
 use crate::fault::Fault;
-use crate::output::png;
 use crate::scene::load::{self, AnyScene};
+use crate::writers::png;
 
 /// Arguments of `compare`.
 #[derive(Args, Debug)]

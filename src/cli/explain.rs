@@ -5,6 +5,7 @@ use std::fmt::Write as _;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 
+use crate::assembly::AskedBy;
 use crate::behaviour::Registry;
 use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
 use crate::columns::{Lead, Settling};
@@ -13,7 +14,6 @@ use crate::lattice::load::LoadedLattice;
 use crate::lattice::rules::Rules;
 use crate::lattice::sites::Sites;
 use crate::particle::Grain;
-use crate::plugins::AskedBy;
 use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 use crate::step::Step;

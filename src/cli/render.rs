@@ -6,7 +6,7 @@ use clap::Args;
 
 use crate::cli::{Verdict, say};
 use crate::fault::Fault;
-use crate::output::png;
+use crate::writers::png;
 
 /// Arguments of `render`.
 #[derive(Args, Debug)]

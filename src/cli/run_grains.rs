@@ -9,8 +9,6 @@ use std::time::Instant;
 use bevy_ecs::prelude::*;
 
 use crate::behaviour::Registry;
-use crate::check::step::{Automatic, automatic};
-use crate::check::{self, Estimates};
 use crate::cli::progress::{Pace, Progress};
 use crate::cli::run::{Report, unwritable};
 use crate::columns::Columns;
@@ -26,6 +24,8 @@ use crate::output::series::SeriesPlugin;
 use crate::output::summary::{Cost, Energy, Summary, movable_grains};
 use crate::output::walls::WallForcesPlugin;
 use crate::scene::TimeStep;
+use crate::scene::check::step::{Automatic, automatic};
+use crate::scene::check::{self, Estimates};
 use crate::scene::load::Loaded;
 use crate::simulation::Simulation;
 use crate::space::{Dimension, Plane, Solid, Space};

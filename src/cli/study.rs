@@ -10,12 +10,12 @@ use rayon::prelude::*;
 
 use crate::cli::{Verdict, say};
 use crate::fault::Fault;
-use crate::lattice::study::figures::Flights;
-use crate::lattice::study::plan::{Case, Plan};
-use crate::lattice::study::replica::Replica;
-use crate::lattice::study::report;
-use crate::lattice::study::results::Results;
-use crate::output::png;
+use crate::lattice_study::figures::Flights;
+use crate::lattice_study::plan::{Case, Plan};
+use crate::lattice_study::replica::Replica;
+use crate::lattice_study::report;
+use crate::lattice_study::results::Results;
+use crate::writers::png;
 
 /// Particles thrown for the parabola, and their g.
 const THROWN: (u64, f64) = (1000, 0.05);

@@ -165,13 +165,13 @@ mod tests {
     use std::path::Path;
 
     use super::*;
+    use crate::assembly::Assembly;
     use crate::behaviour::Registry;
     use crate::columns::{SecondKick, looks_when};
     use crate::energy::EnergyFlows;
     use crate::grains::file;
     use crate::ledger::Ledger;
     use crate::output::state_hash;
-    use crate::plugins::Assembly;
     use crate::scene::load::{self, Loaded};
     use crate::simulation::Simulation;
     use crate::space::{Dimension, Plane, Solid};
@@ -232,7 +232,8 @@ mod tests {
             always.run();
             let end = look(&mut never);
             assert_eq!(end, look(&mut always), "{name}: entities from the start");
-            let looked_at = |assembly: &mut Assembly<'_>| assembly.add_own(|app| looks_when(app, || true));
+            let looked_at =
+                |assembly: &mut Assembly<'_>| assembly.add_with("the program", |app| looks_when(app, || true));
             let mut looked_at = Simulation::with(&loaded, &registry, NonZeroUsize::MIN, looked_at).unwrap();
             looked_at.run();
             assert_eq!(end, look(&mut looked_at), "{name}: velocities looked at in every step");

@@ -3,10 +3,10 @@
 use crate::compare::Run;
 use crate::compare::field::Cell;
 use crate::compare::report::{Report, Row};
-use crate::output::colour::{WALL, viridis};
-use crate::output::plot::{Axis, Curve, colour, figure};
-use crate::output::svg::{Legend, Picture};
 use crate::space::Vector;
+use crate::writers::colour::{WALL, viridis};
+use crate::writers::plot::{Axis, Curve, colour, figure};
+use crate::writers::svg::{Legend, Picture};
 
 /// The pictures, by name: SVG documents.
 #[must_use]
@@ -130,7 +130,7 @@ fn cost(report: &Report) -> String {
 mod tests {
     use super::*;
     use crate::compare::{compare, tests::run};
-    use crate::output::png;
+    use crate::writers::png;
 
     #[test]
     fn every_picture_shows_every_run_and_is_valid() {

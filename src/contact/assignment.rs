@@ -8,8 +8,8 @@
 use crate::contact::centred::{Ahead, CentredLaw, Window};
 use crate::contact::damping::Attraction;
 use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
-use crate::scene::values::{NonNegative, Positive};
 use crate::space::Space;
+use crate::values::{NonNegative, Positive};
 
 /// k delta n - b (v_i - v_j).
 #[derive(Clone, Copy, Debug)]

@@ -25,7 +25,7 @@
 //! det = (1 - h c/m)/(1 + h c/m) and trace = (2 - (w0 dt)^2)/(1 + h c/m), and what F_t is wrong by shrinks by -h c/m a step.
 //! Plain Verlet with lagged drag stays below that at every zeta. With more contacts it is the other way round: n that meet in a
 //! motion are stable for n ((w0 dt)^2 + 8 zeta w0 dt/(1 + zeta w0 dt)) < 4, each alone having w0 and zeta, and with
-//! plain Verlet for n ((w0 dt)^2 + 4 zeta w0 dt) < 4 ([`crate::check::step`]). Against simulation:
+//! plain Verlet for n ((w0 dt)^2 + 4 zeta w0 dt) < 4 ([`crate::scene::check::step`]). Against simulation:
 //! `tests/physics/schemes.rs`.
 //!
 //! Limits: what is fixed gains nothing, so that contacts with a wall that a behaviour accelerates are of first order

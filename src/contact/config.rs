@@ -13,8 +13,8 @@ use crate::contact::rolling::{Free, RollingResistance};
 use crate::contact::table::Table;
 use crate::contact::tangential::{Constant, Dashpot, Lever, Smooth, Stick, TangentialDamping};
 use crate::contact::{AnyLaw, CentredLaw, Demands};
-use crate::scene::values::{NonNegative, Positive, Restitution};
 use crate::space::Space;
+use crate::values::{NonNegative, Positive, Restitution};
 
 /// The scene's `contact`: which law holds between grains, and between grains and walls.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

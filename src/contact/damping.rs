@@ -14,7 +14,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::scene::values::{NonNegative, Restitution};
+use crate::values::{NonNegative, Restitution};
 
 /// The drag coefficient c of the normal force `k delta - c v_n`, in N s/m.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

@@ -10,7 +10,6 @@ use crate::columns::{self, Columns, Renumbering};
 use crate::contact::history::History;
 use crate::contact::kernel::{Desks, Pass};
 use crate::contact::{AnyLaw, Demands, PairLaw};
-use crate::energy::SpinEnergyPlugin;
 use crate::gravity::Gravity;
 use crate::instructions::Instructions;
 use crate::integrate::centred::LookAheadPlugin;
@@ -100,9 +99,6 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
                 columns_lead: false,
                 space: PhantomData,
             });
-            if app.world().resource::<Columns<V>>().has_books {
-                app.add_plugins(SpinEnergyPlugin::<V>(PhantomData));
-            }
         }
         if L::AHEAD && !app.is_plugin_added::<LookAheadPlugin<V>>() {
             app.add_plugins(LookAheadPlugin { spins: L::SPIN, space: PhantomData::<V> });

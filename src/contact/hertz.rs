@@ -20,8 +20,8 @@ use crate::contact::composite::Normal;
 use crate::contact::damping::Attraction;
 use crate::contact::tangential::Modulus;
 use crate::contact::{Bounce, Pair};
-use crate::scene::values::{PoissonRatio, Positive, Restitution};
 use crate::space::Space;
+use crate::values::{PoissonRatio, Positive, Restitution};
 
 /// One of the scene's `materials`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

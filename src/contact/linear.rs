@@ -8,8 +8,8 @@ use crate::contact::centred::Window;
 use crate::contact::composite::Normal;
 use crate::contact::damping::{Attraction, Coefficient, Damping};
 use crate::contact::{Bounce, Pair};
-use crate::scene::values::Positive;
 use crate::space::Space;
+use crate::values::Positive;
 
 /// max(k delta - c v_n, floor) n.
 #[derive(Clone, Copy, Debug)]
@@ -114,8 +114,8 @@ mod tests {
     use crate::contact::tangential::Smooth;
     use crate::contact::tests::pair;
     use crate::contact::{Memory, PairForce, PairLaw};
-    use crate::scene::values::NonNegative;
     use crate::space::Vector;
+    use crate::values::NonNegative;
 
     fn parting(attraction: Attraction) -> PairForce {
         let damping = Damping::B(NonNegative::try_from(100.0).unwrap());

@@ -11,8 +11,8 @@ use serde::{Deserialize, Serialize};
 use crate::contact::spring::{Pull, Slider, lost_at_the_end};
 use crate::contact::tangential::Grip;
 use crate::contact::{Ahead, Bounce, Memory, Pair, Turning};
-use crate::scene::values::{NonNegative, Positive};
 use crate::space::Space;
+use crate::values::{NonNegative, Positive};
 
 /// The scene's `contact.rolling`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

@@ -21,8 +21,8 @@ pub use self::stick::{Constant, Modulus, Stick};
 use crate::contact::damping::Coefficient;
 use crate::contact::spring::{Event, Sweep};
 use crate::contact::{Ahead, Bounce, Memory, Pair, Turning};
-use crate::scene::values::NonNegative;
 use crate::space::Space;
+use crate::values::NonNegative;
 
 /// Where the tangential force acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]

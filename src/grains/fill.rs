@@ -12,8 +12,8 @@ use crate::grains::mass::MassLaw;
 use crate::grains::spawner::RadiusLaw;
 use crate::particle::{GrainId, Species};
 use crate::random::Stream;
-use crate::scene::values::{FiniteVector, NonNegative, Positive};
 use crate::space::{Dimension, Solid};
+use crate::values::{FiniteVector, NonNegative, Positive};
 
 /// One of the scene's `fill`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -123,7 +123,7 @@ impl Fill {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parse;
+    use crate::source::parse;
 
     fn fill(text: &str) -> Fill {
         parse::parse("fill.ron", text).unwrap()

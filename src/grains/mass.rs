@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::scene::values::Positive;
+use crate::values::Positive;
 
 /// The scene's `mass`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

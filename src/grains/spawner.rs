@@ -20,9 +20,9 @@ use crate::outcome::{Failure, Outcome};
 use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use crate::periodic::Periodic;
 use crate::random::Stream;
-use crate::scene::values::{FiniteVector, NonNegative, Positive, Share};
 use crate::space::Space;
 use crate::step::{Clock, Step};
+use crate::values::{FiniteVector, NonNegative, Positive, Share};
 use crate::walls::surfaces::Surfaces;
 
 /// The scene's `spawner`.

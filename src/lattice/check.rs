@@ -1,6 +1,6 @@
 //! What can be told of a scene of the lattice gas before a run.
 
-use crate::check::Warning;
+use crate::fault::Warning;
 use crate::lattice::door::DoorOpens;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::rest::Rest;

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 use crate::lattice::rest::RestDetection;
 use crate::lattice::sites::Sites;
 use crate::messages::{CameToRest, DoorOpened};
-use crate::scene::values::FiniteVector;
 use crate::space::Vector;
 use crate::step::{Clock, Phase, Step};
+use crate::values::FiniteVector;
 
 /// The scene's `door`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

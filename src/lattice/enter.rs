@@ -15,9 +15,9 @@ use crate::lattice::load::LoadedLattice;
 use crate::lattice::rules::Odds;
 use crate::lattice::sites::Sites;
 use crate::lattice::velocities::DOWN;
-use crate::scene::values::{FiniteVector, Positive, Share};
 use crate::space::Plane;
 use crate::step::{Clock, Phase, Step, time_moves};
+use crate::values::{FiniteVector, Positive, Share};
 
 /// The scene's `fill`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

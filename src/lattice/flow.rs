@@ -12,12 +12,11 @@ use bevy_ecs::prelude::*;
 use crate::lattice::gas::Gas;
 use crate::lattice::sites::Sites;
 use crate::lattice::velocities::{in_bonds, momentum};
-use crate::measure::flow::FlowField;
+use crate::measure::flow::{Flow, FlowField};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
-use crate::output::flow::{Flow, rows};
-use crate::output::rows::{Parcel, Rows};
 use crate::step::Step;
+use crate::writers::rows::{Parcel, Rows};
 
 #[derive(Resource)]
 struct FlowSampler {
@@ -41,7 +40,7 @@ fn sample((sites, gas): (Res<Sites>, Res<Gas>), mut sampler: ResMut<FlowSampler>
         field.end_sample();
     }
     if outcome.end().is_some() {
-        file.append(format_args!("{}", rows(field)), &mut outcome);
+        file.append(format_args!("{}", field.rows()), &mut outcome);
     }
 }
 

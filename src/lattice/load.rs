@@ -6,13 +6,12 @@ use crate::fault::Fault;
 use crate::lattice::door::Door;
 use crate::lattice::outline::Polygon;
 use crate::lattice::rules::Rules;
-use crate::lattice::scene::LatticeScene;
+use crate::lattice::scene::{LatticeScene, Method};
 use crate::lattice::sites::Sites;
 use crate::lattice::validity;
-use crate::scene::Method;
-use crate::scene::source::Source;
-use crate::scene::values::FiniteVector;
+use crate::source::Source;
 use crate::space::Vector;
+use crate::values::FiniteVector;
 
 /// A scene of the lattice gas that is ready to run.
 #[derive(Debug)]

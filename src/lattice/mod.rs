@@ -35,7 +35,6 @@ pub mod rules;
 pub mod scene;
 pub mod series;
 pub mod sites;
-pub mod study;
 pub mod summary;
 pub mod velocities;
 

@@ -17,12 +17,12 @@ use crate::lattice::sites::Sites;
 use crate::lattice::velocities::in_bonds;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
-use crate::output::album::Album;
-use crate::output::colour::{self, Rgb};
-use crate::output::svg::{Legend, Picture};
-use crate::scene::values::Positive;
 use crate::space::Vector;
 use crate::step::{Clock, Step};
+use crate::values::Positive;
+use crate::writers::album::Album;
+use crate::writers::colour::{self, Rgb};
+use crate::writers::svg::{Legend, Picture};
 
 /// The scene's `pictures`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

@@ -3,7 +3,7 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::behaviour::Behaviour;
+use crate::assembly::Assembly;
 use crate::lattice::collide::collide;
 use crate::lattice::collisions::Collisions;
 use crate::lattice::door::DoorPlugin;
@@ -21,7 +21,6 @@ use crate::lattice::stop::stop;
 use crate::lattice::trickle::trickle;
 use crate::measure::ObservePlugin;
 use crate::messages::{CameToRest, DoorOpened};
-use crate::plugins::Assembly;
 use crate::step::{Clock, ForceStage, Phase, Step, StepPlugin, time_moves};
 use crate::threads::Threads;
 
@@ -30,7 +29,7 @@ use crate::threads::Threads;
 struct Table(&'static Collisions);
 
 /// Adds what the scene asks for.
-pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
+pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice) {
     let scene = &loaded.scene;
     let sites = &loaded.sites;
     let mut gas = Gas::new(sites);
@@ -66,7 +65,6 @@ pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice, behaviours: Ve
     app.provide(Table(Collisions::shared()));
     app.provide(sites.clone());
     app.provide(gas);
-    app.add_behaviours(behaviours);
 }
 
 struct LatticeMessages;

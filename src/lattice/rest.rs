@@ -13,8 +13,8 @@ use crate::lattice::gas::Gas;
 use crate::lattice::series::means;
 use crate::lattice::sites::Sites;
 use crate::messages::CameToRest;
-use crate::scene::values::Positive;
 use crate::step::{Clock, Phase, Step};
+use crate::values::Positive;
 
 /// The scene's `rest`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

@@ -4,7 +4,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::lattice::draws::{Chance, Geometric};
-use crate::scene::values::{Positive, Share};
+use crate::values::{Positive, Share};
 
 /// The keys of a scene's `method: LatticeGas(...)`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

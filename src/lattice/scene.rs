@@ -9,10 +9,20 @@ use crate::lattice::door::Door;
 use crate::lattice::enter::{Fill, Pour, Thrown};
 use crate::lattice::pictures::Pictures;
 use crate::lattice::rest::Rest;
+use crate::lattice::rules::Rules;
 use crate::lattice::series::Series;
-use crate::output::flow::Flow;
-use crate::scene::Method;
-use crate::scene::values::FiniteVector;
+use crate::measure::flow::Flow;
+use crate::values::FiniteVector;
+
+/// What a scene is simulated by.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+pub enum Method {
+    /// Discrete elements: the keys of [`Scene`](crate::scene::Scene).
+    #[default]
+    Grains,
+    /// The cellular automaton: the keys of [`LatticeScene`].
+    LatticeGas(Rules),
+}
 
 /// A scene of the lattice gas, as its file says it.
 #[derive(Debug, Deserialize, Serialize)]

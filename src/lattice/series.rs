@@ -23,9 +23,9 @@ use crate::lattice::sites::Sites;
 use crate::lattice::velocities::{in_bonds, momentum};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::{Failure, Outcome};
-use crate::output::rows::{Parcel, Rows};
 use crate::space::Vector;
 use crate::step::{Clock, Step};
+use crate::writers::rows::{Parcel, Rows};
 
 /// The scene's `series`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

@@ -15,16 +15,16 @@ use crate::lattice::rest::RestDetector;
 use crate::lattice::rules::Rules;
 use crate::lattice::sites::Sites;
 use crate::outcome::End;
-use crate::output::peak::peak_memory;
-use crate::output::state_hash::Fnv;
-use crate::output::summary::FORMAT;
 use crate::step::Clock;
 use crate::threads::Threads;
+use crate::writers::SUMMARY_FORMAT;
+use crate::writers::fnv::Fnv;
+use crate::writers::peak::peak_memory;
 
 /// The whole summary.
 #[derive(Debug, Serialize)]
 pub struct Summary {
-    /// [`FORMAT`].
+    /// [`SUMMARY_FORMAT`].
     pub format: u32,
     /// Name of the scene.
     pub scene: String,
@@ -118,7 +118,7 @@ impl Summary {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of steps")]
         let empty_step = world.resource::<EmptyTime>().0.map(|time| time as u64);
         Self {
-            format: FORMAT,
+            format: SUMMARY_FORMAT,
             scene: loaded.source.name.clone(),
             method: "LatticeGas",
             status: end.word(),

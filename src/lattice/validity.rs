@@ -10,7 +10,7 @@ use crate::lattice::outline::distance;
 use crate::lattice::rules::Rules;
 use crate::lattice::scene::LatticeScene;
 use crate::lattice::sites::Sites;
-use crate::scene::source::Source;
+use crate::source::Source;
 
 /// Stored sites of the largest lattice: 3 GB or so.
 const MOST_SITES: usize = 200_000_000;

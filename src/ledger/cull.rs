@@ -12,9 +12,9 @@ use crate::ledger::books::{count_released, keep_books};
 use crate::ledger::{Ledger, Place, Whereabouts, watch_paths};
 use crate::messages::GrainLost;
 use crate::particle::Grain;
-use crate::scene::values::Finite;
 use crate::space::Space;
 use crate::step::{Phase, Step};
+use crate::values::Finite;
 use crate::wait::Wait;
 
 /// The scene's `cull`.

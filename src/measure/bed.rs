@@ -14,9 +14,9 @@ use serde::{Deserialize, Serialize};
 use crate::columns::Columns;
 use crate::measure::ObserveStage;
 use crate::messages::CameToRest;
-use crate::scene::values::FiniteVector;
 use crate::space::Vector;
 use crate::step::Step;
+use crate::values::FiniteVector;
 
 /// The scene's `bed`: a window inside the bed at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

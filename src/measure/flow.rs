@@ -14,6 +14,45 @@
 //! a times the cell's middle, with a standard error of a cell/sqrt(12 n) for n grains.
 
 use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+use serde::{Deserialize, Serialize};
+
+use crate::values::{Positive, Share};
+
+/// The scene's `flow`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Flow {
+    /// Side of the square cells, m.
+    pub cell: Positive,
+    /// Share of the released grains that are out when sampling begins. Default 0.05.
+    #[serde(default = "default_from")]
+    pub from: Share,
+    /// And when it ends. Default 0.4.
+    #[serde(default = "default_to")]
+    pub to: Share,
+    /// Time between samples, s; of a lattice gas a whole number of steps.
+    pub sample: Positive,
+}
+
+fn default_from() -> Share {
+    Share::try_from(0.05).expect("a share")
+}
+
+fn default_to() -> Share {
+    Share::try_from(0.4).expect("a share")
+}
+
+impl Flow {
+    /// Whether a sample is wanted when `out` of `released` grains are out.
+    #[must_use]
+    #[expect(clippy::cast_precision_loss, reason = "fewer than 2^53 grains")]
+    pub fn samples_at(&self, out: u64, released: u64) -> bool {
+        let share = out as f64 / released.max(1) as f64;
+        (self.from.get()..=self.to.get()).contains(&share)
+    }
+}
 
 /// Sums in one cell.
 #[derive(Clone, Copy, Debug, Default)]
@@ -56,6 +95,15 @@ fn number(coordinate: f64, cell: f64) -> i64 {
 }
 
 impl FlowField {
+    /// The means as rows of `flow.csv`. Writing to a string cannot fail.
+    pub(crate) fn rows(&self) -> String {
+        self.means().iter().fold(String::new(), |mut text, cell| {
+            let FlowMeans { x, y, samples, count, vx, vy } = cell;
+            let _ = writeln!(text, "{x:.9},{y:.9},{samples},{count:.6},{vx:e},{vy:e}");
+            text
+        })
+    }
+
     /// No samples yet, in cells of this side.
     #[must_use]
     pub fn new(cell: f64) -> Self {
@@ -112,6 +160,13 @@ impl FlowField {
 #[expect(clippy::float_cmp, clippy::cast_precision_loss, reason = "exact values, small counts")]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_window_holds_both_its_ends_and_no_grain_at_all() {
+        let flow: Flow = ron::from_str("(cell: 0.1, from: 0.25, to: 0.5, sample: 0.1)").unwrap();
+        assert!([(1, 4), (3, 8), (2, 4)].iter().all(|&(out, released)| flow.samples_at(out, released)));
+        assert!(![(0, 0), (0, 4), (3, 4)].iter().any(|&(out, released)| flow.samples_at(out, released)));
+    }
     use crate::random::Stream;
 
     #[test]

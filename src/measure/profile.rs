@@ -20,8 +20,8 @@ use serde::{Deserialize, Serialize};
 
 use crate::columns::Columns;
 use crate::particle::Species;
-use crate::scene::values::{Finite, NonNegative, Positive};
 use crate::space::{Dimension, Space};
+use crate::values::{Finite, NonNegative, Positive};
 
 /// One of the scene's `profiles`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

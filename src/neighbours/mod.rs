@@ -25,10 +25,10 @@ use crate::columns::{Columns, Gathered, LookedAhead};
 use crate::contact::history::BLOCK;
 use crate::outcome::{Failure, Outcome};
 use crate::periodic::Periodic;
-use crate::scene::values::Positive;
 use crate::space::{Plane, Space};
 use crate::step::{Clock, Phase, Step};
 use crate::threads::Threads;
+use crate::values::Positive;
 
 /// The scene's `neighbours`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

@@ -13,7 +13,6 @@ use std::path::PathBuf;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::columns::{Body, Slot, Turnover};
 use crate::contact::survey::{Partner, Scenery, Survey};
@@ -21,60 +20,16 @@ use crate::grains::spawner::RadiusLaw;
 use crate::ledger::Ledger;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
-use crate::output::album::Album;
-use crate::output::colour::{self, Rgb};
-use crate::output::svg::{Legend, Picture};
 use crate::particle::{Door, Grain, Radius, Species};
 use crate::scene::load::Loaded;
-use crate::scene::values::{FiniteVector, Positive};
+use crate::scene::outputs::{Colour, Pictures};
 use crate::space::{Dimension, Plane, Solid, Space, Vector};
 use crate::step::{Clock, Step};
+use crate::values::Positive;
 use crate::walls::surfaces::{Surface, Surfaces};
-
-/// The scene's `pictures`.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields, default)]
-pub struct Pictures {
-    /// Time between pictures, s.
-    pub interval: Positive,
-    /// Width, px.
-    pub width: Positive,
-    /// What colours the grains.
-    pub colour: Colour,
-    /// Whether PNGs are written beside the SVGs.
-    pub png: bool,
-    /// Contact forces as bonds; a bond as wide as the smallest radius stands for this force, N. Default none.
-    pub network: Option<Positive>,
-    /// The view, lower left and upper right corner, m, of solid space in x and z; by default, all walls and grains of
-    /// the start.
-    pub view: Option<(FiniteVector, FiniteVector)>,
-}
-
-/// What colours the grains.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
-pub enum Colour {
-    /// The species: the sizes of a mixture.
-    #[default]
-    Species,
-    /// The speed, from 0 to this, m/s.
-    Speed(Positive),
-    /// The pressure, from 0 to this, N/m, in solid space N/m^2.
-    Pressure(Positive),
-}
-
-impl Default for Pictures {
-    fn default() -> Self {
-        let positive = |number: f64| Positive::try_from(number).expect("positive");
-        Self {
-            interval: positive(1.0),
-            width: positive(600.0),
-            colour: Colour::Species,
-            png: false,
-            network: None,
-            view: None,
-        }
-    }
-}
+use crate::writers::album::Album;
+use crate::writers::colour::{self, Rgb};
+use crate::writers::svg::{Legend, Picture};
 
 /// Where pictures go, and what is the same in all of them.
 #[derive(Resource, Clone)]

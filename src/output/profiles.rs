@@ -24,12 +24,12 @@ use crate::columns::{Columns, looks_when};
 use crate::measure::profile::{Profile, Sampler};
 use crate::measure::{ObserveStage, due};
 use crate::outcome::Outcome;
-use crate::output::rows::{Parcel, Rows, numbers};
-use crate::output::series::Series;
 use crate::particle::Species;
-use crate::scene::values::NonNegative;
+use crate::scene::outputs::Series;
 use crate::space::Space;
 use crate::step::{Clock, Step};
+use crate::values::NonNegative;
+use crate::writers::rows::{Parcel, Rows, numbers};
 
 /// The profiles of one species or of all, side by side with when they were begun.
 #[derive(Clone)]

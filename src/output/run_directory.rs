@@ -12,8 +12,8 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use crate::fault::Fault;
-use crate::scene::places;
-use crate::scene::source::Source;
+use crate::source::Source;
+use crate::source::places;
 
 /// A run directory.
 #[derive(Clone, Debug)]

@@ -17,7 +17,6 @@ use std::path::Path;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::contact::survey::Scenery;
 use crate::energy::EnergyFlows;
@@ -26,24 +25,10 @@ use crate::ledger::Ledger;
 use crate::measure::totals::Totals;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
-use crate::output::rows::{Parcel, Rows};
-use crate::scene::values::Positive;
+use crate::scene::outputs::Series;
 use crate::space::Space;
 use crate::step::{Clock, Step};
-
-/// The scene's `series`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub struct Series {
-    /// Time between rows, s.
-    pub interval: Positive,
-}
-
-impl Default for Series {
-    fn default() -> Self {
-        Self { interval: Positive::try_from(0.05).expect("positive") }
-    }
-}
+use crate::writers::rows::{Parcel, Rows};
 
 /// The names of all columns, and among them, or not, those of the books.
 fn header(has_books: bool) -> String {

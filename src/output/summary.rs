@@ -19,21 +19,19 @@ use crate::measure::discharge::Discharge;
 use crate::measure::totals;
 use crate::neighbours::Rebuilds;
 use crate::outcome::End;
-use crate::output::peak::peak_memory;
 use crate::output::state_hash;
 use crate::rest::RestDetector;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane, Solid};
 use crate::step::Clock;
 use crate::threads::Threads;
-
-/// The version of this contract.
-pub const FORMAT: u32 = 1;
+use crate::writers::SUMMARY_FORMAT;
+use crate::writers::peak::peak_memory;
 
 /// The whole summary.
 #[derive(Debug, Serialize)]
 pub struct Summary {
-    /// [`FORMAT`].
+    /// [`SUMMARY_FORMAT`].
     pub format: u32,
     /// Name of the scene.
     pub scene: String,
@@ -163,7 +161,7 @@ impl Summary {
         #[expect(clippy::cast_precision_loss, reason = "a figure for people")]
         let speed = cost.particle_steps as f64 / cost.wall_s.max(f64::MIN_POSITIVE);
         Self {
-            format: FORMAT,
+            format: SUMMARY_FORMAT,
             scene: loaded.source.name.clone(),
             status,
             failure,

@@ -15,11 +15,11 @@ use bevy_ecs::prelude::*;
 
 use crate::measure::{ObserveStage, due};
 use crate::outcome::Outcome;
-use crate::output::rows::{Parcel, Rows, numbers};
-use crate::output::series::Series;
+use crate::scene::outputs::Series;
 use crate::space::{Dimension, Space};
 use crate::step::{Clock, Step};
 use crate::walls::surfaces::Surfaces;
+use crate::writers::rows::{Parcel, Rows, numbers};
 
 #[derive(Resource)]
 struct WallsFile(Rows);
@@ -36,7 +36,7 @@ fn write_rows<V: Space>(
     }
 }
 
-/// Writes `walls.csv`, with the rows of [`SeriesPlugin`](crate::output::series::SeriesPlugin).
+/// Writes `walls.csv`, with the rows of [`SeriesPlugin`](crate::scene::outputs::SeriesPlugin).
 pub struct WallForcesPlugin<V: Space>(Parcel<WallsFile>, std::marker::PhantomData<V>);
 
 impl<V: Space> WallForcesPlugin<V> {

@@ -3,7 +3,6 @@
 use std::fs;
 use std::path::Path;
 
-use crate::check::Estimates;
 use crate::contact::config::{Contact, Contacts};
 use crate::fault::Fault;
 use crate::grains::file::{self, GrainRow, Kind};
@@ -13,11 +12,12 @@ use crate::integrate::Integrator;
 use crate::lattice::load::LoadedLattice;
 use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
-use crate::scene::source::Source;
-use crate::scene::values::Positive;
+use crate::scene::check::Estimates;
 use crate::scene::{Method, Scene, TimeStep, rules};
+use crate::source::Source;
 use crate::space::{Dimension, Solid, Space};
 use crate::spin::InertiaLaw;
+use crate::values::Positive;
 use crate::walls::config::Wall;
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
 use crate::walls::surfaces::FlatWall;

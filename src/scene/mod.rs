@@ -1,15 +1,13 @@
 //! The scene: one RON file that says what is in the silo. [`Scene`] is one of grains.
 //!
 //! Every section's keys are documented where its behaviour lives; this file only lists the sections. All numbers
-//! are SI; a range that a number must keep is part of its type ([`values`]), rules across keys are in [`rules`],
+//! are SI; a range that a number must keep is part of its type ([`values`](crate::values)), rules across keys are in [`rules`],
 //! and the byte range of each key, for messages and for `--set`, comes from [`places`].
 
+pub mod check;
 pub mod load;
-pub mod parse;
-pub mod places;
+pub mod outputs;
 pub mod rules;
-pub mod source;
-pub mod values;
 
 use std::collections::BTreeMap;
 
@@ -25,22 +23,21 @@ use crate::grains::fill::Fill;
 use crate::grains::mass::MassLaw;
 use crate::grains::spawner::Spawner;
 use crate::integrate::Integrator;
-use crate::lattice::rules::Rules;
+pub use crate::lattice::scene::Method;
 use crate::ledger::{Cull, OnLoss};
 use crate::measure::bed::Bed;
+use crate::measure::flow::Flow;
 use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
-use crate::output::flow::Flow;
-use crate::output::frames::Pictures;
-use crate::output::series::Series;
 use crate::periodic::PeriodicSides;
 use crate::rest::Rest;
+use crate::scene::outputs::{Pictures, Series};
 use crate::space::Dimension;
 use crate::spin::InertiaLaw;
+use crate::values::{FiniteVector, ImpactError, Positive};
 use crate::walls::config::Wall;
 use crate::walls::silo_file::Silo;
 use crate::watchdog::Watchdog;
-use values::{FiniteVector, ImpactError, Positive};
 
 /// A scene as its file says it.
 #[derive(Debug, Deserialize, Serialize)]
@@ -129,22 +126,12 @@ pub struct Scene {
     pub behaviours: BTreeMap<String, Box<RawValue>>,
 }
 
-/// What a scene is simulated by.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
-pub enum Method {
-    /// Discrete elements: the keys of [`Scene`].
-    #[default]
-    Grains,
-    /// The cellular automaton: the keys of [`LatticeScene`](crate::lattice::scene::LatticeScene).
-    LatticeGas(Rules),
-}
-
 /// The scene's `step`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum TimeStep {
     /// This time step, s.
     Fixed(Positive),
-    /// One that keeps impacts within an error: [`crate::check::step`].
+    /// One that keeps impacts within an error: [`crate::scene::check::step`].
     Auto {
         /// rms error of the velocities after an impact, in units of its speed.
         error: ImpactError,

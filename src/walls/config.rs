@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use crate::particle::Species;
-use crate::scene::values::{FiniteVector, Positive};
 use crate::space::Space;
+use crate::values::{FiniteVector, Positive};
 use crate::walls::surfaces::{FlatWall, Surface, WallLoad};
 
 /// One of the scene's `walls`.

@@ -4,10 +4,10 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use siloflow::lattice::study::claims::{CLAIMS, Verdict};
-use siloflow::lattice::study::plan::Plan;
-use siloflow::lattice::study::replica::Replica;
-use siloflow::lattice::study::results::Results;
+use siloflow::lattice_study::claims::{CLAIMS, Verdict};
+use siloflow::lattice_study::plan::Plan;
+use siloflow::lattice_study::replica::Replica;
+use siloflow::lattice_study::results::Results;
 
 /// What does not come out of these rules, by one seed as by four: of hz in the mass-flow silo only the order holds, with a
 /// factor of 1.09, not 1.1.

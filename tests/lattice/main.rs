@@ -56,6 +56,6 @@ pub fn small_silo(rules: &str, opens: u64, keys: &str) -> LoadedLattice {
           inserts: [[(8.0, 14.0), (13.0, 9.0), (15.0, 15.0)]],
           door: (from: (6.0, 0.0), to: (15.0, 0.0), opens: At({opens})))"
     );
-    let source = siloflow::scene::source::Source::new("small.ron", "small", Path::new(""), text);
+    let source = siloflow::source::Source::new("small.ron", "small", Path::new(""), text);
     LoadedLattice::new(source, &[]).unwrap_or_else(|fault| panic!("{fault}"))
 }

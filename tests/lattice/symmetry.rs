@@ -2,7 +2,7 @@
 
 use siloflow::lattice::load::LoadedLattice;
 use siloflow::lattice::summary::state_hash;
-use siloflow::scene::source::Source;
+use siloflow::source::Source;
 
 use crate::{load, parts, simulation};
 

@@ -141,7 +141,7 @@ fn centred_the_limit_is_where_the_closed_form_puts_it_and_is_warned_of() {
         for share in [0.5, 0.9, 1.1] {
             let owned = pressed_centred(share, b);
             let loaded = load("hard/step-at-the-limit.ron", &settings(&owned));
-            let codes: Vec<_> = siloflow::check::warnings(&loaded).iter().map(|warning| warning.code).collect();
+            let codes: Vec<_> = siloflow::scene::check::warnings(&loaded).iter().map(|warning| warning.code).collect();
             assert_eq!(codes, if share < 1.0 { &[][..] } else { &["check::unstable_bed"] }, "b = {b}, {share}");
             let mut run = simulation(&loaded, 1);
             if share < 1.0 {
@@ -220,7 +220,7 @@ fn the_limit_of_a_stiff_floor_is_that_of_grains_on_it() {
     };
     // 2/w0 = 2 sqrt(0.16/1e8) s for a lone grain on the floor. With another on its back it is less: warned of.
     let codes: Vec<_> =
-        siloflow::check::warnings(&with("7.9e-5").unwrap()).iter().map(|warning| warning.code).collect();
+        siloflow::scene::check::warnings(&with("7.9e-5").unwrap()).iter().map(|warning| warning.code).collect();
     assert_eq!(codes, ["check::unstable_bed"]);
     assert_eq!(with("8.1e-5").unwrap_err().code(), "scene::unstable_step");
 }

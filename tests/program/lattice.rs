@@ -7,7 +7,7 @@ use siloflow::lattice::gas::Gas;
 use siloflow::lattice::load::LoadedLattice;
 use siloflow::lattice::sites::Sites;
 use siloflow::prelude::*;
-use siloflow::scene::source::Source;
+use siloflow::source::Source;
 
 use crate::command_line::siloflow;
 use crate::root;

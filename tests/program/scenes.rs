@@ -4,13 +4,13 @@ use std::fs;
 use std::num::NonZeroUsize;
 
 use crate::{load, root, scene, simulation};
-use siloflow::check;
 use siloflow::door::DoorState;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
 use siloflow::particle::Grain;
 use siloflow::prelude::*;
 use siloflow::rest::RestDetector;
+use siloflow::scene::check;
 use siloflow::scene::load::{self as loading, AnyScene};
 
 /// Fills, rests, opens, empties, and keeps its energy balance within the bound of the scheme.

@@ -4,7 +4,7 @@ use crate::{hash, load, simulation};
 use siloflow::energy::EnergyFlows;
 use siloflow::instructions::Instructions;
 use siloflow::prelude::*;
-use siloflow::scene::places;
+use siloflow::source::places;
 
 /// Runs a small fill, rest and discharge to its end, or to 30 s, and hashes it on the way and at the end.
 fn hashes(name: &str, neighbours: &str, threads: usize) -> Vec<u64> {

@@ -16,8 +16,8 @@ use rayon::prelude::*;
 use self::observe::{Observed, run};
 use self::report::Study;
 use crate::behaviour::Registry;
-use crate::check;
 use crate::fault::Fault;
+use crate::scene::check;
 use crate::scene::load::{self, AnyScene, Loaded};
 
 /// Rungs, in the scene's own step, coarse to fine.

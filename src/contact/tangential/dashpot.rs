@@ -66,8 +66,8 @@ mod tests {
     use super::*;
     use crate::contact::tangential::TangentialDamping;
     use crate::contact::tests::pair;
-    use crate::scene::values::NonNegative;
     use crate::space::Vector;
+    use crate::values::NonNegative;
 
     #[test]
     fn a_dashpot_is_cut_at_the_cap() {

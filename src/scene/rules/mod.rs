@@ -8,16 +8,16 @@ pub use self::space::space;
 
 use self::contacts::contacts;
 use self::grains::{fill, spawner};
-use crate::check;
 use crate::contact::Contact;
 use crate::door::{DoorMotion, DoorOpens};
 use crate::fault::Fault;
 use crate::integrate::Integrator;
 use crate::neighbours::Neighbours;
+use crate::scene::check;
 use crate::scene::load::Loaded;
-use crate::scene::values::FiniteVector;
 use crate::scene::{Scene, TimeStep};
 use crate::space::Solid;
+use crate::values::FiniteVector;
 use crate::walls::config::Wall;
 
 /// Checks a scene whose files have been read.

@@ -3,8 +3,8 @@
 use crate::fault::Fault;
 use crate::scene::Scene;
 use crate::scene::load::Loaded;
-use crate::scene::values::FiniteVector;
 use crate::space::Dimension;
+use crate::values::FiniteVector;
 use crate::walls::config::Wall;
 
 /// Every vector has as many components as the scene's space, and nothing planar stands in solid space.

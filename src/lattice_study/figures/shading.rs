@@ -10,7 +10,7 @@
 use std::fmt::Write as _;
 
 use crate::lattice::pictures::{Cell, grey};
-use crate::output::colour::Rgb;
+use crate::writers::colour::Rgb;
 
 /// Greys.
 pub(super) const LEVELS: u8 = 16;

@@ -11,7 +11,7 @@ use crate::lattice::door::DoorOpens;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::rules::Walls;
 use crate::lattice::scene::LatticeScene;
-use crate::scene::source::Source;
+use crate::source::Source;
 
 /// A study, as its file says it.
 #[derive(Clone, Debug, Deserialize, Serialize)]

@@ -5,8 +5,8 @@
 use std::fmt::Write as _;
 
 use crate::lattice::velocities::in_bonds;
-use crate::output::colour::{Rgb, hex};
 use crate::space::Vector;
+use crate::writers::colour::{Rgb, hex};
 
 /// Text, outlines, what is at rest.
 pub(super) const INK: Rgb = [0x22; 3];

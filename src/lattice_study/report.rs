@@ -3,10 +3,10 @@
 use std::fmt::Write as _;
 
 use crate::lattice::observables::QUANTITIES;
-use crate::lattice::study::claims::{CLAIMS, Verdict, quantity, shown};
-use crate::lattice::study::figures::{self, Flights, Panel, SheetRow, sheet};
-use crate::lattice::study::plan::{Plan, Variant};
-use crate::lattice::study::results::{Mean, Results};
+use crate::lattice_study::claims::{CLAIMS, Verdict, quantity, shown};
+use crate::lattice_study::figures::{self, Flights, Panel, SheetRow, sheet};
+use crate::lattice_study::plan::{Plan, Variant};
+use crate::lattice_study::results::{Mean, Results};
 
 /// The tables: name and content.
 #[must_use]

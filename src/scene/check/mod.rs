@@ -13,33 +13,15 @@ pub mod leaks;
 pub mod meetings;
 pub mod step;
 
-use std::fmt;
-
-use crate::check::meetings::Meeting;
 use crate::contact::Bounce;
+use crate::fault::Warning;
 use crate::integrate::Integrator;
 use crate::scene::TimeStep;
+use crate::scene::check::meetings::Meeting;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane};
 use crate::walls::config::Wall;
 use crate::walls::outline::Outline;
-
-/// A warning: what to expect, and what to do.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Warning {
-    /// A stable code, `check::what`.
-    pub code: &'static str,
-    /// What to expect.
-    pub message: String,
-    /// What to do.
-    pub help: String,
-}
-
-impl fmt::Display for Warning {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}; {}", self.code, self.message, self.help)
-    }
-}
 
 /// Estimates of a scene with grains, SI.
 #[derive(Clone, Copy, Debug)]

@@ -1,8 +1,8 @@
 //! Means of observables over the seeds, with their standard errors.
 
 use crate::lattice::observables::Quantity;
-use crate::lattice::study::plan::Variant;
-use crate::lattice::study::replica::Replica;
+use crate::lattice_study::plan::Variant;
+use crate::lattice_study::replica::Replica;
 
 /// A mean with its standard error, 0 for a single value.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,8 +6,8 @@ use std::fmt::Write as _;
 use super::paper::{Anchor, INK, Paper, Pen};
 use super::shading::{LEVELS, paths, shade};
 use crate::lattice::pictures::Cell;
-use crate::output::colour::hex;
 use crate::space::Vector;
+use crate::writers::colour::hex;
 
 const WIDTH: f64 = 900.0;
 const MARGIN: f64 = 10.0;

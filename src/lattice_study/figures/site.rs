@@ -2,7 +2,7 @@
 
 use super::paper::{FAINT, INK, Lattice, NEAREST, Paper, Pen, SECOND};
 use crate::lattice::velocities::{MOVERS, STEPS, directions};
-use crate::output::colour::Rgb;
+use crate::writers::colour::Rgb;
 
 /// What arrows leave free around the site, px.
 const GAP: f64 = 5.0;

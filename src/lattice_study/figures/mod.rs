@@ -28,6 +28,6 @@ pub use vectors::vectors;
 
 #[cfg(test)]
 fn renders(svg: &str) {
-    let png = crate::output::png::encode(svg).unwrap();
+    let png = crate::writers::png::encode(svg).unwrap();
     assert!(png.len() > 1000, "an empty picture");
 }

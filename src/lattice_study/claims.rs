@@ -6,8 +6,8 @@
 
 use crate::lattice::observables::{QUANTITIES, Quantity};
 use crate::lattice::rules::Walls;
-use crate::lattice::study::plan::Variant;
-use crate::lattice::study::results::{Mean, Results};
+use crate::lattice_study::plan::Variant;
+use crate::lattice_study::results::{Mean, Results};
 
 /// What has become of a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,8 +12,8 @@ use crate::fault::Fault;
 use crate::lattice::gas::Gas;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::sites::Sites;
-use crate::scene::source::Source;
 use crate::simulation::Simulation;
+use crate::source::Source;
 use crate::space::Vector;
 
 /// Flights of many particles.

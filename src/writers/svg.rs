@@ -4,8 +4,8 @@
 
 use std::fmt::Write as _;
 
-use crate::output::colour::{Rgb, hex};
 use crate::space::Vector;
+use crate::writers::colour::{Rgb, hex};
 
 /// What to draw.
 #[derive(Clone, Debug, Default)]

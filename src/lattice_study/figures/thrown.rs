@@ -3,8 +3,8 @@
 use super::flights::{Flights, STEPS, expected, holds_until, mean, parabola};
 use super::paper::{Anchor, INK, NEAREST, Paper, Pen, SECOND};
 use super::plot::Plot;
-use crate::output::colour::Rgb;
 use crate::space::Vector;
+use crate::writers::colour::Rgb;
 
 /// Most traces that are drawn one by one.
 const MOST_TRACES: usize = 12;

@@ -5,7 +5,7 @@ use ron::extensions::Extensions;
 use serde::de::DeserializeOwned;
 
 use crate::fault::Fault;
-use crate::scene::places::Places;
+use crate::source::places::Places;
 
 /// How scenes are read: optional keys need no `Some`, and `LatticeGas((p: ...))` no second brackets.
 #[must_use]

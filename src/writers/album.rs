@@ -11,8 +11,8 @@ use std::thread::JoinHandle;
 use bevy_ecs::prelude::*;
 
 use crate::outcome::{Failure, Outcome};
-use crate::output::png;
-use crate::output::svg::Picture;
+use crate::writers::png;
+use crate::writers::svg::Picture;
 
 /// How many pictures may wait.
 pub const WAITING: usize = 4;

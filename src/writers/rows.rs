@@ -37,7 +37,7 @@ impl Rows {
 }
 
 /// The components of a vector as cells of a row.
-pub(super) fn numbers<V: Space>(v: V) -> String {
+pub(crate) fn numbers<V: Space>(v: V) -> String {
     v.components().iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",")
 }
 

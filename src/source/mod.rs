@@ -1,5 +1,8 @@
 //! The text of a scene: where it comes from, where each key stands in it, and the files that it names.
 
+pub mod parse;
+pub mod places;
+
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -7,8 +10,7 @@ use std::path::{Path, PathBuf};
 use serde::de::DeserializeOwned;
 
 use crate::fault::Fault;
-use crate::scene::parse;
-use crate::scene::places::{self, Places};
+use crate::source::places::Places;
 
 /// A scene's text, with `--set` applied.
 #[derive(Debug)]

@@ -13,11 +13,11 @@
 //!
 //! Masses are those of the start and of the spawner, by the radii that it will choose.
 
-use crate::check::step::{self, Pull};
 use crate::contact::{AnyLaw, Bounce};
 use crate::grains::spawner::RadiusLaw;
 use crate::integrate::Integrator;
 use crate::random::Stream;
+use crate::scene::check::step::{self, Pull};
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane};
 use crate::walls::config::Wall;
@@ -190,10 +190,10 @@ fn walls(loaded: &Loaded) -> Vec<(u8, Body)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::check::hardest;
     use crate::fault::Fault;
     use crate::grains::file::GrainRow;
     use crate::particle::{GrainId, Species};
+    use crate::scene::check::hardest;
     use crate::scene::load;
     use crate::space::Solid;
 
@@ -270,7 +270,7 @@ mod tests {
         let keys = format!("{keys}, {}", spawner(2, "Fixed(0.1)"));
         assert!(scene(&keys).is_err());
         let loaded = scene(&format!("{keys}, behaviours: {{\"law\": ()}}")).unwrap();
-        let warnings = crate::check::warnings(&loaded);
+        let warnings = crate::scene::check::warnings(&loaded);
         assert!(warnings.iter().any(|warning| warning.code == "check::unstable_step"), "{warnings:?}");
     }
 
@@ -291,7 +291,7 @@ mod tests {
         }
         // Longer than that, but shorter than the normal's 2/w0 = 1.6 s: its cap bounds it, so that is to warn of.
         assert!(hardest(&loaded).unwrap().1 > 1.0);
-        let warnings = crate::check::warnings(&loaded);
+        let warnings = crate::scene::check::warnings(&loaded);
         assert!(warnings.iter().any(|warning| warning.code == "check::unstable_step"), "{warnings:?}");
     }
 }

@@ -33,8 +33,8 @@
 
 use std::f64::consts::PI;
 
-use crate::check::Estimates;
 use crate::integrate::Integrator;
+use crate::scene::check::Estimates;
 
 /// Largest stable step of a lone contact, s, for a stiffness k (N/m), a drag coefficient c (N s/m) and a reduced mass
 /// (kg).

@@ -9,8 +9,8 @@ use super::paper::{Anchor, FAINT, INK, Lattice, Paper, Pen};
 use super::site::{incoming, outgoing, sum_pen};
 use crate::lattice::collisions::{Collisions, place};
 use crate::lattice::velocities::{DOWN, STEPS, momentum};
-use crate::output::colour::{hex, viridis};
 use crate::space::Vector;
+use crate::writers::colour::{hex, viridis};
 
 const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 620.0;
