@@ -36,7 +36,7 @@ fn write_rows<V: Space>(
     }
 }
 
-/// Writes `walls.csv`, with the rows of [`SeriesPlugin`](crate::scene::outputs::SeriesPlugin).
+/// Writes `walls.csv`, with the rows of [`SeriesPlugin`](crate::output::series::SeriesPlugin).
 pub struct WallForcesPlugin<V: Space>(Parcel<WallsFile>, std::marker::PhantomData<V>);
 
 impl<V: Space> WallForcesPlugin<V> {

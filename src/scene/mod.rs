@@ -2,7 +2,7 @@
 //!
 //! Every section's keys are documented where its behaviour lives; this file only lists the sections. All numbers
 //! are SI; a range that a number must keep is part of its type ([`values`](crate::values)), rules across keys are in [`rules`],
-//! and the byte range of each key, for messages and for `--set`, comes from [`places`].
+//! and the byte range of each key, for messages and for `--set`, comes from [`source`](crate::source).
 
 pub mod check;
 pub mod load;
