@@ -22,6 +22,7 @@ mod hard;
 mod lattice;
 mod leading;
 mod periodic;
+mod pins;
 mod scenes;
 mod searches;
 mod silo_file;

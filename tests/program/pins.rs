@@ -1,0 +1,195 @@
+//! Pinned hashes: `tests/data/hashes.csv` holds the state hash of every scene in `scenes` and `scenes/hard`, under `Verlet` and under
+//! `Centred`. A change that moves one bit of any of these runs fails here, and names scene and scheme.
+//!
+//! The table is renewed by
+//!
+//! ```sh
+//! SILOFLOW_RENEW_HASHES=1 cargo test --test program pins
+//! ```
+//!
+//! A commit that renews the table says why bits have changed. A renewal keeps all columns but the hash, and adds rows for new scenes with
+//! their own `until`, to be shortened by hand: the whole test is to take no more than 20 s.
+//!
+//! | column | content |
+//! |---|---|
+//! | `scene` | the path below `scenes` |
+//! | `scheme` | `Verlet` or `Centred`, set as `integrator`; `LatticeGas` for a scene of the lattice gas, which has no such key |
+//! | `until` | when the run ends, s of simulated time, of the lattice gas steps: shorter than the scene's own where that would take long |
+//! | `set` | further settings, separated by `; ` |
+//! | `hash` | the state hash at the end; `refused CODE` for a scene that cannot take the scheme, with the code of its error |
+//!
+//! `siloflow run scenes/SCENE --set integrator=SCHEME --until UNTIL --set SET` prints the same hash.
+//!
+//! Limits: the first line names the target that the hashes hold for. On other targets sine, logarithm and their like come from another
+//! mathematical library, whose last bits differ, so the test is skipped there with a message. (A C library of the same target whose
+//! logarithm has other last bits would show as rows that differ without a change of ours.) `examples/vibrating_wall.ron` needs a behaviour
+//! that the plain program does not have, and `scenes/studies` holds studies: neither has a row.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::PathBuf;
+use std::time::Instant;
+
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use siloflow::lattice::gas::Gas;
+use siloflow::lattice::sites::Sites;
+use siloflow::lattice::summary;
+use siloflow::prelude::*;
+use siloflow::scene::load::{self as loading, AnyScene};
+
+use crate::{hash, root, scene};
+
+const RENEW: &str = "SILOFLOW_RENEW_HASHES";
+const COMMAND: &str = "SILOFLOW_RENEW_HASHES=1 cargo test --test program pins";
+const LATTICE: &str = "LatticeGas";
+
+/// A row of the table.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+struct Row {
+    scene: String,
+    scheme: String,
+    until: String,
+    set: String,
+    hash: String,
+}
+
+impl Row {
+    fn key(&self) -> (String, String) {
+        (self.scene.clone(), self.scheme.clone())
+    }
+
+    fn settings(&self) -> Vec<(String, String)> {
+        let scheme = (self.scheme != LATTICE).then(|| ("integrator".to_owned(), self.scheme.clone()));
+        let more = self.set.split("; ").filter_map(|setting| setting.split_once('='));
+        let more = more.map(|(key, value)| (key.to_owned(), value.to_owned()));
+        more.chain(scheme).chain([("until".to_owned(), self.until.clone())]).collect()
+    }
+
+    /// The hash at the end of the run, or why there is none.
+    fn found(&self) -> String {
+        let one = NonZeroUsize::MIN;
+        let registry = Registry::default();
+        let run = match loading::any(&scene(&self.scene), &self.settings()) {
+            Err(fault) => return format!("refused {}", fault.code()),
+            Ok(AnyScene::Lattice(loaded)) => Simulation::of_lattice(&loaded, &registry, one).map(|mut run| {
+                run.run();
+                summary::state_hash(run.world().resource::<Sites>(), run.world().resource::<Gas>())
+            }),
+            Ok(AnyScene::Grains(loaded)) => Simulation::new(&loaded, &registry, one).map(|mut run| {
+                run.run();
+                hash(&mut run)
+            }),
+        };
+        run.map_or_else(|fault| format!("refused {}", fault.code()), |hash| format!("{hash:016x}"))
+    }
+}
+
+fn table() -> PathBuf {
+    root().join("tests/data/hashes.csv")
+}
+
+/// What this test was built for, as the compiler names it.
+fn target() -> String {
+    let (arch, os) = (std::env::consts::ARCH, std::env::consts::OS);
+    let environment = [
+        (cfg!(target_env = "gnu"), "-gnu"),
+        (cfg!(target_env = "musl"), "-musl"),
+        (cfg!(target_env = "msvc"), "-msvc"),
+    ];
+    let environment = environment.into_iter().find(|(is, _)| *is).map_or("", |(_, name)| name);
+    let vendor = match os {
+        "macos" => "apple",
+        "windows" => "pc",
+        _ => "unknown",
+    };
+    format!("{arch}-{vendor}-{os}{environment}")
+}
+
+/// The target that the table holds for, and its rows.
+fn read() -> (String, Vec<Row>) {
+    let text = fs::read_to_string(table()).unwrap();
+    let (first, rows) = text.split_once('\n').unwrap();
+    let rows = csv::Reader::from_reader(rows.as_bytes()).into_deserialize().collect::<Result<_, _>>().unwrap();
+    (first.strip_prefix("# target ").expect("a first line that names the target").to_owned(), rows)
+}
+
+fn write(rows: &[Row]) {
+    let mut writer = csv::Writer::from_writer(format!("# target {}\n", target()).into_bytes());
+    rows.iter().for_each(|row| writer.serialize(row).unwrap());
+    fs::write(table(), writer.into_inner().unwrap()).unwrap();
+}
+
+/// Scene and scheme of every row that there has to be, and the scene's own `until`.
+fn needed() -> BTreeMap<(String, String), String> {
+    let mut needed = BTreeMap::new();
+    for folder in ["", "hard/"] {
+        for entry in fs::read_dir(scene(folder)).unwrap() {
+            let file = entry.unwrap().file_name().into_string().unwrap();
+            if !file.ends_with(".ron") {
+                continue;
+            }
+            let name = format!("{folder}{file}");
+            let (schemes, until) = match loading::any(&scene(&name), &[]).unwrap() {
+                AnyScene::Grains(loaded) => (&["Verlet", "Centred"][..], loaded.scene.until.get().to_string()),
+                AnyScene::Lattice(loaded) => (&[LATTICE][..], loaded.scene.until.to_string()),
+            };
+            needed.extend(schemes.iter().map(|scheme| ((name.clone(), (*scheme).to_owned()), until.clone())));
+        }
+    }
+    needed
+}
+
+/// The rows with the hashes found now, each with the seconds that it took.
+fn rerun(rows: &[Row]) -> Vec<(Row, f64)> {
+    let rerun = |row: &Row| {
+        let start = Instant::now();
+        (Row { hash: row.found(), ..row.clone() }, start.elapsed().as_secs_f64())
+    };
+    rows.par_iter().with_max_len(1).map(rerun).collect()
+}
+
+/// Writes the table anew, with a row for every scene that there is, and prints how long each takes.
+fn renew(mut rows: Vec<Row>) {
+    let mut needed = needed();
+    rows.retain(|row| needed.remove(&row.key()).is_some());
+    let new = |((scene, scheme), until)| Row { scene, scheme, until, set: String::new(), hash: String::new() };
+    rows.extend(needed.into_iter().map(new));
+    rows.sort_by(|a, b| (&a.scene, &b.scheme).cmp(&(&b.scene, &a.scheme)));
+    let rerun = rerun(&rows);
+    for (row, seconds) in &rerun {
+        eprintln!("{:<28} {:<10} until {:<8} {seconds:>6.2} s  {}", row.scene, row.scheme, row.until, row.hash);
+    }
+    write(&rerun.into_iter().map(|(row, _)| row).collect::<Vec<_>>());
+}
+
+#[test]
+fn every_shipped_scene_has_the_hash_that_is_pinned() {
+    let (pinned_for, rows) = read();
+    if std::env::var_os(RENEW).is_some() {
+        return renew(rows);
+    }
+    if pinned_for != target() {
+        eprintln!("skipped: the hashes are pinned for {pinned_for}, and this is {}", target());
+        return;
+    }
+    let have: BTreeSet<_> = rows.iter().map(Row::key).collect();
+    let needed: BTreeSet<_> = needed().into_keys().collect();
+    let mut wrong = String::new();
+    for (scene, scheme) in needed.difference(&have) {
+        let _ = writeln!(wrong, "scenes/{scene} has no row for {scheme}");
+    }
+    for (scene, scheme) in have.difference(&needed) {
+        let _ = writeln!(wrong, "there is a row for {scheme} of scenes/{scene}, and no such scene");
+    }
+    for ((now, _), pinned) in rerun(&rows).iter().zip(&rows).filter(|((now, _), pinned)| now.hash != pinned.hash) {
+        let Row { scene, scheme, until, set, hash } = pinned;
+        let _ = writeln!(wrong, "scenes/{scene}, {scheme}, until {until} {set}: pinned {hash}, got {}", now.hash);
+    }
+    assert!(
+        wrong.is_empty(),
+        "{wrong}if bits are meant to have changed, renew the table, and say why in the commit:\n  {COMMAND}"
+    );
+}
