@@ -9,6 +9,7 @@
 //!   with candidates from a search in [`neighbours`].
 //! * The lattice gas runs in the same phases, with systems of its own and no particle: [`lattice`].
 //! * Behaviours of your own: [`behaviour`].
+//! * Where two runs part, to the step, the grain and the quantity: [`divergence`].
 //!
 //! ```
 //! use std::num::NonZeroUsize;
@@ -40,6 +41,7 @@ pub mod cli;
 pub mod columns;
 pub mod compare;
 pub mod contact;
+pub mod divergence;
 pub mod door;
 pub mod ending;
 pub mod energy;

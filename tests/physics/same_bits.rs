@@ -6,6 +6,7 @@ use crate::symmetry::{HERTZ, LINEAR, R, end, throw};
 use crate::{motion, simulation_on, sphere};
 use siloflow::columns::Columns;
 use siloflow::contact::history::{History, Pages};
+use siloflow::divergence::where_they_part;
 use siloflow::grains::file::GrainRow;
 use siloflow::output::state_hash;
 use siloflow::prelude::*;
@@ -100,7 +101,14 @@ fn assert_same(solid: bool, grains: &[GrainRow], width: f64) {
             (2, "VerletList(skin: 0.01)"),
         ] {
             let found = course(threads, &format!("{keys}, neighbours: {neighbours}"), grains);
-            assert_eq!(found, reference, "{contact}, {neighbours} on {threads} threads, periodic {periodic}");
+            let part = || {
+                let start = |threads: usize, neighbours: &str| {
+                    simulation_on(threads, &format!("{keys}, neighbours: {neighbours}"), grains.to_vec())
+                };
+                where_they_part(start(threads, neighbours), start(1, "AllPairs"), 2000)
+            };
+            let place = format!("{contact}, {neighbours} on {threads} threads, periodic {periodic}");
+            assert!(found == reference, "{place}: {}", part());
         }
     }
 }

@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 
 use serde_json::Value;
 use siloflow::columns::Columns;
+use siloflow::divergence::where_they_part;
 use siloflow::energy::{Channels, EnergyFlows};
 use siloflow::instructions::Instructions;
 use siloflow::prelude::*;
@@ -35,9 +36,13 @@ fn quiet(name: &str, settings: &[(&str, &str)], more: &[(&str, &str)]) -> Loaded
 #[test]
 fn books_change_no_bit_of_the_motion_on_any_path() {
     for (name, settings, steps) in SCENES {
-        let run = |more: &[(&str, &str)], instructions: Instructions, threads: usize| {
+        let start = |more: &[(&str, &str)], instructions: Instructions, threads: usize| {
             let mut run = simulation(&quiet(name, settings, more), threads);
             run.world_mut().insert_resource(instructions);
+            run
+        };
+        let run = |more: &[(&str, &str)], instructions: Instructions, threads: usize| {
+            let mut run = start(more, instructions, threads);
             run.run_steps(steps);
             hash(&mut run)
         };
@@ -45,7 +50,11 @@ fn books_change_no_bit_of_the_motion_on_any_path() {
         for instructions in Instructions::all() {
             for threads in [1, 2] {
                 let without = run(&[WITHOUT], instructions, threads);
-                assert_eq!(without, with, "{name}: {instructions:?} on {threads} threads");
+                let part = || {
+                    let [without, with] = [&[WITHOUT][..], &[]].map(|more| start(more, instructions, threads));
+                    where_they_part(without, with, steps)
+                };
+                assert_eq!(without, with, "{name}: {instructions:?} on {threads} threads: {}", part());
             }
         }
     }

@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 
 use serde::Deserialize;
 use siloflow::columns::{Columns, Slot};
+use siloflow::divergence::where_they_part;
 use siloflow::energy::EnergyFlows;
 use siloflow::output::state_hash;
 use siloflow::prelude::*;
@@ -62,13 +63,18 @@ const SCENES: [(&str, &[(&str, &str)], [u64; 3]); 5] = [
 #[test]
 fn who_leads_changes_no_bit_of_state_and_books() {
     for (name, settings, steps) in SCENES {
-        let [mut columns, mut components] = [false, true].map(|idle| simulation(name, settings, idle));
+        let start = || [false, true].map(|idle| simulation(name, settings, idle));
+        let part = |steps: u64| {
+            let [columns, components] = start();
+            where_they_part(columns, components, steps)
+        };
+        let [mut columns, mut components] = start();
         let mut before = None;
         for steps in steps {
             columns.run_steps(steps);
             components.run_steps(steps);
             let found = look(&mut columns);
-            assert_eq!(found, look(&mut components), "{name}, step {steps}");
+            assert_eq!(found, look(&mut components), "{name}, step {steps}: {}", part(steps));
             assert_ne!(before.replace(found), Some(found), "{name}: nothing happened");
         }
     }

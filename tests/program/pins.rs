@@ -91,7 +91,7 @@ fn table() -> PathBuf {
     root().join("tests/data/hashes.csv")
 }
 
-/// What this test was built for, as the compiler names it.
+/// The target of this build, as the compiler names it.
 fn target() -> String {
     let (arch, os) = (std::env::consts::ARCH, std::env::consts::OS);
     let environment = [
@@ -118,7 +118,9 @@ fn read() -> (String, Vec<Row>) {
 
 fn write(rows: &[Row]) {
     let mut writer = csv::Writer::from_writer(format!("# target {}\n", target()).into_bytes());
-    rows.iter().for_each(|row| writer.serialize(row).unwrap());
+    for row in rows {
+        writer.serialize(row).unwrap();
+    }
     fs::write(table(), writer.into_inner().unwrap()).unwrap();
 }
 
@@ -127,11 +129,11 @@ fn needed() -> BTreeMap<(String, String), String> {
     let mut needed = BTreeMap::new();
     for folder in ["", "hard/"] {
         for entry in fs::read_dir(scene(folder)).unwrap() {
-            let file = entry.unwrap().file_name().into_string().unwrap();
-            if !file.ends_with(".ron") {
+            let path = entry.unwrap().path();
+            if path.extension().is_none_or(|ending| ending != "ron") {
                 continue;
             }
-            let name = format!("{folder}{file}");
+            let name = format!("{folder}{}", path.file_name().unwrap().display());
             let (schemes, until) = match loading::any(&scene(&name), &[]).unwrap() {
                 AnyScene::Grains(loaded) => (&["Verlet", "Centred"][..], loaded.scene.until.get().to_string()),
                 AnyScene::Lattice(loaded) => (&[LATTICE][..], loaded.scene.until.to_string()),
@@ -186,7 +188,9 @@ fn every_shipped_scene_has_the_hash_that_is_pinned() {
     }
     for ((now, _), pinned) in rerun(&rows).iter().zip(&rows).filter(|((now, _), pinned)| now.hash != pinned.hash) {
         let Row { scene, scheme, until, set, hash } = pinned;
-        let _ = writeln!(wrong, "scenes/{scene}, {scheme}, until {until} {set}: pinned {hash}, got {}", now.hash);
+        let comma = if set.is_empty() { "" } else { ", " };
+        let _ =
+            writeln!(wrong, "scenes/{scene}, {scheme}, until {until}{comma}{set}: expected {hash}, got {}", now.hash);
     }
     assert!(
         wrong.is_empty(),

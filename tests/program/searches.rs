@@ -1,13 +1,14 @@
 //! The promise of determinism: thread count, neighbour search and skin change no bit, nor do components of users.
 
 use crate::{hash, load, simulation};
+use siloflow::divergence::where_they_part;
 use siloflow::energy::EnergyFlows;
 use siloflow::instructions::Instructions;
 use siloflow::prelude::*;
 use siloflow::source::places;
 
-/// Runs a small fill, rest and discharge to its end, or to 30 s, and hashes it on the way and at the end.
-fn hashes(name: &str, neighbours: &str, threads: usize) -> Vec<u64> {
+/// A small fill, rest and discharge to its end, or to 30 s.
+fn start(name: &str, neighbours: &str, threads: usize) -> Simulation {
     let settings = [
         ("pictures", "None"),
         ("spawner.count", "150"),
@@ -15,7 +16,12 @@ fn hashes(name: &str, neighbours: &str, threads: usize) -> Vec<u64> {
         ("neighbours", neighbours),
         ("on_loss", "Continue"),
     ];
-    let mut run = simulation(&load(name, &settings), threads);
+    simulation(&load(name, &settings), threads)
+}
+
+/// Hashes on the way and at the end.
+fn hashes(name: &str, neighbours: &str, threads: usize) -> Vec<u64> {
+    let mut run = start(name, neighbours, threads);
     let mut hashes = Vec::new();
     for steps in [4_000, 9_000, 12_000, u64::MAX] {
         run.run_steps(steps);
@@ -36,7 +42,12 @@ fn assert_same(name: &str) {
         ("VerletList(skin: 0.3)", 2),
         ("AllPairs", 2),
     ] {
-        assert_eq!(hashes(name, neighbours, threads), reference, "{name}: {neighbours} on {threads} threads");
+        assert_eq!(
+            hashes(name, neighbours, threads),
+            reference,
+            "{name}: {neighbours} on {threads} threads: {}",
+            where_they_part(start(name, neighbours, threads), start(name, "AllPairs", 1), u64::MAX)
+        );
     }
 }
 
@@ -59,7 +70,7 @@ fn silo1_polydisperse_is_the_same_to_the_last_bit() {
 /// moves fast among what does not.
 #[test]
 fn a_fast_grain_is_never_missed() {
-    let run = |neighbours: &str| {
+    let hurled = |neighbours: &str| {
         let settings = [
             ("pictures", "None"),
             ("spawner.count", "60"),
@@ -79,12 +90,17 @@ fn a_fast_grain_is_never_missed() {
                 v.0 = Vector::new(2.0, -20.0);
             }
         }
+        run
+    };
+    let run = |neighbours: &str| {
+        let mut run = hurled(neighbours);
         run.run();
         hash(&mut run)
     };
     let reference = run("AllPairs");
     for neighbours in ["Cells(size: 0.08)", "VerletList(skin: 0.001)", "VerletList(skin: 0.02)"] {
-        assert_eq!(run(neighbours), reference, "{neighbours}");
+        let part = || where_they_part(hurled(neighbours), hurled("AllPairs"), u64::MAX);
+        assert_eq!(run(neighbours), reference, "{neighbours}: {}", part());
     }
 }
 
@@ -93,7 +109,7 @@ fn components_of_users_change_no_bit() {
     #[derive(Component)]
     struct Painted(#[expect(dead_code, reason = "it only takes up room")] u64);
     let settings = [("pictures", "None"), ("spawner.count", "40")];
-    let run = |paint: bool| {
+    let painted = |paint: bool| {
         let mut run = simulation(&load("silo1.ron", &settings), 1);
         run.run_steps(1500);
         if paint {
@@ -106,21 +122,27 @@ fn components_of_users_change_no_bit() {
                 world.entity_mut(grain).insert(Painted(number as u64));
             }
         }
+        run
+    };
+    let run = |paint: bool| {
+        let mut run = painted(paint);
         run.run_steps(6000);
         hash(&mut run)
     };
-    assert_eq!(run(false), run(true));
+    assert_eq!(run(false), run(true), "{}", where_they_part(painted(false), painted(true), 6000));
 }
 
 #[test]
 fn the_seed_decides_and_nothing_else() {
+    let start = |seed: &str| {
+        simulation(&load("silo1.ron", &[("pictures", "None"), ("seed", seed), ("spawner.count", "20")]), 1)
+    };
     let run = |seed: &str| {
-        let mut run =
-            simulation(&load("silo1.ron", &[("pictures", "None"), ("seed", seed), ("spawner.count", "20")]), 1);
+        let mut run = start(seed);
         run.run_steps(2500);
         hash(&mut run)
     };
-    assert_eq!(run("1"), run("1"));
+    assert_eq!(run("1"), run("1"), "{}", where_they_part(start("1"), start("1"), 2500));
     assert_ne!(run("1"), run("2"));
 }
 
@@ -150,16 +172,25 @@ fn instructions_change_no_bit() {
         "this machine has one way only: nothing to compare"
     );
     for (name, settings, steps) in scenes {
-        let run = |instructions: Instructions, threads: usize| {
+        let start = |instructions: Instructions, threads: usize| {
             let mut run = simulation(&load(name, settings), threads);
             run.world_mut().insert_resource(instructions);
+            run
+        };
+        let run = |instructions: Instructions, threads: usize| {
+            let mut run = start(instructions, threads);
             run.run_steps(steps);
             (hash(&mut run), run.world().resource::<EnergyFlows>().dissipated.to_bits())
         };
         let reference = run(Instructions::Baseline, 1);
         for instructions in Instructions::all() {
             for threads in [1, 2, 3] {
-                assert_eq!(run(instructions, threads), reference, "{name}: {instructions:?} on {threads} threads");
+                assert_eq!(
+                    run(instructions, threads),
+                    reference,
+                    "{name}: {instructions:?} on {threads} threads: {}",
+                    where_they_part(start(instructions, threads), start(Instructions::Baseline, 1), steps)
+                );
             }
         }
     }
@@ -168,22 +199,25 @@ fn instructions_change_no_bit() {
 /// Grains that entered in no order: the order of slots and of rows changes no bit.
 #[test]
 fn the_order_of_entering_changes_no_bit() {
-    let run = |turned: bool| {
+    let start = |turned: bool| {
         let mut loaded = load("bed3d.ron", &[("fill[0].count", "5000"), ("profiles", "[]"), ("pictures", "None")]);
         if turned {
             loaded.grains.reverse();
         }
-        let mut run = simulation(&loaded, 1);
+        simulation(&loaded, 1)
+    };
+    let run = |turned: bool| {
+        let mut run = start(turned);
         run.run_steps(1_500);
         hash(&mut run)
     };
-    assert_eq!(run(false), run(true));
+    assert_eq!(run(false), run(true), "{}", where_they_part(start(false), start(true), 1_500));
 }
 
 /// A grain that is set on others between two steps is found by every search, as by all pairs.
 #[test]
 fn a_grain_that_is_moved_between_steps_is_found() {
-    let run = |neighbours: &str| {
+    let moved = |neighbours: &str| {
         let settings = [
             ("spawner.count", "40"),
             ("pictures", "None"),
@@ -203,11 +237,16 @@ fn a_grain_that_is_moved_between_steps_is_found() {
                 x.0 = lowest + Vector::new(0.0, 0.05);
             }
         }
+        run
+    };
+    let run = |neighbours: &str| {
+        let mut run = moved(neighbours);
         run.run_steps(20_050);
         hash(&mut run)
     };
     let reference = run("AllPairs");
     for neighbours in ["Cells(size: 0.25)", "VerletList(skin: 0.02)", "VerletList(skin: 0.3)"] {
-        assert_eq!(run(neighbours), reference, "{neighbours}");
+        let part = || where_they_part(moved(neighbours), moved("AllPairs"), 20_050);
+        assert_eq!(run(neighbours), reference, "{neighbours}: {}", part());
     }
 }

@@ -3,6 +3,7 @@
 use siloflow::columns::Columns;
 use siloflow::contact::history::History;
 use siloflow::contact::survey::Survey;
+use siloflow::divergence::where_they_part;
 use siloflow::energy::{Channels, EnergyFlows};
 use siloflow::measure::totals;
 use siloflow::prelude::*;
@@ -172,7 +173,7 @@ fn a_mixture_of_materials_meets_by_pairs() {
 
 #[test]
 fn a_frictional_hopper_is_the_same_for_all_searches_and_threads() {
-    let settle = |neighbours: &str, threads: usize| {
+    let start = |neighbours: &str, threads: usize| {
         let settings = [
             ("pictures", "None"),
             ("profiles", "[]"),
@@ -180,14 +181,19 @@ fn a_frictional_hopper_is_the_same_for_all_searches_and_threads() {
             ("until", "0.3"),
             ("neighbours", neighbours),
         ];
-        let mut run = simulation(&load("silo3d.ron", &settings), threads);
+        simulation(&load("silo3d.ron", &settings), threads)
+    };
+    let settle = |neighbours: &str, threads: usize| {
+        let mut run = start(neighbours, threads);
         run.run();
         hash(&mut run)
     };
-    let reference = settle("VerletList(skin: 0.0006)", 1);
+    let usual = "VerletList(skin: 0.0006)";
+    let reference = settle(usual, 1);
     for (neighbours, threads) in
         [("VerletList(skin: 0.003)", 2), ("Cells(size: 0.006)", 1), ("CellsOfRange(rng: 2.5)", 2)]
     {
-        assert_eq!(settle(neighbours, threads), reference, "{neighbours} on {threads} threads");
+        let part = || where_they_part(start(neighbours, threads), start(usual, 1), u64::MAX);
+        assert_eq!(settle(neighbours, threads), reference, "{neighbours} on {threads} threads: {}", part());
     }
 }

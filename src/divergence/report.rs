@@ -1,0 +1,190 @@
+//! The report on the step in which two runs part, in words and for programs.
+
+use std::fmt;
+
+use serde::{Serialize, Serializer};
+
+use crate::outcome::End;
+use crate::particle::GrainId;
+use crate::space::Linear;
+
+/// The first difference of two runs.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Divergence {
+    /// The step after which it is there.
+    pub step: u64,
+    /// Simulated time then, s.
+    pub time_s: f64,
+    /// The difference.
+    #[serde(flatten)]
+    pub difference: Difference,
+}
+
+/// A difference of two states.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum Difference {
+    /// A quantity of a particle.
+    Particle {
+        /// Which particle.
+        #[serde(serialize_with = "as_text")]
+        particle: GrainId,
+        /// Which quantity.
+        quantity: Quantity,
+        /// Its value in the first run and in the second; of [`Quantity::Presence`] the position, `None` in the run that lacks it.
+        values: [Option<Value>; 2],
+        /// How many particles differ, in any quantity.
+        particles: usize,
+    },
+    /// The state of a site of a lattice gas.
+    Site {
+        /// Where it is, m.
+        place: Value,
+        /// Its state in the first run and in the second: bit i for a particle with velocity i.
+        values: [u16; 2],
+        /// How many sites differ.
+        sites: usize,
+    },
+    /// How the runs ended: states are the same, but one run has ended and the other has not, or not so.
+    End {
+        /// How the first run ended and how the second, if it did.
+        ends: [Option<End>; 2],
+    },
+}
+
+/// A quantity of a particle, in the order in which a step computes them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Quantity {
+    /// Whether the particle is there.
+    Presence,
+    /// Radius, m.
+    Radius,
+    /// Mass, kg.
+    Mass,
+    /// Position of the centre, m.
+    Position,
+    /// Force, N.
+    Force,
+    /// Torque, N m.
+    Torque,
+    /// Velocity, m/s.
+    Velocity,
+    /// Spin, rad/s.
+    Spin,
+}
+
+impl Quantity {
+    /// Its name.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.name_and_unit().0
+    }
+
+    /// Its unit.
+    #[must_use]
+    pub fn unit(self) -> &'static str {
+        self.name_and_unit().1
+    }
+
+    fn name_and_unit(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Presence => ("presence", "m"),
+            Self::Radius => ("radius", "m"),
+            Self::Mass => ("mass", "kg"),
+            Self::Position => ("position", "m"),
+            Self::Force => ("force", "N"),
+            Self::Torque => ("torque", "N m"),
+            Self::Velocity => ("velocity", "m/s"),
+            Self::Spin => ("spin", "rad/s"),
+        }
+    }
+}
+
+/// A number or a vector, which is equal to another if all bits are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub struct Value {
+    bits: [u64; 3],
+    count: usize,
+}
+
+impl Value {
+    /// That of a vector, a spin or a number.
+    #[must_use]
+    pub fn of<L: Linear>(vector: L) -> Self {
+        let bits = |axis| if axis < L::COUNT { vector.component(axis).to_bits() } else { 0 };
+        Self { bits: std::array::from_fn(bits), count: L::COUNT }
+    }
+
+    /// Its components.
+    pub fn components(&self) -> impl Iterator<Item = f64> {
+        self.bits[..self.count].iter().map(|bits| f64::from_bits(*bits))
+    }
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // As many digits as tell a number from its neighbours.
+        let numbers: Vec<_> = self.components().map(|number| format!("{number:?}")).collect();
+        if self.count == 1 { f.write_str(&numbers[0]) } else { write!(f, "({})", numbers.join(", ")) }
+    }
+}
+
+impl Serialize for Value {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.components())
+    }
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "that is how serde hands it over")]
+fn as_text<S: Serializer>(particle: &GrainId, serializer: S) -> Result<S::Ok, S::Error> {
+    serializer.collect_str(particle)
+}
+
+impl fmt::Display for Divergence {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { step, time_s, difference } = self;
+        write!(f, "step {step}, t = {time_s} s: ")?;
+        match difference {
+            Difference::Particle { particle, quantity: Quantity::Presence, values, particles } => {
+                writeln!(f, "{particle} is in one run only (position, m)")?;
+                both(f, values.map(|value| value.map_or("not there".to_owned(), |value| value.to_string())))?;
+                count(f, *particles, "particle")
+            }
+            Difference::Particle { particle, quantity, values, particles } => {
+                writeln!(f, "the {} of {particle} ({})", quantity.name(), quantity.unit())?;
+                both(f, values.map(|value| value.map_or("none".to_owned(), |value| value.to_string())))?;
+                count(f, *particles, "particle")
+            }
+            Difference::Site { place, values, sites } => {
+                writeln!(
+                    f,
+                    "the state of the site at {place} m (a bit for each of 13 velocities, the last one first)"
+                )?;
+                both(f, values.map(|state| format!("{state:013b}")))?;
+                count(f, *sites, "site")
+            }
+            Difference::End { ends } => {
+                writeln!(f, "the states are the same, but the runs end differently")?;
+                both(f, ends.each_ref().map(|end| describe(end.as_ref())))
+            }
+        }
+    }
+}
+
+fn both(f: &mut fmt::Formatter<'_>, [first, second]: [String; 2]) -> fmt::Result {
+    write!(f, "  first   {first}\n  second  {second}")
+}
+
+fn count(f: &mut fmt::Formatter<'_>, count: usize, noun: &str) -> fmt::Result {
+    let (plural, verb) = if count == 1 { ("", "differs") } else { ("s", "differ") };
+    write!(f, "\n{count} {noun}{plural} {verb} after this step")
+}
+
+fn describe(end: Option<&End>) -> String {
+    match end {
+        None => "goes on".to_owned(),
+        Some(End::Failed(failure)) => format!("failed: {failure}"),
+        Some(end) => end.word().to_owned(),
+    }
+}
