@@ -1,10 +1,11 @@
 //! The command line. Results go to stdout, progress and messages to stderr.
 //!
-//! Exit status: 0 done; 1 the simulation failed; 2 the input or the call was wrong.
+//! Exit status: 0 done; 1 the simulation failed, or `diff` found a difference; 2 the input or the call was wrong.
 
 mod accuracy;
 mod check;
 mod compare;
+mod diff;
 mod explain;
 mod progress;
 mod render;
@@ -31,8 +32,8 @@ use crate::scene::load::{self, AnyScene};
     name = "siloflow",
     version,
     max_term_width = 100,
-    after_help = "Exit status: 0 done; 1 the simulation failed (unstable, grains lost, release blocked); 2 the input \
-                  or the call was wrong.\n\nStart with:  siloflow run scenes/silo1.ron\nPictures:    out/silo1/frames/, \
+    after_help = "Exit status: 0 done; 1 the simulation failed (unstable, grains lost, release blocked), or `diff` found \
+                  a difference; 2 the input or the call was wrong.\n\nStart with:  siloflow run scenes/silo1.ron\nPictures:    out/silo1/frames/, \
                   figures: out/silo1/summary.json, series.csv"
 )]
 struct Cli {
@@ -58,6 +59,8 @@ enum Command {
     Study(study::StudyArgs),
     /// Compare the flow patterns of runs or scenes with that of a reference, and what each cost.
     Compare(compare::CompareArgs),
+    /// Run two scenes together and tell the first step, grain and quantity in which they differ.
+    Diff(diff::DiffArgs),
     /// Measure speed against error: of canonical cases, by every scheme and over a ladder of steps.
     Accuracy(accuracy::AccuracyArgs),
     /// Turn snapshots (SVG) into PNGs beside them.
@@ -100,6 +103,8 @@ fn setting(text: &str) -> Result<(String, String), String> {
 enum Verdict {
     Done,
     SimulationFailed,
+    /// Two runs are not the same.
+    Different,
 }
 
 /// The program with our own behaviours only.
@@ -133,12 +138,13 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Explain(args) => explain::explain(args, registry),
         Command::Study(args) => study::study(args, cli.quiet),
         Command::Compare(args) => compare::compare(args, registry, cli.quiet),
+        Command::Diff(args) => diff::diff(args, registry, cli.quiet),
         Command::Accuracy(args) => accuracy::accuracy(args, registry, cli.quiet),
         Command::Render(args) => render::render(args),
     };
     match result {
         Ok(Verdict::Done) => ExitCode::SUCCESS,
-        Ok(Verdict::SimulationFailed) => ExitCode::from(1),
+        Ok(Verdict::SimulationFailed | Verdict::Different) => ExitCode::from(1),
         Err(fault) => {
             eprintln!("{:?}", miette::Report::new(fault));
             ExitCode::from(2)

@@ -34,6 +34,12 @@ fn copy_name(key: &str) -> &'static str {
     if key == "silo.file" { "input-silo.dat" } else { "input-grains.csv" }
 }
 
+/// Where the scene of a run directory is.
+#[must_use]
+pub fn scene_of(run: &Path) -> PathBuf {
+    run.join(SCENE)
+}
+
 impl RunDirectory {
     /// Makes the directory ready for a run of a scene and writes `scene.ron` and the files that it names.
     ///

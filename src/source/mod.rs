@@ -1,5 +1,6 @@
 //! The text of a scene: where it comes from, where each key stands in it, and the files that it names.
 
+pub mod keys;
 pub mod parse;
 pub mod places;
 

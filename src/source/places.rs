@@ -43,6 +43,12 @@ impl Places {
         Self(scanner.places)
     }
 
+    /// All of them, in the order of the text, outer before inner.
+    #[must_use]
+    pub fn all(&self) -> &[Place] {
+        &self.0
+    }
+
     /// The value with this path.
     #[must_use]
     pub fn get(&self, path: &str) -> Option<&Place> {

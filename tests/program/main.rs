@@ -18,6 +18,7 @@ mod behaviours;
 mod books;
 mod command_line;
 mod compare;
+mod diff;
 mod divergence;
 mod hard;
 mod lattice;

@@ -1,0 +1,78 @@
+//! In which keys two scenes differ, by their texts: `1e4` and `10000.0` count as different, comments and layout do not.
+
+use serde::Serialize;
+
+use crate::source::Source;
+use crate::source::places::Place;
+
+/// A key that differs, with its values as they stand in the texts; `None` where a text lacks the key.
+#[derive(Debug, PartialEq, Eq, Serialize)]
+pub struct Change<'a> {
+    /// Its path.
+    pub key: &'a str,
+    /// Its value in the first text.
+    pub first: Option<String>,
+    /// Its value in the second one.
+    pub second: Option<String>,
+}
+
+/// The keys that differ, in the order of the first text, then those that only the second one has. Keys within one that is listed are not.
+#[must_use]
+pub fn changes<'a>(first: &'a Source, second: &'a Source) -> Vec<Change<'a>> {
+    let mut changes: Vec<Change> = Vec::new();
+    let only_in_second = second.places.all().iter().filter(|place| first.places.get(&place.path).is_none());
+    for Place { path, .. } in first.places.all().iter().chain(only_in_second) {
+        let is_within = |outer: &Change| path.strip_prefix(outer.key).is_some_and(|rest| rest.starts_with(['.', '[']));
+        let values = [first, second].map(|source| source.value_of(path));
+        if path.is_empty() || values[0].map(head) == values[1].map(head) || changes.iter().any(is_within) {
+            continue;
+        }
+        let [first, second] = values.map(|value| value.map(on_one_line));
+        changes.push(Change { key: path, first, second });
+    }
+    changes
+}
+
+/// The part of a value that no key within it holds: all of a number or a text, of others the name before the bracket.
+fn head(value: &str) -> &str {
+    let is_text = value.starts_with('"') || value.starts_with("r\"") || value.starts_with("r#");
+    let end = if is_text { None } else { value.find(['(', '[', '{', '/']) };
+    value[..end.unwrap_or(value.len())].trim()
+}
+
+/// A value without line ends and the comments before them.
+fn on_one_line(value: &str) -> String {
+    let lines =
+        value.lines().map(|line| if value.contains('\n') { line.split("//").next().unwrap_or(line) } else { line });
+    lines.flat_map(str::split_whitespace).collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::*;
+
+    #[test]
+    fn keys_that_differ_are_listed_once() {
+        let source = |text: &str| Source::new("a.ron", "a", Path::new(""), text.to_owned());
+        let first = source(
+            "(k: 1.0, /* ( */ law: B(5.0), walls: [Disc(r: 1), Disc(r: 2)], step: Fixed( // s\n 1e-3), title: \"a(b\")",
+        );
+        let second =
+            source("(k: 1.0, law: Restitution(5.0), walls: [Disc(r: 1), Disc(r: 3)], title: \"a(c\", seed: 1)");
+        let found: Vec<_> = changes(&first, &second).into_iter().map(|c| (c.key, c.first, c.second)).collect();
+        let text = |text: &str| Some(text.to_owned());
+        assert_eq!(
+            found,
+            [
+                ("law", text("B(5.0)"), text("Restitution(5.0)")),
+                ("walls[1].r", text("2"), text("3")),
+                ("step", text("Fixed( 1e-3)"), None),
+                ("title", text("\"a(b\""), text("\"a(c\"")),
+                ("seed", None, text("1")),
+            ]
+        );
+        assert_eq!(changes(&first, &first), []);
+    }
+}
