@@ -3,10 +3,24 @@
 //!
 //! The same source is compiled for each, so they do the same operations in the same order: additions, multiplications,
 //! divisions and roots as IEEE 754 has them, never fused. The bits are the same; `tests/program/searches.rs` forces each.
+//!
+//! A run takes the widest instructions of its processor. The environment variable [`VARIABLE`], `SILOFLOW_INSTRUCTIONS`, forces
+//! `baseline`, `avx2` or `avx512` instead. A word that is none of these is an error of the run, and so are instructions that the
+//! processor lacks. An empty variable counts as none.
+
+use std::env;
 
 use bevy_ecs::prelude::*;
 #[cfg(target_arch = "x86_64")]
 use fearless_simd::{Avx2, Avx512, Level, Simd};
+
+use crate::fault::Fault;
+
+/// The environment variable that forces instructions by their [`Instructions::name`].
+pub const VARIABLE: &str = "SILOFLOW_INSTRUCTIONS";
+
+/// All names, of instructions that a processor may lack too.
+const NAMES: [&str; 3] = ["baseline", "avx2", "avx512"];
 
 /// One of the ways to compute.
 #[derive(Resource, Clone, Copy, Debug)]
@@ -41,6 +55,48 @@ impl Instructions {
         all
     }
 
+    /// The word that [`VARIABLE`] has for them.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Baseline => NAMES[0],
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx2(_) => NAMES[1],
+            #[cfg(target_arch = "x86_64")]
+            Self::Avx512(_) => NAMES[2],
+        }
+    }
+
+    /// Those that [`VARIABLE`] names, the widest if it is not set.
+    ///
+    /// # Errors
+    /// As [`Instructions::named`].
+    pub fn of_environment() -> Result<Self, Fault> {
+        match env::var_os(VARIABLE).filter(|value| !value.is_empty()) {
+            None => Ok(Self::default()),
+            Some(value) => Self::named(&value.to_string_lossy()),
+        }
+    }
+
+    /// Those with this name.
+    ///
+    /// # Errors
+    /// If no instructions have this name, or this machine lacks them.
+    pub fn named(name: &str) -> Result<Self, Fault> {
+        let all = Self::all();
+        all.iter().copied().find(|instructions| instructions.name() == name).ok_or_else(|| {
+            let expected = NAMES.join(", ");
+            let why = if NAMES.contains(&name) {
+                "this processor lacks these instructions"
+            } else {
+                "there are no such instructions"
+            };
+            let here: Vec<_> = all.iter().map(|instructions| instructions.name()).collect();
+            Fault::new("call::instructions", format!("{VARIABLE} is `{name}`: {why}; expected one of {expected}"))
+                .help(format!("this processor has {}; without {VARIABLE} the widest are taken", here.join(", ")))
+        })
+    }
+
     /// Runs `work` with them: all of it that is inlined is compiled for them.
     #[inline]
     pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
@@ -63,5 +119,28 @@ impl Instructions {
             return avx2.vectorize(work);
         }
         self.run(work)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_is_found_by_its_name() {
+        for instructions in Instructions::all() {
+            assert_eq!(Instructions::named(instructions.name()).unwrap().name(), instructions.name());
+        }
+    }
+
+    #[test]
+    fn a_name_that_this_machine_does_not_know_is_a_fault() {
+        for name in ["", "AVX2", "sse2", "avx2 "] {
+            let fault = Instructions::named(name).unwrap_err();
+            assert_eq!(fault.code(), "call::instructions");
+            let message = fault.to_string();
+            assert!(message.contains(VARIABLE) && message.contains(&format!("`{name}`")), "{message}");
+            assert!(NAMES.iter().all(|known| message.contains(known)), "{message}");
+        }
     }
 }

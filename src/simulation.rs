@@ -13,6 +13,7 @@ use crate::fault::Fault;
 use crate::grains::file::GrainRow;
 use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
+use crate::instructions::Instructions;
 use crate::lattice;
 use crate::lattice::load::LoadedLattice;
 use crate::messages::GrainReleased;
@@ -38,7 +39,8 @@ impl Simulation {
     /// Builds the app that the scene asks for; nothing has run yet.
     ///
     /// # Errors
-    /// If a behaviour is unknown or its keys are wrong, or systems of behaviours conflict.
+    /// If a behaviour is unknown or its keys are wrong, systems of behaviours conflict, or the environment asks for
+    /// [`instructions`](crate::instructions) that this machine lacks.
     pub fn new(loaded: &Loaded, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
         let mut simulation = Self::with(loaded, registry, threads, |_| {})?;
         simulation.follow();
@@ -255,6 +257,7 @@ fn empty(threads: NonZeroUsize) -> Result<App, Fault> {
     })?;
     let mut app = App::empty();
     app.insert_resource(threads)
+        .insert_resource(Instructions::of_environment()?)
         .init_resource::<Outcome>()
         .init_resource::<Pending>()
         // Several systems may end a run; whichever says so first in the step's fixed order is heard.

@@ -30,6 +30,7 @@ mod mfix_pair;
 mod mfix_rolling;
 mod momentum;
 mod oblique;
+mod oracle;
 mod ride;
 mod rolling_resistance;
 mod same_bits;

@@ -21,6 +21,7 @@ mod compare;
 mod diff;
 mod divergence;
 mod hard;
+mod instructions;
 mod lattice;
 mod leading;
 mod periodic;

@@ -1,0 +1,123 @@
+//! The forces of a contact under plain velocity Verlet: at the positions of the end and the velocities of the middle of a step.
+//!
+//! * Assignment: k delta n - b v. Others: F_n = max(spring - c v_n, floor), v_n = v.n.
+//! * Sliding velocity v_t = v - v_n n - (l_i w_i + l_j w_j) x n, l = R or, to the contact point, R_i - delta R_j/(R_i + R_j); on
+//!   a flat wall R - delta, and none of the wall's own.
+//! * A slider: S <- S + v dt, laid into the tangent plane; F = -k S - c v; beyond mu |F_n| F is cut and S = -(F + c v)/k. A dashpot
+//!   has no S. Where k varies (Mindlin), a stiffening spring keeps its force, S <- S k_before/k, a softening one its displacement.
+//! * Rolling resistance: the same slider for v_r = R* (w_i - w_j) x n; torque R* n x F_r on i, the opposite on j.
+//! * Torques of friction: -l n x F_t on each.
+
+use crate::oracle::law::{Damping, Normal, Reduced, Rolling, Terms};
+use crate::oracle::vector::V;
+
+/// Two that meet, from the side of i; j may be a flat wall, of no curvature.
+#[derive(Clone, Copy, Debug)]
+pub struct Meeting {
+    /// From j to i.
+    pub normal: V,
+    /// Negative across a gap, m.
+    pub overlap: f64,
+    /// v_i - v_j, m/s.
+    pub velocity: V,
+    pub reduced: Reduced,
+    pub radii: [f64; 2],
+    pub spins: [V; 2],
+}
+
+/// What a contact remembers: the displacements of its two springs, m, and the tangential stiffness, N/m, if that varies.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Memory {
+    pub spring: V,
+    pub rolling: V,
+    pub stiffness: f64,
+}
+
+/// Force on i (the opposite acts on j) and torques on i and j.
+#[derive(Clone, Copy, Debug)]
+pub struct Action {
+    pub force: V,
+    pub torques: [V; 2],
+}
+
+impl Meeting {
+    /// l_i and l_j, m.
+    pub fn levers(&self, at_point: bool) -> [f64; 2] {
+        let [i, j] = self.radii;
+        match (at_point, j.is_infinite()) {
+            (false, false) => [i, j],
+            (false, true) => [i, 0.0],
+            (true, true) => [i - self.overlap, 0.0],
+            (true, false) => [i - self.overlap * j / (i + j), j - self.overlap * i / (i + j)],
+        }
+    }
+
+    /// v_t for a relative velocity and spins.
+    pub fn sliding(&self, velocity: V, spins: [V; 2], levers: [f64; 2]) -> V {
+        velocity.across(self.normal) - (spins[0] * levers[0] + spins[1] * levers[1]).cross(self.normal)
+    }
+
+    /// v_r for spins.
+    pub fn rolling(&self, spins: [V; 2]) -> V {
+        (spins[0] - spins[1]).cross(self.normal) * self.reduced.radius
+    }
+
+    /// The forces and torques of a normal force (N), friction and rolling resistance.
+    pub fn act(&self, total: f64, friction: V, levers: [f64; 2], rolling: V) -> Action {
+        let moment = self.normal.cross(friction);
+        let couple = (self.normal * self.reduced.radius).cross(rolling);
+        let torques = [moment * -levers[0] + couple, moment * -levers[1] - couple];
+        Action { force: self.normal * total + friction, torques }
+    }
+}
+
+/// Moves a slider on and gives its force.
+fn slide(spring: &mut V, [k, c, cap]: [f64; 3], velocity: V, normal: V, dt: f64) -> V {
+    let moved = (*spring + velocity * dt).across(normal);
+    let (force, is_beyond) = (moved * -k - velocity * c).cut(cap);
+    *spring = if is_beyond { (force + velocity * c) * (-1.0 / k) } else { moved };
+    force
+}
+
+/// The action of a contact; what it remembers moves on by `dt`.
+pub fn plain(terms: &Terms, meeting: &Meeting, memory: &mut Memory, dt: f64) -> Action {
+    let Meeting { normal, overlap, velocity, reduced, spins, .. } = *meeting;
+    let spring = terms.spring(reduced, overlap);
+    if let Normal::Assignment { b, .. } = terms.law.normal {
+        return Action { force: normal * spring - velocity * b, torques: [V::default(); 2] };
+    }
+    let drag = terms.drag(reduced, overlap);
+    let total = (spring - drag * velocity.dot(normal)).max(terms.floor());
+    let levers = meeting.levers(terms.law.at_point);
+    let mut friction = V::default();
+    if let Some([stiffness, damping, mu]) = terms.tangential(reduced, overlap, drag) {
+        let sliding = meeting.sliding(velocity, spins, levers);
+        if terms.stiffness_varies() {
+            adapt(memory, stiffness);
+        }
+        friction = if terms.has_spring() {
+            slide(&mut memory.spring, [stiffness, damping, mu * total.abs()], sliding, normal, dt)
+        } else {
+            (sliding * -damping).cut(mu * total.abs()).0
+        };
+    }
+    let mut rolling = V::default();
+    if let Some(Rolling { k, damping, mu }) = terms.law.rolling {
+        let numbers = [k, rolling_drag(damping, reduced), mu * total.abs()];
+        rolling = slide(&mut memory.rolling, numbers, meeting.rolling(spins), normal, dt);
+    }
+    meeting.act(total, friction, levers, rolling)
+}
+
+/// Adapts a spring to a changed stiffness, N/m.
+pub fn adapt(memory: &mut Memory, stiffness: f64) {
+    if stiffness > memory.stiffness {
+        memory.spring = memory.spring * (memory.stiffness / stiffness);
+    }
+    memory.stiffness = stiffness;
+}
+
+/// c of rolling resistance, N s/m.
+pub fn rolling_drag(damping: Damping, reduced: Reduced) -> f64 {
+    damping.drag(reduced.mass, 0.0)
+}

@@ -1,0 +1,104 @@
+//! A [`Scene`] for siloflow: its keys, and its grains with their ids, which follow the order of the bodies.
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use glam::DVec3;
+use siloflow::grains::file::GrainRow;
+use siloflow::grains::fill::FixedGrain;
+use siloflow::prelude::*;
+
+use crate::oracle::scene::{Around, DT, RELEASE_EVERY, RELEASES, Scene};
+use crate::oracle::simulator::{Body, Shape, Wall};
+use crate::oracle::vector::V;
+
+impl Scene {
+    fn wall_text(&self, wall: &Wall) -> String {
+        let text = |v: V| v.ron(self.solid);
+        let species = wall.species;
+        match wall.shape {
+            Shape::Half { point, normal, velocity } => format!(
+                "HalfPlane(point: {}, normal: {}, velocity: {}, species: {species})",
+                text(point),
+                text(normal * 3.0),
+                text(velocity)
+            ),
+            Shape::Segment { from, to } => {
+                format!("Segment(from: {}, to: {}, species: {species})", text(from), text(to))
+            }
+            Shape::Panel { corner, along, across } => format!(
+                "Panel(corner: {}, along: {}, across: {}, species: {species})",
+                text(corner),
+                text(along),
+                text(across)
+            ),
+        }
+    }
+
+    /// What tells it from others.
+    pub fn title(&self) -> String {
+        let space = if self.solid { "Solid" } else { "Plane" };
+        format!("{}, {space}, {:?}, {:?}", self.laws[0].ron(), self.around, self.scheme)
+    }
+
+    /// The scene's keys.
+    fn text(&self, search: &str, books: bool) -> String {
+        let mut walls: Vec<_> = self.walls.iter().map(|wall| self.wall_text(wall)).collect();
+        for body in self.bodies.iter().filter(|body| body.is_fixed && body.velocity == V::default()) {
+            let centre = body.position.ron(self.solid);
+            walls.push(format!("Disc(centre: {centre}, radius: {:?}, species: {})", body.radius, body.species));
+        }
+        let sides =
+            ["x", "y", "z"].iter().zip(self.periodic).filter_map(|(name, side)| Some(format!("{name}: {:?}", side?)));
+        let materials = self.materials.iter().map(|m| format!("(young: {:?}, poisson: {:?})", m.young, m.poisson));
+        let pairs = self.laws[1..].iter().map(|law| format!("(species: (0, 1), contact: {})", law.ron()));
+        let cull =
+            if self.around == Around::Hole { format!("cull: (below: {:?}), ", self.cull()) } else { String::new() };
+        let spawner = self.newcomer().map_or(String::new(), |Body { position, velocity, radius, .. }| {
+            let [point, velocity] = [position, velocity].map(|v| v.ron(self.solid));
+            let interval = RELEASE_EVERY as f64 * DT;
+            format!(
+                "mass: ArealSquare(100.0), spawner: (point: {point}, velocity: {velocity}, interval: {interval:?}, count: {RELEASES}, \
+                 radius: Fixed({radius:?})), "
+            )
+        });
+        let inertia = match self.laws[0].friction {
+            None => "",
+            Some(_) if self.inertia_factor() > 0.45 => "inertia: Disc, ",
+            Some(_) => "inertia: Sphere, ",
+        };
+        format!(
+            "(space: {}, gravity: {}, periodic: ({}), contact: {}, pairs: [{}], materials: [{}], {inertia}{cull}{spawner}integrator: {:?}, \
+             step: Fixed({DT:?}), neighbours: {search}, walls: [{}], energy_books: {books}, watchdog: None, on_loss: Continue, \
+             until: 1.0e3, pictures: None)",
+            if self.solid { "Solid" } else { "Plane" },
+            self.gravity.ron(self.solid),
+            sides.collect::<Vec<_>>().join(", "),
+            self.laws[0].ron(),
+            pairs.collect::<Vec<_>>().join(", "),
+            materials.collect::<Vec<_>>().join(", "),
+            self.scheme,
+            walls.join(", "),
+        )
+    }
+
+    /// It for siloflow.
+    pub fn simulation(&self, search: &str, threads: usize, books: bool) -> Simulation {
+        let vector = |v: V| DVec3::from_array(v.0);
+        let text = self.text(search, books);
+        let mut loaded = load::from_text("oracle.ron", "oracle", Path::new(""), text.clone(), &[])
+            .unwrap_or_else(|fault| panic!("{fault}\n{text}"));
+        for (number, body) in (1..).zip(&self.bodies) {
+            let Body { radius, mass, .. } = *body;
+            let (position, velocity, species) =
+                (vector(body.position), vector(body.velocity), Species(body.species as u8));
+            if !body.is_fixed {
+                let id = GrainId::grain(number).unwrap();
+                loaded.grains.push(GrainRow { id, radius, mass, position, velocity, spin: vector(body.spin), species });
+            } else if body.velocity != V::default() {
+                loaded.fixed.push(FixedGrain { position, radius, velocity, species });
+            }
+        }
+        Simulation::new(&loaded, &Registry::default(), NonZeroUsize::new(threads).unwrap()).unwrap()
+    }
+}

@@ -1,0 +1,272 @@
+//! The naive simulator: every pair and every wall, looked at in every step, one after the other.
+//!
+//! Velocity Verlet: v += h F/m, x += dt v, F from x(t+dt) and v(t+dt/2), v += h F/m, and so for spins; a(0) from x(0) and v(0). The two
+//! Euler schemes: v(t+dt) = v + dt F/m, and x(t+dt) = x + dt v with v of the end (symplectic) or of the beginning (explicit). A grain
+//! beyond a periodic side is set back by its length; two meet by the shortest of all separations of their images. Walls that move keep
+//! their velocity. Grains enter, and those that have fallen far enough are removed. What a contact remembers lasts as long as it acts in every step.
+
+use std::collections::BTreeMap;
+
+use crate::oracle::centred::{Ahead, centred};
+use crate::oracle::law::{Reduced, Terms};
+use crate::oracle::plain::{Meeting, Memory, plain};
+use crate::oracle::vector::V;
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Scheme {
+    Verlet,
+    Centred,
+    SymplecticEuler,
+    ExplicitEuler,
+}
+
+/// A grain, or a wall grain if it is fixed.
+#[derive(Clone, Copy, Debug)]
+pub struct Body {
+    pub position: V,
+    pub velocity: V,
+    pub spin: V,
+    pub radius: f64,
+    pub mass: f64,
+    /// kg m^2.
+    pub inertia: f64,
+    pub species: usize,
+    pub is_fixed: bool,
+    pub force: V,
+    pub torque: V,
+    /// How many contacts it had at the last evaluation.
+    pub contacts: usize,
+    /// Whether it has been removed.
+    pub is_gone: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub enum Shape {
+    /// Solid behind its unit normal, moving along itself.
+    Half {
+        point: V,
+        normal: V,
+        velocity: V,
+    },
+    Segment {
+        from: V,
+        to: V,
+    },
+    Panel {
+        corner: V,
+        along: V,
+        across: V,
+    },
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Wall {
+    pub shape: Shape,
+    pub species: usize,
+}
+
+#[derive(Clone, Debug)]
+pub struct Simulator {
+    pub bodies: Vec<Body>,
+    pub walls: Vec<Wall>,
+    /// Lower and upper ends.
+    pub periodic: [Option<(f64, f64)>; 3],
+    pub gravity: V,
+    /// Grains whose height, along the axis `up`, is below this are removed at the end of a step, m.
+    pub cull: f64,
+    pub up: usize,
+    /// By species of both.
+    pub laws: Vec<Vec<Terms>>,
+    pub scheme: Scheme,
+    pub dt: f64,
+    /// Grains to come, each after so many steps.
+    pub releases: Vec<(u64, Body)>,
+    pub steps: u64,
+    /// By the numbers of both; walls are counted from the end of all numbers.
+    pub memories: BTreeMap<[usize; 2], Memory>,
+}
+
+impl Shape {
+    /// Distance (m), unit vector towards the point, and velocity of the wall.
+    fn distance(&self, x: V) -> (f64, V, V) {
+        let share = |from: V, edge: V| ((x - from).dot(edge) / edge.dot(edge)).clamp(0.0, 1.0);
+        let foot = match *self {
+            Self::Half { point, normal, velocity } => return ((x - point).dot(normal), normal, velocity),
+            Self::Segment { from, to } => from + (to - from) * share(from, to - from),
+            Self::Panel { corner, along, across } => {
+                corner + along * share(corner, along) + across * share(corner, across)
+            }
+        };
+        ((x - foot).length(), (x - foot).unit(), V::default())
+    }
+}
+
+impl Body {
+    fn inverse_mass(&self) -> f64 {
+        if self.is_fixed { 0.0 } else { 1.0 / self.mass }
+    }
+
+    fn inverse_inertia(&self) -> f64 {
+        if self.is_fixed { 0.0 } else { 1.0 / self.inertia }
+    }
+}
+
+impl Simulator {
+    /// The shortest separation of two places.
+    pub fn shortest(&self, mut separation: V) -> V {
+        for (axis, side) in self.periodic.iter().enumerate() {
+            if let Some((low, high)) = side {
+                let images = [0.0, high - low, low - high].map(|shift| separation.0[axis] + shift);
+                separation.0[axis] = images.into_iter().min_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap();
+            }
+        }
+        separation
+    }
+
+    /// The forces of the start.
+    pub fn start(&mut self) {
+        self.release();
+        self.evaluate(0.0);
+        self.remove();
+    }
+
+    /// Grains enter, at first with their weight alone, and count as touched by many.
+    fn release(&mut self) {
+        for (_, body) in self.releases.iter().filter(|(when, _)| *when == self.steps) {
+            self.bodies.push(Body { force: self.gravity * body.mass, contacts: 2, ..*body });
+        }
+    }
+
+    /// One step.
+    pub fn step(&mut self) {
+        if self.steps > 0 {
+            self.release();
+        }
+        self.steps += 1;
+        let (dt, periodic) = (self.dt, self.periodic);
+        let verlet = matches!(self.scheme, Scheme::Verlet | Scheme::Centred);
+        let kick = if verlet { 0.5 * dt } else { dt };
+        for body in &mut self.bodies {
+            let before = body.velocity;
+            body.velocity += body.force * (kick * body.inverse_mass());
+            body.spin += body.torque * (kick * body.inverse_inertia());
+            body.position += if self.scheme == Scheme::ExplicitEuler { before } else { body.velocity } * dt;
+            for (axis, side) in periodic.iter().enumerate() {
+                let x = &mut body.position.0[axis];
+                match *side {
+                    Some((low, high)) if *x < low => *x += high - low,
+                    Some((low, high)) if *x >= high => *x -= high - low,
+                    _ => {}
+                }
+            }
+        }
+        self.evaluate(dt);
+        if verlet {
+            for body in &mut self.bodies {
+                body.velocity += body.force * (kick * body.inverse_mass());
+                body.spin += body.torque * (kick * body.inverse_inertia());
+            }
+        }
+        self.remove();
+    }
+
+    fn remove(&mut self) {
+        for body in self.bodies.iter_mut().filter(|body| !body.is_fixed) {
+            body.is_gone |= body.position.0[self.up] < self.cull;
+        }
+    }
+
+    /// All forces and torques; memories move on by `dt`, which is 0 before the first step.
+    fn evaluate(&mut self, dt: f64) {
+        let former = self.bodies.clone();
+        for body in &mut self.bodies {
+            (body.force, body.torque, body.contacts) = (self.gravity * body.mass, V::default(), 0);
+        }
+        let mut remembered = std::mem::take(&mut self.memories);
+        let all: Vec<usize> = (0..former.len()).filter(|&i| !former[i].is_gone).collect();
+        for (rank, &i) in all.iter().enumerate() {
+            for &j in &all[rank + 1..] {
+                let separation = self.shortest(former[i].position - former[j].position);
+                let distance = separation.length();
+                let reach = former[i].radius + former[j].radius;
+                if !(former[i].is_fixed && former[j].is_fixed) && distance < 1.5 * reach {
+                    let towards = (reach - distance, separation * (1.0 / distance));
+                    self.meet([&former[i], &former[j]], [i, j], towards, &mut remembered, dt);
+                }
+            }
+            for (number, wall) in self.walls.clone().iter().enumerate() {
+                let (distance, normal, velocity) = wall.shape.distance(former[i].position);
+                let flat = Body { velocity, radius: f64::INFINITY, species: wall.species, ..FLAT };
+                if !former[i].is_fixed {
+                    let towards = (former[i].radius - distance, normal);
+                    self.meet([&former[i], &flat], [i, usize::MAX - number], towards, &mut remembered, dt);
+                }
+            }
+        }
+    }
+
+    /// What two do to each other, which are so deep in each other along a normal.
+    fn meet(
+        &mut self,
+        [a, b]: [&Body; 2],
+        pair: [usize; 2],
+        (overlap, normal): (f64, V),
+        remembered: &mut BTreeMap<[usize; 2], Memory>,
+        dt: f64,
+    ) {
+        let inverse_masses = [a.inverse_mass(), b.inverse_mass()];
+        let radius = if b.radius.is_infinite() { a.radius } else { a.radius * b.radius / (a.radius + b.radius) };
+        let meeting = Meeting {
+            normal,
+            overlap,
+            velocity: a.velocity - b.velocity,
+            reduced: Reduced { mass: 1.0 / (inverse_masses[0] + inverse_masses[1]), radius },
+            radii: [a.radius, b.radius],
+            spins: [a.spin, b.spin],
+        };
+        let terms = self.laws[a.species][b.species];
+        let mut memory = remembered.remove(&pair).unwrap_or_default();
+        let action = if self.scheme == Scheme::Centred {
+            centred(&terms, &meeting, &ahead([a, b], inverse_masses, dt), &mut memory, dt)
+        } else {
+            (overlap > 0.0).then(|| plain(&terms, &meeting, &mut memory, dt))
+        };
+        let Some(action) = action else { return };
+        self.memories.insert(pair, memory);
+        for (side, number) in pair.into_iter().enumerate() {
+            if let Some(body) = self.bodies.get_mut(number) {
+                body.force += if side == 0 { action.force } else { -action.force };
+                body.torque += action.torques[side];
+                body.contacts += 1;
+            }
+        }
+    }
+}
+
+/// A flat wall as a body: it does not move by forces.
+pub const FLAT: Body = Body {
+    position: V([0.0; 3]),
+    velocity: V([0.0; 3]),
+    spin: V([0.0; 3]),
+    radius: f64::INFINITY,
+    mass: 0.0,
+    inertia: 0.0,
+    species: 0,
+    is_fixed: true,
+    force: V([0.0; 3]),
+    torque: V([0.0; 3]),
+    contacts: 0,
+    is_gone: false,
+};
+
+/// What two will have gained half a step on, by the forces and torques of the evaluation before.
+fn ahead(both: [&Body; 2], inverse_masses: [f64; 2], dt: f64) -> Ahead {
+    let gains = both.map(|body| body.force * (0.5 * dt * body.inverse_mass()));
+    Ahead {
+        velocity: gains[0] - gains[1],
+        spins: both.map(|body| body.torque * (0.5 * dt * body.inverse_inertia())),
+        inverse_masses,
+        inverse_inertias: both.map(Body::inverse_inertia),
+        lone: both.map(|body| body.contacts <= 1),
+    }
+}

@@ -1,0 +1,58 @@
+//! `SILOFLOW_INSTRUCTIONS`: it changes no bit of a run, and a bad value ends the program with status 2.
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use serde_json::Value;
+use siloflow::instructions::{Instructions, VARIABLE};
+
+use crate::command_line::text;
+
+/// Runs a short scene of frictional spheres with this value of the variable.
+fn run(directory: &Path, instructions: &str) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_siloflow"))
+        .args(["run", "chute3d.ron", "--until", "0.02", "--set", "pictures=None", "--json", "--quiet", "--out"])
+        .arg(directory.join("run"))
+        .current_dir(crate::root().join("scenes"))
+        .env(VARIABLE, instructions)
+        .output()
+        .unwrap()
+}
+
+#[test]
+fn every_set_of_instructions_gives_the_same_state() {
+    let here = tempfile::tempdir().unwrap();
+    let hash = |instructions: &str| {
+        let output = run(here.path(), instructions);
+        assert!(output.status.success(), "{instructions}: {}", text(&output.stderr));
+        let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
+        assert!(summary["steps"].as_u64() > Some(100) && summary["coordination"].as_f64() > Some(0.2), "{summary}");
+        summary["state_hash"].clone()
+    };
+    // An empty variable counts as none.
+    let usual = hash("");
+    for instructions in Instructions::all() {
+        assert_eq!(hash(instructions.name()), usual, "{}", instructions.name());
+    }
+}
+
+#[test]
+fn a_bad_value_is_told_with_all_that_are_allowed() {
+    let here = tempfile::tempdir().unwrap();
+    let is_here = |name: &&str| Instructions::all().iter().any(|instructions| instructions.name() == *name);
+    // A set that this machine lacks is refused as well as an unknown word.
+    let lacking: Vec<_> = ["baseline", "avx2", "avx512"].into_iter().filter(|name| !is_here(name)).collect();
+    for value in [&["sse9", "AVX2", "avx2 "], &lacking[..]].concat() {
+        let output = run(here.path(), value);
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{value}: {message}");
+        assert!(!message.contains("panicked") && message.contains("call::instructions"), "{message}");
+        // The report breaks lines where it likes.
+        let words: Vec<_> = message.split_whitespace().collect();
+        for part in [VARIABLE, "baseline,", "avx2,", "avx512"] {
+            assert!(words.contains(&part), "{part}: {message}");
+        }
+        assert!(message.contains(value.trim()), "{message}");
+        assert!(!here.path().join("run").exists(), "{value}: something was written");
+    }
+}
