@@ -109,7 +109,8 @@ fn startle(world: &mut World) {
 /// A grain has changed, as if it had just come: slots are dealt out anew, and the list is made anew.
 fn touch(world: &mut World) {
     let grain = world.resource::<Columns>().entity[0];
-    world.get_mut::<Mass>(grain).expect("a grain has a mass").set_changed();
+    let mass = *world.get::<Mass>(grain).expect("a grain has a mass");
+    world.entity_mut(grain).insert(mass);
 }
 
 fn seldom(criterion: &mut Criterion) {

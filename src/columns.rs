@@ -1,51 +1,55 @@
-//! The columns: what the force pass reads and writes, packed in the order of [`Slot`]s.
+//! The packed particle store, [`Columns`]: the state that the passes of a step read and write, in the order of [`Slot`]s.
 //!
-//! Components keep whatever order the ECS gives them; a behaviour may add components, which moves rows between tables. So a
-//! step works here. Where a behaviour may look at grains or change them, it copies positions and velocities into these columns
-//! and forces back; elsewhere components follow when somebody asks (`columns/lead.rs`), and until then grains are not even entities
-//! (`columns/bare.rs`). The order of slots makes every sum that
-//! runs over particles, contacts first of all, independent of table order, thread count and neighbour search: it *is* the order
-//! that the determinism of a run rests on.
+//! Every particle is an entity, and its components show what the store holds. During a step the store owns the numbers. Components
+//! follow where a system of the schedule reads them, and what a system writes to them is taken over (`columns/sync.rs`); where no
+//! system uses a component, nothing is copied. The order of slots makes every sum that runs over particles, contacts first of
+//! all, independent of table order, thread count and neighbour search: the determinism of a run rests on it.
 //!
 //! Slots go row by row through space, in large packings beam by beam (within a cell, by id), so that neighbours in space are neighbours
-//! in memory; what is fixed comes last. They are dealt out anew at the end of the phase
-//! [`Spawn`](crate::step::Phase::Spawn) when a particle was added, removed, fixed or freed, or a radius or mass changed; and
-//! every [`TIDY_EVERY`] steps, if more than a tenth of the grains have left that order. That hangs on nothing but the
-//! state. Until then a particle that vanished in the middle of a step keeps a ghost in its slot, and one that appeared has
-//! none.
+//! in memory; what is fixed comes last. They are dealt out anew after the phase [`Spawn`](crate::step::Phase::Spawn) when a particle
+//! entered, left, was fixed or freed, or got another radius, mass, species or inertia; and every [`TIDY_EVERY`] steps, if more than a
+//! tenth of the grains have left that order. That depends on nothing but the state.
 
+mod access;
 mod along;
-mod bare;
-mod lead;
+mod deferred_kick;
+mod gates;
+mod mirror;
 mod order;
 mod passes;
+mod plan;
+mod population;
 mod refill;
-mod settle;
 mod slots;
+mod sync;
 mod tally;
 
 use bevy_ecs::prelude::*;
 
 pub(crate) use self::along::{STRIDE, Walkers};
-pub use self::bare::Entering;
-pub(crate) use self::bare::{Gate, Newcomer, Turnover, embody};
-pub(crate) use self::lead::{Lead, follow};
+pub(crate) use self::deferred_kick::{
+    EngineBooks, EngineChecks, Late, SecondKick, SecondKicks, SettledAtEnd, Settling, add_second_kick, after_kicks,
+    looks_when,
+};
+pub(crate) use self::gates::foresee;
+pub(crate) use self::mirror::Mirrors;
 pub(crate) use self::order::Order;
-pub use self::passes::{
-    ColumnsPlugin, Gathered, GatheredVelocities, Kicked, LookedAhead, Passes, PlacesGathered, SpinsDrifted,
+pub use self::passes::ColumnsPlugin;
+pub(crate) use self::passes::{DENSE, Kicked, Longest, LookedAhead, SpinsDrifted, clear_forces};
+pub(crate) use self::plan::{OwnObserver, PlainCommands, Plan, ReadsMotion, ReadsPlaces};
+pub use self::slots::TIDY_EVERY;
+pub(crate) use self::slots::{
+    BeforeRenumbering, FirstRenumbering, MANY, Renumber, Renumbering, has_renumbered, is_time_to_tidy, renumber,
 };
-pub(crate) use self::passes::{DENSE, Longest, gather_velocities};
-pub(crate) use self::settle::{
-    Late, SecondKick, SecondKicks, Settled, Settling, add_second_kick, after_kicks, looks_when, settle,
-};
-pub use self::slots::{BeforeRenumbering, PopulationChanged, Renumbering, Slot, TIDY_EVERY, renumbering_due};
-pub(crate) use self::slots::{MANY, has_renumbered, is_time_to_tidy, population_changed, renumber};
+pub(crate) use self::sync::{hand_out, plan, refresh_world, take_back};
 pub use self::tally::Tally;
 pub(crate) use self::tally::{BOOKED, WHOLE, ends, kick_term};
+pub use crate::particle::Slot;
 use crate::particle::{GrainId, Species};
 use crate::periodic::Periodic;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::spin::InertiaLaw;
+use crate::wait::Odometer;
 
 /// What every contact asks of a particle, side by side in memory, and in this order: they are read by fours.
 #[derive(Clone, Copy, Debug)]
@@ -53,8 +57,8 @@ use crate::spin::InertiaLaw;
 pub struct Body<V: Space = Plane> {
     /// Centre, m.
     pub position: V,
-    /// v(t+dt/2) while forces are evaluated, v(t) from the end of [`Phase::Kick`](crate::step::Phase::Kick) on, or once somebody looks
-    /// (`columns/settle.rs`), m/s.
+    /// v(t+dt/2) while forces are evaluated, v(t) from the end of [`Phase::Kick`](crate::step::Phase::Kick) on, or once a system
+    /// looks (`columns/deferred_kick.rs`), m/s.
     pub velocity: V,
     /// Radius, m.
     pub radius: f64,
@@ -114,7 +118,7 @@ pub struct SpinGain<V: Space = Plane> {
 pub struct Columns<V: Space = Plane> {
     /// Names.
     pub id: Vec<GrainId>,
-    /// Whose entry this is; [`Entity::PLACEHOLDER`] of bare grains (`columns/bare.rs`), which are none.
+    /// The entity of each; [`Entity::PLACEHOLDER`] if it has left since slots were dealt out.
     pub entity: Vec<Entity>,
     /// The slot that each had before slots were dealt out anew; that of nobody if it had none.
     pub(crate) former: Vec<Slot>,
@@ -122,8 +126,14 @@ pub struct Columns<V: Space = Plane> {
     pub(crate) altered: Vec<Slot>,
     /// What moments of inertia follow from, where grains spin.
     pub(crate) inertia: Option<InertiaLaw>,
-    /// Whether grains are bare.
-    pub(crate) is_bare: bool,
+    /// The rows of particles that have left since slots were dealt out.
+    pub(crate) vacated: Vec<usize>,
+    /// The components that do not show what the store holds.
+    pub(crate) stale: Mirrors,
+    /// Potential energy that periodic sides have given to particles in this step's drift, J.
+    pub(crate) lifted: f64,
+    /// Whether a system or a command has written a velocity, a spin, a force or a torque that is not finite.
+    pub(crate) is_suspect: bool,
     /// What every contact asks for.
     pub body: Vec<Body<V>>,
     /// Masses, kg; 0 for what has none.
@@ -138,13 +148,19 @@ pub struct Columns<V: Space = Plane> {
     pub gain: Vec<Gain<V>>,
     /// The same of spins.
     pub spin_gain: Vec<SpinGain<V>>,
+    /// For how long velocities are still to be kicked by the forces of a step when these are known, s: half a step, or 0.
+    pub(crate) half_step: f64,
+    /// The forces that systems have added in this step, N; empty where none does.
+    pub(crate) added: Vec<V>,
+    /// Their power at the end of the step, W.
+    pub(crate) added_power: Option<f64>,
     /// For how long the scheme looks ahead, s: half a step, or 0.
     pub lookahead: f64,
     /// The largest gap that two can close in that time, m.
     pub margin: f64,
     /// The sides through which the scene repeats itself, if it does.
     pub periodic: Option<Periodic<V>>,
-    /// Whether somebody else than the drift sets back what has gone through them.
+    /// Whether a pass of its own, not the drift, sets back particles that have gone through them, for it books what that lifts.
     pub(crate) sets_back_later: bool,
     /// At least this share of the sum of the radii of any two is the smaller one.
     pub smallest_share: f64,
@@ -174,7 +190,13 @@ impl<V: Space> Default for Columns<V> {
             former: Vec::new(),
             altered: Vec::new(),
             inertia: None,
-            is_bare: false,
+            vacated: Vec::new(),
+            stale: Mirrors::NONE,
+            lifted: 0.0,
+            is_suspect: false,
+            half_step: 0.0,
+            added: Vec::new(),
+            added_power: None,
             body: Vec::new(),
             mass: Vec::new(),
             species: Vec::new(),
@@ -223,6 +245,11 @@ impl<V: Space> Columns<V> {
         let mut entries: Vec<_> = (0..self.len()).collect();
         entries.sort_unstable_by_key(|&i| self.id[i]);
         entries
+    }
+
+    /// How far particles can have moved.
+    pub(crate) fn odometer(&self) -> Odometer {
+        Odometer { generation: self.generation, travel: self.travel }
     }
 
     /// The vector from `b` to `a`, m: in a periodic scene the shortest one.

@@ -1,17 +1,18 @@
 //! The door controller: when the door opens, and how.
 //!
-//! The door is the grains marked [`Door`]. It opens when the bed has come to rest, at a time, or never; it is
+//! The door is the wall grains and the flat walls ([`WallIndex`](crate::walls::surfaces::WallIndex)) marked [`Door`]. It opens when the bed has come to rest, at a time, or never; it is
 //! removed at once, or slides along the orifice at a speed until it has cleared it, dragging what it meets.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::columns::PlainCommands;
 use crate::messages::{CameToRest, DoorOpened};
 use crate::particle::{Door, Fixed, Position, Radius, Velocity};
 use crate::rest::RestDetection;
 use crate::space::Vector;
-use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
+use crate::step::{Clock, Phase, Step};
 use crate::values::{NonNegative, Positive};
 use crate::walls::outline::Link;
 
@@ -70,6 +71,7 @@ impl DoorState {
     }
 }
 
+#[expect(clippy::too_many_arguments, reason = "all that opening depends on")]
 fn open(
     mut commands: Commands,
     clock: Res<Clock>,
@@ -77,7 +79,8 @@ fn open(
     mut at_rest: MessageReader<CameToRest>,
     mut opened: MessageWriter<DoorOpened>,
     orifice: Option<Res<Orifice>>,
-    mut door: Query<(Entity, &Position, &Radius, &mut Velocity), With<Door>>,
+    parts: Query<Entity, With<Door>>,
+    grains: Query<(&Position, &Radius), DoorGrain>,
 ) {
     let due = match state.control.opens {
         DoorOpens::AtRest => at_rest.read().next().is_some(),
@@ -90,13 +93,12 @@ fn open(
     state.open_time = Some(clock.time());
     opened.write(DoorOpened);
     match state.control.how {
-        DoorMotion::Remove => door.iter().for_each(|(grain, ..)| commands.entity(grain).despawn()),
+        DoorMotion::Remove => parts.iter().for_each(|part| commands.entity(part).despawn()),
         DoorMotion::Slide(speed) => {
-            let grains: Vec<_> = door.iter().map(|(_, x, radius, _)| (x.0, radius.0)).collect();
+            let places: Vec<_> = grains.iter().map(|(x, radius)| (x.0, radius.0)).collect();
             let Some(orifice) = orifice.map(|orifice| orifice.0) else { return };
-            let (direction, way) = slide_of(&grains, &orifice);
+            let (direction, way) = slide_of(&places, &orifice);
             let velocity = speed.get() * direction;
-            door.iter_mut().for_each(|(.., mut v)| v.0 = velocity);
             state.sliding = Some(Slide { velocity, until: clock.time() + way / speed.get() });
         }
     }
@@ -121,9 +123,7 @@ fn slide(clock: Res<Clock>, mut state: ResMut<DoorState>, mut door: Query<(&mut 
     let arrived = clock.has_reached(sliding.until);
     for (mut x, mut v) in &mut door {
         x.0 += clock.dt * sliding.velocity;
-        if arrived {
-            v.0 = Vector::ZERO;
-        }
+        v.0 = if arrived { Vector::ZERO } else { sliding.velocity };
     }
     if arrived {
         state.sliding = None;
@@ -149,10 +149,13 @@ impl Plugin for DoorPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(DoorState { control: self.0, open_time: None, sliding: None });
         if self.0.opens != DoorOpens::Never {
-            app.add_systems(Step, open.in_set(Phase::Control).after(RestDetection).run_if(is_closed));
+            app.add_systems(
+                Step,
+                open.in_set(Phase::Control).in_set(PlainCommands).after(RestDetection).run_if(is_closed),
+            );
         }
         if matches!(self.0.how, DoorMotion::Slide(_)) {
-            app.add_systems(Step, slide.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced).run_if(is_sliding));
+            app.add_systems(Step, slide.in_set(Phase::Drift).run_if(is_sliding));
         }
     }
 }

@@ -47,6 +47,10 @@ pub(crate) fn end_at_rest(mut rest: MessageReader<CameToRest>, mut outcome: ResM
     }
 }
 
+/// After this set of [`Phase::Cull`], a run that ends regularly in this step has ended.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Endings;
+
 /// Ends the run.
 pub struct EndingPlugin {
     /// At the latest, s.
@@ -62,6 +66,7 @@ impl Plugin for EndingPlugin {
             (end_when_empty, end_at_time.run_if(time_is_up))
                 .chain()
                 .in_set(Phase::Cull)
+                .in_set(Endings)
                 .after(BooksKept)
                 .run_if(time_moves),
         );

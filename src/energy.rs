@@ -31,11 +31,16 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use self::turnover::{book_initial_overlaps, book_panel_door, book_released, book_removed};
-use self::work::{Powers, TurningPowers, book_added_work, book_contact_work, book_friction};
-use crate::columns::{self, BeforeRenumbering, Columns, Entering, Renumbering, Settled, after_kicks, looks_when};
+use self::turnover::{book_initial_overlaps, book_leaving_walls, book_released, book_removed};
+use self::work::{Powers, TurningPowers, book_added_work, book_contact_work, book_friction, book_lifted};
+use crate::columns::{
+    BeforeRenumbering, Columns, EngineBooks, FirstRenumbering, Late, Renumber, Renumbering, SpinsDrifted, after_kicks,
+    looks_when, renumber,
+};
+use crate::integrate::wrap::Wrapped;
 use crate::space::Space;
-use crate::step::{Phase, Step, is_step_zero};
+use crate::step::{Part, Phase, Step, is_step_zero};
+use crate::walls::surfaces::walls_leave;
 
 /// The flows of energy so far, J; a resource where books are kept.
 #[derive(Resource, Clone, Copy, Debug, Default, Serialize)]
@@ -71,7 +76,7 @@ pub struct Channels {
     pub rolling: f64,
 }
 
-/// The books of the step are kept after this set, in [`Phase::Control`] or with the second kick (`columns/settle.rs`).
+/// The books of the step are kept after this set, in [`Phase::Control`] or with the second kick (`columns/deferred_kick.rs`).
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct EnergyBooked;
 
@@ -81,14 +86,16 @@ pub struct EnergyPlugin<V: Space>(pub PhantomData<V>);
 impl<V: Space> Plugin for EnergyPlugin<V> {
     fn build(&self, app: &mut App) {
         app.world_mut().resource_mut::<Columns<V>>().has_books = true;
-        app.init_resource::<EnergyFlows>().init_resource::<Powers>().add_systems(
-            Step,
-            (
-                book_removed::<V>.in_set(BeforeRenumbering),
-                book_released::<V>.in_set(Renumbering).before(columns::renumber::<V>),
-                book_initial_overlaps::<V>.in_set(Phase::Cull).run_if(is_step_zero),
-            ),
-        );
+        app.init_resource::<EnergyFlows>()
+            .init_resource::<Powers>()
+            .add_systems(
+                Renumber,
+                (
+                    book_removed::<V>.in_set(BeforeRenumbering),
+                    book_released::<V>.in_set(Renumbering).after(renumber::<V>),
+                ),
+            )
+            .add_systems(Step, book_initial_overlaps::<V>.in_set(Part::Engine(Phase::Cull)).run_if(is_step_zero));
         after_kicks(app, || book_contact_work::<V>.in_set(EnergyBooked).into_configs());
     }
 }
@@ -105,12 +112,25 @@ impl<V: Space> Plugin for SpinEnergyPlugin<V> {
     }
 }
 
-/// Books the elastic energy that a door of panels held.
-pub struct PanelDoorEnergyPlugin<V: Space>(pub PhantomData<V>);
+/// Books the elastic energy of contacts with walls that leave.
+pub struct LeavingWallsEnergyPlugin<V: Space>(pub PhantomData<V>);
 
-impl<V: Space> Plugin for PanelDoorEnergyPlugin<V> {
+impl<V: Space> Plugin for LeavingWallsEnergyPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, book_panel_door::<V>.in_set(Phase::Spawn).before(Entering).before(Settled));
+        let book = book_leaving_walls::<V>.in_set(Part::Engine(Phase::Spawn)).before(FirstRenumbering);
+        app.add_systems(Step, book.run_if(walls_leave));
+    }
+}
+
+/// Books the work of periodic sides along gravity.
+pub struct LiftPlugin<V: Space>(pub PhantomData<V>);
+
+impl<V: Space> Plugin for LiftPlugin<V> {
+    fn build(&self, app: &mut App) {
+        app.add_systems(
+            Step,
+            book_lifted::<V>.in_set(Part::Engine(Phase::Drift)).after(Wrapped).before(SpinsDrifted).before(Late),
+        );
     }
 }
 
@@ -119,13 +139,6 @@ pub struct AddedWorkPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for AddedWorkPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(
-            Step,
-            book_added_work::<V>
-                .in_set(Phase::Control)
-                .in_set(EnergyBooked)
-                .after(book_contact_work::<V>)
-                .after(book_friction::<V>),
-        );
+        app.add_systems(Step, book_added_work::<V>.in_set(EngineBooks));
     }
 }

@@ -1,10 +1,10 @@
 //! The finite-value check: an infinite or undefined number stops the run and is named, with the grain and the step.
 //!
-//! Nobody needs a pass for it: a velocity or spin that is not finite makes the power of the drag forces so ([`crate::energy`]), or,
-//! where no books are kept, the sum of all (of grains that components move, this takes a pass); a position the way that was gone
-//! ([`Columns::travel`]); and a force that is not finite shows in the velocity of the same step. Only then, and in step
-//! zero, are all of them looked through for the grain. Where the second kick of a step is made with the next drift (`columns/settle.rs`),
-//! velocities show it then, and the step before is named.
+//! It takes no pass of its own: a velocity or spin that is not finite makes the power of the drag forces so ([`crate::energy`]), or,
+//! where no books are kept, the sum of all of them; a position that is not finite makes the distance moved so
+//! ([`Columns::travel`]); a force that is not finite shows in the velocity of the same step; and what systems write is looked at when
+//! it is taken over. Only then, and in step zero, are all particles looked through for the grain. Where the second kick of a step is made
+//! with the next drift (`columns/deferred_kick.rs`), velocities show it then, and the step before is named.
 
 use std::marker::PhantomData;
 
@@ -12,13 +12,12 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use crate::columns::{Columns, Late, SecondKick, SecondKicks, Settling};
+use crate::columns::{Columns, EngineChecks, Late, SecondKicks, Settling};
 use crate::contact::{AnyLaw, Bounce};
 use crate::energy::{EnergyBooked, EnergyFlows};
 use crate::outcome::{Failure, Outcome};
-use crate::particle::Force;
 use crate::space::{Linear, Space};
-use crate::step::{Clock, Phase, Step};
+use crate::step::{Clock, Step};
 
 /// Whether the sums of all velocities and of all spins are.
 fn sums_are_finite<V: Space>(columns: &Columns<V>) -> bool {
@@ -31,16 +30,15 @@ fn sums_are_finite<V: Space>(columns: &Columns<V>) -> bool {
 
 /// What tells whether all is finite, and whose fault it is if not.
 #[derive(SystemParam)]
-struct Evidence<'w, 's, V: Space> {
+struct Evidence<'w, V: Space> {
     clock: Res<'w, Clock>,
     columns: Res<'w, Columns<V>>,
     law: Option<Res<'w, AnyLaw<V>>>,
     flows: Option<Res<'w, EnergyFlows>>,
-    forces: Query<'w, 's, &'static Force<V>>,
     outcome: ResMut<'w, Outcome>,
 }
 
-impl<V: Space> Evidence<'_, '_, V> {
+impl<V: Space> Evidence<'_, V> {
     /// Whether velocities and spins are.
     fn motion_is_finite(&self) -> bool {
         match &self.flows {
@@ -70,9 +68,10 @@ impl<V: Space> Evidence<'_, '_, V> {
 
     /// Why entry `i` may be as it is.
     fn cause(&self, i: usize) -> String {
-        let Self { clock, columns, law, forces, .. } = self;
-        let total = forces.get(columns.entity[i]).map_or(columns.loads.force.of(i), |force| force.0);
-        if !columns.loads.force.of(i).is_finite() {
+        let Self { clock, columns, law, .. } = self;
+        if columns.added.get(i).is_some_and(|added| !added.is_finite()) {
+            "a behaviour has added a force that is not finite".to_owned()
+        } else if !columns.loads.force.of(i).is_finite() {
             let (mass, radius) = (1.0 / columns.body[i].inverse_mass, columns.body[i].radius);
             let bounce = Bounce { reduced_mass: mass, reduced_radius: radius, speed: 1.0 };
             let step = law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(&bounce));
@@ -80,8 +79,6 @@ impl<V: Space> Evidence<'_, '_, V> {
                 "the force of its contacts is not finite either: the step is probably unstable, w0 dt = {step:.2} for \
                  this grain; lower `step` (`check` prints the limit)"
             )
-        } else if !total.is_finite() {
-            "a behaviour has added a force that is not finite".to_owned()
         } else {
             "its forces are finite, so a behaviour or an input file has set it".to_owned()
         }
@@ -89,7 +86,9 @@ impl<V: Space> Evidence<'_, '_, V> {
 }
 
 fn check<V: Space>(mut evidence: Evidence<V>) {
-    if evidence.clock.is_step_zero() || !evidence.columns.travel.is_finite() || !evidence.motion_is_finite() {
+    let columns = &evidence.columns;
+    let is_odd = columns.is_suspect || !columns.travel.is_finite();
+    if is_odd || evidence.clock.is_step_zero() || !evidence.motion_is_finite() {
         let step = evidence.clock.steps;
         evidence.accuse(step, true);
     }
@@ -108,10 +107,7 @@ pub struct FinitePlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for FinitePlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, check::<V>.in_set(Phase::Control).after(EnergyBooked));
-        if app.world().contains_resource::<SecondKick>() {
-            app.add_systems(Settling, check::<V>.after(SecondKicks).after(EnergyBooked));
-            app.add_systems(Step, check_late::<V>.in_set(Late).after(EnergyBooked));
-        }
+        app.add_systems(Settling, check::<V>.after(SecondKicks).after(EnergyBooked));
+        app.add_systems(Step, (check::<V>.in_set(EngineChecks), check_late::<V>.in_set(Late).after(EnergyBooked)));
     }
 }

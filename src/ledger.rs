@@ -27,10 +27,11 @@ use bevy_ecs::prelude::*;
 pub use self::books::{BooksKept, Ledger, LedgerPlugin, LossRecord, OnLoss};
 use self::cull::CullLine;
 pub use self::cull::{Cull, CullPlugin};
-use crate::columns::{self, Columns, Renumbering};
+use crate::columns::{Columns, Renumber, Renumbering, renumber};
 use crate::door::DoorState;
 use crate::messages::{GrainLost, GrainOut};
-use crate::particle::{Fixed, Grain, GrainId, Position};
+use crate::particle::{Grain, GrainId};
+use crate::particles::Particles;
 use crate::periodic::Periodic;
 use crate::space::{Plane, Space};
 use crate::step::{Phase, Step};
@@ -70,30 +71,29 @@ fn move_places<V: Space>(
 ) {
     let place = |i: usize| match whereabouts.0.get(columns.former[i].index()) {
         Some(&place) if place != Place::Nowhere => place,
-        _ if columns.is_somebody(i, |entity| grains.contains(entity)) => Place::New,
+        _ if grains.contains(columns.entity[i]) => Place::New,
         _ => Place::Nowhere,
     };
     whereabouts.0 = (0..columns.len()).map(place).collect();
 }
 
 fn watch_paths<V: Space>(
-    (enclosure, columns): (Res<Enclosure<V>>, Res<Columns<V>>),
+    (enclosure, particles): (Res<Enclosure<V>>, Particles<V>),
     (door, cull): (Option<Res<DoorState>>, Option<Res<CullLine>>),
     mut out: MessageWriter<GrainOut<V>>,
     mut lost: MessageWriter<GrainLost<V>>,
     mut whereabouts: ResMut<Whereabouts<V>>,
-    (grains, wall_grains): (Query<(), With<Grain>>, Query<(&GrainId, &Position<V>), With<Fixed>>),
     mut wait: Local<Wait>,
 ) {
-    if !wait.is_over(&columns, 0.0) {
+    if !wait.is_over(particles.odometer(), 0.0) {
         return;
     }
     let (mut longest, mut lowest) = (0.0f64, f64::INFINITY);
     let patience = (0.25 * enclosure.smallest_radius).powi(2);
     let door_is_closed = door.is_none_or(|door| !door.is_open());
     let last_chance = cull.map_or(f64::NEG_INFINITY, |line| line.0);
-    for (i, (place, body)) in whereabouts.0.iter_mut().zip(&columns.body).enumerate() {
-        let here = body.position;
+    for (row, place) in whereabouts.0.iter_mut().enumerate() {
+        let here = particles.position(row);
         let looked_at = match *place {
             Place::New => {
                 *place = Place::Inside(here);
@@ -102,7 +102,7 @@ fn watch_paths<V: Space>(
             Place::Inside(looked_at) => looked_at,
             Place::Out | Place::Lost | Place::Nowhere => continue,
         };
-        let way = columns.separation(here, looked_at);
+        let way = particles.separation(here, looked_at);
         lowest = lowest.min(here.height());
         let squared = way.length_squared();
         // Whoever will soon have moved so far is looked at now, so that there is time until the next pass.
@@ -114,14 +114,14 @@ fn watch_paths<V: Space>(
         let distance = way.length();
         // In a periodic scene, of where it was the image that is nearest to here.
         let before = here - way;
-        let fate = fate(&*enclosure.paths, columns.periodic.as_ref(), door_is_closed, before, here);
+        let fate = fate(&*enclosure.paths, particles.periodic(), door_is_closed, before, here);
         let Some(fate) = fate else { continue };
-        // Who has vanished meanwhile is missed by others.
-        if !columns.is_somebody(i, |entity| grains.contains(entity)) {
+        // The ledger misses a grain that has left the world by itself.
+        if !particles.is_present(row) {
             *place = Place::Nowhere;
             continue;
         }
-        let id = columns.id[i];
+        let id = particles.id(row);
         match fate {
             Fate::Out => {
                 *place = Place::Out;
@@ -130,13 +130,13 @@ fn watch_paths<V: Space>(
             Fate::Lost(way) => {
                 *place = Place::Lost;
                 let way = swept(way, distance, enclosure.smallest_radius);
-                lost.write(GrainLost { id, position: here, way, nearest: nearest(here, &wall_grains) });
+                lost.write(GrainLost { id, position: here, way, nearest: nearest(here, &particles) });
             }
         }
     }
     // Nobody's next look is due before somebody has gone this far.
     let way_left = patience.sqrt() - longest.sqrt();
-    *wait = Wait::for_distance(&columns, way_left.min(lowest - last_chance));
+    *wait = Wait::for_distance(particles.odometer(), way_left.min(lowest - last_chance));
 }
 
 /// How a grain was lost, and whether it was because it moves so far (m) in a step that no force can stop it.
@@ -185,8 +185,9 @@ fn shown<V: Space>(x: V) -> String {
     format!("({})", numbers.join(", "))
 }
 
-fn nearest<V: Space>(x: V, wall_grains: &Query<(&GrainId, &Position<V>), With<Fixed>>) -> Option<GrainId> {
-    let distances = wall_grains.iter().map(|(&id, wall)| (wall.0.distance_squared(x), id));
+fn nearest<V: Space>(x: V, particles: &Particles<V>) -> Option<GrainId> {
+    let walls = particles.all().filter(|&row| particles.is_fixed(row));
+    let distances = walls.map(|row| (particles.position(row).distance_squared(x), particles.id(row)));
     distances.min_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal)).map(|(_, id)| id)
 }
 
@@ -202,7 +203,7 @@ impl<V: Space> Plugin for PathsPlugin<V> {
     fn build(&self, app: &mut App) {
         app.insert_resource(Whereabouts::<V>(Vec::new()))
             .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
-            .add_systems(Step, move_places::<V>.in_set(Renumbering).after(columns::renumber::<V>))
+            .add_systems(Renumber, move_places::<V>.in_set(Renumbering).after(renumber::<V>))
             .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(books::keep_books::<V>));
     }
 }

@@ -60,6 +60,7 @@ pub mod neighbours;
 pub mod outcome;
 pub mod output;
 pub mod particle;
+pub mod particles;
 pub mod periodic;
 pub mod plugins;
 pub mod random;
@@ -71,6 +72,7 @@ pub mod source;
 pub mod space;
 pub mod spin;
 pub mod step;
+pub mod survey;
 pub mod threads;
 pub mod values;
 pub mod wait;
@@ -84,16 +86,17 @@ pub mod prelude {
     pub use bevy_ecs::prelude::*;
 
     pub use crate::behaviour::{Behaviour, Registry};
-    pub use crate::contact::view::{ContactState, ContactView, Touched};
     pub use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
     pub use crate::ledger::Ledger;
     pub use crate::measure::ObserveStage;
     pub use crate::messages::{CameToRest, DoorOpened, GrainLost, GrainOut, GrainReleased};
     pub use crate::outcome::{End, Failure, Outcome};
-    pub use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Species, Velocity};
+    pub use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
+    pub use crate::particles::{Motion, Particles};
     pub use crate::scene::load::{self, Loaded};
     pub use crate::simulation::Simulation;
     pub use crate::space::{Dimension, Plane, Solid, Space, Vector};
     pub use crate::spin::{Inertia, Spin, Torque};
     pub use crate::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
+    pub use crate::survey::view::{ContactState, ContactView, Touched};
 }

@@ -1,5 +1,4 @@
-//! The data structure: particles are entities, their properties are components. (Grains that nobody looks at as such are rows of the
-//! columns alone: `columns/bare.rs`.)
+//! The data structure: particles are entities, their properties are components.
 //!
 //! A *grain* moves; a *wall grain* is a disc that is part of the silo's wall or door and carries [`Fixed`].
 //! Both have the columns of [`Particle`]; a grain has also those of [`GrainBundle`]. The ECS keeps each component
@@ -26,14 +25,13 @@ use std::fmt;
 
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Slot, population_changed};
 use crate::space::{Plane, Space};
 
 /// The name of a particle for its whole life; never reused. Forces are summed in ascending order of it.
 ///
 /// Grains count from 0 or carry the ids of their file; wall grains and door grains follow after all grains.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
-#[component(immutable, on_insert = population_changed, on_discard = population_changed)]
+#[component(immutable)]
 #[require(Slot)]
 pub struct GrainId(u32);
 
@@ -80,6 +78,34 @@ impl fmt::Display for GrainId {
     }
 }
 
+/// Index of a particle in the packed store ([`Columns`](crate::columns::Columns)).
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub struct Slot(u32);
+
+impl Default for Slot {
+    /// No place yet.
+    fn default() -> Self {
+        Self(u32::MAX)
+    }
+}
+
+impl Slot {
+    pub(crate) fn new(index: u32) -> Self {
+        Self(index)
+    }
+
+    /// That of row `i`, of which there are fewer than 2^32.
+    pub(crate) fn of(i: usize) -> Self {
+        u32::try_from(i).map_or_else(|_| Self::default(), Self)
+    }
+
+    /// The index, out of range as long as the particle has no place.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
 /// Centre, m.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
 #[component(summary_tick)]
@@ -93,35 +119,35 @@ pub struct Velocity<V: Space = Plane>(pub V);
 
 /// Sum of the forces, N, as of the last evaluation; the acceleration is this over [`Mass`].
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[component(summary_tick)]
 pub struct Force<V: Space = Plane>(pub V);
 
 /// Radius, m.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[component(summary_tick)]
+#[component(immutable)]
 pub struct Radius(pub f64);
 
 /// Mass, kg.
 #[derive(Component, Clone, Copy, Debug, PartialEq)]
-#[component(summary_tick)]
+#[component(immutable)]
 pub struct Mass(pub f64);
 
 /// Which kind of grain or wall: 0 for the first size of a mixture, 1 for the second. Colours pictures and averages, and
 /// chooses among the materials of a scene that has several.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[component(immutable)]
 pub struct Species(pub u8);
 
 /// Marks a particle that can move and that the ledger counts.
 #[derive(Component, Clone, Copy, Debug, Default)]
-#[component(on_insert = population_changed)]
 pub struct Grain;
 
 /// Marks a particle that no force moves: a wall grain, or a grain that a behaviour holds. Who moves it sets its
 /// [`Position`] and its [`Velocity`]. A table component, so that passes over grains run over contiguous columns.
 #[derive(Component, Clone, Copy, Debug, Default)]
-#[component(on_insert = population_changed, on_discard = population_changed)]
 pub struct Fixed;
 
-/// Marks a wall grain of the door.
+/// Marks a part of the door: a wall grain, or a flat wall.
 #[derive(Component, Clone, Copy, Debug, Default)]
 #[component(storage = "SparseSet")]
 pub struct Door;

@@ -10,18 +10,10 @@
 //! Down a periodic incline a grain falls for ever: what is set back by L along an axis with gravity is lifted by that much
 //! of potential energy, which the balance books as `lifted`.
 
-use bevy_app::{App, Plugin};
-use bevy_ecs::prelude::*;
-use bevy_ecs::query::ArchetypeFilter;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{Columns, DENSE, Late, Slot, SpinsDrifted};
-use crate::contact::lanes::quad;
-use crate::energy::EnergyFlows;
-use crate::gravity::Gravity;
-use crate::particle::{Fixed, Mass, Position};
 use crate::space::Space;
-use crate::step::{Drifted, Phase, Step};
+use crate::space::quad;
 
 /// The scene's `periodic`: lower and upper end (m) of each axis that repeats itself.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -111,7 +103,7 @@ impl<V: Space> Periodic<V> {
 
     /// Whether a position is in the box.
     #[inline]
-    fn contains(&self, position: V) -> bool {
+    pub(crate) fn contains(&self, position: V) -> bool {
         // Not cut short: few are outside.
         (0..V::COMPONENTS).fold(true, |inside, axis| {
             inside & (position.axis(axis) >= self.low.axis(axis)) & (position.axis(axis) < self.high.axis(axis))
@@ -199,94 +191,11 @@ impl<V: Space> Metric<V> for Periodic<V> {
     }
 }
 
-/// Of those whom `F` accepts.
-fn wrap<V: Space, F: ArchetypeFilter + 'static>(columns: Res<Columns<V>>, mut particles: Query<&mut Position<V>, F>) {
-    let Some(periodic) = columns.periodic else { return };
-    for mut positions in particles.contiguous_iter_mut().expect(DENSE) {
-        for x in positions.bypass_change_detection() {
-            periodic.wrap(&mut x.0);
-        }
-    }
-}
-
-/// The same, where gravity acts along a periodic axis: books the potential energy of what is set back.
-fn wrap_and_book<V: Space>(
-    columns: Res<Columns<V>>,
-    gravity: Res<Gravity<V>>,
-    mut flows: ResMut<EnergyFlows>,
-    mut particles: Query<(&Slot, &mut Position<V>, &Mass), Without<Fixed>>,
-    mut fixed: Query<&mut Position<V>, With<Fixed>>,
-) {
-    let Some(periodic) = columns.periodic else { return };
-    let mut lifted = Vec::new();
-    for (slots, mut positions, masses) in particles.contiguous_iter_mut().expect(DENSE) {
-        let places = positions.bypass_change_detection().iter_mut();
-        for (x, (slot, mass)) in places.zip(slots.iter().zip(masses)) {
-            let wrapped = periodic.wrapped(x.0);
-            if wrapped != x.0 {
-                lifted.push((slot.index(), -mass.0 * gravity.0.dot(wrapped - x.0)));
-                x.0 = wrapped;
-            }
-        }
-    }
-    // In ascending order of slots, as every sum.
-    lifted.sort_unstable_by_key(|(slot, _)| *slot);
-    flows.lifted += lifted.iter().map(|(_, energy)| energy).sum::<f64>();
-    for mut x in &mut fixed {
-        x.bypass_change_detection().0 = periodic.wrapped(x.0);
-    }
-}
-
-/// The same in the columns, where they lead.
-fn wrap_columns_and_book<V: Space>(
-    mut columns: ResMut<Columns<V>>,
-    gravity: Res<Gravity<V>>,
-    mut flows: ResMut<EnergyFlows>,
-) {
-    let Columns { body, mass, periodic: Some(periodic), movable_end: end, .. } = &mut *columns else { return };
-    let mut lifted = 0.0;
-    for (body, mass) in body[..*end].iter_mut().zip(mass) {
-        let wrapped = periodic.wrapped(body.position);
-        if wrapped != body.position {
-            lifted += -*mass * gravity.0.dot(wrapped - body.position);
-            body.position = wrapped;
-        }
-    }
-    flows.lifted += lifted;
-}
-
-/// The sides of a periodic scene.
-pub struct PeriodicPlugin<V: Space> {
-    /// The box.
-    pub periodic: Periodic<V>,
-    /// Whether grains are moved in the columns.
-    pub columns_lead: bool,
-    /// Whether books of energy are kept.
-    pub has_books: bool,
-}
-
 impl<V: Space> Periodic<V> {
     /// Whether gravity acts along a periodic axis, so that setting back lifts.
     #[must_use]
     pub fn lifts(&self, gravity: V) -> bool {
         (0..V::COMPONENTS).any(|axis| self.side(axis).is_some() && gravity.axis(axis) != 0.0)
-    }
-}
-
-impl<V: Space> Plugin for PeriodicPlugin<V> {
-    fn build(&self, app: &mut App) {
-        let gravity = app.world().resource::<Gravity<V>>().0;
-        let books_lifts = self.has_books && self.periodic.lifts(gravity);
-        let mut columns = app.world_mut().resource_mut::<Columns<V>>();
-        (columns.periodic, columns.sets_back_later) = (Some(self.periodic), books_lifts);
-        let all = match (self.columns_lead, books_lifts) {
-            (false, false) => wrap::<V, ()>.into_configs(),
-            (false, true) => wrap_and_book::<V>.into_configs(),
-            // The drift itself sets grains back.
-            (true, false) => wrap::<V, With<Fixed>>.into_configs(),
-            (true, true) => (wrap::<V, With<Fixed>>, wrap_columns_and_book::<V>).chain().into_configs(),
-        };
-        app.add_systems(Step, all.in_set(Phase::Drift).after(Drifted).before(SpinsDrifted).before(Late));
     }
 }
 

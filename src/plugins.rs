@@ -5,30 +5,34 @@
 use std::marker::PhantomData;
 use std::sync::Arc;
 
+use bevy_ecs::prelude::*;
+
 use crate::assembly::Assembly;
 use crate::behaviour::Behaviour;
-use crate::columns::{ColumnsPlugin, Passes};
+use crate::columns::{ColumnsPlugin, clear_forces};
 use crate::contact::config::LawVisitor;
+use crate::contact::history::History;
 use crate::contact::{Centred, CentredLaw, ContactPlugin, Demands, PairLaw};
 use crate::door::{DoorPlugin, Orifice};
 use crate::ending::EndingPlugin;
-use crate::energy::{AddedWorkPlugin, EnergyPlugin, PanelDoorEnergyPlugin, SpinEnergyPlugin};
+use crate::energy::{AddedWorkPlugin, EnergyPlugin, LeavingWallsEnergyPlugin, LiftPlugin, SpinEnergyPlugin};
 use crate::finite::FinitePlugin;
 use crate::grains::spawner::SpawnerPlugin;
 use crate::integrate::IntegratorPlugin;
 use crate::integrate::centred::LookAheadPlugin;
+use crate::integrate::rotation::SpinPlugin;
+use crate::integrate::wrap::PeriodicPlugin;
 use crate::ledger::{CullPlugin, LedgerPlugin, PathsPlugin};
 use crate::measure::ObservePlugin;
 use crate::measure::bed::BedPlugin;
 use crate::messages::MessagesPlugin;
 use crate::neighbours::NeighboursPlugin;
-use crate::periodic::{Periodic, PeriodicPlugin};
+use crate::periodic::Periodic;
 use crate::rest::RestPlugin;
 use crate::rows::RowsPlugin;
 use crate::scene::load::Loaded;
 use crate::space::{Solid, Space};
-use crate::spin::SpinPlugin;
-use crate::step::StepPlugin;
+use crate::step::{ForceStage, Step, StepPlugin};
 use crate::walls::conveyor::ConveyorPlugin;
 use crate::walls::forces::SurfacesPlugin;
 use crate::walls::outline::Outline;
@@ -41,21 +45,19 @@ pub(crate) fn add_all<V: Space>(
     loaded: &Loaded,
     behaviours: Vec<(String, Box<dyn Behaviour>)>,
     paths: AddPaths,
-    watched: bool,
 ) {
     let (scene, space) = (&loaded.scene, PhantomData::<V>);
     let periodic = Periodic::<V>::new(&scene.periodic);
     let largest_radius = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
     let own_contacts = behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law());
-    let columns_lead = scene.integrator.lets_columns_lead() && behaviours.is_empty();
-    let passes = Passes { columns_lead, watched, begins_sums: own_contacts };
+    let has_behaviours = !behaviours.is_empty();
     app.add("step", StepPlugin { dt: loaded.step() })
         .add("always", MessagesPlugin(space))
-        .add("always", ColumnsPlugin { passes, space })
+        .add("always", ColumnsPlugin(space))
         .add("always", RowsPlugin)
         .add("always", ObservePlugin)
         .add("neighbours", NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius })
-        .add("integrator", IntegratorPlugin { kind: scene.integrator, columns_lead, space })
+        .add("integrator", IntegratorPlugin { kind: scene.integrator, space })
         .add("until", EndingPlugin { until: scene.until.get(), at_rest: scene.rest.is_some_and(|rest| rest.stop) })
         .add("always", FinitePlugin(space))
         .add("always", LedgerPlugin(scene.on_loss, space));
@@ -68,17 +70,20 @@ pub(crate) fn add_all<V: Space>(
         app.add("watchdog", WatchdogPlugin(watchdog, space));
     }
     if let Some(periodic) = periodic {
-        app.add("periodic", PeriodicPlugin { periodic, columns_lead, has_books: scene.energy_books });
+        app.add("periodic", PeriodicPlugin { periodic, has_books: scene.energy_books });
+        if scene.energy_books && periodic.lifts(scene.gravity.get()) {
+            app.add("periodic", LiftPlugin(space));
+        }
     }
     paths(app, loaded);
     if let Some(line) = scene.cull {
         app.add("cull", CullPlugin(line, space));
     }
-    if scene.energy_books && !behaviours.is_empty() {
+    if scene.energy_books && has_behaviours {
         app.add("behaviours", AddedWorkPlugin(space));
     }
     if scene.contact.spins() {
-        app.add("contact.tangential", SpinPlugin { inertia: loaded.inertia(), columns_lead, space });
+        app.add("contact.tangential", SpinPlugin { inertia: loaded.inertia(), space });
         if scene.energy_books {
             app.add("contact.tangential", SpinEnergyPlugin(space));
         }
@@ -103,14 +108,21 @@ pub(crate) fn add_all<V: Space>(
     }
     if let Some(door) = scene.door {
         app.add("door", DoorPlugin(door));
-        if scene.energy_books && loaded.surfaces::<V>().iter().any(|wall| wall.is_door) {
-            app.add("door", PanelDoorEnergyPlugin(space));
-        }
+    }
+    let surfaces = loaded.surfaces::<V>();
+    if scene.energy_books && !surfaces.is_empty() && (has_behaviours || surfaces.iter().any(|wall| wall.is_door)) {
+        app.add("walls", LeavingWallsEnergyPlugin(space));
     }
     if let Some(bed) = scene.bed {
         app.add("bed", BedPlugin(bed));
     }
     add_behaviours(app, behaviours);
+    app.add_with("behaviours", |app| {
+        // A behaviour may bring a force of its own instead of contacts.
+        if own_contacts && !app.world().contains_resource::<History<V>>() {
+            app.add_systems(Step, clear_forces::<V>.in_set(ForceStage::Contacts));
+        }
+    });
     app.add_with("contact.tangential", |app| {
         // A behaviour's law may turn grains where the scene's own does not.
         if scene.energy_books && app.is_plugin_added::<SpinPlugin<V>>() && !app.is_plugin_added::<SpinEnergyPlugin<V>>()

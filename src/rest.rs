@@ -13,10 +13,11 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{Columns, looks_when};
+use crate::columns::foresee;
 use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
 use crate::messages::CameToRest;
+use crate::particles::Motion;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 use crate::values::{NonNegative, Positive};
@@ -52,11 +53,11 @@ pub struct RestDetection;
 fn detect<V: Space>(
     clock: Res<Clock>,
     gravity: Res<Gravity<V>>,
-    columns: Res<Columns<V>>,
+    motion: Motion<V>,
     mut detector: ResMut<RestDetector>,
     mut at_rest: MessageWriter<CameToRest>,
 ) {
-    if !is_quiet(&columns, &detector.thresholds, gravity.0.length()) {
+    if !is_quiet(&motion, &detector.thresholds, gravity.0.length()) {
         detector.quiet_since = None;
         return;
     }
@@ -67,15 +68,15 @@ fn detect<V: Space>(
     }
 }
 
-fn is_quiet<V: Space>(columns: &Columns<V>, thresholds: &Rest, g: f64) -> bool {
+fn is_quiet<V: Space>(motion: &Motion<V>, thresholds: &Rest, g: f64) -> bool {
     let speed_limit = thresholds.speed.get().powi(2) * g;
     let (mut kinetic, mut scale) = (0.0, 0.0);
-    for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
-        if columns.body[i].velocity.length_squared() > speed_limit * columns.body[i].radius {
+    for grain in motion.grains() {
+        if motion.velocity(grain).length_squared() > speed_limit * motion.radius(grain) {
             return false;
         }
-        kinetic += columns.kinetic_energy(i) + columns.rotational_energy(i);
-        scale += columns.mass[i] * g * columns.body[i].radius;
+        kinetic += motion.kinetic_energy(grain);
+        scale += motion.mass(grain) * g * motion.radius(grain);
     }
     kinetic <= thresholds.energy.get() * scale
 }
@@ -97,6 +98,6 @@ impl<V: Space> Plugin for RestPlugin<V> {
                 .run_if(everything_is_released_and_moves)
                 .run_if(crate::step::time_moves),
         );
-        looks_when(app, everything_is_released_and_moves);
+        foresee(app, everything_is_released_and_moves, everything_is_released_and_moves);
     }
 }

@@ -10,10 +10,10 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{DENSE, Newcomer, Order, Renumbering, Slot, TIDY_EVERY, has_renumbered, is_time_to_tidy};
-use crate::particle::Fixed;
+use crate::columns::{DENSE, Order, Plan, TIDY_EVERY, has_renumbered, is_time_to_tidy};
+use crate::particle::{Fixed, GrainBundle, Slot};
 use crate::space::Space;
-use crate::step::{Clock, Phase, Step};
+use crate::step::{Clock, Part, Step};
 
 /// On a grain that is out of its table.
 #[derive(Component, Clone, Copy, Debug)]
@@ -73,14 +73,19 @@ fn arrange(world: &mut World, mut grains: Vec<Entity>, mut ranks: Vec<u32>) {
 }
 
 /// Brings grains that will be spawned into order: many into that of the slots that they will get; few stay as they come.
-pub(crate) fn sort_newcomers<V: Space>(newcomers: &mut [Newcomer<V>]) {
+pub(crate) fn sort_newcomers<V: Space, T>(newcomers: &mut [(GrainBundle<V>, T)]) {
     if newcomers.len() < WORTHWHILE {
         return;
     }
-    let grains = || newcomers.iter().map(|new| &new.grain.particle);
+    let grains = || newcomers.iter().map(|(grain, _)| &grain.particle);
     let largest = grains().map(|grain| grain.radius.0).fold(0.0, f64::max);
     let order = Order::of(grains().map(|grain| grain.position.0), 2.0 * largest);
-    newcomers.sort_by_cached_key(|new| (order.place(new.grain.particle.position.0), new.grain.particle.id));
+    newcomers.sort_by_cached_key(|(grain, _)| (order.place(grain.particle.position.0), grain.particle.id));
+}
+
+/// Whether components of grains are copied in many steps.
+fn are_mirrored(plan: Option<Res<Plan>>) -> bool {
+    plan.is_some_and(|plan| plan.mirrors_grains())
 }
 
 /// Keeps rows in the order of slots.
@@ -89,7 +94,7 @@ pub struct RowsPlugin;
 impl Plugin for RowsPlugin {
     fn build(&self, app: &mut App) {
         let due = has_renumbered.or_eager(is_time_to_tidy);
-        app.add_systems(Step, sort_rows.in_set(Phase::Spawn).after(Renumbering).run_if(due));
+        app.add_systems(Step, sort_rows.in_set(Part::Sort).run_if(due).run_if(are_mirrored));
     }
 }
 

@@ -8,7 +8,7 @@ use bevy_ecs::prelude::*;
 
 use crate::assembly::Assembly;
 use crate::behaviour::{Behaviour, Registry};
-use crate::columns::{self, Columns, Lead, Newcomer, Turnover};
+use crate::columns::{self, Columns};
 use crate::fault::Fault;
 use crate::grains::file::GrainRow;
 use crate::grains::spawner::Pending;
@@ -18,17 +18,18 @@ use crate::lattice;
 use crate::lattice::load::LoadedLattice;
 use crate::messages::GrainReleased;
 use crate::outcome::{End, Outcome};
-use crate::particle::{Door, GrainId, Species, wall_grain};
+use crate::particle::{Door, GrainBundle, GrainId, Species, wall_grain};
 use crate::periodic::Periodic;
 use crate::plugins::{AddPaths, add_all, add_behaviours, planar_paths, solid_paths};
+use crate::rows::sort_newcomers;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
-use crate::step::{Clock, Phase, Step};
+use crate::step::{Clock, Part, Step};
 use crate::threads::Threads;
 use crate::walls::config::Wall;
 use crate::walls::conveyor::Conveyed;
 use crate::walls::silo_file::Disc;
-use crate::walls::surfaces::Surfaces;
+use crate::walls::surfaces::{LeavingWalls, Surfaces, WallIndex};
 
 /// A run in progress.
 pub struct Simulation {
@@ -39,12 +40,10 @@ impl Simulation {
     /// Builds the app that the scene asks for; nothing has run yet.
     ///
     /// # Errors
-    /// If a behaviour is unknown or its keys are wrong, systems of behaviours conflict, or the environment asks for
+    /// If a behaviour is unknown or its keys are wrong, systems of behaviours conflict or stand in no phase, or the environment asks for
     /// [`instructions`](crate::instructions) that this machine lacks.
     pub fn new(loaded: &Loaded, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
-        let mut simulation = Self::with(loaded, registry, threads, |_| {})?;
-        simulation.follow();
-        Ok(simulation)
+        Self::with(loaded, registry, threads, |_| {})
     }
 
     /// The same, with what a program adds on top: outputs, say, which look and write no physics. (What does is a
@@ -58,38 +57,35 @@ impl Simulation {
         threads: NonZeroUsize,
         more: impl FnOnce(&mut App),
     ) -> Result<Self, Fault> {
-        Self::with_watchers(loaded, registry, threads, true, |assembly| assembly.add_with("the program", more))
+        Self::with(loaded, registry, threads, |assembly| assembly.add_with("the program", more))
     }
 
-    /// The same, with plugins of the caller's on top, which look at no components of grains: these need not be entities.
+    /// The same, with plugins that note which key asked for them.
     pub(crate) fn with(
         loaded: &Loaded,
         registry: &Registry,
         threads: NonZeroUsize,
         more: impl FnOnce(&mut Assembly<'_>),
     ) -> Result<Self, Fault> {
-        Self::with_watchers(loaded, registry, threads, false, more)
-    }
-
-    /// The same; if they are `watched`, components are brought up to date in every step.
-    fn with_watchers(
-        loaded: &Loaded,
-        registry: &Registry,
-        threads: NonZeroUsize,
-        watched: bool,
-        more: impl FnOnce(&mut Assembly<'_>),
-    ) -> Result<Self, Fault> {
-        let mut app = Self::assemble(loaded, registry, threads, watched, more)?;
+        let mut app = Self::assemble(loaded, registry, threads, more)?;
         match loaded.scene.space {
             Dimension::Plane => populate::<Plane>(app.world_mut(), loaded),
             Dimension::Solid => populate::<Solid>(app.world_mut(), loaded),
         }
-        Self::ready(app)
+        Self::ready_for_grains(app, loaded)
     }
 
     /// Whether [`Simulation::new`] would succeed, at the cost of no grain.
     pub(crate) fn check(loaded: &Loaded, registry: &Registry) -> Result<(), Fault> {
-        Self::assemble(loaded, registry, NonZeroUsize::MIN, false, |_| {}).and_then(Self::ready).map(|_| ())
+        let app = Self::assemble(loaded, registry, NonZeroUsize::MIN, |_| {})?;
+        Self::ready_for_grains(app, loaded).map(|_| ())
+    }
+
+    fn ready_for_grains(app: App, loaded: &Loaded) -> Result<Self, Fault> {
+        match loaded.scene.space {
+            Dimension::Plane => Self::ready(app, columns::plan::<Plane>),
+            Dimension::Solid => Self::ready(app, columns::plan::<Solid>),
+        }
     }
 
     /// The app without what is in the world.
@@ -97,15 +93,14 @@ impl Simulation {
         loaded: &Loaded,
         registry: &Registry,
         threads: NonZeroUsize,
-        watched: bool,
         more: impl FnOnce(&mut Assembly<'_>),
     ) -> Result<App, Fault> {
         let behaviours = registry.of_scene(loaded)?;
         let mut app = empty(threads)?;
         let mut assembly = Assembly::new(&mut app);
         match loaded.scene.space {
-            Dimension::Plane => furnish::<Plane>(&mut assembly, loaded, behaviours, planar_paths, watched),
-            Dimension::Solid => furnish::<Solid>(&mut assembly, loaded, behaviours, solid_paths, watched),
+            Dimension::Plane => furnish::<Plane>(&mut assembly, loaded, behaviours, planar_paths),
+            Dimension::Solid => furnish::<Solid>(&mut assembly, loaded, behaviours, solid_paths),
         }
         more(&mut assembly);
         assembly.finish();
@@ -134,38 +129,35 @@ impl Simulation {
         add_behaviours(&mut assembly, behaviours);
         more(&mut assembly);
         assembly.finish();
-        Self::ready(app)
+        // No particle: components mirror nothing.
+        Self::ready(app, |_, _| Ok(()))
     }
 
-    /// Completes an app that has all its plugins.
-    fn ready(mut app: App) -> Result<Self, Fault> {
-        app.add_systems(Step, message_update_system.after(Phase::Observe));
-        let mut simulation = Self { app };
-        simulation.initialize_schedule()?;
-        Ok(simulation)
-    }
-
-    /// Builds the schedule now, so that conflicting systems are an error of the input and not a panic later.
-    fn initialize_schedule(&mut self) -> Result<(), Fault> {
-        self.app.world_mut().schedule_scope(Step, |world, schedule| {
+    /// Completes an app that has all its plugins; `plan` adds what depends on all of them.
+    fn ready(mut app: App, plan: fn(&mut Schedule, &mut World) -> Result<(), Fault>) -> Result<Self, Fault> {
+        app.add_systems(Step, message_update_system.in_set(Part::End));
+        // Now, so that conflicting systems are an error of the input and not a panic later.
+        app.world_mut().schedule_scope(Step, |world, schedule| {
+            plan(schedule, world)?;
             schedule.initialize(world).map(|_| ()).map_err(|error| {
                 let message = error.to_string(schedule.graph(), world);
                 Fault::new("behaviour::schedule", format!("the systems of this scene cannot be ordered: {message}"))
                     .help("order the systems of behaviours with `.after(...)`, `.before(...)` or `.chain()`")
             })
-        })
+        })?;
+        Ok(Self { app })
     }
 
     /// Runs step zero if it has not run, else one step. Returns the end once there is one, and then does nothing.
     ///
-    /// Many steps take less time by [`Simulation::run_steps`]: after each of these, components are brought up to date.
+    /// Many steps take less time by [`Simulation::run_steps`]: after each of these, all components are brought up to date.
     pub fn step(&mut self) -> Option<End> {
         let end = self.advance_while(|_| false);
-        self.follow();
+        self.refresh();
         end
     }
 
-    /// Steps to the end, or until `each`, which is shown the world after every step, says no. Components may stay behind the columns.
+    /// Steps to the end, or until `each`, which is shown the world after every step, says no. Components may be of earlier steps.
     fn advance_while(&mut self, mut each: impl FnMut(&World) -> bool + Send) -> Option<End> {
         Threads::run(self.app.world_mut(), |world| {
             loop {
@@ -177,7 +169,7 @@ impl Simulation {
         })
     }
 
-    /// Steps to the end; `each` is shown the world after every step. Components may stay behind the columns.
+    /// Steps to the end; `each` is shown the world after every step. Components may be of earlier steps.
     pub(crate) fn advance_to_end(&mut self, mut each: impl FnMut(&World) + Send) -> End {
         loop {
             let goes_on = |world: &World| {
@@ -191,14 +183,14 @@ impl Simulation {
     }
 
     /// Brings components up to date.
-    fn follow(&mut self) {
-        Lead::to_both(self.app.world_mut());
+    fn refresh(&mut self) {
+        columns::refresh_world(self.app.world_mut());
     }
 
     /// Steps to the end.
     pub fn run(&mut self) -> End {
         let end = self.advance_to_end(|_| {});
-        self.follow();
+        self.refresh();
         end
     }
 
@@ -212,7 +204,7 @@ impl Simulation {
             return self.world().resource::<Outcome>().end().cloned();
         }
         let end = self.advance_while(goes_on);
-        self.follow();
+        self.refresh();
         end
     }
 
@@ -222,17 +214,10 @@ impl Simulation {
         self.app.world()
     }
 
-    /// Everything there is, for who looks at grains in the columns or by the census alone: components may be behind, or not be.
-    pub(crate) fn columns_world_mut(&mut self) -> &mut World {
-        let world = self.app.world_mut();
-        columns::settle(world);
-        world
-    }
-
     /// Everything there is, to be changed; what is changed between steps counts from the next step on.
     pub fn world_mut(&mut self) -> &mut World {
         let world = self.app.world_mut();
-        Lead::to_components(world);
+        columns::hand_out(world);
         world
     }
 }
@@ -240,7 +225,7 @@ impl Simulation {
 /// Runs step zero if it has not run, else one step. Gives the end once there is one, and then does nothing.
 fn advance(world: &mut World) -> Option<End> {
     if world.resource::<Outcome>().end().is_none() {
-        Lead::to_columns(world);
+        columns::take_back(world);
         world.run_schedule(Step);
         world.resource_mut::<Clock>().start();
         world.clear_trackers();
@@ -270,11 +255,11 @@ fn furnish<V: Space>(
     loaded: &Loaded,
     behaviours: Vec<(String, Box<dyn Behaviour>)>,
     paths: AddPaths,
-    watched: bool,
 ) {
     assembly.provide(Gravity(loaded.scene.gravity.get::<V>()));
     assembly.provide(Surfaces(loaded.surfaces::<V>()));
-    add_all::<V>(assembly, loaded, behaviours, paths, watched);
+    assembly.provide(LeavingWalls::default());
+    add_all::<V>(assembly, loaded, behaviours, paths);
 }
 
 fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
@@ -307,14 +292,28 @@ fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
             spawned.insert(Conveyed);
         }
     }
+    for (index, wall) in loaded.surfaces::<V>().iter().enumerate() {
+        let mut entity = world.spawn(WallIndex(index));
+        if wall.is_door {
+            entity.insert(Door);
+        }
+    }
     world.write_message_batch(loaded.grains.iter().map(|grain| GrainReleased { id: grain.id }));
     let newcomer = |row: &GrainRow| {
         let mut grain = row.bundle::<V>();
         grain.particle.position.0 = in_box(grain.particle.position.0);
-        Newcomer { grain, spin: V::narrow_spin(row.spin) }
+        (grain, V::narrow_spin(row.spin))
     };
-    world.resource_mut::<Turnover<V>>().entering = loaded.grains.iter().map(newcomer).collect();
-    if !world.resource::<Columns<V>>().is_bare {
-        columns::embody::<V>(world);
+    let mut newcomers: Vec<_> = loaded.grains.iter().map(newcomer).collect();
+    sort_newcomers(&mut newcomers);
+    // All at once: tables are made for as many.
+    match world.resource::<Columns<V>>().inertia {
+        None => world.spawn_batch(newcomers.into_iter().map(|(grain, _)| grain)).for_each(drop),
+        Some(law) => {
+            let turning = |grain: &GrainBundle<V>, spin| law.turning::<V>(grain.mass.0, grain.particle.radius.0, spin);
+            world
+                .spawn_batch(newcomers.into_iter().map(move |(grain, spin)| (turning(&grain, spin), grain)))
+                .for_each(drop);
+        }
     }
 }

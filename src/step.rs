@@ -24,7 +24,7 @@ pub enum Phase {
     Neighbours,
     /// Forces at x(t+dt), v(t+dt/2): see [`ForceStage`].
     Forces,
-    /// a(t+dt), v(t+dt). Not in step zero. Where nobody looks at components it may be put off (`columns/settle.rs`).
+    /// a(t+dt), v(t+dt). Not in step zero. Where no system looks at velocities it may be put off (`columns/deferred_kick.rs`).
     Kick,
     /// Rest detector, door controller.
     Control,
@@ -32,6 +32,38 @@ pub enum Phase {
     Cull,
     /// Measurements and pictures. They read; they never write physics.
     Observe,
+}
+
+/// What surrounds the systems of a [`Phase`]: a chain of engine, refresh, the phase itself, and write-back. In [`Phase::Spawn`]
+/// the engine, which deals out slots, comes last as well.
+#[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// The passes over the packed store that are the phase's job.
+    Engine(Phase),
+    /// Components that systems of the phase read are copied from the store.
+    Refresh(Phase),
+    /// Components that systems of the phase have written are copied into the store.
+    WriteBack(Phase),
+    /// After [`Phase::Spawn`]: slots are dealt out.
+    Renumber,
+    /// After that: rows of tables are brought into the order of slots.
+    Sort,
+    /// After all phases: messages age.
+    End,
+}
+
+impl Phase {
+    /// All phases, in the order of a step.
+    pub(crate) const ALL: [Self; 8] = [
+        Self::Spawn,
+        Self::Drift,
+        Self::Neighbours,
+        Self::Forces,
+        Self::Kick,
+        Self::Control,
+        Self::Cull,
+        Self::Observe,
+    ];
 }
 
 /// The stages of [`Phase::Forces`], in this order, which is also the order of summation in each grain.
@@ -43,8 +75,6 @@ pub enum ForceStage {
     Walls,
     /// Weight, of what has no contacts: that of grains is what their sums begin with.
     Gravity,
-    /// The sum is written to [`Force`](crate::particle::Force).
-    Written,
     /// Here a behaviour adds its own force to `Force`. Systems of one stage run in the order of registration only
     /// if they say so (`.chain()`, `.after(...)`); two that write `Force` and do not are refused as ambiguous.
     Added,
@@ -137,25 +167,29 @@ impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
         app.add_schedule(serial(Step)).insert_resource(Clock::new(self.dt));
         app.edit_schedule(Step, |schedule| {
+            let mut last = None;
+            for phase in Phase::ALL {
+                let chain = (Part::Engine(phase), Part::Refresh(phase), phase, Part::WriteBack(phase)).chain();
+                schedule.configure_sets(match last {
+                    None => chain,
+                    Some(before) => chain.after(Part::WriteBack(before)),
+                });
+                last = Some(phase);
+            }
+            // Components are copied in step zero too: run conditions of systems are evaluated then as well.
+            for phase in [Phase::Drift, Phase::Kick] {
+                schedule.configure_sets((Part::Engine(phase).run_if(time_moves), phase.run_if(time_moves)));
+            }
+            let renumber = (Part::Renumber, Part::Sort).chain();
+            let renumber = renumber.after(Part::WriteBack(Phase::Spawn)).before(Part::Engine(Phase::Drift));
+            schedule.configure_sets((renumber, Part::End.after(Part::WriteBack(Phase::Observe))));
             schedule.configure_sets(
-                (
-                    Phase::Spawn,
-                    Phase::Drift.run_if(time_moves),
-                    Phase::Neighbours,
-                    Phase::Forces,
-                    Phase::Kick.run_if(time_moves),
-                    Phase::Control,
-                    Phase::Cull,
-                    Phase::Observe,
-                )
-                    .chain(),
-            );
-            schedule.configure_sets(
-                (ForceStage::Contacts, ForceStage::Walls, ForceStage::Gravity, ForceStage::Written, ForceStage::Added)
+                (ForceStage::Contacts, ForceStage::Walls, ForceStage::Gravity)
                     .chain()
-                    .in_set(Phase::Forces),
+                    .in_set(Part::Engine(Phase::Forces)),
             );
+            schedule.configure_sets(ForceStage::Added.in_set(Phase::Forces));
         });
-        app.add_systems(Step, advance.in_set(Phase::Drift).in_set(ClockAdvanced));
+        app.add_systems(Step, advance.in_set(Part::Engine(Phase::Drift)).in_set(ClockAdvanced));
     }
 }

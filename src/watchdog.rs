@@ -32,16 +32,17 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::looks_when;
-use crate::contact::survey::{Partner, Scenery, Survey};
+use crate::columns::foresee;
 use crate::contact::{Bounce, LargestOverlap};
+use crate::ending::Endings;
 use crate::energy::EnergyFlows;
 use crate::gravity::Gravity;
-use crate::measure::ObserveStage;
+use crate::ledger::BooksKept;
 use crate::outcome::{End, Failure, Outcome};
 use crate::particle::GrainId;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
+use crate::survey::{Partner, Scenery, Survey};
 use crate::values::Positive;
 
 /// The scene's `watchdog`.
@@ -230,12 +231,9 @@ impl<V: Space> Plugin for WatchdogPlugin<V> {
             put_in: 0.0,
             has_warned: overlap.is_none(),
         });
-        // After the books of the step are closed, and before anybody writes what the end of the run looks like.
-        app.add_systems(
-            Step,
-            look::<V>.run_if(is_called).in_set(Phase::Observe).after(ObserveStage::Settled).before(ObserveStage::Due),
-        );
-        looks_when(app, is_called);
+        // After the books of the step are closed, and before the end of the run is written.
+        app.add_systems(Step, look::<V>.in_set(Phase::Cull).after(BooksKept).after(Endings).run_if(is_called));
+        foresee(app, is_called, is_called);
     }
 }
 

@@ -8,27 +8,30 @@ use std::time::{Duration, Instant};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SystemKey;
 use siloflow::prelude::*;
+use siloflow::step;
 
 /// The parts of a step that are told apart.
 pub const PARTS: [(&str, Part); 11] = [
     ("grains enter, slots", Part::Phase(Phase::Spawn)),
-    ("drift, into the columns", Part::Phase(Phase::Drift)),
+    ("drift", Part::Phase(Phase::Drift)),
     ("neighbour list", Part::Phase(Phase::Neighbours)),
     ("contacts", Part::Stage(ForceStage::Contacts)),
     ("walls", Part::Stage(ForceStage::Walls)),
-    ("forces written", Part::Stage(ForceStage::Written)),
-    ("kick, from the columns", Part::Phase(Phase::Kick)),
+    ("components of forces", Part::Sync(Phase::Forces)),
+    ("kick", Part::Phase(Phase::Kick)),
     ("energy books, finite values", Part::Phase(Phase::Control)),
-    ("paths, culling, ledger, end", Part::Phase(Phase::Cull)),
-    ("watchdog, who is due", Part::Phase(Phase::Observe)),
+    ("paths, culling, ledger, end, watchdog", Part::Phase(Phase::Cull)),
+    ("outputs", Part::Phase(Phase::Observe)),
     ("forces added", Part::Stage(ForceStage::Added)),
 ];
 
 /// A phase or one stage of the forces.
 #[derive(Clone, Copy, Debug)]
 pub enum Part {
-    /// A phase.
+    /// A phase with all that belongs to it.
     Phase(Phase),
+    /// The copying of components before and after a phase.
+    Sync(Phase),
     /// A stage of [`Phase::Forces`].
     Stage(ForceStage),
 }
@@ -91,11 +94,19 @@ pub fn put_into(simulation: &mut Simulation) {
     simulation.world_mut().schedule_scope(Step, |world, schedule| {
         let part = |key: SystemKey| {
             PARTS.iter().position(|(_, part)| {
-                let set = match part {
-                    Part::Phase(phase) => phase.intern(),
-                    Part::Stage(stage) => stage.intern(),
+                let engine = |phase: Phase| [step::Part::Engine(phase).intern(), phase.intern()];
+                let sync = |phase: Phase| [step::Part::Refresh(phase).intern(), step::Part::WriteBack(phase).intern()];
+                let sets = match *part {
+                    Part::Phase(Phase::Spawn) => {
+                        let slots = [step::Part::Renumber.intern(), step::Part::Sort.intern()];
+                        [engine(Phase::Spawn), sync(Phase::Spawn), slots].concat()
+                    }
+                    Part::Phase(phase) => [engine(phase), sync(phase)].concat(),
+                    Part::Sync(phase) => sync(phase).to_vec(),
+                    Part::Stage(stage) => vec![stage.intern()],
                 };
-                schedule.graph().systems_in_set(set).is_ok_and(|members| members.contains(&key))
+                let holds = |set| schedule.graph().systems_in_set(set).is_ok_and(|members| members.contains(&key));
+                sets.into_iter().any(holds)
             })
         };
         let systems = schedule.systems().expect("the schedule has been initialised");

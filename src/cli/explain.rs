@@ -8,7 +8,7 @@ use bevy_ecs::schedule::ScheduleLabel;
 use crate::assembly::AskedBy;
 use crate::behaviour::Registry;
 use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
-use crate::columns::{Lead, Settling};
+use crate::columns::{Renumber, Settling};
 use crate::fault::Fault;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::rules::Rules;
@@ -99,9 +99,6 @@ fn describe_grain(world: &mut World, text: &mut String) {
     for (name, size) in rows {
         let _ = writeln!(text, "  {name:<24} {size:>3} B");
     }
-    if world.contains_resource::<Lead>() {
-        text.push_str("  (`run` keeps grains as rows of packed columns, for nothing here looks at components)\n");
-    }
     text.push('\n');
 }
 
@@ -111,7 +108,8 @@ fn describe_systems(world: &World, text: &mut String) {
     };
     let parts = [
         (Step.intern(), "systems of a step, in order, and the key that asks for each:"),
-        (Settling.intern(), "and where velocities are looked at between two steps, else with the next drift:"),
+        (Settling.intern(), "where velocities are looked at between two steps, else with the next drift:"),
+        (Renumber.intern(), "when particles enter or leave:"),
     ];
     for (label, heading) in parts {
         let Some(Ok(systems)) = schedules.get(label).map(Schedule::systems) else { continue };

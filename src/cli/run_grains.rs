@@ -52,7 +52,7 @@ pub(super) fn run_into(
     // They are in the world now.
     loaded.grains = Vec::new();
     let (end, cost) = drive(&mut simulation, loaded, quiet);
-    let world = simulation.columns_world_mut();
+    let world = simulation.world_mut();
     let summary = Summary::of(world, loaded, &end, cost);
     let written = match loaded.scene.space {
         Dimension::Plane => directory.finish(|state| file::write_to::<Plane>(world, state), &summary),

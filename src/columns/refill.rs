@@ -1,19 +1,20 @@
-//! Dealing out slots: who has one, in which order, and what the columns then hold.
+//! Dealing out slots: which particle has which, in which order, and what the store then holds.
 //!
-//! Entities bring their components; bare grains what the columns already hold of them, or with what they enter.
+//! The store owns the state of the particles that it knows: their rows move to the new slots. Components are read of entities that
+//! entered (all of them), and of those that the [population](super::population) has noted as altered (what changes by insertion).
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
+use rustc_hash::FxHashMap;
 
 use crate::columns::order::{Order, Place};
-use crate::columns::{Body, Columns, MANY, Newcomer, Rotation, Slot, Turnover};
-use crate::particle::{Fixed, Force, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
+use crate::columns::{Body, Columns, MANY, Rotation};
+use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
 use crate::space::Space;
-use crate::spin::{Inertia, Spin, Torque, TurningBundle};
+use crate::spin::{Inertia, Spin, Torque};
 
-/// What the columns hold of a particle, and its slot.
+/// The components of a particle.
 #[derive(QueryData)]
-#[query_data(mutable)]
 pub(crate) struct EntityRow<V: Space> {
     entity: Entity,
     id: &'static GrainId,
@@ -25,115 +26,169 @@ pub(crate) struct EntityRow<V: Space> {
     species: Option<&'static Species>,
     is_fixed: Has<Fixed>,
     turning: Option<(&'static Spin<V::Spin>, &'static Torque<V::Spin>, &'static Inertia)>,
-    slot: &'static mut Slot,
 }
 
-impl<V: Space> EntityRowReadOnlyItem<'_, '_, V> {
+/// The properties of a particle that change by insertion alone, as the store holds them.
+#[derive(Clone, Copy, Debug)]
+struct Properties {
+    id: GrainId,
+    radius: f64,
+    mass: f64,
+    /// 1/m as contacts see it, 1/kg: 0 for what is fixed.
+    inverse_mass: f64,
+    inverse_inertia: f64,
+    species: Species,
+}
+
+impl Properties {
+    fn of<V: Space>(row: &EntityRowItem<'_, '_, V>) -> Self {
+        let inverse_mass = row.mass.map_or(0.0, |mass| if row.is_fixed { 0.0 } else { 1.0 / mass.0 });
+        Self {
+            id: *row.id,
+            radius: row.radius.0,
+            mass: row.mass.map_or(0.0, |mass| mass.0),
+            inverse_mass,
+            inverse_inertia: row.turning.map_or(0.0, |(.., inertia)| 1.0 / inertia.0),
+            species: row.species.copied().unwrap_or_default(),
+        }
+    }
+
     /// Whether no force moves it.
     fn never_moves(&self) -> bool {
-        inverse_mass(self.mass, self.is_fixed) == 0.0
+        self.inverse_mass == 0.0
     }
 }
 
-/// 1/m as contacts see it, 1/kg.
-fn inverse_mass(mass: Option<&Mass>, is_fixed: bool) -> f64 {
-    mass.map_or(0.0, |mass| if is_fixed { 0.0 } else { 1.0 / mass.0 })
+/// An entity that enters, and all that its slot follows from.
+struct Entering<V: Space> {
+    entity: Entity,
+    id: GrainId,
+    never_moves: bool,
+    /// Radius, m.
+    radius: f64,
+    /// Centre, m.
+    position: V,
 }
 
-/// Where a particle comes in the order of slots.
+impl<V: Space> Entering<V> {
+    fn of(row: &EntityRowItem<'_, '_, V>) -> Self {
+        let Properties { id, radius, .. } = Properties::of(row);
+        let never_moves = Properties::of(row).never_moves();
+        Self { entity: row.entity, id, never_moves, radius, position: row.position.0 }
+    }
+}
+
+/// The place of a particle in the order of slots.
 type Key = (bool, Place, GrainId);
 
-/// A particle that will have a slot: where it comes, its number, and the slot that it had. Numbered are newcomers, then entities as
-/// they come, then bare grains that stay.
-type Entrant = (Key, u32, Slot);
+/// A particle that will have a slot: its key, and its former row, or its number among those that enter plus the former rows.
+type Entrant = (Key, u32);
 
 impl<V: Space> Columns<V> {
-    /// Deals out slots to bare grains and to particles that are entities, and fills the columns.
-    pub(super) fn refill(&mut self, turnover: &Turnover<V>, particles: &mut Query<EntityRow<V>>) {
-        let newcomers = &turnover.entering;
-        self.order = self.next_order(turnover, particles);
-        let altered: Vec<_> = self.entities_altered(particles).collect();
-        let entrants = self.entrants(turnover, particles);
-        self.movable_end = entrants.partition_point(|&((is_fixed, ..), ..)| !is_fixed);
+    /// Deals out slots to all particles; `touched` are the entities that entered or were altered.
+    pub(super) fn refill(
+        &mut self,
+        touched: Vec<Entity>,
+        particles: &Query<EntityRow<V>>,
+        slots: &mut Query<&mut Slot>,
+    ) {
+        let (entering, altered) = self.read(touched, particles, slots);
+        let rows = self.len();
+        self.order = self.next_order(&entering, &altered);
+        let entrants = self.entrants(&entering, &altered);
+        self.movable_end = entrants.partition_point(|&((is_fixed, ..), _)| !is_fixed);
         self.id.clear();
-        self.id.extend(entrants.iter().map(|&((.., id), ..)| id));
+        self.id.extend(entrants.iter().map(|&((.., id), _)| id));
         self.former.clear();
-        self.former.extend(entrants.iter().map(|&(.., former)| former));
-        let mut slots = vec![Slot::default(); entrants.len()];
-        for (slot, (_, number, _)) in (0u32..).zip(entrants) {
-            slots[number as usize] = Slot::new(slot);
-        }
-        let (of_newcomers, of_others) = slots.split_at(newcomers.len());
-        self.altered.clear();
-        self.altered.extend(altered.into_iter().map(|entity: usize| of_others[entity]));
-        self.altered.sort_unstable();
+        let former = |number: u32| if (number as usize) < rows { Slot::new(number) } else { Slot::default() };
+        self.former.extend(entrants.iter().map(|&(_, number)| former(number)));
+        let newcomer =
+            |&(_, number): &Entrant| entering.get((number as usize).checked_sub(rows)?).map(|new| new.entity);
+        let newcomers = entrants.iter().zip(0u32..).filter_map(|(entrant, slot)| Some((newcomer(entrant)?, slot)));
+        let newcomers: Vec<_> = newcomers.collect();
+        // Memory is at its highest here when all grains of a scene enter at once.
+        drop((entrants, entering));
         self.make_room();
-        for (newcomer, slot) in newcomers.iter().zip(of_newcomers) {
-            self.fill_newcomer(newcomer, slot.index());
+        self.settle_altered(&altered);
+        for (entity, slot) in newcomers {
+            if let Ok(row) = particles.get(entity) {
+                self.fill(slot as usize, &row);
+            }
         }
-        for (mut particle, &slot) in particles.iter_mut().zip(of_others) {
-            self.fill_entity(&mut particle, slot);
+        for (i, (entity, former)) in self.entity.iter().zip(&self.former).enumerate() {
+            if *former != Slot::of(i)
+                && let Ok(mut slot) = slots.get_mut(*entity)
+            {
+                *slot.bypass_change_detection() = Slot::of(i);
+            }
         }
+        self.vacated.clear();
         let radii = || self.body.iter().map(|body| body.radius);
         let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
         self.smallest_share = smallest / (smallest + largest);
         self.generation += 1;
     }
 
-    /// The order of slots for all who are not fixed.
-    fn next_order(&self, turnover: &Turnover<V>, particles: &Query<EntityRow<V>>) -> Order {
-        let grains = || turnover.entering.iter().map(|newcomer| &newcomer.grain.particle);
-        let free = || particles.iter().filter(|row| !row.is_fixed);
-        let bare = || self.bare(turnover).map(|i| &self.body[i]);
-        let places = grains().map(|grain| grain.position.0).chain(free().map(|row| row.position.0));
-        let radii = grains().map(|grain| grain.radius.0).chain(free().map(|row| row.radius.0));
-        let largest = radii.chain(bare().map(|body| body.radius)).fold(0.0, f64::max);
-        Order::of(places.chain(bare().map(|body| body.position)), 2.0 * largest)
+    /// Reads the entities that entered, and the properties of those that were altered, by row.
+    fn read(
+        &self,
+        touched: Vec<Entity>,
+        particles: &Query<EntityRow<V>>,
+        slots: &Query<&mut Slot>,
+    ) -> (Vec<Entering<V>>, FxHashMap<usize, Properties>) {
+        let (mut entering, mut altered) = (Vec::new(), FxHashMap::default());
+        for entity in touched {
+            // An entity that is gone already, or no particle, has no row.
+            let (Ok(row), Ok(slot)) = (particles.get(entity), slots.get(entity)) else { continue };
+            match self.row_of(entity, *slot) {
+                Some(i) => {
+                    altered.insert(i, Properties::of(&row));
+                }
+                None => entering.push(Entering::of(&row)),
+            }
+        }
+        (entering, altered)
     }
 
-    /// All who will have slots, in the order of these.
-    fn entrants(&self, turnover: &Turnover<V>, particles: &Query<EntityRow<V>>) -> Vec<Entrant> {
-        let key = |is_fixed, position: V, id| (is_fixed, self.order.place(position), id);
-        let of_newcomers =
-            turnover.entering.iter().map(|Newcomer { grain: GrainBundle { particle: grain, .. }, .. }| {
-                (key(false, grain.position.0, grain.id), Slot::default())
-            });
-        // Tables are walked several times: that takes less room than to keep who was met.
-        let of_entities = particles.iter().map(|row| {
-            let former = if self.knows(&row) { *row.slot } else { Slot::default() };
-            (key(row.never_moves(), row.position.0, *row.id), former)
+    /// The order of slots for all that forces move.
+    fn next_order(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> Order {
+        let known = || {
+            (0..self.len()).filter(|&i| self.is_present(i)).filter_map(|i| match altered.get(&i) {
+                Some(properties) => (!properties.never_moves()).then_some((self.body[i].position, properties.radius)),
+                None => (!self.is_fixed(i)).then_some((self.body[i].position, self.body[i].radius)),
+            })
+        };
+        let new = || {
+            let movable = entering.iter().filter(|entering| !entering.never_moves);
+            movable.map(|entering| (entering.position, entering.radius))
+        };
+        let largest = known().chain(new()).map(|(_, radius)| radius).fold(0.0, f64::max);
+        Order::of(known().chain(new()).map(|(position, _)| position), 2.0 * largest)
+    }
+
+    /// All particles, in the order of their slots to be.
+    fn entrants(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> Vec<Entrant> {
+        let known = (0u32..).zip(0..self.len()).filter(|&(_, i)| self.is_present(i)).map(|(number, i)| {
+            let never_moves = altered.get(&i).map_or(self.is_fixed(i), Properties::never_moves);
+            ((never_moves, self.order.place(self.body[i].position), self.id[i]), number)
         });
-        let of_bare = self.bare(turnover).map(|i| (key(false, self.body[i].position, self.id[i]), Slot::of(i)));
-        let all = of_newcomers.chain(of_entities).chain(of_bare);
-        let mut entrants: Vec<_> = (0u32..).zip(all).map(|(number, (key, former))| (key, number, former)).collect();
-        entrants.sort_unstable_by_key(|&(key, ..)| key);
+        let first = u32::try_from(self.len()).expect("fewer than 2^32 particles");
+        let new = (first..).zip(entering).map(|(number, &Entering { id, never_moves, position, .. })| {
+            ((never_moves, self.order.place(position), id), number)
+        });
+        let mut entrants: Vec<_> = Vec::with_capacity(self.len() + entering.len());
+        entrants.extend(known.chain(new));
+        entrants.sort_unstable_by_key(|&(key, _)| key);
         entrants
     }
 
-    /// Which entities, as they come, had another radius in the slots that they had, or were fixed and are free, or the reverse.
-    fn entities_altered(&self, particles: &Query<EntityRow<V>>) -> impl Iterator<Item = usize> {
-        particles.iter().enumerate().filter_map(|(number, row)| {
-            let i = row.slot.index();
-            let is_same =
-                |was: &Body<V>| was.radius.total_cmp(&row.radius.0).is_eq() && self.is_fixed(i) == row.never_moves();
-            (self.knows(&row) && !is_same(&self.body[i])).then_some(number)
-        })
-    }
-
-    /// Whether the slot of an entity is its own.
-    fn knows(&self, row: &EntityRowReadOnlyItem<'_, '_, V>) -> bool {
-        self.entity.get(row.slot.index()) == Some(&row.entity)
-    }
-
-    /// Makes room for all who have slots now, with what the columns hold of bare grains.
+    /// Moves the rows of the particles that the store knows to their new slots, and makes room for the others.
     fn make_room(&mut self) {
-        let Self { former, is_bare, has_books, inertia, loads, .. } = self;
-        let size = former.len();
-        // What is of entities they bring along.
-        let kept = if *is_bare { &former[..] } else { &[] };
-        let nobody = Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 };
-        rearrange(&mut self.entity, size, &[], Entity::PLACEHOLDER);
-        rearrange(&mut self.body, size, kept, nobody);
+        let Self { former, has_books, inertia, loads, .. } = self;
+        let (size, kept) = (former.len(), &former[..]);
+        let nothing = Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 };
+        rearrange(&mut self.entity, size, kept, Entity::PLACEHOLDER);
+        rearrange(&mut self.body, size, kept, nothing);
         rearrange(&mut self.mass, size, kept, 0.0);
         rearrange(&mut self.species, size, kept, Species::default());
         loads.force.rearrange(size, kept, *has_books);
@@ -142,50 +197,52 @@ impl<V: Space> Columns<V> {
             loads.torque.rearrange(size, kept, *has_books);
         }
         if !loads.contacts.is_empty() {
-            rearrange(&mut loads.contacts, size, former, MANY);
+            rearrange(&mut loads.contacts, size, kept, MANY);
         }
     }
 
-    /// Fills in entry `i`: position (m), velocity (m/s) and force (N); radius (m); mass (kg) and its inverse as contacts see it.
-    fn fill(&mut self, i: usize, motion: (V, V, V), radius: f64, masses: (f64, f64), species: Species) {
-        let ((position, velocity, force), (mass, inverse_mass)) = (motion, masses);
-        self.body[i] = Body { position, velocity, radius, inverse_mass };
-        self.loads.force.set(i, force);
-        self.mass[i] = mass;
-        self.species[i] = species;
+    /// Writes the properties of altered particles, given by former row, and notes those that lists must not go on with: of another
+    /// radius, or fixed or freed.
+    fn settle_altered(&mut self, altered: &FxHashMap<usize, Properties>) {
+        self.altered.clear();
+        if altered.is_empty() {
+            return;
+        }
+        for i in 0..self.former.len() {
+            let Some(properties) = altered.get(&self.former[i].index()) else { continue };
+            let before = &self.body[i];
+            let is_same = before.radius.total_cmp(&properties.radius).is_eq()
+                && (before.inverse_mass == 0.0) == properties.never_moves();
+            if !is_same {
+                self.altered.push(Slot::of(i));
+            }
+            self.set_properties(i, properties);
+        }
     }
 
-    /// The same of how it turns, where grains spin.
-    fn fill_turning(&mut self, i: usize, (spin, torque, inertia): TurningBundle<V>) {
+    fn set_properties(&mut self, i: usize, properties: &Properties) {
+        let Properties { radius, mass, inverse_mass, inverse_inertia, species, .. } = *properties;
+        (self.body[i].radius, self.body[i].inverse_mass) = (radius, inverse_mass);
+        (self.mass[i], self.species[i]) = (mass, species);
         if let Some(rotation) = self.rotation.get_mut(i) {
-            *rotation = Rotation { spin: spin.0, inverse_inertia: 1.0 / inertia.0 };
+            rotation.inverse_inertia = inverse_inertia;
+        }
+    }
+
+    /// Fills in row `i` for a particle that enters.
+    fn fill(&mut self, i: usize, entering: &EntityRowItem<'_, '_, V>) {
+        self.entity[i] = entering.entity;
+        (self.body[i].position, self.body[i].velocity) = (entering.position.0, entering.velocity.0);
+        self.loads.force.set(i, entering.force.0);
+        self.set_properties(i, &Properties::of(entering));
+        if let (Some(rotation), Some((spin, torque, _))) = (self.rotation.get_mut(i), entering.turning) {
+            rotation.spin = spin.0;
             self.loads.torque.set(i, torque.0);
         }
     }
-
-    fn fill_newcomer(&mut self, newcomer: &Newcomer<V>, i: usize) {
-        let GrainBundle { particle, mass, species, .. } = &newcomer.grain;
-        let Particle { position, velocity, force, radius, .. } = particle;
-        self.fill(i, (position.0, velocity.0, force.0), radius.0, (mass.0, inverse_mass(Some(mass), false)), *species);
-        if let Some(law) = self.inertia {
-            self.fill_turning(i, newcomer.turning(law));
-        }
-    }
-
-    fn fill_entity(&mut self, row: &mut EntityRowItem<'_, '_, V>, slot: Slot) {
-        let i = slot.index();
-        self.entity[i] = row.entity;
-        let masses = (row.mass.map_or(0.0, |mass| mass.0), inverse_mass(row.mass, row.is_fixed));
-        let species = row.species.copied().unwrap_or_default();
-        self.fill(i, (row.position.0, row.velocity.0, row.force.0), row.radius.0, masses, species);
-        if let Some((spin, torque, inertia)) = row.turning {
-            self.fill_turning(i, (*spin, *torque, *inertia));
-        }
-        *row.slot = slot;
-    }
 }
 
-/// Makes a column as long as this: what was of the slots that the first ones had, and blanks for who had none and for the others.
+/// Makes a column as long as this: what was of the slots that the first ones had, and blanks for others.
 fn rearrange<T: Copy>(column: &mut Vec<T>, size: usize, former: &[Slot], blank: T) {
     let before = |i: usize| column.get(former.get(i)?.index()).copied();
     *column = (0..size).map(|i| before(i).unwrap_or(blank)).collect();
@@ -196,8 +253,9 @@ mod tests {
     use bevy_ecs::system::RunSystemOnce;
 
     use super::*;
-    use crate::columns::slots::{PopulationChanged, Renumberings, renumber};
-    use crate::particle::Grain;
+    use crate::columns::population;
+    use crate::columns::slots::{Renumberings, renumber};
+    use crate::particle::{Grain, GrainBundle, Particle};
     use crate::space::Plane;
 
     fn grain(number: u32) -> GrainBundle {
@@ -216,19 +274,21 @@ mod tests {
     }
 
     #[test]
-    fn whoever_is_altered_is_known_but_not_the_same() {
+    fn slots_follow_what_enters_leaves_and_is_altered() {
         let mut world = World::new();
         world.init_resource::<Columns>();
-        world.init_resource::<Turnover<Plane>>();
-        world.init_resource::<PopulationChanged>();
+        population::add::<Plane>(&mut world);
         world.init_resource::<Renumberings>();
         let [gone, grown, held, same] = [0, 1, 2, 3].map(|number| world.spawn(grain(number)).id());
         world.run_system_once(renumber::<Plane>).unwrap();
         let nobody = Slot::default();
         assert_eq!(world.resource::<Columns>().entity, [gone, grown, held, same]);
         assert_eq!(world.resource::<Columns>().former, [nobody; 4]);
+        assert!(!world.resource::<population::Population>().is_due());
         world.despawn(gone);
-        world.get_mut::<Radius>(grown).unwrap().0 = 0.2;
+        let columns = world.resource::<Columns>();
+        assert!(!columns.is_present(0) && columns.is_present(1) && columns.vacated() == [0]);
+        world.entity_mut(grown).insert(Radius(0.2));
         world.entity_mut(held).insert(Fixed);
         let new = world.spawn(grain(4)).id();
         world.run_system_once(renumber::<Plane>).unwrap();
@@ -237,5 +297,6 @@ mod tests {
         assert_eq!(columns.former, [Slot::new(1), Slot::new(3), nobody, Slot::new(2)]);
         let same_before: Vec<_> = (0..4).map(|i| columns.same_before(i)).collect();
         assert_eq!(same_before, [nobody, Slot::new(3), nobody, nobody]);
+        assert!(columns.body[0].radius > 0.15 && columns.is_fixed(3) && columns.vacated().is_empty());
     }
 }

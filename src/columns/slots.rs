@@ -1,47 +1,18 @@
-//! Slots: which entry of the columns belongs to whom, and when they are dealt out anew.
+//! When slots are dealt out anew, and what goes with it.
 
 use bevy_app::App;
-use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
-use bevy_ecs::world::DeferredWorld;
+use bevy_ecs::schedule::ScheduleLabel;
 
-use crate::columns::passes::with_changes;
+use crate::columns::Columns;
+use crate::columns::population::Population;
 use crate::columns::refill::EntityRow;
-use crate::columns::{Columns, DENSE, Entering, Settled, Turnover};
-use crate::particle::{Mass, Radius};
+use crate::particle::Slot;
 use crate::space::Space;
-use crate::step::{Clock, Phase, Step};
-
-/// Index of a particle in the [`Columns`].
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub struct Slot(u32);
-
-impl Default for Slot {
-    /// No place yet.
-    fn default() -> Self {
-        Self(u32::MAX)
-    }
-}
-
-impl Slot {
-    pub(crate) fn new(index: u32) -> Self {
-        Self(index)
-    }
-
-    /// That of entry `i`, of which there are fewer than 2^32.
-    pub(super) fn of(i: usize) -> Self {
-        u32::try_from(i).map_or_else(|_| Self::default(), Self)
-    }
-
-    /// The index, out of range as long as the particle has no place.
-    #[must_use]
-    pub fn index(self) -> usize {
-        self.0 as usize
-    }
-}
+use crate::step::{Clock, Part, Phase, Step, serial};
 
 impl<V: Space> Columns<V> {
-    /// The slot that who has slot `i` had before, if it was what it is now.
+    /// The slot that the particle of row `i` had before, if it was what it is now.
     pub(crate) fn same_before(&self, i: usize) -> Slot {
         let is_altered = self.altered.binary_search(&Slot::of(i)).is_ok();
         if is_altered { Slot::default() } else { self.former[i] }
@@ -54,51 +25,16 @@ impl<V: Space> Columns<V> {
     }
 }
 
-/// Whether particles were added, removed, fixed or freed since slots were dealt out.
-#[derive(Resource, Default)]
-pub struct PopulationChanged(bool);
-
-impl PopulationChanged {
-    /// It has.
-    pub(crate) fn note(&mut self) {
-        self.0 = true;
-    }
-}
-
-/// Component hook: the population changed.
-pub(crate) fn population_changed(mut world: DeferredWorld, _: HookContext) {
-    if let Some(mut changed) = world.get_resource_mut::<PopulationChanged>() {
-        changed.0 = true;
-    }
-}
-
-/// Run condition: slots will be dealt out anew in this step.
-#[must_use]
-pub fn renumbering_due(
-    changed: Res<PopulationChanged>,
-    (radii, changed_radii): (Query<Ref<Radius>>, Query<(), Changed<Radius>>),
-    (masses, changed_masses): (Query<Ref<Mass>>, Query<(), Changed<Mass>>),
-) -> bool {
-    // A table's summary is looked at first, for it is one for all rows; it also counts rows that have only moved.
-    changed.0
-        || (is_any_touched(&radii) && !changed_radii.is_empty())
-        || (is_any_touched(&masses) && !changed_masses.is_empty())
-}
-
-/// Whether the summary of any table says that its column has changed.
-fn is_any_touched<T: Component>(column: &Query<Ref<T>>) -> bool {
-    let mut tables = column.contiguous_iter().expect(DENSE);
-    tables.any(|rows| with_changes(rows).1)
-}
-
 /// How often the order of slots is looked over, in steps.
 pub const TIDY_EVERY: u64 = 1000;
 
-/// What stands for the number of contacts where it is not known: a grain that has just entered counts as touched by many.
+/// The number of contacts of a grain of which it is not known: a grain that has just entered counts as touched by many.
 pub(crate) const MANY: u32 = 2;
 
-fn tidy_up<V: Space>(columns: Res<Columns<V>>, mut changed: ResMut<PopulationChanged>) {
-    changed.0 |= columns.is_untidy();
+fn tidy_up<V: Space>(columns: Res<Columns<V>>, mut population: ResMut<Population>) {
+    if columns.is_untidy() {
+        population.renumber();
+    }
 }
 
 /// Run condition: slots have been dealt out in this step.
@@ -115,38 +51,64 @@ pub(crate) fn is_time_to_tidy(clock: Res<Clock>) -> bool {
     clock.steps.is_multiple_of(TIDY_EVERY) && !clock.is_step_zero()
 }
 
+/// Deals out slots.
 pub(crate) fn renumber<V: Space>(
     mut columns: ResMut<Columns<V>>,
-    (mut changed, mut count): (ResMut<PopulationChanged>, ResMut<Renumberings>),
-    mut turnover: ResMut<Turnover<V>>,
-    mut particles: Query<EntityRow<V>>,
+    (mut population, mut count): (ResMut<Population>, ResMut<Renumberings>),
+    (particles, mut slots): (Query<EntityRow<V>>, Query<&mut Slot>),
 ) {
-    columns.refill(&std::mem::take(&mut *turnover), &mut particles);
-    changed.0 = false;
+    columns.refill(population.take(), &particles, &mut slots);
     count.0 += 1;
 }
 
-/// What has to be booked before slots are dealt out anew (the columns still hold the old state) belongs here.
+/// The schedule that deals out slots: systems that need the old state, in [`BeforeRenumbering`]; then [`Renumbering`].
+#[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Renumber;
+
+/// Before slots are dealt out anew, velocities are those of the step's end after this set.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct Settled;
+
+/// Systems of [`Renumber`] that need the store as it was.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct BeforeRenumbering;
 
-/// The system that deals out slots; spawners run before it.
+/// Slots are dealt out, and what goes by slots follows.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Renumbering;
 
+/// Deals out slots if the population has changed.
+fn renumber_if_due(world: &mut World) {
+    if world.resource::<Population>().is_due() {
+        world.run_schedule(Renumber);
+    }
+}
+
+/// The same for particles that entered or were altered between two steps, before systems of [`Phase::Spawn`] look at the store.
+fn renumber_first(world: &mut World) {
+    if world.resource::<Population>().has_touched() {
+        world.run_schedule(Renumber);
+    }
+}
+
+/// Particles that entered between two steps have slots after this set of [`Phase::Spawn`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct FirstRenumbering;
+
 /// Deals out slots where they are due.
 pub(super) fn add<V: Space>(app: &mut App) {
-    app.insert_resource(PopulationChanged(true)).init_resource::<Renumberings>().init_resource::<Turnover<V>>();
-    app.edit_schedule(Step, |schedule| {
-        schedule.configure_sets(Entering.in_set(Phase::Spawn).before(Settled));
-        let all = (Settled, BeforeRenumbering, Renumbering).chain().run_if(renumbering_due).in_set(Phase::Spawn);
-        schedule.configure_sets(all);
+    app.init_resource::<Renumberings>().add_schedule(serial(Renumber));
+    app.edit_schedule(Renumber, |schedule| {
+        schedule.configure_sets((Settled, BeforeRenumbering, Renumbering).chain());
     });
+    app.add_systems(Renumber, renumber::<V>.in_set(Renumbering));
     app.add_systems(
         Step,
         (
-            tidy_up::<V>.in_set(Phase::Spawn).before(Entering).before(Settled).run_if(is_time_to_tidy),
-            renumber::<V>.in_set(Renumbering),
+            (tidy_up::<V>.run_if(is_time_to_tidy), renumber_first.in_set(FirstRenumbering))
+                .chain()
+                .in_set(Part::Engine(Phase::Spawn)),
+            renumber_if_due.in_set(Part::Renumber),
         ),
     );
 }

@@ -6,17 +6,18 @@ use std::sync::Arc;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{self, Columns, Renumbering};
+use crate::columns::{Columns, Mirrors, Renumber, Renumbering, renumber};
 use crate::contact::history::History;
 use crate::contact::kernel::{Desks, Pass};
 use crate::contact::{AnyLaw, Demands, PairLaw};
 use crate::gravity::Gravity;
 use crate::instructions::Instructions;
 use crate::integrate::centred::LookAheadPlugin;
+use crate::integrate::rotation::SpinPlugin;
 use crate::neighbours::Search;
 use crate::periodic::Open;
 use crate::space::{Plane, Space};
-use crate::spin::{InertiaLaw, SpinPlugin};
+use crate::spin::InertiaLaw;
 use crate::step::{Clock, ForceStage, Step};
 use crate::threads::Threads;
 
@@ -54,6 +55,7 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
         gravity: gravity.0,
         instructions: *instructions,
     };
+    columns.stale.add(if L::SPIN { Mirrors::FORCE.or(Mirrors::TORQUE) } else { Mirrors::FORCE });
     // What force passes write themselves does not count as a change.
     let desks = (&mut desks.0, !history.is_changed());
     let history = history.bypass_change_detection();
@@ -94,11 +96,7 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
     fn build(&self, app: &mut App) {
         // A law that a behaviour brings may turn grains where the scene's own does not.
         if L::SPIN && !app.is_plugin_added::<SpinPlugin<V>>() {
-            app.add_plugins(SpinPlugin::<V> {
-                inertia: InertiaLaw::usual(V::DIMENSION),
-                columns_lead: false,
-                space: PhantomData,
-            });
+            app.add_plugins(SpinPlugin::<V> { inertia: InertiaLaw::usual(V::DIMENSION), space: PhantomData });
         }
         if L::AHEAD && !app.is_plugin_added::<LookAheadPlugin<V>>() {
             app.add_plugins(LookAheadPlugin { spins: L::SPIN, space: PhantomData::<V> });
@@ -111,7 +109,7 @@ impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
             .init_resource::<Instructions>()
             .add_systems(Step, contact_forces::<V, L>.in_set(ForceStage::Contacts).in_set(ContactForces));
         if L::MEMORY {
-            app.add_systems(Step, move_memories::<V, L>.in_set(Renumbering).after(columns::renumber::<V>));
+            app.add_systems(Renumber, move_memories::<V, L>.in_set(Renumbering).after(renumber::<V>));
         }
     }
 }

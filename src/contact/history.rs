@@ -18,11 +18,8 @@ pub use self::pages::Pages;
 pub use self::walk::Walk;
 use crate::columns::Columns;
 use crate::contact::{Demands, Memory};
-use crate::neighbours::list::Candidate;
+use crate::neighbours::list::{BLOCK, Candidate};
 use crate::space::{Plane, Space};
-
-/// Rows of a page: what a force pass does at a time, on however many threads.
-pub const BLOCK: usize = 1024;
 
 /// What contacts take in a step, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

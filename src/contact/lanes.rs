@@ -60,12 +60,6 @@ impl<T> Default for Lanes<T> {
 /// Four numbers a lane, side by side: they are written with half as many instructions as one by one, or a quarter.
 pub type Quads = PerLane<[f64; 4]>;
 
-/// Four numbers side by side, by place: instructions may work on all at once.
-#[inline(always)]
-pub fn quad(mut number: impl FnMut(usize) -> f64) -> [f64; 4] {
-    [number(0), number(1), number(2), number(3)]
-}
-
 /// Puts the numbers of the first `lanes` lanes where they belong.
 #[inline(always)]
 pub fn spread(

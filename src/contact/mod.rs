@@ -6,7 +6,7 @@
 //! resistance ([`rolling`]), put together in [`composite`] with numbers for each pair of materials ([`table`]),
 //! and [`centred`] for the scheme of second order.
 //! [`kernel`] walks the pairs, the same for every law and every neighbour search; what a contact remembers is kept in
-//! [`history`]; [`view`] shows the contacts to whoever wants to see them. Walls obey the same law with a partner of no
+//! [`history`]; [`crate::survey`] shows the contacts to other systems. Walls obey the same law with a partner of no
 //! curvature and infinite mass ([`crate::walls::surfaces`]).
 
 pub mod assignment;
@@ -26,10 +26,8 @@ pub mod rolling;
 pub(crate) mod root;
 pub mod spring;
 pub(crate) mod sums;
-pub mod survey;
 pub mod table;
 pub mod tangential;
-pub mod view;
 
 use std::sync::Arc;
 

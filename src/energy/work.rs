@@ -9,7 +9,6 @@ use bevy_ecs::prelude::*;
 use crate::columns::{BOOKED, Columns, STRIDE};
 use crate::contact::history::History;
 use crate::energy::{Channels, EnergyFlows};
-use crate::particle::Force;
 use crate::space::{Linear, Space};
 use crate::step::Clock;
 use crate::walls::surfaces::Surfaces;
@@ -58,9 +57,12 @@ pub(super) fn book_contact_work<V: Space>(
     let of_grains = columns.kick_sum.unwrap_or_else(|| power_by_strides(force, body, |body| body.velocity));
     let (mut dissipation, mut wall) = (-of_grains.sum_of_components(), 0.0);
     // Most of what is fixed stands still.
-    for ([force, drag], body) in on_fixed.iter().zip(fixed).filter(|(_, body)| body.velocity != V::ZERO) {
+    for (i, ([force, drag], body)) in
+        on_fixed.iter().zip(fixed).enumerate().filter(|(_, (_, body))| body.velocity != V::ZERO)
+    {
         dissipation -= drag.dot(body.velocity);
-        wall -= force.dot(body.velocity);
+        let added = columns.added.get(columns.movable_end + i).copied().unwrap_or(V::ZERO);
+        wall -= (*force - added).dot(body.velocity);
     }
     for belt in &walls.0 {
         dissipation -= belt.load.drag.dot(belt.velocity);
@@ -100,21 +102,21 @@ pub(super) fn book_friction<V: Space>(
     *last = TurningPowers { turning, rolling };
 }
 
+/// Of the forces of this step, whose power the store has summed when they were written.
 pub(super) fn book_added_work<V: Space>(
     clock: Res<Clock>,
     columns: Res<Columns<V>>,
-    forces: Query<&Force<V>>,
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
-    let mut added = 0.0;
-    for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
-        if let Ok(total) = forces.get(columns.entity[i]) {
-            added += (total.0 - columns.loads.force.of(i)).dot(columns.body[i].velocity);
-        }
-    }
+    let added = columns.added_power.unwrap_or_default();
     if !clock.is_step_zero() {
         flows.added_work += 0.5 * clock.dt * (last.added + added);
     }
     last.added = added;
+}
+
+/// What periodic sides have lifted in this step.
+pub(super) fn book_lifted<V: Space>(columns: Res<Columns<V>>, mut flows: ResMut<EnergyFlows>) {
+    flows.lifted += columns.lifted;
 }

@@ -1,8 +1,7 @@
-//! The census: every grain of a world as it is, in ascending order of id, entity or not.
+//! The census: every grain of a world as it is, in ascending order of id.
 
 use bevy_ecs::prelude::*;
 
-use crate::columns::Columns;
 use crate::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity};
 use crate::space::Space;
 use crate::spin::Spin;
@@ -22,24 +21,11 @@ pub(crate) struct Resident<V: Space> {
 
 /// Whether any grain can spin.
 pub(crate) fn has_spins<V: Space>(world: &mut World) -> bool {
-    match bare_columns::<V>(world) {
-        Some(columns) => columns.inertia.is_some() && columns.bare(world.resource()).next().is_some(),
-        None => world.query_filtered::<(), (With<Grain>, With<Spin<V::Spin>>)>().iter(world).next().is_some(),
-    }
-}
-
-/// The columns, where grains are no entities.
-fn bare_columns<V: Space>(world: &World) -> Option<&Columns<V>> {
-    world.get_resource::<Columns<V>>().filter(|columns| columns.is_bare)
+    world.query_filtered::<(), (With<Grain>, With<Spin<V::Spin>>)>().iter(world).next().is_some()
 }
 
 /// Shows each grain to `visit`, until that fails.
 pub(crate) fn take<V: Space, E>(world: &mut World, visit: impl FnMut(Resident<V>) -> Result<(), E>) -> Result<(), E> {
-    if let Some(columns) = bare_columns::<V>(world) {
-        let mut grains: Vec<_> = columns.bare(world.resource()).collect();
-        grains.sort_unstable_by_key(|&i| columns.id[i]);
-        return grains.into_iter().map(|i| of_entry(columns, i)).try_for_each(visit);
-    }
     let mut grains: Vec<(GrainId, Entity)> =
         world.query_filtered::<(&GrainId, Entity), With<Grain>>().iter(world).map(|(id, grain)| (*id, grain)).collect();
     grains.sort_unstable_by_key(|&(id, _)| id);
@@ -54,18 +40,6 @@ pub(crate) fn take<V: Space, E>(world: &mut World, visit: impl FnMut(Resident<V>
         spin: spin.map(|spin| spin.0),
     };
     grains.into_iter().filter_map(|(_, grain)| rows.get(world, grain).ok()).map(resident).try_for_each(visit)
-}
-
-fn of_entry<V: Space>(columns: &Columns<V>, i: usize) -> Resident<V> {
-    Resident {
-        id: columns.id[i],
-        radius: columns.body[i].radius,
-        mass: columns.mass[i],
-        position: columns.body[i].position,
-        velocity: columns.body[i].velocity,
-        species: columns.species[i],
-        spin: columns.inertia.map(|_| columns.spin(i)),
-    }
 }
 
 type Row<'a, V> = (

@@ -12,16 +12,17 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{self, Entering, Gate, Lead};
+use crate::columns::PlainCommands;
 use crate::grains::mass::MassLaw;
 use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
 use crate::outcome::{Failure, Outcome};
 use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
+use crate::particles::Particles;
 use crate::periodic::Periodic;
 use crate::random::Stream;
 use crate::space::Space;
-use crate::step::{Clock, Step};
+use crate::step::{Clock, Phase, Step};
 use crate::values::{FiniteVector, NonNegative, Positive, Share};
 use crate::walls::surfaces::Surfaces;
 
@@ -156,7 +157,7 @@ struct Candidate<V> {
 }
 
 impl<V: Space> SpawnerState<V> {
-    fn candidate(&mut self, periodic: Option<Periodic<V>>) -> Option<Candidate<V>> {
+    fn candidate(&mut self, periodic: Option<&Periodic<V>>) -> Option<Candidate<V>> {
         if self.waiting.is_none() {
             let id = GrainId::grain(self.next_id)?;
             let [u, share @ ..] = self.random.uniform::<4>(u64::from(self.next_id));
@@ -175,18 +176,18 @@ impl<V: Space> SpawnerState<V> {
 
 #[expect(clippy::too_many_arguments, reason = "what a release touches")]
 fn release<V: Space>(
-    mut gate: Gate<V>,
+    mut commands: Commands,
+    particles: Particles<V>,
     mut state: ResMut<SpawnerState<V>>,
     mut pending: ResMut<Pending>,
     mut delays: ResMut<ReleaseDelays>,
     mut outcome: ResMut<Outcome>,
     mut released: MessageWriter<GrainReleased>,
     (clock, gravity, walls): (Res<Clock>, Res<Gravity<V>>, Res<Surfaces<V>>),
-    particles: Query<(&GrainId, &Position<V>, &Radius)>,
 ) {
-    let Some(grain) = state.candidate(gate.columns.periodic) else { return };
+    let Some(grain) = state.candidate(particles.periodic()) else { return };
     let waited = clock.time() - state.due;
-    if let Some(blocker) = blocker(&grain, &particles, &walls, &gate) {
+    if let Some(blocker) = blocker(&grain, &particles, &walls) {
         state.is_blocked = true;
         if waited > state.config.release_timeout.get() {
             outcome.fail(Failure::ReleaseBlocked { step: clock.steps, grain: grain.id, waited_s: waited, blocker });
@@ -205,7 +206,7 @@ fn release<V: Space>(
         delays.longest_delay_s = delays.longest_delay_s.max(waited);
     }
     let mass = state.mass.of(grain.radius);
-    gate.admit(GrainBundle {
+    commands.spawn(GrainBundle {
         particle: Particle {
             id: grain.id,
             position: Position(grain.position),
@@ -227,19 +228,13 @@ fn release<V: Space>(
     state.is_blocked = false;
 }
 
-fn blocker<V: Space>(
-    grain: &Candidate<V>,
-    particles: &Query<(&GrainId, &Position<V>, &Radius)>,
-    walls: &Surfaces<V>,
-    gate: &Gate<V>,
-) -> Option<String> {
-    let columns = &*gate.columns;
-    let bare = columns.bare(&gate.turnover).map(|i| (columns.id[i], columns.body[i].position, columns.body[i].radius));
-    let entities = particles.iter().map(|(id, x, radius)| (*id, x.0, radius.0));
-    for (id, x, radius) in bare.chain(entities) {
-        if columns.separation(x, grain.position).length() < radius + grain.radius {
-            return Some(id.to_string());
-        }
+fn blocker<V: Space>(grain: &Candidate<V>, particles: &Particles<V>, walls: &Surfaces<V>) -> Option<String> {
+    let overlaps = |row: usize| {
+        let reach = particles.radius(row) + grain.radius;
+        particles.separation(particles.position(row), grain.position).length() < reach
+    };
+    if let Some(row) = particles.all().find(|&row| overlaps(row)) {
+        return Some(particles.id(row).to_string());
     }
     let wall =
         walls.0.iter().position(|wall| wall.is_present && wall.surface.distance(grain.position).0 < grain.radius)?;
@@ -277,12 +272,7 @@ impl<V: Space> Plugin for SpawnerPlugin<V> {
             is_blocked: false,
             waiting: None,
         });
-        let releases = if app.world().contains_resource::<Lead>() {
-            (columns::follow::<V>, release::<V>).chain().into_configs()
-        } else {
-            release::<V>.into_configs()
-        };
-        app.add_systems(Step, releases.in_set(Entering).run_if(release_due::<V>));
+        app.add_systems(Step, release::<V>.in_set(Phase::Spawn).in_set(PlainCommands).run_if(release_due::<V>));
     }
 }
 

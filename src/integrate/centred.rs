@@ -8,11 +8,9 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, DENSE, Gain, Gathered, Lead, LookedAhead, MANY, Slot, SpinGain};
-use crate::particle::{Fixed, Force, Mass};
+use crate::columns::{Columns, Gain, LookedAhead, MANY, SpinGain};
 use crate::space::Space;
-use crate::spin::{Inertia, Torque};
-use crate::step::{Clock, Phase, Step};
+use crate::step::{Clock, Part, Phase, Step};
 
 impl<V: Space> Columns<V> {
     /// Makes ready for steps of `dt`, s.
@@ -34,49 +32,15 @@ impl<V: Space> Columns<V> {
     }
 }
 
-fn look_ahead<V: Space>(
-    clock: Res<Clock>,
-    mut columns: ResMut<Columns<V>>,
-    grains: Query<(&Slot, &Force<V>), (With<Mass>, Without<Fixed>)>,
-) {
-    columns.prepare(clock.dt);
-    for (slots, forces) in grains.contiguous_iter().expect(DENSE) {
-        for (slot, force) in slots.iter().zip(forces.iter()) {
-            if slot.index() < columns.len() {
-                columns.gain[slot.index()] = columns.gain_by(slot.index(), force.0);
-            }
-        }
-    }
-}
-
-/// The same where columns lead: they still hold the forces of the step's beginning.
-fn look_ahead_in_columns<V: Space>(clock: Res<Clock>, mut columns: ResMut<Columns<V>>) {
+/// The store still holds the forces of the step's beginning.
+fn look_ahead<V: Space>(clock: Res<Clock>, mut columns: ResMut<Columns<V>>) {
     columns.prepare(clock.dt);
     for i in 0..columns.movable_end {
         columns.gain[i] = columns.gain_by(i, columns.loads.force.of(i));
     }
 }
 
-fn look_ahead_of_spins<V: Space>(
-    clock: Res<Clock>,
-    mut columns: ResMut<Columns<V>>,
-    grains: Query<(&Slot, &Torque<V::Spin>, &Inertia), Without<Fixed>>,
-) {
-    let spins = columns.rotation.len();
-    columns.spin_gain.clear();
-    columns.spin_gain.resize(spins, SpinGain::default());
-    for (slots, torques, inertias) in grains.contiguous_iter().expect(DENSE) {
-        for (slot, (torque, inertia)) in slots.iter().zip(torques.iter().zip(inertias.iter())) {
-            if let Some(gain) = columns.spin_gain.get_mut(slot.index()) {
-                let inverse_inertia = 1.0 / inertia.0;
-                *gain = SpinGain { spin: torque.0 * (0.5 * clock.dt * inverse_inertia), inverse_inertia };
-            }
-        }
-    }
-}
-
-/// The same where columns lead.
-fn look_ahead_of_spins_in_columns<V: Space>(mut columns: ResMut<Columns<V>>) {
+fn look_ahead_of_spins<V: Space>(mut columns: ResMut<Columns<V>>) {
     let Columns { rotation, loads, spin_gain, lookahead, movable_end: end, .. } = &mut *columns;
     spin_gain.clear();
     spin_gain.extend(rotation[..*end].iter().enumerate().map(|(i, rotation)| {
@@ -96,12 +60,8 @@ pub struct LookAheadPlugin<V: Space> {
 
 impl<V: Space> Plugin for LookAheadPlugin<V> {
     fn build(&self, app: &mut App) {
-        let (looks, spins) = if app.world().contains_resource::<Lead>() {
-            (look_ahead_in_columns::<V>.into_configs(), look_ahead_of_spins_in_columns::<V>.into_configs())
-        } else {
-            (look_ahead::<V>.into_configs(), look_ahead_of_spins::<V>.into_configs())
-        };
-        let all = if self.spins { (looks, spins).chain() } else { looks };
-        app.add_systems(Step, all.in_set(Phase::Neighbours).in_set(LookedAhead).after(Gathered));
+        let looks = look_ahead::<V>.into_configs();
+        let all = if self.spins { (looks, look_ahead_of_spins::<V>).chain() } else { looks };
+        app.add_systems(Step, all.in_set(Part::Engine(Phase::Neighbours)).in_set(LookedAhead));
     }
 }

@@ -10,30 +10,28 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::DENSE;
-use crate::particle::{Fixed, Force, Mass, Position, Velocity};
+use crate::columns::{Columns, Longest, Mirrors};
 use crate::space::Space;
-use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
+use crate::step::{Clock, ClockAdvanced, Drifted, Part, Phase, Step};
 
-fn euler_step<V: Space, const SYMPLECTIC: bool>(
-    clock: Res<Clock>,
-    mut grains: Query<(&mut Position<V>, &mut Velocity<V>, &Force<V>, &Mass), Without<Fixed>>,
-) {
-    let dt = clock.dt;
-    for (mut x, mut v, force, mass) in grains.contiguous_iter_mut().expect(DENSE) {
-        let columns = x.bypass_change_detection().iter_mut().zip(v.bypass_change_detection());
-        for ((x, v), (force, mass)) in columns.zip(force.iter().zip(mass.iter())) {
-            let before = v.0;
-            v.0 += force.0 * (dt / mass.0);
-            x.0 += (if SYMPLECTIC { v.0 } else { before }) * dt;
-        }
+fn euler_step<V: Space, const SYMPLECTIC: bool>(clock: Res<Clock>, mut columns: ResMut<Columns<V>>) {
+    let (dt, mut longest) = (clock.dt, Longest::default());
+    for i in 0..columns.movable_end {
+        let (body, force) = (columns.body[i], columns.loads.force.of(i));
+        let velocity = body.velocity + force * (dt * body.inverse_mass);
+        columns.body[i].velocity = velocity;
+        columns.put(i, body.position + (if SYMPLECTIC { velocity } else { body.velocity }) * dt, &mut longest);
     }
+    columns.travel += longest.length();
+    columns.stale.add(Mirrors::POSITION.or(Mirrors::VELOCITY).and(Mirrors::FREE));
 }
 
 pub(super) fn add_explicit<V: Space>(app: &mut App) {
-    app.add_systems(Step, euler_step::<V, false>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
+    let step = euler_step::<V, false>.in_set(Part::Engine(Phase::Drift));
+    app.add_systems(Step, step.in_set(Drifted).after(ClockAdvanced));
 }
 
 pub(super) fn add_symplectic<V: Space>(app: &mut App) {
-    app.add_systems(Step, euler_step::<V, true>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
+    let step = euler_step::<V, true>.in_set(Part::Engine(Phase::Drift));
+    app.add_systems(Step, step.in_set(Drifted).after(ClockAdvanced));
 }

@@ -2,7 +2,9 @@
 
 pub mod centred;
 mod euler;
+pub mod rotation;
 mod verlet;
+pub mod wrap;
 
 use std::marker::PhantomData;
 
@@ -27,20 +29,10 @@ pub enum Integrator {
     ExplicitEuler,
 }
 
-impl Integrator {
-    /// Whether it can move grains in the columns alone.
-    #[must_use]
-    pub fn lets_columns_lead(self) -> bool {
-        matches!(self, Self::Verlet | Self::Centred)
-    }
-}
-
 /// The integrator of a scene.
 pub struct IntegratorPlugin<V: Space> {
     /// Which.
     pub kind: Integrator,
-    /// Whether it moves grains in the columns.
-    pub columns_lead: bool,
     /// The space.
     pub space: PhantomData<V>,
 }
@@ -48,7 +40,7 @@ pub struct IntegratorPlugin<V: Space> {
 impl<V: Space> Plugin for IntegratorPlugin<V> {
     fn build(&self, app: &mut App) {
         match self.kind {
-            Integrator::Verlet | Integrator::Centred => verlet::add::<V>(app, self.columns_lead),
+            Integrator::Verlet | Integrator::Centred => verlet::add::<V>(app),
             Integrator::SymplecticEuler => euler::add_symplectic::<V>(app),
             Integrator::ExplicitEuler => euler::add_explicit::<V>(app),
         }

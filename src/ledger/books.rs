@@ -9,12 +9,12 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::{BeforeRenumbering, Columns};
+use crate::columns::{BeforeRenumbering, Columns, Renumber};
 use crate::ledger::cull::Culled;
 use crate::ledger::shown;
 use crate::messages::{GrainLost, GrainOut, GrainReleased};
 use crate::outcome::{Failure, Outcome};
-use crate::particle::{Grain, GrainId};
+use crate::particle::GrainId;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 
@@ -94,22 +94,18 @@ pub(super) fn count_released(mut ledger: ResMut<Ledger>, mut released: MessageRe
     ledger.released += count(released.read().count());
 }
 
-/// Grains that left the world by somebody else's hand are lost too; the columns still know their names.
+/// Grains that left the world otherwise are lost too; the store still knows their names.
 fn miss_vanished<V: Space>(
-    mut removed: RemovedComponents<Grain>,
     mut expected: ResMut<Culled>,
     columns: Res<Columns<V>>,
     mut lost: MessageWriter<GrainLost<V>>,
     ledger: Res<Ledger>,
 ) {
-    for entity in removed.read() {
-        if expected.0.remove(&entity) {
-            continue;
-        }
-        let Some(i) = columns.entity.iter().position(|&known| known == entity) else { continue };
-        if !ledger.gone.contains(&columns.id[i]) {
+    for &row in columns.vacated() {
+        let id = columns.id[row];
+        if !expected.0.remove(&id) && !id.is_wall() && !ledger.gone.contains(&id) {
             let way = "out of the world, removed by a behaviour".to_owned();
-            lost.write(GrainLost { id: columns.id[i], position: columns.body[i].position, way, nearest: None });
+            lost.write(GrainLost { id, position: columns.body[row].position, way, nearest: None });
         }
     }
 }
@@ -165,7 +161,7 @@ impl<V: Space> Plugin for LedgerPlugin<V> {
         app.init_resource::<Ledger>()
             .insert_resource(OnLossSetting(self.0))
             .init_resource::<Culled>()
-            .add_systems(Step, miss_vanished::<V>.in_set(BeforeRenumbering))
+            .add_systems(Renumber, miss_vanished::<V>.in_set(BeforeRenumbering))
             .add_systems(Step, (count_released, keep_books::<V>).chain().in_set(Phase::Cull).in_set(BooksKept));
     }
 }

@@ -1,17 +1,18 @@
 //! The culler: removes grains that have fallen far enough. Who is there without having crossed the orifice is lost.
 
+use std::collections::HashSet;
 use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
-use bevy_ecs::entity::EntityHashSet;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::Gate;
+use crate::columns::PlainCommands;
 use crate::ledger::books::{count_released, keep_books};
 use crate::ledger::{Ledger, Place, Whereabouts, watch_paths};
 use crate::messages::GrainLost;
-use crate::particle::Grain;
+use crate::particle::GrainId;
+use crate::particles::Particles;
 use crate::space::Space;
 use crate::step::{Phase, Step};
 use crate::values::Finite;
@@ -25,44 +26,42 @@ pub struct Cull {
     pub below: Finite,
 }
 
-/// Entities that the culler has removed, until the ECS reports them.
+/// Grains that the culler has removed, until the store reports them.
 #[derive(Resource, Default)]
-pub(super) struct Culled(pub(super) EntityHashSet);
+pub(super) struct Culled(pub(super) HashSet<GrainId>);
 
 #[derive(Resource)]
 pub(super) struct CullLine(pub(super) f64);
 
 fn cull<V: Space>(
-    mut gate: Gate<V>,
+    mut commands: Commands,
+    particles: Particles<V>,
     (line, whereabouts): (Res<CullLine>, Option<Res<Whereabouts<V>>>),
     mut ledger: ResMut<Ledger>,
     mut expected: ResMut<Culled>,
     mut lost: MessageWriter<GrainLost<V>>,
     mut wait: Local<Wait>,
-    grains: Query<(), With<Grain>>,
 ) {
-    if !wait.is_over(&gate.columns, 0.0) {
+    if !wait.is_over(particles.odometer(), 0.0) {
         return;
     }
     let mut lowest = f64::INFINITY;
-    for i in 0..gate.columns.len() {
-        let (id, position) = (gate.columns.id[i], gate.columns.body[i].position);
-        if id.is_wall() || !gate.columns.is_somebody(i, |entity| grains.contains(entity)) {
-            continue;
-        }
+    for row in particles.all().filter(|&row| !particles.id(row).is_wall()) {
+        let (id, position) = (particles.id(row), particles.position(row));
         lowest = lowest.min(position.height());
         if position.height() < line.0 {
-            expected.0.extend(gate.dismiss(i));
+            commands.entity(particles.entity(row)).despawn();
+            expected.0.insert(id);
             ledger.culled += 1;
-            let place = whereabouts.as_ref().and_then(|places| places.0.get(i));
+            let place = whereabouts.as_ref().and_then(|places| places.0.get(row));
             if place.is_none_or(|place| !matches!(place, Place::Out | Place::Lost)) {
                 let way = "below the cull line, without having crossed the orifice".to_owned();
                 lost.write(GrainLost { id, position, way, nearest: None });
             }
         }
     }
-    // Nobody is below the line before somebody has gone this far.
-    *wait = Wait::for_distance(&gate.columns, lowest - line.0);
+    // No grain is below the line before one has gone this far.
+    *wait = Wait::for_distance(particles.odometer(), lowest - line.0);
 }
 
 /// Removes grains below the cull line.
@@ -72,7 +71,12 @@ impl<V: Space> Plugin for CullPlugin<V> {
     fn build(&self, app: &mut App) {
         app.insert_resource(CullLine(self.0.below.get())).add_systems(
             Step,
-            cull::<V>.in_set(Phase::Cull).after(count_released).after(watch_paths::<V>).before(keep_books::<V>),
+            cull::<V>
+                .in_set(Phase::Cull)
+                .in_set(PlainCommands)
+                .after(count_released)
+                .after(watch_paths::<V>)
+                .before(keep_books::<V>),
         );
     }
 }

@@ -11,9 +11,10 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::Columns;
+use crate::columns::PlainCommands;
 use crate::measure::ObserveStage;
 use crate::messages::CameToRest;
+use crate::particles::Particles;
 use crate::space::Vector;
 use crate::step::Step;
 use crate::values::FiniteVector;
@@ -40,14 +41,11 @@ pub struct BedFigures {
 #[derive(Resource)]
 struct Window(Bed);
 
-fn measure(mut commands: Commands, window: Res<Window>, columns: Res<Columns>, mut rest: MessageReader<CameToRest>) {
+fn measure(mut commands: Commands, window: Res<Window>, particles: Particles, mut rest: MessageReader<CameToRest>) {
     if rest.read().next().is_none() {
         return;
     }
-    let grains: Vec<_> = (0..columns.movable_end)
-        .filter(|&i| !columns.is_fixed(i))
-        .map(|i| (columns.body[i].position, columns.body[i].radius))
-        .collect();
+    let grains: Vec<_> = particles.grains().map(|grain| (particles.position(grain), particles.radius(grain))).collect();
     commands.insert_resource(BedFigures {
         fill_height_m: fill_height(&grains),
         packing_fraction: packing_fraction(&grains, window.0.low.get(), window.0.high.get()),
@@ -105,7 +103,8 @@ pub struct BedPlugin(pub Bed);
 
 impl Plugin for BedPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(Window(self.0)).add_systems(Step, measure.in_set(ObserveStage::Measure));
+        app.insert_resource(Window(self.0))
+            .add_systems(Step, measure.in_set(ObserveStage::Measure).in_set(PlainCommands));
     }
 }
 

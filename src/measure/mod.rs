@@ -1,7 +1,7 @@
 //! Measurements: they look when they are due, and at the end of the run, and never write physics.
 //!
-//! The clock of [`observe_every`] tells beforehand when somebody looks, for velocities may be half a step old where nobody does; an observer
-//! with a clock of its own tells by itself (`looks_when` in `columns/settle.rs`).
+//! The clock of [`observe_every`] is known beforehand: components are brought up to date, and kicks made in time, only for steps in which
+//! an observer is due (`foresee` in `columns/gates.rs`). A system with another run condition counts as looking in every step.
 
 pub mod bed;
 pub mod discharge;
@@ -14,17 +14,13 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::looks_when;
+use crate::columns::{SettledAtEnd, foresee};
 use crate::outcome::Outcome;
-use crate::step::{Clock, Phase, Step};
+use crate::step::{Clock, Part, Phase, Step};
 
 /// The stages of [`Phase::Observe`], in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ObserveStage {
-    /// Velocities are those of the step's end, if somebody looks.
-    Settled,
-    /// Who is due?
-    Due,
     /// What is needed is measured.
     Measure,
     /// Rows and pictures are written.
@@ -69,8 +65,8 @@ pub fn due<T: Send + Sync + 'static>(every: Option<Res<Every<T>>>) -> bool {
 /// Registers the clock of the observer `T` with an interval in s.
 pub fn observe_every<T: Send + Sync + 'static>(app: &mut App, interval: f64) {
     app.insert_resource(Every::<T> { interval, looks: 0, is_due: false, observer: PhantomData })
-        .add_systems(Step, tick::<T>.in_set(ObserveStage::Due));
-    looks_when(app, |clock: Res<Clock>, every: Res<Every<T>>| every.is_time(&clock));
+        .add_systems(Step, tick::<T>.in_set(Part::Engine(Phase::Observe)).after(SettledAtEnd));
+    foresee(app, due::<T>, |clock: Res<Clock>, every: Res<Every<T>>| every.is_time(&clock));
 }
 
 /// The stages.
@@ -79,8 +75,7 @@ pub struct ObservePlugin;
 impl Plugin for ObservePlugin {
     fn build(&self, app: &mut App) {
         app.edit_schedule(Step, |schedule| {
-            let stages = (ObserveStage::Settled, ObserveStage::Due, ObserveStage::Measure, ObserveStage::Write);
-            schedule.configure_sets(stages.chain().in_set(Phase::Observe));
+            schedule.configure_sets((ObserveStage::Measure, ObserveStage::Write).chain().in_set(Phase::Observe));
         });
     }
 }

@@ -7,9 +7,9 @@
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::contact::survey::{Partner, Survey};
 use crate::gravity::Gravity;
 use crate::space::{Dimension, Plane, Solid, Space};
+use crate::survey::{Partner, Survey};
 
 /// What is measured, SI.
 #[derive(Clone, Copy, Debug, Default, Serialize)]

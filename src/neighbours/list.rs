@@ -9,6 +9,9 @@
 
 use std::ops::Range;
 
+/// Rows of a block: what a force pass does at a time, on however many threads.
+pub const BLOCK: usize = 1024;
+
 pub use crate::neighbours::candidate::{Candidate, are_same};
 
 /// The candidates.

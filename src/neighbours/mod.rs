@@ -21,12 +21,12 @@ use serde::{Deserialize, Serialize};
 use self::cells::Cells;
 use self::list::PairList;
 use self::verlet_list::VerletList;
-use crate::columns::{Columns, Gathered, LookedAhead};
-use crate::contact::history::BLOCK;
+use crate::columns::{Columns, LookedAhead};
+use crate::neighbours::list::BLOCK;
 use crate::outcome::{Failure, Outcome};
 use crate::periodic::Periodic;
 use crate::space::{Plane, Space};
-use crate::step::{Clock, Phase, Step};
+use crate::step::{Clock, Part, Phase, Step};
 use crate::threads::Threads;
 use crate::values::Positive;
 
@@ -184,6 +184,6 @@ impl<V: Space> Plugin for NeighboursPlugin<V> {
     fn build(&self, app: &mut App) {
         app.insert_resource(Search::new(self.kind, self.periodic, self.largest_radius))
             .init_resource::<Rebuilds>()
-            .add_systems(Step, update_search::<V>.in_set(Phase::Neighbours).after(Gathered).after(LookedAhead));
+            .add_systems(Step, update_search::<V>.in_set(Part::Engine(Phase::Neighbours)).after(LookedAhead));
     }
 }

@@ -52,7 +52,7 @@ impl<V: Space> VerletList<V> {
 
     /// Who has used up most of its allowance, in case that somebody has used up all of it.
     pub(super) fn gone_far(&mut self, columns: &Columns<V>) -> Vec<u32> {
-        if !self.wait.is_over(columns, columns.margin) {
+        if !self.wait.is_over(columns.odometer(), columns.margin) {
             return Vec::new();
         }
         let left = |(body, anchor): (&Body<V>, &Anchor<V>)| {
@@ -62,7 +62,7 @@ impl<V: Space> VerletList<V> {
         };
         let particles = || columns.body.iter().zip(&self.made_at);
         let least = particles().map(left).fold(f64::INFINITY, f64::min);
-        self.wait = Wait::for_distance(columns, least);
+        self.wait = Wait::for_distance(columns.odometer(), least);
         if least > 0.0 {
             return Vec::new();
         }

@@ -19,11 +19,11 @@ use std::path::Path;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::Columns;
 use crate::ledger::Ledger;
 use crate::measure::flow::{Flow, FlowField};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
+use crate::particles::Motion;
 use crate::space::Plane;
 use crate::step::Step;
 use crate::writers::rows::{Parcel, Rows};
@@ -38,16 +38,15 @@ struct FlowSampler {
 const HEADER: &str = "x_m,y_m,samples,count,vx_m_per_s,vy_m_per_s";
 
 fn sample(
-    (columns, ledger): (Res<Columns<Plane>>, Res<Ledger>),
+    (motion, ledger): (Motion<Plane>, Res<Ledger>),
     mut sampler: ResMut<FlowSampler>,
     mut outcome: ResMut<Outcome>,
 ) {
     let FlowSampler { config, field, file } = &mut *sampler;
     if config.samples_at(ledger.out().into(), ledger.released.into()) {
-        let grains = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
-        for i in grains.filter(|&i| !ledger.is_gone(columns.id[i])) {
-            let (x, v) = (columns.body[i].position, columns.body[i].velocity);
-            field.add(x.x, x.y, columns.mass[i], v.x, v.y);
+        for grain in motion.grains().filter(|&grain| !ledger.is_gone(motion.id(grain))) {
+            let (x, v) = (motion.position(grain), motion.velocity(grain));
+            field.add(x.x, x.y, motion.mass(grain), v.x, v.y);
         }
         field.end_sample();
     }

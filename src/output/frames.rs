@@ -14,17 +14,17 @@ use std::path::PathBuf;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Body, Slot, Turnover};
-use crate::contact::survey::{Partner, Scenery, Survey};
+use crate::columns::Body;
 use crate::grains::spawner::RadiusLaw;
 use crate::ledger::Ledger;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
-use crate::particle::{Door, Grain, Radius, Species};
+use crate::particle::{Door, Grain, Radius, Slot, Species};
 use crate::scene::load::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
 use crate::space::{Dimension, Plane, Solid, Space, Vector};
 use crate::step::{Clock, Step};
+use crate::survey::{Partner, Scenery, Survey};
 use crate::values::Positive;
 use crate::walls::surfaces::{Surface, Surfaces};
 use crate::writers::album::Album;
@@ -55,7 +55,7 @@ const BONDS: [Rgb; 2] = [[0x22, 0x22, 0x22], [0xff, 0x7f, 0x0e]];
 
 fn take<V: Space>(
     (clock, ledger, scenery): (Res<Clock>, Res<Ledger>, Scenery<V>),
-    (walls, studio, turnover): (Res<Surfaces<V>>, Res<Studio>, Res<Turnover<V>>),
+    (walls, studio): (Res<Surfaces<V>>, Res<Studio>),
     bodies: Bodies,
     mut album: ResMut<Album>,
     mut outcome: ResMut<Outcome>,
@@ -65,15 +65,10 @@ fn take<V: Space>(
         Colour::Pressure(_) => pressures(&survey),
         _ => Vec::new(),
     };
-    // Who has no place yet is not seen.
-    let columns = survey.columns;
-    let bare = columns.bare(&turnover).map(|i| (i, columns.body[i].radius, columns.species[i], false, true));
-    let entities = bodies.iter().map(|(slot, radius, species, is_door, is_grain)| {
-        (slot.index(), radius.0, species.copied().unwrap_or_default(), is_door, is_grain)
-    });
-    let seen = bare.chain(entities).filter_map(|(slot, radius, species, is_door, is_grain)| {
-        let Body { position: x, velocity: v, .. } = *columns.body.get(slot)?;
-        Some((slot, x, v, radius, species, is_door, is_grain))
+    // A particle that has no slot yet is not seen.
+    let seen = bodies.iter().filter_map(|(slot, radius, species, is_door, is_grain)| {
+        let Body { position: x, velocity: v, .. } = *survey.columns.body.get(slot.index())?;
+        Some((slot.index(), x, v, radius.0, species.copied().unwrap_or_default(), is_door, is_grain))
     });
     let mut rows: Vec<_> = seen.collect();
     // From far to near; what is equally far, in the order of the ids.

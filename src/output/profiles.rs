@@ -20,15 +20,16 @@ use std::path::Path;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, looks_when};
+use crate::columns::foresee;
 use crate::measure::profile::{Profile, Sampler};
 use crate::measure::{ObserveStage, due};
 use crate::outcome::Outcome;
 use crate::particle::Species;
+use crate::particles::Motion;
 use crate::scene::outputs::Series;
 use crate::space::Space;
 use crate::step::{Clock, Step};
-use crate::values::NonNegative;
+use crate::values::{NonNegative, Positive};
 use crate::writers::rows::{Parcel, Rows, numbers};
 
 /// The profiles of one species or of all, side by side with when they were begun.
@@ -61,27 +62,31 @@ fn axes<V: Space>(prefix: &str, suffix: &str) -> String {
 
 fn sample<V: Space>(
     clock: Res<Clock>,
-    columns: Res<Columns<V>>,
+    motion: Motion<V>,
     mut profiles: ResMut<Profiles<V>>,
     mut outcome: ResMut<Outcome>,
 ) {
     let (now, ends) = (clock.time(), outcome.end().is_some());
     let Profiles { file, running } = &mut *profiles;
     for one in running {
-        let Profile { sample, average, .. } = one.sampler.profile;
         if one.is_time(&clock) {
             one.looks += 1;
             if one.sampler.samples == 0 {
                 one.from = now;
             }
             one.to = now;
-            one.sampler.add(&columns, one.species);
+            one.sampler.add(motion.store(), one.species);
         }
-        let is_full = average.is_some_and(|average| clock.has_reached(one.from + average.get() - sample.get()));
-        if one.sampler.samples > 0 && (is_full || ends) {
+        if one.sampler.samples > 0 && (ends || one.is_full(&clock)) {
             file.append(format_args!("{}", one.rows()), &mut outcome);
         }
     }
+}
+
+/// Run condition: a sample is due, means are complete, or the run ends.
+fn has_work<V: Space>(clock: Res<Clock>, profiles: Res<Profiles<V>>, outcome: Res<Outcome>) -> bool {
+    let mut running = profiles.running.iter();
+    outcome.end().is_some() || running.any(|one| one.is_time(&clock) || one.is_full(&clock))
 }
 
 impl<V: Space> Running<V> {
@@ -89,6 +94,13 @@ impl<V: Space> Running<V> {
     fn is_time(&self, clock: &Clock) -> bool {
         let Profile { sample, from, .. } = self.sampler.profile;
         clock.has_reached(from.map_or(0.0, NonNegative::get) + self.looks as f64 * sample.get())
+    }
+
+    /// Whether samples of the whole time of averaging have been taken.
+    fn is_full(&self, clock: &Clock) -> bool {
+        let Profile { sample, average, .. } = self.sampler.profile;
+        let is_over = |average: Positive| clock.has_reached(self.from + average.get() - sample.get());
+        self.sampler.samples > 0 && average.is_some_and(is_over)
     }
 
     /// The rows of the means, and a new start.
@@ -114,18 +126,17 @@ impl<V: Space> Running<V> {
 
 fn write_centres<V: Space>(
     clock: Res<Clock>,
-    columns: Res<Columns<V>>,
+    motion: Motion<V>,
     mut centres: ResMut<Centres>,
     mut outcome: ResMut<Outcome>,
 ) {
     for species in 0..=centres.species {
         let (mut count, mut mass, mut moment, mut momentum) = (0u32, 0.0, V::ZERO, V::ZERO);
-        let grains = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
-        for i in grains.filter(|&i| columns.species[i] == Species(species)) {
+        for grain in motion.grains().filter(|&grain| motion.species(grain) == Species(species)) {
             count += 1;
-            mass += columns.mass[i];
-            moment += columns.body[i].position * columns.mass[i];
-            momentum += columns.body[i].velocity * columns.mass[i];
+            mass += motion.mass(grain);
+            moment += motion.position(grain) * motion.mass(grain);
+            momentum += motion.velocity(grain) * motion.mass(grain);
         }
         if count > 0 {
             let (x, v) = (numbers(moment / mass), numbers(momentum / mass));
@@ -176,14 +187,12 @@ impl<V: Space> ProfilesPlugin<V> {
 impl<V: Space> Plugin for ProfilesPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some((profiles, centres)) = self.0.open() else { return };
-        let is_time =
-            |clock: Res<Clock>, profiles: Res<Profiles<V>>| profiles.running.iter().any(|one| one.is_time(&clock));
         app.insert_resource(profiles).insert_resource(centres);
-        looks_when(app, is_time);
+        foresee(app, has_work::<V>, has_work::<V>);
         app.add_systems(
             Step,
             (
-                sample::<V>.in_set(ObserveStage::Measure),
+                sample::<V>.in_set(ObserveStage::Measure).run_if(has_work::<V>),
                 write_centres::<V>.in_set(ObserveStage::Write).run_if(due::<Series>),
             ),
         );

@@ -18,7 +18,6 @@ use std::path::Path;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::contact::survey::Scenery;
 use crate::energy::EnergyFlows;
 use crate::gravity::Gravity;
 use crate::ledger::Ledger;
@@ -28,6 +27,7 @@ use crate::outcome::Outcome;
 use crate::scene::outputs::Series;
 use crate::space::Space;
 use crate::step::{Clock, Step};
+use crate::survey::Scenery;
 use crate::writers::rows::{Parcel, Rows};
 
 /// The names of all columns, and among them, or not, those of the books.

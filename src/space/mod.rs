@@ -267,6 +267,12 @@ fn mix(line: i64) -> u64 {
     line.cast_unsigned().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32
 }
 
+/// Four numbers side by side, by place: instructions may work on all at once.
+#[inline(always)]
+pub(crate) fn quad(mut number: impl FnMut(usize) -> f64) -> [f64; 4] {
+    [number(0), number(1), number(2), number(3)]
+}
+
 #[cfg(test)]
 #[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {

@@ -10,7 +10,7 @@ use bevy_ecs::prelude::*;
 
 use crate::particle::{Fixed, Position, Velocity};
 use crate::space::Space;
-use crate::step::{Clock, ClockAdvanced, Drifted, Phase, Step};
+use crate::step::{Clock, Phase, Step};
 
 /// Marks a wall grain that keeps moving.
 #[derive(Component, Clone, Copy, Debug, Default)]
@@ -29,6 +29,6 @@ pub struct ConveyorPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for ConveyorPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, convey::<V>.in_set(Phase::Drift).in_set(Drifted).after(ClockAdvanced));
+        app.add_systems(Step, convey::<V>.in_set(Phase::Drift));
     }
 }

@@ -14,20 +14,20 @@ use bevy_ecs::prelude::*;
 
 use crate::columns::{BOOKED, Columns, Late, WHOLE};
 use crate::contact::batch::Batch;
-use crate::contact::history::{BLOCK, History, Lost, Pages, Walk};
+use crate::contact::history::{History, Lost, Pages, Walk};
 use crate::contact::kernel::{Desk, Desks};
 use crate::contact::lanes::LANES;
 use crate::contact::sums::{Share, Sums};
 use crate::contact::{Demands, LargestOverlap, Law, Memory, PairLaw, memory_step};
 use crate::instructions::Instructions;
-use crate::messages::DoorOpened;
+use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
-use crate::step::{Clock, ForceStage, Phase, Step};
+use crate::step::{Clock, ForceStage, Part, Phase, Step};
 use crate::threads::Threads;
 use crate::walls::ahead::{AT_ONCE, fetch};
 use crate::walls::near::NearWalls;
-use crate::walls::surfaces::{FlatWall, Surfaces, WallLoad, pair, touching};
+use crate::walls::surfaces::{FlatWall, LeavingWalls, Surfaces, WallLoad, pair, touching, walls_leave};
 
 /// From how many grains near walls on threads share them.
 const WORTHWHILE: usize = 500;
@@ -207,10 +207,10 @@ impl<V: Space, L: PairLaw<V>> Pass<'_, V, L> {
     }
 }
 
-/// A door made of panels goes when it opens.
-fn open_door<V: Space>(mut opened: MessageReader<DoorOpened>, mut walls: ResMut<Surfaces<V>>) {
-    if opened.read().next().is_some() {
-        walls.0.iter_mut().filter(|wall| wall.is_door).for_each(|wall| wall.is_present = false);
+/// Walls whose entities have gone are no more there. In the step after that, so that what their contacts held is booked first.
+fn remove_walls<V: Space>(mut leaving: ResMut<LeavingWalls>, mut walls: ResMut<Surfaces<V>>) {
+    for wall in leaving.0.drain(..) {
+        walls.0[wall].is_present = false;
     }
 }
 
@@ -228,9 +228,7 @@ impl<V: Space, L: PairLaw<V> + Demands> SurfacesPlugin<V, L> {
 impl<V: Space, L: PairLaw<V> + Demands> Plugin for SurfacesPlugin<V, L> {
     fn build(&self, app: &mut App) {
         app.add_systems(Step, wall_forces::<V, L>.in_set(ForceStage::Walls));
-        if app.world().resource::<Surfaces<V>>().0.iter().any(|wall| wall.is_door) {
-            // In the step after the one that opens the door, so that what it held is booked first.
-            app.add_systems(Step, open_door::<V>.in_set(Phase::Drift).after(Late));
-        }
+        let remove = remove_walls::<V>.in_set(Part::Engine(Phase::Drift)).after(Late).run_if(walls_leave);
+        app.add_systems(Step, remove);
     }
 }

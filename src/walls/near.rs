@@ -19,7 +19,7 @@ pub struct NearWalls {
 impl NearWalls {
     /// Those of now.
     pub fn of<V: Space>(&mut self, columns: &Columns<V>, walls: &[FlatWall<V>], has_changed: bool) -> &[Candidate] {
-        if has_changed || self.wait.is_over(columns, columns.margin) {
+        if has_changed || self.wait.is_over(columns.odometer(), columns.margin) {
             let grains = &columns.body[..columns.movable_end];
             let slack = grains.iter().map(|body| body.radius).fold(0.0, f64::max);
             self.pairs.clear();
@@ -31,7 +31,7 @@ impl NearWalls {
                     }
                 }
             }
-            self.wait = Wait::for_distance(columns, slack);
+            self.wait = Wait::for_distance(columns.odometer(), slack);
         }
         &self.pairs
     }

@@ -8,7 +8,9 @@
 
 use std::ops::AddAssign;
 
+use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
+use bevy_ecs::world::DeferredWorld;
 
 use crate::columns::Columns;
 use crate::contact::{Ahead, Pair};
@@ -111,6 +113,27 @@ impl<V: Space> Surface<V> {
 /// The flat walls of the scene, in its order.
 #[derive(Resource, Clone, Debug)]
 pub struct Surfaces<V: Space = Plane>(pub Vec<FlatWall<V>>);
+
+/// The entity of a flat wall, by its index in [`Surfaces`]. A wall whose entity is despawned is not there any more from the next step on.
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[component(immutable, on_remove = leave)]
+pub struct WallIndex(pub usize);
+
+/// Walls whose entities have gone since the last step.
+#[derive(Resource, Clone, Debug, Default)]
+pub(crate) struct LeavingWalls(pub(crate) Vec<usize>);
+
+fn leave(mut world: DeferredWorld, context: HookContext) {
+    let Some(&WallIndex(wall)) = world.get(context.entity) else { return };
+    if let Some(mut leaving) = world.get_resource_mut::<LeavingWalls>() {
+        leaving.0.push(wall);
+    }
+}
+
+/// Run condition: a wall's entity has gone.
+pub(crate) fn walls_leave(leaving: Res<LeavingWalls>) -> bool {
+    !leaving.0.is_empty()
+}
 
 /// The contact of movable entry `i` with a wall, if they touch (`AHEAD`: within half a step).
 #[inline]

@@ -99,7 +99,6 @@ fn a_run_without_books_writes_what_is_left() {
     assert!(series.contains("kinetic_j") && !series.contains("dissipated_j"));
 }
 
-/// Where columns lead, and where components do.
 #[test]
 fn what_is_not_finite_is_found_in_its_step_without_books_too() {
     let file = r#"(gravity: (0.0, 0.0), contact: Linear(k: 1.0e5, damping: B(0.0)), step: Fixed(1.0e-3), until: 1.0,
@@ -109,7 +108,7 @@ fn what_is_not_finite_is_found_in_its_step_without_books_too() {
     let End::Failed(Failure::NotFinite { step, cause, .. }) = run.run() else { panic!("went on") };
     assert!(step == 1 && cause.contains("behaviour"), "{step}: {cause}");
 
-    // Where columns lead: spins by a torque that somebody has set, velocities by a contact that is too stiff for any number.
+    // Spins by a torque that somebody has set, velocities by a contact that is too stiff for any number.
     for more in [&[][..], &[WITHOUT]] {
         let mut run = simulation(&quiet("couette.ron", &[], more), 1);
         run.run_steps(5);

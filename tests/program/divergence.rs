@@ -39,9 +39,17 @@ fn assert_found(change: impl FnOnce(EntityWorldMut), step: u64, expected: Quanti
 fn one_bit_of_any_quantity_is_found() {
     assert_eq!(divergence(|_| {}), None);
     assert_found(|mut grain| grain.get_mut::<Position<Solid>>().unwrap().0.z = 0.02, 20, Quantity::Position);
-    assert_found(|mut grain| grain.get_mut::<Mass>().unwrap().0 *= 1.0 + f64::EPSILON, 20, Quantity::Mass);
     let next = |x: &mut f64| *x = x.next_up();
-    assert_found(|mut grain| next(&mut grain.get_mut::<Radius>().unwrap().0), 20, Quantity::Radius);
+    let heavier = |mut grain: EntityWorldMut| {
+        let mass = grain.get::<Mass>().unwrap().0;
+        grain.insert(Mass(mass.next_up()));
+    };
+    assert_found(heavier, 20, Quantity::Mass);
+    let larger = |mut grain: EntityWorldMut| {
+        let radius = grain.get::<Radius>().unwrap().0;
+        grain.insert(Radius(radius.next_up()));
+    };
+    assert_found(larger, 20, Quantity::Radius);
     assert_found(|mut grain| next(&mut grain.get_mut::<Velocity<Solid>>().unwrap().0.x), 20, Quantity::Velocity);
     assert_found(|mut grain| next(&mut grain.get_mut::<Spin<Solid>>().unwrap().0.y), 20, Quantity::Spin);
     assert_found(|mut grain| next(&mut grain.get_mut::<Force<Solid>>().unwrap().0.z), 20, Quantity::Force);

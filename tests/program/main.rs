@@ -14,6 +14,7 @@
 )]
 
 mod accuracy;
+mod architecture;
 mod behaviours;
 mod books;
 mod command_line;
@@ -23,13 +24,13 @@ mod divergence;
 mod hard;
 mod instructions;
 mod lattice;
-mod leading;
 mod periodic;
 mod pins;
 mod scenes;
 mod searches;
 mod silo_file;
 mod spinning;
+mod synchronisation;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};

@@ -2,11 +2,11 @@
 
 use siloflow::columns::Columns;
 use siloflow::contact::history::History;
-use siloflow::contact::survey::Survey;
 use siloflow::divergence::where_they_part;
 use siloflow::energy::{Channels, EnergyFlows};
 use siloflow::measure::totals;
 use siloflow::prelude::*;
+use siloflow::survey::Survey;
 use siloflow::walls::surfaces::Surfaces;
 
 use crate::{hash, load, simulation};

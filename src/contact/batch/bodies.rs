@@ -5,11 +5,12 @@
 
 use crate::columns::Body;
 use crate::contact::Demands;
-use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, quad, spread};
+use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, spread};
 use crate::contact::root::inverse_root;
 use crate::instructions::Instructions;
 use crate::periodic::Metric;
 use crate::space::Space;
+use crate::space::quad;
 
 /// The square of a distance, m^2, below which two centres are one: far below any length, far above what numbers can hold.
 const COINCIDENT: f64 = 1e-200;

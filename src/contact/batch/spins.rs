@@ -1,7 +1,8 @@
 //! How the two of each contact spin.
 
 use crate::columns::Rotation;
-use crate::contact::lanes::{Lanes, Quads, Scalars, quad, spread};
+use crate::contact::lanes::{Lanes, Quads, Scalars, spread};
+use crate::space::quad;
 use crate::space::{Linear, Space};
 
 /// How the two spin.

@@ -5,8 +5,9 @@ use std::ops::Range;
 use bevy_ecs::prelude::*;
 
 use crate::contact::batch::Batch;
-use crate::contact::history::{BLOCK, Pages};
+use crate::contact::history::Pages;
 use crate::contact::{Demands, Memory};
+use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{Candidate, PairList, Task};
 use crate::space::Space;
 

@@ -3,11 +3,12 @@
 use crate::columns::{BOOKED, Columns, WHOLE};
 use crate::contact::batch::Batch;
 use crate::contact::geometry::coincident;
-use crate::contact::history::{BLOCK, Lost, Pages, Walk};
+use crate::contact::history::{Lost, Pages, Walk};
 use crate::contact::kernel::{Arrivals, Pass};
 use crate::contact::lanes::LANES;
 use crate::contact::sums::Sums;
 use crate::contact::{Demands, PairLaw};
+use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{self, Candidate, Task};
 use crate::periodic::Metric;
 use crate::space::Space;

@@ -18,11 +18,11 @@
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use crate::contact::survey::{Partner, Scenery, Survey};
 use crate::contact::{Memory, Pair};
 use crate::particle::GrainId;
 use crate::space::{Plane, Space};
 use crate::step::Clock;
+use crate::survey::{Partner, Scenery, Survey};
 
 /// With whom a grain is in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

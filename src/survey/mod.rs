@@ -3,6 +3,8 @@
 //! It looks at the positions of the columns with the neighbour search of the last force pass, and at what contacts
 //! remembered after it, so it is right at any time between that pass and the next renumbering.
 
+pub mod view;
+
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
@@ -10,6 +12,7 @@ use crate::columns::Columns;
 use crate::contact::history::History;
 use crate::contact::{AnyLaw, Memory, Pair, PairLaw, geometry};
 use crate::neighbours::Search;
+use crate::particles::Motion;
 use crate::periodic::{Metric, Open};
 use crate::space::{Plane, Space};
 use crate::walls::surfaces::{self, FlatWall, Surfaces};
@@ -26,7 +29,7 @@ pub enum Partner {
 /// What a system needs for a survey.
 #[derive(SystemParam)]
 pub struct Scenery<'w, V: Space = Plane> {
-    columns: Res<'w, Columns<V>>,
+    motion: Motion<'w, V>,
     search: Res<'w, Search<V>>,
     walls: Res<'w, Surfaces<V>>,
     law: Res<'w, AnyLaw<V>>,
@@ -38,7 +41,7 @@ impl<V: Space> Scenery<'_, V> {
     #[must_use]
     pub fn survey(&self) -> Survey<'_, V> {
         Survey {
-            columns: &self.columns,
+            columns: self.motion.store(),
             search: &self.search,
             walls: &self.walls.0,
             law: &*self.law.0,

@@ -1,0 +1,171 @@
+//! The particles as read-only system parameters: for systems that look at every particle, or in every step.
+//!
+//! [`Particles`] and [`Motion`] read the packed store of the force loop, in the order of its rows: nothing is copied for them, as it
+//! is for a query of `Position` or `Velocity`. A row belongs to the same particle until slots are dealt out anew, after
+//! [`Phase::Spawn`](crate::step::Phase::Spawn) of a later step; particles that entered since have no row yet. All numbers are SI.
+//!
+//! ```
+//! use siloflow::prelude::*;
+//!
+//! fn highest(particles: Particles) {
+//!     let tops = particles.grains().map(|row| particles.position(row).y + particles.radius(row));
+//!     let top = tops.fold(f64::NEG_INFINITY, f64::max); // m
+//!     # let _ = top;
+//! }
+//! ```
+
+use std::ops::Deref;
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+
+use crate::columns::{Columns, ReadsMotion, ReadsPlaces};
+use crate::particle::{GrainId, Species};
+use crate::periodic::Periodic;
+use crate::space::{Plane, Space};
+use crate::wait::Odometer;
+
+/// Places, properties and forces of all particles.
+#[derive(SystemParam)]
+pub struct Particles<'w, V: Space = Plane> {
+    store: Res<'w, Columns<V>>,
+    _reads: Res<'w, ReadsPlaces>,
+}
+
+impl<V: Space> Particles<'_, V> {
+    /// Number of rows.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.store.len()
+    }
+
+    /// Whether there is no row.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.store.is_empty()
+    }
+
+    /// The rows of particles that forces move.
+    pub fn grains(&self) -> impl Iterator<Item = usize> {
+        (0..self.store.movable_end).filter(|&row| self.is_present(row))
+    }
+
+    /// The rows of all particles.
+    pub fn all(&self) -> impl Iterator<Item = usize> {
+        (0..self.len()).filter(|&row| self.is_present(row))
+    }
+
+    /// Whether the particle of a row is still there: one that left keeps its row until slots are dealt out anew.
+    #[must_use]
+    pub fn is_present(&self, row: usize) -> bool {
+        self.store.is_present(row)
+    }
+
+    /// Whether no force moves it.
+    #[must_use]
+    pub fn is_fixed(&self, row: usize) -> bool {
+        self.store.is_fixed(row)
+    }
+
+    /// The entity.
+    #[must_use]
+    pub fn entity(&self, row: usize) -> Entity {
+        self.store.entity[row]
+    }
+
+    /// The name.
+    #[must_use]
+    pub fn id(&self, row: usize) -> GrainId {
+        self.store.id[row]
+    }
+
+    /// The centre, m.
+    #[must_use]
+    pub fn position(&self, row: usize) -> V {
+        self.store.body[row].position
+    }
+
+    /// The radius, m.
+    #[must_use]
+    pub fn radius(&self, row: usize) -> f64 {
+        self.store.body[row].radius
+    }
+
+    /// The mass, kg; 0 for what has none.
+    #[must_use]
+    pub fn mass(&self, row: usize) -> f64 {
+        self.store.mass[row]
+    }
+
+    /// The species.
+    #[must_use]
+    pub fn species(&self, row: usize) -> Species {
+        self.store.species[row]
+    }
+
+    /// The sum of the forces, N, as of the last evaluation.
+    #[must_use]
+    pub fn force(&self, row: usize) -> V {
+        self.store.loads.force.of(row)
+    }
+
+    /// The vector from `b` to `a`, m: in a periodic scene the shortest one.
+    #[must_use]
+    pub fn separation(&self, a: V, b: V) -> V {
+        self.store.separation(a, b)
+    }
+
+    /// The periodic sides of the scene.
+    #[must_use]
+    pub fn periodic(&self) -> Option<&Periodic<V>> {
+        self.store.periodic.as_ref()
+    }
+
+    /// How far particles can have moved, for systems that need not look in every step.
+    #[must_use]
+    pub fn odometer(&self) -> Odometer {
+        self.store.odometer()
+    }
+}
+
+/// The same, and velocities and spins.
+#[derive(SystemParam)]
+pub struct Motion<'w, V: Space = Plane> {
+    particles: Particles<'w, V>,
+    _reads: Res<'w, ReadsMotion>,
+}
+
+impl<'w, V: Space> Deref for Motion<'w, V> {
+    type Target = Particles<'w, V>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.particles
+    }
+}
+
+impl<V: Space> Motion<'_, V> {
+    /// The whole store.
+    #[must_use]
+    pub fn store(&self) -> &Columns<V> {
+        &self.particles.store
+    }
+
+    /// The velocity, m/s: v(t+dt/2) from [`Phase::Drift`](crate::step::Phase::Drift) to
+    /// [`Phase::Forces`](crate::step::Phase::Forces), elsewhere v(t).
+    #[must_use]
+    pub fn velocity(&self, row: usize) -> V {
+        self.store().body[row].velocity
+    }
+
+    /// The spin, rad/s; zero where nothing spins.
+    #[must_use]
+    pub fn spin(&self, row: usize) -> V::Spin {
+        self.store().spin(row)
+    }
+
+    /// The kinetic energy of translation and rotation, J.
+    #[must_use]
+    pub fn kinetic_energy(&self, row: usize) -> f64 {
+        self.store().kinetic_energy(row) + self.store().rotational_energy(row)
+    }
+}
