@@ -223,6 +223,7 @@ impl<V: Space> Default for Columns<V> {
 impl<V: Space> Columns<V> {
     /// Number of particles.
     #[must_use]
+    #[inline]
     pub fn len(&self) -> usize {
         self.id.len()
     }
@@ -235,6 +236,7 @@ impl<V: Space> Columns<V> {
 
     /// Whether entry `i` is not moved by forces.
     #[must_use]
+    #[inline]
     pub fn is_fixed(&self, i: usize) -> bool {
         i >= self.movable_end
     }
@@ -248,6 +250,7 @@ impl<V: Space> Columns<V> {
     }
 
     /// How far particles can have moved.
+    #[inline]
     pub(crate) fn odometer(&self) -> Odometer {
         Odometer { generation: self.generation, travel: self.travel }
     }
@@ -261,18 +264,21 @@ impl<V: Space> Columns<V> {
 
     /// Kinetic energy of translation of entry `i`, J; nothing for what is fixed.
     #[must_use]
+    #[inline]
     pub fn kinetic_energy(&self, i: usize) -> f64 {
         if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.body[i].velocity.length_squared() }
     }
 
     /// The spin of entry `i`, rad/s; zero where nothing spins.
     #[must_use]
+    #[inline]
     pub fn spin(&self, i: usize) -> V::Spin {
         self.rotation.get(i).map_or(V::Spin::ZERO, |rotation| rotation.spin)
     }
 
     /// Kinetic energy of rotation of entry `i`, J; nothing for what is fixed or does not spin.
     #[must_use]
+    #[inline]
     pub fn rotational_energy(&self, i: usize) -> f64 {
         match self.rotation.get(i) {
             Some(&Rotation { spin, inverse_inertia }) if inverse_inertia > 0.0 && !self.is_fixed(i) => {

@@ -35,94 +35,110 @@ pub struct Particles<'w, V: Space = Plane> {
 impl<V: Space> Particles<'_, V> {
     /// Number of rows.
     #[must_use]
+    #[inline]
     pub fn len(&self) -> usize {
         self.store.len()
     }
 
     /// Whether there is no row.
     #[must_use]
+    #[inline]
     pub fn is_empty(&self) -> bool {
         self.store.is_empty()
     }
 
     /// The rows of particles that forces move.
+    #[inline]
     pub fn grains(&self) -> impl Iterator<Item = usize> {
         (0..self.store.movable_end).filter(|&row| self.is_present(row))
     }
 
     /// The rows of all particles.
+    #[inline]
     pub fn all(&self) -> impl Iterator<Item = usize> {
         (0..self.len()).filter(|&row| self.is_present(row))
     }
 
     /// Whether the particle of a row is still there: one that left keeps its row until slots are dealt out anew.
     #[must_use]
+    #[inline]
     pub fn is_present(&self, row: usize) -> bool {
         self.store.is_present(row)
     }
 
     /// Whether no force moves it.
     #[must_use]
+    #[inline]
     pub fn is_fixed(&self, row: usize) -> bool {
         self.store.is_fixed(row)
     }
 
     /// The entity.
     #[must_use]
+    #[inline]
     pub fn entity(&self, row: usize) -> Entity {
         self.store.entity[row]
     }
 
     /// The name.
     #[must_use]
+    #[inline]
     pub fn id(&self, row: usize) -> GrainId {
         self.store.id[row]
     }
 
     /// The centre, m.
     #[must_use]
+    #[inline]
     pub fn position(&self, row: usize) -> V {
         self.store.body[row].position
     }
 
     /// The radius, m.
     #[must_use]
+    #[inline]
     pub fn radius(&self, row: usize) -> f64 {
         self.store.body[row].radius
     }
 
     /// The mass, kg; 0 for what has none.
     #[must_use]
+    #[inline]
     pub fn mass(&self, row: usize) -> f64 {
         self.store.mass[row]
     }
 
     /// The species.
     #[must_use]
+    #[inline]
     pub fn species(&self, row: usize) -> Species {
         self.store.species[row]
     }
 
     /// The sum of the forces, N, as of the last evaluation.
     #[must_use]
+    #[inline]
     pub fn force(&self, row: usize) -> V {
         self.store.loads.force.of(row)
     }
 
     /// The vector from `b` to `a`, m: in a periodic scene the shortest one.
     #[must_use]
+    #[inline]
     pub fn separation(&self, a: V, b: V) -> V {
         self.store.separation(a, b)
     }
 
     /// The periodic sides of the scene.
     #[must_use]
+    #[inline]
     pub fn periodic(&self) -> Option<&Periodic<V>> {
         self.store.periodic.as_ref()
     }
 
     /// How far particles can have moved, for systems that need not look in every step.
     #[must_use]
+    #[inline]
     pub fn odometer(&self) -> Odometer {
         self.store.odometer()
     }
@@ -146,6 +162,7 @@ impl<'w, V: Space> Deref for Motion<'w, V> {
 impl<V: Space> Motion<'_, V> {
     /// The whole store.
     #[must_use]
+    #[inline]
     pub fn store(&self) -> &Columns<V> {
         &self.particles.store
     }
@@ -153,18 +170,21 @@ impl<V: Space> Motion<'_, V> {
     /// The velocity, m/s: v(t+dt/2) from [`Phase::Drift`](crate::step::Phase::Drift) to
     /// [`Phase::Forces`](crate::step::Phase::Forces), elsewhere v(t).
     #[must_use]
+    #[inline]
     pub fn velocity(&self, row: usize) -> V {
         self.store().body[row].velocity
     }
 
     /// The spin, rad/s; zero where nothing spins.
     #[must_use]
+    #[inline]
     pub fn spin(&self, row: usize) -> V::Spin {
         self.store().spin(row)
     }
 
     /// The kinetic energy of translation and rotation, J.
     #[must_use]
+    #[inline]
     pub fn kinetic_energy(&self, row: usize) -> f64 {
         self.store().kinetic_energy(row) + self.store().rotational_energy(row)
     }

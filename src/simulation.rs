@@ -1,12 +1,13 @@
 //! A simulation: an app built from a scene, and the loop that steps it.
 
+use std::collections::HashSet;
 use std::num::NonZeroUsize;
 
 use bevy_app::App;
 use bevy_ecs::message::message_update_system;
 use bevy_ecs::prelude::*;
 
-use crate::assembly::Assembly;
+use crate::assembly::{AskedBy, Assembly};
 use crate::behaviour::{Behaviour, Registry};
 use crate::columns::{self, Columns};
 use crate::fault::Fault;
@@ -138,7 +139,12 @@ impl Simulation {
         app.add_systems(Step, message_update_system.in_set(Part::End));
         // Now, so that conflicting systems are an error of the input and not a panic later.
         app.world_mut().schedule_scope(Step, |world, schedule| {
+            let known: HashSet<_> = schedule.graph().systems.iter().map(|(system, ..)| system).collect();
             plan(schedule, world)?;
+            let new =
+                schedule.graph().systems.iter().map(|(system, ..)| system).filter(|system| !known.contains(system));
+            let asked_by = new.map(|system| ((schedule.label(), system), "components in use".to_owned()));
+            world.resource_mut::<AskedBy>().0.extend(asked_by);
             schedule.initialize(world).map(|_| ()).map_err(|error| {
                 let message = error.to_string(schedule.graph(), world);
                 Fault::new("behaviour::schedule", format!("the systems of this scene cannot be ordered: {message}"))

@@ -23,12 +23,14 @@ pub struct Wait {
 impl Wait {
     /// Until any particle can have gone this far, m.
     #[must_use]
+    #[inline]
     pub fn for_distance(now: Odometer, distance: f64) -> Self {
         Self { generation: now.generation, until: now.travel + distance }
     }
 
     /// Whether it is over; `ahead` (m) counts as gone.
     #[must_use]
+    #[inline]
     pub fn is_over(&self, now: Odometer, ahead: f64) -> bool {
         // Written so that a travel that is not a number ends it.
         let goes_on = self.generation == now.generation && now.travel + ahead < self.until;

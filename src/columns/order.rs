@@ -37,6 +37,7 @@ pub type Place = [i32; 4];
 
 impl Order {
     /// For grains at `positions` (m), the widest of which has this diameter (m).
+    #[inline]
     pub fn of<V: Space>(positions: impl Iterator<Item = V>, diameter: f64) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
         for x in positions {
@@ -65,6 +66,7 @@ impl Order {
 
     /// Where `x` (m) comes.
     #[must_use]
+    #[inline]
     pub fn place<V: Space>(&self, x: V) -> Place {
         let [first, second, third] = self.axes.map(|axis| {
             #[expect(clippy::cast_possible_truncation, reason = "saturates; NaN becomes 0")]

@@ -113,6 +113,7 @@ struct Owed(bool);
 
 impl<V: Space> Columns<V> {
     /// The row of `entity`, which has this slot, if it has a row.
+    #[inline]
     pub(super) fn row_of(&self, entity: Entity, slot: Slot) -> Option<usize> {
         (self.entity.get(slot.index()) == Some(&entity)).then_some(slot.index())
     }
@@ -125,6 +126,7 @@ impl<V: Space> Columns<V> {
 
     /// Whether the particle of row `i` is still there: one that left keeps its row until slots are dealt out anew.
     #[must_use]
+    #[inline]
     pub fn is_present(&self, i: usize) -> bool {
         self.vacated.is_empty() || self.entity[i] != Entity::PLACEHOLDER
     }

@@ -78,6 +78,7 @@ impl<V: Space> Cells<V> {
         }
     }
 
+    #[inline]
     fn cell_of(&self, x: V) -> Cell<V> {
         let number = |axis: usize| {
             let low = self.periodic.filter(|_| self.span[axis] > 0).map_or(0.0, |periodic| periodic.low.axis(axis));

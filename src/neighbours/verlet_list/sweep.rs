@@ -45,15 +45,18 @@ impl<'a, V: Space> Sweep<'a, V> {
     }
 
     /// The side of cells in which two slow ones that are near are at most one apart, m.
+    #[inline]
     fn side(&self) -> f64 {
         self.range + 2.0 * self.slow
     }
 
+    #[inline]
     fn is_fast(&self, i: usize) -> bool {
         self.verlet.made_at[i].allowance > self.slow
     }
 
     /// How many cells far particle `i` looks.
+    #[inline]
     fn reach(&self, i: usize) -> f64 {
         if self.is_fast(i) {
             ((self.range + self.verlet.made_at[i].allowance + self.widest) / self.side()).ceil()
@@ -85,6 +88,7 @@ impl<'a, V: Space> Sweep<'a, V> {
     }
 
     /// Those that particles of `rows` find, about so many each.
+    #[inline]
     fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> Vec<Candidate> {
         let mut pairs = Vec::with_capacity(of_each * rows.len());
         for i in rows {
