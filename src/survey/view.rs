@@ -33,7 +33,7 @@ use crate::survey::touching::Touching;
 use crate::survey::{Partner, Scenery, Survey};
 
 /// With whom a grain is in contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Touched {
     /// A grain or a wall grain.
     Particle(GrainId),
@@ -72,7 +72,9 @@ impl<V: Space> Survey<'_, V> {
     /// All contacts, in ascending order of the ids; contacts with flat walls come after all others. `dt` in s.
     #[must_use]
     pub fn view(&self, dt: f64) -> Vec<ContactState<V>> {
-        let (mut states, mut order) = (Vec::new(), Vec::new());
+        // Large and written once: a second copy would take most of the time.
+        let mut states = Vec::with_capacity(self.search.list.pairs().len());
+        let mut order = Vec::with_capacity(states.capacity());
         let (mut of_pairs, mut of_walls) = (self.history.read_pairs(), self.history.read_walls());
         self.touching().for_each(|contact| {
             let memory = match contact.partner() {
@@ -80,19 +82,19 @@ impl<V: Space> Survey<'_, V> {
                 Partner::Wall(wall) => of_walls.look_up(contact.row(), wall),
             };
             let state = contact.state_with(&memory.unwrap_or_default(), dt);
-            order.push((rank(&state), states.len()));
+            order.push((matches!(state.with, Touched::Wall(_)), state.grain, state.with, states.len()));
             states.push(state);
         });
         order.sort_unstable();
-        order.into_iter().map(|(_, at)| states[at]).collect()
-    }
-}
-
-/// What contacts are sorted by.
-fn rank<V: Space>(contact: &ContactState<V>) -> (bool, GrainId, Option<GrainId>, usize) {
-    match contact.with {
-        Touched::Particle(partner) => (false, contact.grain, Some(partner), 0),
-        Touched::Wall(wall) => (true, contact.grain, None, wall),
+        for place in 0..order.len() {
+            let mut from = order[place].3;
+            // It was exchanged when an earlier place was filled.
+            while from < place {
+                from = order[from].3;
+            }
+            states.swap(place, from);
+        }
+        states
     }
 }
 
