@@ -220,7 +220,7 @@ fn pouring((space, _): (Dimension, &str)) -> Loaded {
     let text = format!(
         "(space: {space:?}, gravity: ({gravity}), step: Fixed(1.0e-4), until: 0.2, pictures: None, on_loss: Continue, \
           contact: Linear(k: 1.0e4, damping: B(5.0)), mass: Sphere(1000.0), walls: [HalfPlane(point: ({origin}), normal: ({floor}))], \
-          fill: [(low: ({low}), high: ({high}), spacing: 0.05, radius: Fixed(0.02), count: 700, agitation: 2.0)], \
+          fill: [(low: ({low}), high: ({high}), spacing: 0.05, radius: Fixed(0.02), count: 700, agitation: ({jitter}))], \
           spawner: (point: ({point}), jitter: ({jitter}), velocity: ({still}), interval: 0.002, count: 60, radius: Fixed(0.02)), \
           behaviours: {{\"it\": ()}})"
     );
