@@ -3,10 +3,33 @@
 //! A scene names them under `behaviours`, each with its own keys in RON:
 //!
 //! ```text
-//! behaviours: {"vibrating_wall": (amplitude: 0.002, frequency: 30.0)},
+//! behaviours: {"wind": (force: 0.2)},
 //! ```
 //!
-//! A program registers the type that such keys make, and hands the registry to [`crate::cli::main_with`]:
+//! # A crate of one's own
+//!
+//! Its `Cargo.toml` needs two dependencies:
+//!
+//! ```toml
+//! [package]
+//! name = "windy"
+//! version = "0.1.0"
+//! edition = "2024"
+//!
+//! [dependencies]
+//! siloflow = { path = "../siloflow" } # or git = "..."
+//! serde = { version = "1.0", features = ["derive"] }
+//!
+//! [profile.dev]
+//! opt-level = 2 # a simulation without optimisation takes twenty times as long
+//! ```
+//!
+//! `use siloflow::prelude::*;` stands in each module that derives `Component`, `Resource`, `Message`, `Bundle`, `SystemSet`, `SystemParam`
+//! or `QueryData`: these derives name the crate `bevy_ecs`, which the prelude brings along. (A crate that has `bevy_ecs` among its own
+//! dependencies needs the version of siloflow's.) `examples/outside` in the repository is such a crate: air drag, temperatures with conduction
+//! at contacts, a cohesive contact law, an attraction on top of any law.
+//!
+//! A program registers the type that the keys of the scene make, and hands the registry to [`crate::cli::main_with`]:
 //!
 //! ```
 //! use serde::Deserialize;
@@ -33,7 +56,52 @@
 //!
 //! let mut registry = Registry::default();
 //! registry.register::<Wind>("wind");
+//! // In `main`: siloflow::cli::main_with(&registry)
 //! ```
+//!
+//! # Both spaces
+//!
+//! Components default to the plane. A behaviour for both spaces has systems that are generic over [`Space`](crate::space::Space), says so in
+//! [`Behaviour::lives_in`], and asks in [`Behaviour::build`] which one the scene has:
+//!
+//! ```
+//! # use siloflow::prelude::*;
+//! # struct AirDrag;
+//! fn slow_down<V: Space>(mut grains: Query<(&Velocity<V>, &mut Force<V>), With<Grain>>) {
+//!     for (velocity, mut force) in &mut grains {
+//!         force.0 += velocity.0 * -0.1;
+//!     }
+//! }
+//!
+//! impl Behaviour for AirDrag {
+//!     fn lives_in(&self, _: Dimension) -> bool {
+//!         true
+//!     }
+//!
+//!     fn build(self: Box<Self>, app: &mut App) {
+//!         match Dimension::of_world(app.world()) {
+//!             Dimension::Plane => app.add_systems(Step, slow_down::<Plane>.in_set(ForceStage::Added)),
+//!             Dimension::Solid => app.add_systems(Step, slow_down::<Solid>.in_set(ForceStage::Added)),
+//!         };
+//!     }
+//! }
+//! ```
+//!
+//! # Components of one's own
+//!
+//! A system of [`Phase::Spawn`](crate::step::Phase::Spawn) inserts them, by `Commands`, on grains that do not have them yet: a query of
+//! `(With<Grain>, Without<Temperature>)`. A grain that has just been released may get its own a step later.
+//!
+//! # Contacts
+//!
+//! | a behaviour that | takes |
+//! |---|---|
+//! | looks at contacts | [`ContactView::iter`](crate::survey::view::ContactView::iter): 20 to 40 ns a grain; [`all`](crate::survey::view::ContactView::all) if it needs all that is known of each, in the order of names |
+//! | adds a force at contacts to the scene's law | [`PairForces`](crate::survey::pair_forces::PairForces) in [`ForceStage::Added`](crate::step::ForceStage::Added) |
+//! | keeps a number for each contact | [`PairMap`](crate::survey::pair_map::PairMap) |
+//! | replaces the law | [`PairLaw`](crate::contact::PairLaw) with [`ContactPlugin`](crate::contact::ContactPlugin), and [`SurfacesPlugin`](crate::walls::forces::SurfacesPlugin) for flat walls; [`Memory`](crate::contact::Memory) holds what it remembers |
+//!
+//! Systems of several behaviours that write `Force` need an order between them (`.after(...)`): it is the order of the sum.
 
 use std::collections::BTreeMap;
 

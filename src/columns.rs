@@ -290,7 +290,8 @@ impl<V: Space> Columns<V> {
 }
 
 impl Dimension {
-    /// That of a world: for what does not know the type of its space.
+    /// That of a world: for what does not know the type of its space. A [`Behaviour`](crate::behaviour::Behaviour) asks it in `build`, with
+    /// `app.world()`. The lattice gas lives in the plane.
     #[must_use]
     pub fn of_world(world: &World) -> Self {
         if world.contains_resource::<Columns<Solid>>() { Self::Solid } else { Self::Plane }

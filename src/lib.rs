@@ -80,23 +80,31 @@ pub mod walls;
 pub mod watchdog;
 pub mod writers;
 
-/// What a behaviour needs.
+/// What a behaviour needs. A crate that depends on siloflow and serde alone has the derives of the ECS too: they name `bevy_ecs`, which
+/// `use siloflow::prelude::*` brings into the module ([`behaviour`] has the `Cargo.toml`).
 pub mod prelude {
     pub use bevy_app::{App, Plugin};
+    pub use bevy_ecs;
     pub use bevy_ecs::prelude::*;
+    pub use bevy_ecs::query::{QueryData, QueryFilter};
+    pub use bevy_ecs::system::SystemParam;
 
     pub use crate::behaviour::{Behaviour, Registry};
-    pub use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
+    pub use crate::contact::{Bounce, ContactPlugin, Demands, Memory, Pair, PairForce, PairLaw};
     pub use crate::ledger::Ledger;
-    pub use crate::measure::ObserveStage;
+    pub use crate::measure::{ObserveStage, due, observe_every};
     pub use crate::messages::{CameToRest, DoorOpened, GrainLost, GrainOut, GrainReleased};
     pub use crate::outcome::{End, Failure, Outcome};
     pub use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
     pub use crate::particles::{Motion, Particles};
     pub use crate::scene::load::{self, Loaded};
     pub use crate::simulation::Simulation;
-    pub use crate::space::{Dimension, Plane, Solid, Space, Vector};
+    pub use crate::space::{Dimension, Linear, Plane, Solid, Space, Vector};
     pub use crate::spin::{Inertia, Spin, Torque};
     pub use crate::step::{Clock, ClockAdvanced, ForceStage, Phase, Step};
+    pub use crate::survey::pair_forces::PairForces;
+    pub use crate::survey::pair_map::PairMap;
+    pub use crate::survey::touching::Touching;
     pub use crate::survey::view::{ContactState, ContactView, Touched};
+    pub use crate::walls::forces::SurfacesPlugin;
 }

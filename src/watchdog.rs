@@ -10,7 +10,8 @@
 //!   unstable books negative work. Unless springs hold it: a sliding contact whose dashpot alone is beyond the cap
 //!   stretches its spring against it, and books what that holds as taken back. The scale is what has been put in: energy
 //!   of motion and of springs of grains that entered, work of gravity, walls, belts and added forces, or
-//!   expected - gravitational + dissipated, the largest so far. It does not depend on where heights count from. More
+//!   expected - gravitational + dissipated, the largest so far; and what an attraction between grains has given, whose elastic energy is
+//!   below zero. It does not depend on where heights count from. More
 //!   than the share `energy` of it stops the run. A round-off of
 //!   1e-9 sum m |g.x| is let pass. Healthy runs stay a hundred times below: looked at every 100 steps, `silo1` with its mixture
 //!   and polydisperse variants, `couette`, `column`, and the first tenths of a second of `silo2d`, `chute3d` and `bed3d` create
@@ -83,6 +84,8 @@ struct Watch {
     dissipated: f64,
     /// Largest energy put in so far, J.
     put_in: f64,
+    /// Largest energy that attraction of contacts has given so far, J: how far the elastic energy was below zero.
+    bound: f64,
     has_warned: bool,
 }
 
@@ -115,13 +118,16 @@ impl Watch {
     /// Energy from nowhere, J, if it is too much.
     fn created(&mut self, held: &Held, flows: &EnergyFlows) -> Option<f64> {
         self.dissipated = self.dissipated.max(flows.dissipated);
-        let given_back = (self.dissipated - flows.dissipated - held.elastic).max(0.0);
+        self.bound = self.bound.max(-held.elastic);
+        let in_springs = held.elastic.max(0.0);
+        let given_back = (self.dissipated - flows.dissipated - in_springs).max(0.0);
         let expected = flows.expected() - given_back;
         self.put_in = self.put_in.max(expected - held.potential + flows.dissipated + given_back);
-        let counted = held.kinetic + held.potential + (1.0 - APPARENT) * held.elastic;
+        let elastic = if held.elastic > 0.0 { (1.0 - APPARENT) * held.elastic } else { held.elastic };
+        let counted = held.kinetic + held.potential + elastic;
         let created = if counted - expected < given_back { given_back } else { counted - expected };
         // Written so that sums too large for a double, and their differences, are too much.
-        let is_right = created <= self.energy * self.put_in + ROUND_OFF * held.magnitude;
+        let is_right = created <= self.energy * (self.put_in + self.bound) + ROUND_OFF * held.magnitude;
         (!is_right).then_some(created)
     }
 }
@@ -229,6 +235,7 @@ impl<V: Space> Plugin for WatchdogPlugin<V> {
             overlap: limit(overlap),
             dissipated: 0.0,
             put_in: 0.0,
+            bound: 0.0,
             has_warned: overlap.is_none(),
         });
         // After the books of the step are closed, and before the end of the run is written.
@@ -242,7 +249,7 @@ mod tests {
     use super::*;
 
     fn fresh() -> Watch {
-        Watch { every: 100, energy: 0.1, overlap: 1.0, dissipated: 0.0, put_in: 0.0, has_warned: false }
+        Watch { every: 100, energy: 0.1, overlap: 1.0, dissipated: 0.0, put_in: 0.0, bound: 0.0, has_warned: false }
     }
 
     fn held(kinetic: f64, potential: f64) -> Held {
@@ -278,6 +285,20 @@ mod tests {
         assert_eq!(watch.created(&held(0.0, 0.0), &flows(0.5)), Some(0.5));
         // A spring that a sliding dashpot has stretched will give it to the drag again.
         assert_eq!(watch.created(&Held { elastic: 0.5, ..held(1.0, 0.0) }, &flows(0.5)), None);
+    }
+
+    #[test]
+    fn grains_that_attract_each_other_may_be_bound() {
+        let bound = |kinetic: f64, elastic: f64| Held { elastic, ..held(kinetic, 0.0) };
+        let mut watch = fresh();
+        // They start 1 J below zero, and move with what the attraction gives.
+        let flows = EnergyFlows { released: -1.0, ..EnergyFlows::default() };
+        assert_eq!(watch.created(&bound(0.0, -1.0), &flows), None);
+        assert_eq!(watch.created(&bound(1.0, -2.0), &flows), None);
+        assert_eq!(watch.created(&bound(1.1, -2.0), &flows), None);
+        assert!(watch.created(&bound(1.3, -2.0), &flows).is_some());
+        // A drag has taken it.
+        assert_eq!(watch.created(&bound(0.0, -2.0), &EnergyFlows { dissipated: 1.0, ..flows }), None);
     }
 
     #[test]

@@ -116,7 +116,8 @@ pub struct Memory<V: Space = Plane> {
     pub spring: V,
     /// Displacement of the rolling spring, m.
     pub rolling: V,
-    /// Tangential stiffness at the last evaluation, N/m, for laws whose stiffness changes; 0 in a new contact.
+    /// Tangential stiffness at the last evaluation, N/m, for laws whose stiffness changes; 0 in a new contact. A law of one's own may keep
+    /// any number here: nobody but the law reads it.
     pub stiffness: f64,
 }
 
@@ -265,7 +266,7 @@ pub trait Demands {
     const SPRING: bool = false;
     /// [`Memory::rolling`].
     const ROLLING: bool = false;
-    /// [`Memory::stiffness`].
+    /// [`Memory::stiffness`]: the tangential stiffness, or a number of the law's own.
     const STIFFNESS: bool = false;
     /// Velocities predicted for the end of the step, and pairs that touch within half a step: [`centred`].
     const AHEAD: bool = false;

@@ -3,6 +3,9 @@
 //! It looks at the positions of the columns with the neighbour search of the last force pass, and at what contacts
 //! remembered after it, so it is right at any time between that pass and the next renumbering.
 
+pub mod pair_forces;
+pub mod pair_map;
+pub mod touching;
 pub mod view;
 
 use bevy_ecs::prelude::*;
@@ -94,11 +97,11 @@ impl<'a, V: Space> Survey<'a, V> {
             None => self.pairs(&Open, &counts, &mut visit),
             Some(periodic) => self.pairs(&periodic, &counts, &mut visit),
         }
-        let columns = self.columns;
+        let (columns, mut memories) = (self.columns, self.history.read_walls());
         for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
             for (index, wall) in self.walls.iter().enumerate().filter(|&(index, _)| counts(i, Partner::Wall(index))) {
                 if let Some(pair) = surfaces::touching::<false, V>(columns, i, wall, 0.0) {
-                    let memory = self.history.of_wall(i, index).unwrap_or_default();
+                    let memory = memories.look_up(i, index).unwrap_or_default();
                     visit(i, Partner::Wall(index), &pair, &memory);
                 }
             }
@@ -111,11 +114,11 @@ impl<'a, V: Space> Survey<'a, V> {
         counts: &impl Fn(usize, Partner) -> bool,
         visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
-        let root = self.law.takes_root();
+        let (root, mut memories) = (self.law.takes_root(), self.history.read_pairs());
         let candidates = self.search.list.pairs().iter().map(|candidate| candidate.both());
         for [i, j] in candidates.filter(|&[i, j]| counts(i, Partner::Particle(j))) {
             if let Some(pair) = geometry::touching(metric, self.columns, i, j, root) {
-                let memory = self.history.of_pair(i, j).unwrap_or_default();
+                let memory = memories.look_up(i, j).unwrap_or_default();
                 visit(i, Partner::Particle(j), &pair, &memory);
             }
         }

@@ -24,6 +24,7 @@ mod divergence;
 mod hard;
 mod instructions;
 mod lattice;
+mod outsiders;
 mod periodic;
 mod pins;
 mod scenes;

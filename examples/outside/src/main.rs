@@ -1,0 +1,70 @@
+//! Behaviours in a crate outside siloflow: air drag, heat and its conduction at contacts, a cohesive contact law, and an attraction on
+//! top of any contact law. One file each, with a test against a closed form.
+//!
+//! ```text
+//! cargo run --release --manifest-path examples/outside/Cargo.toml -- run examples/outside/scenes/outside.ron
+//! cargo test --release --manifest-path examples/outside/Cargo.toml
+//! ```
+
+mod attraction;
+mod cohesion;
+mod drag;
+mod temperature;
+
+use std::process::ExitCode;
+
+use siloflow::prelude::*;
+
+fn registry() -> Registry {
+    let mut registry = Registry::default();
+    registry
+        .register::<drag::AirDrag>("air_drag")
+        .register::<temperature::Conduction>("conduction")
+        .register::<cohesion::Cohesion>("cohesion")
+        .register::<attraction::Attraction>("attraction");
+    registry
+}
+
+/// The program `siloflow`, with these behaviours.
+fn main() -> ExitCode {
+    siloflow::cli::main_with(&registry())
+}
+
+#[cfg(test)]
+mod tests {
+    use std::num::NonZeroUsize;
+    use std::path::Path;
+
+    use super::*;
+
+    /// The scene of `pair.csv`, two grains that touch, without gravity, in either space.
+    pub fn pair(space: Dimension, behaviours: &str, until: f64) -> Simulation {
+        let text = format!(
+            "(space: {space:?}, gravity: {}, grains: (file: \"pair.csv\"), step: Fixed(1.0e-4), until: {until:?}, \
+              contact: Linear(k: 1.0e4, damping: B(20.0), attraction: Allowed), pictures: None, behaviours: {behaviours})",
+            match space {
+                Dimension::Plane => "(0.0, 0.0)",
+                Dimension::Solid => "(0.0, 0.0, 0.0)",
+            }
+        );
+        simulation("pair", text)
+    }
+
+    pub fn simulation(name: &'static str, text: String) -> Simulation {
+        let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+        let loaded = load::from_text(name, name, &scenes, text, &[]).expect("the scene is right");
+        Simulation::new(&loaded, &registry(), NonZeroUsize::MIN).expect("the behaviours fit the scene")
+    }
+
+    /// The overlap of the two grains, m.
+    pub fn overlap(run: &mut Simulation, space: Dimension) -> f64 {
+        fn overlap<V: Space>(world: &mut World) -> f64 {
+            let grains: Vec<_> = world.query::<(&Position<V>, &Radius)>().iter(world).collect();
+            grains[0].1.0 + grains[1].1.0 - (grains[0].0.0 - grains[1].0.0).length()
+        }
+        match space {
+            Dimension::Plane => overlap::<Plane>(run.world_mut()),
+            Dimension::Solid => overlap::<Solid>(run.world_mut()),
+        }
+    }
+}

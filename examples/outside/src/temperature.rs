@@ -1,0 +1,156 @@
+//! A temperature of each grain, and conduction of heat where grains touch.
+//!
+//! Between two grains in contact flows Q = h (T_j - T_i), W, with the conductance h in W/K; a grain of mass m has the heat capacity c m.
+//! Walls conduct nothing. Two grains alone approach each other as exp(-h t (1/(c m_i) + 1/(c m_j))); the sum of c m T stays what it is.
+
+use serde::Deserialize;
+use siloflow::prelude::*;
+
+/// The scene's `behaviours: {"conduction": (...)}`.
+#[derive(Resource, Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Conduction {
+    /// Temperatures with which grains enter, K: by species, the last one for all that follow.
+    temperatures: Vec<f64>,
+    /// h, W/K.
+    conductance: f64,
+    /// c, J/(kg K).
+    heat_capacity: f64,
+    /// How often the largest difference is noted, s.
+    interval: f64,
+}
+
+/// Temperature of a grain, K.
+#[derive(Component, Clone, Copy, Debug)]
+pub struct Temperature(pub f64);
+
+/// Time in s and the largest difference of two temperatures in K.
+#[derive(Resource, Default)]
+pub struct Differences(pub Vec<(f64, f64)>);
+
+/// Grains without a temperature.
+type New = (With<Grain>, Without<Temperature>);
+
+fn warm_up(mut commands: Commands, conduction: Res<Conduction>, new: Query<(Entity, &Species), New>) {
+    for (grain, species) in &new {
+        let of_species = conduction.temperatures.get(usize::from(species.0));
+        let temperature = of_species.or(conduction.temperatures.last()).copied().unwrap_or_default();
+        commands.entity(grain).insert(Temperature(temperature));
+    }
+}
+
+fn conduct<V: Space>(
+    contacts: ContactView<V>,
+    (clock, conduction): (Res<Clock>, Res<Conduction>),
+    mut grains: Query<(&Slot, &Mass, &mut Temperature)>,
+    mut gains: Local<Vec<f64>>,
+) {
+    if clock.is_step_zero() {
+        return;
+    }
+    // J, row by row of the store.
+    gains.clear();
+    gains.resize(contacts.rows(), 0.0);
+    for contact in contacts.iter() {
+        let (Some(partner), Some(row)) = (contact.partner_entity(), contact.partner_row()) else { continue };
+        let Ok([(.., a), (.., b)]) = grains.get_many([contact.entity(), partner]) else { continue };
+        let heat = conduction.conductance * (b.0 - a.0) * clock.dt;
+        gains[contact.row()] += heat;
+        gains[row] -= heat;
+    }
+    for (slot, mass, mut temperature) in &mut grains {
+        if let Some(gain) = gains.get(slot.index()) {
+            temperature.0 += gain / (conduction.heat_capacity * mass.0);
+        }
+    }
+}
+
+fn note_difference(clock: Res<Clock>, grains: Query<&Temperature>, mut differences: ResMut<Differences>) {
+    let (lowest, highest) = grains
+        .iter()
+        .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &Temperature(t)| (low.min(t), high.max(t)));
+    differences.0.push((clock.time(), (highest - lowest).max(0.0)));
+}
+
+impl Behaviour for Conduction {
+    fn lives_in(&self, _: Dimension) -> bool {
+        true
+    }
+
+    fn check(&self, _: &Loaded) -> Result<(), String> {
+        let positive = [self.conductance, self.heat_capacity, self.interval].iter().all(|&number| number > 0.0);
+        if positive && !self.temperatures.is_empty() {
+            return Ok(());
+        }
+        Err("conductance, heat_capacity and interval must be above 0, and temperatures must hold one at least"
+            .to_owned())
+    }
+
+    fn build(self: Box<Self>, app: &mut App) {
+        observe_every::<Differences>(app, self.interval);
+        app.insert_resource(*self).init_resource::<Differences>().add_systems(
+            Step,
+            (warm_up.in_set(Phase::Spawn), note_difference.in_set(ObserveStage::Measure).run_if(due::<Differences>)),
+        );
+        match Dimension::of_world(app.world()) {
+            Dimension::Plane => app.add_systems(Step, conduct::<Plane>.in_set(Phase::Control)),
+            Dimension::Solid => app.add_systems(Step, conduct::<Solid>.in_set(Phase::Control)),
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tests::{pair, simulation};
+
+    fn heat(run: &mut Simulation) -> f64 {
+        let world = run.world_mut();
+        world
+            .query::<(&Mass, &Temperature)>()
+            .iter(world)
+            .map(|(mass, temperature)| 800.0 * mass.0 * temperature.0)
+            .sum()
+    }
+
+    #[test]
+    fn two_grains_relax_as_the_closed_form_says() {
+        for space in [Dimension::Plane, Dimension::Solid] {
+            let keys = "{\"conduction\": (temperatures: [400.0, 300.0], conductance: 50.0, heat_capacity: 800.0, interval: 0.25), \
+                         \"attraction\": (force: 1.0)}";
+            let mut run = pair(space, keys, 2.0);
+            assert_eq!(run.run(), End::TimeReached);
+            let rate = 50.0 / 800.0 * (1.0 / 0.16 + 1.0 / 0.09);
+            let noted = &run.world().resource::<Differences>().0;
+            assert_eq!(noted.len(), 9, "{noted:?}");
+            for &(time, difference) in noted {
+                let expected = 100.0 * f64::exp(-rate * time);
+                // Euler's method: rate^2 t dt/2.
+                assert!(
+                    (difference / expected - 1.0).abs() < rate * rate * time * 1e-4 * 0.51 + 1e-12,
+                    "{time} {difference} {expected}"
+                );
+            }
+            let initial = 800.0 * (0.16 * 400.0 + 0.09 * 300.0);
+            assert!((heat(&mut run) / initial - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn a_bed_keeps_its_heat_while_grains_enter_and_meet() {
+        let text = include_str!("../scenes/outside.ron").to_owned();
+        let mut run = simulation("outside", text);
+        assert_eq!(run.run(), End::TimeReached);
+        let world = run.world_mut();
+        let grains: Vec<_> =
+            world.query::<(&Mass, &Temperature)>().iter(world).map(|(mass, t)| (mass.0, t.0)).collect();
+        assert_eq!(grains.len(), 60);
+        let masses: f64 = grains.iter().map(|(mass, _)| mass).sum();
+        let mean = grains.iter().map(|(mass, temperature)| mass * temperature).sum::<f64>() / masses;
+        let mut of_species = world.query::<(&Mass, &Species)>();
+        let initial = of_species.iter(world).map(|(mass, species)| mass.0 * [400.0, 300.0][usize::from(species.0)]);
+        assert!((mean / (initial.sum::<f64>() / masses) - 1.0).abs() < 1e-12);
+        let difference = world.resource::<Differences>().0.last().map(|&(_, difference)| difference);
+        assert!(difference.is_some_and(|difference| difference < 50.0), "{difference:?}");
+    }
+}

@@ -1,0 +1,184 @@
+//! Contacts one by one, in the order of the store: the cheap way to look at all of them.
+//!
+//! The geometry of a contact is found when the iterator comes by. What a contact remembers and which force the law makes there is found
+//! when it is asked for.
+
+use bevy_ecs::entity::Entity;
+
+use crate::contact::{Memory, Pair, PairForce, geometry};
+use crate::particle::GrainId;
+use crate::periodic::Open;
+use crate::space::{Plane, Space};
+use crate::survey::view::{ContactState, Touched};
+use crate::survey::{Partner, Survey};
+use crate::walls::surfaces;
+
+/// One contact as it stands, seen from the particle of lower slot, which forces move. SI.
+#[derive(Clone, Copy)]
+pub struct Touching<'a, V: Space = Plane> {
+    survey: Survey<'a, V>,
+    row: usize,
+    partner: Partner,
+    pair: Pair<V>,
+}
+
+impl<'a, V: Space> Survey<'a, V> {
+    /// All contacts of particles that are present: between particles in ascending order of slots, then with flat walls.
+    pub fn touching(self) -> impl Iterator<Item = Touching<'a, V>> {
+        let (columns, root) = (self.columns, self.law.takes_root());
+        let between = self.search.list.pairs().iter().filter_map(move |candidate| {
+            let [i, j] = candidate.both();
+            let pair = match &columns.periodic {
+                None => geometry::touching(&Open, columns, i, j, root),
+                Some(periodic) => geometry::touching(periodic, columns, i, j, root),
+            };
+            let is_there = columns.is_present(i) && columns.is_present(j);
+            Some(Touching { survey: self, row: i, partner: Partner::Particle(j), pair: pair? }).filter(|_| is_there)
+        });
+        let rows = (0..columns.movable_end).filter(|&i| columns.is_present(i));
+        let with_walls = rows.flat_map(move |i| {
+            self.walls.iter().enumerate().filter_map(move |(index, wall)| {
+                let pair = surfaces::touching::<false, V>(columns, i, wall, 0.0)?;
+                Some(Touching { survey: self, row: i, partner: Partner::Wall(index), pair })
+            })
+        });
+        between.chain(with_walls)
+    }
+}
+
+impl<V: Space> Touching<'_, V> {
+    /// The row of the first particle in the store.
+    #[must_use]
+    pub fn row(&self) -> usize {
+        self.row
+    }
+
+    /// The partner.
+    #[must_use]
+    pub fn partner(&self) -> Partner {
+        self.partner
+    }
+
+    /// The row of the partner in the store, if it is a particle.
+    #[must_use]
+    pub fn partner_row(&self) -> Option<usize> {
+        match self.partner {
+            Partner::Particle(row) => Some(row),
+            Partner::Wall(_) => None,
+        }
+    }
+
+    /// The entity of the first particle.
+    #[must_use]
+    pub fn entity(&self) -> Entity {
+        self.survey.columns.entity[self.row]
+    }
+
+    /// The entity of the partner, if it is a particle.
+    #[must_use]
+    pub fn partner_entity(&self) -> Option<Entity> {
+        self.partner_row().map(|row| self.survey.columns.entity[row])
+    }
+
+    /// The name of the first particle.
+    #[must_use]
+    pub fn grain(&self) -> GrainId {
+        self.survey.columns.id[self.row]
+    }
+
+    /// The name of the partner.
+    #[must_use]
+    pub fn with(&self) -> Touched {
+        match self.partner {
+            Partner::Particle(row) => Touched::Particle(self.survey.columns.id[row]),
+            Partner::Wall(wall) => Touched::Wall(wall + 1),
+        }
+    }
+
+    /// What a law sees: overlap, normal, relative velocity, radii, reduced mass, spins, materials.
+    #[must_use]
+    pub fn pair(&self) -> &Pair<V> {
+        &self.pair
+    }
+
+    /// Overlap, m.
+    #[must_use]
+    pub fn overlap(&self) -> f64 {
+        self.pair.overlap
+    }
+
+    /// Unit vector from the partner to the first particle.
+    #[must_use]
+    pub fn normal(&self) -> V {
+        self.pair.normal
+    }
+
+    /// Centre of the first particle, m.
+    #[must_use]
+    pub fn from(&self) -> V {
+        self.survey.columns.body[self.row].position
+    }
+
+    /// From there to the centre of the partner, or to the foot on the wall, m.
+    #[must_use]
+    pub fn to_partner(&self) -> V {
+        let distance = match self.partner {
+            Partner::Particle(_) => self.pair.radii[0] + self.pair.radii[1] - self.pair.overlap,
+            Partner::Wall(_) => self.pair.radii[0] - self.pair.overlap,
+        };
+        self.pair.normal * -distance
+    }
+
+    /// What the contact remembers, as seen from the first particle. It is searched for.
+    #[must_use]
+    pub fn memory(&self) -> Memory<V> {
+        let history = self.survey.history;
+        let memory = match self.partner {
+            Partner::Particle(row) => history.of_pair(self.row, row),
+            Partner::Wall(wall) => history.of_wall(self.row, wall),
+        };
+        memory.unwrap_or_default()
+    }
+
+    /// The force of the scene's law on the first particle. The law is evaluated.
+    #[must_use]
+    pub fn force(&self) -> PairForce<V> {
+        self.survey.law.force(&self.pair, &mut self.memory())
+    }
+
+    /// The contact as [`ContactView::all`](crate::survey::view::ContactView::all) shows it: seen from the particle of lower id. `memory`
+    /// is its own, `dt` the time step, s.
+    pub(super) fn state_with(&self, memory: &Memory<V>, dt: f64) -> ContactState<V> {
+        match self.partner {
+            Partner::Particle(row) if self.survey.columns.id[row] < self.grain() => {
+                let partner = Partner::Particle(self.row);
+                Self { row, partner, pair: self.pair.turned(), ..*self }.as_seen(&memory.turned(), dt)
+            }
+            _ => self.as_seen(memory, dt),
+        }
+    }
+
+    fn as_seen(&self, memory: &Memory<V>, dt: f64) -> ContactState<V> {
+        let (law, pair) = (self.survey.law, &self.pair);
+        let force = law.force(pair, &mut memory.clone());
+        let normal_force = force.smooth.dot(pair.normal);
+        let friction = force.turning.friction;
+        // Without an arm there is no friction that could slide.
+        let has_friction = force.turning.arms.iter().any(|&arm| arm > 0.0);
+        let is_sliding = has_friction && law.force(&Pair { dt, ..*pair }, &mut memory.clone()).turning.is_sliding;
+        let cap = law.friction(pair) * normal_force.abs();
+        ContactState {
+            grain: self.grain(),
+            with: self.with(),
+            from: self.from(),
+            to_partner: self.to_partner(),
+            overlap: pair.overlap,
+            normal: pair.normal,
+            normal_force,
+            friction,
+            mobilised: if cap > 0.0 { (friction.length() / cap).min(1.0) } else { 0.0 },
+            is_sliding,
+            memory: *memory,
+        }
+    }
+}
