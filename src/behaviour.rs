@@ -99,7 +99,7 @@
 //! | looks at contacts | [`ContactView::iter`](crate::survey::view::ContactView::iter): 20 to 40 ns a grain; [`all`](crate::survey::view::ContactView::all) if it needs all that is known of each, in the order of names |
 //! | adds a force at contacts to the scene's law | [`PairForces`](crate::survey::pair_forces::PairForces) in [`ForceStage::Added`](crate::step::ForceStage::Added) |
 //! | keeps a number for each contact | [`PairMap`](crate::survey::pair_map::PairMap) |
-//! | replaces the law | [`PairLaw`](crate::contact::PairLaw) with [`ContactPlugin`](crate::contact::ContactPlugin), and [`SurfacesPlugin`](crate::walls::forces::SurfacesPlugin) for flat walls; [`Memory`](crate::contact::Memory) holds what it remembers |
+//! | replaces the law | [`PairLaw`](crate::contact::PairLaw) with [`ContactPlugin`](crate::contact::ContactPlugin); [`Memory`](crate::contact::Memory) holds what it remembers |
 //!
 //! Systems of several behaviours that write `Force` need an order between them (`.after(...)`): it is the order of the sum.
 
@@ -139,7 +139,7 @@ pub trait Behaviour: 'static {
     }
 
     /// Whether [`Behaviour::build`] adds the contact law, as [`crate::contact::ContactPlugin`] with a
-    /// [`crate::contact::PairLaw`] of its own (and [`crate::walls::forces::SurfacesPlugin`] for flat walls). Then
+    /// [`crate::contact::PairLaw`] of its own. Then
     /// the scene's `contact` only serves the estimates of `check`, and tells whether a grain file may give spins: a law that
     /// turns grains is best told to a scene whose `contact` has `tangential` too.
     fn brings_contact_law(&self) -> bool {

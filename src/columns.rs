@@ -43,7 +43,7 @@ pub(crate) use self::slots::{
 };
 pub(crate) use self::sync::{hand_out, plan, refresh_world, take_back};
 pub use self::tally::Tally;
-pub(crate) use self::tally::{BOOKED, WHOLE, ends, kick_term};
+pub(crate) use self::tally::{BOOKED, WHOLE, kick_term};
 pub use crate::particle::Slot;
 use crate::particle::{GrainId, Species};
 use crate::periodic::Periodic;

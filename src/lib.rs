@@ -106,5 +106,4 @@ pub mod prelude {
     pub use crate::survey::pair_map::PairMap;
     pub use crate::survey::touching::Touching;
     pub use crate::survey::view::{ContactState, ContactView, Touched};
-    pub use crate::walls::forces::SurfacesPlugin;
 }

@@ -34,9 +34,9 @@ use crate::scene::load::Loaded;
 use crate::space::{Solid, Space};
 use crate::step::{ForceStage, Step, StepPlugin};
 use crate::walls::conveyor::ConveyorPlugin;
-use crate::walls::forces::SurfacesPlugin;
 use crate::walls::outline::Outline;
 use crate::walls::paths::FlatWalls;
+use crate::walls::surfaces::LeavingWallsPlugin;
 use crate::watchdog::WatchdogPlugin;
 
 /// Adds what the scene asks for to an app that has the resources of a run.
@@ -89,12 +89,11 @@ pub(crate) fn add_all<V: Space>(
         }
     }
     if !own_contacts {
-        let has_walls = !loaded.surfaces::<V>().is_empty();
         let centred = loaded.is_centred();
         if centred {
             app.add("integrator", LookAheadPlugin { spins: scene.contact.spins(), space });
         }
-        loaded.contacts().visit::<V, _>(AddContacts { app, has_walls, centred });
+        loaded.contacts().visit::<V, _>(AddContacts { app, centred });
     }
     if loaded.fixed.iter().any(|grain| grain.velocity != Solid::ZERO) {
         app.add("fill", ConveyorPlugin(space));
@@ -110,8 +109,11 @@ pub(crate) fn add_all<V: Space>(
         app.add("door", DoorPlugin(door));
     }
     let surfaces = loaded.surfaces::<V>();
-    if scene.energy_books && !surfaces.is_empty() && (has_behaviours || surfaces.iter().any(|wall| wall.is_door)) {
-        app.add("walls", LeavingWallsEnergyPlugin(space));
+    if !surfaces.is_empty() && (has_behaviours || surfaces.iter().any(|wall| wall.is_door)) {
+        app.add("walls", LeavingWallsPlugin(space));
+        if scene.energy_books {
+            app.add("walls", LeavingWallsEnergyPlugin(space));
+        }
     }
     if let Some(bed) = scene.bed {
         app.add("bed", BedPlugin(bed));
@@ -139,10 +141,9 @@ pub(crate) fn add_behaviours(app: &mut Assembly, behaviours: Vec<(String, Box<dy
     }
 }
 
-/// Adds the law's kernel, and the same law on flat walls if the scene has any.
+/// Adds the law's kernel.
 struct AddContacts<'a, 'b> {
     app: &'a mut Assembly<'b>,
-    has_walls: bool,
     centred: bool,
 }
 
@@ -156,11 +157,7 @@ impl<V: Space> LawVisitor<V> for AddContacts<'_, '_> {
 
 impl AddContacts<'_, '_> {
     fn add<V: Space, L: PairLaw<V> + Demands>(self, law: L) {
-        let law = Arc::new(law);
-        self.app.add("contact", ContactPlugin::<V, L>::new(law.clone()));
-        if self.has_walls {
-            self.app.add("walls", SurfacesPlugin::<V, L>::new(&law));
-        }
+        self.app.add("contact", ContactPlugin::<V, L>::new(Arc::new(law)));
     }
 }
 

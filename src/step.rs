@@ -69,10 +69,8 @@ impl Phase {
 /// The stages of [`Phase::Forces`], in this order, which is also the order of summation in each grain.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ForceStage {
-    /// Weight; then contacts between grains, and between grains and wall grains.
+    /// Weight; then contacts between grains, and between grains and wall grains; then contacts with flat walls, in the scene's order.
     Contacts,
-    /// On the flat walls of the scene, in the scene's order.
-    Walls,
     /// Weight, of what has no contacts: that of grains is what their sums begin with.
     Gravity,
     /// Here a behaviour adds its own force to `Force`. Systems of one stage run in the order of registration only
@@ -184,9 +182,7 @@ impl Plugin for StepPlugin {
             let renumber = renumber.after(Part::WriteBack(Phase::Spawn)).before(Part::Engine(Phase::Drift));
             schedule.configure_sets((renumber, Part::End.after(Part::WriteBack(Phase::Observe))));
             schedule.configure_sets(
-                (ForceStage::Contacts, ForceStage::Walls, ForceStage::Gravity)
-                    .chain()
-                    .in_set(Part::Engine(Phase::Forces)),
+                (ForceStage::Contacts, ForceStage::Gravity).chain().in_set(Part::Engine(Phase::Forces)),
             );
             schedule.configure_sets(ForceStage::Added.in_set(Phase::Forces));
         });

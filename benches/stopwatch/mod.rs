@@ -11,12 +11,11 @@ use siloflow::prelude::*;
 use siloflow::step;
 
 /// The parts of a step that are told apart.
-pub const PARTS: [(&str, Part); 11] = [
+pub const PARTS: [(&str, Part); 10] = [
     ("grains enter, slots", Part::Phase(Phase::Spawn)),
     ("drift", Part::Phase(Phase::Drift)),
     ("neighbour list", Part::Phase(Phase::Neighbours)),
     ("contacts", Part::Stage(ForceStage::Contacts)),
-    ("walls", Part::Stage(ForceStage::Walls)),
     ("components of forces", Part::Sync(Phase::Forces)),
     ("kick", Part::Phase(Phase::Kick)),
     ("energy books, finite values", Part::Phase(Phase::Control)),

@@ -20,12 +20,6 @@ pub(crate) fn kick_term<T: Linear, const EACH: usize>(entry: &[T; EACH], motion:
     entry.get(1).map_or(motion, |of_dashpots| of_dashpots.times(motion))
 }
 
-/// The first and the last component of an entry; 0 if there is none.
-pub(crate) fn ends<T: Linear>(entry: &[T]) -> [f64; 2] {
-    [entry.first().map(|first| first.component(0)), entry.last().map(|last| last.component(T::COUNT - 1))]
-        .map(Option::unwrap_or_default)
-}
-
 /// The sums of all particles.
 #[derive(Clone, Debug)]
 pub struct Tally<T> {
@@ -124,8 +118,6 @@ mod tests {
                 numbers_of[each + 1] += 2.0;
             }
             assert_eq!((tally.len(), tally.of(1), tally.get(3)), (3, 5.0, None));
-            let entry = &tally.numbers[tally.each..2 * tally.each];
-            assert_eq!([ends(entry), ends::<f64>(&[])], [[5.0, if has_books { 2.0 } else { 5.0 }], [0.0; 2]]);
             assert_eq!(tally.numbers, numbers);
             assert_eq!(tally.entries::<BOOKED>().len(), if has_books { 3 } else { 0 });
         }

@@ -20,6 +20,8 @@ use crate::space::{Plane, Space};
 use crate::spin::InertiaLaw;
 use crate::step::{Clock, ForceStage, Step};
 use crate::threads::Threads;
+use crate::walls::near::NearWalls;
+use crate::walls::surfaces::Surfaces;
 
 /// The contact law that the kernel is compiled for.
 #[derive(Resource)]
@@ -34,7 +36,7 @@ pub struct LargestOverlap(pub f64);
 pub struct ContactForces;
 
 /// By how much memories advance in this run of the schedule, s.
-pub(crate) fn memory_step(clock: &Clock) -> f64 {
+fn memory_step(clock: &Clock) -> f64 {
     if clock.is_step_zero() { 0.0 } else { clock.dt }
 }
 
@@ -43,26 +45,33 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
     (clock, gravity): (Res<Clock>, Res<Gravity<V>>),
     search: Res<Search<V>>,
     (threads, instructions, mut desks): (Res<Threads>, Res<Instructions>, ResMut<Desks<V>>),
+    (mut walls, mut near): (ResMut<Surfaces<V>>, Local<NearWalls>),
     mut columns: ResMut<Columns<V>>,
     mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
 ) {
+    // This system's own writes do not count as changes.
+    let have_changed = walls.is_changed();
     let pass = Pass {
         law: &*law.0,
         metric: Open,
         list: &search.list,
+        walls: &walls.0,
+        near: near.of(&columns, &walls.0, have_changed),
         dt: memory_step(&clock),
         gravity: gravity.0,
         instructions: *instructions,
     };
     columns.stale.add(if L::SPIN { Mirrors::FORCE.or(Mirrors::TORQUE) } else { Mirrors::FORCE });
-    // What force passes write themselves does not count as a change.
-    let desks = (&mut desks.0, !history.is_changed());
+    let kept = (&mut desks.0, !history.is_changed());
     let history = history.bypass_change_detection();
     largest.0 = match columns.periodic {
-        None => pass.sum(&mut columns, history, &threads, desks, largest.0),
-        Some(metric) => pass.with(metric).sum(&mut columns, history, &threads, desks, largest.0),
+        None => pass.sum(&mut columns, history, &threads, kept, largest.0),
+        Some(metric) => pass.with(metric).sum(&mut columns, history, &threads, kept, largest.0),
     };
+    if !walls.0.is_empty() {
+        walls.gather(desks.0.iter().map(|desk| &desk.on_walls[..]));
+    }
 }
 
 /// Memories go along with their particles when slots are dealt out anew.
@@ -70,7 +79,7 @@ fn move_memories<V: Space, L: Demands>(columns: Res<Columns<V>>, mut history: Re
     history.follow::<L>(&columns);
 }
 
-/// Contacts with the law `law`. Outsiders' laws enter here: `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
+/// Contacts with the law `law`, between particles and with flat walls. Outsiders' laws enter here: `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
 pub struct ContactPlugin<V: Space, L: PairLaw<V>> {
     law: Arc<L>,
     space: PhantomData<V>,

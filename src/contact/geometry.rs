@@ -1,12 +1,43 @@
-//! The geometry of pairs: who touches, how deep, along which normal.
+//! Where a contact is made: between two particles, or between a particle and a flat wall.
+//!
+//! Two particles touch when |x_ij| < R_i + R_j; overlap R_i + R_j - |x_ij|, normal x_ij/|x_ij|, relative velocity v_i - v_j, reduced mass
+//! 1/(1/m_i + 1/m_j). For a wall, x_j is its nearest point, R_j = 0 in the overlap and infinite in the curvature, and 1/m_j = 0; a half-space has
+//! its own normal and a distance that is negative inside. Lengths come from one inverse root ([`Line`]), here and in the kernel's lanes
+//! (`batch/bodies.rs`): so whoever looks at a contact sees the bits that the force pass saw.
 
 use crate::columns::Columns;
+use crate::contact::root::inverse_root;
 use crate::contact::{Ahead, Pair};
 use crate::particle::GrainId;
 use crate::periodic::Metric;
-use crate::space::Space;
+use crate::space::{COINCIDENT, Linear, PARTED, Space};
+use crate::walls::surfaces::{FlatWall, Nearest};
 
-/// The geometry of `i` and `j` if they overlap and at least one can move; with the root of the reduced mass if it is asked for.
+/// What follows from the separation of two and from their masses alone.
+pub(super) struct Line<V> {
+    /// Unit vector from j to i.
+    pub normal: V,
+    /// m.
+    pub distance: f64,
+    /// kg.
+    pub reduced_mass: f64,
+}
+
+impl<V: Space> Line<V> {
+    /// That of two which are this vector (m) apart, not less than [`COINCIDENT`], and whose inverse masses add up to `mobility` (1/kg): what would
+    /// take a root and two divisions, from one root.
+    #[inline(always)]
+    pub(super) fn new(separation: V, mobility: f64) -> Self {
+        let squared = separation.length_squared();
+        // 1/d and 1/mobility from one root.
+        let both = inverse_root(squared * (mobility * mobility));
+        let inverse_distance = both * mobility;
+        let distance = squared * inverse_distance;
+        Self { normal: separation * inverse_distance, distance, reduced_mass: both * distance }
+    }
+}
+
+/// The contact of entries `i` and `j` if they overlap and at least one can move; with the root of the reduced mass if it is asked for.
 // A pair is large: handed over in memory, and copied, each contact would wait for its own stores.
 #[inline(always)]
 #[must_use]
@@ -19,36 +50,33 @@ pub fn touching<V: Space>(
 ) -> Option<Pair<V>> {
     let (a, b) = (&columns.body[i], &columns.body[j]);
     let separation = metric.separation(a.position, b.position);
-    let reach = a.radius + b.radius;
-    let squared = separation.length_squared();
-    if squared < reach * reach {
-        if columns.is_fixed(i) && columns.is_fixed(j) {
-            return None;
-        }
-        let distance = squared.sqrt();
-        let normal =
-            if distance > 0.0 { separation * (1.0 / distance) } else { coincident(columns.id[i], columns.id[j]) };
-        Some(pair(columns, i, j, normal, reach - distance, root, 0.0))
-    } else {
-        None
-    }
+    let (squared, reach) = (separation.length_squared(), a.radius + b.radius);
+    // Written so that a NaN does not touch.
+    let touches = squared < reach * reach && !(columns.is_fixed(i) && columns.is_fixed(j));
+    touches.then(
+        #[inline(always)]
+        || between(columns, [i, j], separation, root, 0.0),
+    )
 }
 
-/// The geometry of two that were in contact in the step before.
+/// The geometry of two particles that were in contact in the step before.
 pub(super) fn parted<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
-    let (a, b) = (&columns.body[i], &columns.body[j]);
-    let separation = metric.separation(a.position, b.position);
-    pair(columns, i, j, separation.unit_or_zero(), a.radius + b.radius - separation.length(), true, dt)
+    between(columns, [i, j], metric.separation(columns.body[i].position, columns.body[j].position), true, dt)
 }
 
-/// Two with this normal and overlap (m).
+/// Two particles that are this vector apart, m.
 #[inline(always)]
-fn pair<V: Space>(columns: &Columns<V>, i: usize, j: usize, normal: V, overlap: f64, root: bool, dt: f64) -> Pair<V> {
-    let ((a, b), both) = ((&columns.body[i], &columns.body[j]), [i, j]);
-    let reduced_mass = 1.0 / (a.inverse_mass + b.inverse_mass);
+fn between<V: Space>(columns: &Columns<V>, both: [usize; 2], separation: V, root: bool, dt: f64) -> Pair<V> {
+    let [a, b] = both.map(|entry| &columns.body[entry]);
+    let separation = if separation.length_squared() < COINCIDENT {
+        coincident::<V>(columns.id[both[0]], columns.id[both[1]]) * PARTED
+    } else {
+        separation
+    };
+    let Line { normal, distance, reduced_mass } = Line::new(separation, a.inverse_mass + b.inverse_mass);
     Pair {
         normal,
-        overlap,
+        overlap: a.radius + b.radius - distance,
         relative_velocity: a.velocity - b.velocity,
         reduced_mass,
         root: if root { reduced_mass.sqrt() } else { 0.0 },
@@ -56,6 +84,58 @@ fn pair<V: Space>(columns: &Columns<V>, i: usize, j: usize, normal: V, overlap: 
         inverse_reach: 1.0 / (a.radius + b.radius),
         spins: both.map(|entry| columns.spin(entry)),
         species: both.map(|entry| columns.species[entry]),
+        dt,
+        ahead: Ahead::default(),
+    }
+}
+
+/// The contact of movable entry `i` with a wall, if they touch (`AHEAD`: within half a step).
+#[inline]
+#[must_use]
+pub fn touching_wall<const AHEAD: bool, V: Space>(
+    columns: &Columns<V>,
+    i: usize,
+    wall: &FlatWall<V>,
+    root: bool,
+    dt: f64,
+) -> Option<Pair<V>> {
+    let mut pair = at_wall(columns, i, wall, root, dt);
+    let window = if AHEAD { 0.5 * dt * pair.normal_velocity().abs() } else { 0.0 };
+    // Written so that a NaN does not touch.
+    if !(pair.overlap + window > 0.0 && wall.is_present) {
+        return None;
+    }
+    if AHEAD {
+        let (gain, spin) = (&columns.gain[i], columns.spin_gain.get(i).copied().unwrap_or_default());
+        pair.ahead = Ahead {
+            velocity: gain.velocity,
+            spins: [spin.spin, V::Spin::ZERO],
+            inverse_masses: [columns.body[i].inverse_mass, 0.0],
+            inverse_inertias: [spin.inverse_inertia, 0.0],
+            lone: [gain.lone, 0.0],
+        };
+    }
+    Some(pair)
+}
+
+/// The geometry of movable entry `i` and a wall, near or far.
+#[inline(always)]
+pub(super) fn at_wall<V: Space>(columns: &Columns<V>, i: usize, wall: &FlatWall<V>, root: bool, dt: f64) -> Pair<V> {
+    let body = &columns.body[i];
+    let Line { normal, distance, reduced_mass } = match wall.surface.nearest(body.position) {
+        Nearest::Point(away) => Line::new(away, body.inverse_mass),
+        Nearest::Half { normal, distance } => Line { normal, distance, reduced_mass: 1.0 / body.inverse_mass },
+    };
+    Pair {
+        normal,
+        overlap: body.radius - distance,
+        relative_velocity: body.velocity - wall.velocity,
+        reduced_mass,
+        root: if root { reduced_mass.sqrt() } else { 0.0 },
+        radii: [body.radius, f64::INFINITY],
+        inverse_reach: 0.0,
+        spins: [columns.spin(i), V::Spin::ZERO],
+        species: [columns.species[i], wall.species],
         dt,
         ahead: Ahead::default(),
     }

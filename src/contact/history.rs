@@ -98,14 +98,9 @@ impl<V: Space> History<V> {
         all
     }
 
-    /// The pages for the particles of `columns`.
-    pub fn pages(&mut self, columns: &Columns<V>) -> &mut [Pages<V>] {
-        fit(&mut self.pages, columns)
-    }
-
-    /// Those of contacts with flat walls.
-    pub(crate) fn wall_pages(&mut self, columns: &Columns<V>) -> &mut [Pages<V>] {
-        fit(&mut self.walls, columns)
+    /// The pages for the particles of `columns`: of contacts between them, and of those with flat walls.
+    pub fn pages(&mut self, columns: &Columns<V>) -> (&mut [Pages<V>], &mut [Pages<V>]) {
+        (fit(&mut self.pages, columns), fit(&mut self.walls, columns))
     }
 
     /// Follows the particles to the slots that `columns` have just dealt out.
@@ -227,9 +222,9 @@ pub(super) mod tests {
         let mut history = History::default();
         history.follow::<Springs>(&before);
         for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
-            history.pages(&before)[contact[0] as usize / BLOCK].push::<Springs>(contact.into(), &memory(spring));
+            history.pages(&before).0[contact[0] as usize / BLOCK].push::<Springs>(contact.into(), &memory(spring));
         }
-        history.wall_pages(&before)[1500 / BLOCK].push::<Springs>([1500, 2].into(), &memory(7.0));
+        history.pages(&before).1[1500 / BLOCK].push::<Springs>([1500, 2].into(), &memory(7.0));
         // Grain 0 goes, two come, and the order is turned round: who was the lower one is the upper one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();
         let after = columns(&new, &old);

@@ -1,4 +1,4 @@
-//! The kernel: the sum of pair forces over the columns.
+//! The contact pass: the sums of all contact forces, between particles and with flat walls.
 //!
 //! Each pair is evaluated once, walked i < j with both ascending, and added to both: a particle receives its partners in
 //! ascending order of slots. Three things happen by turns: candidates are filtered by distance, without a branch, into a
@@ -9,9 +9,13 @@
 //! of every sum, and so its bits, do not depend on their number. Memories are written in pages of [`BLOCK`] rows, and a batch
 //! ends with its block, so that neither do the books. What contacts with rows of others remember is copied before anyone writes:
 //! at the end of the pass before, by whoever has just written it.
+//!
+//! Contacts with walls are summed block by block too (`walls`), after all contacts between particles of the block: a particle's sum takes
+//! walls last, in the scene's order. What a wall gets is summed block by block, so that no bit of it depends on the number of threads.
 
 mod desk;
 mod fetch;
+mod walls;
 mod worker;
 
 use self::desk::{Arrivals, get_ready, see_off};
@@ -23,11 +27,11 @@ use crate::contact::history::History;
 use crate::contact::sums::{Share, Sums};
 use crate::contact::{Demands, PairLaw};
 use crate::instructions::Instructions;
-use crate::neighbours::list::BLOCK;
-use crate::neighbours::list::PairList;
+use crate::neighbours::list::{BLOCK, Candidate, PairList};
 use crate::periodic::Metric;
 use crate::space::{Linear, Space};
 use crate::threads::Threads;
+use crate::walls::surfaces::FlatWall;
 
 /// What a pass needs besides the columns.
 pub struct Pass<'a, V: Space, L, M> {
@@ -37,6 +41,10 @@ pub struct Pass<'a, V: Space, L, M> {
     pub metric: M,
     /// Candidates.
     pub list: &'a PairList,
+    /// The flat walls.
+    pub walls: &'a [FlatWall<V>],
+    /// Particles and walls that may touch, ascending.
+    pub near: &'a [Candidate],
     /// By how much memories advance, s.
     pub dt: f64,
     /// m/s^2.
@@ -48,13 +56,13 @@ pub struct Pass<'a, V: Space, L, M> {
 impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
     /// The same with separations measured otherwise.
     pub fn with<N>(&self, metric: N) -> Pass<'_, V, L, N> {
-        let Self { law, list, dt, gravity, instructions, .. } = *self;
-        Pass { law, metric, list, dt, gravity, instructions }
+        let Self { law, list, walls, near, dt, gravity, instructions, .. } = *self;
+        Pass { law, metric, list, walls, near, dt, gravity, instructions }
     }
 
-    /// Sets the loads of `columns` to the sums of weight and all pair forces. `deepest` is the largest overlap so
-    /// far over the smaller radius of its pair; gives that with these. `desks` are kept for the next pass; `goes_on` tells
-    /// whether nobody has changed what contacts remember since the last one with them.
+    /// Sets the loads of `columns` to the sums of weight and all contact forces. `deepest` is the largest overlap so
+    /// far over the smaller radius of its pair; gives that with these. `desks` are kept for the next pass, and hold what walls get; `goes_on`
+    /// tells whether nobody has changed what contacts remember since the last one with them.
     pub fn sum(
         &self,
         columns: &mut Columns<V>,
@@ -69,7 +77,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
         }
         let tasks = self.list.tasks();
         desks.resize_with(tasks.len(), Desk::default);
-        let mut pages = history.pages(columns);
+        let (mut pages, mut wall_pages) = history.pages(columns);
         let has_borders = L::MEMORY && tasks.len() > 1;
         if has_borders {
             get_ready::<V, L>(desks, self.list, pages, goes_on);
@@ -77,19 +85,27 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
         let view = &*columns;
         let (left, places): (Vec<_>, Vec<_>) = desks
             .iter_mut()
-            .map(|Desk { batch, left, leaving, rows, spare }| (&*left, (batch, leaving, rows, spare)))
+            .map(|Desk { batch, left, leaving, rows, spare, on_walls }| {
+                (&*left, (batch, leaving, rows, spare, on_walls))
+            })
             .unzip();
         let arrivals = Arrivals::new(tasks, &left);
         // What is left for the tasks to come.
-        let mut rest = Share::all(&mut loads);
+        let (mut rest, mut near) = (Share::all(&mut loads), self.near);
         let mut workers = Vec::with_capacity(tasks.len());
-        for (task, (batch, leaving, rows, spare)) in tasks.iter().zip(places) {
+        for (task, (batch, leaving, rows, spare, on_walls)) in tasks.iter().zip(places) {
             let count = task.rows.len();
             let sums = Sums::new(task.rows.clone(), rest.cut_off(count));
-            let pages = pages.split_off_mut(..count.div_ceil(BLOCK)).unwrap_or_default();
-            let worker = Worker { pass: self, view, task, arrivals: arrivals.clone(), sums, batch, largest: deepest };
+            let blocks = count.div_ceil(BLOCK);
+            let pages = pages.split_off_mut(..blocks).unwrap_or_default();
+            let wall_pages = wall_pages.split_off_mut(..blocks).unwrap_or_default();
+            let own = near.partition_point(|contact| contact.first() < task.rows.end);
+            let near = near.split_off(..own).unwrap_or_default();
+            let arrivals = arrivals.clone();
+            on_walls.clear();
+            let worker = Worker { pass: self, view, task, arrivals, sums, batch, largest: deepest, near, on_walls };
             workers.push(move || {
-                let largest = worker.sum(pages, spare);
+                let largest = worker.sum(pages, wall_pages, spare);
                 if has_borders {
                     see_off::<V, L>(&task.rows, self.list, pages, leaving);
                     *rows = task.rows.clone();

@@ -35,7 +35,6 @@ use bevy_ecs::prelude::*;
 
 pub use self::centred::{Ahead, Centred, CentredLaw};
 pub use self::config::Contact;
-pub(crate) use self::forces::memory_step;
 pub use self::forces::{ContactForces, ContactPlugin, LargestOverlap, Law};
 use crate::particle::Species;
 use crate::space::{Plane, Space};

@@ -60,7 +60,7 @@ impl Slider {
 
 /// How a centred contact moves in its tangent plane during a step ([`super::centred`]).
 #[derive(Clone, Copy, Debug)]
-pub struct Sweep<V> {
+pub struct TangentialStep<V> {
     /// Velocity in the middle of the step, m/s.
     pub middle: V,
     /// What it gains until the end by the forces of the beginning, m/s.
@@ -98,8 +98,10 @@ impl Slider {
     /// this force, with all others as they were. The force is weighed with the share, and cut at the averaged cap.
     #[inline(always)]
     #[must_use]
-    pub fn pull_centred<V: Space>(&self, spring: &mut V, sweep: &Sweep<V>, normal: V) -> Pull<V> {
-        let Sweep { middle, gained, dt, shares: [share_before, share], averaged_caps: [cap_before, cap], .. } = *sweep;
+    pub fn pull_centred<V: Space>(&self, spring: &mut V, sweep: &TangentialStep<V>, normal: V) -> Pull<V> {
+        let TangentialStep {
+            middle, gained, dt, shares: [share_before, share], averaged_caps: [cap_before, cap], ..
+        } = *sweep;
         let pulled = sweep.pulled * share_before;
         let (_, earlier) = cut(pulled - (middle - gained) * (self.drag * share_before), cap_before);
         let [half, half_lone] = sweep.mobilities.map(|mobility| 0.5 * dt * mobility);
@@ -133,7 +135,7 @@ impl Slider {
     /// The spring after the event, if there was one; `own` is what the contact's own force of the step before has gained
     /// in half a step, m/s.
     #[inline(always)]
-    fn started<V: Space>(&self, spring: V, sweep: &Sweep<V>, own: V) -> V {
+    fn started<V: Space>(&self, spring: V, sweep: &TangentialStep<V>, own: V) -> V {
         let Some(Event { ago, cap, opens }) = sweep.event else { return spring };
         // A contact that opens only now has had that force, averaged, before its time: twice half a step of it.
         let own = if opens { own } else { V::ZERO };

@@ -4,9 +4,9 @@
 
 use std::ops::{AddAssign, Range, SubAssign};
 
-use crate::columns::{BOOKED, Columns, Loads, WHOLE, ends};
+use crate::columns::{BOOKED, Columns, Loads, WHOLE};
 use crate::contact::batch::Batch;
-use crate::contact::geometry::parted;
+use crate::contact::geometry::{at_wall, parted};
 use crate::contact::kernel::{Pass, touch};
 use crate::contact::lanes::LANES;
 use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw, Turning};
@@ -23,6 +23,16 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
         }
         let [i, j] = contact.both();
         self.law.forget(&parted(&self.metric, columns, i, j, self.dt), memory)
+    }
+
+    /// The same for an entry and a wall; nothing if it is a door that has gone, which took all its contacts' energy with it.
+    #[cold]
+    pub(super) fn forget_at_wall(&self, columns: &Columns<V>, contact: Candidate, memory: &Memory<V>) -> [f64; 2] {
+        let [i, wall] = contact.both();
+        if !(self.walls[wall].is_present && columns.has_books) {
+            return [0.0; 2];
+        }
+        self.law.forget(&at_wall(columns, i, &self.walls[wall], true, self.dt), memory)
     }
 }
 
@@ -141,14 +151,6 @@ impl<'a, V: Space> Sums<'a, V> {
         // Of what is not asked for, nothing.
         let torque = torque.get(start..end).unwrap_or_default();
         touch(&force[start..end], |number| number.component(0)) ^ touch(torque, |number| number.component(0))
-    }
-
-    /// Both ends of the force and of the torque of an entry that is here.
-    pub(crate) fn ends(&self, entry: usize) -> [[f64; 2]; 2] {
-        let Share { force, torque, each, .. } = &self.share;
-        let numbers = (entry - self.rows.start) * each..(entry - self.rows.start + 1) * each;
-        // Of what is not asked for, nothing.
-        [ends(&force[numbers.clone()]), ends(torque.get(numbers).unwrap_or_default())]
     }
 
     /// Adds what the contacts of a batch do to both, unless the second is in another share.

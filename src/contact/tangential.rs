@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 pub use self::dashpot::Dashpot;
 pub use self::stick::{Constant, Modulus, Stick};
 use crate::contact::damping::Coefficient;
-use crate::contact::spring::{Event, Sweep};
+use crate::contact::spring::{Event, TangentialStep};
 use crate::contact::{Ahead, Bounce, Memory, Pair, Turning};
 use crate::space::Space;
 use crate::values::NonNegative;
@@ -97,9 +97,9 @@ impl Grip {
     /// motion, and a coefficient of friction.
     #[inline(always)]
     #[must_use]
-    pub fn sweep<V: Space>(&self, motion: [V; 2], mobilities: [f64; 2], friction: f64, dt: f64) -> Sweep<V> {
+    pub fn sweep<V: Space>(&self, motion: [V; 2], mobilities: [f64; 2], friction: f64, dt: f64) -> TangentialStep<V> {
         let [middle, gained] = motion;
-        Sweep {
+        TangentialStep {
             middle,
             gained,
             mobilities,

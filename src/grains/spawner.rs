@@ -237,7 +237,7 @@ fn blocker<V: Space>(grain: &Candidate<V>, particles: &Particles<V>, walls: &Sur
         return Some(particles.id(row).to_string());
     }
     let wall =
-        walls.0.iter().position(|wall| wall.is_present && wall.surface.distance(grain.position).0 < grain.radius)?;
+        walls.0.iter().position(|wall| wall.is_present && wall.surface.distance(grain.position) < grain.radius)?;
     Some(format!("flat wall {} of the scene", wall + 1))
 }
 

@@ -113,7 +113,7 @@ fn stop_at_walls(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas:
 
 impl Plugin for FrictionPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, stop_at_walls.in_set(ForceStage::Walls).run_if(time_moves));
+        app.add_systems(Step, stop_at_walls.in_set(ForceStage::Contacts).after(collide_others).run_if(time_moves));
     }
 }
 

@@ -26,6 +26,12 @@ pub type Solid = glam::DVec3;
 /// A vector of the plane, in SI units: what planar behaviours call their vectors.
 pub type Vector = Plane;
 
+/// The square of a distance, m^2, below which two points are one: far below any length, far above what numbers can hold.
+pub(crate) const COINCIDENT: f64 = 1e-200;
+
+/// How far two such points are taken to be apart, m: so little that no overlap notices it.
+pub(crate) const PARTED: f64 = 1e-90;
+
 /// The scene's `space`: which of the two a scene lives in.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Dimension {

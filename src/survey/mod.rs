@@ -18,7 +18,7 @@ use crate::neighbours::Search;
 use crate::particles::Motion;
 use crate::periodic::{Metric, Open};
 use crate::space::{Plane, Space};
-use crate::walls::surfaces::{self, FlatWall, Surfaces};
+use crate::walls::surfaces::{FlatWall, Surfaces};
 
 /// Who is touched.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -97,10 +97,10 @@ impl<'a, V: Space> Survey<'a, V> {
             None => self.pairs(&Open, &counts, &mut visit),
             Some(periodic) => self.pairs(&periodic, &counts, &mut visit),
         }
-        let (columns, mut memories) = (self.columns, self.history.read_walls());
+        let (columns, root, mut memories) = (self.columns, self.law.takes_root(), self.history.read_walls());
         for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
             for (index, wall) in self.walls.iter().enumerate().filter(|&(index, _)| counts(i, Partner::Wall(index))) {
-                if let Some(pair) = surfaces::touching::<false, V>(columns, i, wall, 0.0) {
+                if let Some(pair) = geometry::touching_wall::<false, V>(columns, i, wall, root, 0.0) {
                     let memory = memories.look_up(i, index).unwrap_or_default();
                     visit(i, Partner::Wall(index), &pair, &memory);
                 }

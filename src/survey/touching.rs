@@ -11,7 +11,6 @@ use crate::periodic::Open;
 use crate::space::{Plane, Space};
 use crate::survey::view::{ContactState, Touched};
 use crate::survey::{Partner, Survey};
-use crate::walls::surfaces;
 
 /// One contact as it stands, seen from the particle of lower slot, which forces move. SI.
 #[derive(Clone, Copy)]
@@ -38,7 +37,7 @@ impl<'a, V: Space> Survey<'a, V> {
         let rows = (0..columns.movable_end).filter(|&i| columns.is_present(i));
         let with_walls = rows.flat_map(move |i| {
             self.walls.iter().enumerate().filter_map(move |(index, wall)| {
-                let pair = surfaces::touching::<false, V>(columns, i, wall, 0.0)?;
+                let pair = geometry::touching_wall::<false, V>(columns, i, wall, root, 0.0)?;
                 Some(Touching { survey: self, row: i, partner: Partner::Wall(index), pair })
             })
         });

@@ -1,9 +1,7 @@
 //! What encloses the grains: discs of a silo file, discs and flat walls of the scene, and what counts as a way out.
 
-mod ahead;
 pub mod config;
 pub mod conveyor;
-pub mod forces;
 pub(crate) mod near;
 pub mod outline;
 pub mod paths;

@@ -19,6 +19,9 @@ pub struct NearWalls {
 impl NearWalls {
     /// Those of now.
     pub fn of<V: Space>(&mut self, columns: &Columns<V>, walls: &[FlatWall<V>], has_changed: bool) -> &[Candidate] {
+        if walls.is_empty() {
+            return &[];
+        }
         if has_changed || self.wait.is_over(columns.odometer(), columns.margin) {
             let grains = &columns.body[..columns.movable_end];
             let slack = grains.iter().map(|body| body.radius).fold(0.0, f64::max);
@@ -26,7 +29,7 @@ impl NearWalls {
             for (i, body) in (0u32..).zip(grains) {
                 for (number, wall) in (0u32..).zip(walls) {
                     // Written so that a NaN is near nothing.
-                    if wall.surface.distance(body.position).0 < body.radius + slack {
+                    if wall.surface.distance(body.position) < body.radius + slack {
                         self.pairs.push(Candidate::new(i, number));
                     }
                 }

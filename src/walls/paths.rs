@@ -37,7 +37,7 @@ pub struct FlatWalls(pub Vec<FlatWall<Solid>>);
 
 /// Where along a path (0 to 1) it passes from the free side of a half-space into it.
 pub(super) fn enters<V: Space>(surface: &Surface<V>, from: V, to: V) -> Option<f64> {
-    let (before, after) = (surface.distance(from).0, surface.distance(to).0);
+    let (before, after) = (surface.distance(from), surface.distance(to));
     (before >= 0.0 && after < 0.0).then(|| before / (before - after))
 }
 

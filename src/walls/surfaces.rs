@@ -4,18 +4,20 @@
 //! wall, normal from the wall to the centre, reduced mass that of the grain. A half-plane (in solid space: a half-space)
 //! is solid behind its normal however deep a grain is in it, and may move along itself like a belt; a segment and a
 //! panel, its rectangle in solid space, are thin and act on both sides. A grain above the seam of two panels in one plane
-//! touches both: build floors of one piece. Forces: [`crate::walls::forces`].
+//! touches both: build floors of one piece. Contacts with walls are made and summed where all contacts are ([`crate::contact`]).
 
+use std::marker::PhantomData;
 use std::ops::AddAssign;
 
+use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 
-use crate::columns::Columns;
-use crate::contact::{Ahead, Pair};
+use crate::columns::Late;
 use crate::particle::Species;
-use crate::space::{Linear, Plane, Space};
+use crate::space::{COINCIDENT, PARTED, Plane, Space};
+use crate::step::{Part, Phase, Step};
 
 /// A flat surface.
 #[derive(Clone, Copy, Debug)]
@@ -78,35 +80,61 @@ pub struct FlatWall<V: Space = Plane> {
     pub load: WallLoad<V>,
 }
 
-/// Where along an edge (0 to 1) the foot of a point is.
+/// Where the surface is, as seen from a centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Nearest<V> {
+    /// From the nearest point of a thin surface to the centre, m. Not zero: on the surface itself it is a length far below any other, to one
+    /// side.
+    Point(V),
+    /// A half-space has its normal everywhere, and a distance (m) that is negative inside.
+    Half {
+        /// Unit normal into the free half.
+        normal: V,
+        /// m.
+        distance: f64,
+    },
+}
+
+/// The foot of a point on an edge, from 0 to 1.
 #[inline]
-fn share<V: Space>(from_corner: V, edge: V) -> f64 {
+fn foot<V: Space>(from_corner: V, edge: V) -> f64 {
     (from_corner.dot(edge) / edge.length_squared()).clamp(0.0, 1.0)
 }
 
 impl<V: Space> Surface<V> {
-    /// Distance of a point from the wall, m (negative inside a half-plane), and the unit vector towards the point.
+    /// Where the surface is, as seen from `x`.
     #[inline]
     #[must_use]
-    pub fn distance(&self, x: V) -> (f64, V) {
-        let (foot, edge) = match *self {
-            Self::HalfPlane { point, normal } => return ((x - point).dot(normal), normal),
-            Self::Segment { from, to } => (from + (to - from) * share(x - from, to - from), to - from),
+    pub fn nearest(&self, x: V) -> Nearest<V> {
+        let away = match *self {
+            Self::HalfPlane { point, normal } => return Nearest::Half { normal, distance: (x - point).dot(normal) },
+            Self::Segment { from, to } => x - (from + (to - from) * foot(x - from, to - from)),
             Self::Panel { corner, along, across } => {
-                (corner + along * share(x - corner, along) + across * share(x - corner, across), along)
+                x - (corner + along * foot(x - corner, along) + across * foot(x - corner, across))
             }
         };
-        let away = x - foot;
-        let distance = away.length();
-        // A centre exactly on the wall is pushed to one side of it, always the same.
-        let normal = if distance > 0.0 {
-            away / distance
-        } else if let Self::Panel { along, across, .. } = *self {
-            V::narrow(along.spread().cross(across.spread())).unit_or_zero()
-        } else {
-            edge.any_perpendicular().unit_or_zero()
+        Nearest::Point(if away.length_squared() < COINCIDENT { self.side() * PARTED } else { away })
+    }
+
+    /// The side to which a thin surface pushes a centre that lies exactly on it, as a unit vector.
+    #[cold]
+    fn side(&self) -> V {
+        let across = match *self {
+            Self::HalfPlane { normal, .. } => normal,
+            Self::Segment { from, to } => (to - from).any_perpendicular(),
+            Self::Panel { along, across, .. } => V::narrow(along.spread().cross(across.spread())),
         };
-        (distance, normal)
+        across.unit_or_zero()
+    }
+
+    /// Distance of a point from the wall, m; negative inside a half-plane.
+    #[inline]
+    #[must_use]
+    pub fn distance(&self, x: V) -> f64 {
+        match self.nearest(x) {
+            Nearest::Point(away) => away.length(),
+            Nearest::Half { distance, .. } => distance,
+        }
     }
 }
 
@@ -135,59 +163,20 @@ pub(crate) fn walls_leave(leaving: Res<LeavingWalls>) -> bool {
     !leaving.0.is_empty()
 }
 
-/// The contact of movable entry `i` with a wall, if they touch (`AHEAD`: within half a step).
-#[inline]
-#[must_use]
-pub fn touching<const AHEAD: bool, V: Space>(
-    columns: &Columns<V>,
-    i: usize,
-    wall: &FlatWall<V>,
-    dt: f64,
-) -> Option<Pair<V>> {
-    let body = &columns.body[i];
-    let (distance, normal) = wall.surface.distance(body.position);
-    let window = if AHEAD { 0.5 * dt * (body.velocity - wall.velocity).dot(normal).abs() } else { 0.0 };
-    if !(distance < body.radius + window && wall.is_present) {
-        return None;
+/// Walls whose entities have gone are no more there. In the step after that, so that what their contacts held is booked first.
+fn remove_walls<V: Space>(mut leaving: ResMut<LeavingWalls>, mut walls: ResMut<Surfaces<V>>) {
+    for wall in leaving.0.drain(..) {
+        walls.0[wall].is_present = false;
     }
-    let mut pair = pair(columns, i, wall, distance, normal, dt);
-    if AHEAD {
-        let (gain, spin) = (&columns.gain[i], columns.spin_gain.get(i).copied().unwrap_or_default());
-        pair.ahead = Ahead {
-            velocity: gain.velocity,
-            spins: [spin.spin, V::Spin::ZERO],
-            inverse_masses: [body.inverse_mass, 0.0],
-            inverse_inertias: [spin.inverse_inertia, 0.0],
-            lone: [gain.lone, 0.0],
-        };
-    }
-    Some(pair)
 }
 
-/// The geometry of entry `i` and a wall at this distance (m).
-#[inline]
-pub(super) fn pair<V: Space>(
-    columns: &Columns<V>,
-    i: usize,
-    wall: &FlatWall<V>,
-    distance: f64,
-    normal: V,
-    dt: f64,
-) -> Pair<V> {
-    let body = &columns.body[i];
-    let reduced_mass = 1.0 / body.inverse_mass;
-    Pair {
-        normal,
-        overlap: body.radius - distance,
-        relative_velocity: body.velocity - wall.velocity,
-        reduced_mass,
-        root: reduced_mass.sqrt(),
-        radii: [body.radius, f64::INFINITY],
-        inverse_reach: 0.0,
-        spins: [columns.spin(i), V::Spin::ZERO],
-        species: [columns.species[i], wall.species],
-        dt,
-        ahead: Ahead::default(),
+/// Walls go with their entities.
+pub struct LeavingWallsPlugin<V: Space>(pub PhantomData<V>);
+
+impl<V: Space> Plugin for LeavingWallsPlugin<V> {
+    fn build(&self, app: &mut App) {
+        let remove = remove_walls::<V>.in_set(Part::Engine(Phase::Drift)).after(Late).run_if(walls_leave);
+        app.add_systems(Step, remove);
     }
 }
 
@@ -200,25 +189,27 @@ mod tests {
     #[test]
     fn a_segment_is_round_at_its_ends_and_two_sided() {
         let wall = Surface::Segment { from: Vector::ZERO, to: Vector::new(2.0, 0.0) };
-        assert_eq!(wall.distance(Vector::new(1.0, -0.5)), (0.5, Vector::NEG_Y));
-        assert_eq!(wall.distance(Vector::new(5.0, 4.0)), (5.0, Vector::new(0.6, 0.8)));
-        assert_eq!(wall.distance(Vector::new(1.0, 0.0)), (0.0, Vector::Y));
+        assert_eq!(wall.nearest(Vector::new(1.0, -0.5)), Nearest::Point(Vector::new(0.0, -0.5)));
+        assert_eq!(wall.nearest(Vector::new(5.0, 4.0)), Nearest::Point(Vector::new(3.0, 4.0)));
+        assert_eq!(wall.distance(Vector::new(5.0, 4.0)), 5.0);
+        assert_eq!(wall.nearest(Vector::new(1.0, 0.0)), Nearest::Point(Vector::Y * PARTED));
     }
 
     #[test]
     fn a_half_plane_measures_depth() {
         let wall = Surface::HalfPlane { point: Vector::new(0.0, 1.0), normal: Vector::Y };
-        assert_eq!(wall.distance(Vector::new(7.0, 0.25)), (-0.75, Vector::Y));
+        let nearest = Nearest::Half { normal: Vector::Y, distance: -0.75 };
+        assert_eq!(wall.nearest(Vector::new(7.0, 0.25)), nearest);
     }
 
     #[test]
     fn a_panel_has_a_face_edges_and_corners() {
         let wall =
             Surface::Panel { corner: Solid::ZERO, along: Solid::new(2.0, 0.0, 0.0), across: Solid::new(0.0, 1.0, 0.0) };
-        assert_eq!(wall.distance(Solid::new(1.0, 0.5, 0.3)), (0.3, Solid::Z));
-        assert_eq!(wall.distance(Solid::new(1.0, 0.5, -0.3)), (0.3, Solid::NEG_Z));
-        assert_eq!(wall.distance(Solid::new(1.0, 4.0, 4.0)), (5.0, Solid::new(0.0, 0.6, 0.8)));
-        assert_eq!(wall.distance(Solid::new(-2.0, -1.0, 2.0)).0, 3.0);
-        assert_eq!(wall.distance(Solid::new(1.0, 0.5, 0.0)), (0.0, Solid::Z));
+        assert_eq!(wall.nearest(Solid::new(1.0, 0.5, 0.3)), Nearest::Point(Solid::Z * 0.3));
+        assert_eq!(wall.nearest(Solid::new(1.0, 0.5, -0.3)), Nearest::Point(Solid::Z * -0.3));
+        assert_eq!(wall.nearest(Solid::new(1.0, 4.0, 4.0)), Nearest::Point(Solid::new(0.0, 3.0, 4.0)));
+        assert_eq!(wall.distance(Solid::new(-2.0, -1.0, 2.0)), 3.0);
+        assert_eq!(wall.nearest(Solid::new(1.0, 0.5, 0.0)), Nearest::Point(Solid::Z * PARTED));
     }
 }

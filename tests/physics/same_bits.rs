@@ -138,7 +138,7 @@ fn forgetful(threads: usize, twice: bool) -> Vec<(u64, Vec<DVec3>)> {
         seen.push((state_hash::of_world(simulation.world_mut()), on_walls));
         simulation.world_mut().resource_scope(|world, mut history: Mut<History<Solid>>| {
             if forgets {
-                history.pages(world.resource::<Columns<Solid>>()).iter_mut().for_each(Pages::clear);
+                history.pages(world.resource::<Columns<Solid>>()).0.iter_mut().for_each(Pages::clear);
             }
         });
     }

@@ -59,7 +59,7 @@ impl Demands for Cohesion {
 impl Cohesion {
     fn add<V: Space>(self, app: &mut App) {
         let law = Arc::new(self);
-        app.add_plugins((ContactPlugin::<V, _>::new(law.clone()), SurfacesPlugin::<V, _>::new(&law)));
+        app.add_plugins(ContactPlugin::<V, _>::new(law));
     }
 }
 

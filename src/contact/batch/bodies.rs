@@ -5,15 +5,11 @@
 
 use crate::columns::Body;
 use crate::contact::Demands;
+use crate::contact::geometry::Line;
 use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, spread};
-use crate::contact::root::inverse_root;
 use crate::instructions::Instructions;
 use crate::periodic::Metric;
-use crate::space::Space;
-use crate::space::quad;
-
-/// The square of a distance, m^2, below which two centres are one: far below any length, far above what numbers can hold.
-const COINCIDENT: f64 = 1e-200;
+use crate::space::{COINCIDENT, PARTED, Space, quad};
 
 /// The bodies of contacts i, j side by side; SI.
 #[derive(Clone, Debug, Default)]
@@ -120,25 +116,21 @@ impl<V: Space> Bodies<V> {
         }
     }
 
-    /// Finds what would take a root and two divisions, from one root alone; gives how many distances are nothing.
+    /// Finds what follows from separations and masses; gives how many distances are nothing.
     #[inline(always)]
     fn measure_all<L: Demands>(&mut self, lanes: usize, root: bool) -> u32 {
         let mut coincident = 0;
         for lane in 0..lanes.min(LANES) {
-            let (separation, mobility) = (self.separation.get(lane), self.mobility[lane]);
-            let squared = separation.length_squared();
-            // 1/d and 1/mobility from one root.
-            let both = inverse_root(squared * (mobility * mobility));
-            let inverse_distance = both * mobility;
-            let distance = squared * inverse_distance;
-            self.normal.set(lane, separation * inverse_distance);
-            self.overlap[lane] = self.reach[lane] - distance;
-            self.reduced_mass[lane] = both * distance;
+            let separation = self.separation.get(lane);
+            let line = Line::new(separation, self.mobility[lane]);
+            self.normal.set(lane, line.normal);
+            self.overlap[lane] = self.reach[lane] - line.distance;
+            self.reduced_mass[lane] = line.reduced_mass;
             if L::RADII {
                 // Here, where nothing waits for it.
                 self.inverse_reach[lane] = 1.0 / self.reach[lane];
             }
-            coincident += u32::from(squared < COINCIDENT);
+            coincident += u32::from(separation.length_squared() < COINCIDENT);
         }
         if root {
             for lane in 0..lanes.min(LANES) {
@@ -167,7 +159,7 @@ impl<V: Space> Bodies<V> {
     pub fn part_coincident<L: Demands>(&mut self, lanes: usize, normal: impl Fn(usize) -> V) {
         for lane in 0..lanes {
             if self.separation.get(lane).length_squared() < COINCIDENT {
-                self.separation.set(lane, normal(lane) * 1e-90);
+                self.separation.set(lane, normal(lane) * PARTED);
             }
         }
         self.measure_all::<L>(lanes, false);

@@ -10,6 +10,7 @@ use crate::contact::{Demands, Memory};
 use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{Candidate, PairList, Task};
 use crate::space::Space;
+use crate::walls::surfaces::WallLoad;
 
 /// The place where a thread works.
 #[derive(Debug, Default)]
@@ -24,21 +25,13 @@ pub struct Desk<V: Space> {
     pub rows: Range<usize>,
     /// For pages that are written anew.
     pub spare: Pages<V>,
+    /// What each wall gets of each block that has grains near any.
+    pub on_walls: Vec<WallLoad<V>>,
 }
 
 /// One a thread.
 #[derive(Resource, Debug, Default)]
 pub struct Desks<V: Space>(pub Vec<Desk<V>>);
-
-impl<V: Space> Desks<V> {
-    /// Desks for so many threads, or more.
-    pub(crate) fn at_least(&mut self, threads: usize) -> &mut [Desk<V>] {
-        if self.0.len() < threads {
-            self.0.resize_with(threads, Desk::default);
-        }
-        &mut self.0
-    }
-}
 
 /// What contacts across borders remembered after the last pass is what they do before this one: if nobody has changed it since, and
 /// the borders are the same, it stands on the desks.

@@ -7,11 +7,12 @@ use crate::contact::history::{Lost, Pages, Walk};
 use crate::contact::kernel::{Arrivals, Pass};
 use crate::contact::lanes::LANES;
 use crate::contact::sums::Sums;
-use crate::contact::{Demands, PairLaw};
+use crate::contact::{Demands, Memory, PairLaw};
 use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{self, Candidate, Task};
 use crate::periodic::Metric;
 use crate::space::Space;
+use crate::walls::surfaces::WallLoad;
 
 /// What one thread reads and writes.
 pub(super) struct Worker<'a, V: Space, L, M> {
@@ -22,11 +23,15 @@ pub(super) struct Worker<'a, V: Space, L, M> {
     pub(super) sums: Sums<'a, V>,
     pub(super) batch: &'a mut Batch<V>,
     pub(super) largest: f64,
+    /// Its particles and walls that may touch.
+    pub(super) near: &'a [Candidate],
+    /// What walls get of each block.
+    pub(super) on_walls: &'a mut Vec<WallLoad<V>>,
 }
 
 impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// Sums its rows, whose contacts stand in these pages; gives the largest overlap over the smaller radius.
-    pub(super) fn sum(mut self, pages: &mut [Pages<V>], spare: &mut Pages<V>) -> f64 {
+    pub(super) fn sum(mut self, pages: &mut [Pages<V>], wall_pages: &mut [Pages<V>], spare: &mut Pages<V>) -> f64 {
         let gravity = self.pass.gravity;
         self.sums.begin(list::end_of(&self.task.incoming), gravity, self.view);
         let mut left = &self.task.incoming[..];
@@ -35,7 +40,8 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.flush_incoming();
         }
         let mut at_hand = self.task.rows.start;
-        for (page, first) in pages.iter_mut().zip(self.task.rows.clone().step_by(BLOCK)) {
+        let blocks = pages.iter_mut().zip(wall_pages).zip(self.task.rows.clone().step_by(BLOCK));
+        for ((page, wall_page), first) in blocks {
             let mut block = Block { walk: Walk::new(page, spare), lost: Lost::default() };
             let (mut left, end) = self.pass.list.block(first / BLOCK);
             // Not all at once: so they are at hand when they are added to.
@@ -46,6 +52,10 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
                 self.flush(&mut block);
             }
             block.walk.end::<L>(block.lost, |contact, memory| self.pass.forget(self.view, contact, memory));
+            if !self.pass.walls.is_empty() {
+                self.sums.begin(first + BLOCK, gravity, self.view);
+                self.sum_walls(first + BLOCK, Block { walk: Walk::new(wall_page, spare), lost: Lost::default() });
+            }
         }
         self.sums.begin(self.task.rows.end, gravity, self.view);
         self.largest
@@ -113,25 +123,33 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     #[inline]
     fn ask(&mut self) {
         self.describe();
-        let Pass { law, dt, instructions, .. } = *self.pass;
+        let Pass { law, instructions, .. } = *self.pass;
         let lanes = self.batch.lanes();
         if self.batch.bodies.measure::<L>(lanes, law.takes_root(), instructions) {
             let (id, pairs) = (&self.view.id, &self.batch.pairs);
             let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
             self.batch.bodies.part_coincident::<L>(self.batch.len, normal);
         }
-        // What may be a record is found without dividing, and without the two radii, some rounding included.
-        let deepest = self.largest * self.view.smallest_share * (1.0 - 8.0 * f64::EPSILON);
-        let is_deeper = if self.view.has_books {
-            self.batch.ask::<L, BOOKED>(law, dt, instructions, deepest)
-        } else {
-            self.batch.ask::<L, WHOLE>(law, dt, instructions, deepest)
-        };
-        if is_deeper {
+        // What may be a record is found without dividing, and without the two radii.
+        if self.answer(self.view.smallest_share) {
             for (pair, overlap) in self.batch.pairs.iter().zip(self.batch.bodies.overlap.iter()).take(self.batch.len) {
                 let [i, j] = pair.both().map(|entry| self.view.body[entry].radius);
                 self.largest = self.largest.max(overlap / i.min(j));
             }
+        }
+    }
+
+    /// Lets the law answer for all lanes; tells whether any overlap may be a record, the smaller radius of a pair being this share of the reach or
+    /// more.
+    #[inline]
+    pub(super) fn answer(&mut self, smallest_share: f64) -> bool {
+        let Pass { law, dt, instructions, .. } = *self.pass;
+        // Some rounding included.
+        let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
+        if self.view.has_books {
+            self.batch.ask::<L, BOOKED>(law, dt, instructions, deepest)
+        } else {
+            self.batch.ask::<L, WHOLE>(law, dt, instructions, deepest)
         }
     }
 
@@ -157,13 +175,8 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
             self.batch.recall::<L>(walk, |contact, memory| lost.add(self.pass.forget(self.view, contact, memory)));
         }
         self.ask();
+        self.keep(block, |contact, memory| self.pass.forget(self.view, contact, memory));
         let has_books = self.view.has_books;
-        if L::SPIN && has_books {
-            block.lost += self.batch.lost::<L>();
-        }
-        if L::MEMORY {
-            self.remember(block);
-        }
         let (sums, batch) = (&mut self.sums, &*self.batch);
         self.pass.instructions.run_narrow(
             #[inline(always)]
@@ -172,31 +185,40 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
         self.batch.len = 0;
     }
 
-    /// Writes down what contacts remember.
+    /// Keeps what contacts have lost and what they remember; `forgotten` tells what goes with one that has ended, J.
     #[inline]
-    fn remember(&self, block: &mut Block<'_, V>) {
-        let batch = &*self.batch;
-        let contacts = &batch.pairs[..batch.len.min(LANES)];
-        if !L::AHEAD || (0..contacts.len()).all(|lane| batch.answer.counts::<L>(lane)) {
-            block.walk.remember_all::<L>(contacts, &batch.memory);
+    pub(super) fn keep(
+        &mut self,
+        Block { walk, lost }: &mut Block<'_, V>,
+        forgotten: impl Fn(Candidate, &Memory<V>) -> [f64; 2],
+    ) {
+        let batch = &mut *self.batch;
+        if L::SPIN && self.view.has_books {
+            *lost += batch.lost::<L>();
+        }
+        if !L::MEMORY {
             return;
         }
-        block.walk.part::<L>(contacts);
+        let contacts = &batch.pairs[..batch.len.min(LANES)];
+        if !L::AHEAD || (0..contacts.len()).all(|lane| batch.answer.counts::<L>(lane)) {
+            walk.remember_all::<L>(contacts, &batch.memory);
+            return;
+        }
+        walk.part::<L>(contacts);
         for (lane, &contact) in contacts.iter().enumerate() {
             if batch.answer.counts::<L>(lane) {
-                block.walk.remember::<L>(contact, &batch.memory.get::<L>(lane));
+                walk.remember::<L>(contact, &batch.memory.get::<L>(lane));
             } else if batch.is_known[lane] {
                 // It has ended, and its memory been moved on all the same: what it held before is lost.
-                let memory = block.walk.before(contact).unwrap_or_default();
-                block.lost.add(self.pass.forget(self.view, contact, &memory));
+                lost.add(forgotten(contact, &walk.before(contact).unwrap_or_default()));
             }
         }
     }
 }
 
-/// The rows that are being summed.
-struct Block<'a, V: Space> {
-    walk: Walk<'a, V>,
+/// What the contacts of a block of rows remember.
+pub(super) struct Block<'a, V: Space> {
+    pub(super) walk: Walk<'a, V>,
     /// What contacts lose, and what ended ones held: each in order, whenever the batch is full.
-    lost: Lost,
+    pub(super) lost: Lost,
 }

@@ -46,12 +46,11 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     }
     for surface in &surfaces {
         if let Surface::Segment { from, to } = *surface {
-            field.block(from, to, radius, |x| surface.distance(x).0);
+            field.block(from, to, radius, |x| surface.distance(x));
         }
     }
-    let behind = |x: Vector| {
-        surfaces.iter().any(|wall| matches!(wall, Surface::HalfPlane { .. }) && wall.distance(x).0 < radius)
-    };
+    let behind =
+        |x: Vector| surfaces.iter().any(|wall| matches!(wall, Surface::HalfPlane { .. }) && wall.distance(x) < radius);
     let starts =
         loaded.scene.spawner.iter().map(|s| s.point.get()).chain(loaded.grains.iter().map(|g| g.position.truncate()));
     let mut stack: Vec<_> = starts.map(|x| grid(x, spacing)).collect();

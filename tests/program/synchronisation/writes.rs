@@ -169,7 +169,7 @@ fn a_system_that_cannot_be_synchronised_is_refused() {
         "{said}"
     );
     let fault = refusal(|app| {
-        app.add_systems(Step, look.in_set(ForceStage::Walls));
+        app.add_systems(Step, look.in_set(ForceStage::Contacts));
     });
     assert_eq!(fault.code(), "behaviour::engine");
 }
