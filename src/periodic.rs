@@ -153,10 +153,7 @@ impl<V: Space> Periodic<V> {
 
 /// How separations are measured: compiled into the kernel, so that open scenes pay nothing for periodic ones.
 pub trait Metric<V: Space>: Copy + Send + Sync {
-    /// From `b` to `a`, m.
-    fn separation(&self, a: V, b: V) -> V;
-
-    /// The same of four differences of which those beyond the axes are none of positions, and stay what they are.
+    /// The shortest vector for these differences of positions, m. Four numbers: those beyond the axes are none of positions, and stay what they are.
     fn shorten(&self, differences: [f64; 4]) -> [f64; 4];
 }
 
@@ -165,11 +162,6 @@ pub trait Metric<V: Space>: Copy + Send + Sync {
 pub struct Open;
 
 impl<V: Space> Metric<V> for Open {
-    #[inline]
-    fn separation(&self, a: V, b: V) -> V {
-        a - b
-    }
-
     #[inline(always)]
     fn shorten(&self, differences: [f64; 4]) -> [f64; 4] {
         differences
@@ -177,11 +169,6 @@ impl<V: Space> Metric<V> for Open {
 }
 
 impl<V: Space> Metric<V> for Periodic<V> {
-    #[inline]
-    fn separation(&self, a: V, b: V) -> V {
-        self.shortest(a - b)
-    }
-
     #[inline(always)]
     fn shorten(&self, differences: [f64; 4]) -> [f64; 4] {
         // Without length, so open, where there is no axis.

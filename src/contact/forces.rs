@@ -15,7 +15,6 @@ use crate::instructions::Instructions;
 use crate::integrate::centred::LookAheadPlugin;
 use crate::integrate::rotation::SpinPlugin;
 use crate::neighbours::Search;
-use crate::periodic::Open;
 use crate::space::{Plane, Space};
 use crate::spin::InertiaLaw;
 use crate::step::{Clock, ForceStage, Step};
@@ -54,7 +53,6 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
     let have_changed = walls.is_changed();
     let pass = Pass {
         law: &*law.0,
-        metric: Open,
         list: &search.list,
         walls: &walls.0,
         near: near.of(&columns, &walls.0, have_changed),
@@ -65,10 +63,7 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
     columns.stale.add(if L::SPIN { Mirrors::FORCE.or(Mirrors::TORQUE) } else { Mirrors::FORCE });
     let kept = (&mut desks.0, !history.is_changed());
     let history = history.bypass_change_detection();
-    largest.0 = match columns.periodic {
-        None => pass.sum(&mut columns, history, &threads, kept, largest.0),
-        Some(metric) => pass.with(metric).sum(&mut columns, history, &threads, kept, largest.0),
-    };
+    largest.0 = pass.sum(&mut columns, history, &threads, kept, largest.0);
     if !walls.0.is_empty() {
         walls.gather(desks.0.iter().map(|desk| &desk.on_walls[..]));
     }

@@ -9,7 +9,6 @@ use crate::columns::Columns;
 use crate::contact::root::inverse_root;
 use crate::contact::{Ahead, Pair};
 use crate::particle::GrainId;
-use crate::periodic::Metric;
 use crate::space::{COINCIDENT, Linear, PARTED, Space};
 use crate::walls::surfaces::{FlatWall, Nearest};
 
@@ -41,16 +40,10 @@ impl<V: Space> Line<V> {
 // A pair is large: handed over in memory, and copied, each contact would wait for its own stores.
 #[inline(always)]
 #[must_use]
-pub fn touching<V: Space>(
-    metric: &impl Metric<V>,
-    columns: &Columns<V>,
-    i: usize,
-    j: usize,
-    root: bool,
-) -> Option<Pair<V>> {
+pub fn touching<V: Space>(columns: &Columns<V>, i: usize, j: usize, root: bool) -> Option<Pair<V>> {
     let (a, b) = (&columns.body[i], &columns.body[j]);
-    let separation = metric.separation(a.position, b.position);
-    let (squared, reach) = (separation.length_squared(), a.radius + b.radius);
+    let (separation, reach) = (columns.separation(a.position, b.position), a.radius + b.radius);
+    let squared = separation.length_squared();
     // Written so that a NaN does not touch.
     let touches = squared < reach * reach && !(columns.is_fixed(i) && columns.is_fixed(j));
     touches.then(
@@ -60,8 +53,9 @@ pub fn touching<V: Space>(
 }
 
 /// The geometry of two particles that were in contact in the step before.
-pub(super) fn parted<V: Space>(metric: &impl Metric<V>, columns: &Columns<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
-    between(columns, [i, j], metric.separation(columns.body[i].position, columns.body[j].position), true, dt)
+pub(super) fn parted<V: Space>(columns: &Columns<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
+    let separation = columns.separation(columns.body[i].position, columns.body[j].position);
+    between(columns, [i, j], separation, true, dt)
 }
 
 /// Two particles that are this vector apart, m.

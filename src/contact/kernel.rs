@@ -28,17 +28,14 @@ use crate::contact::sums::{Share, Sums};
 use crate::contact::{Demands, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::{BLOCK, Candidate, PairList};
-use crate::periodic::Metric;
 use crate::space::{Linear, Space};
 use crate::threads::Threads;
 use crate::walls::surfaces::FlatWall;
 
 /// What a pass needs besides the columns.
-pub struct Pass<'a, V: Space, L, M> {
+pub struct Pass<'a, V: Space, L> {
     /// The contact law.
     pub law: &'a L,
-    /// How separations are measured.
-    pub metric: M,
     /// Candidates.
     pub list: &'a PairList,
     /// The flat walls.
@@ -53,13 +50,7 @@ pub struct Pass<'a, V: Space, L, M> {
     pub instructions: Instructions,
 }
 
-impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
-    /// The same with separations measured otherwise.
-    pub fn with<N>(&self, metric: N) -> Pass<'_, V, L, N> {
-        let Self { law, list, walls, near, dt, gravity, instructions, .. } = *self;
-        Pass { law, metric, list, walls, near, dt, gravity, instructions }
-    }
-
+impl<V: Space, L: PairLaw<V> + Demands> Pass<'_, V, L> {
     /// Sets the loads of `columns` to the sums of weight and all contact forces. `deepest` is the largest overlap so
     /// far over the smaller radius of its pair; gives that with these. `desks` are kept for the next pass, and hold what walls get; `goes_on`
     /// tells whether nobody has changed what contacts remember since the last one with them.

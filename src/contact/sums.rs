@@ -11,10 +11,9 @@ use crate::contact::kernel::{Pass, touch};
 use crate::contact::lanes::LANES;
 use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw, Turning};
 use crate::neighbours::list::Candidate;
-use crate::periodic::Metric;
 use crate::space::{Linear, Space};
 
-impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
+impl<V: Space, L: PairLaw<V> + Demands> Pass<'_, V, L> {
     /// What the springs of a contact that has ended held, J: it is lost to friction and rolling resistance.
     #[cold]
     pub(super) fn forget(&self, columns: &Columns<V>, contact: Candidate, memory: &Memory<V>) -> [f64; 2] {
@@ -22,7 +21,7 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Pass<'_, V, L, M> {
             return [0.0; 2];
         }
         let [i, j] = contact.both();
-        self.law.forget(&parted(&self.metric, columns, i, j, self.dt), memory)
+        self.law.forget(&parted(columns, i, j, self.dt), memory)
     }
 
     /// The same for an entry and a wall; nothing if it is a door that has gone, which took all its contacts' energy with it.

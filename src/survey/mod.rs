@@ -16,7 +16,6 @@ use crate::contact::history::History;
 use crate::contact::{AnyLaw, Memory, Pair, PairLaw, geometry};
 use crate::neighbours::Search;
 use crate::particles::Motion;
-use crate::periodic::{Metric, Open};
 use crate::space::{Plane, Space};
 use crate::walls::surfaces::{FlatWall, Surfaces};
 
@@ -93,10 +92,7 @@ impl<'a, V: Space> Survey<'a, V> {
         counts: impl Fn(usize, Partner) -> bool,
         mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
-        match self.columns.periodic {
-            None => self.pairs(&Open, &counts, &mut visit),
-            Some(periodic) => self.pairs(&periodic, &counts, &mut visit),
-        }
+        self.pairs(&counts, &mut visit);
         let (columns, root, mut memories) = (self.columns, self.law.takes_root(), self.history.read_walls());
         for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
             for (index, wall) in self.walls.iter().enumerate().filter(|&(index, _)| counts(i, Partner::Wall(index))) {
@@ -110,14 +106,13 @@ impl<'a, V: Space> Survey<'a, V> {
 
     fn pairs(
         &self,
-        metric: &impl Metric<V>,
         counts: &impl Fn(usize, Partner) -> bool,
         visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
         let (root, mut memories) = (self.law.takes_root(), self.history.read_pairs());
         let candidates = self.search.list.pairs().iter().map(|candidate| candidate.both());
         for [i, j] in candidates.filter(|&[i, j]| counts(i, Partner::Particle(j))) {
-            if let Some(pair) = geometry::touching(metric, self.columns, i, j, root) {
+            if let Some(pair) = geometry::touching(self.columns, i, j, root) {
                 let memory = memories.look_up(i, j).unwrap_or_default();
                 visit(i, Partner::Particle(j), &pair, &memory);
             }

@@ -7,7 +7,6 @@ use bevy_ecs::entity::Entity;
 
 use crate::contact::{Memory, Pair, PairForce, geometry};
 use crate::particle::GrainId;
-use crate::periodic::Open;
 use crate::space::{Plane, Space};
 use crate::survey::view::{ContactState, Touched};
 use crate::survey::{Partner, Survey};
@@ -27,10 +26,7 @@ impl<'a, V: Space> Survey<'a, V> {
         let (columns, root) = (self.columns, self.law.takes_root());
         let between = self.search.list.pairs().iter().filter_map(move |candidate| {
             let [i, j] = candidate.both();
-            let pair = match &columns.periodic {
-                None => geometry::touching(&Open, columns, i, j, root),
-                Some(periodic) => geometry::touching(periodic, columns, i, j, root),
-            };
+            let pair = geometry::touching(columns, i, j, root);
             let is_there = columns.is_present(i) && columns.is_present(j);
             Some(Touching { survey: self, row: i, partner: Partner::Particle(j), pair: pair? }).filter(|_| is_there)
         });

@@ -9,7 +9,6 @@ use std::ops::Range;
 
 use crate::contact::kernel::worker::Worker;
 use crate::contact::{Demands, PairLaw};
-use crate::periodic::Metric;
 use crate::space::Space;
 
 /// Reads a number of each entry.
@@ -17,7 +16,7 @@ pub(in crate::contact) fn touch<T>(entries: &[T], number: impl Fn(&T) -> f64) ->
     entries.iter().fold(0, |all, entry| all ^ number(entry).to_bits())
 }
 
-impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
+impl<V: Space, L: PairLaw<V> + Demands> Worker<'_, V, L> {
     /// Reads what rows before `end` may ask of their partners, from entry `at_hand` on: gives where to go on. Does nothing where all is near
     /// anyway.
     pub(super) fn fetch(&self, at_hand: usize, end: usize) -> usize {

@@ -7,11 +7,10 @@ use crate::contact::geometry::touching_wall;
 use crate::contact::kernel::worker::{Block, Worker};
 use crate::contact::lanes::LANES;
 use crate::contact::{Demands, PairLaw};
-use crate::periodic::Metric;
 use crate::space::Space;
 use crate::walls::surfaces::{Surfaces, WallLoad};
 
-impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
+impl<V: Space, L: PairLaw<V> + Demands> Worker<'_, V, L> {
     /// Sums what happens between walls and those rows before `end` that are still to come.
     pub(super) fn sum_walls(&mut self, end: usize, mut block: Block<'_, V>) {
         let pass = self.pass;

@@ -10,13 +10,13 @@ use crate::contact::sums::Sums;
 use crate::contact::{Demands, Memory, PairLaw};
 use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{self, Candidate, Task};
-use crate::periodic::Metric;
+use crate::periodic::{Metric, Open};
 use crate::space::Space;
 use crate::walls::surfaces::WallLoad;
 
 /// What one thread reads and writes.
-pub(super) struct Worker<'a, V: Space, L, M> {
-    pub(super) pass: &'a Pass<'a, V, L, M>,
+pub(super) struct Worker<'a, V: Space, L> {
+    pub(super) pass: &'a Pass<'a, V, L>,
     pub(super) view: &'a Columns<V>,
     pub(super) task: &'a Task,
     pub(super) arrivals: Arrivals<'a, V>,
@@ -29,7 +29,7 @@ pub(super) struct Worker<'a, V: Space, L, M> {
     pub(super) on_walls: &'a mut Vec<WallLoad<V>>,
 }
 
-impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
+impl<V: Space, L: PairLaw<V> + Demands> Worker<'_, V, L> {
     /// Sums its rows, whose contacts stand in these pages; gives the largest overlap over the smaller radius.
     pub(super) fn sum(mut self, pages: &mut [Pages<V>], wall_pages: &mut [Pages<V>], spare: &mut Pages<V>) -> f64 {
         let gravity = self.pass.gravity;
@@ -65,13 +65,20 @@ impl<V: Space, L: PairLaw<V> + Demands, M: Metric<V>> Worker<'_, V, L, M> {
     /// it is full; gives those that are left. Whether one overlaps is hard to foresee, so there is no branch on it: each is
     /// written, and the end moves on if it counts.
     fn offer<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
+        match self.view.periodic {
+            None => self.offer_by(Open, candidates),
+            Some(periodic) => self.offer_by(periodic, candidates),
+        }
+    }
+
+    /// The same, with separations measured so.
+    #[inline(always)]
+    fn offer_by<'c>(&mut self, metric: impl Metric<V>, candidates: &'c [Candidate]) -> &'c [Candidate] {
         let (bodies, batch, pass) = (&self.view.body[..], &mut *self.batch, self.pass);
         let margin = if L::AHEAD { self.view.margin } else { 0.0 };
         pass.instructions.run_narrow(
             #[inline(always)]
             || {
-                // Of its own: what is written cannot change it.
-                let metric = pass.metric;
                 let (mut end, mut left) = (batch.len, candidates.iter());
                 while end < LANES
                     && let Some(&candidate) = left.next()
