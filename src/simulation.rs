@@ -37,6 +37,9 @@ pub struct Simulation {
     app: App,
 }
 
+/// Plugins of a caller's. Boxed, so that no crate which calls compiles the whole engine once more for its own closure.
+pub(crate) type Additions<'a> = Box<dyn FnOnce(&mut Assembly<'_>) + 'a>;
+
 impl Simulation {
     /// Builds the app that the scene asks for; nothing has run yet.
     ///
@@ -44,7 +47,7 @@ impl Simulation {
     /// If a behaviour is unknown or its keys are wrong, systems of behaviours conflict or stand in no phase, or the environment asks for
     /// [`instructions`](crate::instructions) that this machine lacks.
     pub fn new(loaded: &Loaded, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
-        Self::with(loaded, registry, threads, |_| {})
+        Self::with(loaded, registry, threads, Box::new(|_| {}))
     }
 
     /// The same, with what a program adds on top: outputs, say, which look and write no physics. (What does is a
@@ -58,7 +61,7 @@ impl Simulation {
         threads: NonZeroUsize,
         more: impl FnOnce(&mut App),
     ) -> Result<Self, Fault> {
-        Self::with(loaded, registry, threads, |assembly| assembly.add_with("the program", more))
+        Self::with(loaded, registry, threads, Box::new(|assembly| assembly.add_with("the program", more)))
     }
 
     /// The same, with plugins that note which key asked for them.
@@ -66,7 +69,7 @@ impl Simulation {
         loaded: &Loaded,
         registry: &Registry,
         threads: NonZeroUsize,
-        more: impl FnOnce(&mut Assembly<'_>),
+        more: Additions<'_>,
     ) -> Result<Self, Fault> {
         let mut app = Self::assemble(loaded, registry, threads, more)?;
         match loaded.scene.space {
@@ -78,7 +81,7 @@ impl Simulation {
 
     /// Whether [`Simulation::new`] would succeed, at the cost of no grain.
     pub(crate) fn check(loaded: &Loaded, registry: &Registry) -> Result<(), Fault> {
-        let app = Self::assemble(loaded, registry, NonZeroUsize::MIN, |_| {})?;
+        let app = Self::assemble(loaded, registry, NonZeroUsize::MIN, Box::new(|_| {}))?;
         Self::ready_for_grains(app, loaded).map(|_| ())
     }
 
@@ -94,7 +97,7 @@ impl Simulation {
         loaded: &Loaded,
         registry: &Registry,
         threads: NonZeroUsize,
-        more: impl FnOnce(&mut Assembly<'_>),
+        more: Additions<'_>,
     ) -> Result<App, Fault> {
         let behaviours = registry.of_scene(loaded)?;
         let mut app = empty(threads)?;
@@ -113,7 +116,7 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::new`].
     pub fn of_lattice(loaded: &LoadedLattice, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
-        Self::of_lattice_with(loaded, registry, threads, |_| {})
+        Self::of_lattice_with(loaded, registry, threads, Box::new(|_| {}))
     }
 
     /// The same, with plugins of the caller's on top.
@@ -121,7 +124,7 @@ impl Simulation {
         loaded: &LoadedLattice,
         registry: &Registry,
         threads: NonZeroUsize,
-        more: impl FnOnce(&mut Assembly<'_>),
+        more: Additions<'_>,
     ) -> Result<Self, Fault> {
         let behaviours = registry.of_lattice(loaded)?;
         let mut app = empty(threads)?;

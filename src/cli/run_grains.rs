@@ -8,6 +8,7 @@ use std::time::Instant;
 
 use bevy_ecs::prelude::*;
 
+use crate::assembly::Assembly;
 use crate::behaviour::Registry;
 use crate::cli::progress::{Pace, Progress};
 use crate::cli::run::{Report, unwritable};
@@ -84,7 +85,7 @@ fn build_in<V: Space>(
     directory: &RunDirectory,
 ) -> Result<Simulation, Fault> {
     let outputs = Outputs::<V>::create(loaded, directory).map_err(|error| unwritable(directory, &error))?;
-    Simulation::with(loaded, registry, threads, |app| {
+    let more = Box::new(|app: &mut Assembly<'_>| {
         app.add("series", outputs.series);
         if let Some(walls) = outputs.walls {
             app.add("walls", walls);
@@ -98,7 +99,8 @@ fn build_in<V: Space>(
         if let Some(studio) = Studio::of(loaded, directory.frames()) {
             app.add("pictures", FramesPlugin::<V>(studio, PhantomData));
         }
-    })
+    });
+    Simulation::with(loaded, registry, threads, more)
 }
 
 /// The files that grow while a scene runs.

@@ -5,6 +5,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 use std::time::Instant;
 
+use crate::assembly::Assembly;
 use crate::behaviour::Registry;
 use crate::cli::progress::{Pace, Progress};
 use crate::cli::run::{Report, unwritable};
@@ -61,7 +62,7 @@ fn build(
         Ok((series, flow))
     };
     let (series, flow) = outputs().map_err(|error| unwritable(directory, &error))?;
-    Simulation::of_lattice_with(loaded, registry, threads, |app| {
+    let more = Box::new(|app: &mut Assembly<'_>| {
         app.add("series", series);
         if let Some(flow) = flow {
             app.add("flow", flow);
@@ -69,7 +70,8 @@ fn build(
         if let Some(pictures) = PicturesPlugin::of(loaded, directory.frames()) {
             app.add("pictures", pictures);
         }
-    })
+    });
+    Simulation::of_lattice_with(loaded, registry, threads, more)
 }
 
 /// Steps to the end, with progress.
