@@ -5,7 +5,7 @@
 //! its own normal and a distance that is negative inside. Lengths come from one inverse root ([`Line`]), here and in the kernel's lanes
 //! (`batch/bodies.rs`): so whoever looks at a contact sees the bits that the force pass saw.
 
-use crate::columns::Columns;
+use crate::columns::{Body, Columns};
 use crate::contact::root::inverse_root;
 use crate::contact::{Ahead, Pair};
 use crate::particle::GrainId;
@@ -34,6 +34,15 @@ impl<V: Space> Line<V> {
         let distance = squared * inverse_distance;
         Self { normal: separation * inverse_distance, distance, reduced_mass: both * distance }
     }
+
+    /// That of a particle and a wall.
+    #[inline(always)]
+    fn to_wall(body: &Body<V>, wall: &FlatWall<V>) -> Self {
+        match wall.surface.nearest(body.position) {
+            Nearest::Point(away) => Self::new(away, body.inverse_mass),
+            Nearest::Half { normal, distance } => Self { normal, distance, reduced_mass: 1.0 / body.inverse_mass },
+        }
+    }
 }
 
 /// The contact of entries `i` and `j` if they overlap and at least one can move; with the root of the reduced mass if it is asked for.
@@ -45,11 +54,11 @@ pub fn touching<V: Space>(columns: &Columns<V>, i: usize, j: usize, root: bool) 
     let (separation, reach) = (columns.separation(a.position, b.position), a.radius + b.radius);
     let squared = separation.length_squared();
     // Written so that a NaN does not touch.
-    let touches = squared < reach * reach && !(columns.is_fixed(i) && columns.is_fixed(j));
-    touches.then(
-        #[inline(always)]
-        || between(columns, [i, j], separation, root, 0.0),
-    )
+    if squared < reach * reach && !(columns.is_fixed(i) && columns.is_fixed(j)) {
+        Some(between(columns, [i, j], separation, root, 0.0))
+    } else {
+        None
+    }
 }
 
 /// The geometry of two particles that were in contact in the step before.
@@ -84,7 +93,7 @@ fn between<V: Space>(columns: &Columns<V>, both: [usize; 2], separation: V, root
 }
 
 /// The contact of movable entry `i` with a wall, if they touch (`AHEAD`: within half a step).
-#[inline]
+#[inline(always)]
 #[must_use]
 pub fn touching_wall<const AHEAD: bool, V: Space>(
     columns: &Columns<V>,
@@ -93,18 +102,20 @@ pub fn touching_wall<const AHEAD: bool, V: Space>(
     root: bool,
     dt: f64,
 ) -> Option<Pair<V>> {
-    let mut pair = at_wall(columns, i, wall, root, dt);
-    let window = if AHEAD { 0.5 * dt * pair.normal_velocity().abs() } else { 0.0 };
+    let body = &columns.body[i];
+    let line = Line::to_wall(body, wall);
+    let window = if AHEAD { 0.5 * dt * (body.velocity - wall.velocity).dot(line.normal).abs() } else { 0.0 };
     // Written so that a NaN does not touch.
-    if !(pair.overlap + window > 0.0 && wall.is_present) {
+    if !(line.distance < body.radius + window && wall.is_present) {
         return None;
     }
+    let mut pair = at_wall(columns, i, wall, line, root, dt);
     if AHEAD {
         let (gain, spin) = (&columns.gain[i], columns.spin_gain.get(i).copied().unwrap_or_default());
         pair.ahead = Ahead {
             velocity: gain.velocity,
             spins: [spin.spin, V::Spin::ZERO],
-            inverse_masses: [columns.body[i].inverse_mass, 0.0],
+            inverse_masses: [body.inverse_mass, 0.0],
             inverse_inertias: [spin.inverse_inertia, 0.0],
             lone: [gain.lone, 0.0],
         };
@@ -112,14 +123,23 @@ pub fn touching_wall<const AHEAD: bool, V: Space>(
     Some(pair)
 }
 
-/// The geometry of movable entry `i` and a wall, near or far.
+/// The geometry of movable entry `i` and a wall that it has just left.
+pub(super) fn parted_from_wall<V: Space>(columns: &Columns<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Pair<V> {
+    at_wall(columns, i, wall, Line::to_wall(&columns.body[i], wall), true, dt)
+}
+
+/// Movable entry `i` and a wall, which are so far apart.
 #[inline(always)]
-pub(super) fn at_wall<V: Space>(columns: &Columns<V>, i: usize, wall: &FlatWall<V>, root: bool, dt: f64) -> Pair<V> {
+fn at_wall<V: Space>(
+    columns: &Columns<V>,
+    i: usize,
+    wall: &FlatWall<V>,
+    line: Line<V>,
+    root: bool,
+    dt: f64,
+) -> Pair<V> {
     let body = &columns.body[i];
-    let Line { normal, distance, reduced_mass } = match wall.surface.nearest(body.position) {
-        Nearest::Point(away) => Line::new(away, body.inverse_mass),
-        Nearest::Half { normal, distance } => Line { normal, distance, reduced_mass: 1.0 / body.inverse_mass },
-    };
+    let Line { normal, distance, reduced_mass } = line;
     Pair {
         normal,
         overlap: body.radius - distance,

@@ -6,7 +6,7 @@ use std::ops::{AddAssign, Range, SubAssign};
 
 use crate::columns::{BOOKED, Columns, Loads, WHOLE};
 use crate::contact::batch::Batch;
-use crate::contact::geometry::{at_wall, parted};
+use crate::contact::geometry::{parted, parted_from_wall};
 use crate::contact::kernel::{Pass, touch};
 use crate::contact::lanes::LANES;
 use crate::contact::{Demands, Memory, Pair, PairForce, PairLaw, Turning};
@@ -31,7 +31,7 @@ impl<V: Space, L: PairLaw<V> + Demands> Pass<'_, V, L> {
         if !(self.walls[wall].is_present && columns.has_books) {
             return [0.0; 2];
         }
-        self.law.forget(&at_wall(columns, i, &self.walls[wall], true, self.dt), memory)
+        self.law.forget(&parted_from_wall(columns, i, &self.walls[wall], self.dt), memory)
     }
 }
 

@@ -103,7 +103,7 @@ fn foot<V: Space>(from_corner: V, edge: V) -> f64 {
 
 impl<V: Space> Surface<V> {
     /// Where the surface is, as seen from `x`.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn nearest(&self, x: V) -> Nearest<V> {
         let away = match *self {
