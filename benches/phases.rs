@@ -16,13 +16,13 @@ use std::time::{Duration, Instant};
 
 use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
-use siloflow::columns::Columns;
 use siloflow::grains::file;
 use siloflow::measure::totals;
-use siloflow::output::frames::{FramesPlugin, Studio};
+use siloflow::output::frames::{FrameRenderer, FramesPlugin};
 use siloflow::output::series::SeriesPlugin;
 use siloflow::prelude::*;
 use siloflow::scene::outputs::Series;
+use siloflow::store::ParticleStore;
 use stopwatch::{PARTS, Stopwatch};
 
 use self::crystal::{Crystal, R, go_on};
@@ -103,12 +103,12 @@ fn phases(criterion: &mut Criterion) {
 
 /// Somebody can have gone so far that all who wait must look.
 fn startle(world: &mut World) {
-    world.resource_mut::<Columns>().travel += R;
+    world.resource_mut::<ParticleStore>().travel += R;
 }
 
 /// A grain has changed, as if it had just come: slots are dealt out anew, and the list is made anew.
 fn touch(world: &mut World) {
-    let grain = world.resource::<Columns>().entity[0];
+    let grain = world.resource::<ParticleStore>().entity[0];
     let mass = *world.get::<Mass>(grain).expect("a grain has a mass");
     world.entity_mut(grain).insert(mass);
 }
@@ -157,7 +157,7 @@ fn outputs(criterion: &mut Criterion) {
     ] {
         let loaded = bed.load(&[("pictures", pictures)]);
         let mut simulation = Simulation::with_plugins(&loaded, &Registry::default(), NonZeroUsize::MIN, |app| {
-            if let Some(studio) = Studio::of(&loaded, directory.path().to_owned()) {
+            if let Some(studio) = FrameRenderer::of(&loaded, directory.path().to_owned()) {
                 app.add_plugins(FramesPlugin::<Plane>(studio, std::marker::PhantomData));
             } else {
                 let interval = Series { interval: 1.0e-4.try_into().expect("positive") };

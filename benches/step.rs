@@ -12,10 +12,10 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
-use siloflow::columns::Columns;
 use siloflow::measure::totals;
 use siloflow::neighbours::{Neighbours, Search};
 use siloflow::prelude::*;
+use siloflow::store::ParticleStore;
 use siloflow::threads::Threads;
 
 use self::crystal::{Crystal, R, go_on};
@@ -67,13 +67,13 @@ fn whole_steps(criterion: &mut Criterion) {
 /// Making the list, for a bed of 10,000 grains.
 fn neighbour_lists(criterion: &mut Criterion) {
     let simulation = Crystal::of(false, 10_000).simulation();
-    let columns = simulation.world().resource::<Columns>();
+    let store = simulation.world().resource::<ParticleStore>();
     let mut group = criterion.benchmark_group("neighbour list");
-    group.throughput(Throughput::Elements(columns.len() as u64)).sample_size(10);
+    group.throughput(Throughput::Elements(store.len() as u64)).sample_size(10);
     for skin in [0.04, 0.01] {
         let kind = Neighbours::VerletList { skin: skin.try_into().expect("a skin is positive") };
         group.bench_function(format!("skin {skin} m"), |bencher| {
-            bencher.iter(|| Search::new(kind, columns.periodic, R).update(columns, 1e-4, &Threads::one()));
+            bencher.iter(|| Search::new(kind, store.periodic, R).update(store, 1e-4, &Threads::one()));
         });
     }
     group.finish();

@@ -7,12 +7,12 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::PlainCommands;
 use crate::messages::{CameToRest, DoorOpened};
 use crate::particle::{Door, Fixed, Position, Radius, Velocity};
 use crate::rest::RestDetection;
 use crate::space::Vector;
 use crate::step::{Clock, Phase, Step};
+use crate::store::PlainCommands;
 use crate::values::{NonNegative, Positive};
 use crate::walls::outline::Link;
 

@@ -5,12 +5,12 @@
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::looks_when;
 use crate::grains::spawner::Pending;
-use crate::ledger::{BooksKept, Ledger};
+use crate::ledger::{GrainsAccounted, Ledger};
 use crate::messages::CameToRest;
 use crate::outcome::{End, Outcome};
 use crate::step::{Clock, Phase, Step, time_moves};
+use crate::store::reads_velocities_when;
 
 #[derive(Resource)]
 struct Until(f64);
@@ -67,10 +67,10 @@ impl Plugin for EndingPlugin {
                 .chain()
                 .in_set(Phase::Cull)
                 .in_set(Endings)
-                .after(BooksKept)
+                .after(GrainsAccounted)
                 .run_if(time_moves),
         );
-        looks_when(app, time_is_up);
+        reads_velocities_when(app, time_is_up);
         if self.at_rest {
             app.add_systems(Step, end_at_rest.in_set(Phase::Cull).before(end_when_empty));
         }

@@ -16,13 +16,13 @@
 //! dashpots is force times sliding velocity times dt, with the velocity that the force was evaluated with. It differs from what
 //! the whole counts by an error of the scheme's own order: c v^2 dt/4 or so for each contact of plain velocity Verlet.
 //!
-//! What comes and goes is booked in `turnover`, work in `work`. A scene with `energy_books: false` has none of this: no plugin of
+//! What comes and goes is booked in `energy_flows`, work in `work`. A scene with `energy_books: false` has none of this: no plugin of
 //! this file, no resource, and no room in the columns.
 //!
 //! Limit: a grain that a behaviour fixes or frees takes its kinetic energy out of or into the balance, which then shows as error;
 //! so does the work of one that is fixed and spins.
 
-mod turnover;
+mod energy_flows;
 mod work;
 
 use std::marker::PhantomData;
@@ -31,15 +31,15 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use self::turnover::{book_initial_overlaps, book_leaving_walls, book_released, book_removed};
+use self::energy_flows::{book_initial_overlaps, book_leaving_walls, book_released, book_removed};
 use self::work::{Powers, TurningPowers, book_added_work, book_contact_work, book_friction, book_lifted};
-use crate::columns::{
-    BeforeRenumbering, Columns, EngineBooks, FirstRenumbering, Late, Renumber, Renumbering, SpinsDrifted, after_kicks,
-    looks_when, renumber,
-};
 use crate::integrate::wrap::Wrapped;
 use crate::space::Space;
 use crate::step::{Part, Phase, Step, is_step_zero};
+use crate::store::{
+    AfterDeferredKick, BeforeRenumbering, EngineBalance, FirstRenumbering, ParticleStore, Renumber, Renumbering,
+    SpinsDrifted, after_kicks, reads_velocities_when, renumber,
+};
 use crate::walls::surfaces::walls_leave;
 
 /// The flows of energy so far, J; a resource where books are kept.
@@ -76,16 +76,16 @@ pub struct Channels {
     pub rolling: f64,
 }
 
-/// The books of the step are kept after this set, in [`Phase::Control`] or with the second kick (`columns/deferred_kick.rs`).
+/// The books of the step are kept after this set, in [`Phase::Control`] or with the second kick (`store/deferred_kick.rs`).
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
-pub struct EnergyBooked;
+pub struct EnergyBalanced;
 
 /// Keeps the energy balance.
 pub struct EnergyPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for EnergyPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.world_mut().resource_mut::<Columns<V>>().has_books = true;
+        app.world_mut().resource_mut::<ParticleStore<V>>().tracks_energy = true;
         app.init_resource::<EnergyFlows>()
             .init_resource::<Powers>()
             .add_systems(
@@ -96,7 +96,7 @@ impl<V: Space> Plugin for EnergyPlugin<V> {
                 ),
             )
             .add_systems(Step, book_initial_overlaps::<V>.in_set(Part::Engine(Phase::Cull)).run_if(is_step_zero));
-        after_kicks(app, || book_contact_work::<V>.in_set(EnergyBooked).into_configs());
+        after_kicks(app, || book_contact_work::<V>.in_set(EnergyBalanced).into_configs());
     }
 }
 
@@ -106,9 +106,9 @@ pub struct SpinEnergyPlugin<V: Space>(pub PhantomData<V>);
 impl<V: Space> Plugin for SpinEnergyPlugin<V> {
     fn build(&self, app: &mut App) {
         app.init_resource::<Channels>().init_resource::<TurningPowers>();
-        after_kicks(app, || book_friction::<V>.in_set(EnergyBooked).after(book_contact_work::<V>).into_configs());
+        after_kicks(app, || book_friction::<V>.in_set(EnergyBalanced).after(book_contact_work::<V>).into_configs());
         // What rolling resistance takes goes by spins that no kick has summed.
-        looks_when(app, |columns: Res<Columns<V>>| !columns.loads.rolling_drag.is_empty());
+        reads_velocities_when(app, |store: Res<ParticleStore<V>>| !store.loads.rolling_drag.is_empty());
     }
 }
 
@@ -129,7 +129,11 @@ impl<V: Space> Plugin for LiftPlugin<V> {
     fn build(&self, app: &mut App) {
         app.add_systems(
             Step,
-            book_lifted::<V>.in_set(Part::Engine(Phase::Drift)).after(Wrapped).before(SpinsDrifted).before(Late),
+            book_lifted::<V>
+                .in_set(Part::Engine(Phase::Drift))
+                .after(Wrapped)
+                .before(SpinsDrifted)
+                .before(AfterDeferredKick),
         );
     }
 }
@@ -139,6 +143,6 @@ pub struct AddedWorkPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for AddedWorkPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, book_added_work::<V>.in_set(EngineBooks));
+        app.add_systems(Step, book_added_work::<V>.in_set(EngineBalance));
     }
 }

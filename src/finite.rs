@@ -2,9 +2,9 @@
 //!
 //! It takes no pass of its own: a velocity or spin that is not finite makes the power of the drag forces so ([`crate::energy`]), or,
 //! where no books are kept, the sum of all of them; a position that is not finite makes the distance moved so
-//! ([`Columns::travel`]); a force that is not finite shows in the velocity of the same step; and what systems write is looked at when
+//! ([`ParticleStore::travel`]); a force that is not finite shows in the velocity of the same step; and what systems write is looked at when
 //! it is taken over. Only then, and in step zero, are all particles looked through for the grain. Where the second kick of a step is made
-//! with the next drift (`columns/deferred_kick.rs`), velocities show it then, and the step before is named.
+//! with the next drift (`store/deferred_kick.rs`), velocities show it then, and the step before is named.
 
 use std::marker::PhantomData;
 
@@ -12,19 +12,19 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use crate::columns::{Columns, EngineChecks, Late, SecondKicks, Settling};
 use crate::contact::{AnyLaw, Bounce};
-use crate::energy::{EnergyBooked, EnergyFlows};
+use crate::energy::{EnergyBalanced, EnergyFlows};
 use crate::outcome::{Failure, Outcome};
 use crate::space::{Linear, Space};
 use crate::step::{Clock, Step};
+use crate::store::{AfterDeferredKick, DeferredKick, EngineChecks, ParticleStore, SecondKicks};
 
 /// Whether the sums of all velocities and of all spins are.
-fn sums_are_finite<V: Space>(columns: &Columns<V>) -> bool {
-    let of_velocities = || columns.body.iter().map(|body| body.velocity).sum();
-    let of_spins = || columns.rotation.iter().map(|rotation| rotation.spin).sum();
+fn sums_are_finite<V: Space>(store: &ParticleStore<V>) -> bool {
+    let of_velocities = || store.body.iter().map(|body| body.velocity).sum();
+    let of_spins = || store.rotation.iter().map(|rotation| rotation.spin).sum();
     let (velocities, spins): (V, V::Spin) =
-        (columns.kick_sum.unwrap_or_else(of_velocities), columns.spin_kick_sum.unwrap_or_else(of_spins));
+        (store.kick_sum.unwrap_or_else(of_velocities), store.spin_kick_sum.unwrap_or_else(of_spins));
     velocities.is_finite() && spins.is_finite()
 }
 
@@ -32,7 +32,7 @@ fn sums_are_finite<V: Space>(columns: &Columns<V>) -> bool {
 #[derive(SystemParam)]
 struct Evidence<'w, V: Space> {
     clock: Res<'w, Clock>,
-    columns: Res<'w, Columns<V>>,
+    store: Res<'w, ParticleStore<V>>,
     law: Option<Res<'w, AnyLaw<V>>>,
     flows: Option<Res<'w, EnergyFlows>>,
     outcome: ResMut<'w, Outcome>,
@@ -43,24 +43,24 @@ impl<V: Space> Evidence<'_, V> {
     fn motion_is_finite(&self) -> bool {
         match &self.flows {
             Some(flows) => flows.dissipated.is_finite(),
-            None => sums_are_finite(&self.columns),
+            None => sums_are_finite(&self.store),
         }
     }
 
     /// Fails with the first grain of which something is not; positions count if they are of that step.
     fn accuse(&mut self, step: u64, positions_count: bool) {
-        for i in 0..self.columns.len() {
-            let body = &self.columns.body[i];
+        for i in 0..self.store.len() {
+            let body = &self.store.body[i];
             let quantity = if positions_count && !body.position.is_finite() {
                 "position"
             } else if !body.velocity.is_finite() {
                 "velocity"
-            } else if !self.columns.spin(i).is_finite() {
+            } else if !self.store.spin(i).is_finite() {
                 "spin"
             } else {
                 continue;
             };
-            let (grain, cause) = (self.columns.id[i], self.cause(i));
+            let (grain, cause) = (self.store.id[i], self.cause(i));
             self.outcome.fail(Failure::NotFinite { step, grain, quantity, cause });
             return;
         }
@@ -68,11 +68,11 @@ impl<V: Space> Evidence<'_, V> {
 
     /// Why entry `i` may be as it is.
     fn cause(&self, i: usize) -> String {
-        let Self { clock, columns, law, .. } = self;
-        if columns.added.get(i).is_some_and(|added| !added.is_finite()) {
+        let Self { clock, store, law, .. } = self;
+        if store.added.get(i).is_some_and(|added| !added.is_finite()) {
             "a behaviour has added a force that is not finite".to_owned()
-        } else if !columns.loads.force.of(i).is_finite() {
-            let (mass, radius) = (1.0 / columns.body[i].inverse_mass, columns.body[i].radius);
+        } else if !store.loads.force.of(i).is_finite() {
+            let (mass, radius) = (1.0 / store.body[i].inverse_mass, store.body[i].radius);
             let bounce = Bounce { reduced_mass: mass, reduced_radius: radius, speed: 1.0 };
             let step = law.as_ref().map_or(f64::NAN, |law| clock.dt * law.0.frequency(&bounce));
             format!(
@@ -86,8 +86,8 @@ impl<V: Space> Evidence<'_, V> {
 }
 
 fn check<V: Space>(mut evidence: Evidence<V>) {
-    let columns = &evidence.columns;
-    let is_odd = columns.is_suspect || !columns.travel.is_finite();
+    let store = &evidence.store;
+    let is_odd = store.is_suspect || !store.travel.is_finite();
     if is_odd || evidence.clock.is_step_zero() || !evidence.motion_is_finite() {
         let step = evidence.clock.steps;
         evidence.accuse(step, true);
@@ -107,7 +107,10 @@ pub struct FinitePlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for FinitePlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Settling, check::<V>.after(SecondKicks).after(EnergyBooked));
-        app.add_systems(Step, (check::<V>.in_set(EngineChecks), check_late::<V>.in_set(Late).after(EnergyBooked)));
+        app.add_systems(DeferredKick, check::<V>.after(SecondKicks).after(EnergyBalanced));
+        app.add_systems(
+            Step,
+            (check::<V>.in_set(EngineChecks), check_late::<V>.in_set(AfterDeferredKick).after(EnergyBalanced)),
+        );
     }
 }

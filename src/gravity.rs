@@ -1,6 +1,6 @@
 //! Weight: m g on every grain. Where it acts, the potential energy of a grain is -m g.x, zero at the origin.
 //!
-//! It is what the sum of the forces on a grain begins with ([`crate::columns::Loads::force`]), so that it takes no pass.
+//! It is what the sum of the forces on a grain begins with ([`crate::store::Loads::force`]), so that it takes no pass.
 
 use bevy_ecs::prelude::*;
 

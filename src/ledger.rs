@@ -16,18 +16,18 @@
 //! Limit: what happens to a door grain's line while the door slides is not followed; from the first step of opening
 //! the orifice is open.
 
-mod books;
 mod cull;
+mod grain_accounting;
 
 use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-pub use self::books::{BooksKept, Ledger, LedgerPlugin, LossRecord, OnLoss};
 use self::cull::CullLine;
 pub use self::cull::{Cull, CullPlugin};
-use crate::columns::{Columns, Renumber, Renumbering, renumber};
+pub use self::grain_accounting::{GrainsAccounted, Ledger, LedgerPlugin, LossRecord, OnLoss};
+use crate::displacement_trigger::DisplacementTrigger;
 use crate::door::DoorState;
 use crate::messages::{GrainLost, GrainOut};
 use crate::particle::{Grain, GrainId};
@@ -35,7 +35,7 @@ use crate::particles::Particles;
 use crate::periodic::Periodic;
 use crate::space::{Plane, Space};
 use crate::step::{Phase, Step};
-use crate::wait::Wait;
+use crate::store::{ParticleStore, Renumber, Renumbering, renumber};
 use crate::walls::paths::{Crossing, Paths};
 
 /// Where the ledger holds grains to be, in the order of slots.
@@ -65,16 +65,16 @@ pub struct Enclosure<V: Space = Plane> {
 
 /// Places go along with their grains when slots are dealt out anew.
 fn move_places<V: Space>(
-    columns: Res<Columns<V>>,
+    store: Res<ParticleStore<V>>,
     mut whereabouts: ResMut<Whereabouts<V>>,
     grains: Query<(), With<Grain>>,
 ) {
-    let place = |i: usize| match whereabouts.0.get(columns.former[i].index()) {
+    let place = |i: usize| match whereabouts.0.get(store.former[i].index()) {
         Some(&place) if place != Place::Nowhere => place,
-        _ if grains.contains(columns.entity[i]) => Place::New,
+        _ if grains.contains(store.entity[i]) => Place::New,
         _ => Place::Nowhere,
     };
-    whereabouts.0 = (0..columns.len()).map(place).collect();
+    whereabouts.0 = (0..store.len()).map(place).collect();
 }
 
 fn watch_paths<V: Space>(
@@ -83,9 +83,9 @@ fn watch_paths<V: Space>(
     mut out: MessageWriter<GrainOut<V>>,
     mut lost: MessageWriter<GrainLost<V>>,
     mut whereabouts: ResMut<Whereabouts<V>>,
-    mut wait: Local<Wait>,
+    mut trigger: Local<DisplacementTrigger>,
 ) {
-    if !wait.is_over(particles.odometer(), 0.0) {
+    if !trigger.has_fired(particles.travel_meter(), 0.0) {
         return;
     }
     let (mut longest, mut lowest) = (0.0f64, f64::INFINITY);
@@ -136,7 +136,7 @@ fn watch_paths<V: Space>(
     }
     // Nobody's next look is due before somebody has gone this far.
     let way_left = patience.sqrt() - longest.sqrt();
-    *wait = Wait::for_distance(particles.odometer(), way_left.min(lowest - last_chance));
+    *trigger = DisplacementTrigger::for_distance(particles.travel_meter(), way_left.min(lowest - last_chance));
 }
 
 /// How a grain was lost, and whether it was because it moves so far (m) in a step that no force can stop it.
@@ -204,6 +204,6 @@ impl<V: Space> Plugin for PathsPlugin<V> {
         app.insert_resource(Whereabouts::<V>(Vec::new()))
             .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
             .add_systems(Renumber, move_places::<V>.in_set(Renumbering).after(renumber::<V>))
-            .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(books::keep_books::<V>));
+            .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(grain_accounting::account_for_grains::<V>));
     }
 }

@@ -78,7 +78,7 @@ impl fmt::Display for GrainId {
     }
 }
 
-/// Index of a particle in the packed store ([`Columns`](crate::columns::Columns)).
+/// Index of a particle in the packed store ([`ParticleStore`](crate::store::Columns)).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Slot(u32);
 

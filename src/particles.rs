@@ -19,16 +19,16 @@ use std::ops::Deref;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use crate::columns::{Columns, ReadsMotion, ReadsPlaces};
+use crate::displacement_trigger::TravelMeter;
 use crate::particle::{GrainId, Species};
 use crate::periodic::Periodic;
 use crate::space::{Plane, Space};
-use crate::wait::Odometer;
+use crate::store::{ParticleStore, ReadsMotion, ReadsPlaces};
 
 /// Places, properties and forces of all particles.
 #[derive(SystemParam)]
 pub struct Particles<'w, V: Space = Plane> {
-    store: Res<'w, Columns<V>>,
+    store: Res<'w, ParticleStore<V>>,
     _reads: Res<'w, ReadsPlaces>,
 }
 
@@ -139,8 +139,8 @@ impl<V: Space> Particles<'_, V> {
     /// How far particles can have moved, for systems that need not look in every step.
     #[must_use]
     #[inline]
-    pub fn odometer(&self) -> Odometer {
-        self.store.odometer()
+    pub fn travel_meter(&self) -> TravelMeter {
+        self.store.travel_meter()
     }
 }
 
@@ -163,7 +163,7 @@ impl<V: Space> Motion<'_, V> {
     /// The whole store.
     #[must_use]
     #[inline]
-    pub fn store(&self) -> &Columns<V> {
+    pub fn store(&self) -> &ParticleStore<V> {
         &self.particles.store
     }
 

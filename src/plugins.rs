@@ -9,17 +9,16 @@ use bevy_ecs::prelude::*;
 
 use crate::assembly::Assembly;
 use crate::behaviour::Behaviour;
-use crate::columns::{ColumnsPlugin, clear_forces};
 use crate::contact::config::LawVisitor;
 use crate::contact::history::History;
-use crate::contact::{Centred, CentredLaw, ContactPlugin, Demands, PairLaw};
+use crate::contact::{Centred, CentredLaw, ContactPlugin, LawRequirements, PairLaw};
 use crate::door::{DoorPlugin, Orifice};
 use crate::ending::EndingPlugin;
 use crate::energy::{AddedWorkPlugin, EnergyPlugin, LeavingWallsEnergyPlugin, LiftPlugin, SpinEnergyPlugin};
 use crate::finite::FinitePlugin;
 use crate::grains::spawner::SpawnerPlugin;
 use crate::integrate::IntegratorPlugin;
-use crate::integrate::centred::LookAheadPlugin;
+use crate::integrate::centred::VelocityPredictionPlugin;
 use crate::integrate::rotation::SpinPlugin;
 use crate::integrate::wrap::PeriodicPlugin;
 use crate::ledger::{CullPlugin, LedgerPlugin, PathsPlugin};
@@ -29,10 +28,11 @@ use crate::messages::MessagesPlugin;
 use crate::neighbours::NeighboursPlugin;
 use crate::periodic::Periodic;
 use crate::rest::RestPlugin;
-use crate::rows::RowsPlugin;
 use crate::scene::load::Loaded;
 use crate::space::{Solid, Space};
 use crate::step::{ForceStage, Step, StepPlugin};
+use crate::store::{StorePlugin, clear_forces};
+use crate::table_sort::TableSortPlugin;
 use crate::walls::conveyor::ConveyorPlugin;
 use crate::walls::outline::Outline;
 use crate::walls::paths::FlatWalls;
@@ -53,8 +53,8 @@ pub(crate) fn add_all<V: Space>(
     let has_behaviours = !behaviours.is_empty();
     app.add("step", StepPlugin { dt: loaded.step() })
         .add("always", MessagesPlugin(space))
-        .add("always", ColumnsPlugin(space))
-        .add("always", RowsPlugin)
+        .add("always", StorePlugin(space))
+        .add("always", TableSortPlugin)
         .add("always", ObservePlugin)
         .add("neighbours", NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius })
         .add("integrator", IntegratorPlugin { kind: scene.integrator, space })
@@ -70,7 +70,7 @@ pub(crate) fn add_all<V: Space>(
         app.add("watchdog", WatchdogPlugin(watchdog, space));
     }
     if let Some(periodic) = periodic {
-        app.add("periodic", PeriodicPlugin { periodic, has_books: scene.energy_books });
+        app.add("periodic", PeriodicPlugin { periodic, tracks_energy: scene.energy_books });
         if scene.energy_books && periodic.lifts(scene.gravity.get()) {
             app.add("periodic", LiftPlugin(space));
         }
@@ -91,7 +91,7 @@ pub(crate) fn add_all<V: Space>(
     if !own_contacts {
         let centred = loaded.is_centred();
         if centred {
-            app.add("integrator", LookAheadPlugin { spins: scene.contact.spins(), space });
+            app.add("integrator", VelocityPredictionPlugin { spins: scene.contact.spins(), space });
         }
         loaded.contacts().visit::<V, _>(AddContacts { app, centred });
     }
@@ -150,13 +150,13 @@ struct AddContacts<'a, 'b> {
 impl<V: Space> LawVisitor<V> for AddContacts<'_, '_> {
     type Output = ();
 
-    fn take<L: CentredLaw<V> + Demands>(self, law: L) {
+    fn take<L: CentredLaw<V> + LawRequirements>(self, law: L) {
         if self.centred { self.add(Centred(law)) } else { self.add(law) }
     }
 }
 
 impl AddContacts<'_, '_> {
-    fn add<V: Space, L: PairLaw<V> + Demands>(self, law: L) {
+    fn add<V: Space, L: PairLaw<V> + LawRequirements>(self, law: L) {
         self.app.add("contact", ContactPlugin::<V, L>::new(Arc::new(law)));
     }
 }

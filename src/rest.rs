@@ -13,13 +13,13 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::foresee;
 use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
 use crate::messages::CameToRest;
 use crate::particles::Motion;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
+use crate::store::register_predictable;
 use crate::values::{NonNegative, Positive};
 
 /// The scene's `rest`.
@@ -98,6 +98,6 @@ impl<V: Space> Plugin for RestPlugin<V> {
                 .run_if(everything_is_released_and_moves)
                 .run_if(crate::step::time_moves),
         );
-        foresee(app, everything_is_released_and_moves, everything_is_released_and_moves);
+        register_predictable(app, everything_is_released_and_moves, everything_is_released_and_moves);
     }
 }

@@ -9,7 +9,6 @@ use bevy_ecs::prelude::*;
 
 use crate::assembly::{AskedBy, Assembly};
 use crate::behaviour::{Behaviour, Registry};
-use crate::columns::{self, Columns};
 use crate::fault::Fault;
 use crate::grains::file::GrainRow;
 use crate::grains::spawner::Pending;
@@ -22,10 +21,11 @@ use crate::outcome::{End, Outcome};
 use crate::particle::{Door, GrainBundle, GrainId, Species, wall_grain};
 use crate::periodic::Periodic;
 use crate::plugins::{AddPaths, add_all, add_behaviours, planar_paths, solid_paths};
-use crate::rows::sort_newcomers;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::step::{Clock, Part, Step};
+use crate::store::{self, ParticleStore};
+use crate::table_sort::sort_newcomers;
 use crate::threads::Threads;
 use crate::walls::config::Wall;
 use crate::walls::conveyor::Conveyed;
@@ -87,8 +87,8 @@ impl Simulation {
 
     fn ready_for_grains(app: App, loaded: &Loaded) -> Result<Self, Fault> {
         match loaded.scene.space {
-            Dimension::Plane => Self::ready(app, columns::plan::<Plane>),
-            Dimension::Solid => Self::ready(app, columns::plan::<Solid>),
+            Dimension::Plane => Self::ready(app, store::plan::<Plane>),
+            Dimension::Solid => Self::ready(app, store::plan::<Solid>),
         }
     }
 
@@ -193,7 +193,7 @@ impl Simulation {
 
     /// Brings components up to date.
     fn refresh(&mut self) {
-        columns::refresh_world(self.app.world_mut());
+        store::refresh_world(self.app.world_mut());
     }
 
     /// Steps to the end.
@@ -226,7 +226,7 @@ impl Simulation {
     /// Everything there is, to be changed; what is changed between steps counts from the next step on.
     pub fn world_mut(&mut self) -> &mut World {
         let world = self.app.world_mut();
-        columns::hand_out(world);
+        store::publish_to_world(world);
         world
     }
 }
@@ -234,7 +234,7 @@ impl Simulation {
 /// Runs step zero if it has not run, else one step. Gives the end once there is one, and then does nothing.
 fn advance(world: &mut World) -> Option<End> {
     if world.resource::<Outcome>().end().is_none() {
-        columns::take_back(world);
+        store::collect_from_world(world);
         world.run_schedule(Step);
         world.resource_mut::<Clock>().start();
         world.clear_trackers();
@@ -316,7 +316,7 @@ fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
     let mut newcomers: Vec<_> = loaded.grains.iter().map(newcomer).collect();
     sort_newcomers(&mut newcomers);
     // All at once: tables are made for as many.
-    match world.resource::<Columns<V>>().inertia {
+    match world.resource::<ParticleStore<V>>().inertia {
         None => world.spawn_batch(newcomers.into_iter().map(|(grain, _)| grain)).for_each(drop),
         Some(law) => {
             let turning = |grain: &GrainBundle<V>, spin| law.turning::<V>(grain.mass.0, grain.particle.radius.0, spin);

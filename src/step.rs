@@ -24,7 +24,7 @@ pub enum Phase {
     Neighbours,
     /// Forces at x(t+dt), v(t+dt/2): see [`ForceStage`].
     Forces,
-    /// a(t+dt), v(t+dt). Not in step zero. Where no system looks at velocities it may be put off (`columns/deferred_kick.rs`).
+    /// a(t+dt), v(t+dt). Not in step zero. Where no system looks at velocities it may be put off (`store/deferred_kick.rs`).
     Kick,
     /// Rest detector, door controller.
     Control,

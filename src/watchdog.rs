@@ -33,17 +33,17 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::foresee;
 use crate::contact::{Bounce, LargestOverlap};
 use crate::ending::Endings;
 use crate::energy::EnergyFlows;
 use crate::gravity::Gravity;
-use crate::ledger::BooksKept;
+use crate::ledger::GrainsAccounted;
 use crate::outcome::{End, Failure, Outcome};
 use crate::particle::GrainId;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
-use crate::survey::{Partner, Scenery, Survey};
+use crate::store::register_predictable;
+use crate::survey::{Partner, Survey, SurveyParam};
 use crate::values::Positive;
 
 /// The scene's `watchdog`.
@@ -101,12 +101,12 @@ struct Held {
 
 impl Held {
     fn of<V: Space>(survey: &Survey<V>, gravity: V) -> Self {
-        let columns = survey.columns;
+        let store = survey.store;
         let mut held = Self { elastic: survey.elastic_energy(|_, _| true), ..Self::default() };
-        for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
-            let body = &columns.body[i];
-            let fall = columns.mass[i] * gravity.dot(body.position);
-            held.kinetic += 0.5 * columns.mass[i] * body.velocity.length_squared() + columns.rotational_energy(i);
+        for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
+            let body = &store.body[i];
+            let fall = store.mass[i] * gravity.dot(body.position);
+            held.kinetic += 0.5 * store.mass[i] * body.velocity.length_squared() + store.rotational_energy(i);
             held.potential -= fall;
             held.magnitude += fall.abs();
         }
@@ -147,7 +147,7 @@ fn is_called(clock: Res<Clock>, largest: Res<LargestOverlap>, watch: Res<Watch>,
 fn look<V: Space>(
     (clock, gravity, flows): (Res<Clock>, Res<Gravity<V>>, Option<Res<EnergyFlows>>),
     largest: Res<LargestOverlap>,
-    scenery: Scenery<V>,
+    survey_param: SurveyParam<V>,
     mut watch: ResMut<Watch>,
     mut outcome: ResMut<Outcome>,
 ) {
@@ -155,7 +155,7 @@ fn look<V: Space>(
     if matches!(outcome.end(), Some(End::Failed(_))) {
         return;
     }
-    let (survey, ratio) = (scenery.survey(), largest.0);
+    let (survey, ratio) = (survey_param.survey(), largest.0);
     if watch.is_deep(ratio) {
         watch.has_warned = true;
         if let Some(failure) = judge_overlap(&survey, &clock, ratio, watch.overlap) {
@@ -174,16 +174,16 @@ fn look<V: Space>(
 
 /// The failure, unless nobody is there any more.
 fn energy_grew<V: Space>(survey: &Survey<V>, clock: &Clock, created_j: f64, put_in_j: f64) -> Option<Failure> {
-    let columns = survey.columns;
-    let movable = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
+    let store = survey.store;
+    let movable = (0..store.movable_end).filter(|&i| !store.is_fixed(i));
     let fastest = movable.max_by(|&a, &b| {
-        let speed = |i: usize| columns.body[i].velocity.length_squared();
+        let speed = |i: usize| store.body[i].velocity.length_squared();
         speed(a).total_cmp(&speed(b))
     })?;
-    let speed_m_s = columns.body[fastest].velocity.length();
-    let (reduced_mass, reduced_radius) = (columns.mass[fastest], columns.body[fastest].radius);
+    let speed_m_s = store.body[fastest].velocity.length();
+    let (reduced_mass, reduced_radius) = (store.mass[fastest], store.body[fastest].radius);
     let stiffness = clock.dt * survey.law.frequency(&Bounce { reduced_mass, reduced_radius, speed: speed_m_s });
-    let grain = columns.id[fastest];
+    let grain = store.id[fastest];
     Some(Failure::EnergyGrew { step: clock.steps, grain, speed_m_s, created_j, put_in_j, stiffness })
 }
 
@@ -215,10 +215,10 @@ fn deepest<V: Space>(survey: &Survey<V>) -> Option<(GrainId, String)> {
             (deepest, who) = (ratio, Some((i, partner)));
         }
     });
-    let columns = survey.columns;
+    let store = survey.store;
     who.map(|(i, partner)| match partner {
-        Partner::Particle(j) => (columns.id[i], columns.id[j].to_string()),
-        Partner::Wall(_) => (columns.id[i], "a flat wall".to_owned()),
+        Partner::Particle(j) => (store.id[i], store.id[j].to_string()),
+        Partner::Wall(_) => (store.id[i], "a flat wall".to_owned()),
     })
 }
 
@@ -239,8 +239,8 @@ impl<V: Space> Plugin for WatchdogPlugin<V> {
             has_warned: overlap.is_none(),
         });
         // After the books of the step are closed, and before the end of the run is written.
-        app.add_systems(Step, look::<V>.in_set(Phase::Cull).after(BooksKept).after(Endings).run_if(is_called));
-        foresee(app, is_called, is_called);
+        app.add_systems(Step, look::<V>.in_set(Phase::Cull).after(GrainsAccounted).after(Endings).run_if(is_called));
+        register_predictable(app, is_called, is_called);
     }
 }
 

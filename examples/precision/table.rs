@@ -13,17 +13,17 @@ pub trait Measure {
 
 pub fn heading() -> String {
     let names = [Double::NAME, SingleForces::NAME, Anchored::NAME, Single::NAME];
-    let columns = names.map(|name| format!("{name:>18}")).concat();
-    format!("{:44}{:>8}{:>12}{columns}", "case", "offset", "of the step")
+    let store = names.map(|name| format!("{name:>18}")).concat();
+    format!("{:44}{:>8}{:>12}{store}", "case", "offset", "of the step")
 }
 
 /// `step` is the error that the time step makes, where the case has one.
 pub fn row(case: &str, offset: f64, step: Option<f64>, measure: &impl Measure) -> String {
     let figures =
         [measure.of::<Double>(), measure.of::<SingleForces>(), measure.of::<Anchored>(), measure.of::<Single>()];
-    let columns = figures.map(|figure| format!("{:>18}", text(figure))).concat();
+    let store = figures.map(|figure| format!("{:>18}", text(figure))).concat();
     let step = step.map_or_else(|| "-".to_owned(), |x| format!("{x:.1e}"));
-    format!("{case:44}{offset:>8.0e}{step:>12}{columns}")
+    format!("{case:44}{offset:>8.0e}{step:>12}{store}")
 }
 
 fn text((value, error): (f64, Option<f64>)) -> String {

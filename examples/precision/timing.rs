@@ -59,34 +59,34 @@ struct Bed<S, F> {
 }
 
 impl<S: Real, F: Real> Bed<S, F> {
-    fn new(columns: u32, rows: u32) -> Self {
+    fn new(store: u32, rows: u32) -> Self {
         let pitch = 2.0 * RADIUS * 0.999;
         let body = |i: u32| {
-            let (column, row) = (f64::from(i % columns), f64::from(i / columns));
+            let (column, row) = (f64::from(i % store), f64::from(i / store));
             let x = [pitch * (column + 0.5 * (row % 2.0)), pitch * 0.75f64.sqrt() * row].map(S::of);
             let v = [0, 1].map(|axis| S::of(0.001 * uniform(axis, u64::from(i))));
             Body { x, v, radius: S::of(RADIUS), inverse_mass: S::of(1.0 / MASS) }
         };
         let mut pairs = Vec::new();
-        for i in 0..columns * rows {
-            let (column, row) = (i % columns, i / columns);
-            if column + 1 < columns {
+        for i in 0..store * rows {
+            let (column, row) = (i % store, i / store);
+            if column + 1 < store {
                 pairs.push((i, i + 1));
             }
             let left = i64::from(column) - i64::from(1 - row % 2);
             for above in [left, left + 1] {
                 if let Ok(above) = u32::try_from(above)
-                    && above < columns
+                    && above < store
                     && row + 1 < rows
                 {
-                    pairs.push((i, (row + 1) * columns + above));
+                    pairs.push((i, (row + 1) * store + above));
                 }
             }
         }
         let none = [F::ZERO; LANES];
         Self {
-            bodies: (0..columns * rows).map(body).collect(),
-            loads: vec![[S::ZERO; 2]; (columns * rows) as usize],
+            bodies: (0..store * rows).map(body).collect(),
+            loads: vec![[S::ZERO; 2]; (store * rows) as usize],
             pairs,
             chunk: Box::new(Chunk { d: [none; 2], v: [none; 2], reach: none, reduced: none, force: [none; 2] }),
             stiffness: F::of(STIFFNESS),
@@ -179,12 +179,9 @@ pub fn rows(say: &mut impl FnMut(String)) {
         "{:>8}  {:20}{:>8}{:>14}{:>8}{:>16}",
         "discs", "ns a pair", "f64", "f32 forces", "f32", "f64 over each"
     ));
-    for (columns, rows) in [(100, 100), (400, 250)] {
-        let (mut double, mut mixed, mut single) = (
-            Bed::<f64, f64>::new(columns, rows),
-            Bed::<f64, f32>::new(columns, rows),
-            Bed::<f32, f32>::new(columns, rows),
-        );
+    for (store, rows) in [(100, 100), (400, 250)] {
+        let (mut double, mut mixed, mut single) =
+            (Bed::<f64, f64>::new(store, rows), Bed::<f64, f32>::new(store, rows), Bed::<f32, f32>::new(store, rows));
         for kind in ["one by one", "in lanes", "arithmetic"] {
             let mut times = [Vec::new(), Vec::new(), Vec::new()];
             for _ in 0..TIMINGS {
@@ -203,7 +200,7 @@ pub fn rows(say: &mut impl FnMut(String)) {
             for (which, name) in ["least", "median"].into_iter().enumerate() {
                 let [a, b, c] = times.map(|time| time[which]);
                 let gain = format!("{:.2}, {:.2}", a / b, a / c);
-                say(format!("{:>8}  {kind:12}{name:8}{a:>8.2}{b:>14.2}{c:>8.2}{gain:>16}", columns * rows));
+                say(format!("{:>8}  {kind:12}{name:8}{a:>8.2}{b:>14.2}{c:>8.2}{gain:>16}", store * rows));
             }
         }
     }

@@ -8,7 +8,6 @@ use bevy_ecs::schedule::ScheduleLabel;
 use crate::assembly::AskedBy;
 use crate::behaviour::Registry;
 use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
-use crate::columns::{Renumber, Settling};
 use crate::fault::Fault;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::rules::Rules;
@@ -17,6 +16,7 @@ use crate::particle::Grain;
 use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 use crate::step::Step;
+use crate::store::{DeferredKick, Renumber};
 use crate::walls::config::Wall;
 
 pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, Fault> {
@@ -108,7 +108,7 @@ fn describe_systems(world: &World, text: &mut String) {
     };
     let parts = [
         (Step.intern(), "systems of a step, in order, and the key that asks for each:"),
-        (Settling.intern(), "where velocities are looked at between two steps, else with the next drift:"),
+        (DeferredKick.intern(), "where velocities are looked at between two steps, else with the next drift:"),
         (Renumber.intern(), "when particles enter or leave:"),
     ];
     for (label, heading) in parts {

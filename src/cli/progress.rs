@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Steps between two looks at the wall clock.
-const STRIDE: u32 = 64;
+const CHUNK: u32 = 64;
 
 pub(super) struct Progress {
     bar: Option<ProgressBar>,
@@ -51,7 +51,7 @@ impl Progress {
     /// Shows the line that `describe` makes when it is time to; `updates` have been done so far.
     pub(super) fn look(&mut self, updates: u64, describe: impl FnOnce(Pace) -> String) {
         self.stride += 1;
-        if self.stride < STRIDE {
+        if self.stride < CHUNK {
             return;
         }
         self.stride = 0;

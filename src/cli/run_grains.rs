@@ -12,13 +12,12 @@ use crate::assembly::Assembly;
 use crate::behaviour::Registry;
 use crate::cli::progress::{Pace, Progress};
 use crate::cli::run::{Report, unwritable};
-use crate::columns::Columns;
 use crate::fault::Fault;
 use crate::grains::file;
 use crate::ledger::Ledger;
 use crate::outcome::End;
 use crate::output::flow::FlowPlugin;
-use crate::output::frames::{FramesPlugin, Studio};
+use crate::output::frames::{FrameRenderer, FramesPlugin};
 use crate::output::profiles::ProfilesPlugin;
 use crate::output::run_directory::RunDirectory;
 use crate::output::series::SeriesPlugin;
@@ -31,6 +30,7 @@ use crate::scene::load::Loaded;
 use crate::simulation::Simulation;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::step::Clock;
+use crate::store::ParticleStore;
 
 pub(super) fn run_into(
     path: &Path,
@@ -96,8 +96,8 @@ fn build_in<V: Space>(
         if let Some(flow) = outputs.flow {
             app.add("flow", flow);
         }
-        if let Some(studio) = Studio::of(loaded, directory.frames()) {
-            app.add("pictures", FramesPlugin::<V>(studio, PhantomData));
+        if let Some(frames) = FrameRenderer::of(loaded, directory.frames()) {
+            app.add("pictures", FramesPlugin::<V>(frames, PhantomData));
         }
     });
     Simulation::with(loaded, registry, threads, more)
@@ -163,7 +163,7 @@ fn line(world: &World, until: f64, pace: Pace) -> String {
 
 /// Kinetic energy of translation, J; by velocities that may be half a step old.
 fn kinetic<V: Space>(world: &World) -> f64 {
-    let columns = world.resource::<Columns<V>>();
+    let columns = world.resource::<ParticleStore<V>>();
     (0..columns.movable_end).map(|i| columns.kinetic_energy(i)).sum()
 }
 

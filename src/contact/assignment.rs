@@ -5,9 +5,9 @@
 //! lasts as long as its overlap; near its end the drag may pull. Source: Remmers, "The grain silo", 2009. (There
 //! the force "that i exerts on j" is the one on i.)
 
-use crate::contact::centred::{Ahead, CentredLaw, Window};
+use crate::contact::centred::{CentredLaw, VelocityPrediction, Window};
 use crate::contact::damping::Attraction;
-use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
+use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::space::Space;
 use crate::values::{NonNegative, Positive};
 
@@ -26,7 +26,7 @@ impl Assignment {
     }
 }
 
-impl Demands for Assignment {
+impl LawRequirements for Assignment {
     const RADII: bool = false;
 }
 
@@ -71,7 +71,7 @@ impl<V: Space> CentredLaw<V> for Assignment {
             [pair.overlap, before].map(|overlap| self.b * window.share(overlap))
         };
         // h/m of the pair, and of its lone grains.
-        let Ahead { velocity: gained, inverse_masses, .. } = pair.ahead;
+        let VelocityPrediction { velocity: gained, inverse_masses, .. } = pair.ahead;
         let [half, half_lone] =
             [inverse_masses[0] + inverse_masses[1], pair.ahead.lone_mobility()].map(|m| 0.5 * pair.dt * m);
         let spring = self.k * pair.overlap.max(0.0);

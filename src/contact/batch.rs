@@ -4,26 +4,26 @@
 //! instructions of it. Each lane does what a single contact would, operation by operation, so that how many are computed at
 //! once leaves no trace. Lanes beyond the last contact are computed too, from what an earlier one left there, and not read.
 
-mod ahead;
-mod answer;
 mod bodies;
+mod contact_output;
 mod memories;
+mod prediction;
 mod spins;
 
-pub use self::ahead::AheadLanes;
-pub use self::answer::Answer;
 pub use self::bodies::Bodies;
+pub use self::contact_output::ContactOutput;
 pub use self::memories::MemoryLanes;
+pub use self::prediction::PredictionLanes;
 pub use self::spins::Spins;
-use crate::columns::{BOOKED, Rotation};
-use crate::contact::centred::{Ahead, Window};
-use crate::contact::history::Lost;
+use crate::contact::centred::{VelocityPrediction, Window};
+use crate::contact::history::ContactLosses;
 use crate::contact::lanes::{LANES, PerLane, of_both};
-use crate::contact::{Demands, Pair, PairLaw};
+use crate::contact::{LawRequirements, Pair, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
 use crate::particle::Species;
 use crate::space::{Linear, Space};
+use crate::store::{Rotation, TOTAL_AND_DISSIPATIVE};
 
 /// Contacts i, j side by side; SI, as in [`Pair`].
 #[derive(Clone, Debug, Default)]
@@ -35,17 +35,17 @@ pub struct Batch<V: Space> {
     pub bodies: Bodies<V>,
     pub spins: Spins<V>,
     pub species: [PerLane<Species>; 2],
-    pub ahead: AheadLanes<V>,
+    pub ahead: PredictionLanes<V>,
     pub memory: MemoryLanes<V>,
     /// Whether a contact is one of the pass before.
     pub is_known: PerLane<bool>,
-    pub answer: Answer<V>,
+    pub answer: ContactOutput<V>,
 }
 
 impl<V: Space> Batch<V> {
     /// Takes one more contact, which has been measured: one with a flat wall, for the reach is the radius of i.
     #[inline(always)]
-    pub fn push<L: Demands>(&mut self, contact: Candidate, pair: &Pair<V>) {
+    pub fn push<L: LawRequirements>(&mut self, contact: Candidate, pair: &Pair<V>) {
         let (lane, bodies) = (self.len, &mut self.bodies);
         self.pairs[lane] = contact;
         bodies.normal.set(lane, pair.normal);
@@ -65,7 +65,7 @@ impl<V: Space> Batch<V> {
             let rotations = pair.spins.map(|spin| Rotation { spin, inverse_inertia: 0.0 });
             self.spins.take(lane, rotations.each_ref());
         }
-        if L::AHEAD {
+        if L::PREDICTION {
             (bodies.inverse_masses[0][lane], bodies.inverse_masses[1][lane]) = pair.ahead.inverse_masses.into();
             self.ahead.set::<L>(lane, &pair.ahead);
         }
@@ -74,7 +74,7 @@ impl<V: Space> Batch<V> {
 
     /// The contact of a lane, moved on by `dt` (s), as the law sees it.
     #[inline(always)]
-    fn pair<L: Demands>(&self, lane: usize, dt: f64) -> Pair<V> {
+    fn pair<L: LawRequirements>(&self, lane: usize, dt: f64) -> Pair<V> {
         let mut pair = Pair {
             normal: self.bodies.normal.get(lane),
             overlap: self.bodies.overlap[lane],
@@ -86,7 +86,7 @@ impl<V: Space> Batch<V> {
             spins: [V::Spin::ZERO; 2],
             species: [Species(0); 2],
             dt,
-            ahead: Ahead::default(),
+            ahead: VelocityPrediction::default(),
         };
         if L::RADII {
             pair.radii = of_both(&self.bodies.radii, lane);
@@ -98,7 +98,7 @@ impl<V: Space> Batch<V> {
         if L::SPECIES {
             pair.species = [self.species[0][lane], self.species[1][lane]];
         }
-        if L::AHEAD {
+        if L::PREDICTION {
             pair.ahead = self.ahead.get::<L>(lane, of_both(&self.bodies.inverse_masses, lane));
         }
         pair
@@ -106,7 +106,7 @@ impl<V: Space> Batch<V> {
 
     /// What contacts lose, J.
     #[inline]
-    pub fn lost<L: Demands>(&mut self) -> Lost {
+    pub fn lost<L: LawRequirements>(&mut self) -> ContactLosses {
         self.answer.lost::<L>(self.len.min(LANES))
     }
 
@@ -118,7 +118,12 @@ impl<V: Space> Batch<V> {
 
     /// Asks `law` about all lanes; gives how many overlap by more than `deepest` times the sum of the radii.
     #[inline(always)]
-    fn answer_all<L: PairLaw<V> + Demands, const EACH: usize>(&mut self, law: &L, dt: f64, deepest: f64) -> u32 {
+    fn answer_all<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
+        &mut self,
+        law: &L,
+        dt: f64,
+        deepest: f64,
+    ) -> u32 {
         let mut deeper = 0;
         if L::SPIN {
             self.spins.spread(self.lanes());
@@ -127,12 +132,12 @@ impl<V: Space> Batch<V> {
             let pair = self.pair::<L>(lane, dt);
             let mut memory = self.memory.get::<L>(lane);
             let force = law.force(&pair, &mut memory);
-            if L::AHEAD {
+            if L::PREDICTION {
                 self.answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
             }
             deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
             self.answer.note::<L>(lane, &pair, &force);
-            if EACH == BOOKED {
+            if NUMBERS == TOTAL_AND_DISSIPATIVE {
                 self.answer.book::<L>(lane, &pair, &force);
             }
             self.memory.set::<L>(lane, &memory);
@@ -140,9 +145,9 @@ impl<V: Space> Batch<V> {
         deeper
     }
 
-    /// Asks `law` about all contacts of the batch; with [`BOOKED`] numbers to an entry also what serves the books of energy alone.
+    /// Asks `law` about all contacts of the batch; with [`TOTAL_AND_DISSIPATIVE`] numbers to an entry also what serves the books of energy alone.
     /// Tells whether any of them overlaps by more than `deepest` times the sum of the radii.
-    pub fn ask<L: PairLaw<V> + Demands, const EACH: usize>(
+    pub fn ask<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
         &mut self,
         law: &L,
         dt: f64,
@@ -151,7 +156,7 @@ impl<V: Space> Batch<V> {
     ) -> bool {
         let deeper = instructions.run(
             #[inline(always)]
-            || self.answer_all::<L, EACH>(law, dt, deepest),
+            || self.answer_all::<L, NUMBERS>(law, dt, deepest),
         );
         deeper > 0
     }
@@ -160,15 +165,15 @@ impl<V: Space> Batch<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::columns::WHOLE;
     use crate::contact::composite::Composite;
     use crate::contact::damping::{Attraction, Coefficient, Damping};
+    use crate::contact::force_accumulation::{drag, total};
     use crate::contact::linear::LinearNormal;
-    use crate::contact::rolling::Free;
-    use crate::contact::sums::{drag, total};
-    use crate::contact::tangential::{Constant, Lever, Stick};
+    use crate::contact::rolling::NoRolling;
+    use crate::contact::tangential::{ConstantStiffness, Lever, SpringSlider};
     use crate::contact::{Centred, Memory};
     use crate::space::{Linear, Plane, Solid};
+    use crate::store::TOTAL;
 
     /// A grain of 1 to 5 cm on a flat wall, unlike all others; every other one is fast enough to slide.
     fn on_wall<V: Space>(number: u32) -> Pair<V> {
@@ -186,41 +191,44 @@ mod tests {
             spins: [V::narrow_spin(Solid::new(part, 1.0 - part, 3.0 * part)), V::Spin::ZERO],
             species: [Species(0), Species(1)],
             dt: 1e-5,
-            ahead: Ahead {
+            ahead: VelocityPrediction {
                 velocity: along(0.0, -1e-4, 2e-4),
                 spins: [V::narrow_spin(Solid::new(0.1 * part, 0.2, 0.3)), V::Spin::ZERO],
                 inverse_masses: [1.0 / (0.1 + part), 0.0],
                 inverse_inertias: [40.0, 0.0],
-                lone: [f64::from(number % 3 / 2), 0.0],
+                only_contact: [f64::from(number % 3 / 2), 0.0],
             },
         }
     }
 
-    fn answers_agree<V: Space, L: PairLaw<V> + Demands>(law: &L) {
+    fn answers_agree<V: Space, L: PairLaw<V> + LawRequirements>(law: &L) {
         let contacts = 33;
         for instructions in Instructions::all() {
             let mut batch = Batch::<V>::default();
             for number in 0..contacts {
                 batch.push::<L>(Candidate::new(number, 1), &on_wall(number));
             }
-            assert!(batch.ask::<L, BOOKED>(law, 1e-5, instructions, 0.0));
+            assert!(batch.ask::<L, TOTAL_AND_DISSIPATIVE>(law, 1e-5, instructions, 0.0));
             for (lane, number) in (0..contacts).enumerate() {
                 let (mut pair, mut memory) = (on_wall(number), Memory::default());
-                if !L::AHEAD {
-                    pair.ahead = Ahead::default();
+                if !L::PREDICTION {
+                    pair.ahead = VelocityPrediction::default();
                 }
                 let on_i = law.force(&pair, &mut memory);
                 let turning = &on_i.turning;
                 let torque = |friction: V| pair.normal.cross(friction) * -turning.arms[0];
-                assert_eq!(batch.answer.force::<BOOKED>(lane), [total::<L, V>(&on_i), drag::<L, V>(&on_i)]);
                 assert_eq!(
-                    batch.answer.torques::<L, BOOKED>(lane)[0],
+                    batch.answer.force::<TOTAL_AND_DISSIPATIVE>(lane),
+                    [total::<L, V>(&on_i), drag::<L, V>(&on_i)]
+                );
+                assert_eq!(
+                    batch.answer.torques::<L, TOTAL_AND_DISSIPATIVE>(lane)[0],
                     [torque(turning.friction), torque(turning.friction_drag)]
                 );
                 assert_eq!(batch.memory.get::<L>(lane), memory);
                 assert!(batch.answer.counts::<L>(lane));
             }
-            assert!(!batch.ask::<L, WHOLE>(law, 1e-5, instructions, 1.0));
+            assert!(!batch.ask::<L, TOTAL>(law, 1e-5, instructions, 1.0));
         }
     }
 
@@ -234,8 +242,12 @@ mod tests {
                     Damping::PerMass(300.0.try_into().unwrap()),
                     Attraction::Allowed,
                 ),
-                tangential: Stick { modulus: Constant { k: 3e4, damping: damping(150.0) }, friction: 0.4, lever },
-                rolling: Free,
+                tangential: SpringSlider {
+                    modulus: ConstantStiffness { k: 3e4, damping: damping(150.0) },
+                    friction: 0.4,
+                    lever,
+                },
+                rolling: NoRolling,
             };
             answers_agree::<Plane, _>(&law);
             answers_agree::<Solid, _>(&law);

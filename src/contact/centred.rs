@@ -35,13 +35,13 @@
 //! with a larger constant. Sources: the averaged drag is exact for a linear dashpot; the implicit drag is the
 //! trapezoidal rule; their union with forces of other contacts lagged is ours.
 
-use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
+use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::space::{Linear, Plane, Space};
 
 /// What a pair's velocities gain until the end of the step, if forces stay what they were at its beginning; from the
 /// side of i.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Ahead<V: Space = Plane> {
+pub struct VelocityPrediction<V: Space = Plane> {
     /// dt/2 (a_i - a_j), m/s.
     pub velocity: V,
     /// dt/2 times the angular accelerations of i and j, rad/s.
@@ -51,14 +51,14 @@ pub struct Ahead<V: Space = Plane> {
     /// 1/I of i and j, 1/(kg m^2): 0 for what is fixed.
     pub inverse_inertias: [f64; 2],
     /// 1 for those of i and j that had no other contact at the beginning of the step, else 0.
-    pub lone: [f64; 2],
+    pub only_contact: [f64; 2],
 }
 
-impl<V: Space> Ahead<V> {
+impl<V: Space> VelocityPrediction<V> {
     /// How fast a force along the normal changes the closing speed, counting only grains without another contact, 1/kg.
     #[inline(always)]
     pub(super) fn lone_mobility(&self) -> f64 {
-        self.lone[0] * self.inverse_masses[0] + self.lone[1] * self.inverse_masses[1]
+        self.only_contact[0] * self.inverse_masses[0] + self.only_contact[1] * self.inverse_masses[1]
     }
 }
 
@@ -130,14 +130,14 @@ pub trait CentredLaw<V: Space = Plane>: PairLaw<V> {
 #[derive(Clone, Copy, Debug)]
 pub struct Centred<L>(pub L);
 
-impl<L: Demands> Demands for Centred<L> {
+impl<L: LawRequirements> LawRequirements for Centred<L> {
     const SPIN: bool = L::SPIN;
     const SPECIES: bool = L::SPECIES;
     const RADII: bool = L::RADII;
     const SPRING: bool = L::SPRING;
     const ROLLING: bool = L::ROLLING;
     const STIFFNESS: bool = L::STIFFNESS;
-    const AHEAD: bool = true;
+    const PREDICTION: bool = true;
 }
 
 impl<V: Space, L: CentredLaw<V>> PairLaw<V> for Centred<L> {
@@ -150,12 +150,12 @@ impl<V: Space, L: CentredLaw<V>> PairLaw<V> for Centred<L> {
         self.0.elastic_energy(pair, memory)
     }
 
-    fn forget(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
-        self.0.forget(pair, memory)
+    fn on_contact_end(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
+        self.0.on_contact_end(pair, memory)
     }
 
-    fn takes_root(&self) -> bool {
-        self.0.takes_root()
+    fn needs_mass_root(&self) -> bool {
+        self.0.needs_mass_root()
     }
 
     fn friction(&self, pair: &Pair<V>) -> f64 {

@@ -1,17 +1,17 @@
 //! A law put together from terms: a normal force, a tangential one, rolling resistance.
 //!
 //! The terms are types, so each combination that a scene can ask for is compiled into a kernel of its own, and a term
-//! that is not asked for ([`Smooth`](super::tangential::Smooth), [`Free`](super::rolling::Free)) leaves nothing behind.
+//! that is not asked for ([`NoFriction`](super::tangential::Smooth), [`NoRolling`](super::rolling::Free)) leaves nothing behind.
 
-use crate::contact::centred::{Ahead, CentredLaw, Window};
+use crate::contact::centred::{CentredLaw, VelocityPrediction, Window};
 use crate::contact::rolling::Rolling;
-use crate::contact::tangential::{Grip, Tangential};
-use crate::contact::{Bounce, Demands, Memory, Pair, PairForce, PairLaw};
+use crate::contact::tangential::{NormalLoad, Tangential};
+use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::space::Space;
 
 /// A force along the normal: max(spring - c v_n, floor) n.
 pub trait Normal: Copy + Send + Sync + 'static {
-    /// See [`Demands::RADII`].
+    /// See [`LawRequirements::RADII`].
     const RADII: bool = true;
     /// Where the overlap is at least this many times the half-width of a step, [`Normal::even_drag`] is its mean there.
     const EVEN: f64;
@@ -31,8 +31,8 @@ pub trait Normal: Copy + Send + Sync + 'static {
     /// The lower bound of the whole force, N: 0, or minus infinity where it may pull.
     fn floor(&self) -> f64;
 
-    /// See [`PairLaw::takes_root`].
-    fn takes_root(&self) -> bool {
+    /// See [`PairLaw::needs_mass_root`].
+    fn needs_mass_root(&self) -> bool {
         false
     }
 
@@ -66,7 +66,7 @@ pub struct Composite<N, T, R> {
     pub rolling: R,
 }
 
-impl<N: Normal, T: Tangential, R: Rolling> Demands for Composite<N, T, R> {
+impl<N: Normal, T: Tangential, R: Rolling> LawRequirements for Composite<N, T, R> {
     const SPIN: bool = T::SPIN;
     const RADII: bool = N::RADII || T::SPIN;
     const SPRING: bool = T::SPRING;
@@ -90,12 +90,12 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         self.normal.energy(pair) + self.tangential.energy(memory) + self.rolling.energy(memory)
     }
 
-    fn forget(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
-        [self.tangential.forget(pair, memory), self.rolling.forget(pair, memory)]
+    fn on_contact_end(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
+        [self.tangential.on_contact_end(pair, memory), self.rolling.on_contact_end(pair, memory)]
     }
 
-    fn takes_root(&self) -> bool {
-        self.normal.takes_root()
+    fn needs_mass_root(&self) -> bool {
+        self.normal.needs_mass_root()
     }
 
     fn friction(&self, _: &Pair<V>) -> f64 {
@@ -140,7 +140,7 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite
         } else {
             [overlap, before].map(|overlap| self.normal.mean_drag(pair, &window, overlap))
         };
-        let Ahead { velocity: gained, inverse_masses, .. } = &pair.ahead;
+        let VelocityPrediction { velocity: gained, inverse_masses, .. } = &pair.ahead;
         let gained = -gained.dot(pair.normal);
         // h/m of the pair, and of its lone grains.
         let [half, half_lone] =
@@ -169,9 +169,9 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite
             };
             let gathering = if overlap > 0.0 { event.map_or(pair.dt, |(ago, ..)| ago) } else { 0.0 };
             let shares = [before, overlap].map(|overlap| window.share(overlap));
-            let grip = Grip { whole, averaged: [force_before, total], shares, drag, gathering, event };
-            self.tangential.add_centred(pair, &grip, memory, &mut force.turning);
-            self.rolling.add_centred(pair, &grip, memory, &mut force.turning);
+            let load = NormalLoad { whole, averaged: [force_before, total], shares, drag, gathering, event };
+            self.tangential.add_centred(pair, &load, memory, &mut force.turning);
+            self.rolling.add_centred(pair, &load, memory, &mut force.turning);
         }
         force
     }

@@ -9,10 +9,10 @@ use crate::contact::composite::{Composite, Normal};
 use crate::contact::damping::{Attraction, Damping};
 use crate::contact::hertz::{Hertz, Material, Mindlin};
 use crate::contact::linear::LinearNormal;
-use crate::contact::rolling::{Free, RollingResistance};
-use crate::contact::table::Table;
-use crate::contact::tangential::{Constant, Dashpot, Lever, Smooth, Stick, TangentialDamping};
-use crate::contact::{AnyLaw, CentredLaw, Demands};
+use crate::contact::rolling::{NoRolling, RollingResistance};
+use crate::contact::table::PairTable;
+use crate::contact::tangential::{ConstantStiffness, Dashpot, Lever, NoFriction, SpringSlider, TangentialDamping};
+use crate::contact::{AnyLaw, CentredLaw, LawRequirements};
 use crate::space::Space;
 use crate::values::{NonNegative, Positive, Restitution};
 
@@ -72,7 +72,7 @@ pub enum Friction {
         /// Coefficient mu.
         friction: NonNegative,
     },
-    /// A spring with memory and a dashpot, cut at mu |F_n|: [`Stick`].
+    /// A spring with memory and a dashpot, cut at mu |F_n|: [`SpringSlider`].
     Spring {
         /// Stiffness k_t, N/m.
         k: Positive,
@@ -162,7 +162,7 @@ pub trait LawVisitor<V: Space> {
     type Output;
 
     /// Takes the law.
-    fn take<L: CentredLaw<V> + Demands>(self, law: L) -> Self::Output;
+    fn take<L: CentredLaw<V> + LawRequirements>(self, law: L) -> Self::Output;
 }
 
 struct Erase;
@@ -170,7 +170,7 @@ struct Erase;
 impl<V: Space> LawVisitor<V> for Erase {
     type Output = AnyLaw<V>;
 
-    fn take<L: CentredLaw<V> + Demands>(self, law: L) -> AnyLaw<V> {
+    fn take<L: CentredLaw<V> + LawRequirements>(self, law: L) -> AnyLaw<V> {
         AnyLaw(Arc::new(law))
     }
 }
@@ -194,11 +194,11 @@ impl Contacts<'_> {
             Contact::Linear { tangential: Some(Friction::Dashpot { .. }), .. } => {
                 visitor.take(self.table(|a, b| self.dashpot(a, b)))
             }
-            Contact::Linear { rolling: None, .. } if self.species == 1 => visitor.take(self.stick(0, 0, Free)),
-            Contact::Linear { rolling: None, .. } => visitor.take(self.table(|a, b| self.stick(a, b, Free))),
+            Contact::Linear { rolling: None, .. } if self.species == 1 => visitor.take(self.stick(0, 0, NoRolling)),
+            Contact::Linear { rolling: None, .. } => visitor.take(self.table(|a, b| self.stick(a, b, NoRolling))),
             Contact::Linear { .. } => visitor.take(self.table(|a, b| self.stick(a, b, self.rolling(a, b)))),
             Contact::Hertz { tangential: None, .. } => visitor.take(self.table(|a, b| smooth(self.hertz(a, b)))),
-            Contact::Hertz { rolling: None, .. } => visitor.take(self.table(|a, b| self.mindlin(a, b, Free))),
+            Contact::Hertz { rolling: None, .. } => visitor.take(self.table(|a, b| self.mindlin(a, b, NoRolling))),
             Contact::Hertz { .. } => visitor.take(self.table(|a, b| self.mindlin(a, b, self.rolling(a, b)))),
         }
     }
@@ -215,10 +215,10 @@ impl Contacts<'_> {
         Self { usual: self.of(a, b), pairs: &[], species: 1, only: Some((a, b)), ..*self }.any()
     }
 
-    fn table<L>(&self, of: impl Fn(u8, u8) -> L) -> Table<L> {
+    fn table<L>(&self, of: impl Fn(u8, u8) -> L) -> PairTable<L> {
         match self.only {
-            Some((a, b)) => Table::new(1, |_, _| of(a, b)),
-            None => Table::new(self.species, of),
+            Some((a, b)) => PairTable::new(1, |_, _| of(a, b)),
+            None => PairTable::new(self.species, of),
         }
     }
 
@@ -240,7 +240,7 @@ impl Contacts<'_> {
         LinearTerms { normal: LinearNormal::new(k, damping, attraction), tangential, lever }
     }
 
-    fn dashpot(&self, a: u8, b: u8) -> Composite<LinearNormal, Dashpot, Free> {
+    fn dashpot(&self, a: u8, b: u8) -> Composite<LinearNormal, Dashpot, NoRolling> {
         let LinearTerms { normal, tangential: Some(Friction::Dashpot { damping, friction }), lever } =
             self.linear(a, b)
         else {
@@ -249,18 +249,18 @@ impl Contacts<'_> {
         Composite {
             normal,
             tangential: Dashpot { damping: damping.into(), friction: friction.get(), lever },
-            rolling: Free,
+            rolling: NoRolling,
         }
     }
 
-    fn stick<R>(&self, a: u8, b: u8, rolling: R) -> Composite<LinearNormal, Stick<Constant>, R> {
+    fn stick<R>(&self, a: u8, b: u8, rolling: R) -> Composite<LinearNormal, SpringSlider<ConstantStiffness>, R> {
         let LinearTerms { normal, tangential: Some(Friction::Spring { k, damping, friction }), lever } =
             self.linear(a, b)
         else {
             unreachable!("{SAME_KIND}")
         };
-        let modulus = Constant { k: k.get(), damping: damping.into() };
-        Composite { normal, tangential: Stick { modulus, friction: friction.get(), lever }, rolling }
+        let modulus = ConstantStiffness { k: k.get(), damping: damping.into() };
+        Composite { normal, tangential: SpringSlider { modulus, friction: friction.get(), lever }, rolling }
     }
 
     fn rolling(&self, a: u8, b: u8) -> RollingResistance {
@@ -279,13 +279,13 @@ impl Contacts<'_> {
         Hertz::new(self.materials(a, b), restitution, attraction)
     }
 
-    fn mindlin<R>(&self, a: u8, b: u8, rolling: R) -> Composite<Hertz, Stick<Mindlin>, R> {
+    fn mindlin<R>(&self, a: u8, b: u8, rolling: R) -> Composite<Hertz, SpringSlider<Mindlin>, R> {
         let Contact::Hertz { tangential: Some(HertzFriction::Mindlin { friction }), lever, .. } = self.of(a, b) else {
             unreachable!("{SAME_KIND}")
         };
         let normal = self.hertz(a, b);
         let modulus = Mindlin::new(self.materials(a, b), normal);
-        Composite { normal, tangential: Stick { modulus, friction: friction.get(), lever }, rolling }
+        Composite { normal, tangential: SpringSlider { modulus, friction: friction.get(), lever }, rolling }
     }
 }
 
@@ -296,6 +296,6 @@ struct LinearTerms {
     lever: Lever,
 }
 
-fn smooth<N: Normal>(normal: N) -> Composite<N, Smooth, Free> {
-    Composite { normal, tangential: Smooth, rolling: Free }
+fn smooth<N: Normal>(normal: N) -> Composite<N, NoFriction, NoRolling> {
+    Composite { normal, tangential: NoFriction, rolling: NoRolling }
 }

@@ -6,18 +6,18 @@ use std::sync::Arc;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, Mirrors, Renumber, Renumbering, renumber};
 use crate::contact::history::History;
-use crate::contact::kernel::{Desks, Pass};
-use crate::contact::{AnyLaw, Demands, PairLaw};
+use crate::contact::kernel::{Pass, ScratchPerThread};
+use crate::contact::{AnyLaw, LawRequirements, PairLaw};
 use crate::gravity::Gravity;
 use crate::instructions::Instructions;
-use crate::integrate::centred::LookAheadPlugin;
+use crate::integrate::centred::VelocityPredictionPlugin;
 use crate::integrate::rotation::SpinPlugin;
 use crate::neighbours::Search;
 use crate::space::{Plane, Space};
 use crate::spin::InertiaLaw;
 use crate::step::{Clock, ForceStage, Step};
+use crate::store::{MirrorSet, ParticleStore, Renumber, Renumbering, renumber};
 use crate::threads::Threads;
 use crate::walls::near::NearWalls;
 use crate::walls::surfaces::Surfaces;
@@ -39,13 +39,13 @@ fn memory_step(clock: &Clock) -> f64 {
     if clock.is_step_zero() { 0.0 } else { clock.dt }
 }
 
-fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
+fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     law: Res<Law<L>>,
     (clock, gravity): (Res<Clock>, Res<Gravity<V>>),
     search: Res<Search<V>>,
-    (threads, instructions, mut desks): (Res<Threads>, Res<Instructions>, ResMut<Desks<V>>),
+    (threads, instructions, mut scratches): (Res<Threads>, Res<Instructions>, ResMut<ScratchPerThread<V>>),
     (mut walls, mut near): (ResMut<Surfaces<V>>, Local<NearWalls>),
-    mut columns: ResMut<Columns<V>>,
+    mut store: ResMut<ParticleStore<V>>,
     mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
 ) {
@@ -55,23 +55,23 @@ fn contact_forces<V: Space, L: PairLaw<V> + Demands>(
         law: &*law.0,
         list: &search.list,
         walls: &walls.0,
-        near: near.of(&columns, &walls.0, have_changed),
+        near: near.of(&store, &walls.0, have_changed),
         dt: memory_step(&clock),
         gravity: gravity.0,
         instructions: *instructions,
     };
-    columns.stale.add(if L::SPIN { Mirrors::FORCE.or(Mirrors::TORQUE) } else { Mirrors::FORCE });
-    let kept = (&mut desks.0, !history.is_changed());
+    store.stale.add(if L::SPIN { MirrorSet::FORCE.or(MirrorSet::TORQUE) } else { MirrorSet::FORCE });
+    let kept = (&mut scratches.0, !history.is_changed());
     let history = history.bypass_change_detection();
-    largest.0 = pass.sum(&mut columns, history, &threads, kept, largest.0);
+    largest.0 = pass.sum(&mut store, history, &threads, kept, largest.0);
     if !walls.0.is_empty() {
-        walls.gather(desks.0.iter().map(|desk| &desk.on_walls[..]));
+        walls.gather(scratches.0.iter().map(|scratch| &scratch.on_walls[..]));
     }
 }
 
 /// Memories go along with their particles when slots are dealt out anew.
-fn move_memories<V: Space, L: Demands>(columns: Res<Columns<V>>, mut history: ResMut<History<V>>) {
-    history.follow::<L>(&columns);
+fn move_memories<V: Space, L: LawRequirements>(store: Res<ParticleStore<V>>, mut history: ResMut<History<V>>) {
+    history.follow::<L>(&store);
 }
 
 /// Contacts with the law `law`, between particles and with flat walls. Outsiders' laws enter here: `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
@@ -96,19 +96,19 @@ impl<L: PairLaw<Plane>> ContactPlugin<Plane, L> {
     }
 }
 
-impl<V: Space, L: PairLaw<V> + Demands> Plugin for ContactPlugin<V, L> {
+impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
     fn build(&self, app: &mut App) {
         // A law that a behaviour brings may turn grains where the scene's own does not.
         if L::SPIN && !app.is_plugin_added::<SpinPlugin<V>>() {
             app.add_plugins(SpinPlugin::<V> { inertia: InertiaLaw::usual(V::DIMENSION), space: PhantomData });
         }
-        if L::AHEAD && !app.is_plugin_added::<LookAheadPlugin<V>>() {
-            app.add_plugins(LookAheadPlugin { spins: L::SPIN, space: PhantomData::<V> });
+        if L::PREDICTION && !app.is_plugin_added::<VelocityPredictionPlugin<V>>() {
+            app.add_plugins(VelocityPredictionPlugin { spins: L::SPIN, space: PhantomData::<V> });
         }
         app.insert_resource(Law(self.law.clone()))
             .insert_resource(AnyLaw::<V>(self.law.clone()))
             .init_resource::<History<V>>()
-            .init_resource::<Desks<V>>()
+            .init_resource::<ScratchPerThread<V>>()
             .init_resource::<LargestOverlap>()
             .init_resource::<Instructions>()
             .add_systems(Step, contact_forces::<V, L>.in_set(ForceStage::Contacts).in_set(ContactForces));

@@ -1,29 +1,29 @@
 //! What contacts remember, from step to step.
 //!
-//! Each force pass reads the memories of the contacts that it finds and writes them down again ([`Walk`]). So a memory lives
+//! Each force pass reads the memories of the contacts that it finds and writes them down again ([`HistoryCursor`]). So a memory lives
 //! exactly as long as its contact, whatever the neighbour search does; and a contact that ends is forgotten. A contact stands
 //! once, in the row of its lower member and as seen from it. Rows are particles in the order of the columns, each with its
 //! partners in ascending order: the order in which the kernel comes by, so that looking up is walking along. Pages have
 //! [`BLOCK`] rows each, so that threads have pages of their own. When slots are dealt out anew, pages are rewritten by where
 //! each particle was before.
 
-mod pages;
-mod walk;
+mod block;
+mod cursor;
 
 use std::ops::AddAssign;
 
 use bevy_ecs::prelude::*;
 
-pub use self::pages::Pages;
-pub use self::walk::Walk;
-use crate::columns::Columns;
-use crate::contact::{Demands, Memory};
+pub use self::block::HistoryBlock;
+pub use self::cursor::HistoryCursor;
+use crate::contact::{LawRequirements, Memory};
 use crate::neighbours::list::{BLOCK, Candidate};
 use crate::space::{Plane, Space};
+use crate::store::ParticleStore;
 
 /// What contacts take in a step, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Lost {
+pub struct ContactLosses {
     /// By sliding.
     pub sliding: f64,
     /// By rolling beyond the cap.
@@ -32,7 +32,7 @@ pub struct Lost {
     pub dashpots: f64,
 }
 
-impl Lost {
+impl ContactLosses {
     /// Adds losses by sliding and by rolling, J.
     #[inline]
     pub(crate) fn add(&mut self, [sliding, rolling]: [f64; 2]) {
@@ -41,7 +41,7 @@ impl Lost {
     }
 }
 
-impl AddAssign for Lost {
+impl AddAssign for ContactLosses {
     fn add_assign(&mut self, more: Self) {
         self.sliding += more.sliding;
         self.rolling += more.rolling;
@@ -53,9 +53,9 @@ impl AddAssign for Lost {
 #[derive(Resource, Clone, Debug)]
 pub struct History<V: Space = Plane> {
     /// Between particles, page by page.
-    pages: Vec<Pages<V>>,
+    pages: Vec<HistoryBlock<V>>,
     /// With flat walls, the partner being the wall's index, page by page too.
-    walls: Vec<Pages<V>>,
+    walls: Vec<HistoryBlock<V>>,
 }
 
 impl<V: Space> Default for History<V> {
@@ -80,43 +80,43 @@ impl<V: Space> History<V> {
 
     /// Looks up contacts between particles that are asked for in ascending order.
     #[must_use]
-    pub fn read_pairs(&self) -> Reader<'_, V> {
-        Reader { pages: &self.pages, page: 0, from: 0 }
+    pub fn read_pairs(&self) -> HistoryReader<'_, V> {
+        HistoryReader { pages: &self.pages, page: 0, from: 0 }
     }
 
     /// Looks up contacts with flat walls that are asked for in ascending order.
     #[must_use]
-    pub fn read_walls(&self) -> Reader<'_, V> {
-        Reader { pages: &self.walls, page: 0, from: 0 }
+    pub fn read_walls(&self) -> HistoryReader<'_, V> {
+        HistoryReader { pages: &self.walls, page: 0, from: 0 }
     }
 
     /// What contacts took in the last step.
     #[must_use]
-    pub fn lost(&self) -> Lost {
-        let mut all = Lost::default();
+    pub fn lost(&self) -> ContactLosses {
+        let mut all = ContactLosses::default();
         self.pages.iter().chain(&self.walls).for_each(|page| all += page.lost);
         all
     }
 
-    /// The pages for the particles of `columns`: of contacts between them, and of those with flat walls.
-    pub fn pages(&mut self, columns: &Columns<V>) -> (&mut [Pages<V>], &mut [Pages<V>]) {
-        (fit(&mut self.pages, columns), fit(&mut self.walls, columns))
+    /// The pages for the particles of `store`: of contacts between them, and of those with flat walls.
+    pub fn pages(&mut self, store: &ParticleStore<V>) -> (&mut [HistoryBlock<V>], &mut [HistoryBlock<V>]) {
+        (fit(&mut self.pages, store), fit(&mut self.walls, store))
     }
 
-    /// Follows the particles to the slots that `columns` have just dealt out.
-    pub(super) fn follow<L: Demands>(&mut self, columns: &Columns<V>) {
-        if self.pages.iter().chain(&self.walls).all(Pages::is_empty) {
+    /// Follows the particles to the slots that `store` have just dealt out.
+    pub(super) fn follow<L: LawRequirements>(&mut self, store: &ParticleStore<V>) {
+        if self.pages.iter().chain(&self.walls).all(HistoryBlock::is_empty) {
             return;
         }
         let mut slots = vec![None; self.pages.len() * BLOCK];
-        for (slot, former) in (0u32..).zip(&columns.former) {
+        for (slot, former) in (0u32..).zip(&store.former) {
             if let Some(entry) = slots.get_mut(former.index()) {
                 *entry = Some(slot);
             }
         }
         let place = |old: usize| slots.get(old).copied().flatten();
         let mut pairs = Vec::new();
-        for (contact, mut memory) in self.pages.iter().flat_map(Pages::all) {
+        for (contact, mut memory) in self.pages.iter().flat_map(HistoryBlock::all) {
             if let [Some(i), Some(j)] = contact.both().map(place) {
                 if i > j {
                     memory = memory.turned();
@@ -124,29 +124,29 @@ impl<V: Space> History<V> {
                 pairs.push((Candidate::new(i.min(j), i.max(j)), memory));
             }
         }
-        let on_walls = self.walls.iter().flat_map(Pages::all);
+        let on_walls = self.walls.iter().flat_map(HistoryBlock::all);
         let walls = on_walls
             .filter_map(|(contact, memory)| {
                 let wall = u32::try_from(contact.second()).ok()?;
                 Some((Candidate::new(place(contact.first())?, wall), memory))
             })
             .collect();
-        rewrite::<V, L>(&mut self.pages, columns, pairs);
-        rewrite::<V, L>(&mut self.walls, columns, walls);
+        rewrite::<V, L>(&mut self.pages, store, pairs);
+        rewrite::<V, L>(&mut self.walls, store, walls);
     }
 }
 
 /// Looks up memories in ascending order of contacts, in less time than [`History::of_pair`] and [`History::of_wall`].
 #[derive(Clone, Debug)]
-pub struct Reader<'a, V: Space = Plane> {
-    pages: &'a [Pages<V>],
+pub struct HistoryReader<'a, V: Space = Plane> {
+    pages: &'a [HistoryBlock<V>],
     /// The page of the last contact.
     page: usize,
     /// The place of the last contact in that page.
     from: usize,
 }
 
-impl<V: Space> Reader<'_, V> {
+impl<V: Space> HistoryReader<'_, V> {
     /// The memory of entry i's contact with a partner: the entry of higher slot, or the index of the wall.
     #[must_use]
     pub fn look_up(&mut self, i: usize, partner: usize) -> Option<Memory<V>> {
@@ -158,22 +158,22 @@ impl<V: Space> Reader<'_, V> {
     }
 }
 
-/// As many pages as the particles of `columns` take.
-fn fit<'p, V: Space>(pages: &'p mut Vec<Pages<V>>, columns: &Columns<V>) -> &'p mut [Pages<V>] {
-    pages.resize_with(columns.len().div_ceil(BLOCK), Pages::default);
+/// As many pages as the particles of `store` take.
+fn fit<'p, V: Space>(pages: &'p mut Vec<HistoryBlock<V>>, store: &ParticleStore<V>) -> &'p mut [HistoryBlock<V>] {
+    pages.resize_with(store.len().div_ceil(BLOCK), HistoryBlock::default);
     pages
 }
 
-/// Writes pages anew for the particles of `columns`, with these contacts.
-fn rewrite<V: Space, L: Demands>(
-    pages: &mut Vec<Pages<V>>,
-    columns: &Columns<V>,
+/// Writes pages anew for the particles of `store`, with these contacts.
+fn rewrite<V: Space, L: LawRequirements>(
+    pages: &mut Vec<HistoryBlock<V>>,
+    store: &ParticleStore<V>,
     mut contacts: Vec<(Candidate, Memory<V>)>,
 ) {
     // What most have kept is their order, which a stable sort makes use of.
     contacts.sort_by_key(|(contact, _)| *contact);
     pages.clear();
-    let pages = fit(pages, columns);
+    let pages = fit(pages, store);
     for (contact, memory) in &contacts {
         pages[contact.first() / BLOCK].push::<L>(*contact, memory);
     }
@@ -182,21 +182,21 @@ fn rewrite<V: Space, L: Demands>(
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::columns::Slot;
     use crate::particle::GrainId;
+    use crate::store::Slot;
 
     pub struct Springs;
-    impl Demands for Springs {
+    impl LawRequirements for Springs {
         const SPIN: bool = true;
         const SPRING: bool = true;
     }
 
     /// Of grains with these names, after others with those.
-    fn columns(names: &[u32], before: &[u32]) -> Columns {
+    fn store(names: &[u32], before: &[u32]) -> ParticleStore {
         let id = names.iter().map(|&name| GrainId::grain(name).unwrap()).collect();
         let former = |name| before.iter().zip(0..).find(|(before, _)| *before == name).map(|(_, slot)| Slot::new(slot));
         let former = names.iter().map(|name| former(name).unwrap_or_default()).collect();
-        Columns { id, former, ..Columns::default() }
+        ParticleStore { id, former, ..ParticleStore::default() }
     }
 
     pub fn memory(x: f64) -> Memory {
@@ -205,7 +205,7 @@ pub(super) mod tests {
 
     #[test]
     fn who_is_asked_for_in_order_is_found_as_by_searching() {
-        let mut page = Pages::<Plane>::default();
+        let mut page = HistoryBlock::<Plane>::default();
         for (contact, spring) in [([0, 1], 0.1), ([0, 3], 0.2), ([1, 2], 0.3)] {
             page.push::<Springs>(contact.into(), &memory(spring));
         }
@@ -218,7 +218,7 @@ pub(super) mod tests {
     #[test]
     fn memories_follow_their_particles() {
         let old: Vec<u32> = (0..3000).map(|n| 10 * n).collect();
-        let before = columns(&old, &[]);
+        let before = store(&old, &[]);
         let mut history = History::default();
         history.follow::<Springs>(&before);
         for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
@@ -227,7 +227,7 @@ pub(super) mod tests {
         history.pages(&before).1[1500 / BLOCK].push::<Springs>([1500, 2].into(), &memory(7.0));
         // Grain 0 goes, two come, and the order is turned round: who was the lower one is the upper one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();
-        let after = columns(&new, &old);
+        let after = store(&new, &old);
         history.follow::<Springs>(&after);
         let slot = |name: u32| new.iter().position(|&other| other == name).unwrap();
         let spring = |a: u32, b: u32| history.of_pair(slot(a), slot(b)).map(|memory| memory.spring.x);
@@ -237,10 +237,10 @@ pub(super) mod tests {
         assert_eq!(spring(5, 10), None);
         assert_eq!(history.of_wall(slot(15000), 2).map(|memory| memory.spring.x), Some(7.0));
         let mut reader = history.read_pairs();
-        for [i, j] in history.pages.iter().flat_map(Pages::all).map(|(contact, _)| contact.both()) {
+        for [i, j] in history.pages.iter().flat_map(HistoryBlock::all).map(|(contact, _)| contact.both()) {
             assert_eq!(reader.look_up(i, j), history.of_pair(i, j));
         }
-        let kept: usize = history.pages.iter().map(Pages::len).sum();
+        let kept: usize = history.pages.iter().map(HistoryBlock::len).sum();
         assert_eq!(kept, 3);
     }
 }

@@ -76,7 +76,7 @@ impl Normal for LinearNormal {
         self.floor
     }
 
-    fn takes_root(&self) -> bool {
+    fn needs_mass_root(&self) -> bool {
         self.drag.per_other > 0.0
     }
 
@@ -110,8 +110,8 @@ impl Normal for LinearNormal {
 mod tests {
     use super::*;
     use crate::contact::composite::Composite;
-    use crate::contact::rolling::Free;
-    use crate::contact::tangential::Smooth;
+    use crate::contact::rolling::NoRolling;
+    use crate::contact::tangential::NoFriction;
     use crate::contact::tests::pair;
     use crate::contact::{Memory, PairForce, PairLaw};
     use crate::space::Vector;
@@ -120,7 +120,7 @@ mod tests {
     fn parting(attraction: Attraction) -> PairForce {
         let damping = Damping::B(NonNegative::try_from(100.0).unwrap());
         let normal = LinearNormal::new(Positive::try_from(1e4).unwrap(), damping, attraction);
-        let law = Composite { normal, tangential: Smooth, rolling: Free };
+        let law = Composite { normal, tangential: NoFriction, rolling: NoRolling };
         law.force(&Pair { relative_velocity: Vector::new(1.0, 7.0), ..pair() }, &mut Memory::default())
     }
 

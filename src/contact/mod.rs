@@ -15,6 +15,7 @@ pub mod centred;
 pub mod composite;
 pub mod config;
 pub mod damping;
+pub(crate) mod force_accumulation;
 mod forces;
 pub mod geometry;
 pub mod hertz;
@@ -25,7 +26,6 @@ pub mod linear;
 pub mod rolling;
 pub(crate) mod root;
 pub mod spring;
-pub(crate) mod sums;
 pub mod table;
 pub mod tangential;
 
@@ -33,7 +33,7 @@ use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 
-pub use self::centred::{Ahead, Centred, CentredLaw};
+pub use self::centred::{Centred, CentredLaw, VelocityPrediction};
 pub use self::config::Contact;
 pub use self::forces::{ContactForces, ContactPlugin, LargestOverlap, Law};
 use crate::particle::Species;
@@ -50,7 +50,7 @@ pub struct Pair<V: Space = Plane> {
     pub relative_velocity: V,
     /// m_i m_j/(m_i + m_j), kg; m_i against anything fixed.
     pub reduced_mass: f64,
-    /// Its root; may be zero unless the law takes it ([`PairLaw::takes_root`]).
+    /// Its root; may be zero unless the law takes it ([`PairLaw::needs_mass_root`]).
     pub root: f64,
     /// R_i and R_j, m; R_j is infinite for a flat wall. May be zero unless the law demands them.
     pub radii: [f64; 2],
@@ -63,7 +63,7 @@ pub struct Pair<V: Space = Plane> {
     /// By how much time memory advances in this evaluation, s: the step, or 0 for a look.
     pub dt: f64,
     /// What velocities gain until the end of the step; zero unless the law demands it.
-    pub ahead: Ahead<V>,
+    pub ahead: VelocityPrediction<V>,
 }
 
 impl<V: Space> Pair<V> {
@@ -77,7 +77,7 @@ impl<V: Space> Pair<V> {
             radii: swapped(self.radii),
             spins: [self.spins[1], self.spins[0]],
             species: [self.species[1], self.species[0]],
-            ahead: Ahead::default(),
+            ahead: VelocityPrediction::default(),
             ..*self
         }
     }
@@ -194,12 +194,12 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
 
     /// What is lost with the tangential and with the rolling spring of a contact that has ended in this step, J; the
     /// overlap of `pair` is negative. A spring takes k S/2 . v dt before it is gone ([`spring`]): k S/2 . (S + v dt).
-    fn forget(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> [f64; 2] {
+    fn on_contact_end(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> [f64; 2] {
         [0.0, 0.0]
     }
 
     /// Whether it takes [`Pair::root`], which takes time.
-    fn takes_root(&self) -> bool {
+    fn needs_mass_root(&self) -> bool {
         false
     }
 
@@ -254,7 +254,7 @@ pub struct Bounce {
 }
 
 /// What a law demands of the kernel that is compiled for it; what it does not demand, no scene with it pays for.
-pub trait Demands {
+pub trait LawRequirements {
     /// Spins, and the torques that come with them.
     const SPIN: bool = false;
     /// Materials by species.
@@ -268,9 +268,9 @@ pub trait Demands {
     /// [`Memory::stiffness`]: the tangential stiffness, or a number of the law's own.
     const STIFFNESS: bool = false;
     /// Velocities predicted for the end of the step, and pairs that touch within half a step: [`centred`].
-    const AHEAD: bool = false;
+    const PREDICTION: bool = false;
     /// Whether it counts which of the two has which radius or mass.
-    const EACH: bool = Self::RADII || Self::SPIN || Self::AHEAD;
+    const NUMBERS: bool = Self::RADII || Self::SPIN || Self::PREDICTION;
     /// Any memory.
     const MEMORY: bool = Self::SPRING || Self::ROLLING || Self::STIFFNESS;
 }
@@ -297,7 +297,7 @@ pub(crate) mod tests {
             spins: [0.0, 0.0],
             species: [Species(0); 2],
             dt: 1e-4,
-            ahead: Ahead::default(),
+            ahead: VelocityPrediction::default(),
         }
     }
 }

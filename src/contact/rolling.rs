@@ -8,9 +8,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::spring::{Pull, Slider, lost_at_the_end};
-use crate::contact::tangential::Grip;
-use crate::contact::{Ahead, Bounce, Memory, Pair, Turning};
+use crate::contact::spring::{Slider, SliderForce, lost_at_the_end};
+use crate::contact::tangential::NormalLoad;
+use crate::contact::{Bounce, Memory, Pair, Turning, VelocityPrediction};
 use crate::space::Space;
 use crate::values::{NonNegative, Positive};
 
@@ -54,7 +54,13 @@ pub trait Rolling: Copy + Send + Sync + 'static {
     fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>);
 
     /// Adds the torque averaged over the step: [`super::centred`].
-    fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, memory: &mut Memory<V>, turning: &mut Turning<V>);
+    fn add_centred<V: Space>(
+        &self,
+        pair: &Pair<V>,
+        load: &NormalLoad,
+        memory: &mut Memory<V>,
+        turning: &mut Turning<V>,
+    );
 
     /// Energy stored, J.
     fn energy<V: Space>(&self, memory: &Memory<V>) -> f64;
@@ -62,8 +68,8 @@ pub trait Rolling: Copy + Send + Sync + 'static {
     /// Stiffness (N/m) and drag coefficient (N s/m).
     fn mode(&self, bounce: &Bounce) -> [f64; 2];
 
-    /// See [`PairLaw::forget`](crate::contact::PairLaw::forget), J.
-    fn forget<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
+    /// See [`PairLaw::on_contact_end`](crate::contact::PairLaw::forget), J.
+    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
 }
 
 /// v_r = R_eff (w_i - w_j) x n, m/s.
@@ -74,7 +80,7 @@ fn rolling_velocity<V: Space>(pair: &Pair<V>) -> V {
 
 /// Turns a pull at R_eff into torques.
 #[inline(always)]
-fn resist<V: Space>(pair: &Pair<V>, pull: &Pull<V>, turning: &mut Turning<V>) {
+fn resist<V: Space>(pair: &Pair<V>, pull: &SliderForce<V>, turning: &mut Turning<V>) {
     let arm = pair.normal * pair.reduced_radius();
     turning.rolling = arm.cross(pull.force);
     turning.rolling_drag = arm.cross(pull.drag);
@@ -83,16 +89,16 @@ fn resist<V: Space>(pair: &Pair<V>, pull: &Pull<V>, turning: &mut Turning<V>) {
 
 /// Grains roll freely.
 #[derive(Clone, Copy, Debug)]
-pub struct Free;
+pub struct NoRolling;
 
-impl Rolling for Free {
+impl Rolling for NoRolling {
     const ROLLING: bool = false;
 
     #[inline(always)]
     fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: &mut Memory<V>, _: &mut Turning<V>) {}
 
     #[inline(always)]
-    fn add_centred<V: Space>(&self, _: &Pair<V>, _: &Grip, _: &mut Memory<V>, _: &mut Turning<V>) {}
+    fn add_centred<V: Space>(&self, _: &Pair<V>, _: &NormalLoad, _: &mut Memory<V>, _: &mut Turning<V>) {}
 
     fn energy<V: Space>(&self, _: &Memory<V>) -> f64 {
         0.0
@@ -102,7 +108,7 @@ impl Rolling for Free {
         [0.0, 0.0]
     }
 
-    fn forget<V: Space>(&self, _: &Pair<V>, _: &Memory<V>) -> f64 {
+    fn on_contact_end<V: Space>(&self, _: &Pair<V>, _: &Memory<V>) -> f64 {
         0.0
     }
 }
@@ -120,15 +126,21 @@ impl Rolling for RollingResistance {
     }
 
     #[inline(always)]
-    fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, memory: &mut Memory<V>, turning: &mut Turning<V>) {
+    fn add_centred<V: Space>(
+        &self,
+        pair: &Pair<V>,
+        load: &NormalLoad,
+        memory: &mut Memory<V>,
+        turning: &mut Turning<V>,
+    ) {
         let (drag, friction) = (self.damping.of(pair.reduced_mass), self.friction.get());
-        let slider = Slider { stiffness: self.k.get(), drag, cap: friction * grip.whole.abs() };
+        let slider = Slider { stiffness: self.k.get(), drag, cap: friction * load.whole.abs() };
         let middle = rolling_velocity(pair);
-        let Ahead { inverse_inertias: [i, j], lone, .. } = pair.ahead;
+        let VelocityPrediction { inverse_inertias: [i, j], only_contact, .. } = pair.ahead;
         let squared = pair.reduced_radius().powi(2);
-        let mobilities = [squared * (i + j), squared * (lone[0] * i + lone[1] * j)];
+        let mobilities = [squared * (i + j), squared * (only_contact[0] * i + only_contact[1] * j)];
         let motion = [middle, rolling_velocity(&pair.predicted()) - middle];
-        let mut sweep = grip.sweep(motion, mobilities, friction, pair.dt);
+        let mut sweep = load.sweep(motion, mobilities, friction, pair.dt);
         sweep.pulled = memory.rolling * -slider.stiffness;
         let pull = slider.pull_centred(&mut memory.rolling, &sweep, pair.normal);
         resist(pair, &pull, turning);
@@ -142,7 +154,7 @@ impl Rolling for RollingResistance {
         [self.k.get(), self.damping.of(bounce.reduced_mass)]
     }
 
-    fn forget<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
         lost_at_the_end(self.k.get(), memory.rolling, rolling_velocity(pair), pair.dt)
     }
 }

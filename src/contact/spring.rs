@@ -28,7 +28,7 @@ pub struct Slider {
 
 /// What it does in a step.
 #[derive(Clone, Copy, Debug)]
-pub struct Pull<V> {
+pub struct SliderForce<V> {
     /// F, N.
     pub force: V,
     /// The part -c v, N.
@@ -43,7 +43,7 @@ impl Slider {
     /// Moves `spring` (m) on by `velocity` (m/s) for `dt` (s) and gives the force; `normal` is the plane's.
     #[inline(always)]
     #[must_use]
-    pub fn pull<V: Space>(&self, spring: &mut V, velocity: V, normal: V, dt: f64) -> Pull<V> {
+    pub fn pull<V: Space>(&self, spring: &mut V, velocity: V, normal: V, dt: f64) -> SliderForce<V> {
         let before = *spring;
         let moved = before + velocity * dt;
         let mut after = moved - normal * moved.dot(normal);
@@ -54,7 +54,7 @@ impl Slider {
         }
         *spring = after;
         let lost = 0.5 * self.stiffness * (before + after).dot(moved - after);
-        Pull { force, drag, lost, is_sliding }
+        SliderForce { force, drag, lost, is_sliding }
     }
 }
 
@@ -98,7 +98,7 @@ impl Slider {
     /// this force, with all others as they were. The force is weighed with the share, and cut at the averaged cap.
     #[inline(always)]
     #[must_use]
-    pub fn pull_centred<V: Space>(&self, spring: &mut V, sweep: &TangentialStep<V>, normal: V) -> Pull<V> {
+    pub fn pull_centred<V: Space>(&self, spring: &mut V, sweep: &TangentialStep<V>, normal: V) -> SliderForce<V> {
         let TangentialStep {
             middle, gained, dt, shares: [share_before, share], averaged_caps: [cap_before, cap], ..
         } = *sweep;
@@ -123,7 +123,7 @@ impl Slider {
         // The spring's books are kept as if it pulled for the whole step; what the share takes off stands with the dashpot.
         let lost = 0.5 * self.stiffness * (before + after).dot(before + middle * dt - after);
         let drag = force + after * self.stiffness;
-        Pull { force, drag, lost, is_sliding: is_beyond || is_beyond_average }
+        SliderForce { force, drag, lost, is_sliding: is_beyond || is_beyond_average }
     }
 
     /// The spring that, with a dashpot at this velocity, makes a force at the cap; without stiffness, as it was.

@@ -3,18 +3,18 @@
 //! The numbers of species a and b stand at a n + b and again at b n + a, n species in all; the last entry serves any
 //! species beyond. What kind of law it is is the same for all pairs and compiled in; only numbers are looked up.
 
-use crate::contact::{Bounce, CentredLaw, Demands, Memory, Pair, PairForce, PairLaw};
+use crate::contact::{Bounce, CentredLaw, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::particle::Species;
 use crate::space::Space;
 
 /// Laws of one kind by pair of species.
 #[derive(Clone, Debug)]
-pub struct Table<L> {
+pub struct PairTable<L> {
     species: usize,
     laws: Vec<L>,
 }
 
-impl<L> Table<L> {
+impl<L> PairTable<L> {
     /// The table of `species` kinds, at least one, with the law that `of` gives for kinds a and b.
     #[must_use]
     pub fn new(species: usize, of: impl Fn(u8, u8) -> L) -> Self {
@@ -37,14 +37,14 @@ impl<L> Table<L> {
     }
 }
 
-impl<V: Space, L: CentredLaw<V>> CentredLaw<V> for Table<L> {
+impl<V: Space, L: CentredLaw<V>> CentredLaw<V> for PairTable<L> {
     #[inline(always)]
     fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         self.of(pair.species).centred(pair, memory)
     }
 }
 
-impl<L: Demands> Demands for Table<L> {
+impl<L: LawRequirements> LawRequirements for PairTable<L> {
     const SPIN: bool = L::SPIN;
     const SPECIES: bool = true;
     const RADII: bool = L::RADII;
@@ -53,7 +53,7 @@ impl<L: Demands> Demands for Table<L> {
     const STIFFNESS: bool = L::STIFFNESS;
 }
 
-impl<V: Space, L: PairLaw<V>> PairLaw<V> for Table<L> {
+impl<V: Space, L: PairLaw<V>> PairLaw<V> for PairTable<L> {
     #[inline(always)]
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         self.of(pair.species).force(pair, memory)
@@ -63,12 +63,12 @@ impl<V: Space, L: PairLaw<V>> PairLaw<V> for Table<L> {
         self.of(pair.species).elastic_energy(pair, memory)
     }
 
-    fn forget(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
-        self.of(pair.species).forget(pair, memory)
+    fn on_contact_end(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
+        self.of(pair.species).on_contact_end(pair, memory)
     }
 
-    fn takes_root(&self) -> bool {
-        self.laws.iter().any(PairLaw::takes_root)
+    fn needs_mass_root(&self) -> bool {
+        self.laws.iter().any(PairLaw::needs_mass_root)
     }
 
     fn friction(&self, pair: &Pair<V>) -> f64 {
@@ -111,7 +111,8 @@ mod tests {
     #[test]
     fn a_pair_has_one_entry_whichever_comes_first() {
         let stiffness = |a: u8, b: u8| 1.0 + f64::from(a) + 10.0 * f64::from(b);
-        let table = Table::new(3, |a, b| Assignment::new(stiffness(a, b).try_into().unwrap(), 0.0.try_into().unwrap()));
+        let table =
+            PairTable::new(3, |a, b| Assignment::new(stiffness(a, b).try_into().unwrap(), 0.0.try_into().unwrap()));
         let energy = |a: u8, b: u8| {
             let pair = Pair { species: [Species(a), Species(b)], ..pair() };
             table.elastic_energy(&pair, &Memory::default()) / (0.5 * pair.overlap * pair.overlap)

@@ -3,7 +3,7 @@
 //! With the sliding velocity v_t = v_ij - v_n n - (l_i w_i + l_j w_j) x n of the surfaces:
 //!
 //! * [`Dashpot`]: F_t = -c_t v_t, without memory. A heap of such grains creeps.
-//! * [`Stick`]: a spring S that remembers how far the surfaces have moved against each other while the contact lasts,
+//! * [`SpringSlider`]: a spring S that remembers how far the surfaces have moved against each other while the contact lasts,
 //!   F_t = -k_t S - c_t v_t, elastic-plastic as [`Slider`](super::spring::Slider) has it. Source: Cundall and Strack 1979, as in the
 //!   soft-particle codes and LAMMPS's `hooke/history`.
 //!
@@ -12,15 +12,15 @@
 //! which keeps angular momentum. c_t in N s/m by [`TangentialDamping`], k_t in N/m by [`Modulus`].
 
 mod dashpot;
-mod stick;
+mod spring_slider;
 
 use serde::{Deserialize, Serialize};
 
 pub use self::dashpot::Dashpot;
-pub use self::stick::{Constant, Modulus, Stick};
+pub use self::spring_slider::{ConstantStiffness, Modulus, SpringSlider};
 use crate::contact::damping::Coefficient;
 use crate::contact::spring::{Event, TangentialStep};
-use crate::contact::{Ahead, Bounce, Memory, Pair, Turning};
+use crate::contact::{Bounce, Memory, Pair, Turning, VelocityPrediction};
 use crate::space::Space;
 use crate::values::NonNegative;
 
@@ -76,7 +76,7 @@ impl From<TangentialDamping> for Coefficient {
 
 /// What the normal force of a centred contact leaves to its tangent plane.
 #[derive(Clone, Copy, Debug)]
-pub struct Grip {
+pub struct NormalLoad {
     /// The normal force of the contact as it stands, N.
     pub whole: f64,
     /// The normal forces averaged over the steps centred on the beginning and on the end, N.
@@ -92,7 +92,7 @@ pub struct Grip {
     pub event: Option<(f64, f64, bool)>,
 }
 
-impl Grip {
+impl NormalLoad {
     /// The step, for a motion with this velocity in its middle and what that gains (m/s), the mobilities (1/kg) of such a
     /// motion, and a coefficient of friction.
     #[inline(always)]
@@ -119,9 +119,9 @@ impl<V: Space> Pair<V> {
     #[inline(always)]
     fn sliding(&self, arms: [f64; 2]) -> ([V; 2], [f64; 2]) {
         let middle = self.sliding_velocity(arms);
-        let Ahead { inverse_masses: m, inverse_inertias: i, lone, .. } = self.ahead;
+        let VelocityPrediction { inverse_masses: m, inverse_inertias: i, only_contact, .. } = self.ahead;
         let [a, b] = [m[0] + arms[0] * arms[0] * i[0], m[1] + arms[1] * arms[1] * i[1]];
-        ([middle, self.predicted().sliding_velocity(arms) - middle], [a + b, lone[0] * a + lone[1] * b])
+        ([middle, self.predicted().sliding_velocity(arms) - middle], [a + b, only_contact[0] * a + only_contact[1] * b])
     }
 }
 
@@ -145,15 +145,21 @@ pub trait Tangential: Copy + Send + Sync + 'static {
     );
 
     /// Adds friction averaged over the step: [`super::centred`].
-    fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, memory: &mut Memory<V>, turning: &mut Turning<V>);
+    fn add_centred<V: Space>(
+        &self,
+        pair: &Pair<V>,
+        load: &NormalLoad,
+        memory: &mut Memory<V>,
+        turning: &mut Turning<V>,
+    );
 
     /// Energy stored, J.
     fn energy<V: Space>(&self, _memory: &Memory<V>) -> f64 {
         0.0
     }
 
-    /// See [`PairLaw::forget`](crate::contact::PairLaw::forget), J.
-    fn forget<V: Space>(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> f64 {
+    /// See [`PairLaw::on_contact_end`](crate::contact::PairLaw::forget), J.
+    fn on_contact_end<V: Space>(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> f64 {
         0.0
     }
 
@@ -166,16 +172,16 @@ pub trait Tangential: Copy + Send + Sync + 'static {
 
 /// No friction.
 #[derive(Clone, Copy, Debug)]
-pub struct Smooth;
+pub struct NoFriction;
 
-impl Tangential for Smooth {
+impl Tangential for NoFriction {
     const SPIN: bool = false;
 
     #[inline(always)]
     fn add<V: Space>(&self, _: &Pair<V>, _: f64, _: f64, _: &mut Memory<V>, _: &mut Turning<V>) {}
 
     #[inline(always)]
-    fn add_centred<V: Space>(&self, _: &Pair<V>, _: &Grip, _: &mut Memory<V>, _: &mut Turning<V>) {}
+    fn add_centred<V: Space>(&self, _: &Pair<V>, _: &NormalLoad, _: &mut Memory<V>, _: &mut Turning<V>) {}
 
     fn mode(&self, _: &Bounce, _: f64) -> [f64; 2] {
         [0.0, 0.0]

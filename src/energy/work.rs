@@ -6,11 +6,11 @@ use std::ops::Add;
 
 use bevy_ecs::prelude::*;
 
-use crate::columns::{BOOKED, Columns, STRIDE};
 use crate::contact::history::History;
 use crate::energy::{Channels, EnergyFlows};
 use crate::space::{Linear, Space};
 use crate::step::Clock;
+use crate::store::{CHUNK, ParticleStore, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::Surfaces;
 
 /// Powers at the end of the last step, W.
@@ -34,34 +34,34 @@ fn sum<T: Linear>(products: impl Iterator<Item = T>) -> f64 {
 }
 
 /// The power of the dashpots in these sums, by component, W; `motion` is the velocity or spin of who has them.
-fn power<T: Linear, M>(sums: &[[T; BOOKED]], movers: &[M], motion: impl Fn(&M) -> T) -> T {
+fn power<T: Linear, M>(sums: &[[T; TOTAL_AND_DISSIPATIVE]], movers: &[M], motion: impl Fn(&M) -> T) -> T {
     sums.iter().zip(movers).map(|([_, drag], mover)| drag.times(motion(mover))).fold(T::ZERO, Add::add)
 }
 
 /// The same, summed stride by stride.
-fn power_by_strides<T: Linear, M>(sums: &[[T; BOOKED]], movers: &[M], motion: impl Fn(&M) -> T) -> T {
-    let strides = sums.chunks(STRIDE).zip(movers.chunks(STRIDE));
-    strides.map(|(sums, movers)| power(sums, movers, &motion)).fold(T::ZERO, Add::add)
+fn power_by_strides<T: Linear, M>(sums: &[[T; TOTAL_AND_DISSIPATIVE]], movers: &[M], motion: impl Fn(&M) -> T) -> T {
+    let chunks = sums.chunks(CHUNK).zip(movers.chunks(CHUNK));
+    chunks.map(|(sums, movers)| power(sums, movers, &motion)).fold(T::ZERO, Add::add)
 }
 
 pub(super) fn book_contact_work<V: Space>(
     clock: Res<Clock>,
-    columns: Res<Columns<V>>,
+    store: Res<ParticleStore<V>>,
     walls: Res<Surfaces<V>>,
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
-    let (force, on_fixed) = columns.loads.force.entries().split_at(columns.movable_end);
-    let (body, fixed) = columns.body.split_at(columns.movable_end);
+    let (force, on_fixed) = store.loads.force.entries().split_at(store.movable_end);
+    let (body, fixed) = store.body.split_at(store.movable_end);
     // As the kick sums them, if it does.
-    let of_grains = columns.kick_sum.unwrap_or_else(|| power_by_strides(force, body, |body| body.velocity));
+    let of_grains = store.kick_sum.unwrap_or_else(|| power_by_strides(force, body, |body| body.velocity));
     let (mut dissipation, mut wall) = (-of_grains.sum_of_components(), 0.0);
     // Most of what is fixed stands still.
     for (i, ([force, drag], body)) in
         on_fixed.iter().zip(fixed).enumerate().filter(|(_, (_, body))| body.velocity != V::ZERO)
     {
         dissipation -= drag.dot(body.velocity);
-        let added = columns.added.get(columns.movable_end + i).copied().unwrap_or(V::ZERO);
+        let added = store.added.get(store.movable_end + i).copied().unwrap_or(V::ZERO);
         wall -= (*force - added).dot(body.velocity);
     }
     for belt in &walls.0 {
@@ -77,18 +77,18 @@ pub(super) fn book_contact_work<V: Space>(
 
 pub(super) fn book_friction<V: Space>(
     clock: Res<Clock>,
-    columns: Res<Columns<V>>,
+    store: Res<ParticleStore<V>>,
     history: Res<History<V>>,
     mut flows: ResMut<EnergyFlows>,
     mut channels: ResMut<Channels>,
     mut last: ResMut<TurningPowers>,
 ) {
-    let (torque, on_fixed) = columns.loads.torque.entries().split_at(columns.movable_end);
-    let (rotation, fixed) = columns.rotation.split_at(columns.movable_end);
+    let (torque, on_fixed) = store.loads.torque.entries().split_at(store.movable_end);
+    let (rotation, fixed) = store.rotation.split_at(store.movable_end);
     // As the kick sums them, if it does.
-    let of_grains = columns.spin_kick_sum.unwrap_or_else(|| power_by_strides(torque, rotation, |of| of.spin));
+    let of_grains = store.spin_kick_sum.unwrap_or_else(|| power_by_strides(torque, rotation, |of| of.spin));
     let turning = -(of_grains + power(on_fixed, fixed, |of| of.spin)).sum_of_components();
-    let rolling = -sum(columns.loads.rolling_drag.iter().zip(&columns.rotation).map(|(drag, of)| drag.times(of.spin)));
+    let rolling = -sum(store.loads.rolling_drag.iter().zip(&store.rotation).map(|(drag, of)| drag.times(of.spin)));
     let taken = history.lost();
     // In step zero too: there a dashpot beyond the cap loads its spring, and what that stores is not to be had for nothing.
     channels.tangential += taken.sliding + taken.dashpots;
@@ -105,11 +105,11 @@ pub(super) fn book_friction<V: Space>(
 /// Of the forces of this step, whose power the store has summed when they were written.
 pub(super) fn book_added_work<V: Space>(
     clock: Res<Clock>,
-    columns: Res<Columns<V>>,
+    store: Res<ParticleStore<V>>,
     mut flows: ResMut<EnergyFlows>,
     mut last: ResMut<Powers>,
 ) {
-    let added = columns.added_power.unwrap_or_default();
+    let added = store.added_power.unwrap_or_default();
     if !clock.is_step_zero() {
         flows.added_work += 0.5 * clock.dt * (last.added + added);
     }
@@ -117,6 +117,6 @@ pub(super) fn book_added_work<V: Space>(
 }
 
 /// What periodic sides have lifted in this step.
-pub(super) fn book_lifted<V: Space>(columns: Res<Columns<V>>, mut flows: ResMut<EnergyFlows>) {
-    flows.lifted += columns.lifted;
+pub(super) fn book_lifted<V: Space>(store: Res<ParticleStore<V>>, mut flows: ResMut<EnergyFlows>) {
+    flows.lifted += store.lifted;
 }

@@ -91,7 +91,7 @@ impl Fill {
         first_id: u32,
     ) -> Vec<GrainRow> {
         let count = self.size(dimension).unwrap_or(0);
-        let [columns, rows, _] = self.cells(dimension).map(|cells| cells.max(1));
+        let [store, rows, _] = self.cells(dimension).map(|cells| cells.max(1));
         let random = Stream::new(seed, &format!("fill {number}"));
         let mut quotas = self.radius.quotas(count);
         let axes =
@@ -103,7 +103,7 @@ impl Fill {
             .filter_map(|n| {
                 let [size, x, y, z, vx, vy, vz] = random.uniform::<7>(u64::from(n));
                 let (radius, species) = self.radius.choose(size, &mut quotas);
-                let cell = [n % columns, n / columns % rows, n / columns / rows].map(|c| f64::from(c) + 0.5);
+                let cell = [n % store, n / store % rows, n / store / rows].map(|c| f64::from(c) + 0.5);
                 let displaced = axes([x, y, z].map(|u| jitter * (2.0 * u - 1.0)));
                 let agitated = agitation * axes([vx, vy, vz].map(|u| 2.0 * u - 1.0));
                 Some(GrainRow {

@@ -1,7 +1,7 @@
 //! How grains get into a scene: from a file, or released one by one.
 
-pub(crate) mod census;
 pub mod file;
 pub mod fill;
+pub(crate) mod grain_snapshot;
 pub mod mass;
 pub mod spawner;

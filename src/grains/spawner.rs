@@ -12,7 +12,6 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::PlainCommands;
 use crate::grains::mass::MassLaw;
 use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
@@ -23,6 +22,7 @@ use crate::periodic::Periodic;
 use crate::random::Stream;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
+use crate::store::PlainCommands;
 use crate::values::{FiniteVector, NonNegative, Positive, Share};
 use crate::walls::surfaces::Surfaces;
 

@@ -8,11 +8,11 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, Gain, LookedAhead, MANY, SpinGain};
 use crate::space::Space;
 use crate::step::{Clock, Part, Phase, Step};
+use crate::store::{ParticleStore, SpinGain, UNKNOWN_CONTACTS, VelocitiesPredicted, VelocityGain};
 
-impl<V: Space> Columns<V> {
+impl<V: Space> ParticleStore<V> {
     /// Makes ready for steps of `dt`, s.
     fn prepare(&mut self, dt: f64) {
         self.lookahead = 0.5 * dt;
@@ -21,27 +21,27 @@ impl<V: Space> Columns<V> {
         self.margin = dt * fastest.sqrt() * (1.0 + 1e-12);
         // What is fixed gains nothing.
         self.gain.clear();
-        self.gain.resize(self.body.len(), Gain::default());
-        self.loads.contacts.resize(self.body.len(), MANY);
+        self.gain.resize(self.body.len(), VelocityGain::default());
+        self.loads.contacts.resize(self.body.len(), UNKNOWN_CONTACTS);
     }
 
     /// What grain `i` gains by a force, N.
-    fn gain_by(&self, i: usize, force: V) -> Gain<V> {
-        let lone = if self.loads.contacts[i] <= 1 { 1.0 } else { 0.0 };
-        Gain { velocity: force * (self.lookahead / self.mass[i]), lone }
+    fn gain_by(&self, i: usize, force: V) -> VelocityGain<V> {
+        let only_contact = if self.loads.contacts[i] <= 1 { 1.0 } else { 0.0 };
+        VelocityGain { velocity: force * (self.lookahead / self.mass[i]), only_contact }
     }
 }
 
 /// The store still holds the forces of the step's beginning.
-fn look_ahead<V: Space>(clock: Res<Clock>, mut columns: ResMut<Columns<V>>) {
-    columns.prepare(clock.dt);
-    for i in 0..columns.movable_end {
-        columns.gain[i] = columns.gain_by(i, columns.loads.force.of(i));
+fn predict_velocities<V: Space>(clock: Res<Clock>, mut store: ResMut<ParticleStore<V>>) {
+    store.prepare(clock.dt);
+    for i in 0..store.movable_end {
+        store.gain[i] = store.gain_by(i, store.loads.force.of(i));
     }
 }
 
-fn look_ahead_of_spins<V: Space>(mut columns: ResMut<Columns<V>>) {
-    let Columns { rotation, loads, spin_gain, lookahead, movable_end: end, .. } = &mut *columns;
+fn predict_spins<V: Space>(mut store: ResMut<ParticleStore<V>>) {
+    let ParticleStore { rotation, loads, spin_gain, lookahead, movable_end: end, .. } = &mut *store;
     spin_gain.clear();
     spin_gain.extend(rotation[..*end].iter().enumerate().map(|(i, rotation)| {
         let inverse_inertia = rotation.inverse_inertia;
@@ -51,17 +51,17 @@ fn look_ahead_of_spins<V: Space>(mut columns: ResMut<Columns<V>>) {
 }
 
 /// What centred contacts need besides the integrator.
-pub struct LookAheadPlugin<V: Space> {
+pub struct VelocityPredictionPlugin<V: Space> {
     /// Whether grains spin.
     pub spins: bool,
     /// The space.
     pub space: PhantomData<V>,
 }
 
-impl<V: Space> Plugin for LookAheadPlugin<V> {
+impl<V: Space> Plugin for VelocityPredictionPlugin<V> {
     fn build(&self, app: &mut App) {
-        let looks = look_ahead::<V>.into_configs();
-        let all = if self.spins { (looks, look_ahead_of_spins::<V>).chain() } else { looks };
-        app.add_systems(Step, all.in_set(Part::Engine(Phase::Neighbours)).in_set(LookedAhead));
+        let looks = predict_velocities::<V>.into_configs();
+        let all = if self.spins { (looks, predict_spins::<V>).chain() } else { looks };
+        app.add_systems(Step, all.in_set(Part::Engine(Phase::Neighbours)).in_set(VelocitiesPredicted));
     }
 }

@@ -10,20 +10,20 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::{Columns, Longest, Mirrors};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Part, Phase, Step};
+use crate::store::{LongestMove, MirrorSet, ParticleStore};
 
-fn euler_step<V: Space, const SYMPLECTIC: bool>(clock: Res<Clock>, mut columns: ResMut<Columns<V>>) {
-    let (dt, mut longest) = (clock.dt, Longest::default());
-    for i in 0..columns.movable_end {
-        let (body, force) = (columns.body[i], columns.loads.force.of(i));
+fn euler_step<V: Space, const SYMPLECTIC: bool>(clock: Res<Clock>, mut store: ResMut<ParticleStore<V>>) {
+    let (dt, mut longest) = (clock.dt, LongestMove::default());
+    for i in 0..store.movable_end {
+        let (body, force) = (store.body[i], store.loads.force.of(i));
         let velocity = body.velocity + force * (dt * body.inverse_mass);
-        columns.body[i].velocity = velocity;
-        columns.put(i, body.position + (if SYMPLECTIC { velocity } else { body.velocity }) * dt, &mut longest);
+        store.body[i].velocity = velocity;
+        store.put(i, body.position + (if SYMPLECTIC { velocity } else { body.velocity }) * dt, &mut longest);
     }
-    columns.travel += longest.length();
-    columns.stale.add(Mirrors::POSITION.or(Mirrors::VELOCITY).and(Mirrors::FREE));
+    store.travel += longest.length();
+    store.stale.add(MirrorSet::POSITION.or(MirrorSet::VELOCITY).and(MirrorSet::FREE));
 }
 
 pub(super) fn add_explicit<V: Space>(app: &mut App) {

@@ -9,18 +9,19 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{
-    BOOKED, Columns, Kicked, Mirrors, OwnObserver, SecondKick, SpinsDrifted, WHOLE, Walkers, add_second_kick, kick_term,
-};
 use crate::particle::{Grain, Mass, Radius};
 use crate::space::{Linear, Space};
 use crate::spin::{Inertia, InertiaLaw, Spin, Torque};
 use crate::step::{Clock, Drifted, Part, Phase, Step};
+use crate::store::{
+    ChunkedPass, Kicked, MirrorSet, OwnObserver, ParticleStore, PendingKick, SpinsDrifted, TOTAL,
+    TOTAL_AND_DISSIPATIVE, add_second_kick, kick_term,
+};
 
 /// Every grain that enters gets what it needs to turn, unless it brings all of it.
 fn equip<V: Space>(
     added: On<Add<Grain>>,
-    columns: Res<Columns<V>>,
+    store: Res<ParticleStore<V>>,
     grains: Query<(&Mass, &Radius, Has<Spin<V::Spin>>, Has<Torque<V::Spin>>, Has<Inertia>)>,
     mut commands: Commands,
 ) {
@@ -28,7 +29,7 @@ fn equip<V: Space>(
     if spins && has_torque && has_inertia {
         return;
     }
-    let Some(law) = columns.inertia else { return };
+    let Some(law) = store.inertia else { return };
     let (spin, torque, inertia) = law.turning::<V>(mass.0, radius.0, V::Spin::ZERO);
     let mut grain = commands.entity(added.entity);
     grain.insert((torque, inertia));
@@ -44,24 +45,28 @@ fn gained<W: Linear>(torque: W, dt: f64, inverse_inertia: f64) -> W {
 }
 
 /// The second kick of a step, the first of the next, or both in one pass. The second leaves
-/// a sum, which saves a pass ([`Columns::spin_kick_sum`]).
-fn kick_spins<V: Space, const SECOND: bool, const FIRST: bool>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>) {
-    if columns.has_books {
-        kick_by::<V, BOOKED, SECOND, FIRST>(dt, walkers, columns);
+/// a sum, which saves a pass ([`ParticleStore::spin_kick_sum`]).
+fn kick_spins<V: Space, const SECOND: bool, const FIRST: bool>(
+    dt: f64,
+    chunked: &ChunkedPass,
+    store: &mut ParticleStore<V>,
+) {
+    if store.tracks_energy {
+        kick_by::<V, TOTAL_AND_DISSIPATIVE, SECOND, FIRST>(dt, chunked, store);
     } else {
-        kick_by::<V, WHOLE, SECOND, FIRST>(dt, walkers, columns);
+        kick_by::<V, TOTAL, SECOND, FIRST>(dt, chunked, store);
     }
 }
 
 /// By torques of which so many numbers are kept.
-fn kick_by<V: Space, const EACH: usize, const SECOND: bool, const FIRST: bool>(
+fn kick_by<V: Space, const NUMBERS: usize, const SECOND: bool, const FIRST: bool>(
     dt: f64,
-    walkers: &Walkers,
-    columns: &mut Columns<V>,
+    chunked: &ChunkedPass,
+    store: &mut ParticleStore<V>,
 ) {
-    let Columns { loads, rotation, movable_end: end, .. } = columns;
-    let sums = walkers.along(
-        &loads.torque.entries::<EACH>()[..*end],
+    let ParticleStore { loads, rotation, movable_end: end, .. } = store;
+    let sums = chunked.in_chunks(
+        &loads.torque.entries::<NUMBERS>()[..*end],
         &mut rotation[..*end],
         #[inline(always)]
         |torque, rotation, sum: &mut V::Spin| {
@@ -76,28 +81,28 @@ fn kick_by<V: Space, const EACH: usize, const SECOND: bool, const FIRST: bool>(
         },
     );
     if SECOND {
-        columns.spin_kick_sum = Some(sums.into_iter().fold(V::Spin::ZERO, |sum, one| sum + one));
+        store.spin_kick_sum = Some(sums.into_iter().fold(V::Spin::ZERO, |sum, one| sum + one));
     }
 }
 
 /// Before the drift; with the second kick of the step before, if it is owed.
 fn first_kick<V: Space>(
-    (clock, walkers): (Res<Clock>, Walkers),
-    second: Res<SecondKick>,
-    mut columns: ResMut<Columns<V>>,
+    (clock, chunked): (Res<Clock>, ChunkedPass),
+    second: Res<PendingKick>,
+    mut store: ResMut<ParticleStore<V>>,
 ) {
-    columns.stale.add(Mirrors::SPIN.and(Mirrors::FREE));
-    if second.is_owed {
-        kick_spins::<V, true, true>(clock.dt, &walkers, &mut columns);
+    store.stale.add(MirrorSet::SPIN.and(MirrorSet::FREE));
+    if second.is_pending {
+        kick_spins::<V, true, true>(clock.dt, &chunked, &mut store);
     } else {
-        kick_spins::<V, false, true>(clock.dt, &walkers, &mut columns);
+        kick_spins::<V, false, true>(clock.dt, &chunked, &mut store);
     }
 }
 
 /// After the forces.
-fn second_kick<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    kick_spins::<V, true, false>(clock.dt, &walkers, &mut columns);
-    columns.stale.add(Mirrors::SPIN.and(Mirrors::FREE));
+fn second_kick<V: Space>((clock, chunked): (Res<Clock>, ChunkedPass), mut store: ResMut<ParticleStore<V>>) {
+    kick_spins::<V, true, false>(clock.dt, &chunked, &mut store);
+    store.stale.add(MirrorSet::SPIN.and(MirrorSet::FREE));
 }
 
 /// Rotation of grains.
@@ -110,7 +115,7 @@ pub struct SpinPlugin<V: Space> {
 
 impl<V: Space> Plugin for SpinPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.world_mut().resource_mut::<Columns<V>>().inertia = Some(self.inertia);
+        app.world_mut().resource_mut::<ParticleStore<V>>().inertia = Some(self.inertia);
         app.world_mut().spawn((Observer::new(equip::<V>), OwnObserver));
         app.add_systems(Step, first_kick::<V>.in_set(Part::Engine(Phase::Drift)).in_set(SpinsDrifted).after(Drifted));
         add_second_kick(app, second_kick::<V>.after(Kicked));

@@ -7,7 +7,7 @@
 //! 5. v(t+dt) = v(t+dt/2) + dt/2 a(t+dt)
 //!
 //! Steps 1 and 2 are [`Phase::Drift`], where 1 is written as x + dt v(t+dt/2), the same number; 4 and 5 are
-//! [`Phase::Kick`], unless they are put off until the next drift (`columns/deferred_kick.rs`). Second order, symplectic and time-reversible while forces depend on positions alone. Drag is
+//! [`Phase::Kick`], unless they are put off until the next drift (`store/deferred_kick.rs`). Second order, symplectic and time-reversible while forces depend on positions alone. Drag is
 //! evaluated with a velocity half a step old, which makes damped contacts first order; one such contact is stable
 //! for dt < 2/w0 (sqrt(1 + zeta^2) - zeta).
 
@@ -16,11 +16,12 @@ use std::ops::Add;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::columns::{
-    BOOKED, Columns, Kicked, Longest, Mirrors, SecondKick, WHOLE, Walkers, add_second_kick, kick_term,
-};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Part, Phase, Step};
+use crate::store::{
+    ChunkedPass, Kicked, LongestMove, MirrorSet, ParticleStore, PendingKick, TOTAL, TOTAL_AND_DISSIPATIVE,
+    add_second_kick, kick_term,
+};
 
 /// What a force (N) adds to the velocity in half a step of `dt` (s), m/s.
 #[inline]
@@ -29,38 +30,46 @@ fn half_kick<V: Space>(force: V, dt: f64, inverse_mass: f64) -> V {
 }
 
 /// If the second kick of the step before is owed, with that, and with its sum.
-fn drift<V: Space>((clock, walkers): (Res<Clock>, Walkers), second: Res<SecondKick>, mut columns: ResMut<Columns<V>>) {
-    columns.half_step = 0.5 * clock.dt;
-    columns.stale.add(Mirrors::POSITION.or(Mirrors::VELOCITY).and(Mirrors::FREE));
-    match (columns.has_books, second.is_owed) {
-        (true, true) => drift_by::<V, BOOKED, true>(clock.dt, &walkers, &mut columns),
-        (true, false) => drift_by::<V, BOOKED, false>(clock.dt, &walkers, &mut columns),
-        (false, true) => drift_by::<V, WHOLE, true>(clock.dt, &walkers, &mut columns),
-        (false, false) => drift_by::<V, WHOLE, false>(clock.dt, &walkers, &mut columns),
+fn drift<V: Space>(
+    (clock, chunked): (Res<Clock>, ChunkedPass),
+    second: Res<PendingKick>,
+    mut store: ResMut<ParticleStore<V>>,
+) {
+    store.half_step = 0.5 * clock.dt;
+    store.stale.add(MirrorSet::POSITION.or(MirrorSet::VELOCITY).and(MirrorSet::FREE));
+    match (store.tracks_energy, second.is_pending) {
+        (true, true) => drift_by::<V, TOTAL_AND_DISSIPATIVE, true>(clock.dt, &chunked, &mut store),
+        (true, false) => drift_by::<V, TOTAL_AND_DISSIPATIVE, false>(clock.dt, &chunked, &mut store),
+        (false, true) => drift_by::<V, TOTAL, true>(clock.dt, &chunked, &mut store),
+        (false, false) => drift_by::<V, TOTAL, false>(clock.dt, &chunked, &mut store),
     }
 }
 
 /// By forces of which so many numbers are kept.
-fn drift_by<V: Space, const EACH: usize, const OWED: bool>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>) {
+fn drift_by<V: Space, const NUMBERS: usize, const OWED: bool>(
+    dt: f64,
+    chunked: &ChunkedPass,
+    store: &mut ParticleStore<V>,
+) {
     // An open scene pays nothing for sides.
-    match columns.periodic.filter(|_| !columns.sets_back_later) {
-        None => drift_along::<V, EACH, OWED>(dt, walkers, columns, |_| {}),
-        Some(periodic) => drift_along::<V, EACH, OWED>(dt, walkers, columns, |x| periodic.wrap(x)),
+    match store.periodic.filter(|_| !store.sets_back_later) {
+        None => drift_along::<V, NUMBERS, OWED>(dt, chunked, store, |_| {}),
+        Some(periodic) => drift_along::<V, NUMBERS, OWED>(dt, chunked, store, |x| periodic.wrap(x)),
     }
 }
 
-fn drift_along<V: Space, const EACH: usize, const OWED: bool>(
+fn drift_along<V: Space, const NUMBERS: usize, const OWED: bool>(
     dt: f64,
-    walkers: &Walkers,
-    columns: &mut Columns<V>,
+    chunked: &ChunkedPass,
+    store: &mut ParticleStore<V>,
     set_back: impl Fn(&mut V) + Sync,
 ) {
-    let Columns { body, loads, movable_end: end, .. } = columns;
-    let strides = walkers.along(
-        &loads.force.entries::<EACH>()[..*end],
+    let ParticleStore { body, loads, movable_end: end, .. } = store;
+    let chunks = chunked.in_chunks(
+        &loads.force.entries::<NUMBERS>()[..*end],
         &mut body[..*end],
         #[inline(always)]
-        |force, body, (longest, sum): &mut (Longest, V)| {
+        |force, body, (longest, sum): &mut (LongestMove, V)| {
             let gained = half_kick(force[0], dt, body.inverse_mass);
             let mut velocity = body.velocity + gained;
             if OWED {
@@ -74,29 +83,29 @@ fn drift_along<V: Space, const EACH: usize, const OWED: bool>(
             (body.position, body.velocity) = (position, velocity);
         },
     );
-    let both = |(longest, sum): (Longest, V), (way, term)| (longest.or(way), sum + term);
-    let (longest, sum) = strides.into_iter().fold((Longest::default(), V::ZERO), both);
-    columns.travel += longest.length();
+    let both = |(longest, sum): (LongestMove, V), (way, term)| (longest.or(way), sum + term);
+    let (longest, sum) = chunks.into_iter().fold((LongestMove::default(), V::ZERO), both);
+    store.travel += longest.length();
     if OWED {
-        columns.kick_sum = Some(sum);
+        store.kick_sum = Some(sum);
     }
 }
 
-/// With a sum, which saves a pass ([`Columns::kick_sum`]).
-fn kick<V: Space>((clock, walkers): (Res<Clock>, Walkers), mut columns: ResMut<Columns<V>>) {
-    let sum = if columns.has_books {
-        kick_by::<V, BOOKED>(clock.dt, &walkers, &mut columns)
+/// With a sum, which saves a pass ([`ParticleStore::kick_sum`]).
+fn kick<V: Space>((clock, chunked): (Res<Clock>, ChunkedPass), mut store: ResMut<ParticleStore<V>>) {
+    let sum = if store.tracks_energy {
+        kick_by::<V, TOTAL_AND_DISSIPATIVE>(clock.dt, &chunked, &mut store)
     } else {
-        kick_by::<V, WHOLE>(clock.dt, &walkers, &mut columns)
+        kick_by::<V, TOTAL>(clock.dt, &chunked, &mut store)
     };
-    columns.kick_sum = Some(sum);
-    columns.stale.add(Mirrors::VELOCITY.and(Mirrors::FREE));
+    store.kick_sum = Some(sum);
+    store.stale.add(MirrorSet::VELOCITY.and(MirrorSet::FREE));
 }
 
-fn kick_by<V: Space, const EACH: usize>(dt: f64, walkers: &Walkers, columns: &mut Columns<V>) -> V {
-    let Columns { body, loads, movable_end: end, .. } = columns;
-    let sums = walkers.along(
-        &loads.force.entries::<EACH>()[..*end],
+fn kick_by<V: Space, const NUMBERS: usize>(dt: f64, chunked: &ChunkedPass, store: &mut ParticleStore<V>) -> V {
+    let ParticleStore { body, loads, movable_end: end, .. } = store;
+    let sums = chunked.in_chunks(
+        &loads.force.entries::<NUMBERS>()[..*end],
         &mut body[..*end],
         #[inline(always)]
         |force, body, sum: &mut V| {

@@ -20,8 +20,8 @@ use crate::outcome::Outcome;
 use crate::space::Vector;
 use crate::step::{Clock, Step};
 use crate::values::Positive;
-use crate::writers::album::Album;
 use crate::writers::colour::{self, Rgb};
+use crate::writers::frame_writer::FrameWriter;
 use crate::writers::svg::{Legend, Picture};
 
 /// The scene's `pictures`.
@@ -116,7 +116,7 @@ fn take(
     clock: Res<Clock>,
     (sites, gas, door): (Res<Sites>, Res<Gas>, Option<Res<DoorState>>),
     studio: Res<Studio>,
-    mut album: ResMut<Album>,
+    mut frame_writer: ResMut<FrameWriter>,
     mut outcome: ResMut<Outcome>,
 ) {
     let opened = door.as_ref().and_then(|door| door.steps_since(&clock));
@@ -139,7 +139,7 @@ fn take(
     let doors =
         studio.door.iter().map(|&(from, to)| (from, to, if closed.is_some() { colour::DOOR } else { [255; 3] }));
     let picture = Picture { lines: picture.lines.iter().copied().chain(doors).collect(), ..picture };
-    album.add(picture, &mut outcome);
+    frame_writer.add(picture, &mut outcome);
 }
 
 /// Takes snapshots.
@@ -162,7 +162,7 @@ impl Plugin for PicturesPlugin {
     fn build(&self, app: &mut App) {
         observe_every::<Pictures>(app, f64::from(self.0.pictures.interval.get()));
         app.insert_resource(self.0.clone())
-            .insert_resource(Album::new(self.1.clone(), self.0.pictures.png))
+            .insert_resource(FrameWriter::new(self.1.clone(), self.0.pictures.png))
             .add_systems(Step, take.in_set(ObserveStage::Write).run_if(due::<Pictures>));
     }
 }

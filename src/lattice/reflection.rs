@@ -19,9 +19,9 @@ const CHANGE_OF_SPEED: f64 = 1500.0;
 
 /// Makes reflections, each only once.
 #[derive(Default)]
-pub struct Mirrors(HashMap<(u16, u64), Reflection>);
+pub struct MirrorSet(HashMap<(u16, u64), Reflection>);
 
-impl Mirrors {
+impl MirrorSet {
     /// The reflection at a site with these blocked directions and a wall at this angle from the horizontal, degrees.
     pub fn reflection(&mut self, blocked: u16, tangent: f64) -> Reflection {
         *self.0.entry((blocked, tangent.to_bits())).or_insert_with(|| reflection(blocked, tangent))
@@ -81,7 +81,7 @@ mod tests {
         ];
         for (tangent, mirrored) in walls {
             let blocked = mirrored.iter().fold(0, |set, (from, _)| set | 1 << from);
-            let reflection = Mirrors::default().reflection(blocked, tangent);
+            let reflection = MirrorSet::default().reflection(blocked, tangent);
             for (from, to) in mirrored {
                 assert_eq!(usize::from(reflection[from]), to, "{from} at a wall of {tangent} degrees");
             }

@@ -13,7 +13,7 @@
 use bevy_ecs::prelude::*;
 
 use crate::lattice::outline::{Polygon, distance, nearest_tangent};
-use crate::lattice::reflection::{Mirrors, Reflection};
+use crate::lattice::reflection::{MirrorSet, Reflection};
 use crate::lattice::velocities::{FLANKS, STEPS, directions, in_bonds};
 use crate::space::Vector;
 
@@ -152,7 +152,7 @@ impl Sites {
     /// What is blocked, and how it is reflected.
     fn find_edges(&mut self) {
         let top = self.runs.iter().map(|run| self.coordinates(run.start + run.len - 1).1).max().unwrap_or(0);
-        let mut mirrors = Mirrors::default();
+        let mut mirrors = MirrorSet::default();
         self.edges.clear();
         let runs = std::mem::take(&mut self.runs);
         for s in runs.iter().flat_map(|run| run.start..run.start + run.len) {

@@ -7,16 +7,16 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::PlainCommands;
-use crate::ledger::books::{count_released, keep_books};
+use crate::displacement_trigger::DisplacementTrigger;
+use crate::ledger::grain_accounting::{account_for_grains, count_released};
 use crate::ledger::{Ledger, Place, Whereabouts, watch_paths};
 use crate::messages::GrainLost;
 use crate::particle::GrainId;
 use crate::particles::Particles;
 use crate::space::Space;
 use crate::step::{Phase, Step};
+use crate::store::PlainCommands;
 use crate::values::Finite;
-use crate::wait::Wait;
 
 /// The scene's `cull`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -40,9 +40,9 @@ fn cull<V: Space>(
     mut ledger: ResMut<Ledger>,
     mut expected: ResMut<Culled>,
     mut lost: MessageWriter<GrainLost<V>>,
-    mut wait: Local<Wait>,
+    mut trigger: Local<DisplacementTrigger>,
 ) {
-    if !wait.is_over(particles.odometer(), 0.0) {
+    if !trigger.has_fired(particles.travel_meter(), 0.0) {
         return;
     }
     let mut lowest = f64::INFINITY;
@@ -61,7 +61,7 @@ fn cull<V: Space>(
         }
     }
     // No grain is below the line before one has gone this far.
-    *wait = Wait::for_distance(particles.odometer(), lowest - line.0);
+    *trigger = DisplacementTrigger::for_distance(particles.travel_meter(), lowest - line.0);
 }
 
 /// Removes grains below the cull line.
@@ -76,7 +76,7 @@ impl<V: Space> Plugin for CullPlugin<V> {
                 .in_set(PlainCommands)
                 .after(count_released)
                 .after(watch_paths::<V>)
-                .before(keep_books::<V>),
+                .before(account_for_grains::<V>),
         );
     }
 }

@@ -11,12 +11,12 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::columns::PlainCommands;
 use crate::measure::ObserveStage;
 use crate::messages::CameToRest;
 use crate::particles::Particles;
 use crate::space::Vector;
 use crate::step::Step;
+use crate::store::PlainCommands;
 use crate::values::FiniteVector;
 
 /// The scene's `bed`: a window inside the bed at rest.

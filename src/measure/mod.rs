@@ -1,7 +1,7 @@
 //! Measurements: they look when they are due, and at the end of the run, and never write physics.
 //!
 //! The clock of [`observe_every`] is known beforehand: components are brought up to date, and kicks made in time, only for steps in which
-//! an observer is due (`foresee` in `columns/gates.rs`). A system with another run condition counts as looking in every step.
+//! an observer is due (`register_predictable` in `store/gates.rs`). A system with another run condition counts as looking in every step.
 
 pub mod bed;
 pub mod discharge;
@@ -14,9 +14,9 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::{SettledAtEnd, foresee};
 use crate::outcome::Outcome;
 use crate::step::{Clock, Part, Phase, Step};
+use crate::store::{KickAppliedAtEnd, register_predictable};
 
 /// The stages of [`Phase::Observe`], in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -65,8 +65,8 @@ pub fn due<T: Send + Sync + 'static>(every: Option<Res<Every<T>>>) -> bool {
 /// Registers the clock of the observer `T` with an interval in s.
 pub fn observe_every<T: Send + Sync + 'static>(app: &mut App, interval: f64) {
     app.insert_resource(Every::<T> { interval, looks: 0, is_due: false, observer: PhantomData })
-        .add_systems(Step, tick::<T>.in_set(Part::Engine(Phase::Observe)).after(SettledAtEnd));
-    foresee(app, due::<T>, |clock: Res<Clock>, every: Res<Every<T>>| every.is_time(&clock));
+        .add_systems(Step, tick::<T>.in_set(Part::Engine(Phase::Observe)).after(KickAppliedAtEnd));
+    register_predictable(app, due::<T>, |clock: Res<Clock>, every: Res<Every<T>>| every.is_time(&clock));
 }
 
 /// The stages.

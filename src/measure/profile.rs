@@ -18,9 +18,9 @@ use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::columns::Columns;
 use crate::particle::Species;
 use crate::space::{Dimension, Space};
+use crate::store::ParticleStore;
 use crate::values::{Finite, NonNegative, Positive};
 
 /// One of the scene's `profiles`.
@@ -128,29 +128,29 @@ impl<V: Space> Sampler<V> {
     }
 
     /// Adds the grains of `species` (all, if none is named) as they are.
-    pub fn add(&mut self, columns: &Columns<V>, species: Option<Species>) {
+    pub fn add(&mut self, store: &ParticleStore<V>, species: Option<Species>) {
         let axis = self.profile.axis.number();
-        let side = columns.periodic.and_then(|periodic| periodic.side(axis));
-        let grains = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
-        for i in grains.filter(|&i| species.is_none_or(|species| columns.species[i] == species)) {
-            let x = columns.body[i].position.axis(axis);
+        let side = store.periodic.and_then(|periodic| periodic.side(axis));
+        let grains = (0..store.movable_end).filter(|&i| !store.is_fixed(i));
+        for i in grains.filter(|&i| species.is_none_or(|species| store.species[i] == species)) {
+            let x = store.body[i].position.axis(axis);
             let images = side.map_or([None; 2], |side| [Some(x - side), Some(x + side)]);
             for image in images.into_iter().flatten().chain([x]) {
-                self.add_centre(columns, i, image);
-                self.add_volume(columns.body[i].radius, image);
+                self.add_centre(store, i, image);
+                self.add_volume(store.body[i].radius, image);
             }
         }
         self.samples += 1;
     }
 
-    fn add_centre(&mut self, columns: &Columns<V>, i: usize, x: f64) {
+    fn add_centre(&mut self, store: &ParticleStore<V>, i: usize, x: f64) {
         let bin = ((x - self.profile.low.get()) / self.width()).floor();
         if !(0.0..f64::from(self.profile.bins)).contains(&bin) {
             return;
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a bin")]
         let sums = &mut self.bins[bin as usize];
-        let (mass, v) = (columns.mass[i], columns.body[i].velocity);
+        let (mass, v) = (store.mass[i], store.body[i].velocity);
         sums.count += 1;
         sums.mass += mass;
         sums.momentum += v * mass;
@@ -200,23 +200,23 @@ impl<V: Space> Sampler<V> {
 #[expect(clippy::float_cmp, reason = "exact values")]
 mod tests {
     use super::*;
-    use crate::columns::Body;
     use crate::particle::GrainId;
     use crate::periodic::{Periodic, PeriodicSides};
     use crate::space::{Plane, Solid};
+    use crate::store::Body;
     use bevy_ecs::prelude::Entity;
 
-    fn columns<V: Space>(grains: &[(V, V, f64)]) -> Columns<V> {
-        let mut columns = Columns::default();
+    fn store<V: Space>(grains: &[(V, V, f64)]) -> ParticleStore<V> {
+        let mut store = ParticleStore::default();
         for (n, &(position, velocity, radius)) in (0u32..).zip(grains) {
-            columns.id.push(GrainId::grain(n).unwrap());
-            columns.entity.push(Entity::PLACEHOLDER);
-            columns.body.push(Body { position, velocity, radius, inverse_mass: 0.5 });
-            columns.mass.push(2.0);
-            columns.species.push(Species(u8::try_from(n % 2).unwrap()));
+            store.id.push(GrainId::grain(n).unwrap());
+            store.entity.push(Entity::PLACEHOLDER);
+            store.body.push(Body { position, velocity, radius, inverse_mass: 0.5 });
+            store.mass.push(2.0);
+            store.species.push(Species(u8::try_from(n % 2).unwrap()));
         }
-        columns.movable_end = grains.len();
-        columns
+        store.movable_end = grains.len();
+        store
     }
 
     fn profile(low: f64, high: f64, bins: u16) -> Profile {
@@ -227,8 +227,8 @@ mod tests {
 
     #[test]
     fn slices_make_up_the_whole_grain() {
-        let disc = columns(&[(Plane::new(0.3, 0.0), Plane::ZERO, 0.25)]);
-        let sphere = columns(&[(Solid::new(0.3, 0.0, 0.0), Solid::ZERO, 0.25)]);
+        let disc = store(&[(Plane::new(0.3, 0.0), Plane::ZERO, 0.25)]);
+        let sphere = store(&[(Solid::new(0.3, 0.0, 0.0), Solid::ZERO, 0.25)]);
         let (mut plane, mut solid) = (Sampler::new(profile(0.0, 1.0, 7), 2.0), Sampler::new(profile(0.0, 1.0, 7), 2.0));
         plane.add(&disc, None);
         solid.add(&sphere, None);
@@ -246,7 +246,7 @@ mod tests {
 
     #[test]
     fn images_count_along_a_periodic_axis() {
-        let mut disc = columns(&[(Plane::new(0.05, 0.0), Plane::ZERO, 0.2)]);
+        let mut disc = store(&[(Plane::new(0.05, 0.0), Plane::ZERO, 0.2)]);
         disc.periodic = Periodic::new(&PeriodicSides { x: Some((0.0, 1.0)), ..PeriodicSides::default() });
         let mut sampler = Sampler::new(profile(0.0, 1.0, 4), 1.0);
         sampler.add(&disc, None);
@@ -261,15 +261,15 @@ mod tests {
         let grains =
             [(v(0.1, 0.0), v(1.0, 0.0), 0.01), (v(0.2, 0.0), v(3.0, 2.0), 0.01), (v(0.9, 0.0), v(9.0, 9.0), 0.01)];
         let mut sampler = Sampler::new(profile(0.0, 1.0, 2), 1.0);
-        sampler.add(&columns(&grains), None);
-        sampler.add(&columns(&grains), None);
+        sampler.add(&store(&grains), None);
+        sampler.add(&store(&grains), None);
         assert_eq!(sampler.samples, 2);
         let means = sampler.take();
         assert_eq!((means[0].count, means[0].velocity), (2.0, v(2.0, 1.0)));
         // Each of the two is (1, 1) away from the mean.
         assert_eq!((means[0].temperature, means[1].temperature), (1.0, 0.0));
         assert_eq!(sampler.samples, 0);
-        sampler.add(&columns(&grains), Some(Species(1)));
+        sampler.add(&store(&grains), Some(Species(1)));
         assert_eq!(sampler.take()[0].count, 1.0);
     }
 }

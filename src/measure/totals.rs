@@ -33,27 +33,27 @@ pub struct Totals {
 }
 
 impl Totals {
-    /// Measures the state in `columns`.
+    /// Measures the state in `store`.
     #[must_use]
     pub fn measure<V: Space>(survey: &Survey<V>, gravity: V) -> Self {
-        let columns = survey.columns;
+        let store = survey.store;
         let mut totals = Self::default();
-        for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
+        for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
             totals.grains += 1;
-            totals.kinetic += columns.kinetic_energy(i);
-            totals.rotational += columns.rotational_energy(i);
-            totals.potential -= columns.mass[i] * gravity.dot(columns.body[i].position);
-            totals.largest_speed = totals.largest_speed.max(columns.body[i].velocity.length());
+            totals.kinetic += store.kinetic_energy(i);
+            totals.rotational += store.rotational_energy(i);
+            totals.potential -= store.mass[i] * gravity.dot(store.body[i].position);
+            totals.largest_speed = totals.largest_speed.max(store.body[i].velocity.length());
         }
         let (mut largest, mut ends) = (0.0f64, 0u32);
         survey.contacts(|i, partner, pair, memory| {
             totals.elastic += survey.law.elastic_energy(pair, memory);
             let (radius, other_is_grain) = match partner {
-                Partner::Particle(j) => (columns.body[i].radius.min(columns.body[j].radius), !columns.is_fixed(j)),
-                Partner::Wall(_) => (columns.body[i].radius, false),
+                Partner::Particle(j) => (store.body[i].radius.min(store.body[j].radius), !store.is_fixed(j)),
+                Partner::Wall(_) => (store.body[i].radius, false),
             };
             largest = largest.max(pair.overlap / radius);
-            ends += u32::from(!columns.is_fixed(i)) + u32::from(other_is_grain);
+            ends += u32::from(!store.is_fixed(i)) + u32::from(other_is_grain);
         });
         totals.largest_overlap_ratio = largest;
         #[expect(clippy::cast_precision_loss, reason = "fewer than 2^32 grains")]

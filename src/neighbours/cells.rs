@@ -11,12 +11,12 @@
 //! L must be at least the largest distance at which two particles touch, 2 R_max for grains. A scheme that looks ahead asks
 //! for what the fastest grain goes in a step on top: where L has no room for it, grains look another cell far.
 
-use crate::columns::Columns;
 use crate::neighbours::contact_range;
 use crate::neighbours::list::PairList;
 use crate::outcome::Failure;
 use crate::periodic::Periodic;
 use crate::space::Space;
+use crate::store::ParticleStore;
 
 /// How many cells a particle looks far; beyond that, asking everybody is not dearer.
 pub(super) const MOST_CELLS: u8 = 8;
@@ -63,8 +63,8 @@ impl<V: Space> Cells<V> {
         }
     }
 
-    pub(super) fn check_range(&mut self, columns: &Columns<V>) -> Result<(), Failure> {
-        self.range = contact_range(columns);
+    pub(super) fn check_range(&mut self, store: &ParticleStore<V>) -> Result<(), Failure> {
+        self.range = contact_range(store);
         let needed = self.range;
         if needed > self.size { Err(Failure::CellsTooSmall { size: self.size, needed }) } else { Ok(()) }
     }
@@ -194,20 +194,20 @@ impl<V: Space> Cells<V> {
 
 impl<V: Space> Cells<V> {
     /// Lists who may touch.
-    pub(super) fn find(&self, columns: &Columns<V>, list: &mut PairList) {
+    pub(super) fn find(&self, store: &ParticleStore<V>, list: &mut PairList) {
         list.clear();
-        for i in 0..columns.len() {
-            if i < columns.movable_end {
+        for i in 0..store.len() {
+            if i < store.movable_end {
                 let wants = |j: u32| j as usize > i;
                 let consider = |j: u32| {
-                    if columns.may_touch(i, j as usize) {
+                    if store.may_touch(i, j as usize) {
                         list.push(j);
                     }
                 };
                 if self.reach <= MOST_CELLS {
                     self.around(i, self.reach, wants, consider);
                 } else {
-                    (0u32..).take(columns.len()).filter(|&j| wants(j)).for_each(consider);
+                    (0u32..).take(store.len()).filter(|&j| wants(j)).for_each(consider);
                 }
             }
             list.end_row();

@@ -21,12 +21,12 @@ use serde::{Deserialize, Serialize};
 use self::cells::Cells;
 use self::list::PairList;
 use self::verlet_list::VerletList;
-use crate::columns::{Columns, LookedAhead};
 use crate::neighbours::list::BLOCK;
 use crate::outcome::{Failure, Outcome};
 use crate::periodic::Periodic;
 use crate::space::{Plane, Space};
 use crate::step::{Clock, Part, Phase, Step};
+use crate::store::{ParticleStore, VelocitiesPredicted};
 use crate::threads::Threads;
 use crate::values::Positive;
 
@@ -90,50 +90,50 @@ impl<V: Space> Search<V> {
         Self { method, list: PairList::default(), generation: 0 }
     }
 
-    /// Makes the search valid for the positions in `columns`, and shares the list out among `threads`; `dt` is the time step, s.
+    /// Makes the search valid for the positions in `store`, and shares the list out among `threads`; `dt` is the time step, s.
     /// Tells whether cells were filled or the list was renewed.
     ///
     /// # Errors
     /// If particles touch at more than the cell size.
-    pub fn update(&mut self, columns: &Columns<V>, dt: f64, threads: &Threads) -> Result<bool, Failure> {
-        let renumbered = self.generation != columns.generation;
+    pub fn update(&mut self, store: &ParticleStore<V>, dt: f64, threads: &Threads) -> Result<bool, Failure> {
+        let renumbered = self.generation != store.generation;
         let mut caught_up = false;
-        let follows = self.generation + 1 == columns.generation;
-        self.generation = columns.generation;
+        let follows = self.generation + 1 == store.generation;
+        self.generation = store.generation;
         let rebuilt = match &mut self.method {
             Method::AllPairs => {
-                all_pairs::find(columns, &mut self.list);
+                all_pairs::find(store, &mut self.list);
                 true
             }
             Method::Cells(cells) => {
-                cells.fill(columns.body.iter().map(|body| body.position));
-                let is_right = if renumbered { cells.check_range(columns) } else { Ok(()) };
-                cells.look_ahead(columns.margin);
+                cells.fill(store.body.iter().map(|body| body.position));
+                let is_right = if renumbered { cells.check_range(store) } else { Ok(()) };
+                cells.look_ahead(store.margin);
                 // Found in any case, so that what is left of a step that fails has a valid list.
-                cells.find(columns, &mut self.list);
-                self.list.share_out(columns.len(), threads.count(), BLOCK);
+                cells.find(store, &mut self.list);
+                self.list.share_out(store.len(), threads.count(), BLOCK);
                 is_right?;
                 true
             }
             Method::VerletList(list) => {
-                let is_whole = !renumbered || (follows && list.follow(columns, &mut self.list, dt));
-                let gone_far = if is_whole { list.gone_far(columns) } else { Vec::new() };
+                let is_whole = !renumbered || (follows && list.follow(store, &mut self.list, dt));
+                let gone_far = if is_whole { list.gone_far(store) } else { Vec::new() };
                 caught_up = !gone_far.is_empty();
-                let stale = !is_whole || (caught_up && !list.catch_up(columns, &mut self.list, &gone_far, dt));
+                let stale = !is_whole || (caught_up && !list.catch_up(store, &mut self.list, &gone_far, dt));
                 if stale {
-                    list.renew(columns, &mut self.list, dt, threads);
+                    list.renew(store, &mut self.list, dt, threads);
                 }
                 stale
             }
         };
         if rebuilt || renumbered || caught_up {
-            self.list.share_out(columns.len(), threads.count(), BLOCK);
+            self.list.share_out(store.len(), threads.count(), BLOCK);
         }
         Ok(rebuilt)
     }
 }
 
-impl<V: Space> Columns<V> {
+impl<V: Space> ParticleStore<V> {
     /// Whether two are so near that the law has to look at them.
     fn may_touch(&self, i: usize, j: usize) -> bool {
         // Summed as the kernel does it, to the last bit.
@@ -142,15 +142,15 @@ impl<V: Space> Columns<V> {
     }
 }
 
-/// The largest distance at which two particles of `columns` touch, at least one of them movable, m.
+/// The largest distance at which two particles of `store` touch, at least one of them movable, m.
 ///
 /// A grain looks one cell far, so a pair is found for certain only if its centres are at most a cell's side apart:
 /// the side must not be smaller than this. For grains alone that is twice the largest radius.
 #[must_use]
-pub fn contact_range<V: Space>(columns: &Columns<V>) -> f64 {
+pub fn contact_range<V: Space>(store: &ParticleStore<V>) -> f64 {
     let largest = |fixed: bool| {
-        let of_kind = (0..columns.len()).filter(|&i| columns.is_fixed(i) == fixed);
-        of_kind.map(|i| columns.body[i].radius).fold(0.0, f64::max)
+        let of_kind = (0..store.len()).filter(|&i| store.is_fixed(i) == fixed);
+        of_kind.map(|i| store.body[i].radius).fold(0.0, f64::max)
     };
     let movable = largest(false);
     movable + movable.max(largest(true))
@@ -158,13 +158,13 @@ pub fn contact_range<V: Space>(columns: &Columns<V>) -> f64 {
 
 fn update_search<V: Space>(
     clock: Res<Clock>,
-    columns: Res<Columns<V>>,
+    store: Res<ParticleStore<V>>,
     threads: Res<Threads>,
     mut search: ResMut<Search<V>>,
     mut rebuilds: ResMut<Rebuilds>,
     mut outcome: ResMut<Outcome>,
 ) {
-    match search.update(&columns, clock.dt, &threads) {
+    match search.update(&store, clock.dt, &threads) {
         Ok(rebuilt) => rebuilds.0 += u64::from(rebuilt),
         Err(failure) => outcome.fail(failure),
     }
@@ -184,6 +184,6 @@ impl<V: Space> Plugin for NeighboursPlugin<V> {
     fn build(&self, app: &mut App) {
         app.insert_resource(Search::new(self.kind, self.periodic, self.largest_radius))
             .init_resource::<Rebuilds>()
-            .add_systems(Step, update_search::<V>.in_set(Part::Engine(Phase::Neighbours)).after(LookedAhead));
+            .add_systems(Step, update_search::<V>.in_set(Part::Engine(Phase::Neighbours)).after(VelocitiesPredicted));
     }
 }

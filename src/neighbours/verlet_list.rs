@@ -8,15 +8,15 @@
 //! Each particle's partners are listed in ascending order. The list is renewed by a search ([`sweep`]); with a few that come, leave
 //! or go far it keeps up without ([`follow`]).
 
-mod follow;
-mod sweep;
+mod candidate_search;
+mod renumbering;
 
-use crate::columns::{Body, Columns};
+use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::PairList;
-use crate::neighbours::verlet_list::sweep::Sweep;
+use crate::neighbours::verlet_list::candidate_search::CandidateSearch;
 use crate::space::Space;
+use crate::store::{Body, ParticleStore};
 use crate::threads::Threads;
-use crate::wait::Wait;
 
 /// What share of an allowance is left to whoever has used up most of it.
 const MOST: f64 = 0.5;
@@ -28,7 +28,7 @@ const HORIZON: f64 = 25.0;
 pub struct VerletList<V: Space> {
     skin: f64,
     made_at: Vec<Anchor<V>>,
-    wait: Wait,
+    trigger: DisplacementTrigger,
 }
 
 /// Where a particle was when the list was made, and how far it may go.
@@ -47,22 +47,22 @@ impl<V: Space> Anchor<V> {
 
 impl<V: Space> VerletList<V> {
     pub(super) fn new(skin: f64) -> Self {
-        Self { skin, made_at: Vec::new(), wait: Wait::default() }
+        Self { skin, made_at: Vec::new(), trigger: DisplacementTrigger::default() }
     }
 
     /// Who has used up most of its allowance, in case that somebody has used up all of it.
-    pub(super) fn gone_far(&mut self, columns: &Columns<V>) -> Vec<u32> {
-        if !self.wait.is_over(columns.odometer(), columns.margin) {
+    pub(super) fn gone_far(&mut self, store: &ParticleStore<V>) -> Vec<u32> {
+        if !self.trigger.has_fired(store.travel_meter(), store.margin) {
             return Vec::new();
         }
         let left = |(body, anchor): (&Body<V>, &Anchor<V>)| {
             // A scheme that looks ahead sees what may touch in that time.
-            let ahead = columns.lookahead * body.velocity.extent();
-            anchor.allowance - ahead - columns.separation(body.position, anchor.position).length()
+            let ahead = store.lookahead * body.velocity.extent();
+            anchor.allowance - ahead - store.separation(body.position, anchor.position).length()
         };
-        let particles = || columns.body.iter().zip(&self.made_at);
+        let particles = || store.body.iter().zip(&self.made_at);
         let least = particles().map(left).fold(f64::INFINITY, f64::min);
-        self.wait = Wait::for_distance(columns.odometer(), least);
+        self.trigger = DisplacementTrigger::for_distance(store.travel_meter(), least);
         if least > 0.0 {
             return Vec::new();
         }
@@ -71,21 +71,21 @@ impl<V: Space> VerletList<V> {
         (0u32..).zip(particles()).filter(most).map(|(i, _)| i).collect()
     }
 
-    /// Makes `list` anew for the positions in `columns`; `dt` is the time step, s.
-    pub(super) fn renew(&mut self, columns: &Columns<V>, list: &mut PairList, dt: f64, threads: &Threads) {
+    /// Makes `list` anew for the positions in `store`; `dt` is the time step, s.
+    pub(super) fn renew(&mut self, store: &ParticleStore<V>, list: &mut PairList, dt: f64, threads: &Threads) {
         self.made_at.clear();
-        self.made_at.extend(columns.body.iter().map(|body| Anchor::of(body, self.skin, dt)));
-        self.wait = Wait::default();
-        let pairs = Sweep::new(self, columns).pairs(list.pairs().len(), threads);
-        list.take(&pairs, columns.len());
+        self.made_at.extend(store.body.iter().map(|body| Anchor::of(body, self.skin, dt)));
+        self.trigger = DisplacementTrigger::default();
+        let pairs = CandidateSearch::new(self, store).pairs(list.pairs().len(), threads);
+        list.take(&pairs, store.len());
     }
 
     /// Whether two belong on the list.
     #[inline]
-    fn are_near(&self, columns: &Columns<V>, i: usize, j: usize) -> bool {
+    fn are_near(&self, store: &ParticleStore<V>, i: usize, j: usize) -> bool {
         let (one, other) = (&self.made_at[i], &self.made_at[j]);
-        let reach = columns.body[i].radius + columns.body[j].radius + one.allowance + other.allowance;
-        columns.separation(one.position, other.position).length_squared() < reach * reach
-            && !(columns.is_fixed(i) && columns.is_fixed(j))
+        let reach = store.body[i].radius + store.body[j].radius + one.allowance + other.allowance;
+        store.separation(one.position, other.position).length_squared() < reach * reach
+            && !(store.is_fixed(i) && store.is_fixed(j))
     }
 }

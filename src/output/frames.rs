@@ -14,7 +14,6 @@ use std::path::PathBuf;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::Body;
 use crate::grains::spawner::RadiusLaw;
 use crate::ledger::Ledger;
 use crate::measure::{ObserveStage, due, observe_every};
@@ -24,16 +23,17 @@ use crate::scene::load::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
 use crate::space::{Dimension, Plane, Solid, Space, Vector};
 use crate::step::{Clock, Step};
-use crate::survey::{Partner, Scenery, Survey};
+use crate::store::Body;
+use crate::survey::{Partner, Survey, SurveyParam};
 use crate::values::Positive;
 use crate::walls::surfaces::{Surface, Surfaces};
-use crate::writers::album::Album;
 use crate::writers::colour::{self, Rgb};
+use crate::writers::frame_writer::FrameWriter;
 use crate::writers::svg::{Legend, Picture};
 
 /// Where pictures go, and what is the same in all of them.
 #[derive(Resource, Clone)]
-pub struct Studio {
+pub struct FrameRenderer {
     /// What the scene says.
     pub pictures: Pictures,
     /// The directory.
@@ -54,20 +54,20 @@ type Bodies<'w, 's> = Query<'w, 's, (&'static Slot, &'static Radius, Option<&'st
 const BONDS: [Rgb; 2] = [[0x22, 0x22, 0x22], [0xff, 0x7f, 0x0e]];
 
 fn take<V: Space>(
-    (clock, ledger, scenery): (Res<Clock>, Res<Ledger>, Scenery<V>),
-    (walls, studio): (Res<Surfaces<V>>, Res<Studio>),
+    (clock, ledger, survey_param): (Res<Clock>, Res<Ledger>, SurveyParam<V>),
+    (walls, studio): (Res<Surfaces<V>>, Res<FrameRenderer>),
     bodies: Bodies,
-    mut album: ResMut<Album>,
+    mut frame_writer: ResMut<FrameWriter>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let survey = scenery.survey();
+    let survey = survey_param.survey();
     let pressures = match studio.pictures.colour {
         Colour::Pressure(_) => pressures(&survey),
         _ => Vec::new(),
     };
     // A particle that has no slot yet is not seen.
     let seen = bodies.iter().filter_map(|(slot, radius, species, is_door, is_grain)| {
-        let Body { position: x, velocity: v, .. } = *survey.columns.body.get(slot.index())?;
+        let Body { position: x, velocity: v, .. } = *survey.store.body.get(slot.index())?;
         Some((slot.index(), x, v, radius.0, species.copied().unwrap_or_default(), is_door, is_grain))
     });
     let mut rows: Vec<_> = seen.collect();
@@ -101,12 +101,12 @@ fn take<V: Space>(
             .collect(),
         ..Picture::default()
     };
-    album.add(picture, &mut outcome);
+    frame_writer.add(picture, &mut outcome);
 }
 
 /// Sum of the elastic contact forces over circumference or surface, for each entry of the columns, N/m or N/m^2.
 fn pressures<V: Space>(survey: &Survey<V>) -> Vec<f64> {
-    let mut sums = vec![0.0; survey.columns.len()];
+    let mut sums = vec![0.0; survey.store.len()];
     survey.contacts(|i, partner, pair, memory| {
         let force = survey.law.force(pair, &mut memory.clone()).elastic().length();
         sums[i] += force;
@@ -118,10 +118,10 @@ fn pressures<V: Space>(survey: &Survey<V>) -> Vec<f64> {
         Dimension::Plane => 2.0 * PI * radius,
         Dimension::Solid => 4.0 * PI * radius * radius,
     };
-    sums.iter().zip(&survey.columns.body).map(|(sum, body)| sum / surface(body.radius)).collect()
+    sums.iter().zip(&survey.store.body).map(|(sum, body)| sum / surface(body.radius)).collect()
 }
 
-impl Studio {
+impl FrameRenderer {
     /// The studio of a scene, if it wants pictures.
     #[must_use]
     pub fn of(loaded: &Loaded, directory: PathBuf) -> Option<Self> {
@@ -254,13 +254,13 @@ fn everything_in<V: Space>(loaded: &Loaded) -> (Vector, Vector) {
 }
 
 /// Takes snapshots.
-pub struct FramesPlugin<V: Space>(pub Studio, pub PhantomData<V>);
+pub struct FramesPlugin<V: Space>(pub FrameRenderer, pub PhantomData<V>);
 
 impl<V: Space> Plugin for FramesPlugin<V> {
     fn build(&self, app: &mut App) {
         observe_every::<Pictures>(app, self.0.pictures.interval.get());
         app.insert_resource(self.0.clone())
-            .insert_resource(Album::new(self.0.directory.clone(), self.0.pictures.png))
+            .insert_resource(FrameWriter::new(self.0.directory.clone(), self.0.pictures.png))
             .add_systems(Step, take::<V>.in_set(ObserveStage::Write).run_if(due::<Pictures>));
     }
 }

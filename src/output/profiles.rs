@@ -20,7 +20,6 @@ use std::path::Path;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::columns::foresee;
 use crate::measure::profile::{Profile, Sampler};
 use crate::measure::{ObserveStage, due};
 use crate::outcome::Outcome;
@@ -29,6 +28,7 @@ use crate::particles::Motion;
 use crate::scene::outputs::Series;
 use crate::space::Space;
 use crate::step::{Clock, Step};
+use crate::store::register_predictable;
 use crate::values::{NonNegative, Positive};
 use crate::writers::rows::{Parcel, Rows, numbers};
 
@@ -188,7 +188,7 @@ impl<V: Space> Plugin for ProfilesPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some((profiles, centres)) = self.0.open() else { return };
         app.insert_resource(profiles).insert_resource(centres);
-        foresee(app, has_work::<V>, has_work::<V>);
+        register_predictable(app, has_work::<V>, has_work::<V>);
         app.add_systems(
             Step,
             (

@@ -27,12 +27,12 @@ use crate::outcome::Outcome;
 use crate::scene::outputs::Series;
 use crate::space::Space;
 use crate::step::{Clock, Step};
-use crate::survey::Scenery;
+use crate::survey::SurveyParam;
 use crate::writers::rows::{Parcel, Rows};
 
 /// The names of all columns, and among them, or not, those of the books.
-fn header(has_books: bool) -> String {
-    let books = if has_books { BOOKS } else { "" };
+fn header(tracks_energy: bool) -> String {
+    let books = if tracks_energy { BOOKS } else { "" };
     format!(
         "time_s,released,inside,out,lost,culled,outflow_per_s,kinetic_j,rotational_j,potential_j,elastic_j{books},\
          largest_speed_m_per_s,largest_overlap_ratio,coordination"
@@ -48,13 +48,13 @@ struct SeriesFile {
 }
 
 fn write_row<V: Space>(
-    (clock, scenery): (Res<Clock>, Scenery<V>),
+    (clock, survey_param): (Res<Clock>, SurveyParam<V>),
     (gravity, flows, ledger): (Res<Gravity<V>>, Option<Res<EnergyFlows>>, Res<Ledger>),
     mut series: ResMut<SeriesFile>,
     mut outcome: ResMut<Outcome>,
 ) {
     let (time, out) = (clock.time(), ledger.out());
-    let now = Totals::measure(&scenery.survey(), gravity.0);
+    let now = Totals::measure(&survey_param.survey(), gravity.0);
     let outflow = match series.last.replace((time, out)) {
         Some((before, out_before)) if time > before => f64::from(out - out_before) / (time - before),
         _ => 0.0,
@@ -89,12 +89,12 @@ pub struct SeriesPlugin<V: Space> {
 }
 
 impl<V: Space> SeriesPlugin<V> {
-    /// Creates the file at `path` with its header; `has_books` tells whether books of energy are kept.
+    /// Creates the file at `path` with its header; `tracks_energy` tells whether books of energy are kept.
     ///
     /// # Errors
     /// If it cannot be written.
-    pub fn create(config: Series, has_books: bool, path: &Path) -> std::io::Result<Self> {
-        let file = Parcel::new(SeriesFile { rows: Rows::create(path, &header(has_books))?, last: None });
+    pub fn create(config: Series, tracks_energy: bool, path: &Path) -> std::io::Result<Self> {
+        let file = Parcel::new(SeriesFile { rows: Rows::create(path, &header(tracks_energy))?, last: None });
         Ok(Self { config, file, space: std::marker::PhantomData })
     }
 }

@@ -9,7 +9,7 @@ use std::convert::Infallible;
 
 use bevy_ecs::prelude::*;
 
-use crate::grains::census;
+use crate::grains::grain_snapshot;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::writers::fnv::Fnv;
 
@@ -23,7 +23,7 @@ pub fn of_world(world: &mut World) -> u64 {
 
 fn of<V: Space>(world: &mut World) -> u64 {
     let mut hash = Fnv::default();
-    let Ok(()) = census::take::<V, Infallible>(world, |grain| {
+    let Ok(()) = grain_snapshot::take::<V, Infallible>(world, |grain| {
         hash.eat(&grain.id.number().to_le_bytes());
         let mut numbers = grain.position.components();
         numbers.extend(grain.velocity.components());

@@ -6,7 +6,6 @@
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
-use crate::columns::Columns;
 use crate::contact::{Contact, LargestOverlap};
 use crate::door::DoorState;
 use crate::ending::EmptyTime;
@@ -24,6 +23,7 @@ use crate::rest::RestDetector;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane, Solid};
 use crate::step::Clock;
+use crate::store::ParticleStore;
 use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
 use crate::writers::peak::peak_memory;
@@ -140,8 +140,8 @@ pub struct Cost {
 #[must_use]
 pub fn movable_grains(world: &World) -> usize {
     match Dimension::of_world(world) {
-        Dimension::Plane => world.resource::<Columns<Plane>>().movable_end,
-        Dimension::Solid => world.resource::<Columns<Solid>>().movable_end,
+        Dimension::Plane => world.resource::<ParticleStore<Plane>>().movable_end,
+        Dimension::Solid => world.resource::<ParticleStore<Solid>>().movable_end,
     }
 }
 

@@ -11,12 +11,12 @@ pub mod view;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use crate::columns::Columns;
 use crate::contact::history::History;
 use crate::contact::{AnyLaw, Memory, Pair, PairLaw, geometry};
 use crate::neighbours::Search;
 use crate::particles::Motion;
 use crate::space::{Plane, Space};
+use crate::store::ParticleStore;
 use crate::walls::surfaces::{FlatWall, Surfaces};
 
 /// Who is touched.
@@ -30,7 +30,7 @@ pub enum Partner {
 
 /// What a system needs for a survey.
 #[derive(SystemParam)]
-pub struct Scenery<'w, V: Space = Plane> {
+pub struct SurveyParam<'w, V: Space = Plane> {
     motion: Motion<'w, V>,
     search: Res<'w, Search<V>>,
     walls: Res<'w, Surfaces<V>>,
@@ -38,12 +38,12 @@ pub struct Scenery<'w, V: Space = Plane> {
     history: Res<'w, History<V>>,
 }
 
-impl<V: Space> Scenery<'_, V> {
+impl<V: Space> SurveyParam<'_, V> {
     /// The survey.
     #[must_use]
     pub fn survey(&self) -> Survey<'_, V> {
         Survey {
-            columns: self.motion.store(),
+            store: self.motion.store(),
             search: &self.search,
             walls: &self.walls.0,
             law: &*self.law.0,
@@ -56,7 +56,7 @@ impl<V: Space> Scenery<'_, V> {
 #[derive(Clone, Copy)]
 pub struct Survey<'a, V: Space = Plane> {
     /// Particles.
-    pub columns: &'a Columns<V>,
+    pub store: &'a ParticleStore<V>,
     /// Candidates.
     pub search: &'a Search<V>,
     /// Flat walls.
@@ -72,7 +72,7 @@ impl<'a, V: Space> Survey<'a, V> {
     #[must_use]
     pub fn of_world(world: &'a World) -> Self {
         Self {
-            columns: world.resource(),
+            store: world.resource(),
             search: world.resource(),
             walls: &world.resource::<Surfaces<V>>().0,
             law: &*world.resource::<AnyLaw<V>>().0,
@@ -93,10 +93,10 @@ impl<'a, V: Space> Survey<'a, V> {
         mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
         self.pairs(&counts, &mut visit);
-        let (columns, root, mut memories) = (self.columns, self.law.takes_root(), self.history.read_walls());
-        for i in (0..columns.movable_end).filter(|&i| !columns.is_fixed(i)) {
+        let (store, root, mut memories) = (self.store, self.law.needs_mass_root(), self.history.read_walls());
+        for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
             for (index, wall) in self.walls.iter().enumerate().filter(|&(index, _)| counts(i, Partner::Wall(index))) {
-                if let Some(pair) = geometry::touching_wall::<false, V>(columns, i, wall, root, 0.0) {
+                if let Some(pair) = geometry::touching_wall::<false, V>(store, i, wall, root, 0.0) {
                     let memory = memories.look_up(i, index).unwrap_or_default();
                     visit(i, Partner::Wall(index), &pair, &memory);
                 }
@@ -109,10 +109,10 @@ impl<'a, V: Space> Survey<'a, V> {
         counts: &impl Fn(usize, Partner) -> bool,
         visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
-        let (root, mut memories) = (self.law.takes_root(), self.history.read_pairs());
+        let (root, mut memories) = (self.law.needs_mass_root(), self.history.read_pairs());
         let candidates = self.search.list.pairs().iter().map(|candidate| candidate.both());
         for [i, j] in candidates.filter(|&[i, j]| counts(i, Partner::Particle(j))) {
-            if let Some(pair) = geometry::touching(self.columns, i, j, root) {
+            if let Some(pair) = geometry::touching(self.store, i, j, root) {
                 let memory = memories.look_up(i, j).unwrap_or_default();
                 visit(i, Partner::Particle(j), &pair, &memory);
             }

@@ -23,17 +23,17 @@ pub struct Touching<'a, V: Space = Plane> {
 impl<'a, V: Space> Survey<'a, V> {
     /// All contacts of particles that are present: between particles in ascending order of slots, then with flat walls.
     pub fn touching(self) -> impl Iterator<Item = Touching<'a, V>> {
-        let (columns, root) = (self.columns, self.law.takes_root());
+        let (store, root) = (self.store, self.law.needs_mass_root());
         let between = self.search.list.pairs().iter().filter_map(move |candidate| {
             let [i, j] = candidate.both();
-            let pair = geometry::touching(columns, i, j, root);
-            let is_there = columns.is_present(i) && columns.is_present(j);
+            let pair = geometry::touching(store, i, j, root);
+            let is_there = store.is_present(i) && store.is_present(j);
             Some(Touching { survey: self, row: i, partner: Partner::Particle(j), pair: pair? }).filter(|_| is_there)
         });
-        let rows = (0..columns.movable_end).filter(|&i| columns.is_present(i));
+        let rows = (0..store.movable_end).filter(|&i| store.is_present(i));
         let with_walls = rows.flat_map(move |i| {
             self.walls.iter().enumerate().filter_map(move |(index, wall)| {
-                let pair = geometry::touching_wall::<false, V>(columns, i, wall, root, 0.0)?;
+                let pair = geometry::touching_wall::<false, V>(store, i, wall, root, 0.0)?;
                 Some(Touching { survey: self, row: i, partner: Partner::Wall(index), pair })
             })
         });
@@ -66,26 +66,26 @@ impl<V: Space> Touching<'_, V> {
     /// The entity of the first particle.
     #[must_use]
     pub fn entity(&self) -> Entity {
-        self.survey.columns.entity[self.row]
+        self.survey.store.entity[self.row]
     }
 
     /// The entity of the partner, if it is a particle.
     #[must_use]
     pub fn partner_entity(&self) -> Option<Entity> {
-        self.partner_row().map(|row| self.survey.columns.entity[row])
+        self.partner_row().map(|row| self.survey.store.entity[row])
     }
 
     /// The name of the first particle.
     #[must_use]
     pub fn grain(&self) -> GrainId {
-        self.survey.columns.id[self.row]
+        self.survey.store.id[self.row]
     }
 
     /// The name of the partner.
     #[must_use]
     pub fn with(&self) -> Touched {
         match self.partner {
-            Partner::Particle(row) => Touched::Particle(self.survey.columns.id[row]),
+            Partner::Particle(row) => Touched::Particle(self.survey.store.id[row]),
             Partner::Wall(wall) => Touched::Wall(wall + 1),
         }
     }
@@ -111,7 +111,7 @@ impl<V: Space> Touching<'_, V> {
     /// Centre of the first particle, m.
     #[must_use]
     pub fn from(&self) -> V {
-        self.survey.columns.body[self.row].position
+        self.survey.store.body[self.row].position
     }
 
     /// From there to the centre of the partner, or to the foot on the wall, m.
@@ -145,7 +145,7 @@ impl<V: Space> Touching<'_, V> {
     /// is its own, `dt` the time step, s.
     pub(super) fn state_with(&self, memory: &Memory<V>, dt: f64) -> ContactState<V> {
         match self.partner {
-            Partner::Particle(row) if self.survey.columns.id[row] < self.grain() => {
+            Partner::Particle(row) if self.survey.store.id[row] < self.grain() => {
                 let partner = Partner::Particle(self.row);
                 Self { row, partner, pair: self.pair.turned(), ..*self }.as_seen(&memory.turned(), dt)
             }

@@ -30,7 +30,7 @@ use crate::particle::GrainId;
 use crate::space::{Plane, Space};
 use crate::step::Clock;
 use crate::survey::touching::Touching;
-use crate::survey::{Partner, Scenery, Survey};
+use crate::survey::{Partner, Survey, SurveyParam};
 
 /// With whom a grain is in contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -101,7 +101,7 @@ impl<V: Space> Survey<'_, V> {
 /// The contacts, for systems.
 #[derive(SystemParam)]
 pub struct ContactView<'w, V: Space = Plane> {
-    scenery: Scenery<'w, V>,
+    survey_param: SurveyParam<'w, V>,
     clock: Res<'w, Clock>,
 }
 
@@ -109,19 +109,19 @@ impl<V: Space> ContactView<'_, V> {
     /// The contacts one by one, in the order of the store: their geometry is found as they come by, their memory and their force only on
     /// request. Contacts with flat walls come after all others.
     pub fn iter(&self) -> impl Iterator<Item = Touching<'_, V>> {
-        self.scenery.survey().touching()
+        self.survey_param.survey().touching()
     }
 
     /// All contacts with all that is known of them, in ascending order of the ids. The law is evaluated for each: [`ContactView::iter`]
     /// takes less time.
     #[must_use]
     pub fn all(&self) -> Vec<ContactState<V>> {
-        self.scenery.survey().view(self.clock.dt)
+        self.survey_param.survey().view(self.clock.dt)
     }
 
     /// Number of rows of the store. The row of a particle in a contact is less.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.scenery.survey().columns.len()
+        self.survey_param.survey().store.len()
     }
 }

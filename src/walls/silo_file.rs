@@ -124,7 +124,7 @@ pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, F
         }
         let [x, y, radius] = words.as_slice() else {
             let message = format!("expected three numbers (x, y, radius), got {}", words.len());
-            return fault("silo_file::columns", range, message, "one grain a line: x y radius");
+            return fault("silo_file::store", range, message, "one grain a line: x y radius");
         };
         let mut values = [0.0; 3];
         for (value, word) in values.iter_mut().zip([x, y, radius]) {
@@ -209,14 +209,14 @@ mod tests {
             ("", "silo_file::header", (1, 1)),
             ("2 x\n", "silo_file::header", (1, 3)),
             ("-2 1\n", "silo_file::header", (1, 1)),
-            ("1 0\n0 0\n", "silo_file::columns", (2, 1)),
-            ("1 0\n0 0 1 7\n", "silo_file::columns", (2, 1)),
+            ("1 0\n0 0\n", "silo_file::store", (2, 1)),
+            ("1 0\n0 0 1 7\n", "silo_file::store", (2, 1)),
             ("1 0\n0 zero 1\n", "silo_file::number", (2, 3)),
             ("1 0\n0 NaN 1\n", "silo_file::number", (2, 3)),
             ("1 0\n0 0 -1\n", "silo_file::radius", (2, 5)),
             ("1 1\n0 0 1\n", "silo_file::missing_line", (2, 6)),
             ("1 0\n0 0 1\n1 1 1\n", "silo_file::surplus_line", (3, 1)),
-            ("2 0\n0 0 1\n\n1 1 1\n", "silo_file::columns", (3, 1)),
+            ("2 0\n0 0 1\n\n1 1 1\n", "silo_file::store", (3, 1)),
         ];
         for (text, code, place) in cases {
             let fault = parse("bad.dat", text, LengthUnit::Metre).unwrap_err();

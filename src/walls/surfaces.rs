@@ -14,10 +14,10 @@ use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 
-use crate::columns::Late;
 use crate::particle::Species;
 use crate::space::{COINCIDENT, PARTED, Plane, Space};
 use crate::step::{Part, Phase, Step};
+use crate::store::AfterDeferredKick;
 
 /// A flat surface.
 #[derive(Clone, Copy, Debug)]
@@ -175,7 +175,7 @@ pub struct LeavingWallsPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for LeavingWallsPlugin<V> {
     fn build(&self, app: &mut App) {
-        let remove = remove_walls::<V>.in_set(Part::Engine(Phase::Drift)).after(Late).run_if(walls_leave);
+        let remove = remove_walls::<V>.in_set(Part::Engine(Phase::Drift)).after(AfterDeferredKick).run_if(walls_leave);
         app.add_systems(Step, remove);
     }
 }

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 
 use crate::{grain, rms, simulation};
-use siloflow::columns::Columns;
 use siloflow::contact::LargestOverlap;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
+use siloflow::store::ParticleStore;
 
 const K: f64 = 1.0e5;
 const V: f64 = 1.0;
@@ -95,13 +95,13 @@ fn bounce(scheme: &str, against: Against, e: f64, attraction: bool, dt: f64, pha
     // Time enough to part, even where the overlap outlasts the force.
     for step in 0..(6.0 * duration / dt).ceil() as u64 {
         simulation.run_steps(step);
-        steps_in_force += u32::from(simulation.world().resource::<Columns>().loads.force.of(0) != Vector::ZERO);
+        steps_in_force += u32::from(simulation.world().resource::<ParticleStore>().loads.force.of(0) != Vector::ZERO);
     }
     let world = simulation.world_mut();
-    let columns = world.resource::<Columns>();
-    let entries = columns.by_id();
+    let store = world.resource::<ParticleStore>();
+    let entries = store.by_id();
     let parting =
-        columns.body[entries[0]].velocity.x - entries.get(1).map_or(0.0, |&second| columns.body[second].velocity.x);
+        store.body[entries[0]].velocity.x - entries.get(1).map_or(0.0, |&second| store.body[second].velocity.x);
     let smaller = if matches!(against, Against::Grain) { 0.75 * R } else { R };
     let largest_overlap = world.resource::<LargestOverlap>().0 * smaller;
     let flows = *world.resource::<EnergyFlows>();

@@ -6,24 +6,24 @@ use glam::DVec3;
 
 use crate::momentum::{K, STEPS, hertz, inertia, keys, linear, momenta};
 use crate::{motion, simulation, sphere};
-use siloflow::columns::Columns;
 use siloflow::grains::file::GrainRow;
 use siloflow::prelude::*;
 use siloflow::space::{Plane, Solid};
+use siloflow::store::ParticleStore;
 
 /// Places of two grains and the force on the first.
 fn pair(simulation: &Simulation, solid: bool) -> (DVec3, DVec3) {
     let world = simulation.world();
     if solid {
-        let columns = world.resource::<Columns<Solid>>();
-        let entries = columns.by_id();
-        let [first, second] = [0, 1].map(|grain| columns.body[entries[grain]].position);
-        (first - second, columns.loads.force.of(entries[0]))
+        let store = world.resource::<ParticleStore<Solid>>();
+        let entries = store.by_id();
+        let [first, second] = [0, 1].map(|grain| store.body[entries[grain]].position);
+        (first - second, store.loads.force.of(entries[0]))
     } else {
-        let columns = world.resource::<Columns<Plane>>();
-        let entries = columns.by_id();
-        let [first, second] = [0, 1].map(|grain| columns.body[entries[grain]].position);
-        ((first - second).extend(0.0), columns.loads.force.of(entries[0]).extend(0.0))
+        let store = world.resource::<ParticleStore<Plane>>();
+        let entries = store.by_id();
+        let [first, second] = [0, 1].map(|grain| store.body[entries[grain]].position);
+        ((first - second).extend(0.0), store.loads.force.of(entries[0]).extend(0.0))
     }
 }
 

@@ -5,9 +5,9 @@
 
 use std::f64::consts::PI;
 
-use siloflow::columns::Columns;
 use siloflow::prelude::*;
 use siloflow::space::Solid;
+use siloflow::store::ParticleStore;
 
 use crate::{grain, simulation, sphere};
 
@@ -109,15 +109,15 @@ pub fn watch(impact: &Impact, e: f64, n: f64, phase: f64) -> ([f64; 3], f64) {
     let (mut force, mut overlap) = (0.0f64, 0.0f64);
     for step in 0..(6.0 * n) as u64 {
         simulation.run_steps(step);
-        let columns = simulation.world().resource::<Columns<Solid>>();
-        let entries = columns.by_id();
-        let (first, second) = (columns.body[entries[0]], entries.get(1).map(|&entry| columns.body[entry]));
+        let store = simulation.world().resource::<ParticleStore<Solid>>();
+        let entries = store.by_id();
+        let (first, second) = (store.body[entries[0]], entries.get(1).map(|&entry| store.body[entry]));
         let depth = second.map_or(first.radius - first.position.z, |second| {
             first.radius + second.radius - (first.position.z - second.position.z)
         });
-        let speed = |grain: usize| entries.get(grain).map_or(0.0, |&entry| columns.body[entry].velocity.z);
+        let speed = |grain: usize| entries.get(grain).map_or(0.0, |&entry| store.body[entry].velocity.z);
         let parting = speed(0) - speed(1);
-        force = force.max(columns.loads.force.of(entries[0]).z);
+        force = force.max(store.loads.force.of(entries[0]).z);
         overlap = overlap.max(depth);
         if parting > 0.0 && depth < 0.0 {
             // Flight before and after is exact, so the moments of touch and of parting are found by going back in it.

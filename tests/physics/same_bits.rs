@@ -4,12 +4,12 @@ use glam::DVec3;
 
 use crate::symmetry::{HERTZ, LINEAR, R, end, throw};
 use crate::{motion, simulation_on, sphere};
-use siloflow::columns::Columns;
-use siloflow::contact::history::{History, Pages};
+use siloflow::contact::history::{History, HistoryBlock};
 use siloflow::divergence::where_they_part;
 use siloflow::grains::file::GrainRow;
 use siloflow::output::state_hash;
 use siloflow::prelude::*;
+use siloflow::store::ParticleStore;
 use siloflow::walls::surfaces::Surfaces;
 
 /// Grains of two sizes that fall on a floor, between walls or in a periodic box: `side` a row.
@@ -138,7 +138,7 @@ fn forgetful(threads: usize, twice: bool) -> Vec<(u64, Vec<DVec3>)> {
         seen.push((state_hash::of_world(simulation.world_mut()), on_walls));
         simulation.world_mut().resource_scope(|world, mut history: Mut<History<Solid>>| {
             if forgets {
-                history.pages(world.resource::<Columns<Solid>>()).0.iter_mut().for_each(Pages::clear);
+                history.pages(world.resource::<ParticleStore<Solid>>()).0.iter_mut().for_each(HistoryBlock::clear);
             }
         });
     }

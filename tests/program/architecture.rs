@@ -104,11 +104,11 @@ fn a_planted_import_is_found() {
         imports.get_mut(module).unwrap().insert(other.to_owned(), format!("src/{module}.rs"));
         faults(&layers, &imports)
     };
-    let upward = with("columns", "cli");
-    assert!(upward.contains(&"`columns` imports `cli` of a higher layer, in src/columns.rs".to_owned()), "{upward:?}");
+    let upward = with("store", "cli");
+    assert!(upward.contains(&"`store` imports `cli` of a higher layer, in src/store.rs".to_owned()), "{upward:?}");
     let within = with("neighbours", "survey");
     assert!(within.len() == 1 && within[0].starts_with("imports run in circles"), "{within:?}");
-    assert_eq!(layers.get("columns"), Some(&1));
+    assert_eq!(layers.get("store"), Some(&1));
     let text = "use crate::{door, rest::Rest};\n// crate::ledger\nfn f() { crate::cli::main() }\n#[cfg(test)]\nuse crate::energy;";
     assert_eq!(imports_of(text), ["cli", "door", "rest"]);
 }

@@ -169,7 +169,7 @@ impl PairLaw for Constant {
     }
 }
 
-impl Demands for Constant {}
+impl LawRequirements for Constant {}
 
 impl Behaviour for Constant {
     fn brings_contact_law(&self) -> bool {

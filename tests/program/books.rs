@@ -4,13 +4,13 @@ use std::fs;
 use std::num::NonZeroUsize;
 
 use serde_json::Value;
-use siloflow::columns::Columns;
 use siloflow::divergence::where_they_part;
 use siloflow::energy::{Channels, EnergyFlows};
 use siloflow::instructions::Instructions;
 use siloflow::prelude::*;
 use siloflow::space::{Solid, Space};
 use siloflow::spin::Torque;
+use siloflow::store::ParticleStore;
 
 use crate::behaviours::registry;
 use crate::command_line::{siloflow, text};
@@ -62,9 +62,9 @@ fn books_change_no_bit_of_the_motion_on_any_path() {
 
 /// Whether books left traces in a world.
 fn has_traces<V: Space>(world: &World) -> bool {
-    let columns = world.resource::<Columns<V>>();
+    let store = world.resource::<ParticleStore<V>>();
     let flows = world.contains_resource::<EnergyFlows>() || world.contains_resource::<Channels>();
-    flows || columns.has_books || !columns.loads.rolling_drag.is_empty()
+    flows || store.tracks_energy || !store.loads.rolling_drag.is_empty()
 }
 
 #[test]
@@ -72,7 +72,7 @@ fn nothing_is_kept_for_books_that_nobody_keeps() {
     let traces = |name: &str, more: &[(&str, &str)]| {
         let mut run = simulation(&quiet(name, &[], more), 1);
         run.run_steps(3);
-        match run.world().get_resource::<Columns<Solid>>() {
+        match run.world().get_resource::<ParticleStore<Solid>>() {
             Some(_) => has_traces::<Solid>(run.world()),
             None => has_traces::<Plane>(run.world()),
         }

@@ -69,7 +69,7 @@ fn check_and_explain_tell_what_a_lattice_scene_is() {
     let base = explained(&[]);
     assert!(base.contains("stop_at_walls") && base.contains("trickle_down"), "{base}");
     // None of the systems of grains, and no system for a rule that is switched off.
-    assert!(!base.contains("contact") && !base.contains("neighbours") && !base.contains("columns"), "{base}");
+    assert!(!base.contains("contact") && !base.contains("neighbours") && !base.contains("store"), "{base}");
     let less = explained(&["--set", "method.b=0.0", "--set", "method.h=0.0"]);
     assert!(!less.contains("stop_at_walls") && !less.contains("trickle_down"), "{less}");
     let grains = text(&siloflow(root(), &["explain", "scenes/silo1.ron"]).stdout);

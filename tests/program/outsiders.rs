@@ -111,7 +111,7 @@ impl<V: Space> PairLaw<V> for Counting {
     }
 }
 
-impl Demands for Counting {
+impl LawRequirements for Counting {
     const STIFFNESS: bool = true;
 }
 

@@ -3,11 +3,11 @@
 use std::ops::Add;
 use std::path::Path;
 
-use siloflow::columns::Columns;
 use siloflow::energy::EnergyFlows;
 use siloflow::grains::file::GrainRow;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
+use siloflow::store::ParticleStore;
 
 use crate::{hash, simulation};
 
@@ -150,11 +150,11 @@ fn beams_change_no_bit() {
              step: Fixed(1.0e-4), until: 0.002, integrator: Verlet, neighbours: {neighbours}"
         );
         let mut run = run(&keys, &grains, threads);
-        let columns = run.world().resource::<Columns<Solid>>();
+        let store = run.world().resource::<ParticleStore<Solid>>();
         // Within a beam slots go along x; the next one begins at the beginning.
-        let back = columns.body.windows(2).filter(|two| two[1].position.x < two[0].position.x - 0.9 * box_side);
+        let back = store.body.windows(2).filter(|two| two[1].position.x < two[0].position.x - 0.9 * box_side);
         assert_eq!(back.count(), 2, "slots do not go by three beams");
-        let momentum = columns.body.iter().map(|body| body.velocity / body.inverse_mass).fold(Solid::ZERO, Add::add);
+        let momentum = store.body.iter().map(|body| body.velocity / body.inverse_mass).fold(Solid::ZERO, Add::add);
         let dissipated = run.world().resource::<EnergyFlows>().dissipated;
         (hash(&mut run), dissipated.to_bits(), momentum)
     };

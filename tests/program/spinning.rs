@@ -1,11 +1,11 @@
 //! Scenes with friction, in the plane and in solid space: what they are made of, and what they do.
 
-use siloflow::columns::Columns;
 use siloflow::contact::history::History;
 use siloflow::divergence::where_they_part;
 use siloflow::energy::{Channels, EnergyFlows};
 use siloflow::measure::totals;
 use siloflow::prelude::*;
+use siloflow::store::ParticleStore;
 use siloflow::survey::Survey;
 use siloflow::walls::surfaces::Surfaces;
 
@@ -35,8 +35,8 @@ fn a_scene_without_friction_has_no_spin_torque_inertia_or_history() {
     let mut smooth = run("column.ron", &[("until", "0.01")]);
     let names = components(smooth.world_mut());
     assert!(names.contains("Position") && !["Spin", "Torque", "Inertia"].iter().any(|part| names.contains(part)));
-    let columns = smooth.world().resource::<Columns>();
-    assert!(columns.rotation.is_empty() && columns.loads.torque.is_empty());
+    let store = smooth.world().resource::<ParticleStore>();
+    assert!(store.rotation.is_empty() && store.loads.torque.is_empty());
     let remembered = (0..20).flat_map(|i| (i + 1..20).map(move |j| (i, j)));
     let history = smooth.world().resource::<History>();
     assert!(remembered.into_iter().all(|(i, j)| history.of_pair(i, j).is_none()));
@@ -161,10 +161,10 @@ fn a_mixture_of_materials_meets_by_pairs() {
     }
     let mut run = simulation(&loaded, 1);
     run.run();
-    let columns = run.world_mut().resource::<Columns>();
-    let entries = columns.by_id();
+    let store = run.world_mut().resource::<ParticleStore>();
+    let entries = store.by_id();
     for (pair, e) in [0.9, 0.6, 0.3].into_iter().enumerate() {
-        let [first, second] = [2 * pair, 2 * pair + 1].map(|grain| columns.body[entries[grain]].velocity.x);
+        let [first, second] = [2 * pair, 2 * pair + 1].map(|grain| store.body[entries[grain]].velocity.x);
         let parting = second - first;
         // Drag half a step old and a jump at both ends: 3 zeta w0 dt, zeta up to 0.36, w0 = sqrt(1e5/0.08)/s.
         assert!((parting - e).abs() < 3.0 * 0.36 * 1118.0 * 1e-6, "{pair}: {parting}, not {e}");

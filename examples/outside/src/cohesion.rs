@@ -52,7 +52,7 @@ impl<V: Space> PairLaw<V> for Cohesion {
     }
 }
 
-impl Demands for Cohesion {
+impl LawRequirements for Cohesion {
     const RADII: bool = false;
 }
 

@@ -20,7 +20,7 @@ pub enum Normal {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Tangent {
     /// The spring gathers the slip.
-    Stick,
+    SpringSlider,
     /// At the cap, with this sign.
     Slip(f64),
 }
@@ -89,7 +89,7 @@ impl Link {
             i,
             other,
             normal: Normal::Open,
-            tangent: Tangent::Stick,
+            tangent: Tangent::SpringSlider,
             pulls: false,
             reduced_mass,
             k: 0.0,
@@ -154,7 +154,7 @@ impl Link {
         }
         let along = match self.tangent {
             _ if !self.has_friction() => 0.0,
-            Tangent::Stick => self.uncut(m, s),
+            Tangent::SpringSlider => self.uncut(m, s),
             Tangent::Slip(sign) => sign * self.cap(m),
         };
         (m.n * self.normal_force(m) + m.n.perp() * along, along)
@@ -162,7 +162,7 @@ impl Link {
 
     /// How the tangential spring grows, m/s.
     pub fn spring_rate(&self, m: &Meeting) -> f64 {
-        let sticks = self.normal == Normal::Closed && self.tangent == Tangent::Stick && self.has_friction();
+        let sticks = self.normal == Normal::Closed && self.tangent == Tangent::SpringSlider && self.has_friction();
         if sticks { m.v_s } else { 0.0 }
     }
 
@@ -181,7 +181,7 @@ impl Link {
                 }
                 let kink = if self.attracts { -self.cap(&m) } else { NEVER };
                 let tangent = match self.tangent {
-                    Tangent::Stick => self.uncut(&m, s).abs() - self.cap(&m),
+                    Tangent::SpringSlider => self.uncut(&m, s).abs() - self.cap(&m),
                     Tangent::Slip(sign) => {
                         let (before, after) = (at(now - short).0, at(now + short).0);
                         let cap_rate = (self.cap(&after) - self.cap(&before)) / (2.0 * short);
@@ -214,12 +214,12 @@ impl Link {
                 0.0
             }
             (Normal::Closed, 1) => match self.tangent {
-                Tangent::Stick => {
+                Tangent::SpringSlider => {
                     self.tangent = Tangent::Slip(self.uncut(m, s).signum());
                     s
                 }
                 Tangent::Slip(sign) => {
-                    self.tangent = Tangent::Stick;
+                    self.tangent = Tangent::SpringSlider;
                     self.relaxed(sign * self.cap(m), m)
                 }
             },
@@ -240,7 +240,8 @@ impl Link {
         let hair = 1e-6 * (self.reduced_mass / self.k).sqrt();
         let uncut = self.uncut(m, s + hair * m.v_s);
         let ahead = Meeting { overlap: m.overlap - hair * m.v_n, ..*m };
-        self.tangent = if uncut.abs() > self.cap(&ahead) { Tangent::Slip(uncut.signum()) } else { Tangent::Stick };
+        self.tangent =
+            if uncut.abs() > self.cap(&ahead) { Tangent::Slip(uncut.signum()) } else { Tangent::SpringSlider };
         s
     }
 }

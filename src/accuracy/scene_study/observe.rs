@@ -6,7 +6,6 @@ use std::time::Instant;
 use bevy_ecs::prelude::*;
 
 use crate::behaviour::Registry;
-use crate::columns::Columns;
 use crate::fault::Fault;
 use crate::gravity::Gravity;
 use crate::ledger::Ledger;
@@ -14,6 +13,7 @@ use crate::output::summary::{Cost, Summary, movable_grains};
 use crate::scene::load::Loaded;
 use crate::simulation::Simulation;
 use crate::space::{Dimension, Plane, Solid, Space};
+use crate::store::ParticleStore;
 
 /// How an observable is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,7 +108,7 @@ fn mean_height(world: &World) -> Option<f64> {
 }
 
 fn mean_height_in<V: Space>(world: &World) -> Option<f64> {
-    let (columns, gravity) = (world.resource::<Columns<V>>(), world.resource::<Gravity<V>>().0);
+    let (columns, gravity) = (world.resource::<ParticleStore<V>>(), world.resource::<Gravity<V>>().0);
     let up = gravity * (-1.0 / gravity.length_squared().sqrt());
     let grains = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
     let heights: Vec<f64> = grains.map(|i| columns.body[i].position.dot(up)).collect();

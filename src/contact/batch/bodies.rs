@@ -3,13 +3,13 @@
 //! What takes time here is storing. So numbers are taken side by side, by fours that an instruction loads, subtracts and stores
 //! at once, and spread over the lanes when the batch is full: a transposition, four lanes at a time.
 
-use crate::columns::Body;
-use crate::contact::Demands;
-use crate::contact::geometry::Line;
+use crate::contact::LawRequirements;
+use crate::contact::geometry::ContactLine;
 use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, spread};
 use crate::instructions::Instructions;
 use crate::periodic::Metric;
 use crate::space::{COINCIDENT, PARTED, Space, quad};
+use crate::store::Body;
 
 /// The bodies of contacts i, j side by side; SI.
 #[derive(Clone, Debug, Default)]
@@ -43,7 +43,12 @@ pub struct Bodies<V: Space> {
 impl<V: Space> Bodies<V> {
     /// Takes two into a lane; gives the square of their distance, m^2, and the sum of their radii, m.
     #[inline(always)]
-    pub fn take<L: Demands>(&mut self, lane: usize, metric: &impl Metric<V>, [i, j]: [&Body<V>; 2]) -> (f64, f64) {
+    pub fn take<L: LawRequirements>(
+        &mut self,
+        lane: usize,
+        metric: &impl Metric<V>,
+        [i, j]: [&Body<V>; 2],
+    ) -> (f64, f64) {
         let [one, two] = &mut self.taken;
         let (x, v) = (|body: &Body<V>, axis| body.position.axis(axis), |body: &Body<V>, axis| body.velocity.axis(axis));
         // Side by side, so one instruction adds both.
@@ -53,7 +58,7 @@ impl<V: Space> Bodies<V> {
             let (i_state, j_state) = (state(i), state(j));
             let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
             one[lane] = apart;
-            if L::EACH {
+            if L::NUMBERS {
                 two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
             } else {
                 // What lies beside them nobody reads: a store less.
@@ -66,13 +71,13 @@ impl<V: Space> Bodies<V> {
             let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
             one[lane] = apart;
             let [vy, vz] = [v(i, 1) - v(j, 1), v(i, 2) - v(j, 2)];
-            if L::EACH {
+            if L::NUMBERS {
                 two[lane] = [vy, vz, i.radius, j.radius];
                 self.mobility[lane] = mobility;
             } else {
                 two[lane] = [vy, vz, reach, mobility];
             }
-            if L::AHEAD {
+            if L::PREDICTION {
                 (self.inverse_masses[0][lane], self.inverse_masses[1][lane]) = (i.inverse_mass, j.inverse_mass);
             }
             apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2]
@@ -82,11 +87,11 @@ impl<V: Space> Bodies<V> {
 
     /// Spreads what was taken over so many lanes.
     #[inline(always)]
-    fn spread<L: Demands>(&mut self, lanes: usize) {
+    fn spread<L: LawRequirements>(&mut self, lanes: usize) {
         let ([one, two], [m_i, m_j]) = (&self.taken, self.inverse_masses.each_mut());
         let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
         let ([r_i, r_j], reach, mobility) = (self.radii.each_mut(), &mut self.reach, &mut self.mobility);
-        match (V::COMPONENTS, L::EACH) {
+        match (V::COMPONENTS, L::NUMBERS) {
             (2, true) => {
                 spread(one, lanes, x, y, vx, vy);
                 spread(two, lanes, r_i, m_i, r_j, m_j);
@@ -106,7 +111,7 @@ impl<V: Space> Bodies<V> {
                 spread(two, lanes, vy, vz, reach, mobility);
             }
         }
-        if L::EACH {
+        if L::NUMBERS {
             for lane in 0..lanes.min(LANES) {
                 reach[lane] = r_i[lane] + r_j[lane];
                 if V::COMPONENTS == 2 {
@@ -118,11 +123,11 @@ impl<V: Space> Bodies<V> {
 
     /// Finds what follows from separations and masses; gives how many distances are nothing.
     #[inline(always)]
-    fn measure_all<L: Demands>(&mut self, lanes: usize, root: bool) -> u32 {
+    fn measure_all<L: LawRequirements>(&mut self, lanes: usize, root: bool) -> u32 {
         let mut coincident = 0;
         for lane in 0..lanes.min(LANES) {
             let separation = self.separation.get(lane);
-            let line = Line::new(separation, self.mobility[lane]);
+            let line = ContactLine::new(separation, self.mobility[lane]);
             self.normal.set(lane, line.normal);
             self.overlap[lane] = self.reach[lane] - line.distance;
             self.reduced_mass[lane] = line.reduced_mass;
@@ -142,7 +147,7 @@ impl<V: Space> Bodies<V> {
 
     /// Spreads what was taken over so many lanes, and measures, the root of the reduced mass too if it is asked for. Tells
     /// whether any distance may be nothing.
-    pub fn measure<L: Demands>(&mut self, lanes: usize, root: bool, instructions: Instructions) -> bool {
+    pub fn measure<L: LawRequirements>(&mut self, lanes: usize, root: bool, instructions: Instructions) -> bool {
         let coincident = instructions.run(
             #[inline(always)]
             || {
@@ -156,7 +161,7 @@ impl<V: Space> Bodies<V> {
     /// Gives coincident centres a normal: a separation so near to nothing that the overlap stays what it is. `normal` gives
     /// that of a lane.
     #[cold]
-    pub fn part_coincident<L: Demands>(&mut self, lanes: usize, normal: impl Fn(usize) -> V) {
+    pub fn part_coincident<L: LawRequirements>(&mut self, lanes: usize, normal: impl Fn(usize) -> V) {
         for lane in 0..lanes {
             if self.separation.get(lane).length_squared() < COINCIDENT {
                 self.separation.set(lane, normal(lane) * PARTED);
@@ -174,7 +179,7 @@ mod tests {
     use crate::space::{Plane, Solid};
 
     /// Bodies of unlike numbers, apart by what has its components padded with zeros.
-    fn everything_arrives<V: Space, L: Demands>() {
+    fn everything_arrives<V: Space, L: LawRequirements>() {
         let body = |lane: usize, side: usize| {
             let number = |what: usize| f64::from(u32::try_from(1000 * side + 10 * lane + what).unwrap());
             let at = |from: usize| V::narrow(Solid::new(number(from), number(from + 1), -number(from + 2)));
@@ -204,10 +209,10 @@ mod tests {
                 if L::RADII {
                     assert!((bodies.inverse_reach[lane] * (i.radius + j.radius) - 1.0).abs() < error);
                 }
-                if L::EACH {
+                if L::NUMBERS {
                     assert_eq!(bodies.radii.map(|radii| radii[lane]), [i.radius, j.radius]);
                 }
-                if L::AHEAD {
+                if L::PREDICTION {
                     assert_eq!(bodies.inverse_masses.map(|masses| masses[lane]), [i.inverse_mass, j.inverse_mass]);
                 }
             }
@@ -219,12 +224,12 @@ mod tests {
     struct Each;
     struct Foresighted;
 
-    impl Demands for Together {
+    impl LawRequirements for Together {
         const RADII: bool = false;
     }
-    impl Demands for Each {}
-    impl Demands for Foresighted {
-        const AHEAD: bool = true;
+    impl LawRequirements for Each {}
+    impl LawRequirements for Foresighted {
+        const PREDICTION: bool = true;
     }
 
     #[test]

@@ -1,9 +1,9 @@
 //! What the contacts of a batch remember: brought from the pages where it is kept.
 
 use crate::contact::batch::Batch;
-use crate::contact::history::Walk;
+use crate::contact::history::HistoryCursor;
 use crate::contact::lanes::{LANES, Lanes, Scalars};
-use crate::contact::{Demands, Memory};
+use crate::contact::{LawRequirements, Memory};
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 
@@ -17,7 +17,7 @@ pub struct MemoryLanes<V: Space> {
 
 impl<V: Space> MemoryLanes<V> {
     #[inline(always)]
-    pub fn get<L: Demands>(&self, lane: usize) -> Memory<V> {
+    pub fn get<L: LawRequirements>(&self, lane: usize) -> Memory<V> {
         Memory {
             spring: if L::SPRING { self.spring.get(lane) } else { V::ZERO },
             rolling: if L::ROLLING { self.rolling.get(lane) } else { V::ZERO },
@@ -26,7 +26,7 @@ impl<V: Space> MemoryLanes<V> {
     }
 
     #[inline(always)]
-    pub fn set<L: Demands>(&mut self, lane: usize, memory: &Memory<V>) {
+    pub fn set<L: LawRequirements>(&mut self, lane: usize, memory: &Memory<V>) {
         if L::SPRING {
             self.spring.set(lane, memory.spring);
         }
@@ -42,14 +42,18 @@ impl<V: Space> MemoryLanes<V> {
 impl<V: Space> Batch<V> {
     /// Fetches what all contacts remember, and notes which of them did. `forgotten` gets those that have ended, and their memories.
     #[inline]
-    pub fn recall<L: Demands>(&mut self, walk: &mut Walk<'_, V>, mut forgotten: impl FnMut(Candidate, &Memory<V>)) {
+    pub fn recall<L: LawRequirements>(
+        &mut self,
+        cursor: &mut HistoryCursor<'_, V>,
+        mut forgotten: impl FnMut(Candidate, &Memory<V>),
+    ) {
         let contacts = &self.pairs[..self.len.min(LANES)];
-        if walk.recall_all::<L>(contacts, &mut self.memory) {
+        if cursor.recall_all::<L>(contacts, &mut self.memory) {
             self.is_known.fill(true);
             return;
         }
         for (lane, &contact) in contacts.iter().enumerate() {
-            let memory = walk.recall::<L>(contact, &mut forgotten);
+            let memory = cursor.recall::<L>(contact, &mut forgotten);
             self.is_known[lane] = memory.is_some();
             self.memory.set::<L>(lane, &memory.unwrap_or_default());
         }

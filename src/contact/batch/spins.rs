@@ -1,9 +1,9 @@
 //! How the two of each contact spin.
 
-use crate::columns::Rotation;
 use crate::contact::lanes::{Lanes, Quads, Scalars, spread};
 use crate::space::quad;
 use crate::space::{Linear, Space};
+use crate::store::Rotation;
 
 /// How the two spin.
 #[derive(Clone, Debug, Default)]

@@ -2,15 +2,15 @@
 //!
 //! What the grains do to a wall is summed too ([`WallLoad`]): the force *on the wall*, so a floor under gravity has one that points down.
 
-use crate::columns::{BOOKED, WHOLE};
 use crate::contact::geometry::touching_wall;
 use crate::contact::kernel::worker::{Block, Worker};
 use crate::contact::lanes::LANES;
-use crate::contact::{Demands, PairLaw};
+use crate::contact::{LawRequirements, PairLaw};
 use crate::space::Space;
+use crate::store::{TOTAL, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::{Surfaces, WallLoad};
 
-impl<V: Space, L: PairLaw<V> + Demands> Worker<'_, V, L> {
+impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// Sums what happens between walls and those rows before `end` that are still to come.
     pub(super) fn sum_walls(&mut self, end: usize, mut block: Block<'_, V>) {
         let pass = self.pass;
@@ -19,10 +19,10 @@ impl<V: Space, L: PairLaw<V> + Demands> Worker<'_, V, L> {
         if !near.is_empty() {
             self.on_walls.resize(self.on_walls.len() + pass.walls.len(), WallLoad::default());
         }
-        let root = pass.law.takes_root();
+        let root = pass.law.needs_mass_root();
         for &contact in near {
             let ([i, wall], view) = (contact.both(), self.view);
-            let pair = if L::AHEAD {
+            let pair = if L::PREDICTION {
                 touching_wall::<true, V>(view, i, &pass.walls[wall], root, pass.dt)
             } else {
                 touching_wall::<false, V>(view, i, &pass.walls[wall], root, pass.dt)
@@ -37,15 +37,15 @@ impl<V: Space, L: PairLaw<V> + Demands> Worker<'_, V, L> {
         if self.batch.len > 0 {
             self.flush_walls(&mut block);
         }
-        block.walk.end::<L>(block.lost, |contact, memory| pass.forget_at_wall(self.view, contact, memory));
+        block.cursor.end::<L>(block.lost, |contact, memory| pass.on_wall_contact_end(self.view, contact, memory));
     }
 
     /// Sums what the batch does to grains and walls, and keeps the books.
     fn flush_walls(&mut self, block: &mut Block<'_, V>) {
         let (pass, view) = (self.pass, self.view);
         if L::MEMORY {
-            let Block { walk, lost } = block;
-            self.batch.recall::<L>(walk, |contact, memory| lost.add(pass.forget_at_wall(view, contact, memory)));
+            let Block { cursor, lost } = block;
+            self.batch.recall::<L>(cursor, |contact, memory| lost.add(pass.on_wall_contact_end(view, contact, memory)));
         }
         // Of a wall the reach is the radius of the grain.
         if self.answer(1.0) {
@@ -53,23 +53,23 @@ impl<V: Space, L: PairLaw<V> + Demands> Worker<'_, V, L> {
                 self.largest = self.largest.max(self.batch.bodies.overlap[lane] / self.batch.bodies.reach[lane]);
             }
         }
-        self.keep(block, |contact, memory| pass.forget_at_wall(view, contact, memory));
-        if view.has_books {
-            self.add_at_walls::<BOOKED>();
+        self.keep(block, |contact, memory| pass.on_wall_contact_end(view, contact, memory));
+        if view.tracks_energy {
+            self.add_at_walls::<TOTAL_AND_DISSIPATIVE>();
         } else {
-            self.add_at_walls::<WHOLE>();
+            self.add_at_walls::<TOTAL>();
         }
         self.batch.len = 0;
     }
 
     /// Adds what the batch does, so many numbers to an entry.
-    fn add_at_walls<const EACH: usize>(&mut self) {
+    fn add_at_walls<const NUMBERS: usize>(&mut self) {
         let Self { sums, batch, on_walls, pass, .. } = self;
-        sums.add_to_one::<L, EACH, 0>(batch);
+        sums.add_to_one::<L, NUMBERS, 0>(batch);
         let of_block = on_walls.len() - pass.walls.len();
         for lane in (0..batch.len).filter(|&lane| batch.answer.counts::<L>(lane)) {
             let (load, force) =
-                (&mut on_walls[of_block + batch.pairs[lane].second()], batch.answer.force::<EACH>(lane));
+                (&mut on_walls[of_block + batch.pairs[lane].second()], batch.answer.force::<NUMBERS>(lane));
             load.force -= force[0];
             if let Some(&drag) = force.get(1) {
                 load.drag -= drag;

@@ -2,7 +2,7 @@
 
 use crate::contact::damping::Coefficient;
 use crate::contact::spring::Slider;
-use crate::contact::tangential::{Grip, Lever, Tangential};
+use crate::contact::tangential::{Lever, NormalLoad, Tangential};
 use crate::contact::{Bounce, Memory, Pair, Turning};
 use crate::space::Space;
 
@@ -38,14 +38,14 @@ impl Tangential for Dashpot {
     }
 
     #[inline(always)]
-    fn add_centred<V: Space>(&self, pair: &Pair<V>, grip: &Grip, _: &mut Memory<V>, turning: &mut Turning<V>) {
+    fn add_centred<V: Space>(&self, pair: &Pair<V>, load: &NormalLoad, _: &mut Memory<V>, turning: &mut Turning<V>) {
         turning.arms = self.lever.arms(pair);
         let (motion, mobilities) = pair.sliding(turning.arms);
-        let drag = self.damping.of(pair.reduced_mass, grip.drag);
-        let slider = Slider { stiffness: 0.0, drag, cap: self.friction * grip.whole.abs() };
+        let drag = self.damping.of(pair.reduced_mass, load.drag);
+        let slider = Slider { stiffness: 0.0, drag, cap: self.friction * load.whole.abs() };
         let pull = slider.pull_centred(
             &mut V::default(),
-            &grip.sweep(motion, mobilities, self.friction, pair.dt),
+            &load.sweep(motion, mobilities, self.friction, pair.dt),
             pair.normal,
         );
         turning.is_sliding = pull.is_sliding;

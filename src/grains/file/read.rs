@@ -58,7 +58,7 @@ fn rows(source: impl io::Read, kind: Kind) -> Result<Vec<GrainRow>, Misfit> {
 fn check_header(header: &StringRecord, kind: Kind) -> Result<(), Misfit> {
     let misfit = |code, message: String| {
         let needed: Vec<_> = kind.needed().collect();
-        let help = format!("the columns are {} and, if wanted, species, wx, wy, wz", needed.join(", "));
+        let help = format!("the store are {} and, if wanted, species, wx, wy, wz", needed.join(", "));
         Err(Misfit { code, message, help, at: At::Header })
     };
     if let Some(missing) = kind.needed().find(|&column| !header.iter().any(|found| found == column)) {

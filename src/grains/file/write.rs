@@ -4,7 +4,7 @@ use std::io;
 
 use bevy_ecs::prelude::*;
 
-use crate::grains::census;
+use crate::grains::grain_snapshot;
 use crate::space::{Dimension, Linear, Solid, Space};
 
 /// The grains of a world as such a file, in ascending order of id.
@@ -20,16 +20,16 @@ pub fn write<V: Space>(world: &mut World) -> String {
 /// # Errors
 /// If that cannot be written to.
 pub fn write_to<V: Space>(world: &mut World, out: &mut dyn io::Write) -> io::Result<()> {
-    let spins = census::has_spins::<V>(world);
+    let spins = grain_snapshot::has_spins::<V>(world);
     let is_solid = V::DIMENSION == Dimension::Solid;
-    let columns = if is_solid { "id,radius,mass,x,y,z,vx,vy,vz,species" } else { "id,radius,mass,x,y,vx,vy,species" };
+    let store = if is_solid { "id,radius,mass,x,y,z,vx,vy,vz,species" } else { "id,radius,mass,x,y,vx,vy,species" };
     let more = match (spins, is_solid) {
         (false, _) => "",
         (true, true) => ",wx,wy,wz",
         (true, false) => ",wz",
     };
-    writeln!(out, "{columns}{more}")?;
-    census::take::<V, _>(world, |grain| {
+    writeln!(out, "{store}{more}")?;
+    grain_snapshot::take::<V, _>(world, |grain| {
         write!(out, "{},{},{}", grain.id.number(), grain.radius, grain.mass)?;
         for number in grain.position.components().into_iter().chain(grain.velocity.components()) {
             write!(out, ",{number}")?;

@@ -1,6 +1,6 @@
 //! What can be told before a run: estimates from the scene, and warnings where they promise trouble.
 //!
-//! * The step ([`step`]): of all who can meet ([`meetings`]), the limit of the worst lone contact, and of the worst dense bed,
+//! * The step ([`step`]): of all who can meet ([`pairs`]), the limit of the worst lone contact, and of the worst dense bed,
 //!   along the normal, the tangent and in rolling. Hertz's stiffness is that at the deepest point of the fastest impact.
 //! * The walls: a grain that fell all the way carries m v^2/2; to squeeze between two neighbouring wall grains takes
 //!   2 (k/2) (R + R_w - d/2)^2 at half their distance d. And is there a way out for a grain as if all were hard
@@ -10,14 +10,14 @@
 //! * The path: faster than a wall is thick in one step, and a grain may pass unseen.
 
 pub mod leaks;
-pub mod meetings;
+pub mod species_pairs;
 pub mod step;
 
 use crate::contact::Bounce;
 use crate::fault::Warning;
 use crate::integrate::Integrator;
 use crate::scene::TimeStep;
-use crate::scene::check::meetings::Meeting;
+use crate::scene::check::species_pairs::SpeciesPair;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane};
 use crate::walls::config::Wall;
@@ -70,25 +70,25 @@ impl Estimates {
         // Where nothing falls, something like the speed that a grain's own weight gives it.
         let slow = 0.1 * (scene.gravity.padded().length() * radius).sqrt();
         let speed = impact_speed.max(slow).max(1e-6);
-        let meetings = meetings::all(loaded, speed);
+        let pairs = species_pairs::all(loaded, speed);
         // Of two of the lightest; with one grain alone, of that and a wall.
-        let lightest = meetings.iter().map(|meeting| meeting.bounce.reduced_mass).fold(f64::INFINITY, f64::min);
+        let lightest = pairs.iter().map(|pair| pair.bounce.reduced_mass).fold(f64::INFINITY, f64::min);
         let reduced_mass = if lightest.is_finite() { lightest } else { mass };
         let bounce = Bounce { reduced_mass, reduced_radius: 0.5 * radius, speed };
-        let least = |of: &dyn Fn(&Meeting) -> f64| meetings.iter().map(of).fold(f64::INFINITY, f64::min);
-        let fastest = meetings.iter().map(|meeting| meeting.law.0.frequency(&meeting.bounce)).fold(0.0, f64::max);
-        let shortest = least(&|meeting| meeting.law.0.contact_duration(&meeting.bounce));
+        let least = |of: &dyn Fn(&SpeciesPair) -> f64| pairs.iter().map(of).fold(f64::INFINITY, f64::min);
+        let fastest = pairs.iter().map(|pair| pair.law.0.frequency(&pair.bounce)).fold(0.0, f64::max);
+        let shortest = least(&|pair| pair.law.0.contact_duration(&pair.bounce));
         let mut estimates = Self {
             dt: f64::NAN,
             scheme: scene.integrator,
             is_elastic: loaded.is_elastic(),
-            frequency: if meetings.is_empty() { law.frequency(&bounce) } else { fastest },
+            frequency: if pairs.is_empty() { law.frequency(&bounce) } else { fastest },
             radius,
             mass,
-            contact_duration: if meetings.is_empty() { law.contact_duration(&bounce) } else { shortest },
+            contact_duration: if pairs.is_empty() { law.contact_duration(&bounce) } else { shortest },
             restitution: law.restitution(&bounce),
-            pair_limit: least(&|meeting| meeting.lone_limit(scene.integrator)),
-            bed_limit: least(&|meeting| meeting.bed_limit(scene.integrator, scene.space)),
+            pair_limit: least(&|pair| pair.lone_limit(scene.integrator)),
+            bed_limit: least(&|pair| pair.bed_limit(scene.integrator, scene.space)),
             impact_speed,
             impact_overlap: law.deepest(&Bounce { speed: impact_speed, ..bounce }) / radius,
             static_overlap: carried_at_the_bottom(loaded, radius) / law.stiffness(&bounce) / radius,
@@ -105,11 +105,11 @@ impl Estimates {
 /// The meeting whose normal contact, lone, is the first to be unstable, and its largest step, s: beyond that it is, whoever else
 /// is there. A tangential or a rolling one that is goes no farther than its cap.
 #[must_use]
-pub fn hardest(loaded: &Loaded) -> Option<(Meeting, f64)> {
+pub fn hardest(loaded: &Loaded) -> Option<(SpeciesPair, f64)> {
     let speed = impact_speed(loaded);
-    let all = meetings::all(loaded, speed).into_iter().map(|meeting| {
-        let limit = meeting.normal_limit(loaded.scene.integrator);
-        (meeting, limit)
+    let all = species_pairs::all(loaded, speed).into_iter().map(|pair| {
+        let limit = pair.normal_limit(loaded.scene.integrator);
+        (pair, limit)
     });
     all.min_by(|a, b| a.1.total_cmp(&b.1))
 }

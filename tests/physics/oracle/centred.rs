@@ -16,7 +16,7 @@ use crate::oracle::vector::V;
 
 /// What velocities gain in half a step by the forces of its beginning, and how forces move the two.
 #[derive(Clone, Copy, Debug)]
-pub struct Ahead {
+pub struct VelocityPrediction {
     /// h (a_i - a_j), m/s.
     pub velocity: V,
     /// h times the angular accelerations, rad/s.
@@ -28,7 +28,7 @@ pub struct Ahead {
     pub lone: [bool; 2],
 }
 
-impl Ahead {
+impl VelocityPrediction {
     /// h times the sum of what is given for i and j; and times that of those with at most one contact.
     fn halves(&self, dt: f64, of: [f64; 2]) -> [f64; 2] {
         let alone = |side: usize| if self.lone[side] { of[side] } else { 0.0 };
@@ -82,7 +82,7 @@ struct Event {
 
 /// What sliders need to know of the normal force.
 #[derive(Clone, Copy)]
-struct Grip {
+struct NormalLoad {
     /// As it stands, N.
     whole: f64,
     /// Averaged: before and now, N.
@@ -105,7 +105,13 @@ struct Motion {
 }
 
 /// The action of a contact, if it acts; what it remembers moves on by `dt`.
-pub fn centred(terms: &Terms, meeting: &Meeting, ahead: &Ahead, memory: &mut Memory, dt: f64) -> Option<Action> {
+pub fn centred(
+    terms: &Terms,
+    meeting: &Meeting,
+    ahead: &VelocityPrediction,
+    memory: &mut Memory,
+    dt: f64,
+) -> Option<Action> {
     let closing = -meeting.velocity.dot(meeting.normal);
     let half_width = 0.5 * dt * closing.abs();
     let stroke = Stroke { closing, half_width, overlaps: [meeting.overlap, meeting.overlap - dt * closing] };
@@ -125,7 +131,7 @@ pub fn centred(terms: &Terms, meeting: &Meeting, ahead: &Ahead, memory: &mut Mem
     let total = (spring + mean * now).max(terms.floor());
     let drag = terms.drag(meeting.reduced, meeting.overlap);
     let whole = (spring + drag * now).max(terms.floor());
-    let mut grip = Grip {
+    let mut load = NormalLoad {
         whole,
         averaged: [before, total],
         shares: [stroke.share(stroke.overlaps[1]), stroke.share(stroke.overlaps[0])],
@@ -135,14 +141,14 @@ pub fn centred(terms: &Terms, meeting: &Meeting, ahead: &Ahead, memory: &mut Mem
     };
     if meeting.overlap > 0.0 {
         let earlier = (spring_before + drag * (closing - gained)).max(terms.floor());
-        grip.event = event(terms, meeting, &stroke, memory, [gained, half * before], [earlier, whole], dt);
-        grip.gathering = grip.event.map_or(dt, |event| event.ago);
+        load.event = event(terms, meeting, &stroke, memory, [gained, half * before], [earlier, whole], dt);
+        load.gathering = load.event.map_or(dt, |event| event.ago);
     }
-    Some(turn(terms, meeting, ahead, memory, &grip, drag))
+    Some(turn(terms, meeting, ahead, memory, &load, drag))
 }
 
 /// The assignment's law: the same with vectors, for its drag acts on the whole velocity.
-fn assignment(terms: &Terms, meeting: &Meeting, ahead: &Ahead, stroke: &Stroke, dt: f64) -> Action {
+fn assignment(terms: &Terms, meeting: &Meeting, ahead: &VelocityPrediction, stroke: &Stroke, dt: f64) -> Action {
     let [half, half_lone] = ahead.halves(dt, ahead.inverse_masses);
     let [spring, spring_before] = stroke.overlaps.map(|overlap| terms.spring(meeting.reduced, overlap));
     let [drag, drag_before] = stroke.mean_drags(terms, meeting);
@@ -179,7 +185,14 @@ fn event(
 }
 
 /// Friction and rolling resistance.
-fn turn(terms: &Terms, meeting: &Meeting, ahead: &Ahead, memory: &mut Memory, grip: &Grip, drag: f64) -> Action {
+fn turn(
+    terms: &Terms,
+    meeting: &Meeting,
+    ahead: &VelocityPrediction,
+    memory: &mut Memory,
+    load: &NormalLoad,
+    drag: f64,
+) -> Action {
     let (levers, spins) = (meeting.levers(terms.law.at_point), meeting.spins);
     let (mut friction, mut rolling) = (V::default(), V::default());
     if let Some([stiffness, damping, mu]) = terms.tangential(meeting.reduced, meeting.overlap, drag) {
@@ -187,32 +200,32 @@ fn turn(terms: &Terms, meeting: &Meeting, ahead: &Ahead, memory: &mut Memory, gr
         let mut motion = Motion {
             middle: meeting.sliding(meeting.velocity, spins, levers),
             gained: meeting.sliding(ahead.velocity, ahead.spins, levers),
-            halves: ahead.halves(grip.dt, [mobility(0), mobility(1)]),
+            halves: ahead.halves(load.dt, [mobility(0), mobility(1)]),
             pulled: memory.spring * -stiffness,
         };
-        let mut grip = *grip;
+        let mut load = *load;
         if terms.stiffness_varies() {
             let before = memory.stiffness;
             motion.pulled = memory.spring * -before;
-            grip.gathering *= mean_stiffness(before, stiffness);
+            load.gathering *= mean_stiffness(before, stiffness);
             // Where a contact opens it has neither stiffness nor drag.
-            grip.event = grip.event.filter(|_| before > 0.0);
+            load.event = load.event.filter(|_| before > 0.0);
             adapt(memory, stiffness);
         }
-        friction = slide(&mut memory.spring, [stiffness, damping, mu], &motion, &grip, meeting.normal);
+        friction = slide(&mut memory.spring, [stiffness, damping, mu], &motion, &load, meeting.normal);
     }
     if let Some(Rolling { k, damping, mu }) = terms.law.rolling {
         let mobilities = ahead.inverse_inertias.map(|inverse| meeting.reduced.radius.powi(2) * inverse);
         let motion = Motion {
             middle: meeting.rolling(spins),
             gained: meeting.rolling(ahead.spins),
-            halves: ahead.halves(grip.dt, mobilities),
+            halves: ahead.halves(load.dt, mobilities),
             pulled: memory.rolling * -k,
         };
         let numbers = [k, rolling_drag(damping, meeting.reduced), mu];
-        rolling = slide(&mut memory.rolling, numbers, &motion, grip, meeting.normal);
+        rolling = slide(&mut memory.rolling, numbers, &motion, load, meeting.normal);
     }
-    meeting.act(grip.averaged[1], friction, levers, rolling)
+    meeting.act(load.averaged[1], friction, levers, rolling)
 }
 
 /// The mean stiffness of a step over that of its end; from nothing it grows like the root of time.
@@ -230,33 +243,33 @@ fn mean_stiffness(before: f64, now: f64) -> f64 {
 ///
 /// The velocity of the end is solved for in the slider's own dashpot; the force is cut at the cap of the contact as it stands, weighed
 /// with theta, and cut at the cap of the averaged normal force. Beyond the first cap S = -(F + c v)/k.
-fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, grip: &Grip, normal: V) -> V {
+fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoad, normal: V) -> V {
     let Motion { middle, gained, halves: [half, half_lone], .. } = *motion;
-    let [share_before, share] = grip.shares;
+    let [share_before, share] = load.shares;
     let pulled = motion.pulled * share_before;
-    let (earlier, _) = (pulled - (middle - gained) * (c * share_before)).cut(mu * grip.averaged[0].abs());
+    let (earlier, _) = (pulled - (middle - gained) * (c * share_before)).cut(mu * load.averaged[0].abs());
     let loaded = |force: V, velocity: V, otherwise: V| {
         if k > 0.0 { (force + velocity * c) * (-1.0 / k) } else { otherwise }
     };
     let mut began = *spring;
-    if let Some(Event { ago, force, opens }) = grip.event {
+    if let Some(Event { ago, force, opens }) = load.event {
         let own = if opens { earlier * half } else { V::default() };
-        let then = middle + (gained - own) * (1.0 - 2.0 * ago / grip.dt) - own * 2.0;
+        let then = middle + (gained - own) * (1.0 - 2.0 * ago / load.dt) - own * 2.0;
         let (force, is_beyond) = (*spring * -k - then * c).cut(mu * force.abs());
         if is_beyond {
             began = loaded(force, then, *spring);
         }
     }
-    let mut after = (began + middle * grip.gathering).across(normal);
+    let mut after = (began + middle * load.gathering).across(normal);
     let elastic = after * -k;
     let foreseen = middle + gained - (earlier - pulled) * half + (elastic * share - pulled) * half_lone;
     let end = foreseen * (1.0 / (1.0 + half * share * c));
-    let (whole, is_beyond) = (elastic - end * c).cut(mu * grip.whole.abs());
-    if grip.gathering <= 0.0 {
+    let (whole, is_beyond) = (elastic - end * c).cut(mu * load.whole.abs());
+    if load.gathering <= 0.0 {
         after = V::default();
     } else if is_beyond {
         after = loaded(whole, middle + gained + (whole * share - earlier) * half_lone, after);
     }
     *spring = after;
-    (whole * share).cut(mu * grip.averaged[1].abs()).0
+    (whole * share).cut(mu * load.averaged[1].abs()).0
 }

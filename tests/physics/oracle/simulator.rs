@@ -7,7 +7,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::oracle::centred::{Ahead, centred};
+use crate::oracle::centred::{VelocityPrediction, centred};
 use crate::oracle::law::{Reduced, Terms};
 use crate::oracle::plain::{Meeting, Memory, plain};
 use crate::oracle::vector::V;
@@ -260,9 +260,9 @@ pub const FLAT: Body = Body {
 };
 
 /// What two will have gained half a step on, by the forces and torques of the evaluation before.
-fn ahead(both: [&Body; 2], inverse_masses: [f64; 2], dt: f64) -> Ahead {
+fn ahead(both: [&Body; 2], inverse_masses: [f64; 2], dt: f64) -> VelocityPrediction {
     let gains = both.map(|body| body.force * (0.5 * dt * body.inverse_mass()));
-    Ahead {
+    VelocityPrediction {
         velocity: gains[0] - gains[1],
         spins: both.map(|body| body.torque * (0.5 * dt * body.inverse_inertia())),
         inverse_masses,

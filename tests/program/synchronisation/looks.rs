@@ -122,7 +122,7 @@ struct Hooked;
 fn hooked(mut world: DeferredWorld, context: HookContext) {
     if let (Some(x), Some(slot)) =
         (world.get::<Position>(context.entity).copied(), world.get::<Slot>(context.entity).copied())
-        && let Some(store) = world.get_resource::<siloflow::columns::Columns>()
+        && let Some(store) = world.get_resource::<siloflow::store::ParticleStore>()
         && let Some(body) = store.body.get(slot.index())
     {
         assert_eq!(x.0, body.position);
@@ -272,7 +272,7 @@ fn the_world_is_up_to_date_after_every_step() {
     for _ in 0..20 {
         run.step();
         let world = run.world();
-        let body = &world.resource::<siloflow::columns::Columns<Solid>>().body;
+        let body = &world.resource::<siloflow::store::ParticleStore<Solid>>().body;
         let mut shown = world.try_query::<(&Slot, &Position<Solid>, &Velocity<Solid>)>().unwrap();
         let up_to_date = shown.iter(world).filter(|(slot, x, v)| {
             let body = &body[slot.index()];

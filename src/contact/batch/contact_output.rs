@@ -1,0 +1,106 @@
+//! What a batch of contacts does to their two: what sums are made of, and what the books of energy want to know besides.
+
+use crate::contact::force_accumulation::{drag, total};
+use crate::contact::history::ContactLosses;
+use crate::contact::lanes::{Lanes, Scalars};
+use crate::contact::{LawRequirements, Pair, PairForce};
+use crate::space::{Linear, Space};
+use crate::store::TOTAL_AND_DISSIPATIVE;
+
+/// What contacts do to their two, side by side.
+#[derive(Clone, Debug, Default)]
+pub struct ContactOutput<V: Space> {
+    /// Whether the two touch: 1 or 0. Where not, nothing else is to be read.
+    pub touches: Scalars,
+    /// Force on i, N: the whole, and the part of it that dashpots make.
+    forces: [Lanes<V>; TOTAL_AND_DISSIPATIVE],
+    /// n x F_t, N: of the whole tangential force, and of the part that dashpots make. By the arms they make torques.
+    moments: [Lanes<V::Spin>; TOTAL_AND_DISSIPATIVE],
+    arms: [Scalars; 2],
+    /// Torque of rolling resistance on i, N m.
+    rolling: Lanes<V::Spin>,
+    /// Torque on i of the dashpots of rolling resistance, N m.
+    pub rolling_drag_torque: Lanes<V::Spin>,
+    /// What sliding, rolling beyond the cap and tangential dashpots took, J.
+    lost: [Scalars; 3],
+}
+
+impl<V: Space> ContactOutput<V> {
+    /// Whether a lane is of two that touch: what a law only looks at ahead of that does nothing.
+    #[inline(always)]
+    pub fn counts<L: LawRequirements>(&self, lane: usize) -> bool {
+        !L::PREDICTION || self.touches[lane] > 0.0
+    }
+
+    /// Force on i, as an entry of a [`Accumulator`](crate::store::Tally).
+    #[inline(always)]
+    pub fn force<const NUMBERS: usize>(&self, lane: usize) -> [V; NUMBERS] {
+        std::array::from_fn(
+            #[inline(always)]
+            |part| self.forces[part].get(lane),
+        )
+    }
+
+    /// Torques that i gains and that j loses, as entries of one.
+    #[inline(always)]
+    pub fn torques<L: LawRequirements, const NUMBERS: usize>(&self, lane: usize) -> [[V::Spin; NUMBERS]; 2] {
+        let mut torques = [[V::Spin::ZERO; NUMBERS]; 2];
+        for (part, moments) in self.moments.iter().enumerate().take(NUMBERS) {
+            let moment = moments.get(lane);
+            torques[0][part] = moment * -self.arms[0][lane];
+            torques[1][part] = moment * self.arms[1][lane];
+        }
+        if L::ROLLING {
+            let rolling = self.rolling.get(lane);
+            torques[0][0] += rolling;
+            torques[1][0] += rolling;
+        }
+        torques
+    }
+
+    /// Notes the whole.
+    #[inline(always)]
+    pub(super) fn note<L: LawRequirements>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
+        self.forces[0].set(lane, total::<L, V>(force));
+        if L::SPIN {
+            let turning = &force.turning;
+            self.moments[0].set(lane, pair.normal.cross(turning.friction));
+            (self.arms[0][lane], self.arms[1][lane]) = turning.arms.into();
+            if L::ROLLING {
+                self.rolling.set(lane, turning.rolling);
+            }
+        }
+    }
+
+    /// Notes what serves the books alone.
+    #[inline(always)]
+    pub(super) fn book<L: LawRequirements>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
+        self.forces[1].set(lane, drag::<L, V>(force));
+        if L::SPIN {
+            let turning = &force.turning;
+            self.moments[1].set(lane, pair.normal.cross(turning.friction_drag));
+            let counts = self.counts::<L>(lane);
+            let lost = |lost: f64| if counts { lost } else { 0.0 };
+            self.lost[0][lane] = lost(turning.lost_by_sliding);
+            self.lost[2][lane] = lost(pair.taken_by_dashpot::<L>(turning));
+            if L::ROLLING {
+                self.rolling_drag_torque.set(lane, turning.rolling_drag);
+                self.lost[1][lane] = lost(turning.lost_by_rolling);
+            }
+        }
+    }
+
+    /// What the first so many lanes have lost, J, each kind added by fours: so that no addition waits for the one before.
+    #[inline(always)]
+    pub(super) fn lost<L: LawRequirements>(&mut self, lanes: usize) -> ContactLosses {
+        self.lost.iter_mut().for_each(|numbers| numbers[lanes..].fill(0.0));
+        let sum = |kind: usize| {
+            let mut sums = [0.0; 4];
+            for four in self.lost[kind][..lanes.next_multiple_of(4)].as_chunks::<4>().0 {
+                sums.iter_mut().zip(four).for_each(|(sum, number)| *sum += number);
+            }
+            sums.into_iter().sum()
+        };
+        ContactLosses { sliding: sum(0), rolling: if L::ROLLING { sum(1) } else { 0.0 }, dashpots: sum(2) }
+    }
+}

@@ -1,0 +1,231 @@
+//! Sums: what contacts add to the loads of their two, and what ends with them. Each begins with the weight.
+//!
+//! What serves the books of energy alone is added where they are kept.
+
+use std::ops::{AddAssign, Range, SubAssign};
+
+use crate::contact::batch::Batch;
+use crate::contact::geometry::{parted, parted_from_wall};
+use crate::contact::kernel::{Pass, touch};
+use crate::contact::lanes::LANES;
+use crate::contact::{LawRequirements, Memory, Pair, PairForce, PairLaw, Turning};
+use crate::neighbours::list::Candidate;
+use crate::space::{Linear, Space};
+use crate::store::{Loads, ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
+
+impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
+    /// What the springs of a contact that has ended held, J: it is lost to friction and rolling resistance.
+    #[cold]
+    pub(super) fn on_contact_end(&self, store: &ParticleStore<V>, contact: Candidate, memory: &Memory<V>) -> [f64; 2] {
+        if !store.tracks_energy {
+            return [0.0; 2];
+        }
+        let [i, j] = contact.both();
+        self.law.on_contact_end(&parted(store, i, j, self.dt), memory)
+    }
+
+    /// The same for an entry and a wall; nothing if it is a door that has gone, which took all its contacts' energy with it.
+    #[cold]
+    pub(super) fn on_wall_contact_end(
+        &self,
+        store: &ParticleStore<V>,
+        contact: Candidate,
+        memory: &Memory<V>,
+    ) -> [f64; 2] {
+        let [i, wall] = contact.both();
+        if !(self.walls[wall].is_present && store.tracks_energy) {
+            return [0.0; 2];
+        }
+        self.law.on_contact_end(&parted_from_wall(store, i, &self.walls[wall], self.dt), memory)
+    }
+}
+
+impl<V: Space> Pair<V> {
+    /// What the tangential dashpot takes in this step, J.
+    #[inline(always)]
+    pub(crate) fn taken_by_dashpot<L: LawRequirements>(&self, turning: &Turning<V>) -> f64 {
+        let pair = if L::PREDICTION { self.predicted() } else { *self };
+        -turning.friction_drag.dot(pair.sliding_velocity(turning.arms)) * self.dt
+    }
+}
+
+/// The part of the force on i that dashpots make.
+#[inline(always)]
+pub(crate) fn drag<L: LawRequirements, V: Space>(force: &PairForce<V>) -> V {
+    if L::SPIN { force.drag + force.turning.friction_drag } else { force.drag }
+}
+
+/// The whole force on i.
+#[inline(always)]
+pub(crate) fn total<L: LawRequirements, V: Space>(force: &PairForce<V>) -> V {
+    if L::SPIN { force.smooth + force.turning.friction } else { force.smooth }
+}
+
+/// A share of the loads: of consecutive particles.
+pub(crate) struct AccumulatorSlice<'a, V: Space> {
+    /// Of [`Accumulator`](crate::store::Tally)s, all numbers, so many to an entry.
+    force: &'a mut [V],
+    torque: &'a mut [V::Spin],
+    each: usize,
+    rolling_drag: &'a mut [V::Spin],
+    contacts: &'a mut [u32],
+}
+
+impl<'a, V: Space> AccumulatorSlice<'a, V> {
+    /// Everybody's.
+    pub(crate) fn all(loads: &'a mut Loads<V>) -> Self {
+        let Loads { force, torque, rolling_drag, contacts } = loads;
+        let (force, each) = force.numbers_mut();
+        Self { force, torque: torque.numbers_mut().0, each, rolling_drag, contacts }
+    }
+
+    /// Takes those of the first so many away.
+    pub(crate) fn cut_off(&mut self, particles: usize) -> Self {
+        let (entries, numbers) = (..particles, ..particles * self.each);
+        // Of what is not asked for, nothing.
+        Self {
+            force: self.force.split_off_mut(numbers).unwrap_or_default(),
+            torque: self.torque.split_off_mut(numbers).unwrap_or_default(),
+            each: self.each,
+            rolling_drag: self.rolling_drag.split_off_mut(entries).unwrap_or_default(),
+            contacts: self.contacts.split_off_mut(entries).unwrap_or_default(),
+        }
+    }
+
+    /// Sets sums from this place on to what they begin with, the weight of each mass (kg).
+    fn begin<const NUMBERS: usize>(&mut self, start: usize, masses: &[f64], gravity: V) {
+        fn clear<T: Copy + Default>(column: &mut [T], places: Range<usize>) {
+            if let Some(sums) = column.get_mut(places) {
+                sums.fill(T::default());
+            }
+        }
+        let end = start + masses.len();
+        for (entry, mass) in self.force.as_chunks_mut::<NUMBERS>().0[start..end].iter_mut().zip(masses) {
+            *entry = [V::ZERO; NUMBERS];
+            entry[0] = gravity * *mass;
+        }
+        clear(self.torque, start * NUMBERS..end * NUMBERS);
+        clear(self.rolling_drag, start..end);
+        clear(self.contacts, start..end);
+    }
+}
+
+/// Adds numbers to an entry of a tally.
+#[inline(always)]
+fn add<T: AddAssign, const NUMBERS: usize>(entry: &mut [T; NUMBERS], numbers: [T; NUMBERS]) {
+    entry.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
+}
+
+/// Takes them away from one.
+#[inline(always)]
+fn take<T: SubAssign, const NUMBERS: usize>(entry: &mut [T; NUMBERS], numbers: [T; NUMBERS]) {
+    entry.iter_mut().zip(numbers).for_each(|(sum, number)| *sum -= number);
+}
+
+/// The sums of the particles of a share of rows, entry by entry.
+pub(crate) struct ForceAccumulation<'a, V: Space> {
+    rows: Range<usize>,
+    /// Entries before this one have begun.
+    begun: usize,
+    share: AccumulatorSlice<'a, V>,
+}
+
+impl<'a, V: Space> ForceAccumulation<'a, V> {
+    pub(crate) fn new(rows: Range<usize>, share: AccumulatorSlice<'a, V>) -> Self {
+        Self { begun: rows.start, rows, share }
+    }
+
+    /// Begins the sums of all entries before this one, if they have not.
+    pub(super) fn begin(&mut self, end: usize, gravity: V, store: &ParticleStore<V>) {
+        let end = end.clamp(self.begun, self.rows.end);
+        let (masses, start) = (&store.mass[self.begun..end], self.begun - self.rows.start);
+        if self.share.each == TOTAL_AND_DISSIPATIVE {
+            self.share.begin::<TOTAL_AND_DISSIPATIVE>(start, masses, gravity);
+        } else {
+            self.share.begin::<TOTAL>(start, masses, gravity);
+        }
+        self.begun = end;
+    }
+
+    /// Reads those of entries that are here.
+    pub(super) fn touch(&self, entries: Range<usize>) -> u64 {
+        let AccumulatorSlice { force, torque, each, .. } = &self.share;
+        let [start, end] = [entries.start, entries.end]
+            .map(|entry| (entry.clamp(self.rows.start, self.rows.end) - self.rows.start) * each);
+        // Of what is not asked for, nothing.
+        let torque = torque.get(start..end).unwrap_or_default();
+        touch(&force[start..end], |number| number.component(0)) ^ touch(torque, |number| number.component(0))
+    }
+
+    /// Adds what the contacts of a batch do to both, unless the second is in another share.
+    #[inline(always)]
+    pub(super) fn add_to_both<L: LawRequirements, const NUMBERS: usize>(&mut self, batch: &Batch<V>) {
+        let start = self.rows.start;
+        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.share;
+        // What is of its own cannot change under the loop; and who has a force has a torque.
+        let (forces, mut torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
+        if L::SPIN {
+            torques = &mut torques[..forces.len()];
+        }
+        let (rolling, contacts) = (&mut **rolling_drag, &mut **contacts);
+        let answer = &batch.answer;
+        for lane in (0..batch.len.min(LANES)).filter(|&lane| answer.counts::<L>(lane)) {
+            let [first, second] = batch.pairs[lane].both().map(|entry| entry - start);
+            let is_here = second < forces.len();
+            // All is read before anything is written: sums might lie where answers do, for all the compiler knows.
+            let (force, torques_of) = (answer.force::<NUMBERS>(lane), answer.torques::<L, NUMBERS>(lane));
+            add(&mut forces[first], force);
+            if is_here {
+                take(&mut forces[second], force);
+            }
+            if L::SPIN {
+                add(&mut torques[first], torques_of[0]);
+                if is_here {
+                    take(&mut torques[second], torques_of[1]);
+                }
+            }
+            if L::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
+                let drag = answer.rolling_drag_torque.get(lane);
+                rolling[first] += drag;
+                if is_here {
+                    rolling[second] -= drag;
+                }
+            }
+            if L::PREDICTION {
+                contacts[first] += 1;
+                if is_here {
+                    contacts[second] += 1;
+                }
+            }
+        }
+    }
+
+    /// Adds what the contacts of a batch do to their first members (`SIDE` 0) or to their second ones (1) alone.
+    pub(crate) fn add_to_one<L: LawRequirements, const NUMBERS: usize, const SIDE: usize>(&mut self, batch: &Batch<V>) {
+        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.share;
+        let (forces, torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
+        let answer = &batch.answer;
+        for lane in (0..batch.len.min(LANES)).filter(|&lane| answer.counts::<L>(lane)) {
+            let entry = batch.pairs[lane].both()[SIDE] - self.rows.start;
+            let force = answer.force::<NUMBERS>(lane);
+            let torque = answer.torques::<L, NUMBERS>(lane)[SIDE];
+            if SIDE == 0 {
+                add(&mut forces[entry], force);
+            } else {
+                take(&mut forces[entry], force);
+            }
+            if L::SPIN && SIDE == 0 {
+                add(&mut torques[entry], torque);
+            } else if L::SPIN {
+                take(&mut torques[entry], torque);
+            }
+            if L::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
+                let drag = answer.rolling_drag_torque.get(lane);
+                rolling_drag[entry] += if SIDE == 0 { drag } else { -drag };
+            }
+            if L::PREDICTION {
+                contacts[entry] += 1;
+            }
+        }
+    }
+}

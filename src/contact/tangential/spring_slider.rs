@@ -1,0 +1,180 @@
+//! Friction with memory: a spring and a dashpot in the tangent plane, F_t = -k_t S - c_t v_t, cut together at mu |F_n|.
+//!
+//! Stiffness and drag are those of a [`Modulus`], the same in every contact or not.
+
+use crate::contact::damping::Coefficient;
+use crate::contact::spring::{Slider, lost_at_the_end};
+use crate::contact::tangential::{Lever, NormalLoad, Tangential};
+use crate::contact::{Bounce, Memory, Pair, Turning};
+use crate::space::Space;
+
+/// The tangential stiffness and drag of a contact.
+pub trait Modulus: Copy + Send + Sync + 'static {
+    /// Whether the stiffness changes while a contact lasts.
+    const VARIES: bool;
+
+    /// k_t (N/m) and c_t (N s/m); `normal_drag` is the normal c, N s/m.
+    fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64);
+
+    /// The k_t that a spring was last used with, N/m, of which `memory` has a note if it varies.
+    fn remembered(&self, memory: f64) -> f64;
+
+    /// k_t (N/m) and c_t (N s/m) at the deepest point of a bounce.
+    fn at(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2];
+}
+
+/// The same k_t in every contact.
+#[derive(Clone, Copy, Debug)]
+pub struct ConstantStiffness {
+    /// k_t, N/m.
+    pub k: f64,
+    /// c_t, from the effective mass and the normal c.
+    pub damping: Coefficient,
+}
+
+impl Modulus for ConstantStiffness {
+    const VARIES: bool = false;
+
+    #[inline(always)]
+    fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64) {
+        (self.k, self.damping.of(pair.reduced_mass, normal_drag))
+    }
+
+    fn remembered(&self, _: f64) -> f64 {
+        self.k
+    }
+
+    fn at(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
+        [self.k, self.damping.of(bounce.reduced_mass, normal_drag)]
+    }
+}
+
+/// A spring with memory and a dashpot, cut together at mu |F_n|. Where the stiffness varies, a stiffening spring keeps
+/// its force and a softening one its displacement, so that neither gains energy (Thornton, Cummins and Cleary, Powder
+/// Technology 233, 30, 2013); what it loses is booked with sliding.
+#[derive(Clone, Copy, Debug)]
+pub struct SpringSlider<M> {
+    /// k_t and c_t.
+    pub modulus: M,
+    /// mu.
+    pub friction: f64,
+    /// Where it acts.
+    pub lever: Lever,
+}
+
+impl<M: Modulus> SpringSlider<M> {
+    /// The mean stiffness of a step over that of its end: what is gathered while a spring stiffens keeps its force. From
+    /// nothing it grows like the root of time.
+    #[inline(always)]
+    fn mean_stiffness(before: f64, now: f64) -> f64 {
+        if before >= now {
+            1.0
+        } else if before == 0.0 {
+            2.0 / 3.0
+        } else {
+            0.5 * (1.0 + before / now)
+        }
+    }
+
+    /// Adapts the spring to a changed stiffness; gives what it loses, J.
+    #[inline(always)]
+    fn adapt<V: Space>(k: f64, memory: &mut Memory<V>) -> f64 {
+        let before = memory.stiffness * memory.spring.length_squared();
+        if k > memory.stiffness {
+            memory.spring = memory.spring * (memory.stiffness / k);
+        }
+        memory.stiffness = k;
+        0.5 * (before - k * memory.spring.length_squared())
+    }
+}
+
+impl<M: Modulus> Tangential for SpringSlider<M> {
+    const SPRING: bool = true;
+    const STIFFNESS: bool = M::VARIES;
+
+    #[inline(always)]
+    fn add<V: Space>(
+        &self,
+        pair: &Pair<V>,
+        normal_force: f64,
+        normal_drag: f64,
+        memory: &mut Memory<V>,
+        turning: &mut Turning<V>,
+    ) {
+        let (stiffness, drag) = self.modulus.of(pair, normal_drag);
+        if M::VARIES {
+            turning.lost_by_sliding = Self::adapt(stiffness, memory);
+        }
+        turning.arms = self.lever.arms(pair);
+        let velocity = pair.sliding_velocity(turning.arms);
+        let slider = Slider { stiffness, drag, cap: self.friction * normal_force.abs() };
+        let pull = slider.pull(&mut memory.spring, velocity, pair.normal, pair.dt);
+        turning.friction = pull.force;
+        turning.friction_drag = pull.drag;
+        turning.lost_by_sliding += pull.lost;
+        turning.is_sliding = pull.is_sliding;
+    }
+
+    #[inline(always)]
+    fn add_centred<V: Space>(
+        &self,
+        pair: &Pair<V>,
+        load: &NormalLoad,
+        memory: &mut Memory<V>,
+        turning: &mut Turning<V>,
+    ) {
+        // Across a gap too the arms meet: what the contact point's keep of the angular momentum, they keep there.
+        let (stiffness, drag) = self.modulus.of(&pair.at_overlap(pair.overlap), load.drag);
+        turning.arms = self.lever.arms(pair);
+        let (motion, mobilities) = pair.sliding(turning.arms);
+        let mut sweep = load.sweep(motion, mobilities, self.friction, pair.dt);
+        sweep.pulled = memory.spring * -self.modulus.remembered(memory.stiffness);
+        if M::VARIES {
+            sweep.gathering *= Self::mean_stiffness(memory.stiffness, stiffness);
+            // Where a contact opens there is neither stiffness nor drag.
+            sweep.event = sweep.event.filter(|_| memory.stiffness > 0.0);
+            turning.lost_by_sliding = Self::adapt(stiffness, memory);
+        }
+        let slider = Slider { stiffness, drag, cap: self.friction * load.whole.abs() };
+        let pull = slider.pull_centred(&mut memory.spring, &sweep, pair.normal);
+        turning.friction = pull.force;
+        turning.friction_drag = pull.drag;
+        turning.lost_by_sliding += pull.lost;
+        turning.is_sliding = pull.is_sliding;
+    }
+
+    fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {
+        0.5 * self.modulus.remembered(memory.stiffness) * memory.spring.length_squared()
+    }
+
+    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        let velocity = pair.sliding_velocity(self.lever.arms(pair));
+        lost_at_the_end(self.modulus.remembered(memory.stiffness), memory.spring, velocity, pair.dt)
+    }
+
+    fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
+        self.modulus.at(bounce, normal_drag)
+    }
+
+    fn friction(&self) -> f64 {
+        self.friction
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
+mod tests {
+    use super::*;
+    use crate::space::Vector;
+
+    #[test]
+    fn a_spring_of_changing_stiffness_gains_no_energy() {
+        let mut memory = Memory { spring: Vector::new(0.0, 1e-5), stiffness: 1e4, ..Memory::default() };
+        let stiffer = SpringSlider::<ConstantStiffness>::adapt(2e4, &mut memory);
+        assert_eq!((memory.spring.y, memory.stiffness), (5e-6, 2e4));
+        let softer = SpringSlider::<ConstantStiffness>::adapt(1e4, &mut memory);
+        assert_eq!(memory.spring.y, 5e-6);
+        assert!(stiffer > 0.0 && softer > 0.0);
+        assert!((stiffer + softer - 0.5e4 * (1e-10 - 0.25e-10)).abs() < 1e-21);
+    }
+}

@@ -1,0 +1,72 @@
+//! What grains and doors bring into the balance and take out of it, J.
+
+use bevy_ecs::prelude::*;
+
+use crate::contact::Memory;
+use crate::energy::EnergyFlows;
+use crate::gravity::Gravity;
+use crate::particle::Grain;
+use crate::space::Space;
+use crate::store::{ParticleStore, Slot};
+use crate::survey::{Partner, SurveyParam};
+use crate::walls::surfaces::LeavingWalls;
+
+fn mechanical<V: Space>(mass: f64, x: V, v: V, gravity: V) -> f64 {
+    0.5 * mass * v.length_squared() - mass * gravity.dot(x)
+}
+
+/// Every particle that has left takes its energy with it. The store still holds the state that it had.
+pub(super) fn book_removed<V: Space>(
+    survey_param: SurveyParam<V>,
+    store: Res<ParticleStore<V>>,
+    gravity: Res<Gravity<V>>,
+    mut flows: ResMut<EnergyFlows>,
+) {
+    if store.vacated().is_empty() {
+        return;
+    }
+    let is_gone = |i: usize| !store.is_present(i);
+    for i in (0..store.movable_end).filter(|&i| is_gone(i)) {
+        flows.removed += mechanical(store.mass[i], store.body[i].position, store.body[i].velocity, gravity.0);
+        flows.removed += store.rotational_energy(i);
+    }
+    flows.removed += survey_param
+        .survey()
+        .elastic_energy(|i, partner| is_gone(i) || matches!(partner, Partner::Particle(j) if is_gone(j)));
+}
+
+/// Grains that have just got their first slots.
+pub(super) fn book_released<V: Space>(
+    store: Res<ParticleStore<V>>,
+    gravity: Res<Gravity<V>>,
+    grains: Query<(), With<Grain>>,
+    mut flows: ResMut<EnergyFlows>,
+) {
+    let is_new = |&i: &usize| store.former[i] == Slot::default() && grains.contains(store.entity[i]);
+    let mut new: Vec<_> = (0..store.len()).filter(is_new).collect();
+    new.sort_unstable_by_key(|&i| store.id[i]);
+    for i in new {
+        let body = &store.body[i];
+        flows.released += mechanical(store.mass[i], body.position, body.velocity, gravity.0);
+        flows.released += store.rotational_energy(i);
+    }
+}
+
+/// Grains that start in contact bring the elastic energy of their overlap too; their other springs start relaxed.
+pub(super) fn book_initial_overlaps<V: Space>(survey_param: SurveyParam<V>, mut flows: ResMut<EnergyFlows>) {
+    let survey = survey_param.survey();
+    survey.contacts(|_, _, pair, _| flows.released += survey.law.elastic_energy(pair, &Memory::default()));
+}
+
+/// A wall that is about to go takes the elastic energy of its contacts with it.
+pub(super) fn book_leaving_walls<V: Space>(
+    survey_param: SurveyParam<V>,
+    leaving: Res<LeavingWalls>,
+    mut flows: ResMut<EnergyFlows>,
+) {
+    let survey = survey_param.survey();
+    // A grain that has left meanwhile takes its contacts with it already.
+    flows.removed += survey.elastic_energy(|i, partner| {
+        matches!(partner, Partner::Wall(wall) if leaving.0.contains(&wall)) && survey.store.is_present(i)
+    });
+}

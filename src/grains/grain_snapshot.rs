@@ -1,0 +1,56 @@
+//! The census: every grain of a world as it is, in ascending order of id.
+
+use bevy_ecs::prelude::*;
+
+use crate::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity};
+use crate::space::Space;
+use crate::spin::Spin;
+
+/// A grain, SI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct GrainSnapshot<V: Space> {
+    pub(crate) id: GrainId,
+    pub(crate) radius: f64,
+    pub(crate) mass: f64,
+    pub(crate) position: V,
+    pub(crate) velocity: V,
+    pub(crate) species: Species,
+    /// If it can spin.
+    pub(crate) spin: Option<V::Spin>,
+}
+
+/// Whether any grain can spin.
+pub(crate) fn has_spins<V: Space>(world: &mut World) -> bool {
+    world.query_filtered::<(), (With<Grain>, With<Spin<V::Spin>>)>().iter(world).next().is_some()
+}
+
+/// Shows each grain to `visit`, until that fails.
+pub(crate) fn take<V: Space, E>(
+    world: &mut World,
+    visit: impl FnMut(GrainSnapshot<V>) -> Result<(), E>,
+) -> Result<(), E> {
+    let mut grains: Vec<(GrainId, Entity)> =
+        world.query_filtered::<(&GrainId, Entity), With<Grain>>().iter(world).map(|(id, grain)| (*id, grain)).collect();
+    grains.sort_unstable_by_key(|&(id, _)| id);
+    let mut rows = world.query::<Row<V>>();
+    let resident = |(id, radius, mass, x, v, species, spin): Row<'_, V>| GrainSnapshot {
+        id: *id,
+        radius: radius.0,
+        mass: mass.0,
+        position: x.0,
+        velocity: v.0,
+        species: *species,
+        spin: spin.map(|spin| spin.0),
+    };
+    grains.into_iter().filter_map(|(_, grain)| rows.get(world, grain).ok()).map(resident).try_for_each(visit)
+}
+
+type Row<'a, V> = (
+    &'a GrainId,
+    &'a Radius,
+    &'a Mass,
+    &'a Position<V>,
+    &'a Velocity<V>,
+    &'a Species,
+    Option<&'a Spin<<V as Space>::Spin>>,
+);

@@ -1,0 +1,297 @@
+//! Who can meet whom: every pair of species of which there are two grains, or a grain and a wall, by its lightest grains.
+//!
+//! A meeting knows its law, its reduced mass m and, for I = q m R^2, how fast a force in it changes its own velocity: 1/m along
+//! the normal, (1 + 1/q)/m along the tangent, and in rolling R_eff^2 (1/I_i + 1/I_j), which for equal grains is 1/(4 q m) and
+//! on a flat wall 1/(q m). Its limits ([`step`]):
+//!
+//! * Lone: each of the three ways alone.
+//! * In a dense bed a grain has z = 6 (in solid space 12) equal neighbours all around. With (a - b)^2 <= 2 a^2 + 2 b^2 for what
+//!   two grains do to their contact, all of them moving against their neighbours is the worst: they meet with the weights z/d
+//!   (normal) and z (d - 1)/d (tangent) in d dimensions, sum n n = z/d; turning alike, with z/q (2/3 of that in solid space)
+//!   of the tangent; turning against each other, with as much of rolling. The hexagonal lattice has such motions, so
+//!   these bounds are reached. Of walls a grain has two opposite ones.
+//!
+//! Masses are those of the start and of the spawner, by the radii that it will choose.
+
+use crate::contact::{AnyLaw, Bounce};
+use crate::grains::spawner::RadiusLaw;
+use crate::integrate::Integrator;
+use crate::random::Stream;
+use crate::scene::check::step::{self, Pull};
+use crate::scene::load::Loaded;
+use crate::space::{Dimension, Plane};
+use crate::walls::config::Wall;
+
+/// As many radii to come are looked at, where each is drawn.
+const DRAWN: u32 = 10_000;
+
+/// Mass (kg) and radius (m) of a body; what is fixed has an infinite mass, what is flat an infinite radius.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Body {
+    mass: f64,
+    radius: f64,
+}
+
+/// Two that can meet.
+pub struct SpeciesPair {
+    /// Their law.
+    pub law: AnyLaw<Plane>,
+    /// They meet head-on.
+    pub bounce: Bounce,
+    /// Their species.
+    pub species: (u8, u8),
+    /// Whether the second is a wall.
+    pub is_wall: bool,
+    /// I/(m R^2).
+    inertia: f64,
+    /// m R_eff^2 (1/I_i + 1/I_j).
+    rolling: f64,
+}
+
+impl SpeciesPair {
+    fn new(loaded: &Loaded, [(a, first), (b, second)]: [(u8, Body); 2], speed: f64) -> Self {
+        let reduced = |x: f64, y: f64| 1.0 / (1.0 / x + 1.0 / y);
+        let reduced_mass = reduced(first.mass, second.mass);
+        let reduced_radius = reduced(first.radius, second.radius);
+        let inertia = loaded.inertia().factor();
+        let turning = |body: Body| (reduced_radius / body.radius).powi(2) * reduced_mass / body.mass;
+        Self {
+            // Estimates ask for no directions: the law in the plane answers for both spaces.
+            law: loaded.contacts().between(a, b),
+            bounce: Bounce { reduced_mass, reduced_radius, speed },
+            species: (a, b),
+            is_wall: second.mass.is_infinite(),
+            inertia,
+            rolling: (turning(first) + turning(second)) / inertia,
+        }
+    }
+
+    /// The three ways, the normal first, weighed as in a lone contact.
+    fn ways(&self) -> [Pull; 3] {
+        let modes = self.law.0.modes(&self.bounce);
+        let mobilities = [1.0, 1.0 + 1.0 / self.inertia, self.rolling];
+        std::array::from_fn(|way| {
+            let ([k, c], weight) = (modes[way], mobilities[way]);
+            Pull { weight, k, c, mobility: weight / self.bounce.reduced_mass }
+        })
+    }
+
+    /// Largest stable step along the normal, s: no cap bounds what grows there.
+    #[must_use]
+    pub fn normal_limit(&self, scheme: Integrator) -> f64 {
+        self.lone(scheme, &self.ways()[0])
+    }
+
+    /// Largest stable step of this contact alone, s.
+    #[must_use]
+    pub fn lone_limit(&self, scheme: Integrator) -> f64 {
+        self.ways().iter().map(|way| self.lone(scheme, way)).fold(f64::INFINITY, f64::min)
+    }
+
+    fn lone(&self, scheme: Integrator, &Pull { weight, k, c, .. }: &Pull) -> f64 {
+        step::limit(scheme, weight * k, weight * c, self.bounce.reduced_mass)
+    }
+
+    /// Largest stable step among as many of its kind as surround a grain, s.
+    #[must_use]
+    pub fn bed_limit(&self, scheme: Integrator, space: Dimension) -> f64 {
+        let [normal, tangential, rolling] = self.ways();
+        let times = |weight: f64, pull: Pull| Pull { weight, ..pull };
+        let (z, d) = match space {
+            Dimension::Plane => (6.0, 2.0),
+            Dimension::Solid => (12.0, 3.0),
+        };
+        let around = if self.is_wall { 2.0 } else { z / if space == Dimension::Solid { 1.5 } else { 1.0 } };
+        let straight = if self.is_wall {
+            [vec![times(2.0, normal)], vec![times(2.0, tangential)]]
+        } else {
+            [vec![times(z / d, normal), times(z * (d - 1.0) / d, tangential)], Vec::new()]
+        };
+        let turning = [vec![times(around / self.inertia, tangential)], vec![times(around * self.rolling, rolling)]];
+        let all = straight.iter().chain(&turning);
+        all.map(|pulls| step::in_crowd(scheme, pulls, self.bounce.reduced_mass)).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// All meetings of the lightest, at this speed (m/s).
+#[must_use]
+pub fn all(loaded: &Loaded, speed: f64) -> Vec<SpeciesPair> {
+    let grains = lightest(loaded);
+    let walls = walls(loaded);
+    let mut pairs = Vec::new();
+    for (number, &(a, first, second)) in grains.iter().enumerate() {
+        pairs.extend(second.map(|second| [(a, first), (a, second)]));
+        pairs.extend(grains[number + 1..].iter().map(|&(b, other, _)| [(a, first), (b, other)]));
+        pairs.extend(walls.iter().map(|&wall| [(a, first), wall]));
+    }
+    pairs.into_iter().map(|pair| SpeciesPair::new(loaded, pair, speed)).collect()
+}
+
+/// The lightest grain of each species, and the next one if there are two.
+fn lightest(loaded: &Loaded) -> Vec<(u8, Body, Option<Body>)> {
+    let mut species: Vec<(u8, Body, Option<Body>)> = Vec::new();
+    let start = loaded.grains.iter().map(|grain| (grain.species.0, Body { mass: grain.mass, radius: grain.radius }));
+    for (number, body) in start.chain(to_come(loaded)) {
+        match species.iter_mut().find(|entry| entry.0 == number) {
+            None => species.push((number, body, None)),
+            Some((_, first, second)) if body.mass < first.mass => *second = Some(std::mem::replace(first, body)),
+            Some((_, _, second)) if second.is_none_or(|second| body.mass < second.mass) => *second = Some(body),
+            Some(_) => {}
+        }
+    }
+    species
+}
+
+/// What the spawner will release: two of each size, or of a range of sizes those that it will choose.
+fn to_come(loaded: &Loaded) -> Vec<(u8, Body)> {
+    let Some((spawner, law)) = loaded.scene.spawner.as_ref().zip(loaded.scene.mass) else { return Vec::new() };
+    let body = |radius: f64| Body { mass: law.of(radius), radius };
+    let two = |count: u32, species: u8, radius: f64| (0..count.min(2)).map(move |_| (species, body(radius)));
+    match &spawner.radius {
+        RadiusLaw::Fixed(radius) => two(spawner.count, 0, radius.get()).collect(),
+        RadiusLaw::Mixture(sizes) => {
+            let quotas = (0..=u8::MAX).zip(spawner.radius.quotas(spawner.count));
+            quotas.zip(sizes).flat_map(|((species, count), (radius, _))| two(count, species, radius.get())).collect()
+        }
+        RadiusLaw::Uniform(..) => {
+            let random = Stream::new(loaded.scene.seed, "spawner");
+            let ids = u64::from(loaded.first_free_id())..;
+            let drawn = ids.take(spawner.count.min(DRAWN) as usize).map(|id| {
+                let [u] = random.uniform(id);
+                let (radius, species) = spawner.radius.choose(u, &mut []);
+                (species.0, body(radius))
+            });
+            drawn.collect()
+        }
+    }
+}
+
+/// A wall of each species: the flattest, which is the stiffest.
+fn walls(loaded: &Loaded) -> Vec<(u8, Body)> {
+    let own = loaded.scene.walls.iter().map(|wall| match *wall {
+        Wall::Disc { radius, species, .. } => (species, radius.get()),
+        Wall::HalfPlane { species, .. } | Wall::Segment { species, .. } | Wall::Panel { species, .. } => {
+            (species, f64::INFINITY)
+        }
+    });
+    let of_silo = loaded.scene.silo.as_ref().map_or(0, |silo| silo.species);
+    let silo = loaded.silo.wall.iter().chain(&loaded.silo.door).map(|disc| (of_silo, disc.radius));
+    let fixed = loaded.fixed.iter().map(|grain| (grain.species.0, grain.radius));
+    let mut walls: Vec<(u8, Body)> = Vec::new();
+    for (species, radius) in own.chain(silo).chain(fixed) {
+        match walls.iter_mut().find(|wall| wall.0 == species) {
+            Some(wall) => wall.1.radius = wall.1.radius.max(radius),
+            None => walls.push((species, Body { mass: f64::INFINITY, radius })),
+        }
+    }
+    walls
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fault::Fault;
+    use crate::grains::file::GrainRow;
+    use crate::particle::{GrainId, Species};
+    use crate::scene::check::hardest;
+    use crate::scene::load;
+    use crate::space::Solid;
+
+    const FLOOR: &str = "walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0), species: 1)]";
+
+    fn scene(keys: &str) -> Result<Loaded, Fault> {
+        let text = format!("(gravity: (0.0, -9.81), until: 1.0, pictures: None, {keys})");
+        load::from_text("test.ron", "test", std::path::Path::new(""), text, &[])
+    }
+
+    fn spawner(count: u32, radius: &str) -> String {
+        format!("spawner: (point: (0.0, 1.0), velocity: (0.0, 0.0), interval: 0.1, count: {count}, radius: {radius})")
+    }
+
+    fn grain(id: u32, species: u8, radius: f64, mass: f64) -> GrainRow {
+        let (position, id) = (Solid::X * f64::from(id), GrainId::grain(id).unwrap());
+        GrainRow { id, radius, mass, position, velocity: Solid::ZERO, spin: Solid::ZERO, species: Species(species) }
+    }
+
+    #[test]
+    fn only_those_meet_of_whom_there_are_two() {
+        let elastic = "contact: Linear(k: 1.0, damping: B(0.0)), mass: ArealSquare(100.0), step: Fixed(1.0e-6)";
+        let mixture = spawner(3, "Mixture([(0.1, 0.34), (0.2, 0.66)])");
+        let loaded = scene(&format!("{elastic}, {mixture}, {FLOOR}")).unwrap();
+        let mut met: Vec<_> = all(&loaded, 1.0).iter().map(|m| (m.species, m.is_wall, m.bounce.reduced_mass)).collect();
+        met.sort_by(|a, b| a.2.total_cmp(&b.2));
+        // One of 1 kg, two of 4 kg.
+        let expected = [((0, 1), false, 0.8), ((0, 1), true, 1.0), ((1, 1), false, 2.0), ((1, 1), true, 4.0)];
+        for (met, expected) in met.iter().zip(expected) {
+            assert!((met.0, met.1) == (expected.0, expected.1) && (met.2 - expected.2).abs() < 1e-14, "{met:?}");
+        }
+        assert_eq!(met.len(), 4);
+        // Alone in the world there is nothing to be unstable in.
+        let alone = format!("{elastic}, {}", spawner(1, "Fixed(0.1)"));
+        assert!(hardest(&scene(&alone).unwrap()).is_none() && scene(&alone.replace("1.0e-6", "9.0")).is_ok());
+    }
+
+    #[test]
+    fn a_drawn_radius_is_the_one_that_comes() {
+        let elastic = "contact: Linear(k: 1.0, damping: B(0.0)), mass: ArealSquare(100.0), step: Fixed(1.0e-6)";
+        let loaded = scene(&format!("{elastic}, {}, {FLOOR}", spawner(3, "Uniform(0.1, 0.2)"))).unwrap();
+        let random = Stream::new(0, "spawner");
+        // The first of four numbers is the radius's, whatever is asked for beside it.
+        let radii = [1, 2, 3].map(|id| 0.1 + 0.1 * random.uniform::<4>(id)[0]);
+        let smallest = radii.into_iter().fold(1.0, f64::min);
+        let on_the_floor = all(&loaded, 1.0).into_iter().find(|meeting| meeting.is_wall).unwrap();
+        assert!((on_the_floor.bounce.reduced_mass - 100.0 * smallest * smallest).abs() < 1e-15);
+    }
+
+    #[test]
+    fn the_masses_are_those_that_the_grains_have() {
+        // A small heavy grain of a file: what the spawner releases is not as light as its radius would make it.
+        let keys = "contact: Linear(k: 1.0, damping: B(0.0)), mass: ArealSquare(100.0), step: Fixed(1.0e-6)";
+        let mut loaded = scene(&format!("{keys}, {}", spawner(2, "Fixed(0.1)"))).unwrap();
+        loaded.grains = vec![grain(1, 0, 0.01, 3.0)];
+        let (meeting, limit) = hardest(&loaded).unwrap();
+        assert!((meeting.bounce.reduced_mass - 0.5).abs() < 1e-15 && (limit - 2.0 * 0.5f64.sqrt()).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_law_between_grains_and_wall_is_that_of_grains_and_wall() {
+        let keys = "contact: Linear(k: 1.0, damping: B(0.0)), mass: ArealSquare(100.0), \
+                    pairs: [(species: (0, 1), contact: Linear(k: 1.0e4, damping: B(0.0)))]";
+        let scene = |step: &str| scene(&format!("{keys}, step: Fixed({step}), {}, {FLOOR}", spawner(2, "Fixed(0.1)")));
+        // 2/w0 = 2 sqrt(1 kg/1e4 N/m), of the floor; that of two grains with this law would be 0.0141 s.
+        assert!(scene("0.0199").is_ok());
+        let fault = scene("0.0201").unwrap_err().to_string();
+        assert!(fault.contains("species 0 with a wall of species 1") && fault.contains("2.000e-2 s"), "{fault}");
+    }
+
+    #[test]
+    fn behaviours_may_bring_what_the_scene_does_not_know() {
+        let keys = "contact: Linear(k: 1.0e4, damping: B(0.0)), mass: ArealSquare(100.0), step: Fixed(1.0)";
+        let keys = format!("{keys}, {}", spawner(2, "Fixed(0.1)"));
+        assert!(scene(&keys).is_err());
+        let loaded = scene(&format!("{keys}, behaviours: {{\"law\": ()}}")).unwrap();
+        let warnings = crate::scene::check::warnings(&loaded);
+        assert!(warnings.iter().any(|warning| warning.code == "check::unstable_step"), "{warnings:?}");
+    }
+
+    #[test]
+    fn rolling_is_as_light_as_the_inertias_and_is_not_refused() {
+        let keys = "contact: Linear(k: 1.0, damping: B(0.0), tangential: Spring(k: 1.0, damping: B(0.0), friction: 0.5), \
+                    rolling: (k: 1.0e4, damping: B(0.0), friction: 0.1)), inertia: Sphere";
+        let mut loaded = scene(&format!("{keys}, step: Fixed(0.1), {FLOOR}")).unwrap();
+        loaded.grains = vec![grain(1, 0, 0.1, 1.0), grain(2, 0, 0.3, 2.0)];
+        let arm = |other: f64| 0.1 * other / (0.1 + other);
+        let [light, heavy] = [0.4 * 0.01, 0.4 * 2.0 * 0.09].map(|inertia: f64| 1.0 / inertia);
+        let pair = arm(0.3).powi(2) * (light + heavy);
+        let wall = 0.01 * light;
+        for meeting in all(&loaded, 1.0) {
+            let mobility = if meeting.is_wall { wall } else { pair };
+            let limit = meeting.lone_limit(Integrator::Verlet);
+            assert!((limit / (2.0 / (1.0e4 * mobility).sqrt()) - 1.0).abs() < 1e-13, "{limit}");
+        }
+        // Longer than that, but shorter than the normal's 2/w0 = 1.6 s: its cap bounds it, so that is to warn of.
+        assert!(hardest(&loaded).unwrap().1 > 1.0);
+        let warnings = crate::scene::check::warnings(&loaded);
+        assert!(warnings.iter().any(|warning| warning.code == "check::unstable_step"), "{warnings:?}");
+    }
+}

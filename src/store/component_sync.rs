@@ -1,0 +1,190 @@
+//! Synchronisation of components with the store: in the phases in which systems use them, and between steps.
+//!
+//! Before the systems of a phase run, the components that they use are brought up to date, as far as they are stale; after them, what they
+//! wrote is taken over into the store. A phase whose systems use no component has neither. Change ticks tell which rows a system wrote:
+//! a system that writes past change detection (`bypass_change_detection`) says that its write does not count, and it is lost.
+//!
+//! The world between steps is the caller's ([`publish_to_world`]): all components are up to date, and what is written then counts from the next
+//! step on ([`collect_from_world`]).
+
+use bevy_app::App;
+use bevy_ecs::change_detection::Tick;
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::{SystemId, SystemState};
+
+use crate::fault::Fault;
+use crate::space::Space;
+use crate::step::{Part, Phase, Step};
+use crate::store::ParticleStore;
+use crate::store::deferred_kick::apply_pending_kick;
+use crate::store::mirror::{MirrorSet, Refresh, WriteBack};
+use crate::store::predictable_conditions::PredictableConditions;
+use crate::store::sync_plan::{ForeignObservers, Plan, ReadsMotion, ReadsPlaces};
+
+/// What systems of phase number `phase` use in this step: what they read, and what they may write.
+fn wanted(world: &mut World, phase: usize, observers: &mut ForeignObservers) -> (MirrorSet, MirrorSet) {
+    let plan = &mut world.resource_mut::<Plan>().phases[phase];
+    let (needs, has_commands) = (std::mem::take(&mut plan.needs), plan.has_commands);
+    let mut uses = (MirrorSet::NONE, MirrorSet::NONE);
+    for need in &needs {
+        if PredictableConditions::open(world, &need.gates) {
+            uses = (uses.0.or(need.reads), uses.1.or(need.writes));
+        }
+    }
+    world.resource_mut::<Plan>().phases[phase].needs = needs;
+    if has_commands && Plan::others_may_run(world, observers) { (MirrorSet::ALL, MirrorSet::ALL) } else { uses }
+}
+
+fn refresh<V: Space, const PHASE: usize>(
+    world: &mut World,
+    state: &mut SystemState<Refresh<V>>,
+    observers: &mut ForeignObservers,
+) {
+    let (reads, writes) = wanted(world, PHASE, observers);
+    if !reads.is_none() {
+        state.get_mut(world).expect("the store is there").refresh(reads);
+    }
+    let since = world.increment_change_tick();
+    let mut plan = world.resource_mut::<Plan>();
+    (plan.writes, plan.since) = (writes, since);
+}
+
+fn write_back<V: Space, const PHASE: usize>(world: &mut World, state: &mut SystemState<WriteBack<V>>) {
+    let &Plan { writes, since, .. } = world.resource();
+    if PHASE == FORCES {
+        world.resource_mut::<ParticleStore<V>>().begin_added(writes.meets(MirrorSet::FORCE));
+    }
+    if !writes.is_none() {
+        state.get_mut(world).expect("the store is there").write_back(writes, since);
+    }
+    if PHASE == FORCES {
+        world.resource_mut::<ParticleStore<V>>().end_added();
+    }
+}
+
+const FORCES: usize = 3;
+
+impl<V: Space> ParticleStore<V> {
+    /// Nothing has been added to the forces of this step.
+    fn begin_added(&mut self, may_be: bool) {
+        self.added.clear();
+        if may_be {
+            self.added.resize(self.len(), V::ZERO);
+        }
+    }
+
+    /// What systems have added to the forces acts with the velocities of the step's end, which the kick will make.
+    fn end_added(&mut self) {
+        let rows = self.added.iter().zip(&self.body).enumerate().take(self.movable_end);
+        let power = rows.map(|(i, (added, body))| {
+            added.dot(body.velocity + self.loads.force.of(i) * (self.half_step * body.inverse_mass))
+        });
+        self.added_power = (!self.added.is_empty()).then(|| power.fold(0.0, |sum, power| sum + power));
+    }
+}
+
+/// Between steps.
+#[derive(Resource)]
+struct BetweenSteps {
+    refresh: SystemId,
+    write_back: SystemId,
+    watch: SystemId,
+    /// When the world was handed out to be changed.
+    handed_out: Option<Tick>,
+}
+
+fn refresh_all<V: Space>(store: Refresh<V>) {
+    store.refresh(MirrorSet::ALL);
+}
+
+fn write_all_back<V: Space>(between: Res<BetweenSteps>, store: WriteBack<V>) {
+    if let Some(since) = between.handed_out {
+        store.write_back(MirrorSet::ALL, since);
+    }
+}
+
+fn run(world: &mut World, system: SystemId) {
+    world.run_system(system).expect("it was registered with the resource, and needs nothing that may be missing");
+}
+
+/// Brings all components up to date, and makes a kick that was put off.
+pub(crate) fn refresh_world(world: &mut World) {
+    apply_pending_kick(world);
+    if let Some(&BetweenSteps { refresh, .. }) = world.get_resource() {
+        run(world, refresh);
+    }
+}
+
+/// The same, for somebody who may change components.
+pub(crate) fn publish_to_world(world: &mut World) {
+    refresh_world(world);
+    let now = world.increment_change_tick();
+    if let Some(mut between) = world.get_resource_mut::<BetweenSteps>() {
+        between.handed_out.get_or_insert(now);
+    }
+}
+
+/// Takes over what was changed since the world was handed out.
+pub(crate) fn collect_from_world(world: &mut World) {
+    let Some(&BetweenSteps { write_back, watch, handed_out: Some(_), .. }) = world.get_resource() else { return };
+    run(world, write_back);
+    run(world, watch);
+    world.resource_mut::<BetweenSteps>().handed_out = None;
+}
+
+/// Prepares synchronisation between steps.
+pub(super) fn add<V: Space>(app: &mut App) {
+    let world = app.world_mut();
+    let (refresh, write_back) = (world.register_system(refresh_all::<V>), world.register_system(write_all_back::<V>));
+    let watch = world.register_system(watch_commands::<V>);
+    world.insert_resource(BetweenSteps { refresh, write_back, watch, handed_out: None });
+    world.init_resource::<ReadsPlaces>();
+    world.init_resource::<ReadsMotion>();
+    world.init_resource::<PredictableConditions>();
+}
+
+/// Plans the synchronisation in a step, and adds its systems where there is something to do, to a schedule that has all others.
+///
+/// # Errors
+/// If a system stands in no phase.
+pub(crate) fn plan<V: Space>(schedule: &mut Schedule, world: &mut World) -> Result<(), Fault> {
+    schedule.graph_mut().initialize(world);
+    let plan = Plan::of::<V>(schedule.graph(), world)?;
+    world.insert_resource(plan);
+    // Observers and hooks of behaviours are there by now.
+    let mut observers = world.query_filtered();
+    Plan::watch(world, &mut observers);
+    add_copies::<V>(schedule, world);
+    Ok(())
+}
+
+/// Adds the systems of the phases that need copies and do not have them.
+fn add_copies<V: Space>(schedule: &mut Schedule, world: &mut World) {
+    let plan = &mut *world.resource_mut::<Plan>();
+    add_phase::<V, 0>(schedule, plan);
+    add_phase::<V, 1>(schedule, plan);
+    add_phase::<V, 2>(schedule, plan);
+    add_phase::<V, FORCES>(schedule, plan);
+    add_phase::<V, 4>(schedule, plan);
+    add_phase::<V, 5>(schedule, plan);
+    add_phase::<V, 6>(schedule, plan);
+    add_phase::<V, 7>(schedule, plan);
+}
+
+fn add_phase<V: Space, const PHASE: usize>(schedule: &mut Schedule, plan: &mut Plan) {
+    if plan.wants_copies(PHASE) {
+        let phase = Phase::ALL[PHASE];
+        schedule.add_systems((
+            refresh::<V, PHASE>.in_set(Part::Refresh(phase)),
+            write_back::<V, PHASE>.in_set(Part::WriteBack(phase)),
+        ));
+        plan.phases[PHASE].is_synchronised = true;
+    }
+}
+
+/// Observers and hooks may have come between two steps.
+fn watch_commands<V: Space>(world: &mut World, observers: &mut ForeignObservers) {
+    if Plan::watch(world, observers) {
+        world.schedule_scope(Step, |world, schedule| add_copies::<V>(schedule, world));
+    }
+}

@@ -1,0 +1,93 @@
+//! Walking along two columns, on all threads.
+//!
+//! [`CHUNK`] entries at a time. What is summed on the way is summed over each stride by itself, so that the number of threads
+//! leaves no trace.
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
+
+use crate::instructions::Instructions;
+use crate::threads::Threads;
+
+/// How many entries a thread takes at a time.
+pub(crate) const CHUNK: usize = 1024;
+
+/// From how many strides on threads share them: with fewer there is little to save.
+const WORTHWHILE: usize = 8;
+
+/// Who walks.
+#[derive(SystemParam)]
+pub(crate) struct ChunkedPass<'w> {
+    threads: Res<'w, Threads>,
+    instructions: Res<'w, Instructions>,
+}
+
+impl ChunkedPass<'_> {
+    /// Calls `each` with the entries of both columns, and with what it sums up. Gives the sums of the strides, in order.
+    pub(crate) fn in_chunks<A: Sync, B: Send, T: Default + Send>(
+        &self,
+        read: &[A],
+        written: &mut [B],
+        each: impl Fn(&A, &mut B, &mut T) + Sync,
+    ) -> Vec<T> {
+        let instructions = *self.instructions;
+        let chunk = |(read, written): (&[A], &mut [B])| {
+            instructions.run_narrow(
+                #[inline(always)]
+                || {
+                    let mut sum = T::default();
+                    for (a, b) in read.iter().zip(written) {
+                        each(a, b, &mut sum);
+                    }
+                    sum
+                },
+            )
+        };
+        let in_chunks = |read: &[A], written: &mut [B]| -> Vec<T> {
+            read.chunks(CHUNK).zip(written.chunks_mut(CHUNK)).map(chunk).collect()
+        };
+        let (chunks, threads) = (written.len().div_ceil(CHUNK), self.threads.count());
+        if threads == 1 || chunks < WORTHWHILE {
+            return in_chunks(read, written);
+        }
+        let share = chunks.div_ceil(threads) * CHUNK;
+        let shares = read.chunks(share).zip(written.chunks_mut(share));
+        self.threads.share(shares.map(|(read, written)| || in_chunks(read, written))).into_iter().flatten().collect()
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
+mod tests {
+    use std::num::NonZeroUsize;
+
+    use bevy_ecs::system::SystemState;
+
+    use super::*;
+
+    /// Walks on so many threads.
+    fn with<T>(threads: usize, walk: impl FnOnce(ChunkedPass<'_>) -> T) -> T {
+        let mut world = World::new();
+        world.insert_resource(Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap());
+        world.init_resource::<Instructions>();
+        walk(SystemState::<ChunkedPass>::new(&mut world).get(&world).unwrap())
+    }
+
+    #[test]
+    fn sums_are_those_of_strides_on_any_number_of_threads() {
+        let count = u32::try_from(WORTHWHILE * CHUNK + 100).unwrap();
+        let column: Vec<_> = (0..count).map(|number| 1.0 / f64::from(number + 1)).collect();
+        let by_strides: Vec<f64> = column.chunks(CHUNK).map(|chunk| chunk.iter().sum()).collect();
+        for threads in [1, 2, 3] {
+            let mut written = vec![1.0; column.len()];
+            let sums = with(threads, |chunked| {
+                chunked.in_chunks(&column, &mut written, |a, b, sum: &mut f64| {
+                    *b += a;
+                    *sum += a;
+                })
+            });
+            assert_eq!(sums, by_strides);
+            assert!(written.iter().zip(&column).all(|(b, a)| *b == 1.0 + a));
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Dealing out slots: which particle has which, in which order, and what the store then holds.
+//!
+//! The store owns the state of the particles that it knows: their rows move to the new slots. Components are read of entities that
+//! entered (all of them), and of those that the [population](super::population) has noted as altered (what changes by insertion).
+
+use bevy_ecs::prelude::*;
+use bevy_ecs::query::QueryData;
+use rustc_hash::FxHashMap;
+
+use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
+use crate::space::Space;
+use crate::spin::{Inertia, Spin, Torque};
+use crate::store::spatial_sort::{Place, SpatialOrder};
+use crate::store::{Body, ParticleStore, Rotation, UNKNOWN_CONTACTS};
+
+/// The components of a particle.
+#[derive(QueryData)]
+pub(crate) struct EntityRow<V: Space> {
+    entity: Entity,
+    id: &'static GrainId,
+    position: &'static Position<V>,
+    velocity: &'static Velocity<V>,
+    force: &'static Force<V>,
+    radius: &'static Radius,
+    mass: Option<&'static Mass>,
+    species: Option<&'static Species>,
+    is_fixed: Has<Fixed>,
+    turning: Option<(&'static Spin<V::Spin>, &'static Torque<V::Spin>, &'static Inertia)>,
+}
+
+/// The properties of a particle that change by insertion alone, as the store holds them.
+#[derive(Clone, Copy, Debug)]
+struct Properties {
+    id: GrainId,
+    radius: f64,
+    mass: f64,
+    /// 1/m as contacts see it, 1/kg: 0 for what is fixed.
+    inverse_mass: f64,
+    inverse_inertia: f64,
+    species: Species,
+}
+
+impl Properties {
+    fn of<V: Space>(row: &EntityRowItem<'_, '_, V>) -> Self {
+        let inverse_mass = row.mass.map_or(0.0, |mass| if row.is_fixed { 0.0 } else { 1.0 / mass.0 });
+        Self {
+            id: *row.id,
+            radius: row.radius.0,
+            mass: row.mass.map_or(0.0, |mass| mass.0),
+            inverse_mass,
+            inverse_inertia: row.turning.map_or(0.0, |(.., inertia)| 1.0 / inertia.0),
+            species: row.species.copied().unwrap_or_default(),
+        }
+    }
+
+    /// Whether no force moves it.
+    fn never_moves(&self) -> bool {
+        self.inverse_mass == 0.0
+    }
+}
+
+/// An entity that enters, and all that its slot follows from.
+struct Entering<V: Space> {
+    entity: Entity,
+    id: GrainId,
+    never_moves: bool,
+    /// Radius, m.
+    radius: f64,
+    /// Centre, m.
+    position: V,
+}
+
+impl<V: Space> Entering<V> {
+    fn of(row: &EntityRowItem<'_, '_, V>) -> Self {
+        let Properties { id, radius, .. } = Properties::of(row);
+        let never_moves = Properties::of(row).never_moves();
+        Self { entity: row.entity, id, never_moves, radius, position: row.position.0 }
+    }
+}
+
+/// The place of a particle in the order of slots.
+type Key = (bool, Place, GrainId);
+
+/// A particle that will have a slot: its key, and its former row, or its number among those that enter plus the former rows.
+type Entrant = (Key, u32);
+
+impl<V: Space> ParticleStore<V> {
+    /// Deals out slots to all particles; `touched` are the entities that entered or were altered.
+    pub(super) fn reorder(
+        &mut self,
+        touched: Vec<Entity>,
+        particles: &Query<EntityRow<V>>,
+        slots: &mut Query<&mut Slot>,
+    ) {
+        let (entering, altered) = self.read(touched, particles, slots);
+        let rows = self.len();
+        self.order = self.next_order(&entering, &altered);
+        let entrants = self.entrants(&entering, &altered);
+        self.movable_end = entrants.partition_point(|&((is_fixed, ..), _)| !is_fixed);
+        self.id.clear();
+        self.id.extend(entrants.iter().map(|&((.., id), _)| id));
+        self.former.clear();
+        let former = |number: u32| if (number as usize) < rows { Slot::new(number) } else { Slot::default() };
+        self.former.extend(entrants.iter().map(|&(_, number)| former(number)));
+        let newcomer =
+            |&(_, number): &Entrant| entering.get((number as usize).checked_sub(rows)?).map(|new| new.entity);
+        let newcomers = entrants.iter().zip(0u32..).filter_map(|(entrant, slot)| Some((newcomer(entrant)?, slot)));
+        let newcomers: Vec<_> = newcomers.collect();
+        // Memory is at its highest here when all grains of a scene enter at once.
+        drop((entrants, entering));
+        self.make_room();
+        self.settle_altered(&altered);
+        for (entity, slot) in newcomers {
+            if let Ok(row) = particles.get(entity) {
+                self.fill(slot as usize, &row);
+            }
+        }
+        for (i, (entity, former)) in self.entity.iter().zip(&self.former).enumerate() {
+            if *former != Slot::of(i)
+                && let Ok(mut slot) = slots.get_mut(*entity)
+            {
+                *slot.bypass_change_detection() = Slot::of(i);
+            }
+        }
+        self.vacated.clear();
+        let radii = || self.body.iter().map(|body| body.radius);
+        let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
+        self.smallest_share = smallest / (smallest + largest);
+        self.generation += 1;
+    }
+
+    /// Reads the entities that entered, and the properties of those that were altered, by row.
+    fn read(
+        &self,
+        touched: Vec<Entity>,
+        particles: &Query<EntityRow<V>>,
+        slots: &Query<&mut Slot>,
+    ) -> (Vec<Entering<V>>, FxHashMap<usize, Properties>) {
+        let (mut entering, mut altered) = (Vec::new(), FxHashMap::default());
+        for entity in touched {
+            // An entity that is gone already, or no particle, has no row.
+            let (Ok(row), Ok(slot)) = (particles.get(entity), slots.get(entity)) else { continue };
+            match self.row_of(entity, *slot) {
+                Some(i) => {
+                    altered.insert(i, Properties::of(&row));
+                }
+                None => entering.push(Entering::of(&row)),
+            }
+        }
+        (entering, altered)
+    }
+
+    /// The order of slots for all that forces move.
+    fn next_order(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> SpatialOrder {
+        let known = || {
+            (0..self.len()).filter(|&i| self.is_present(i)).filter_map(|i| match altered.get(&i) {
+                Some(properties) => (!properties.never_moves()).then_some((self.body[i].position, properties.radius)),
+                None => (!self.is_fixed(i)).then_some((self.body[i].position, self.body[i].radius)),
+            })
+        };
+        let new = || {
+            let movable = entering.iter().filter(|entering| !entering.never_moves);
+            movable.map(|entering| (entering.position, entering.radius))
+        };
+        let largest = known().chain(new()).map(|(_, radius)| radius).fold(0.0, f64::max);
+        SpatialOrder::of(known().chain(new()).map(|(position, _)| position), 2.0 * largest)
+    }
+
+    /// All particles, in the order of their slots to be.
+    fn entrants(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> Vec<Entrant> {
+        let known = (0u32..).zip(0..self.len()).filter(|&(_, i)| self.is_present(i)).map(|(number, i)| {
+            let never_moves = altered.get(&i).map_or(self.is_fixed(i), Properties::never_moves);
+            ((never_moves, self.order.place(self.body[i].position), self.id[i]), number)
+        });
+        let first = u32::try_from(self.len()).expect("fewer than 2^32 particles");
+        let new = (first..).zip(entering).map(|(number, &Entering { id, never_moves, position, .. })| {
+            ((never_moves, self.order.place(position), id), number)
+        });
+        let mut entrants: Vec<_> = Vec::with_capacity(self.len() + entering.len());
+        entrants.extend(known.chain(new));
+        entrants.sort_unstable_by_key(|&(key, _)| key);
+        entrants
+    }
+
+    /// Moves the rows of the particles that the store knows to their new slots, and makes room for the others.
+    fn make_room(&mut self) {
+        let Self { former, tracks_energy, inertia, loads, .. } = self;
+        let (size, kept) = (former.len(), &former[..]);
+        let nothing = Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 };
+        rearrange(&mut self.entity, size, kept, Entity::PLACEHOLDER);
+        rearrange(&mut self.body, size, kept, nothing);
+        rearrange(&mut self.mass, size, kept, 0.0);
+        rearrange(&mut self.species, size, kept, Species::default());
+        loads.force.rearrange(size, kept, *tracks_energy);
+        if inertia.is_some() {
+            rearrange(&mut self.rotation, size, kept, Rotation::default());
+            loads.torque.rearrange(size, kept, *tracks_energy);
+        }
+        if !loads.contacts.is_empty() {
+            rearrange(&mut loads.contacts, size, kept, UNKNOWN_CONTACTS);
+        }
+    }
+
+    /// Writes the properties of altered particles, given by former row, and notes those that lists must not go on with: of another
+    /// radius, or fixed or freed.
+    fn settle_altered(&mut self, altered: &FxHashMap<usize, Properties>) {
+        self.altered.clear();
+        if altered.is_empty() {
+            return;
+        }
+        for i in 0..self.former.len() {
+            let Some(properties) = altered.get(&self.former[i].index()) else { continue };
+            let before = &self.body[i];
+            let is_same = before.radius.total_cmp(&properties.radius).is_eq()
+                && (before.inverse_mass == 0.0) == properties.never_moves();
+            if !is_same {
+                self.altered.push(Slot::of(i));
+            }
+            self.set_properties(i, properties);
+        }
+    }
+
+    fn set_properties(&mut self, i: usize, properties: &Properties) {
+        let Properties { radius, mass, inverse_mass, inverse_inertia, species, .. } = *properties;
+        (self.body[i].radius, self.body[i].inverse_mass) = (radius, inverse_mass);
+        (self.mass[i], self.species[i]) = (mass, species);
+        if let Some(rotation) = self.rotation.get_mut(i) {
+            rotation.inverse_inertia = inverse_inertia;
+        }
+    }
+
+    /// Fills in row `i` for a particle that enters.
+    fn fill(&mut self, i: usize, entering: &EntityRowItem<'_, '_, V>) {
+        self.entity[i] = entering.entity;
+        (self.body[i].position, self.body[i].velocity) = (entering.position.0, entering.velocity.0);
+        self.loads.force.set(i, entering.force.0);
+        self.set_properties(i, &Properties::of(entering));
+        if let (Some(rotation), Some((spin, torque, _))) = (self.rotation.get_mut(i), entering.turning) {
+            rotation.spin = spin.0;
+            self.loads.torque.set(i, torque.0);
+        }
+    }
+}
+
+/// Makes a column as long as this: what was of the slots that the first ones had, and blanks for others.
+fn rearrange<T: Copy>(column: &mut Vec<T>, size: usize, former: &[Slot], blank: T) {
+    let before = |i: usize| column.get(former.get(i)?.index()).copied();
+    *column = (0..size).map(|i| before(i).unwrap_or(blank)).collect();
+}
+
+#[cfg(test)]
+mod tests {
+    use bevy_ecs::system::RunSystemOnce;
+
+    use super::*;
+    use crate::particle::{Grain, GrainBundle, Particle};
+    use crate::space::Plane;
+    use crate::store::population;
+    use crate::store::renumbering::{Renumberings, renumber};
+
+    fn grain(number: u32) -> GrainBundle {
+        GrainBundle {
+            particle: Particle {
+                id: GrainId::grain(number).unwrap(),
+                position: Position(Plane::new(f64::from(number), 0.0)),
+                velocity: Velocity::default(),
+                force: Force::default(),
+                radius: Radius(0.1),
+            },
+            mass: Mass(1.0),
+            species: Species(0),
+            grain: Grain,
+        }
+    }
+
+    #[test]
+    fn slots_follow_what_enters_leaves_and_is_altered() {
+        let mut world = World::new();
+        world.init_resource::<ParticleStore>();
+        population::add::<Plane>(&mut world);
+        world.init_resource::<Renumberings>();
+        let [gone, grown, held, same] = [0, 1, 2, 3].map(|number| world.spawn(grain(number)).id());
+        world.run_system_once(renumber::<Plane>).unwrap();
+        let nobody = Slot::default();
+        assert_eq!(world.resource::<ParticleStore>().entity, [gone, grown, held, same]);
+        assert_eq!(world.resource::<ParticleStore>().former, [nobody; 4]);
+        assert!(!world.resource::<population::Population>().is_due());
+        world.despawn(gone);
+        let store = world.resource::<ParticleStore>();
+        assert!(!store.is_present(0) && store.is_present(1) && store.vacated() == [0]);
+        world.entity_mut(grown).insert(Radius(0.2));
+        world.entity_mut(held).insert(Fixed);
+        let new = world.spawn(grain(4)).id();
+        world.run_system_once(renumber::<Plane>).unwrap();
+        let store = world.resource::<ParticleStore>();
+        assert_eq!((&store.entity[..], store.movable_end), (&[grown, same, new, held][..], 3));
+        assert_eq!(store.former, [Slot::new(1), Slot::new(3), nobody, Slot::new(2)]);
+        let same_before: Vec<_> = (0..4).map(|i| store.same_before(i)).collect();
+        assert_eq!(same_before, [nobody, Slot::new(3), nobody, nobody]);
+        assert!(store.body[0].radius > 0.15 && store.is_fixed(3) && store.vacated().is_empty());
+    }
+}

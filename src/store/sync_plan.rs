@@ -1,0 +1,194 @@
+//! The plan of synchronisation: which systems of the schedule use which mirrored components, phase by phase.
+//!
+//! It is derived once, when the schedule is built, from the access that systems and run conditions declare. What appears in no access list
+//! counts as reading and writing everything: exclusive systems, and, in phases with commands, observers and component hooks of others.
+//! The systems of the engine ([`Part`](crate::step::Part)) work on the store and do not count.
+
+use std::any::TypeId;
+
+use bevy_ecs::change_detection::Tick;
+use bevy_ecs::component::ComponentInfo;
+use bevy_ecs::lifecycle::ComponentHooks;
+use bevy_ecs::observer::Observer;
+use bevy_ecs::prelude::*;
+use bevy_ecs::schedule::{ApplyDeferred, ScheduleGraph, SystemWithAccess};
+
+use crate::fault::Fault;
+use crate::space::Space;
+use crate::step::Phase;
+use crate::store::declared_access::{AccessReader, Places, ancestors};
+use crate::store::mirror::MirrorSet;
+use crate::store::predictable_conditions::PredictableConditions;
+
+/// Read by a system that looks at places and properties in the store, not at velocities.
+#[derive(Resource, Default)]
+pub(crate) struct ReadsPlaces;
+
+/// Read by a system that looks at velocities or spins in the store.
+#[derive(Resource, Default)]
+pub(crate) struct ReadsMotion;
+
+/// Systems with the same use of components and the same gates.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Need {
+    pub(super) reads: MirrorSet,
+    pub(super) writes: MirrorSet,
+    /// Whether velocities and spins of grains are looked at, as components or in the store.
+    pub(super) looks_at_motion: bool,
+    /// The numbers of the gates that must all be open.
+    pub(super) gates: Vec<usize>,
+}
+
+/// What a phase needs.
+#[derive(Debug, Default)]
+pub(super) struct PhasePlan {
+    pub(super) needs: Vec<Need>,
+    /// Whether systems of the phase have commands, which may wake observers and hooks.
+    pub(super) has_commands: bool,
+    /// Whether components are copied before and after the phase.
+    pub(super) is_synchronised: bool,
+}
+
+/// Observers that are not siloflow's.
+pub(super) type ForeignObservers = QueryState<(), (With<Observer>, Without<OwnObserver>)>;
+
+/// The plan, and what it makes of the present phase.
+#[derive(Resource, Debug)]
+pub(crate) struct Plan {
+    pub(super) phases: [PhasePlan; Phase::ALL.len()],
+    /// The gates of each system that looks at velocities between the kick and the next drift.
+    looks: Vec<Vec<usize>>,
+    /// Whether commands are applied in that time.
+    has_commands: bool,
+    /// Whether there may be observers or hooks of others.
+    watches_commands: bool,
+    /// What systems of the present phase may write.
+    pub(super) writes: MirrorSet,
+    /// What they write has later ticks.
+    pub(super) since: Tick,
+    /// How many components have been searched for hooks.
+    searched: usize,
+    has_hooks: bool,
+}
+
+/// Systems whose commands add no observer and no component with hooks, so that a scene without these pays nothing for the possibility.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct PlainCommands;
+
+/// On siloflow's own observers, which use no mirrored component.
+#[derive(Component)]
+pub(crate) struct OwnObserver;
+
+impl Plan {
+    /// Whether any system reads a component of free particles in steps that nothing foretells.
+    pub(crate) fn mirrors_grains(&self) -> bool {
+        let mut needs = self.phases.iter().flat_map(|phase| &phase.needs);
+        needs.any(|need| need.gates.is_empty() && need.reads.meets(MirrorSet::FREE))
+    }
+
+    /// Whether observers or hooks of others may run when commands are applied.
+    pub(super) fn others_may_run(world: &mut World, observers: &mut ForeignObservers) -> bool {
+        world.resource::<Self>().watches_commands && Self::others_are_there(world, observers)
+    }
+
+    /// Whether there are observers or hooks of others.
+    fn others_are_there(world: &mut World, observers: &mut ForeignObservers) -> bool {
+        let searched = world.resource::<Self>().searched;
+        let components = world.components();
+        if components.len() != searched {
+            let is_foreign = |name: &str| !["siloflow::", "bevy_"].iter().any(|own| name.starts_with(own));
+            let foreign =
+                |(_, info): (_, &ComponentInfo)| has_hook(info.hooks()) && is_foreign(&info.name().to_string());
+            let (count, has_hooks) = (components.len(), components.iter_registered().any(foreign));
+            let mut plan = world.resource_mut::<Self>();
+            (plan.searched, plan.has_hooks) = (count, has_hooks);
+        }
+        world.resource::<Self>().has_hooks || observers.iter(world).next().is_some()
+    }
+
+    /// Whether a system will look at velocities between the kick and the next drift.
+    pub(super) fn motion_is_looked_at(world: &mut World, observers: &mut ForeignObservers) -> bool {
+        let mut plan = world.resource_mut::<Self>();
+        let (looks, has_commands) = (std::mem::take(&mut plan.looks), plan.has_commands);
+        let is_looked_at = PredictableConditions::any_will_open(world, &looks)
+            || has_commands && Self::others_may_run(world, observers);
+        world.resource_mut::<Self>().looks = looks;
+        is_looked_at
+    }
+
+    /// Whether phase number `phase` needs copies of components that it does not have yet.
+    pub(super) fn wants_copies(&self, phase: usize) -> bool {
+        let plan = &self.phases[phase];
+        let copies = plan.has_commands && self.watches_commands || plan.needs.iter().any(|need| !need.reads.is_none());
+        copies && !plan.is_synchronised
+    }
+
+    /// Watches commands from now on, if observers or hooks of others have come between two steps. Whether they have.
+    pub(super) fn watch(world: &mut World, observers: &mut ForeignObservers) -> bool {
+        let has_come = !world.resource::<Self>().watches_commands && Self::others_are_there(world, observers);
+        world.resource_mut::<Self>().watches_commands |= has_come;
+        has_come
+    }
+
+    /// The plan of a schedule whose systems have been initialised.
+    ///
+    /// # Errors
+    /// If a system is in no phase, or one that uses a mirrored component is in none of those for users.
+    pub(super) fn of<V: Space>(graph: &ScheduleGraph, world: &mut World) -> Result<Self, Fault> {
+        let reader = AccessReader::of::<V>(world);
+        let places = Places::of(graph);
+        let gates = world.get_resource_or_init::<PredictableConditions>();
+        let mut phases = <[PhasePlan; Phase::ALL.len()]>::default();
+        let mut watches_commands = false;
+        for (key, system, conditions) in graph.systems.iter() {
+            if system.system_type() == TypeId::of::<ApplyDeferred>() {
+                continue;
+            }
+            let sets = ancestors(graph, key);
+            let access = graph.systems.get(key).map(SystemWithAccess::access);
+            let Some(phase) = places.phase(&sets) else {
+                places.check_engine(&sets, &reader, access, &system.name().to_string())?;
+                continue;
+            };
+            let of_sets = sets.iter().filter_map(|&set| graph.system_sets.get_conditions(set));
+            let conditions: Vec<_> = of_sets.flatten().chain(conditions).collect();
+            let gates = conditions.iter().filter_map(|one| gates.of(one.condition.system_type())).collect();
+            phases[phase].needs.extend(reader.need(access.into_iter(), gates));
+            // Conditions are evaluated whether a gate opens or not.
+            phases[phase].needs.extend(reader.need(conditions.iter().map(|one| &one.access), Vec::new()));
+            phases[phase].has_commands |= system.has_deferred();
+            watches_commands |= system.has_deferred() && !places.has_plain_commands(&sets);
+        }
+        let after_kick = || Phase::ALL.iter().zip(&phases).filter(|(phase, _)| AFTER_KICK.contains(phase));
+        let needs = after_kick().flat_map(|(_, phase)| &phase.needs);
+        let mut looks: Vec<_> = needs.filter(|need| need.looks_at_motion).map(|need| need.gates.clone()).collect();
+        looks.sort_unstable();
+        looks.dedup();
+        let has_commands = after_kick().any(|(_, phase)| phase.has_commands);
+        Ok(Self {
+            phases,
+            looks,
+            has_commands,
+            watches_commands,
+            writes: MirrorSet::NONE,
+            since: world.change_tick(),
+            searched: 0,
+            has_hooks: false,
+        })
+    }
+}
+
+/// The phases from the kick to the next drift.
+const AFTER_KICK: [Phase; 5] = [Phase::Kick, Phase::Control, Phase::Cull, Phase::Observe, Phase::Spawn];
+
+/// Whether a component has any hook.
+fn has_hook(hooks: &ComponentHooks) -> bool {
+    type Hook = bevy_ecs::lifecycle::ComponentHook;
+    const NOTHING: Hook = |_, _| {};
+    let mut copy = hooks.clone();
+    copy.try_on_add(NOTHING).is_none()
+        || copy.try_on_insert(NOTHING).is_none()
+        || copy.try_on_discard(NOTHING).is_none()
+        || copy.try_on_remove(NOTHING).is_none()
+        || copy.try_on_despawn(NOTHING).is_none()
+}
