@@ -66,7 +66,7 @@ impl Default for Watchdog {
 }
 
 /// From this overlap on a run warns.
-const DEEP: f64 = 0.3;
+pub(crate) const LARGE_OVERLAP: f64 = 0.3;
 
 /// The share of the elastic energy that may only seem to be there: 0.75^2.
 pub const APPARENT: f64 = 0.5625;
@@ -135,7 +135,7 @@ impl Watch {
 impl Watch {
     /// Whether an overlap (over the smaller radius) is new to the watch.
     fn is_deep(&self, ratio: f64) -> bool {
-        ratio > self.overlap || (ratio > DEEP && !self.has_warned)
+        ratio > self.overlap || (ratio > LARGE_OVERLAP && !self.has_warned)
     }
 }
 
