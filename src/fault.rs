@@ -1,11 +1,11 @@
-//! A fault in the input: what is wrong, where, and what to do about it.
+//! A fault in the input: its message, its place and a remedy.
 
 use std::fmt;
 use std::ops::Range;
 
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
-/// An error of the input, with a stable code, a help line and, where there is one, the place in a file.
+/// An error of the input: a stable code, a message, a help line and, if known, the place in a file.
 #[derive(Clone, Debug)]
 pub struct Fault(Box<Inner>);
 
@@ -25,20 +25,20 @@ struct Place {
 }
 
 impl Fault {
-    /// A fault with the stable `code` (`area::what`).
+    /// A fault with the stable `code` (`area::name`).
     #[must_use]
     pub fn new(code: &'static str, message: impl Into<String>) -> Self {
         Self(Box::new(Inner { code, message: message.into(), help: None, key: None, place: None }))
     }
 
-    /// Adds what to do about it.
+    /// Adds the help line.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
         self.0.help = Some(help.into());
         self
     }
 
-    /// Names the key of the scene that is at fault.
+    /// Names the scene key that is at fault.
     #[must_use]
     pub fn key(mut self, key: impl Into<String>) -> Self {
         self.0.key = Some(key.into());
@@ -60,13 +60,13 @@ impl Fault {
         self.0.code
     }
 
-    /// The key of the scene that is at fault, if one is.
+    /// The scene key that is at fault, if known.
     #[must_use]
     pub fn scene_key(&self) -> Option<&str> {
         self.0.key.as_deref()
     }
 
-    /// Line and column, both from 1, of the place that the fault points at.
+    /// Line and column of the place, both counted from 1.
     #[must_use]
     pub fn line_and_column(&self) -> Option<(usize, usize)> {
         let place = self.0.place.as_ref()?;
@@ -107,14 +107,14 @@ impl Diagnostic for Fault {
     }
 }
 
-/// A warning about an input that can be run: what to expect, and what to do.
+/// A warning about an input that can be run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Warning {
-    /// A stable code, `check::what`.
+    /// A stable code, `check::name`.
     pub code: &'static str,
-    /// What to expect.
+    /// The expected trouble.
     pub message: String,
-    /// What to do.
+    /// The remedy.
     pub help: String,
 }
 

@@ -1,4 +1,4 @@
-//! Numbers that carry their own range: a scene with a value outside cannot be built.
+//! Numbers whose type enforces their range: a scene with a value out of range cannot be constructed.
 
 use std::fmt;
 
@@ -122,20 +122,20 @@ impl<'de> Visitor<'de> for ComponentsVisitor {
 }
 
 impl FiniteVector {
-    /// The vector, in a scene of its space.
+    /// The vector in the space `V`.
     #[must_use]
     pub fn get<V: Space>(self) -> V {
         debug_assert_eq!(self.count, V::COMPONENTS, "scene::rules has compared every vector with the space");
         V::narrow(self.padded)
     }
 
-    /// The vector, in space.
+    /// The vector with three components; a missing one is 0.
     #[must_use]
     pub fn padded(self) -> Solid {
         self.padded
     }
 
-    /// How many components were given.
+    /// Number of components given.
     #[must_use]
     pub fn count(self) -> usize {
         self.count

@@ -1,6 +1,6 @@
-//! `siloflow accuracy`: speed against error, of the canonical cases or of a scene.
+//! `siloflow accuracy`: measures speed against error, for the canonical cases or for a scene.
 //!
-//! Which of the two is meant, the arguments say: names of cases, or one path that ends in `.ron`.
+//! The arguments decide between the two: names of cases, or one path that ends in `.ron`.
 
 use std::num::{NonZeroU32, NonZeroUsize};
 use std::path::{Path, PathBuf};
@@ -36,22 +36,22 @@ pub(super) struct AccuracyArgs {
     /// Cases, by name, or one scene, a RON file. Default: all cases.
     #[arg(value_name = "CASE|SCENE")]
     what: Vec<String>,
-    /// Of a scene: change a key, as `run` has it. May be repeated.
+    /// For a scene: change a key, as in `run`. May be repeated.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = setting)]
     set: Vec<(String, String)>,
-    /// Of a scene: how many seeds, from its own on. [default: 4]
+    /// For a scene: the number of seeds, counted up from its own. [default: 4]
     #[arg(long, value_name = "N")]
     seeds: Option<NonZeroU32>,
-    /// Of a scene: the wanted relative error of its observables. [default: 1e-2]
+    /// For a scene: the wanted relative error of its observables. [default: 1e-2]
     #[arg(long, value_name = "E", value_parser = positive)]
     error: Option<f64>,
-    /// Where the results go.
+    /// The directory of the results.
     #[arg(long, value_name = "DIR", default_value = "out/accuracy")]
     out: PathBuf,
-    /// A short ladder.
+    /// Use few time steps, for a quick look.
     #[arg(long)]
     quick: bool,
-    /// Runs side by side. Costs are timed one by one in any case.
+    /// Number of runs in parallel. Costs are always timed one run at a time.
     #[arg(long, value_name = "N", default_value = "1")]
     threads: NonZeroUsize,
     /// Print the results as JSON instead of a table.

@@ -1,4 +1,4 @@
-//! `siloflow check`: bad input, an unstable step and leaky walls, before a run.
+//! `siloflow check`: finds bad input, an unstable step and leaky walls before a run.
 
 use std::fmt::Write as _;
 
@@ -55,7 +55,7 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<Verdict, Fa
     Ok(Verdict::Done)
 }
 
-/// Writing to a string cannot fail.
+/// Adds the estimates of a scene of grains. Writing to a string cannot fail.
 fn describe(loaded: &Loaded, text: &mut String) {
     let Some(e) = Estimates::of(loaded) else { return };
     let _ = write!(

@@ -1,4 +1,4 @@
-//! `siloflow compare`: flow patterns of runs against that of a reference, and what each cost.
+//! `siloflow compare`: compares the flow patterns of runs with a reference run, and their costs.
 
 use std::collections::HashSet;
 use std::fs;
@@ -28,15 +28,15 @@ What chance alone makes of the figures, the floor, tell two seeds of one scene:
 
 Pictures: out/compare/fields.png, discharge.png, cost.png; figures: out/compare/compare.csv")]
 pub(super) struct CompareArgs {
-    /// The run that the others are held against: a run directory, or a scene (.ron), which is run into out/<its name> first.
+    /// The reference: a run directory, or a scene (.ron), which is first run into out/<its name>.
     reference: PathBuf,
-    /// Runs or scenes to compare with it.
+    /// The runs or scenes to compare with the reference.
     #[arg(required = true)]
     others: Vec<PathBuf>,
-    /// Where compare.csv and the pictures go.
+    /// The directory of compare.csv and the pictures.
     #[arg(long, value_name = "DIR", default_value = "out/compare")]
     out: PathBuf,
-    /// Count cells only in which both runs saw at least so many grains, over all samples.
+    /// Use only cells in which both runs counted at least this many grains, over all samples.
     #[arg(long, value_name = "N", default_value = "50")]
     looks: u32,
     /// Print the figures as JSON instead of a table.
@@ -46,7 +46,7 @@ pub(super) struct CompareArgs {
 
 pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
     let paths: Vec<&Path> = std::iter::once(&args.reference).chain(&args.others).map(PathBuf::as_path).collect();
-    // All that can be wrong with the arguments is found before the first scene is run.
+    // All arguments are checked before the first scene is run.
     let mut scenes = paths.iter().map(|path| scene(path)).collect::<Result<Vec<_>, Fault>>()?;
     let directories: Vec<PathBuf> =
         paths.iter().zip(&scenes).map(|(path, scene)| scene.as_ref().map_or(path.into(), default_directory)).collect();
@@ -72,7 +72,7 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
     Ok(Verdict::Done)
 }
 
-/// The scene at a path, if the path is that of one.
+/// The scene at `path`, if the path names a scene.
 fn scene(path: &Path) -> Result<Option<AnyScene>, Fault> {
     if path.extension().is_none_or(|ending| ending != "ron") {
         return Ok(None);
@@ -92,7 +92,7 @@ fn scene(path: &Path) -> Result<Option<AnyScene>, Fault> {
     Ok(Some(scene))
 }
 
-/// A scene must not be run over another argument.
+/// Checks that no scene would be run into the directory of another argument.
 fn distinct(directories: &[PathBuf], scenes: &[Option<AnyScene>]) -> Result<(), Fault> {
     for (n, directory) in directories.iter().enumerate().filter(|&(n, _)| scenes[n].is_some()) {
         let is_same = |other: &PathBuf| {
@@ -108,7 +108,7 @@ fn distinct(directories: &[PathBuf], scenes: &[Option<AnyScene>]) -> Result<(), 
     Ok(())
 }
 
-/// The last part of each path, or all of it where that is not enough to tell them apart.
+/// A distinct label for each path: its last part, or the whole path where last parts are equal.
 fn names(directories: &[PathBuf]) -> Vec<String> {
     let last = |path: &PathBuf| path.file_name().map(|name| name.to_string_lossy().into_owned());
     let short: Vec<_> = directories.iter().map(last).collect();

@@ -1,7 +1,7 @@
-//! `siloflow diff`: runs two scenes together and tells the first step, grain and quantity in which they differ.
+//! `siloflow diff`: runs two scenes together and reports the first step, grain and quantity in which they differ.
 //!
-//! Each argument is a run directory, whose `scene.ron` is run again, or a scene. Nothing is written. The quantities
-//! that are compared and the limits of the comparison stand in [`crate::divergence`].
+//! Each argument is a run directory, whose `scene.ron` is run again, or a scene. Nothing is written. [`crate::divergence`]
+//! documents the compared quantities and the limits of the comparison.
 
 use std::fmt::Write as _;
 use std::num::NonZeroUsize;
@@ -35,16 +35,16 @@ Which grain feels a stiffer contact first, and when:
 
 Exit status: 0 the same to the last bit; 1 different; 2 the input or the call was wrong.")]
 pub(super) struct DiffArgs {
-    /// A run directory, of which scene.ron is run again, or a scene (.ron).
+    /// A run directory, whose scene.ron is run again, or a scene (.ron).
     #[arg(value_name = "RUN_A")]
     first: PathBuf,
-    /// The run or scene to compare with it.
+    /// The run or scene to compare with the first.
     #[arg(value_name = "RUN_B")]
     second: PathBuf,
-    /// Compare until this simulated time, s (of a lattice gas: until this step). Default: until the scene that ends first ends.
+    /// Compare until this simulated time, s (lattice gas: until this step). Default: the end of the shorter scene.
     #[arg(long, value_name = "T")]
     until: Option<f64>,
-    /// Threads of each of the two. The result does not depend on it, to the last bit.
+    /// Threads of each run. The result does not depend on their number, to the last bit.
     #[arg(long, value_name = "N", default_value = "1")]
     threads: NonZeroUsize,
     /// Print the result as JSON instead of in words.
@@ -62,7 +62,7 @@ struct Report<'a> {
     /// Steps done when the comparison ended.
     steps: u64,
     time_s: f64,
-    /// How both runs ended, if they did.
+    /// How each run ended, if it has ended.
     end: Option<End>,
     divergence: Option<Divergence>,
 }
@@ -111,7 +111,7 @@ fn open(path: &Path, until: Option<f64>) -> Result<AnyScene, Fault> {
     load::any(&scene, &settings)
 }
 
-/// Lets both scenes end when the first of them does; gives that time, s, of a lattice gas that step.
+/// Ends both scenes at the earlier of their end times. Returns that time, s, or that step for a lattice gas.
 #[expect(clippy::cast_precision_loss, reason = "2^53 steps are out of reach")]
 fn end_together(scenes: &mut [AnyScene; 2]) -> f64 {
     match scenes {
@@ -126,12 +126,12 @@ fn end_together(scenes: &mut [AnyScene; 2]) -> f64 {
             (a.scene.until, b.scene.until) = (until, until);
             until as f64
         }
-        // These are refused before the first step.
+        // Such runs are refused before the first step.
         _ => 0.0,
     }
 }
 
-/// Steps both to the first difference or to the end, with progress.
+/// Steps both runs to the first difference or to the end, and shows progress.
 fn compare(pair: &mut Pair, until: f64, quiet: bool) -> Option<Divergence> {
     let mut progress = Progress::new(quiet);
     let divergence = pair.first_divergence(u64::MAX, |world: &World| {

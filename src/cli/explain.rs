@@ -1,4 +1,4 @@
-//! `siloflow explain`: what a scene will model, and at what cost, with the key that asks for each part.
+//! `siloflow explain`: lists what a scene will model, the memory it takes, and the key that asks for each part.
 
 use std::fmt::Write as _;
 
@@ -59,7 +59,7 @@ fn explain_lattice(loaded: &LoadedLattice, registry: &Registry) -> Result<Verdic
 
 fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<Verdict, Fault> {
     let mut simulation = Simulation::new(loaded, registry, ONE_THREAD)?;
-    // Step zero releases the first grain and touches no file: then the world shows what a grain is made of.
+    // Step zero releases the first grain and writes no file. Then the world shows the components of a grain.
     simulation.step();
     let mut text = format!(
         "{}, space {:?}\nintegrator {:?}, contact {:?},\nneighbours {:?}\n",
@@ -84,7 +84,7 @@ fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<Verdict, Fault
     Ok(Verdict::Done)
 }
 
-/// The components of the first grain. Writing to a string cannot fail.
+/// Lists the components of the first grain. Writing to a string cannot fail.
 fn describe_grain(world: &mut World, text: &mut String) {
     let first = world.query_filtered::<Entity, With<Grain>>().iter(world).next();
     let Some(components) = first.and_then(|grain| world.inspect_entity(grain).ok()) else {
@@ -108,14 +108,17 @@ fn describe_systems(world: &World, text: &mut String) {
     };
     let parts = [
         (Step.intern(), "systems of a step, in order, and the key that asks for each:"),
-        (DeferredKick.intern(), "where velocities are looked at between two steps, else with the next drift:"),
+        (
+            DeferredKick.intern(),
+            "where a system reads velocities between two steps, else together with the next drift:",
+        ),
         (Renumber.intern(), "when particles enter or leave:"),
     ];
     for (label, heading) in parts {
         let Some(Ok(systems)) = schedules.get(label).map(Schedule::systems) else { continue };
         let _ = writeln!(text, "{heading}");
         for (key, system) in systems {
-            // What no key asked for is the ECS's own: points where commands are applied, messages are aged.
+            // Systems that no key asked for belong to the ECS: they apply commands and update messages.
             if let Some(asked) = asked_by.0.get(&(label, key)) {
                 let _ = writeln!(text, "  {:<52} {asked}", short_path(&system.name().to_string()));
             }
@@ -155,7 +158,7 @@ fn short(name: &str) -> String {
     path.rsplit("::").next().unwrap_or(path).to_owned()
 }
 
-/// A path without the crate's name, and without generic arguments: space and law are told above.
+/// A path without the crate's name and without generic arguments: space and law are printed above.
 fn short_path(name: &str) -> String {
     let path = name.split('<').next().unwrap_or(name);
     path.strip_prefix("siloflow::").unwrap_or(path).to_owned()

@@ -43,7 +43,7 @@ struct Cli {
     /// Print errors and JSON only: no progress, no warnings, no summary in words.
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// Say more: -v events such as lost grains, -vv everything.
+    /// Print more: -v events such as lost grains, -vv everything.
     #[arg(long, short, global = true, action = clap::ArgAction::Count)]
     verbose: u8,
 }
@@ -52,31 +52,31 @@ struct Cli {
 enum Command {
     /// Run a scene.
     Run(run::RunArgs),
-    /// Look for bad input, an unstable step and leaky walls, before a run.
+    /// Find bad input, an unstable step and leaky walls before a run.
     Check(check::CheckArgs),
-    /// Tell what a scene will model: components, bytes a grain, systems, and which key asks for each.
+    /// List what a scene will model: components, bytes per grain, systems, and the key that asks for each.
     Explain(SceneArgs),
-    /// Run the study of the lattice gas: silos, variants, seeds, and what becomes of the claims about them.
+    /// Run the lattice-gas study: silos, variants and seeds, and a verdict on each claim of its paper.
     Study(study::StudyArgs),
-    /// Compare the flow patterns of runs or scenes with that of a reference, and what each cost.
+    /// Compare flow patterns and costs of runs or scenes with a reference.
     Compare(compare::CompareArgs),
-    /// Run two scenes together and tell the first step, grain and quantity in which they differ.
+    /// Run two scenes together and report the first step, grain and quantity in which they differ.
     Diff(diff::DiffArgs),
-    /// Measure speed against error: of canonical cases, by every scheme and over a ladder of steps.
+    /// Measure speed against error: every scheme over many time steps, for canonical cases or a scene.
     Accuracy(accuracy::AccuracyArgs),
     /// Turn snapshots (SVG) into PNGs beside them.
     Render(render::RenderArgs),
 }
 
-/// A scene, and changes to it.
+/// A scene, and settings that change it.
 #[derive(Args, Debug)]
 struct SceneArgs {
     /// The scene, a RON file.
     scene: PathBuf,
-    /// Change a key of the scene: `--set spawner.count=200`, `--set neighbours=AllPairs`. May be repeated.
+    /// Change a key of the scene, for example `--set spawner.count=200`, `--set neighbours=AllPairs`. May be repeated.
     #[arg(long = "set", value_name = "PATH=VALUE", value_parser = setting)]
     set: Vec<(String, String)>,
-    /// Seed of all random numbers: short for `--set seed=N`.
+    /// Seed of all random numbers. Short for `--set seed=N`.
     #[arg(long, value_name = "N")]
     seed: Option<u64>,
 }
@@ -86,7 +86,7 @@ impl SceneArgs {
         self.load_with(&[])
     }
 
-    /// With more settings.
+    /// Loads the scene with further settings.
     fn load_with(&self, more: &[(String, String)]) -> Result<AnyScene, Fault> {
         let mut settings = self.set.clone();
         settings.extend(self.seed.map(|seed| ("seed".to_owned(), seed.to_string())));
@@ -100,28 +100,28 @@ fn setting(text: &str) -> Result<(String, String), String> {
     Ok((path.trim().to_owned(), value.trim().to_owned()))
 }
 
-/// What a command came to.
+/// The result of a command that could be carried out.
 enum Verdict {
     Done,
     SimulationFailed,
-    /// Two runs are not the same.
+    /// `diff` found a difference.
     Different,
 }
 
-/// The program with our own behaviours only.
+/// Runs the program on the arguments of the process, without further behaviours.
 #[must_use]
 pub fn main() -> ExitCode {
     main_with(&Registry::default())
 }
 
-/// The program with the behaviours in `registry`, on the arguments of the process: what a program that adds
-/// behaviours calls in its `main`.
+/// Runs the program with the behaviours in `registry`, on the arguments of the process. A program that adds
+/// behaviours calls this function in its `main`.
 #[must_use]
 pub fn main_with(registry: &Registry) -> ExitCode {
     run_with(registry, std::env::args_os())
 }
 
-/// The same on given arguments, the program's name first.
+/// Runs the program with the behaviours in `registry` on these arguments. The first argument is the program's name.
 #[must_use]
 pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     let cli = match Cli::try_parse_from(arguments) {
@@ -156,7 +156,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
     }
 }
 
-/// The scene file that stands where a command is expected.
+/// The scene file in the place of a command, if there is one.
 fn scene_without_command(error: &clap::Error) -> Option<&str> {
     let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else { return None };
     Path::new(word).extension().is_some_and(|ending| ending == "ron").then_some(word)
@@ -170,7 +170,7 @@ fn start_log(cli: &Cli) {
         _ => tracing::Level::TRACE,
     };
     let colours = std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|value| value.is_empty());
-    // A program that has set up its own log keeps it.
+    // If the calling program has set up a log, that log stays.
     let _ = tracing_subscriber::fmt()
         .with_writer(std::io::stderr)
         .with_max_level(level)
@@ -180,7 +180,7 @@ fn start_log(cli: &Cli) {
         .try_init();
 }
 
-/// Writes a result to stdout. A reader that has gone away is none of our business.
+/// Writes a result to stdout. A closed pipe is not an error.
 fn say(text: &str) {
     use std::io::Write as _;
     let mut stdout = std::io::stdout().lock();

@@ -1,11 +1,11 @@
-//! Progress of a run on stderr: a line that renews itself on a terminal, plain lines every few seconds elsewhere.
+//! Progress of a run on stderr: one line that is updated on a terminal, plain lines every few seconds elsewhere.
 
 use std::io::IsTerminal as _;
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-/// Steps between two looks at the wall clock.
+/// Steps between two readings of the wall clock.
 const CHUNK: u32 = 64;
 
 pub(super) struct Progress {
@@ -17,7 +17,7 @@ pub(super) struct Progress {
     last: (Instant, u64),
 }
 
-/// How fast a run is.
+/// The speed of a run.
 #[derive(Clone, Copy)]
 pub(super) struct Pace {
     /// Millions of updates a second since the last line.
@@ -27,7 +27,7 @@ pub(super) struct Pace {
 }
 
 impl Pace {
-    /// Seconds to go at most, if so much of the way is behind and so much ahead.
+    /// Estimated remaining wall-clock time, s, when `done` of the way is done and `ahead` of it remains.
     pub(super) fn left(self, done: f64, ahead: f64) -> f64 {
         self.elapsed * ahead / done.max(1e-9)
     }
@@ -48,7 +48,7 @@ impl Progress {
         Self { bar, plain: !on_terminal && !quiet, stride: 0, start: now, next: now + patience, last: (now, 0) }
     }
 
-    /// Shows the line that `describe` makes when it is time to; `updates` have been done so far.
+    /// Shows the line that `describe` makes, if enough time has passed. `updates` is the number of updates so far.
     pub(super) fn look(&mut self, updates: u64, describe: impl FnOnce(Pace) -> String) {
         self.stride += 1;
         if self.stride < CHUNK {

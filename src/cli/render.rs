@@ -1,4 +1,4 @@
-//! `siloflow render`: SVG snapshots to PNGs.
+//! `siloflow render`: converts SVG snapshots to PNG.
 
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,7 @@ pub(super) fn render(args: &RenderArgs) -> Result<Verdict, Fault> {
     Ok(Verdict::Done)
 }
 
-/// The SVG files that a path names, in order.
+/// The SVG files at a path, in order.
 fn pictures(path: &Path) -> Result<Vec<PathBuf>, Fault> {
     if !path.is_dir() {
         return Ok(vec![path.to_owned()]);

@@ -20,13 +20,13 @@ pub(super) struct RunArgs {
     /// The run directory. Default: out/<scene name>.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
-    /// Threads. The result does not depend on it, to the last bit.
+    /// Number of threads. The result does not depend on it, to the last bit.
     #[arg(long, value_name = "N", default_value = "1")]
     pub(super) threads: NonZeroUsize,
-    /// End at this simulated time, s (of a lattice gas: at this step), at the latest: short for `--set until=T`.
+    /// Latest end: simulated time in s (lattice gas: step). Short for `--set until=T`.
     #[arg(long, value_name = "T")]
     until: Option<f64>,
-    /// Write PNGs beside the SVG snapshots: short for `--set pictures.png=true`.
+    /// Write PNGs beside the SVG snapshots. Short for `--set pictures.png=true`.
     #[arg(long)]
     png: bool,
     /// Print the summary as JSON instead of in words.
@@ -47,11 +47,11 @@ pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Ve
 }
 
 impl RunArgs {
-    /// The scene, with what the short options stand for.
+    /// Loads the scene, with the settings that the short options stand for.
     fn load(&self) -> Result<AnyScene, Fault> {
         let mut more: Vec<_> = self.until.map(|until| ("until".to_owned(), until.to_string())).into_iter().collect();
         if self.png {
-            // `pictures: (...)` may be missing from the scene, or `None`: then it is there with the one key.
+            // If `pictures` is missing or `None`, the whole section is added.
             let has_section = self.scene.load()?.source().value_of("pictures").is_some_and(|value| value != "None");
             let (key, value) = if has_section { ("pictures.png", "true") } else { ("pictures", "(png: true)") };
             more.push((key.to_owned(), value.to_owned()));
@@ -60,8 +60,8 @@ impl RunArgs {
     }
 }
 
-/// Steps a scene to its end and leaves the run directory at `path`. A failure of the simulation is told, and in the summary.
-/// The scene's own list of grains is empty afterwards.
+/// Steps a scene to its end and writes the run directory at `path`. A failure of the simulation is logged and stands in
+/// the summary. Afterwards the scene's own list of grains is empty.
 pub(super) fn run_into(
     path: &Path,
     scene: &mut AnyScene,
@@ -75,18 +75,18 @@ pub(super) fn run_into(
     }
 }
 
-/// Where the run of a scene goes if nobody says otherwise.
+/// The default run directory of a scene.
 pub(super) fn default_directory(scene: &AnyScene) -> PathBuf {
     PathBuf::from("out").join(&scene.source().name)
 }
 
-/// What a run came to.
+/// The result of a run.
 pub(super) struct Report {
-    /// For people.
+    /// The summary in words.
     pub words: String,
-    /// The summary, for programs.
+    /// The summary as JSON.
     pub json: String,
-    /// Whether the run did what it was asked to.
+    /// Whether the run succeeded: no failure, and no lost grain.
     pub is_done: bool,
 }
 
@@ -96,7 +96,7 @@ impl Report {
     }
 }
 
-/// What is wrong if a run directory cannot be written.
+/// The fault for a run directory that cannot be written.
 pub(super) fn unwritable(directory: &RunDirectory, error: &std::io::Error) -> Fault {
     Fault::new("run::write", format!("could not write to {}: {error}", directory.path().display()))
         .help("is there space, and may you write there?")

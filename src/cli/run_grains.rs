@@ -46,11 +46,11 @@ pub(super) fn run_into(
         let Automatic { dt, reason } = automatic(&estimates, error.get());
         tracing::info!("step {dt:.1e} s: {reason}");
     }
-    // Everything that can be wrong with the input is found before the first file is written.
+    // All errors of the input are found before the first file is written.
     Simulation::check(loaded, registry)?;
     let directory = RunDirectory::prepare(path, &loaded.source)?;
     let mut simulation = build(loaded, registry, threads, &directory)?;
-    // They are in the world now.
+    // The grains are in the world now.
     loaded.grains = Vec::new();
     let (end, cost) = drive(&mut simulation, loaded, quiet);
     let world = simulation.world_mut();
@@ -129,7 +129,7 @@ impl<V: Space> Outputs<V> {
     }
 }
 
-/// Steps to the end, with progress.
+/// Steps to the end and shows progress.
 fn drive(simulation: &mut Simulation, loaded: &Loaded, quiet: bool) -> (End, Cost) {
     let mut progress = Progress::new(quiet);
     let mut cost = Cost::default();
@@ -161,7 +161,7 @@ fn line(world: &World, until: f64, pace: Pace) -> String {
     )
 }
 
-/// Kinetic energy of translation, J; by velocities that may be half a step old.
+/// Kinetic energy of translation, J, from velocities that may be half a step old.
 fn kinetic<V: Space>(world: &World) -> f64 {
     let columns = world.resource::<ParticleStore<V>>();
     (0..columns.movable_end).map(|i| columns.kinetic_energy(i)).sum()

@@ -33,7 +33,7 @@ pub(super) fn run_into(
     for warning in check::warnings(loaded) {
         tracing::warn!("{warning}");
     }
-    // Everything that can be wrong with the input is found before the first file is written.
+    // All errors of the input are found before the first file is written.
     Simulation::of_lattice(loaded, registry, NonZeroUsize::MIN)?;
     let directory = RunDirectory::prepare(path, &loaded.source)?;
     let mut simulation = build(loaded, registry, threads, &directory)?;
@@ -74,7 +74,7 @@ fn build(
     Simulation::of_lattice_with(loaded, registry, threads, more)
 }
 
-/// Steps to the end, with progress.
+/// Steps to the end and shows progress.
 fn drive(simulation: &mut Simulation, loaded: &LoadedLattice, quiet: bool) -> End {
     let mut progress = Progress::new(quiet);
     let until = loaded.scene.until;

@@ -1,4 +1,4 @@
-//! `siloflow study`: the lattice gas's silos, variants and seeds, and what becomes of the claims about them.
+//! `siloflow study`: runs the lattice-gas study over silos, variants and seeds, and judges the claims of its paper.
 
 use std::num::NonZeroUsize;
 use std::path::PathBuf;
@@ -17,7 +17,7 @@ use crate::lattice_study::report;
 use crate::lattice_study::results::Results;
 use crate::writers::png;
 
-/// Particles thrown for the parabola, and their g.
+/// Number of particles thrown for the parabola, and the g of the throw.
 const THROWN: (u64, f64) = (1000, 0.05);
 
 /// Arguments of `study`.
@@ -26,10 +26,10 @@ pub(super) struct StudyArgs {
     /// The study, a RON file: scenes, seeds, variants.
     #[arg(default_value = "scenes/studies/lattice-gas.ron")]
     study: PathBuf,
-    /// Where the results go.
+    /// The directory of the results.
     #[arg(long, value_name = "DIR", default_value = "out/study")]
     out: PathBuf,
-    /// Replicas side by side. Default: as many as there are cores.
+    /// Number of replicas in parallel. Default: the number of cores.
     #[arg(long, value_name = "N")]
     threads: Option<NonZeroUsize>,
 }
@@ -80,6 +80,6 @@ fn run_all(plan: &Plan, cases: Vec<Case>, threads: NonZeroUsize, quiet: bool) ->
         }
         Ok(replica)
     };
-    // One by one, in whatever order they are done; kept in the order of the plan.
+    // Replicas finish in any order; results keep the order of the plan.
     pool.install(|| cases.into_par_iter().with_max_len(1).map(run).collect::<Result<Vec<_>, _>>()).map(Results)
 }

@@ -1,4 +1,4 @@
-//! Loading: the scene's text with `--set` applied, its files read, its rules checked.
+//! Loads a scene: applies `--set` to its text, parses it, reads its files and checks its rules.
 
 use std::fs;
 use std::path::Path;
@@ -25,13 +25,13 @@ use crate::walls::surfaces::FlatWall;
 /// A scene of grains that is ready to run.
 #[derive(Debug)]
 pub struct Loaded {
-    /// What the file says, with `--set` applied.
+    /// The parsed scene, with `--set` applied.
     pub scene: Scene,
-    /// Its text.
+    /// The scene's text.
     pub source: Source,
-    /// The silo's discs.
+    /// The discs of the silo file.
     pub silo: SiloGeometry,
-    /// The grains of the start.
+    /// The grains at the start.
     pub grains: Vec<GrainRow>,
     /// Wall grains of `fill`.
     pub fixed: Vec<FixedGrain>,
@@ -47,7 +47,7 @@ pub enum AnyScene {
 }
 
 impl AnyScene {
-    /// Its text.
+    /// The scene's text.
     #[must_use]
     pub fn source(&self) -> &Source {
         match self {
@@ -60,7 +60,7 @@ impl AnyScene {
 /// Loads the scene at `path`, each of `settings` (key path, value as RON) applied to its text first.
 ///
 /// # Errors
-/// If a file cannot be read, is not what it should be, or a rule is broken.
+/// If a file cannot be read or has wrong content, or if the scene breaks a rule.
 pub fn any(path: &Path, settings: &[(String, String)]) -> Result<AnyScene, Fault> {
     let source = Source::read(path)?;
     if source.value_of("method").is_some_and(|method| method.starts_with("LatticeGas")) {
@@ -72,15 +72,15 @@ pub fn any(path: &Path, settings: &[(String, String)]) -> Result<AnyScene, Fault
 /// Loads a scene of grains.
 ///
 /// # Errors
-/// As [`any`]; or if it is a scene of another method.
+/// Like [`any`]; also if the scene has another method.
 pub fn load(path: &Path, settings: &[(String, String)]) -> Result<Loaded, Fault> {
     from_source(Source::read(path)?, settings)
 }
 
-/// The same for a scene's text; `directory` is where the files that it names are looked for.
+/// Loads a scene of grains from its text. Relative file names start from `directory`.
 ///
 /// # Errors
-/// As [`load`].
+/// Like [`load`].
 pub fn from_text(
     path: &str,
     name: &str,
@@ -99,7 +99,7 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
             .help("a scene's method is part of its file, not of a setting"));
     }
     let mut loaded = Loaded { scene, source, silo: SiloGeometry::default(), grains: Vec::new(), fixed: Vec::new() };
-    // Nobody looks at a vector before its length is known to be right.
+    // Vectors have a checked number of components before any other code reads them.
     rules::space(&loaded)?;
     if let Some(silo) = loaded.scene.silo.clone() {
         let path = loaded.source.name_file("silo.file", &silo.file);
@@ -118,13 +118,13 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
 }
 
 impl Loaded {
-    /// A fault that points at the value of `key`, or at its nearest parent in the text.
+    /// A fault that points at the value of `key`, or at its nearest parent that stands in the text.
     #[must_use]
     pub fn fault(&self, code: &'static str, key: &str, message: impl Into<String>) -> Fault {
         self.source.fault(code, key, message)
     }
 
-    /// Sets the grains of `fill`, as many as there are ids.
+    /// Creates the grains of `fill`.
     fn fill(&mut self) {
         let Scene { space, mass, seed, .. } = self.scene;
         let fills = std::mem::take(&mut self.scene.fill);
@@ -144,7 +144,7 @@ impl Loaded {
         self.scene.fill = fills;
     }
 
-    /// The contact laws of the scene, with as many species as it names.
+    /// The contact laws of the scene, for all species that it names.
     #[must_use]
     pub fn contacts(&self) -> Contacts<'_> {
         let Scene { contact, pairs, materials, .. } = &self.scene;
@@ -152,26 +152,26 @@ impl Loaded {
         Contacts { usual: *contact, pairs, materials, species, only: None }
     }
 
-    /// The law of moments of inertia: the scene's, or the usual one of its space.
+    /// The law of moments of inertia: the scene's, or the default of its space.
     #[must_use]
     pub fn inertia(&self) -> InertiaLaw {
         self.scene.inertia.unwrap_or(InertiaLaw::usual(self.scene.space))
     }
 
-    /// Whether contacts are centred: the scheme asks for it, and some contact has something to centre.
+    /// Whether contact forces are centred: the scheme is `Centred`, and at least one contact has drag or friction.
     #[must_use]
     pub fn is_centred(&self) -> bool {
         self.scene.integrator == Integrator::Centred && !self.is_elastic()
     }
 
-    /// Whether all contacts are without drag and friction.
+    /// Whether no contact has drag or friction.
     #[must_use]
     pub fn is_elastic(&self) -> bool {
         let mut laws = std::iter::once(&self.scene.contact).chain(self.scene.pairs.iter().map(|pair| &pair.contact));
         laws.all(Contact::is_elastic)
     }
 
-    /// The time step, s. Without grains there is nothing to choose one by, and nothing that would mind: `until`.
+    /// The time step, s. Without grains an automatic step is `until`.
     #[must_use]
     pub fn step(&self) -> f64 {
         match self.scene.step {
@@ -180,14 +180,15 @@ impl Loaded {
         }
     }
 
-    /// The profiles, each with the area (m^2, in the plane length, m) of its section: the scene's, or the periodic box's.
+    /// The profiles, each with the area of its cross-section (m^2; in the plane its length, m): from the scene, or from the
+    /// periodic box.
     #[must_use]
     pub fn profiles(&self) -> Vec<(Profile, f64)> {
         let with_section = |profile: &Profile| profile.section.map(Positive::get).or(self.periodic_section(profile));
         self.scene.profiles.iter().filter_map(|profile| Some((*profile, with_section(profile)?))).collect()
     }
 
-    /// The section of the periodic box at right angles to a profile, if it bounds every other axis.
+    /// The cross-section of the periodic box at right angles to a profile, if the box bounds every other axis.
     #[must_use]
     pub fn periodic_section(&self, profile: &Profile) -> Option<f64> {
         let axes = 0..self.scene.space.count();
@@ -215,7 +216,8 @@ impl Loaded {
         walls.chain(silo).chain(grains).chain(fixed).chain(pairs).fold(mixture, usize::max)
     }
 
-    /// Of a planar scene, all fixed discs but the door and those that move: the silo's wall, the scene's discs, `fill`.
+    /// Fixed discs of a planar scene, without the door and without moving discs: from the silo file, from the scene and
+    /// from `fill`.
     #[must_use]
     pub fn wall_discs(&self) -> Vec<Disc> {
         if self.scene.space != Dimension::Plane {
@@ -236,7 +238,7 @@ impl Loaded {
         self.scene.walls.iter().filter_map(Wall::flat).collect()
     }
 
-    /// Radii of all that is fixed and round, m.
+    /// Radii of all fixed discs and spheres, m.
     fn fixed_radii(&self) -> impl Iterator<Item = f64> {
         let own = self.scene.walls.iter().filter_map(|wall| match wall {
             Wall::Disc { radius, .. } => Some(radius.get()),
@@ -246,7 +248,7 @@ impl Loaded {
         own.chain(silo).chain(self.fixed.iter().map(|grain| grain.radius))
     }
 
-    /// Smallest and largest radius of all grains, of the start and to come, m; `None` without grains.
+    /// Smallest and largest radius of all grains, present and to be released, m; `None` without grains.
     #[must_use]
     pub fn grain_radii(&self) -> Option<(f64, f64)> {
         let start = self.grains.iter().map(|grain| (grain.radius, grain.radius));
@@ -254,21 +256,21 @@ impl Loaded {
         start.chain(to_come).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
-    /// The largest distance at which two particles touch, at least one of them a grain, m.
+    /// The largest centre distance, m, at which a grain touches another particle.
     #[must_use]
     pub fn contact_range(&self) -> f64 {
         let largest_fixed = self.fixed_radii().fold(0.0, f64::max);
         self.grain_radii().map_or(0.0, |(_, largest)| largest + largest.max(largest_fixed))
     }
 
-    /// Ids from here on are free for grains to come.
+    /// The lowest id that is free for grains to be released.
     #[must_use]
     pub fn first_free_id(&self) -> u32 {
         self.grains.iter().map(|grain| grain.id.number()).max().map_or(1, |largest| largest.saturating_add(1))
     }
 
-    /// The neighbour search: the scene's, or a Verlet list with a skin of the smallest radius, in solid space a fifth of
-    /// it, where a skin costs more candidates than it saves renewals.
+    /// The neighbour search: the scene's, or a Verlet list with a skin of the smallest radius, in solid space a
+    /// fifth of it: there, a thicker skin costs more candidates than it saves list renewals.
     #[must_use]
     pub fn neighbours(&self) -> Neighbours {
         let share = if self.scene.space == Dimension::Solid { 0.2 } else { 1.0 };

@@ -1,8 +1,8 @@
-//! The scene: one RON file that says what is in the silo. [`Scene`] is one of grains.
+//! The scene: one RON file that describes the silo. [`Scene`] is a scene of grains.
 //!
-//! Every section's keys are documented where its behaviour lives; this file only lists the sections. All numbers
-//! are SI; a range that a number must keep is part of its type ([`values`](crate::values)), rules across keys are in [`rules`],
-//! and the byte range of each key, for messages and for `--set`, comes from [`source`](crate::source).
+//! This file lists the sections. The keys of a section are documented in the module of its behaviour. All numbers are in
+//! SI units. The type of a number enforces its range ([`values`](crate::values)). Rules between keys are in [`rules`]. The
+//! byte range of each key, for messages and for `--set`, comes from [`source`](crate::source).
 
 pub mod check;
 pub mod load;
@@ -39,17 +39,17 @@ use crate::walls::config::Wall;
 use crate::walls::silo_file::Silo;
 use crate::watchdog::Watchdog;
 
-/// A scene as its file says it.
+/// A parsed scene.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Scene {
-    /// Shown in pictures.
+    /// Title shown in pictures.
     #[serde(default)]
     pub title: String,
     /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
-    /// Grains; a scene with another method has other keys.
+    /// Grains here; scenes of another method have other keys.
     #[serde(default)]
     pub method: Method,
     /// The plane, or solid space.
@@ -57,12 +57,12 @@ pub struct Scene {
     pub space: Dimension,
     /// Acceleration of gravity (x, y), in solid space (x, y, z), m/s^2.
     pub gravity: FiniteVector,
-    /// Sides through which the scene repeats itself.
+    /// Periodic sides.
     #[serde(default)]
     pub periodic: PeriodicSides,
     /// Contact law.
     pub contact: Contact,
-    /// Other numbers of that law for pairs of species.
+    /// Parameters of that law for pairs of species.
     #[serde(default)]
     pub pairs: Vec<PairOfSpecies>,
     /// Elastic materials by species, for Hertz's law.
@@ -70,7 +70,7 @@ pub struct Scene {
     pub materials: Vec<Material>,
     /// Moment of inertia, where grains spin. Default: of spheres in solid space, of discs in the plane.
     pub inertia: Option<InertiaLaw>,
-    /// How mass follows from radius, for grains that the spawner makes.
+    /// Mass law (mass from radius) of grains that are released or filled.
     pub mass: Option<MassLaw>,
     /// Integration scheme.
     #[serde(default)]
@@ -81,12 +81,12 @@ pub struct Scene {
     pub neighbours: Option<Neighbours>,
     /// A silo file: wall grains and door grains.
     pub silo: Option<Silo>,
-    /// Discs and flat walls besides.
+    /// Further discs, and flat walls.
     #[serde(default)]
     pub walls: Vec<Wall>,
-    /// A file with the grains of the start.
+    /// A file with the grains at the start.
     pub grains: Option<GrainFile>,
-    /// Grains of the start on lattices.
+    /// Grains at the start, placed on lattices.
     #[serde(default)]
     pub fill: Vec<Fill>,
     /// Releases grains one by one.
@@ -97,16 +97,16 @@ pub struct Scene {
     pub door: Option<DoorControl>,
     /// Removes grains that have fallen far enough.
     pub cull: Option<Cull>,
-    /// What a lost grain does to the run.
+    /// Effect of a lost grain on the run.
     #[serde(default)]
     pub on_loss: OnLoss,
-    /// What stops a run that has gone wrong; `None` for nothing but numbers that are not finite.
+    /// Limits that stop a faulty run; with `None` only non-finite numbers stop it.
     #[serde(default = "default_watchdog")]
     pub watchdog: Option<Watchdog>,
-    /// Whether the energy balance is kept, which takes time: [`crate::energy`].
+    /// Whether the energy balance is computed, which takes time: [`crate::energy`].
     #[serde(default = "default_books", alias = "energy_books")]
     pub energy_balance: bool,
-    /// When the run ends at the latest, s of simulated time.
+    /// Latest end of the run, s of simulated time.
     pub until: Positive,
     /// Measures fill height and packing fraction at rest.
     pub bed: Option<Bed>,
@@ -121,7 +121,7 @@ pub struct Scene {
     /// The snapshots; `None` for none.
     #[serde(default = "default_pictures")]
     pub pictures: Option<Pictures>,
-    /// Behaviours that a program registered, each with its own keys.
+    /// Behaviours that the program registered, each with keys of its own.
     #[serde(default)]
     pub behaviours: BTreeMap<String, Box<RawValue>>,
 }
@@ -129,11 +129,11 @@ pub struct Scene {
 /// The scene's `step`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum TimeStep {
-    /// This time step, s.
+    /// A fixed time step, s.
     Fixed(Positive),
-    /// One that keeps impacts within an error: [`crate::scene::check::step`].
+    /// The largest step that keeps impacts within an error: [`crate::scene::check::step`].
     Auto {
-        /// rms error of the velocities after an impact, in units of its speed.
+        /// Root-mean-square error of the velocities after an impact, over the impact speed.
         error: ImpactError,
     },
 }

@@ -1,4 +1,4 @@
-//! The keys of a scene of grains that say which pictures and rows a run leaves.
+//! The keys of a scene of grains that select pictures and rows.
 
 use serde::{Deserialize, Serialize};
 
@@ -12,18 +12,18 @@ pub struct Pictures {
     pub interval: Positive,
     /// Width, px.
     pub width: Positive,
-    /// What colours the grains.
+    /// The quantity that colours the grains.
     pub colour: Colour,
-    /// Whether PNGs are written beside the SVGs.
+    /// Whether each SVG is also written as PNG.
     pub png: bool,
-    /// Contact forces as bonds; a bond as wide as the smallest radius stands for this force, N. Default none.
+    /// Force, N, whose bond is drawn as wide as the smallest radius. Without it no contact forces are drawn.
     pub network: Option<Positive>,
-    /// The view, lower left and upper right corner, m, of solid space in x and z; by default, all walls and grains of
-    /// the start.
+    /// Lower left and upper right corner of the view, m; in solid space in x and z. Default: all walls and all grains at the
+    /// start.
     pub view: Option<(FiniteVector, FiniteVector)>,
 }
 
-/// What colours the grains.
+/// The quantity that colours the grains.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub enum Colour {
     /// The species: the sizes of a mixture.

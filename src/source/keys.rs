@@ -1,22 +1,24 @@
-//! In which keys two scenes differ, by their texts: `1e4` and `10000.0` count as different, comments and layout do not.
+//! Lists the keys in which the texts of two scenes differ. `1e4` and `10000.0` count as different; comments and layout
+//! do not.
 
 use serde::Serialize;
 
 use crate::source::Source;
 use crate::source::places::Place;
 
-/// A key that differs, with its values as they stand in the texts; `None` where a text lacks the key.
+/// A key with different values, as the texts spell them. A value is `None` if the text lacks the key.
 #[derive(Debug, PartialEq, Eq, Serialize)]
 pub struct Change<'a> {
-    /// Its path.
+    /// Path of the key.
     pub key: &'a str,
-    /// Its value in the first text.
+    /// Value in the first text.
     pub first: Option<String>,
-    /// Its value in the second one.
+    /// Value in the second text.
     pub second: Option<String>,
 }
 
-/// The keys that differ, in the order of the first text, then those that only the second one has. Keys within one that is listed are not.
+/// The keys with different values: in the order of the first text, then keys of the second text alone. Keys within a
+/// listed key are not listed.
 #[must_use]
 pub fn changes<'a>(first: &'a Source, second: &'a Source) -> Vec<Change<'a>> {
     let mut changes: Vec<Change> = Vec::new();
@@ -33,14 +35,14 @@ pub fn changes<'a>(first: &'a Source, second: &'a Source) -> Vec<Change<'a>> {
     changes
 }
 
-/// The part of a value that no key within it holds: all of a number or a text, of others the name before the bracket.
+/// The part of a value outside of its inner keys: the whole of a number or a string, else the name before the bracket.
 fn head(value: &str) -> &str {
     let is_text = value.starts_with('"') || value.starts_with("r\"") || value.starts_with("r#");
     let end = if is_text { None } else { value.find(['(', '[', '{', '/']) };
     value[..end.unwrap_or(value.len())].trim()
 }
 
-/// A value without line ends and the comments before them.
+/// A value on one line, without comments.
 fn on_one_line(value: &str) -> String {
     let lines =
         value.lines().map(|line| if value.contains('\n') { line.split("//").next().unwrap_or(line) } else { line });

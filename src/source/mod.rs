@@ -1,4 +1,4 @@
-//! The text of a scene: where it comes from, where each key stands in it, and the files that it names.
+//! The text of a scene: its origin, the byte range of each key, and the files that it names.
 
 pub mod keys;
 pub mod parse;
@@ -16,11 +16,11 @@ use crate::source::places::Places;
 /// A scene's text, with `--set` applied.
 #[derive(Debug)]
 pub struct Source {
-    /// The scene's name: that of its file, without ending.
+    /// The scene's name: its file name without extension.
     pub name: String,
-    /// The text as resolved.
+    /// The text with all settings applied.
     pub text: String,
-    /// The files that the scene names: key and path, to be kept with the run.
+    /// Files that the scene names, as key and path. A run keeps copies of them.
     pub files: Vec<(&'static str, PathBuf)>,
     path: String,
     directory: PathBuf,
@@ -28,7 +28,7 @@ pub struct Source {
 }
 
 impl Source {
-    /// The text of the file at `path`.
+    /// Reads the file at `path`.
     ///
     /// # Errors
     /// If it cannot be read.
@@ -42,7 +42,7 @@ impl Source {
         Ok(Self::new(&path.display().to_string(), &name, directory, text))
     }
 
-    /// A text; `path` is shown in messages, `directory` is where the files that it names are looked for.
+    /// Takes a text. Messages show `path`; relative file names in the text start from `directory`.
     #[must_use]
     pub fn new(path: &str, name: &str, directory: &Path, text: String) -> Self {
         let places = Places::scan(&text);
@@ -59,9 +59,9 @@ impl Source {
     /// Applies settings (key path, value as RON) to the text and parses it.
     ///
     /// # Errors
-    /// If the text or a setting is not what it should be.
+    /// If the text or a setting is wrong.
     pub fn parse<T: DeserializeOwned>(&mut self, settings: &[(String, String)]) -> Result<T, Fault> {
-        // What the file itself has wrong is told before what a setting has.
+        // Errors of the file itself are reported before errors of settings.
         if !settings.is_empty() {
             parse::parse::<T>(&self.path, &self.text)?;
         }
@@ -73,7 +73,7 @@ impl Source {
         Ok(parsed)
     }
 
-    /// A fault that points at the value of `key`, or at its nearest parent in the text.
+    /// A fault that points at the value of `key`, or at its nearest parent that stands in the text.
     #[must_use]
     pub fn fault(&self, code: &'static str, key: &str, message: impl Into<String>) -> Fault {
         let fault = Fault::new(code, message).key(key);
@@ -86,7 +86,7 @@ impl Source {
         }
     }
 
-    /// The scene's file, as messages show it.
+    /// Path of the scene's file, as shown in messages.
     #[must_use]
     pub fn path(&self) -> &str {
         &self.path
@@ -104,14 +104,14 @@ impl Source {
         self.places.get(key).map(|place| self.text[place.value.clone()].trim())
     }
 
-    /// Takes note of a file that `key` names, and gives its path.
+    /// Records a file that `key` names, and returns its path.
     pub fn name_file(&mut self, key: &'static str, file: &Path) -> PathBuf {
         let path = self.directory.join(file);
         self.files.push((key, path.clone()));
         path
     }
 
-    /// A fault that says why such a file cannot be read.
+    /// The fault for a named file that cannot be read.
     #[must_use]
     pub fn unreadable(&self, key: &str, path: &Path, error: &io::Error) -> Fault {
         self.fault("scene::unreadable_file", key, format!("could not read {}: {error}", path.display()))

@@ -1,4 +1,4 @@
-//! From text to [`Scene`](crate::scene::Scene): the one parse, and its errors as faults that point at key and value.
+//! Parses text into a [`Scene`](crate::scene::Scene), and turns parse errors into faults that point at key and value.
 
 use ron::error::{Error, SpannedError};
 use ron::extensions::Extensions;
@@ -7,7 +7,7 @@ use serde::de::DeserializeOwned;
 use crate::fault::Fault;
 use crate::source::places::Places;
 
-/// How scenes are read: optional keys need no `Some`, and `LatticeGas((p: ...))` no second brackets.
+/// RON options of scenes: optional keys need no `Some`, and `LatticeGas((p: ...))` needs no second brackets.
 #[must_use]
 pub fn ron_options() -> ron::Options {
     ron::Options::default().with_default_extension(Extensions::IMPLICIT_SOME | Extensions::UNWRAP_VARIANT_NEWTYPES)
@@ -46,8 +46,8 @@ fn not_a_scene(name: &str, text: &str) -> Option<Fault> {
 /// A name that no choice of any key has.
 const NO_CHOICE: &str = "NoSuchChoice";
 
-/// The fault for a number in a place where a choice is expected, such as `step: 1e-4`. The choices come from a second parse of the text, with
-/// a choice that does not exist in place of the number.
+/// The fault for a number in a place where a choice is expected, such as `step: 1e-4`. The
+/// choices come from a second parse, with a choice that does not exist in place of the number.
 fn number_for_choice<T: DeserializeOwned>(name: &str, text: &str, error: &SpannedError) -> Option<Fault> {
     let places = Places::scan(text);
     let place = places.innermost(byte_of(text, error.span.start.line, error.span.start.col))?;
@@ -84,13 +84,13 @@ fn did_you_mean(what: &str, found: &str, names: &[&str]) -> String {
         .map_or_else(|| format!("the {what} here are: {}", names.join(", ")), |name| format!("did you mean `{name}`?"))
 }
 
-/// The fault for an error that ron met in a text whose part from byte `offset` on it was given.
+/// The fault for a parse error. The parser was given `text` from byte `offset` on.
 #[must_use]
 pub fn explain(name: &str, text: &str, error: &SpannedError, offset: usize) -> Fault {
     let places = Places::scan(text);
     let start = offset + byte_of(&text[offset..], error.span.start.line, error.span.start.col);
     let end = offset + byte_of(&text[offset..], error.span.end.line, error.span.end.col);
-    // The end of the span is the last character that was read; a value's own end says more.
+    // The span ends at the last character read; the end of the value is more useful.
     let last = end.saturating_sub(1).max(start);
     let place = match &error.code {
         Error::MissingStructField { .. } => places.innermost_section(last),
@@ -98,7 +98,7 @@ pub fn explain(name: &str, text: &str, error: &SpannedError, offset: usize) -> F
     };
     let here = place.map_or("", |place| &place.path);
     let (code, key, message, help) = match place.map(|place| (&text[place.value.clone()], place.value.start)) {
-        // ron reads `10.5` as 10, where a whole number is wanted, and then misses a comma.
+        // Where a whole number is expected, ron reads `10.5` as 10 and then reports a missing comma.
         Some((value, from)) if from < start && !value.contains(['(', '[', '{']) && misses_separator(&error.code) => (
             "scene::wrong_type",
             here.to_owned(),
@@ -109,7 +109,7 @@ pub fn explain(name: &str, text: &str, error: &SpannedError, offset: usize) -> F
     };
     let range = place.filter(|_| code != "scene::syntax").map_or(start..end, |place| {
         let whole = if code == "scene::unknown_key" { place.entry.clone() } else { place.value.clone() };
-        // Of a long section only the beginning is marked.
+        // Only the first line of a long section is marked.
         let line = text[whole.clone()].find('\n').unwrap_or(whole.len());
         whole.start..whole.start + line
     });
@@ -122,7 +122,7 @@ fn describe(error: &Error, here: &str) -> (&'static str, String, String, String)
     let child = |of: &str, key: &str| if of.is_empty() { key.to_owned() } else { format!("{of}.{key}") };
     match error {
         Error::NoSuchStructField { expected, found, .. } => {
-            // ron stops behind the unknown name: the place is the entry with that name, or its parent.
+            // ron stops after the unknown name, so the place is the entry with that name, or its parent.
             let key = if here == found || here.ends_with(&format!(".{found}")) {
                 here.to_owned()
             } else {
@@ -194,7 +194,7 @@ fn lower(text: &str) -> String {
     letters.next().map_or(String::new(), |first| first.to_lowercase().collect::<String>() + letters.as_str())
 }
 
-/// The byte offset of a line and column, both from 1, columns in characters.
+/// The byte offset of a line and column, both counted from 1; columns count characters.
 fn byte_of(text: &str, line: usize, column: usize) -> usize {
     let start: usize = text.split_inclusive('\n').take(line.saturating_sub(1)).map(str::len).sum();
     let start = start.min(text.len());

@@ -1,9 +1,9 @@
-//! Where each key of a RON text stands, and replacement of a value by its key.
+//! Finds the byte range of each key in a RON text, and replaces a value by its key.
 //!
 //! A key path names a value as `spawner.radius`, `walls[1].normal`, `behaviours.shaker.amplitude`; the name of an
-//! enum's variant is no part of it, so the `k` of `contact: Assignment(k: 1.0)` is `contact.k`, and what a variant or
-//! tuple holds by position is `spawner.radius.0`. The scanner knows RON's brackets, strings and comments and
-//! nothing of types; on text that is not RON it returns what it understood.
+//! enum variant is not part of the path, so the `k` of `contact: Assignment(k: 1.0)` is `contact.k`, and a value that a
+//! variant or tuple holds by position is `spawner.radius.0`. The scanner knows RON's brackets, strings and comments,
+//! but no types. On text that is not RON it returns the keys that it understood.
 
 use std::ops::Range;
 
@@ -12,13 +12,13 @@ use crate::fault::Fault;
 /// One value of the text.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// Its key path; empty for the whole scene.
+    /// The key path; empty for the whole scene.
     pub path: String,
     /// The byte range of the value.
     pub value: Range<usize>,
-    /// The byte range from its key, where it has one, to the end of its value.
+    /// The byte range from the key, if it has one, to the end of the value.
     pub entry: Range<usize>,
-    /// For `(...)` and `{...}` with keys, where one more key could stand: behind the last one.
+    /// For `(...)` and `{...}` with keys: the offset after the last entry, where a further key can be inserted.
     room: Option<Room>,
 }
 
@@ -43,7 +43,7 @@ impl Places {
         Self(scanner.places)
     }
 
-    /// All of them, in the order of the text, outer before inner.
+    /// All values, in the order of the text, outer before inner.
     #[must_use]
     pub fn all(&self) -> &[Place] {
         &self.0
@@ -55,7 +55,7 @@ impl Places {
         self.0.iter().find(|place| place.path == path)
     }
 
-    /// The value with this path or, where it is not in the text, its nearest parent that is.
+    /// The value with this path, or its nearest parent that stands in the text.
     #[must_use]
     pub fn nearest(&self, path: &str) -> Option<&Place> {
         let mut path = path;
@@ -73,7 +73,7 @@ impl Places {
         self.around(offset).min_by_key(|place| place.entry.len())
     }
 
-    /// The innermost of those that hold keys.
+    /// The innermost value with keys whose entry contains this byte.
     #[must_use]
     pub fn innermost_section(&self, offset: usize) -> Option<&Place> {
         self.around(offset).filter(|place| place.room.is_some()).min_by_key(|place| place.entry.len())
@@ -84,10 +84,10 @@ impl Places {
     }
 }
 
-/// Replaces the value at `path` in a scene's text, or adds the key where its parent lacks it.
+/// Replaces the value at `path` in a scene's text, or adds the key to its parent.
 ///
 /// # Errors
-/// If neither the key nor its parent is there.
+/// If the text has neither the key nor its parent.
 pub fn set(text: &str, path: &str, value: &str) -> Result<String, Fault> {
     let places = Places::scan(text);
     let mut changed = text.to_owned();
@@ -107,7 +107,7 @@ pub fn set(text: &str, path: &str, value: &str) -> Result<String, Fault> {
     Ok(changed)
 }
 
-/// Brackets in brackets; ron itself refuses more.
+/// Largest depth of nested brackets; ron itself refuses more.
 const DEEPEST: usize = 128;
 
 struct Scanner<'a> {
@@ -139,7 +139,7 @@ impl Scanner<'_> {
         self.at += length;
     }
 
-    /// Blanks and comments.
+    /// Skips blanks and comments.
     fn skip_blanks(&mut self) {
         loop {
             self.skip_while(char::is_whitespace);
@@ -171,7 +171,7 @@ impl Scanner<'_> {
         }
     }
 
-    /// `#![enable(...)]` lines at the start.
+    /// Skips `#![enable(...)]` lines at the start.
     fn skip_attributes(&mut self) {
         self.skip_blanks();
         while self.rest().starts_with("#!") {
@@ -210,7 +210,7 @@ impl Scanner<'_> {
         self.skip_blanks();
         let start = self.at;
         if self.enters_some() {
-            // `Some(...)` is as good as what it holds.
+            // `Some(...)` is equivalent to its content.
             self.depth += 1;
             self.value(path, entry_start.or(Some(start)));
             self.depth -= 1;
@@ -238,7 +238,7 @@ impl Scanner<'_> {
         self.places[index].entry.end = self.at;
     }
 
-    /// Steps over `Some(`, if that is what stands here.
+    /// Skips `Some(`, if it stands here.
     fn enters_some(&mut self) -> bool {
         let start = self.at;
         if self.depth < DEEPEST && self.rest().starts_with("Some") {
@@ -252,7 +252,7 @@ impl Scanner<'_> {
         false
     }
 
-    /// What stands between brackets: keys and values, or values.
+    /// Scans the content of brackets: keys and values, or values alone.
     fn fields(&mut self, path: &str, index: usize, close: char) {
         if self.depth == DEEPEST {
             self.at = self.text.len();
@@ -280,7 +280,7 @@ impl Scanner<'_> {
             }
             self.skip_blanks();
             if !self.skip(',') && self.at == here {
-                // Not RON: leave, rather than look at the same place for ever.
+                // Not RON: stop, to avoid an endless loop at this place.
                 break;
             }
         }
@@ -289,7 +289,7 @@ impl Scanner<'_> {
         self.skip(close);
     }
 
-    /// A key and its colon, if that is what stands here.
+    /// Reads a key and its colon, if they stand here.
     fn key(&mut self, close: char) -> Option<String> {
         if close == ']' {
             return None;

@@ -21,6 +21,7 @@ mod command_line;
 mod compare;
 mod diff;
 mod divergence;
+#[cfg(unix)]
 mod docs;
 mod hard;
 mod instructions;

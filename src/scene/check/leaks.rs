@@ -1,22 +1,22 @@
-//! Is there a way out for a grain, if everything were hard and the door closed?
+//! Searches for a gap through which a grain could leave rigid walls with a closed door.
 //!
-//! The centre of the smallest grain walks on a square grid of a quarter of its radius, from where grains start, over
-//! points that are farther than R + R_w from every wall grain (R from a flat wall). It must not reach the edge of
-//! the walls' bounding box other than at the top. Limit: a gap whose free width is less than the grid's diagonal,
-//! a third of the radius, may be overlooked.
+//! A flood fill runs over a square grid with a spacing of a quarter of the smallest grain's radius R. It starts where
+//! grains start. Grid points nearer than R + R_w to a wall grain, or R to a flat wall, are blocked. If the fill reaches
+//! the bounding box of the walls other than at its top, the walls leak. Limit: a gap whose free width is less than the
+//! diagonal of the grid, a third of the radius, may be overlooked.
 
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Vector};
 use crate::walls::outline::Outline;
 use crate::walls::surfaces::Surface;
 
-/// Grid points beyond which it is not worth the wait: some seconds.
+/// Largest number of grid points; more would take several seconds.
 const PATIENCE: f64 = 2e7;
 
-/// Where a grain gets out, m; `None` if it does not, or if there are no walls, no grains or too many points.
+/// The point where a grain gets out, m; `None` if no grain does, or without walls or grains, or with too many points.
 #[must_use]
 pub fn way_out(loaded: &Loaded) -> Option<Vector> {
-    // In solid space a grid would have too many points, and round a periodic side every way leads out of the box.
+    // In solid space the grid would have too many points. In a periodic box every path leaves the bounding box.
     if loaded.scene.space != Dimension::Plane || !loaded.scene.periodic.is_open() {
         return None;
     }
@@ -38,7 +38,7 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     if points(high - low, radius) + blocked_by_discs + blocked_by_segments.sum::<f64>() > PATIENCE {
         return None;
     }
-    // What discs block of the places around the box, too.
+    // Discs also block points just outside of the box.
     let margin = discs.iter().map(|disc| disc.radius).fold(0.0, f64::max) + radius + 2.0 * spacing;
     let mut field = Field::new(low - Vector::splat(margin), high + Vector::splat(margin), spacing);
     for disc in &discs {
@@ -80,7 +80,7 @@ type Point = (i64, i64);
 const BLOCKED: u8 = 1;
 const SEEN: u8 = 2;
 
-/// What is known of the points of a rectangle. Beyond it nothing is blocked, and nobody walks on from there.
+/// State of the grid points of a rectangle. Points outside are free, and the fill stops there.
 struct Field {
     spacing: f64,
     low: Point,
@@ -108,7 +108,7 @@ impl Field {
         self.mark(point).is_some_and(|mark| *mark & BLOCKED != 0)
     }
 
-    /// Whether it is seen for the first time.
+    /// Whether the point is visited for the first time.
     fn see(&mut self, point: Point) -> bool {
         self.mark(point).is_none_or(|mark| std::mem::replace(mark, *mark | SEEN) & SEEN == 0)
     }

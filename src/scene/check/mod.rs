@@ -1,13 +1,13 @@
-//! What can be told before a run: estimates from the scene, and warnings where they promise trouble.
+//! Estimates from a scene before a run, and warnings where they predict trouble.
 //!
-//! * The step ([`step`]): of all who can meet ([`pairs`]), the limit of the worst lone contact, and of the worst dense bed,
-//!   along the normal, the tangent and in rolling. Hertz's stiffness is that at the deepest point of the fastest impact.
-//! * The walls: a grain that fell all the way carries m v^2/2; to squeeze between two neighbouring wall grains takes
-//!   2 (k/2) (R + R_w - d/2)^2 at half their distance d. And is there a way out for a grain as if all were hard
-//!   ([`leaks`])?
-//! * The bed: its weight over its ground is a pressure p; a contact that carries 2 R p (4 R^2 p) is compressed by that
-//!   over k.
-//! * The path: faster than a wall is thick in one step, and a grain may pass unseen.
+//! * The step ([`step`]): over all pairs of species that can meet ([`species_pairs`]), the lowest stability limit of a single
+//!   contact and of a dense bed, along the normal, along the tangent and in rolling. Hertz's stiffness is taken at the
+//!   deepest point of the fastest impact.
+//! * The walls: a grain that fell all the way has the energy m v^2/2. Squeezing it between two wall grains at distance d
+//!   takes 2 (k/2) (R + R_w - d/2)^2. [`leaks`] searches for gaps between rigid walls.
+//! * The bed: its weight over its base area is a pressure p. A contact at the bottom carries 2 R p (in solid space 4 R^2 p)
+//!   and is compressed by that force over k.
+//! * The path: a grain that moves farther than a wall is thick in one step may pass it undetected.
 
 pub mod leaks;
 pub mod species_pairs;
@@ -37,19 +37,19 @@ pub struct Estimates {
     pub frequency: f64,
     /// Radius of the smallest grain, m.
     pub radius: f64,
-    /// Its mass, kg.
+    /// Mass of the smallest grain, kg.
     pub mass: f64,
     /// Duration of the shortest contact, s.
     pub contact_duration: f64,
-    /// Restitution of two of the smallest grains.
+    /// Restitution of an impact of two smallest grains.
     pub restitution: f64,
-    /// Largest stable step of every lone contact, s; infinite where nobody meets anybody.
+    /// Largest stable step of every single contact, s; infinite if no two bodies can meet.
     pub pair_limit: f64,
     /// Largest stable step in a dense bed, s.
     pub bed_limit: f64,
-    /// Speed of a grain at the lowest point that it can fall to, m/s.
+    /// Speed of a grain after a fall to the lowest point of the scene, m/s.
     pub impact_speed: f64,
-    /// Overlap over radius of two of the smallest grains that meet at that speed, undamped.
+    /// Overlap over radius in an undamped impact of two smallest grains at that speed.
     pub impact_overlap: f64,
     /// Overlap over radius at the bottom of the bed, from its weight.
     pub static_overlap: f64,
@@ -68,11 +68,11 @@ impl Estimates {
         // Estimates ask for no directions: the law in the plane answers for both spaces.
         let law = loaded.contacts().any::<Plane>().0;
         let impact_speed = impact_speed(loaded);
-        // Where nothing falls, something like the speed that a grain's own weight gives it.
+        // If no grain falls, a speed of the order that a grain's own weight causes.
         let slow = 0.1 * (scene.gravity.padded().length() * radius).sqrt();
         let speed = impact_speed.max(slow).max(1e-6);
         let pairs = species_pairs::all(loaded, speed);
-        // Of two of the lightest; with one grain alone, of that and a wall.
+        // The reduced mass of the two lightest grains, or of a single grain and a wall.
         let lightest = pairs.iter().map(|pair| pair.bounce.reduced_mass).fold(f64::INFINITY, f64::min);
         let reduced_mass = if lightest.is_finite() { lightest } else { mass };
         let bounce = Bounce { reduced_mass, reduced_radius: 0.5 * radius, speed };
@@ -103,8 +103,8 @@ impl Estimates {
     }
 }
 
-/// The meeting whose normal contact, lone, is the first to be unstable, and its largest step, s: beyond that it is, whoever else
-/// is there. A tangential or a rolling one that is goes no farther than its cap.
+/// The pair whose single normal contact has the lowest stability limit, and that limit, s. Beyond it the contact is
+/// unstable whatever surrounds it. An unstable tangential or rolling motion is bounded by its cap.
 #[must_use]
 pub fn hardest(loaded: &Loaded) -> Option<(SpeciesPair, f64)> {
     let speed = impact_speed(loaded);
@@ -142,8 +142,8 @@ fn lowest_point(loaded: &Loaded) -> f64 {
     if lowest.is_finite() { lowest } else { grains.min(loaded.scene.cull.map_or(0.0, |cull| cull.below.get())) }
 }
 
-/// What a contact at the bottom of the bed carries, N: the weight of all grains over the ground that they stand on, times
-/// the ground of one grain; 0 where that is not known.
+/// Load of a contact at the bottom of the bed, N: the weight of all grains over their base area, times the base area of
+/// one grain; 0 if the area is unknown.
 fn carried_at_the_bottom(loaded: &Loaded, radius: f64) -> f64 {
     let ground: Option<f64> = match loaded.scene.space {
         Dimension::Plane => {
@@ -168,8 +168,8 @@ fn carried_at_the_bottom(loaded: &Loaded, radius: f64) -> f64 {
     (start + released) * loaded.scene.gravity.padded().length() / ground * (2.0 * radius).powi(axes)
 }
 
-/// How far the scene reaches along a horizontal axis, m: the periodic side, or from the first to the last grain of the
-/// start.
+/// Extent of the scene along a horizontal axis, m: the periodic length, or the distance from the first to the last grain
+/// at the start.
 fn extent(loaded: &Loaded, axis: usize) -> Option<f64> {
     if let Some((low, high)) = loaded.scene.periodic.axes()[axis] {
         return Some(high - low);
@@ -178,7 +178,7 @@ fn extent(loaded: &Loaded, axis: usize) -> Option<f64> {
     ends.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).map(|(low, high)| high - low)
 }
 
-/// What to expect of this scene that its author may not want.
+/// Warnings about effects that the author of the scene may not want.
 #[must_use]
 pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
     let mut warnings = Vec::new();
@@ -281,7 +281,7 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
             help: "raise the stiffness: the contact law is meant for small overlaps".to_owned(),
         });
     }
-    // Of a flat wall, what a centre goes from touching it to its other side.
+    // For a flat wall: the distance of a centre from first touch to the other side.
     let flat = loaded.scene.walls.iter().any(|wall| !matches!(wall, Wall::Disc { .. })).then_some(0.0);
     let discs = loaded.wall_discs().into_iter().map(|disc| disc.radius);
     let thickness = estimates.radius + discs.chain(flat).fold(f64::INFINITY, f64::min);
@@ -297,7 +297,7 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
     }
 }
 
-/// The least energy that takes a grain of radius `radius` between two neighbouring wall or door grains, J.
+/// The least energy, J, that squeezes a grain of this radius (m) between two neighbouring wall or door grains.
 fn weakest_link(loaded: &Loaded, radius: f64, stiffness: f64) -> Option<f64> {
     let mut discs = loaded.wall_discs();
     discs.extend(&loaded.silo.door);

@@ -1,17 +1,17 @@
-//! Who can meet whom: every pair of species of which there are two grains, or a grain and a wall, by its lightest grains.
+//! All pairs of species that can meet: two grains, or a grain and a wall. The lightest grains of a species represent it.
 //!
-//! A meeting knows its law, its reduced mass m and, for I = q m R^2, how fast a force in it changes its own velocity: 1/m along
-//! the normal, (1 + 1/q)/m along the tangent, and in rolling R_eff^2 (1/I_i + 1/I_j), which for equal grains is 1/(4 q m) and
-//! on a flat wall 1/(q m). Its limits ([`step`]):
+//! A pair has a law, a reduced mass m and, with I = q m R^2, three mobilities (acceleration of the contact per unit force):
+//! 1/m along the normal, (1 + 1/q)/m along the tangent, and R_eff^2 (1/I_i + 1/I_j) in rolling. The last is 1/(4 q m) for
+//! equal grains and 1/(q m) on a flat wall. Its step limits ([`step`]):
 //!
-//! * Lone: each of the three ways alone.
-//! * In a dense bed a grain has z = 6 (in solid space 12) equal neighbours all around. With (a - b)^2 <= 2 a^2 + 2 b^2 for what
-//!   two grains do to their contact, all of them moving against their neighbours is the worst: they meet with the weights z/d
-//!   (normal) and z (d - 1)/d (tangent) in d dimensions, sum n n = z/d; turning alike, with z/q (2/3 of that in solid space)
-//!   of the tangent; turning against each other, with as much of rolling. The hexagonal lattice has such motions, so
-//!   these bounds are reached. Of walls a grain has two opposite ones.
+//! * Single contact: each of the three motions by itself.
+//! * Dense bed: a grain has z = 6 equal neighbours, in solid space 12. Since (a - b)^2 <= 2 a^2 + 2 b^2 for the motion of two
+//!   grains at their contact, the worst motion has every grain move against its neighbours. In d dimensions the contacts
+//!   then count with the weights z/d (normal, from sum n n = z/d) and z (d - 1)/d (tangent). If all grains turn alike, the
+//!   tangent counts with z/q, in solid space 2/3 of that; if neighbours turn against each other, rolling counts as much. The
+//!   hexagonal lattice has such motions, so these bounds are reached. A grain between walls has two opposite ones.
 //!
-//! Masses are those of the start and of the spawner, by the radii that it will choose.
+//! Masses are taken from the grains at the start, and from the radii that the spawner will choose.
 
 use crate::contact::{AnyLaw, Bounce};
 use crate::grains::spawner::RadiusLaw;
@@ -22,25 +22,25 @@ use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane};
 use crate::walls::config::Wall;
 
-/// As many radii to come are looked at, where each is drawn.
+/// Number of radii to be released that are examined, if each is drawn at random.
 const DRAWN: u32 = 10_000;
 
-/// Mass (kg) and radius (m) of a body; what is fixed has an infinite mass, what is flat an infinite radius.
+/// Mass (kg) and radius (m) of a body; infinite mass if fixed, infinite radius if flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Body {
     mass: f64,
     radius: f64,
 }
 
-/// Two that can meet.
+/// Two bodies that can meet.
 pub struct SpeciesPair {
-    /// Their law.
+    /// Their contact law.
     pub law: AnyLaw<Plane>,
-    /// They meet head-on.
+    /// Their head-on impact.
     pub bounce: Bounce,
     /// Their species.
     pub species: (u8, u8),
-    /// Whether the second is a wall.
+    /// Whether the second body is a wall.
     pub is_wall: bool,
     /// I/(m R^2).
     inertia: f64,
@@ -56,7 +56,7 @@ impl SpeciesPair {
         let inertia = loaded.inertia().factor();
         let turning = |body: Body| (reduced_radius / body.radius).powi(2) * reduced_mass / body.mass;
         Self {
-            // Estimates ask for no directions: the law in the plane answers for both spaces.
+            // Estimates use no directions, so the law in the plane serves both spaces.
             law: loaded.contacts().between(a, b),
             bounce: Bounce { reduced_mass, reduced_radius, speed },
             species: (a, b),
@@ -66,8 +66,8 @@ impl SpeciesPair {
         }
     }
 
-    /// The three ways, the normal first, weighed as in a lone contact.
-    fn ways(&self) -> [Pull; 3] {
+    /// The three motions with the weights of a single contact: normal, tangential, rolling.
+    fn motions(&self) -> [Pull; 3] {
         let modes = self.law.0.modes(&self.bounce);
         let mobilities = [1.0, 1.0 + 1.0 / self.inertia, self.rolling];
         std::array::from_fn(|way| {
@@ -76,26 +76,26 @@ impl SpeciesPair {
         })
     }
 
-    /// Largest stable step along the normal, s: no cap bounds what grows there.
+    /// Largest stable step along the normal, s. No cap bounds the force of an unstable normal motion.
     #[must_use]
     pub fn normal_limit(&self, scheme: Integrator) -> f64 {
-        self.lone(scheme, &self.ways()[0])
+        self.lone(scheme, &self.motions()[0])
     }
 
     /// Largest stable step of this contact alone, s.
     #[must_use]
     pub fn lone_limit(&self, scheme: Integrator) -> f64 {
-        self.ways().iter().map(|way| self.lone(scheme, way)).fold(f64::INFINITY, f64::min)
+        self.motions().iter().map(|way| self.lone(scheme, way)).fold(f64::INFINITY, f64::min)
     }
 
     fn lone(&self, scheme: Integrator, &Pull { weight, k, c, .. }: &Pull) -> f64 {
         step::limit(scheme, weight * k, weight * c, self.bounce.reduced_mass)
     }
 
-    /// Largest stable step among as many of its kind as surround a grain, s.
+    /// Largest stable step of a grain surrounded by contacts of this kind, s.
     #[must_use]
     pub fn bed_limit(&self, scheme: Integrator, space: Dimension) -> f64 {
-        let [normal, tangential, rolling] = self.ways();
+        let [normal, tangential, rolling] = self.motions();
         let times = |weight: f64, pull: Pull| Pull { weight, ..pull };
         let (z, d) = match space {
             Dimension::Plane => (6.0, 2.0),
@@ -113,7 +113,7 @@ impl SpeciesPair {
     }
 }
 
-/// All meetings of the lightest, at this speed (m/s).
+/// All pairs of the lightest bodies, meeting at this speed (m/s).
 #[must_use]
 pub fn all(loaded: &Loaded, speed: f64) -> Vec<SpeciesPair> {
     let grains = lightest(loaded);
@@ -127,7 +127,7 @@ pub fn all(loaded: &Loaded, speed: f64) -> Vec<SpeciesPair> {
     pairs.into_iter().map(|pair| SpeciesPair::new(loaded, pair, speed)).collect()
 }
 
-/// The lightest grain of each species, and the next one if there are two.
+/// The lightest grain of each species, and the second lightest if there is one.
 fn lightest(loaded: &Loaded) -> Vec<(u8, Body, Option<Body>)> {
     let mut species: Vec<(u8, Body, Option<Body>)> = Vec::new();
     let start = loaded.grains.iter().map(|grain| (grain.species.0, Body { mass: grain.mass, radius: grain.radius }));
@@ -142,7 +142,7 @@ fn lightest(loaded: &Loaded) -> Vec<(u8, Body, Option<Body>)> {
     species
 }
 
-/// What the spawner will release: two of each size, or of a range of sizes those that it will choose.
+/// Grains that the spawner will release: two of each size, or the radii that it will draw from a range.
 fn to_come(loaded: &Loaded) -> Vec<(u8, Body)> {
     let Some((spawner, law)) = loaded.scene.spawner.as_ref().zip(loaded.scene.mass) else { return Vec::new() };
     let body = |radius: f64| Body { mass: law.of(radius), radius };
@@ -166,7 +166,7 @@ fn to_come(loaded: &Loaded) -> Vec<(u8, Body)> {
     }
 }
 
-/// A wall of each species: the flattest, which is the stiffest.
+/// The flattest wall of each species, which makes the stiffest contact.
 fn walls(loaded: &Loaded) -> Vec<(u8, Body)> {
     let own = loaded.scene.walls.iter().map(|wall| match *wall {
         Wall::Disc { radius, species, .. } => (species, radius.get()),
@@ -220,13 +220,13 @@ mod tests {
         let loaded = scene(&format!("{elastic}, {mixture}, {FLOOR}")).unwrap();
         let mut met: Vec<_> = all(&loaded, 1.0).iter().map(|m| (m.species, m.is_wall, m.bounce.reduced_mass)).collect();
         met.sort_by(|a, b| a.2.total_cmp(&b.2));
-        // One of 1 kg, two of 4 kg.
+        // One grain of 1 kg and two of 4 kg.
         let expected = [((0, 1), false, 0.8), ((0, 1), true, 1.0), ((1, 1), false, 2.0), ((1, 1), true, 4.0)];
         for (met, expected) in met.iter().zip(expected) {
             assert!((met.0, met.1) == (expected.0, expected.1) && (met.2 - expected.2).abs() < 1e-14, "{met:?}");
         }
         assert_eq!(met.len(), 4);
-        // Alone in the world there is nothing to be unstable in.
+        // A single grain has no contact that could be unstable.
         let alone = format!("{elastic}, {}", spawner(1, "Fixed(0.1)"));
         assert!(hardest(&scene(&alone).unwrap()).is_none() && scene(&alone.replace("1.0e-6", "9.0")).is_ok());
     }
@@ -236,7 +236,7 @@ mod tests {
         let elastic = "contact: Linear(k: 1.0, damping: B(0.0)), mass: ArealSquare(100.0), step: Fixed(1.0e-6)";
         let loaded = scene(&format!("{elastic}, {}, {FLOOR}", spawner(3, "Uniform(0.1, 0.2)"))).unwrap();
         let random = Stream::new(0, "spawner");
-        // The first of four numbers is the radius's, whatever is asked for beside it.
+        // The first of the four random numbers gives the radius.
         let radii = [1, 2, 3].map(|id| 0.1 + 0.1 * random.uniform::<4>(id)[0]);
         let smallest = radii.into_iter().fold(1.0, f64::min);
         let on_the_floor = all(&loaded, 1.0).into_iter().find(|meeting| meeting.is_wall).unwrap();
@@ -245,7 +245,7 @@ mod tests {
 
     #[test]
     fn the_masses_are_those_that_the_grains_have() {
-        // A small heavy grain of a file: what the spawner releases is not as light as its radius would make it.
+        // A small heavy grain from a file is not representative of the spawner's grains.
         let keys = "contact: Linear(k: 1.0, damping: B(0.0)), mass: ArealSquare(100.0), step: Fixed(1.0e-6)";
         let mut loaded = scene(&format!("{keys}, {}", spawner(2, "Fixed(0.1)"))).unwrap();
         loaded.grains = vec![grain(1, 0, 0.01, 3.0)];
@@ -258,7 +258,7 @@ mod tests {
         let keys = "contact: Linear(k: 1.0, damping: B(0.0)), mass: ArealSquare(100.0), \
                     pairs: [(species: (0, 1), contact: Linear(k: 1.0e4, damping: B(0.0)))]";
         let scene = |step: &str| scene(&format!("{keys}, step: Fixed({step}), {}, {FLOOR}", spawner(2, "Fixed(0.1)")));
-        // 2/w0 = 2 sqrt(1 kg/1e4 N/m), of the floor; that of two grains with this law would be 0.0141 s.
+        // 2/w0 = 2 sqrt(1 kg/1e4 N/m) for the floor; two grains with this law would have 0.0141 s.
         assert!(scene("0.0199").is_ok());
         let fault = scene("0.0201").unwrap_err().to_string();
         assert!(fault.contains("species 0 with a wall of species 1") && fault.contains("2.000e-2 s"), "{fault}");
@@ -289,7 +289,7 @@ mod tests {
             let limit = meeting.lone_limit(Integrator::Verlet);
             assert!((limit / (2.0 / (1.0e4 * mobility).sqrt()) - 1.0).abs() < 1e-13, "{limit}");
         }
-        // Longer than that, but shorter than the normal's 2/w0 = 1.6 s: its cap bounds it, so that is to warn of.
+        // This step is stable along the normal (2/w0 = 1.6 s). The tangential motion is unstable but capped: a warning.
         assert!(hardest(&loaded).unwrap().1 > 1.0);
         let warnings = crate::scene::check::warnings(&loaded);
         assert!(warnings.iter().any(|warning| warning.code == "check::unstable_step"), "{warnings:?}");

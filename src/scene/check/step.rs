@@ -1,48 +1,48 @@
-//! The time step: how long it may be, and how long `step: Auto(error: ...)` makes it.
+//! Stability limits of the time step, and the step that `step: Auto(error: ...)` chooses.
 //!
-//! w0 = sqrt(k/m), beta = c/(2 m). A lone contact, of grains that touch nothing else, is stable for
+//! w0 = sqrt(k/m), beta = c/(2 m). A single contact, whose grains touch nothing else, is stable for
 //!
-//! | scheme | dt below, one lone contact |
+//! | scheme | stable for dt below |
 //! |---|---|
-//! | `Verlet`, `SymplecticEuler`: drag half a step or a whole one old | 2/(sqrt(w0^2 + beta^2) + beta) |
+//! | `Verlet`, `SymplecticEuler`: the drag is half a step or a whole step old | 2/(sqrt(w0^2 + beta^2) + beta) |
 //! | `Centred` ([`crate::contact::centred`]) | min(2/w0, 1/beta) |
-//! | `ExplicitEuler` | 2 beta/w0^2: nothing without drag; overdamped 2/(beta + sqrt(beta^2 - w0^2)) |
+//! | `ExplicitEuler` | 2 beta/w0^2, never without drag; overdamped 2/(beta + sqrt(beta^2 - w0^2)) |
 //!
-//! In a crowd ([`in_crowd`]) the motion that is lost first turns its sign each step. Where contacts meet in it with weights W,
-//! m being its mass, the limit is
+//! In a crowd ([`in_crowd`]) the motion that first becomes unstable changes its sign in each step. If contacts take part in
+//! it with weights W, and m is its mass, the limit is
 //!
-//! * sum W (k dt^2 + 2 c dt) = 4 m with lagged drag, for one contact the above;
-//! * sum W (k dt^2 + 4 c dt/(1 + b)) = 4 m centred, b = c dt/(2 m_c) with the reduced mass m_c of that contact alone. Its drag
-//!   at the end of the step is solved for in its own force, with that of all others as it was: with the second difference
+//! * sum W (k dt^2 + 2 c dt) = 4 m with lagged drag, which for one contact is the limit above;
+//! * sum W (k dt^2 + 4 c dt/(1 + b)) = 4 m centred, with b = c dt/(2 m_c) and the reduced mass m_c of that contact alone. The
+//!   drag at the end of the step is implicit in the contact's own force, and lags for all others. With the second difference
 //!   s_(n+1) = x_(n+1) - 2 x_n + x_(n-1) the motion is s_(n+2) = -(K dt^2/m) x_(n+1) - (C dt/m) (x_(n+1) - x_n +
-//!   (1 - b)/(1 + b) s_(n+1)/2), and x_n = (-1)^n gives the limit. Its other two roots are within the unit circle
-//!   until then (Jury's conditions).
+//!   (1 - b)/(1 + b) s_(n+1)/2), and x_n = (-1)^n gives the limit. The other two roots stay within the unit
+//!   circle up to that step (Jury's conditions).
 //!
-//! So in a crowd `Centred` needs shorter steps than `Verlet` wherever b < 1, down to half as long where drag decides. Alone it
-//! is the other way round, because there the change of the spring's force is counted.
+//! So in a crowd with b < 1 `Centred` needs shorter steps than `Verlet`, down to half where drag decides. For a single
+//! contact it allows longer steps, because it then includes the change of the spring force.
 //!
 //! An automatic step is the shortest of three, rounded down to two digits:
 //!
-//! * t_c/n for the shortest contact, with n steps in it: an impact is wrong, rms over the phases of the step and in units
-//!   of its speed, by at most about 1/n^2 centred, by 0.6/n with lagged drag. The factors are the worst that `siloflow
-//!   accuracy` measures for impacts with e from 0.2 to 1, mu up to 0.5 (0.9 and 0.6); Hertz's contacts are below.
+//! * t_c/n for the shortest contact, with n steps in it. The rms error of an impact over the phases of
+//!   the step, in units of its speed, is at most about 1/n^2 (centred) or 0.6/n (lagged drag). The factors are the worst that `siloflow
+//!   accuracy` measures for impacts with e from 0.2 to 1, mu up to 0.5 (0.9 and 0.6); Hertz contacts have smaller errors.
 //! * 0.8 of the limit of a dense bed.
 //! * The fastest grain moves a tenth of the smallest radius.
 //!
-//! Chaos makes the paths of many grains differ whatever the step: the error is that of an impact, not of a run.
+//! The error is that of one impact, not of a run: in a run chaos separates the paths of many grains at any step.
 
 use std::f64::consts::PI;
 
 use crate::integrate::Integrator;
 use crate::scene::check::Estimates;
 
-/// Largest stable step of a lone contact, s, for a stiffness k (N/m), a drag coefficient c (N s/m) and a reduced mass
+/// Largest stable step of a single contact, s, for a stiffness k (N/m), a drag coefficient c (N s/m) and a reduced mass
 /// (kg).
 #[must_use]
 pub fn limit(scheme: Integrator, k: f64, c: f64, mass: f64) -> f64 {
     let (w0, beta) = ((k / mass).sqrt(), 0.5 * c / mass);
     match scheme {
-        // Written so that they hold without a spring or drag too.
+        // This form also holds without a spring or without drag.
         Integrator::Verlet | Integrator::SymplecticEuler => 2.0 / (w0.hypot(beta) + beta),
         Integrator::Centred => 1.0 / (0.5 * w0).max(beta),
         Integrator::ExplicitEuler if beta < w0 => 2.0 * beta / (w0 * w0),
@@ -50,20 +50,20 @@ pub fn limit(scheme: Integrator, k: f64, c: f64, mass: f64) -> f64 {
     }
 }
 
-/// What contacts of one kind do to a motion that they meet in.
+/// Contribution of contacts of one kind to a motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Pull {
-    /// How much of each counts, times how many there are.
+    /// Weight of a contact, times the number of contacts.
     pub weight: f64,
     /// k, N/m.
     pub k: f64,
     /// c, N s/m.
     pub c: f64,
-    /// How fast such a contact's own force changes its own velocity, 1/kg.
+    /// Mobility of the contact: acceleration per unit of its own force, 1/kg.
     pub mobility: f64,
 }
 
-/// Largest stable step, s, of a motion with this mass (kg) in which these contacts meet.
+/// Largest stable step, s, of a motion with this mass (kg) in which these contacts take part.
 #[must_use]
 pub fn in_crowd(scheme: Integrator, pulls: &[Pull], mass: f64) -> f64 {
     if scheme == Integrator::ExplicitEuler {
@@ -79,8 +79,8 @@ pub fn in_crowd(scheme: Integrator, pulls: &[Pull], mass: f64) -> f64 {
         };
         pulls.iter().map(of_one).sum()
     };
-    // With springs alone, or lagged drag alone, the limit; centred drag alone saturates at 2 W/mobility, which may be too
-    // little at any step. All the load together grows with the step.
+    // Springs alone or lagged drag alone give the limit. Centred drag alone saturates at 2 W/mobility, which may stay below
+    // 4 m at any step. The sum of all terms grows with the step.
     let total = |figure: fn(&Pull) -> f64| pulls.iter().map(|pull| pull.weight * figure(pull)).sum::<f64>();
     let [springs, drags] = [total(|pull| pull.k), total(|pull| pull.c)];
     let mut high = (2.0 * (mass / springs).sqrt()).min(if is_centred { f64::INFINITY } else { 2.0 * mass / drags });
@@ -106,11 +106,11 @@ pub fn in_crowd(scheme: Integrator, pulls: &[Pull], mass: f64) -> f64 {
 pub struct Automatic {
     /// The step, s.
     pub dt: f64,
-    /// What decided.
+    /// The criterion that decided.
     pub reason: String,
 }
 
-/// The step for an error of impacts, for estimates whose step is not known yet.
+/// The automatic step for this error of impacts. The step of `estimates` is not used.
 #[must_use]
 pub fn automatic(estimates: &Estimates, error: f64) -> Automatic {
     let centred =
@@ -131,10 +131,10 @@ pub fn automatic(estimates: &Estimates, error: f64) -> Automatic {
     Automatic { dt: rounded_down(dt), reason }
 }
 
-/// To two digits.
+/// Rounds down to two digits.
 fn rounded_down(x: f64) -> f64 {
     let unit = 10f64.powf(x.log10().floor() - 1.0);
-    // 4.7e-5 is not 46.99999 units.
+    // Without this, 4.7e-5 would be rounded to 4.6e-5.
     (x / unit + 1e-9).floor() * unit
 }
 
@@ -144,7 +144,7 @@ mod tests {
 
     #[test]
     fn limits_are_those_of_the_recurrences() {
-        // w0 = 1, zeta = beta: the figures of plain Verlet's closed form, and of the centred one.
+        // w0 = 1, zeta = beta: the values of the closed forms of plain Verlet and of `Centred`.
         for (zeta, verlet, centred) in
             [(0.0, 2.0, 2.0), (0.5, 1.236_068, 2.0), (1.0, 0.828_427, 1.0), (2.0, 0.472_136, 0.5)]
         {
@@ -159,7 +159,7 @@ mod tests {
         assert!((limit(Integrator::ExplicitEuler, 0.0, 2.0, 1.0) - 1.0).abs() < 1e-15, "drag alone");
     }
 
-    /// N equal contacts in a motion of mass 1, each with this k and c, and as its own reduced mass 1.
+    /// `n` equal contacts in a motion of mass 1, each with this k and c and a reduced mass of 1.
     fn crowd(scheme: Integrator, n: f64, k: f64, c: f64) -> f64 {
         in_crowd(scheme, &[Pull { weight: n, k, c, mobility: 1.0 }], 1.0)
     }
@@ -171,7 +171,7 @@ mod tests {
             let (spring, own) = (n * dt * dt, zeta * dt);
             let [drag, rest] = [2.0 * n * own, n * own * (1.0 - own) / (1.0 + own)];
             let factors = [spring + drag + rest - 2.0, 1.0 - drag - 2.0 * rest, rest];
-            // Powers of the recurrence itself, scaled as they go: no root finder to trust.
+            // Iterates the recurrence itself, rescaled on the way, so that no root finder has to be trusted.
             let (mut last, mut log, steps) = ([1.0, -0.7, 0.4], 0.0f64, 20_000);
             for _ in 0..steps {
                 let next = -(factors[0] * last[2] + factors[1] * last[1] + factors[2] * last[0]);

@@ -1,4 +1,4 @@
-//! Contact laws, materials and pairs of species fit together.
+//! Rules between contact laws, materials and pairs of species.
 
 use crate::contact::Contact;
 use crate::contact::config::{Friction, PairOfSpecies};
@@ -6,7 +6,7 @@ use crate::fault::Fault;
 use crate::integrate::Integrator;
 use crate::scene::load::Loaded;
 
-/// Laws of pairs have the terms of the usual one, and what a law needs is there.
+/// A law of a pair must have the same terms as the scene's law, and all parameters that a law needs must be given.
 pub(super) fn contacts(loaded: &Loaded) -> Result<(), Fault> {
     let scene = &loaded.scene;
     for (index, pair) in scene.pairs.iter().enumerate() {

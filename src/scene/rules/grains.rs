@@ -1,4 +1,4 @@
-//! Grains that a scene makes have room, ids, radii and masses.
+//! Rules on grains that a scene creates: enough room and ids, radii and masses.
 
 use crate::fault::Fault;
 use crate::grains::spawner::RadiusLaw;
@@ -59,7 +59,7 @@ pub(super) fn spawner(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Shares sum to one, and ranges have a smaller end.
+/// Shares must sum to one, and a range must begin at its smaller end.
 fn radii(loaded: &Loaded, key: &str, law: &RadiusLaw, first_species: u8) -> Result<(), Fault> {
     if let RadiusLaw::Mixture(sizes) = law
         && sizes.len() + usize::from(first_species) > 256

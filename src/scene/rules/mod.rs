@@ -1,4 +1,4 @@
-//! Rules across keys: what one number's range cannot say.
+//! Rules between keys, which the range of a single number cannot express.
 
 mod contacts;
 mod grains;
@@ -23,7 +23,7 @@ use crate::walls::config::Wall;
 /// Checks a scene whose files have been read.
 ///
 /// # Errors
-/// The first rule that it breaks, pointing at the key.
+/// The first broken rule, with the key at fault.
 pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     contacts(loaded)?;
     fill(loaded)?;
@@ -36,11 +36,11 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     profiles(loaded)?;
     flow(loaded)?;
     pictures_and_bed(loaded)?;
-    // Last: what it is estimated from has been found to be right.
+    // Last, because the estimates rely on keys that the other rules check.
     step(loaded)
 }
 
-/// A given step is stable for every contact of two that can meet, and an automatic one has a scheme to be chosen for.
+/// A fixed step must be stable for every pair that can meet; an automatic step needs a scheme that supports it.
 fn step(loaded: &Loaded) -> Result<(), Fault> {
     let scheme = loaded.scene.integrator;
     let is_explicit = scheme == Integrator::ExplicitEuler;
@@ -71,8 +71,8 @@ fn step(loaded: &Loaded) -> Result<(), Fault> {
     }
 }
 
-/// Whether contacts are sure to be as stiff as the scene says. Hertz's depend on how fast grains will be, a behaviour may bring a
-/// law or masses of its own, and explicit Euler is there to fail: `check` warns.
+/// Whether the stiffness of contacts is certain before the run. Hertz's stiffness depends on speeds, and a behaviour may
+/// bring its own law or masses. Explicit Euler is meant to fail; there `check` warns.
 fn is_known(loaded: &Loaded) -> bool {
     let Scene { integrator, contact, behaviours, .. } = &loaded.scene;
     *integrator != Integrator::ExplicitEuler && !matches!(contact, Contact::Hertz { .. }) && behaviours.is_empty()
@@ -99,7 +99,7 @@ fn profiles(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The window of the discharge has a beginning and an end, and there is a way out.
+/// The window of the discharge must begin before it ends, and the scene must have an outlet.
 fn flow(loaded: &Loaded) -> Result<(), Fault> {
     let Some(flow) = loaded.scene.flow else { return Ok(()) };
     if flow.from >= flow.to {
@@ -118,7 +118,7 @@ fn flow(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
-/// A grain must not touch another one, nor itself, twice.
+/// In a periodic box a grain must not touch another grain twice, nor itself.
 fn periodic(loaded: &Loaded) -> Result<(), Fault> {
     for (name, side) in ["x", "y", "z"].into_iter().zip(loaded.scene.periodic.axes()) {
         let Some((low, high)) = side else { continue };
@@ -165,12 +165,12 @@ fn walls(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Whether a vector is zero, or so short or long that its square is no number.
+/// Whether a vector is zero, or its square under- or overflows.
 fn has_no_direction(v: Solid) -> bool {
     !v.length_squared().is_normal()
 }
 
-/// Whether two vectors are farther from right angles than rounded numbers make them.
+/// Whether the angle of two vectors differs from a right angle by more than rounding.
 fn is_oblique(a: Solid, b: Solid) -> bool {
     a.dot(b).abs() > 1e-9 * a.length() * b.length()
 }
@@ -204,20 +204,24 @@ fn door_and_rest(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Who wants the energy watched needs to know how much there should be.
+/// The watchdog's energy limit needs the energy balance.
 fn books(loaded: &Loaded) -> Result<(), Fault> {
     let key = "watchdog.energy";
     let asks = loaded.source.value_of(key).is_some_and(|value| value != "None");
     if asks && !loaded.scene.energy_balance {
         return Err(loaded
-            .fault("scene::no_books", key, "energy that comes from nowhere is found by its books, and none are kept")
+            .fault(
+                "scene::no_books",
+                key,
+                "the watchdog finds created energy by the energy balance, and the scene has none",
+            )
             .help("remove `energy_balance: false`, or leave out `watchdog.energy`"));
     }
     Ok(())
 }
 
-/// A grain looks into its own cell and those next to it; two centres that are farther apart than a side L can be
-/// two cells apart. So L must be at least the largest distance of centres in contact.
+/// The search visits a grain's own cell and its neighbours. Centres farther apart than the cell width L can be two cells
+/// apart, so L must be at least the largest centre distance of a contact.
 fn cells(loaded: &Loaded) -> Result<(), Fault> {
     let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
     let (key, size) = match loaded.scene.neighbours {

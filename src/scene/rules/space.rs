@@ -1,4 +1,4 @@
-//! Vectors have as many components as the scene's space.
+//! Rules on the number of vector components, which must match the scene's space.
 
 use crate::fault::Fault;
 use crate::scene::Scene;
@@ -7,10 +7,10 @@ use crate::space::Dimension;
 use crate::values::FiniteVector;
 use crate::walls::config::Wall;
 
-/// Every vector has as many components as the scene's space, and nothing planar stands in solid space.
+/// Every vector must have as many components as the scene's space, and planar objects must not stand in solid space.
 ///
 /// # Errors
-/// If one has not.
+/// The first vector or object that does not fit.
 pub fn space(loaded: &Loaded) -> Result<(), Fault> {
     let scene = &loaded.scene;
     let wanted = scene.space.count();
@@ -60,7 +60,7 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
     }
 }
 
-/// All vectors of a scene that count in its space, with their keys.
+/// All vectors of a scene that must match its space, with their keys.
 fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
     let mut all = vec![("gravity".to_owned(), scene.gravity)];
     let mut add = |key: String, vectors: &[(&str, Option<FiniteVector>)]| {
