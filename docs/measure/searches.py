@@ -164,7 +164,7 @@ def draw(options):
     by_count += both("#d55e00", "cells", counts, [(n, "cells", "0.25") for n in counts], -1)
     by_size = both("#d55e00", "cells", sizes, [(1000, "cells", str(size)) for size in sizes], 0)
     svg = panel(70, "L = 0.25 m", "number of grains", counts, (1, 10, 100, 1000), by_count)
-    svg += panel(480, "N = 1000", "cell size L, m", sizes, (0.1, 1, 10, 100), by_size)
+    svg += panel(480, "N = 1000", "cell size L, m", sizes, (0.1, 1, 10, 100, 1000), by_size)
     options.svg.write_text(
         '<svg xmlns="http://www.w3.org/2000/svg" width="840" height="440" viewBox="0 0 840 440" font-family="Ubuntu, sans-serif" '
         'font-size="13">\n<rect width="840" height="440" fill="white"/>\n'
