@@ -1,17 +1,17 @@
 #!/usr/bin/env python3
-"""What a run costs besides its steps: pictures, rows, profiles, the watchdog.
+"""Cost of a run besides its steps: pictures, rows, profiles, the watchdog.
 
     cargo build --release
-    docs/speed/costs.py scenes/silo1.ron                    (processor and wall-clock time, medians and least, by turns)
+    docs/speed/costs.py scenes/silo1.ron                    (processor and wall-clock time, medians and least)
     docs/speed/costs.py scenes/silo1.ron --exact            (instructions, counted by valgrind: no noise, fifty times slower;
                                                              where memory is set or copied at once it counts every byte)
     docs/speed/costs.py scenes/bed3d.ron -- --until 0.05    (what follows -- goes to every run)
     docs/speed/costs.py --start                             (a run of one step, from the call to its end)
 
-A run as the scene has it, the same with PNGs, and runs in which one thing is left out: a cost is a difference. In a round
-each is run once, in an order that turns from round to round, so that what the machine does meanwhile falls on all; the
-difference is taken within a round. Printed: medians over the rounds, the least in brackets, and what is left out as a
-share of the run that has it. Time is that of the whole process: start-up, steps, output.
+Runs: the scene unchanged, the scene with PNGs, and the scene with one output left out. A cost is the difference of two
+runs. Each round makes every run once, in a rotating order, so that the load of the machine affects all runs alike;
+differences are taken within a round. Printed are medians over the rounds, the least in brackets, and each cost as a share of
+the run that includes it. Times are those of the whole process: start-up, steps, output.
 
 Processor time is that of all threads together. Pictures are drawn by a thread of their own, so wall-clock time differs with
 the cores: --cores 0 pins everything to one core, --cores 0,1 to two. --log FILE keeps every run, and takes up what an earlier
@@ -31,7 +31,7 @@ import time
 
 SILENT = "series=(interval:1e9)"
 WHOLE = "as in the scene"
-# What each run has that the scene does not, and the run that it is held against: the first of the two is the dearer one.
+# Settings of each run, and the two runs whose difference is a cost: the more expensive one first.
 RUNS = {
     WHOLE: ([], None),
     "PNGs too": (["--png"], ("PNGs too", "no pictures")),
@@ -126,7 +126,7 @@ def counts(args, scene, folder):
     runs, out = runs_of(scene), pathlib.Path(folder) / "out"
     at = {name: counted(command(args, scene, words, out), folder) for name, words in runs.items()}
     print(f"{scene.stem} {' '.join(args.more)}: instructions")
-    print(f"{'':16}{'all threads':>18}{'that which steps':>18}   the difference: of all, of that which steps")
+    print(f"{'':16}{'all threads':>18}{'stepping thread':>18}   the difference: of all, of stepping thread")
     for name, both in at.items():
         line = f"{name:16}{both[0]:18,}{both[1]:18,}"
         if two := RUNS[name][1]:
@@ -156,7 +156,7 @@ def main():
     args.more = words[cut + 1:]
     args.siloflow = args.siloflow.resolve()
     if not args.start and not args.scenes:
-        parser.error("which scene?")
+        parser.error("a scene is missing")
     with tempfile.TemporaryDirectory() as folder:
         out = pathlib.Path(folder) / "out"
         if args.start:

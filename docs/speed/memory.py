@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Bytes a grain that a run takes: at its peak, and while it steps.
+"""Bytes per grain of a run: at its peak, and while it steps.
 
     cargo build --release
     docs/speed/side-by-side.py scene w1-1e5             (writes scene and grains of a settled bed; `settle` makes it)
     docs/speed/memory.py target/side-by-side/w1-1e5.ron [--steps 200] [--set KEY=VALUE]...
 
-What is counted is resident memory, as Linux tells it in /proc/PID/status: the whole program, so with few grains its own
-13 MB show (and in the peak no less than the 15 MB of this script, which starts it). The peak is the kernel's (what `/usr/bin/time -v` calls maximum resident set size); "stepping" is the median
-of samples, 50 a second, so let steps take most of the time.
+Counted is the resident memory of the whole program, from /proc/PID/status. The program itself takes 13 MB, which shows with few
+grains. The peak is the maximum resident set size of the kernel, at least the 15 MB of this script. "Stepping" is the median
+of 50 samples per second, so steps should take most of the time.
 """
 
 import argparse
@@ -66,7 +66,7 @@ def main():
         summary, peak, samples = run(command + [word for setting in args.set for word in ("--set", setting)])
     grains = summary["grains"]["released"]
     print(f"{args.scene.stem}: {grains} grains, {summary['steps']} steps, state {summary['state_hash']}")
-    print(f"peak {peak / grains:.0f}, stepping {statistics.median(samples) / grains:.0f} bytes a grain")
+    print(f"peak {peak / grains:.0f}, stepping {statistics.median(samples) / grains:.0f} bytes per grain")
 
 
 if __name__ == "__main__":

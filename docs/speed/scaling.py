@@ -9,8 +9,8 @@
     cargo run --release --example figures -- scaling   (draws docs/figures/scaling from the table)
 
 Grains: settled beds of W1 (plane, no friction; see side-by-side.py); of 1e5 grains and more, the bed of 1e5 side by side. A run
-of --relax steps leaves its state, which is what the next ones begin with. What is timed are the steps after that: the wall
-clock of a run of 1 + n steps less that of a run of one, n at least --last and enough for 1e8 particle-steps. All runs are
+of --relax steps leaves the state with which the next runs begin. The steps after it are timed: the wall clock of a run of
+1 + n steps less that of a run of one step, n at least --last and enough for 1e8 particle-steps. All runs are
 those of the program as a user calls it, on one core, without pictures.
 
 Sites: a closed box of 250 rows, as many columns as that takes, filled with 6 particles a site, the rules those of
@@ -30,7 +30,7 @@ import shutil
 import statistics
 import sys
 
-# No traces of the module beside it.
+# No __pycache__ beside the module.
 sys.dont_write_bytecode = True
 HERE = pathlib.Path(__file__).resolve().parent
 SPEC = importlib.util.spec_from_file_location("side_by_side", HERE / "side-by-side.py")

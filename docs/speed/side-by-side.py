@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The same settled bed in LAMMPS and in siloflow: forces, coordination, nanoseconds a particle-step, ratio.
+"""The same settled bed in LAMMPS and in siloflow: forces, coordination, nanoseconds per particle-step, ratio.
 
     apt-get install --no-install-recommends lammps
     cargo build --release
@@ -7,18 +7,22 @@
     docs/speed/side-by-side.py compare w1-1e4                (times both alternately, pinned to one core)
     docs/speed/side-by-side.py tile w1-1e5 10 --steps 200    (siloflow alone, ten such beds side by side)
     docs/speed/side-by-side.py shuffle w1-1e5                (siloflow alone, grains entering in random order)
-    docs/speed/side-by-side.py threads w1-1e5 --threads 2    (siloflow alone, on one thread and on two by turns)
+    docs/speed/side-by-side.py threads w1-1e5 --threads 2    (siloflow alone, on one thread and on two alternately)
 
 Beds: w1-1e3, w1-1e4, w1-1e5 (2D, frictionless, half R = 0.03 m and half 0.04 m) and w2-1e4, w2-1e5 (3D, friction with history).
 All files are kept in --dir (default target/side-by-side). No packages needed.
 
-LAMMPS's settled state becomes the grains file of a scene, with all its digits. Both programs then take one step from
-it: what their velocities differ by, times m/dt, is how far their forces are apart, and must be round-off. (For W2 with
-mu = 1e4 in that step: neither has springs yet, and LAMMPS lets a contact whose dashpot alone is beyond the cap go
-without friction until its spring has moved.) Then both run
-the same number of steps by turns, after 20 of which nobody takes the time: LAMMPS's is the loop time of its second run, siloflow's what
-its run takes longer than one of 20 steps. So set-up is left out in both. The figure is the median of the runs. Skins are those that each program is fastest with: --skin, --lammps-skin. siloflow
-runs twice: as it comes, and with `energy_books: false`, for LAMMPS keeps no energy balance either.
+LAMMPS's settled state becomes the grains file of a scene, with all its digits. Both programs then make one step from it.
+The difference of their velocities, times m/dt, is the difference of their forces and must be round-off. (W2 uses mu = 1e4
+in that step: no contact has a spring yet, and where the dashpot alone exceeds the cap, LAMMPS leaves out friction until
+the spring has moved.)
+
+Then both programs run the same number of steps alternately. The first 20 steps and set-up are left out: the time of LAMMPS
+is the loop time of its second run, the time of siloflow is that of the whole run less that of a run of 20 steps. The
+printed time is the median of the runs. Skins are those with which each program is fastest: --skin, --lammps-skin. siloflow
+runs twice: with its energy balance, and with `energy_books: false`, because LAMMPS keeps no energy balance.
+
+The scheme of both programs is velocity Verlet (--integrator changes siloflow's).
 
 The laws, in both: F_n = k delta - gamma m_eff v_n, which may pull, on flat walls with m_eff = m. W1: k = 1e5 N/m, e = 0.55 for
 two grains of R = 0.04 m, m = 100 R^2, dt = 1e-4 s, g = 9.81 m/s2. W2: d = 1 mm, 2500 kg/m3, k = 2e5 m g/d, k_t = 2/7 k,
@@ -101,7 +105,7 @@ def read_data(path):
             break
         words = line.split()
         d, density = float(words[2]), float(words[3])
-        # As LAMMPS forms it.
+        # The same operations as in LAMMPS.
         r = 0.5 * d
         rows[int(words[0])] = [r, 4.0 * math.pi / 3.0 * r * r * r * density, [float(w) for w in words[4:7]]]
     for line in lines[at["Velocities"] + 2 :]:
@@ -113,7 +117,7 @@ def read_data(path):
 
 
 def write_grains(path, rows, planar, width, copies):
-    """A grains file; all of a row but its number and x is the same in every copy, and is made into text once."""
+    """Writes a grains file. Copies differ in number and x only, so the other columns are formatted once."""
     atoms = []
     for atom in sorted(rows):
         r, m, x, v = rows[atom]
@@ -165,14 +169,14 @@ def siloflow(args, scene, dt, steps, *more):
 
 
 def nanoseconds(args, scene, dt, steps, *more):
-    """A particle-step after the first ones, and the summary of the whole run."""
+    """Returns ns per particle-step after the first steps, and the summary of the whole run."""
     first, whole = (siloflow(args, scene, dt, count, *more)[0] for count in (FIRST, FIRST + steps))
     spent, done = (whole["performance"][key] - first["performance"][key] for key in ("wall_s", "particle_steps"))
     return 1e9 * spent / done, whole
 
 
 def loop_time(text):
-    """Of the second of LAMMPS's runs, s, and its last coordination number."""
+    """Returns ns per particle-step of LAMMPS's second run, and its last coordination number."""
     times = re.findall(r"Loop time of (\S+) on .* for (\d+) steps with (\d+) atoms", text)
     rows = re.findall(r"^ *\d+(?: +\S+)+ *$", text, re.M)
     seconds, steps, atoms = times[-1]
@@ -180,7 +184,7 @@ def loop_time(text):
 
 
 def forces_apart(args, name, scene, rows):
-    """Largest difference of the forces, their rms, and what rounding velocities and positions amounts to, N, from one step."""
+    """Returns the largest force difference, the rms force, and the rounding of velocities and positions as forces, N."""
     bed, planar = BEDS[name], is_planar(name)
     more = {} if planar else {"mu": STICKING}
     lammps(args, f"{name[:2]}-run.in", data=f"{name}.data", nsteps=0, first=1, dump="afterdump", **more)
@@ -213,9 +217,9 @@ def compare(args, name):
     steps = args.steps or bed["steps"]
     largest, rms, of_velocities, of_positions = forces_apart(args, name, scene, rows)
     print(f"{name}: {len(rows)} grains, {steps} steps, {args.integrator}, core {args.core}")
-    print(f"forces differ by at most {largest:.1e} N; rms of what a step adds {rms:.1e} N; "
+    print(f"forces differ by at most {largest:.1e} N; rms force {rms:.1e} N; "
           f"rounding of velocities {of_velocities:.1e} N, of positions {of_positions:.1e} N")
-    theirs, ways = [], {"siloflow": [], "  without books": ["--set", "energy_books=false"]}
+    theirs, ways = [], {"siloflow": [], "  without energy balance": ["--set", "energy_books=false"]}
     ours = {way: [] for way in ways}
     for _ in range(args.rounds):
         skin = args.lammps_skin or bed["lammps_skin"]
@@ -225,11 +229,11 @@ def compare(args, name):
             ns, summary = nanoseconds(args, scene, bed["dt"], steps, *settings)
             ours[way].append(ns)
     reference = statistics.median(theirs)
-    rows = [("LAMMPS", theirs, z_theirs, "walls left out")]
-    rows += [(way, times, summary["coordination"], "walls too") for way, times in ours.items()]
+    rows = [("LAMMPS", theirs, z_theirs, "walls excluded")]
+    rows += [(way, times, summary["coordination"], "walls included") for way, times in ours.items()]
     for way, times, contacts, walls in rows:
         ns = statistics.median(times)
-        print(f"{way:15} {ns:7.1f} ns a particle-step ({min(times):.1f} to {max(times):.1f}), {contacts:.3f} contacts a grain, "
+        print(f"{way:24} {ns:7.1f} ns per particle-step ({min(times):.1f} to {max(times):.1f}), {contacts:.3f} contacts per grain, "
               f"{walls}, ratio {reference / ns:.2f}")
 
 
@@ -243,7 +247,7 @@ def tile(args, name, copies):
 
 
 def shuffle(args, name):
-    """The bed as it is and with its grains entering, and named, in random order: siloflow alone, by turns."""
+    """Times the bed unchanged and with its grains renumbered in random order, alternately: siloflow alone."""
     bed = BEDS[name]
     scene, _ = write_scene(args, name)
     header, *rows = scene.with_suffix(".csv").read_text().splitlines()
@@ -257,11 +261,11 @@ def shuffle(args, name):
         for each, found in times.items():
             found.append(nanoseconds(args, each, bed["dt"], args.steps or bed["steps"])[0])
     for each, found in times.items():
-        print(f"{each.stem:20} {statistics.median(found):7.1f} ns a particle-step ({min(found):.1f} to {max(found):.1f})")
+        print(f"{each.stem:20} {statistics.median(found):7.1f} ns per particle-step ({min(found):.1f} to {max(found):.1f})")
 
 
 def threads(args, name, most):
-    """The bed on one thread and on `most`: siloflow alone, by turns, with the same bits."""
+    """Times the bed on one thread and on `most`, alternately, and checks that the bits agree: siloflow alone."""
     bed = BEDS[name]
     scene, _ = write_scene(args, name)
     times, states = {1: [], most: []}, set()
@@ -275,7 +279,7 @@ def threads(args, name, most):
     one = statistics.median(times[1])
     for count, found in times.items():
         ns = statistics.median(found)
-        print(f"{name}, threads: {count} {ns:7.1f} ns a particle-step ({min(found):.1f} to {max(found):.1f}), {one / ns:.2f} times")
+        print(f"{name}, threads: {count} {ns:7.1f} ns per particle-step ({min(found):.1f} to {max(found):.1f}), {one / ns:.2f} times")
 
 
 def main():
