@@ -1,8 +1,8 @@
 //! The linear spring-dashpot along the normal.
 //!
 //! F on i = max(k delta - c v_n, floor) n with v_n = (v_i - v_j).n; k in N/m, c in N s/m by [`Damping`], floor 0 or
-//! -inf by [`Attraction`]. Source: Cundall and Strack, Geotechnique 29, 47, 1979; the normal part of the soft-particle
-//! codes and of LAMMPS's `hooke`.
+//! -inf by [`Attraction`]. Source: Cundall and Strack, Geotechnique 29, 47, 1979. The same normal force is used in
+//! soft-particle codes and in LAMMPS's `hooke`.
 
 use crate::contact::centred::Window;
 use crate::contact::composite::Normal;
@@ -11,18 +11,18 @@ use crate::contact::{Bounce, Pair};
 use crate::space::Space;
 use crate::values::Positive;
 
-/// max(k delta - c v_n, floor) n.
+/// The law max(k delta - c v_n, floor) n.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearNormal {
     k: f64,
-    /// c, from m_eff and its root.
+    /// c, as a function of m_eff and its root.
     drag: Coefficient,
     attraction: Attraction,
     floor: f64,
 }
 
 impl LinearNormal {
-    /// The law with stiffness `k` (N/m).
+    /// Creates the law with stiffness `k` (N/m).
     #[must_use]
     pub fn new(k: Positive, damping: Damping, attraction: Attraction) -> Self {
         let k = k.get();
@@ -48,7 +48,7 @@ impl LinearNormal {
 
 impl Normal for LinearNormal {
     const RADII: bool = false;
-    // From there on the step before lies in the contact as a whole, too.
+    // From this overlap on, the contact exists during the whole previous step, too.
     const EVEN: f64 = 3.0;
 
     #[inline(always)]

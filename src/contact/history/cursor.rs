@@ -1,8 +1,8 @@
-//! The walk along pages while the kernel comes by, in ascending order of contacts: what they remember from the pass before is
-//! read, and what they remember from now on is written.
+//! History cursor: moves along a history block in ascending order of contacts, with the kernel. It reads the memories
+//! of the previous pass and writes the new ones.
 //!
-//! In a bed at rest the contacts of a pass are those of the pass before. As long as they are, memories are written where they
-//! stood. From the first contact on that is new, or has ended, the page is written anew: it changes places with a spare one.
+//! In a bed at rest a pass finds the contacts of the previous pass. As long as it does, memories are overwritten in
+//! place. From the first new or ended contact on, the block is rewritten: it is swapped with a spare block.
 
 use crate::contact::batch::MemoryLanes;
 use crate::contact::history::{ContactLosses, HistoryBlock};
@@ -10,24 +10,24 @@ use crate::contact::{LawRequirements, Memory};
 use crate::neighbours::list::{Candidate, are_same};
 use crate::space::Space;
 
-/// A page and where the kernel is in it.
+/// A history block and the position of the kernel in it.
 pub struct HistoryCursor<'a, V: Space> {
     page: &'a mut HistoryBlock<V>,
-    /// Once the page is written anew, what it was before.
+    /// The block of the previous pass, once the block is being rewritten.
     spare: &'a mut HistoryBlock<V>,
     is_anew: bool,
-    /// How many contacts of the pass before have been passed.
+    /// Number of contacts of the previous pass that have been visited.
     passed: usize,
 }
 
 impl<'a, V: Space> HistoryCursor<'a, V> {
-    /// At the start of a page.
+    /// Returns a cursor at the start of a block.
     #[must_use]
     pub fn new(page: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>) -> Self {
         Self { page, spare, is_anew: false, passed: 0 }
     }
 
-    /// From here on the page is written anew.
+    /// Starts to rewrite the block from the current position on.
     #[cold]
     fn begin_anew<L: LawRequirements>(&mut self) {
         self.is_anew = true;
@@ -35,8 +35,8 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         self.page.begin::<L>(self.spare, self.passed);
     }
 
-    /// Fetches what these contacts remember, if they are the next ones of the pass before, all of them and no other: tells
-    /// whether they are.
+    /// Loads the memories of `contacts` if these are exactly the next contacts of the previous pass. Returns whether
+    /// they are.
     #[inline]
     pub(in crate::contact) fn recall_all<L: LawRequirements>(
         &mut self,
@@ -53,8 +53,8 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         are_next
     }
 
-    /// What a contact remembers, if it is not new. Contacts that are passed over have ended: `forgotten` gets them and their
-    /// memories.
+    /// Returns the memory of a contact, or `None` if it is new. Contacts that are skipped have ended: `on_end` receives
+    /// each of them with its memory.
     #[inline]
     pub fn recall<L: LawRequirements>(
         &mut self,
@@ -77,12 +77,12 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         None
     }
 
-    /// What a contact that has been recalled remembered before.
+    /// Returns the memory that a recalled contact had in the previous pass.
     pub(in crate::contact) fn before(&self, contact: Candidate) -> Option<Memory<V>> {
         self.spare.look_up(contact).filter(|_| self.is_anew)
     }
 
-    /// Writes down what these contacts remember, which have just been recalled.
+    /// Stores the memories of `contacts`, which have just been recalled.
     #[inline]
     pub(crate) fn remember_all<L: LawRequirements>(&mut self, contacts: &[Candidate], memories: &MemoryLanes<V>) {
         if self.is_anew {
@@ -92,7 +92,7 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         }
     }
 
-    /// Some of these last contacts, which have just been recalled, have ended: the others are remembered by themselves.
+    /// Prepares to store the last recalled `contacts` one by one, because some of them have ended.
     pub(in crate::contact) fn part<L: LawRequirements>(&mut self, contacts: &[Candidate]) {
         if !self.is_anew {
             self.passed -= contacts.len();
@@ -101,14 +101,14 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         }
     }
 
-    /// Writes down what a contact remembers, which has just been recalled by itself.
+    /// Stores the memory of a contact that has just been recalled by itself.
     #[inline]
     pub fn remember<L: LawRequirements>(&mut self, contact: Candidate, memory: &Memory<V>) {
         self.page.push::<L>(contact, memory);
     }
 
-    /// Ends the page: contacts of the pass before that are left have ended. `lost`: what contacts took in
-    /// these rows; `forgotten` gives what ended contacts held.
+    /// Ends the block: the remaining contacts of the previous pass have ended. `lost` is the energy lost in these rows;
+    /// `on_end` returns the energy lost with an ended contact, J.
     pub fn end<L: LawRequirements>(
         &mut self,
         mut lost: ContactLosses,
@@ -131,12 +131,12 @@ mod tests {
     use crate::contact::history::tests::{Springs, memory};
     use crate::space::Plane;
 
-    /// By sliding and by rolling, J.
+    /// Returns losses by sliding and by rolling, J.
     fn lost(sliding: f64, rolling: f64) -> ContactLosses {
         ContactLosses { sliding, rolling, dashpots: 0.0 }
     }
 
-    /// Contact i touches j.
+    /// Returns the contact of slots i and j.
     fn of(contact: [u32; 2]) -> Candidate {
         contact.into()
     }
@@ -145,7 +145,7 @@ mod tests {
         [[0, 1], [0, 3], [1, 2], [2, 3]].map(of)
     }
 
-    /// Of four particles, with springs of 0.1 to 0.4 m.
+    /// Returns the history of four particles, with springs of 0.1 to 0.4 m.
     fn page() -> HistoryBlock<Plane> {
         let mut page = HistoryBlock::default();
         for (contact, spring) in contacts().into_iter().zip([0.1, 0.2, 0.3, 0.4]) {
@@ -185,7 +185,7 @@ mod tests {
         let (mut memories, mut gone) = (MemoryLanes::default(), Vec::new());
         assert!(cursor.recall_all::<Springs>(&contacts()[..1], &mut memories));
         cursor.remember_all::<Springs>(&contacts()[..1], &memories);
-        // One is new, one has ended, more are wanted than there are: then one by one.
+        // One contact is new, one has ended, and one request goes beyond the end: each must be recalled one by one.
         for contacts in [&[[0, 2], [0, 3]][..], &[[1, 2]], &[[0, 3], [1, 2], [2, 3], [3, 4]]] {
             let contacts: Vec<_> = contacts.iter().copied().map(of).collect();
             assert!(!cursor.recall_all::<Springs>(&contacts, &mut memories));
@@ -197,7 +197,7 @@ mod tests {
         assert_eq!((recalled, &gone[..]), (Some(memory(0.3)), &[([0, 3], 0.2)][..]));
         assert_eq!(cursor.before(of([1, 2])), Some(memory(0.3)));
         cursor.remember::<Springs>(of([1, 2]), &memory(6.0));
-        // And together again.
+        // From here on a whole batch matches again.
         assert!(cursor.recall_all::<Springs>(&contacts()[3..], &mut memories));
         cursor.remember_all::<Springs>(&contacts()[3..], &memories);
         cursor.end::<Springs>(ContactLosses::default(), |_, _| panic!("they are at their end"));

@@ -1,4 +1,4 @@
-//! One thread at work: candidates in, sums out.
+//! The work of one thread in the contact pass.
 
 use crate::contact::batch::Batch;
 use crate::contact::force_accumulation::ForceAccumulation;
@@ -14,7 +14,7 @@ use crate::space::Space;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::WallLoad;
 
-/// What one thread reads and writes.
+/// The data that one thread reads and writes.
 pub(super) struct Worker<'a, V: Space, L> {
     pub(super) pass: &'a Pass<'a, V, L>,
     pub(super) view: &'a ParticleStore<V>,
@@ -23,14 +23,15 @@ pub(super) struct Worker<'a, V: Space, L> {
     pub(super) sums: ForceAccumulation<'a, V>,
     pub(super) batch: &'a mut Batch<V>,
     pub(super) largest: f64,
-    /// Its particles and walls that may touch.
+    /// Pairs of an own row and a wall that may touch; the ones not summed yet.
     pub(super) near: &'a [Candidate],
-    /// What walls get of each block.
+    /// Loads on the walls, block by block.
     pub(super) on_walls: &'a mut Vec<WallLoad<V>>,
 }
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
-    /// Sums its rows, whose contacts stand in these pages; gives the largest overlap over the smaller radius.
+    /// Sums the forces on own rows, with the given history blocks. Returns the largest overlap so far divided by the
+    /// smaller radius of its pair.
     pub(super) fn sum(
         mut self,
         pages: &mut [HistoryBlock<V>],
@@ -49,7 +50,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         for ((page, wall_page), first) in blocks {
             let mut block = Block { cursor: HistoryCursor::new(page, spare), lost: ContactLosses::default() };
             let (mut left, end) = self.pass.list.block(first / BLOCK);
-            // Not all at once: so they are at hand when they are added to.
+            // Sums are initialised block by block, so that they are still in the cache when forces are added.
             self.sums.begin(end, gravity, self.view);
             at_hand = self.fetch(at_hand, first + BLOCK);
             while !left.is_empty() {
@@ -69,9 +70,9 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         self.largest
     }
 
-    /// Adds those candidates to the batch that overlap, or that the law looks at ahead of that, with what their bodies hold, until
-    /// it is full; gives those that are left. Whether one overlaps is hard to foresee, so there is no branch on it: each is
-    /// written, and the end moves on if it counts.
+    /// Adds overlapping candidates to the batch until it is full, and loads their bodies. With velocity prediction,
+    /// pairs closer than the prediction margin are added too. Returns the candidates that are left. Branches on overlap
+    /// are mispredicted often, so there is none: each candidate is written, and the batch grows only if it counts.
     fn offer<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
         match self.view.periodic {
             None => self.offer_by(Open, candidates),
@@ -79,7 +80,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         }
     }
 
-    /// The same, with separations measured so.
+    /// Fills the batch like [`Self::offer`], with separations measured by `metric`.
     #[inline(always)]
     fn offer_by<'c>(&mut self, metric: impl Metric<V>, candidates: &'c [Candidate]) -> &'c [Candidate] {
         let (bodies, batch, pass) = (&self.view.body[..], &mut *self.batch, self.pass);
@@ -95,7 +96,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
                     batch.pairs[end] = candidate;
                     let (squared, reach) = batch.bodies.take::<L>(end, &metric, [body, other]);
                     let farthest = if L::PREDICTION { reach + margin } else { reach };
-                    // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
+                    // Written so that a NaN does not touch: the finite-value check reports it at the end of the step.
                     end += usize::from(squared < farthest * farthest);
                 }
                 batch.len = end;
@@ -104,14 +105,14 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         )
     }
 
-    /// Fills in what the law needs to know besides what bodies hold.
+    /// Loads the data that the law requires besides bodies: species, spins, velocity prediction.
     #[inline]
     fn describe(&mut self) {
         if !(L::SPECIES || L::SPIN || L::PREDICTION) {
             return;
         }
         let (batch, view) = (&mut *self.batch, self.view);
-        // What is of its own cannot change under the loop.
+        // Copied to locals so that the compiler can prove that stores do not alias them.
         let (rotations, species) = (&view.rotation[..], &view.species[..]);
         self.pass.instructions.run_narrow(
             #[inline(always)]
@@ -134,7 +135,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         );
     }
 
-    /// Asks the law, and takes records of overlap into account.
+    /// Evaluates the law for the batch and updates the largest overlap.
     #[inline]
     fn ask(&mut self) {
         self.describe();
@@ -145,7 +146,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
             self.batch.bodies.part_coincident::<L>(self.batch.len, normal);
         }
-        // What may be a record is found without dividing, and without the two radii.
+        // A possible record is detected without division and without the two radii.
         if self.answer(self.view.smallest_share) {
             for (pair, overlap) in self.batch.pairs.iter().zip(self.batch.bodies.overlap.iter()).take(self.batch.len) {
                 let [i, j] = pair.both().map(|entry| self.view.body[entry].radius);
@@ -154,12 +155,12 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         }
     }
 
-    /// Lets the law answer for all lanes; tells whether any overlap may be a record, the smaller radius of a pair being this share of the reach or
-    /// more.
+    /// Evaluates the law in all lanes. Returns whether any overlap may be a record. `smallest_share` is a lower bound
+    /// on the smaller radius of a pair divided by the sum of its radii.
     #[inline]
     pub(super) fn answer(&mut self, smallest_share: f64) -> bool {
         let Pass { law, dt, instructions, .. } = *self.pass;
-        // Some rounding included.
+        // The last factor allows for rounding.
         let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
         if self.view.tracks_energy {
             self.batch.ask::<L, TOTAL_AND_DISSIPATIVE>(law, dt, instructions, deepest)
@@ -168,7 +169,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         }
     }
 
-    /// Sums what the batch does to the particles of this share, the first ones being in others.
+    /// Adds the forces of the batch to own particles; the first particles of these pairs belong to other threads.
     fn flush_incoming(&mut self) {
         for lane in 0..if L::MEMORY { self.batch.len } else { 0 } {
             let memory = self.halo.next(self.batch.pairs[lane]).unwrap_or_default();
@@ -183,7 +184,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         self.batch.len = 0;
     }
 
-    /// Sums what the batch does to both members, and keeps the books.
+    /// Evaluates the batch, adds its forces to both particles, and stores memories and losses.
     fn flush(&mut self, block: &mut Block<'_, V>) {
         if L::MEMORY {
             let Block { cursor, lost } = block;
@@ -207,7 +208,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         self.batch.len = 0;
     }
 
-    /// Keeps what contacts have lost and what they remember; `forgotten` tells what goes with one that has ended, J.
+    /// Stores losses and memories of the batch. `on_end` returns the energy that a contact loses when it ends, J.
     #[inline]
     pub(super) fn keep(
         &mut self,
@@ -231,16 +232,18 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             if batch.answer.counts::<L>(lane) {
                 cursor.remember::<L>(contact, &batch.memory.get::<L>(lane));
             } else if batch.is_known[lane] {
-                // It has ended, and its memory been moved on all the same: what it held before is lost.
+                // The contact has ended, but the law has already advanced its memory. The previous memory gives the
+                // loss.
                 lost.add(forgotten(contact, &cursor.before(contact).unwrap_or_default()));
             }
         }
     }
 }
 
-/// What the contacts of a block of rows remember.
+/// The contact history of a block of rows in this pass.
 pub(super) struct Block<'a, V: Space> {
     pub(super) cursor: HistoryCursor<'a, V>,
-    /// What contacts lose, and what ended ones held: each in order, whenever the batch is full.
+    /// Losses of contacts, including the energy stored in ended ones. Both are added in a fixed order, independent of
+    /// how contacts are batched.
     pub(super) lost: ContactLosses,
 }

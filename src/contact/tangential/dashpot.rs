@@ -1,4 +1,4 @@
-//! Friction without memory: a dashpot in the tangent plane, F_t = -c_t v_t, cut at mu |F_n|.
+//! Friction without memory: a dashpot in the tangent plane, F_t = -c_t v_t, capped at mu |F_n|.
 
 use crate::contact::damping::Coefficient;
 use crate::contact::spring::Slider;
@@ -6,14 +6,14 @@ use crate::contact::tangential::{Lever, NormalLoad, Tangential};
 use crate::contact::{Bounce, Memory, Pair, Turning};
 use crate::space::Space;
 
-/// A dashpot cut at mu |F_n|.
+/// A dashpot capped at mu |F_n|.
 #[derive(Clone, Copy, Debug)]
 pub struct Dashpot {
     /// c_t, from the effective mass and the normal c.
     pub damping: Coefficient,
-    /// mu.
+    /// Coefficient mu.
     pub friction: f64,
-    /// Where it acts.
+    /// Point at which friction acts.
     pub lever: Lever,
 }
 
