@@ -119,7 +119,7 @@ impl<V: Space> Batch<V> {
     /// Evaluates `law` in all lanes. Returns the number of contacts that overlap by more than `deepest` times the sum
     /// of the radii.
     #[inline(always)]
-    fn answer_all<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
+    fn evaluate_lanes<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
         &mut self,
         law: &L,
         dt: f64,
@@ -137,9 +137,9 @@ impl<V: Space> Batch<V> {
                 self.answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
             }
             deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
-            self.answer.note::<L>(lane, &pair, &force);
+            self.answer.store_force::<L>(lane, &pair, &force);
             if NUMBERS == TOTAL_AND_DISSIPATIVE {
-                self.answer.book::<L>(lane, &pair, &force);
+                self.answer.store_energy_numbers::<L>(lane, &pair, &force);
             }
             self.memory.set::<L>(lane, &memory);
         }
@@ -158,7 +158,7 @@ impl<V: Space> Batch<V> {
     ) -> bool {
         let deeper = instructions.run(
             #[inline(always)]
-            || self.answer_all::<L, NUMBERS>(law, dt, deepest),
+            || self.evaluate_lanes::<L, NUMBERS>(law, dt, deepest),
         );
         deeper > 0
     }
@@ -204,7 +204,7 @@ mod tests {
         }
     }
 
-    fn answers_agree<V: Space, L: PairLaw<V> + LawRequirements>(law: &L) {
+    fn check_batch<V: Space, L: PairLaw<V> + LawRequirements>(law: &L) {
         let contacts = 33;
         for instructions in Instructions::all() {
             let mut batch = Batch::<V>::default();
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_pushed_is_answered_as_by_itself() {
+    fn batch_agrees_with_single_contacts() {
         let damping = |per_mass| Coefficient { per_mass, ..Coefficient::default() };
         for lever in [Lever::Radius, Lever::ContactPoint] {
             let law = Composite {
@@ -252,10 +252,10 @@ mod tests {
                 },
                 rolling: NoRolling,
             };
-            answers_agree::<Plane, _>(&law);
-            answers_agree::<Solid, _>(&law);
-            answers_agree::<Plane, _>(&Centred(law));
-            answers_agree::<Solid, _>(&Centred(law));
+            check_batch::<Plane, _>(&law);
+            check_batch::<Solid, _>(&law);
+            check_batch::<Plane, _>(&Centred(law));
+            check_batch::<Solid, _>(&Centred(law));
         }
     }
 }

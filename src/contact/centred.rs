@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn the_share_is_that_of_the_step_in_contact() {
+    fn share_is_the_fraction_of_the_step_in_contact() {
         // Approaching or separating at 2 m/s: 2 mm per step, 1 mm to each side of the evaluation.
         for speed in [2.0, -2.0] {
             let w = window(speed);

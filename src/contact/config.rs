@@ -186,18 +186,22 @@ impl Contacts<'_> {
             Contact::Assignment { k, b } if self.species == 1 => visitor.take(Assignment::new(k, b)),
             Contact::Assignment { .. } => visitor.take(self.table(|a, b| self.assignment(a, b))),
             Contact::Linear { tangential: None, .. } if self.species == 1 => {
-                visitor.take(smooth(self.linear(0, 0).normal))
+                visitor.take(frictionless(self.linear(0, 0).normal))
             }
             Contact::Linear { tangential: None, .. } => {
-                visitor.take(self.table(|a, b| smooth(self.linear(a, b).normal)))
+                visitor.take(self.table(|a, b| frictionless(self.linear(a, b).normal)))
             }
             Contact::Linear { tangential: Some(Friction::Dashpot { .. }), .. } => {
                 visitor.take(self.table(|a, b| self.dashpot(a, b)))
             }
-            Contact::Linear { rolling: None, .. } if self.species == 1 => visitor.take(self.stick(0, 0, NoRolling)),
-            Contact::Linear { rolling: None, .. } => visitor.take(self.table(|a, b| self.stick(a, b, NoRolling))),
-            Contact::Linear { .. } => visitor.take(self.table(|a, b| self.stick(a, b, self.rolling(a, b)))),
-            Contact::Hertz { tangential: None, .. } => visitor.take(self.table(|a, b| smooth(self.hertz(a, b)))),
+            Contact::Linear { rolling: None, .. } if self.species == 1 => {
+                visitor.take(self.spring_friction(0, 0, NoRolling))
+            }
+            Contact::Linear { rolling: None, .. } => {
+                visitor.take(self.table(|a, b| self.spring_friction(a, b, NoRolling)))
+            }
+            Contact::Linear { .. } => visitor.take(self.table(|a, b| self.spring_friction(a, b, self.rolling(a, b)))),
+            Contact::Hertz { tangential: None, .. } => visitor.take(self.table(|a, b| frictionless(self.hertz(a, b)))),
             Contact::Hertz { rolling: None, .. } => visitor.take(self.table(|a, b| self.mindlin(a, b, NoRolling))),
             Contact::Hertz { .. } => visitor.take(self.table(|a, b| self.mindlin(a, b, self.rolling(a, b)))),
         }
@@ -212,7 +216,7 @@ impl Contacts<'_> {
     /// Returns the law of a single species pair.
     #[must_use]
     pub fn between<V: Space>(&self, a: u8, b: u8) -> AnyLaw<V> {
-        Self { usual: self.of(a, b), pairs: &[], species: 1, only: Some((a, b)), ..*self }.any()
+        Self { usual: self.contact_of(a, b), pairs: &[], species: 1, only: Some((a, b)), ..*self }.any()
     }
 
     fn table<L>(&self, of: impl Fn(u8, u8) -> L) -> PairTable<L> {
@@ -223,18 +227,18 @@ impl Contacts<'_> {
     }
 
     /// Returns the scene's law for a species pair.
-    fn of(&self, a: u8, b: u8) -> Contact {
+    fn contact_of(&self, a: u8, b: u8) -> Contact {
         let named = self.pairs.iter().find(|pair| pair.species == (a, b) || pair.species == (b, a));
         named.map_or(self.usual, |pair| pair.contact)
     }
 
     fn assignment(&self, a: u8, b: u8) -> Assignment {
-        let Contact::Assignment { k, b } = self.of(a, b) else { unreachable!("{SAME_KIND}") };
+        let Contact::Assignment { k, b } = self.contact_of(a, b) else { unreachable!("{SAME_KIND}") };
         Assignment::new(k, b)
     }
 
     fn linear(&self, a: u8, b: u8) -> LinearTerms {
-        let Contact::Linear { k, damping, attraction, tangential, lever, .. } = self.of(a, b) else {
+        let Contact::Linear { k, damping, attraction, tangential, lever, .. } = self.contact_of(a, b) else {
             unreachable!("{SAME_KIND}")
         };
         LinearTerms { normal: LinearNormal::new(k, damping, attraction), tangential, lever }
@@ -253,7 +257,12 @@ impl Contacts<'_> {
         }
     }
 
-    fn stick<R>(&self, a: u8, b: u8, rolling: R) -> Composite<LinearNormal, SpringSlider<ConstantStiffness>, R> {
+    fn spring_friction<R>(
+        &self,
+        a: u8,
+        b: u8,
+        rolling: R,
+    ) -> Composite<LinearNormal, SpringSlider<ConstantStiffness>, R> {
         let LinearTerms { normal, tangential: Some(Friction::Spring { k, damping, friction }), lever } =
             self.linear(a, b)
         else {
@@ -264,7 +273,7 @@ impl Contacts<'_> {
     }
 
     fn rolling(&self, a: u8, b: u8) -> RollingResistance {
-        match self.of(a, b) {
+        match self.contact_of(a, b) {
             Contact::Linear { rolling: Some(rolling), .. } | Contact::Hertz { rolling: Some(rolling), .. } => rolling,
             _ => unreachable!("{SAME_KIND}"),
         }
@@ -275,12 +284,13 @@ impl Contacts<'_> {
     }
 
     fn hertz(&self, a: u8, b: u8) -> Hertz {
-        let Contact::Hertz { restitution, attraction, .. } = self.of(a, b) else { unreachable!("{SAME_KIND}") };
+        let Contact::Hertz { restitution, attraction, .. } = self.contact_of(a, b) else { unreachable!("{SAME_KIND}") };
         Hertz::new(self.materials(a, b), restitution, attraction)
     }
 
     fn mindlin<R>(&self, a: u8, b: u8, rolling: R) -> Composite<Hertz, SpringSlider<Mindlin>, R> {
-        let Contact::Hertz { tangential: Some(HertzFriction::Mindlin { friction }), lever, .. } = self.of(a, b) else {
+        let Contact::Hertz { tangential: Some(HertzFriction::Mindlin { friction }), lever, .. } = self.contact_of(a, b)
+        else {
             unreachable!("{SAME_KIND}")
         };
         let normal = self.hertz(a, b);
@@ -296,6 +306,6 @@ struct LinearTerms {
     lever: Lever,
 }
 
-fn smooth<N: Normal>(normal: N) -> Composite<N, NoFriction, NoRolling> {
+fn frictionless<N: Normal>(normal: N) -> Composite<N, NoFriction, NoRolling> {
     Composite { normal, tangential: NoFriction, rolling: NoRolling }
 }

@@ -75,7 +75,7 @@ impl Attraction {
         match self {
             Self::Allowed if zeta >= 1.0 => 0.0,
             Self::Allowed => (-PI * zeta / (1.0 - zeta * zeta).sqrt()).exp(),
-            Self::Forbidden => restitution_forbidding(zeta),
+            Self::Forbidden => restitution_without_attraction(zeta),
         }
     }
 
@@ -105,7 +105,7 @@ impl Attraction {
 }
 
 /// Returns e(zeta) without attraction; it falls from 1 through exp(-2) at zeta = 1 towards 0.
-fn restitution_forbidding(zeta: f64) -> f64 {
+fn restitution_without_attraction(zeta: f64) -> f64 {
     let root = (1.0 - zeta * zeta).abs().sqrt();
     if root < 1e-6 {
         return (-2.0f64).exp();
@@ -118,12 +118,12 @@ fn restitution_forbidding(zeta: f64) -> f64 {
 /// Returns the zeta that gives restitution `e` without attraction. Bisection, because e(zeta) falls monotonically.
 fn bisect(e: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
-    while restitution_forbidding(high) > e {
+    while restitution_without_attraction(high) > e {
         high *= 2.0;
     }
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
-        if restitution_forbidding(middle) > e { low = middle } else { high = middle }
+        if restitution_without_attraction(middle) > e { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_rules_invert_to_the_restitution_asked_for() {
+    fn damping_ratio_inverts_restitution() {
         for rule in [Attraction::Allowed, Attraction::Forbidden] {
             for e in [1.0, 0.95, 0.9, 0.5, 0.2, 0.1353, 0.05, 1e-3] {
                 let zeta = rule.damping_ratio(Restitution::try_from(e).unwrap());
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn without_damping_both_rules_are_half_a_period() {
+    fn undamped_contact_lasts_half_a_period() {
         for rule in [Attraction::Allowed, Attraction::Forbidden] {
             assert!((rule.duration(0.0) - PI).abs() < 1e-15);
             assert!((rule.restitution(0.0) - 1.0).abs() < 1e-15);
@@ -152,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn the_forbidding_forms_join_at_critical_damping() {
+    fn forms_without_attraction_join_at_critical_damping() {
         for rule in [Attraction::restitution, Attraction::duration] {
             let (below, at, above) = (
                 rule(Attraction::Forbidden, 0.999),

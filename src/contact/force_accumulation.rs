@@ -6,7 +6,7 @@
 use std::ops::{AddAssign, Range, SubAssign};
 
 use crate::contact::batch::Batch;
-use crate::contact::geometry::{parted, parted_from_wall};
+use crate::contact::geometry::{ended_pair, ended_wall_pair};
 use crate::contact::kernel::{Pass, touch};
 use crate::contact::lanes::LANES;
 use crate::contact::{LawRequirements, Memory, Pair, PairForce, PairLaw, Turning};
@@ -23,7 +23,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
             return [0.0; 2];
         }
         let [i, j] = contact.both();
-        self.law.on_contact_end(&parted(store, i, j, self.dt), memory)
+        self.law.on_contact_end(&ended_pair(store, i, j, self.dt), memory)
     }
 
     /// Returns the energy lost when a contact with a wall ends, J. Returns 0 if the wall is a door that has been
@@ -39,14 +39,14 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         if !(self.walls[wall].is_present && store.tracks_energy) {
             return [0.0; 2];
         }
-        self.law.on_contact_end(&parted_from_wall(store, i, &self.walls[wall], self.dt), memory)
+        self.law.on_contact_end(&ended_wall_pair(store, i, &self.walls[wall], self.dt), memory)
     }
 }
 
 impl<V: Space> Pair<V> {
     /// Returns the energy that the tangential dashpot dissipates in this step, J.
     #[inline(always)]
-    pub(crate) fn taken_by_dashpot<L: LawRequirements>(&self, turning: &Turning<V>) -> f64 {
+    pub(crate) fn dashpot_loss<L: LawRequirements>(&self, turning: &Turning<V>) -> f64 {
         let pair = if L::PREDICTION { self.predicted() } else { *self };
         -turning.friction_drag.dot(pair.sliding_velocity(turning.arms)) * self.dt
     }
@@ -83,7 +83,7 @@ impl<'a, V: Space> AccumulatorSlice<'a, V> {
     }
 
     /// Splits off the loads of the first `particles` particles.
-    pub(crate) fn cut_off(&mut self, particles: usize) -> Self {
+    pub(crate) fn split_front(&mut self, particles: usize) -> Self {
         let (entries, numbers) = (..particles, ..particles * self.each);
         // Accumulators that the law does not need are empty.
         Self {
@@ -96,7 +96,7 @@ impl<'a, V: Space> AccumulatorSlice<'a, V> {
     }
 
     /// Initialises the sums from position `start` on: forces to the weights of `masses` (kg), the rest to zero.
-    fn begin<const NUMBERS: usize>(&mut self, start: usize, masses: &[f64], gravity: V) {
+    fn initialise<const NUMBERS: usize>(&mut self, start: usize, masses: &[f64], gravity: V) {
         fn clear<T: Copy + Default>(column: &mut [T], places: Range<usize>) {
             if let Some(sums) = column.get_mut(places) {
                 sums.fill(T::default());
@@ -121,7 +121,7 @@ fn add<T: AddAssign, const NUMBERS: usize>(entry: &mut [T; NUMBERS], numbers: [T
 
 /// Subtracts numbers from an accumulator entry.
 #[inline(always)]
-fn take<T: SubAssign, const NUMBERS: usize>(entry: &mut [T; NUMBERS], numbers: [T; NUMBERS]) {
+fn subtract<T: SubAssign, const NUMBERS: usize>(entry: &mut [T; NUMBERS], numbers: [T; NUMBERS]) {
     entry.iter_mut().zip(numbers).for_each(|(sum, number)| *sum -= number);
 }
 
@@ -129,25 +129,25 @@ fn take<T: SubAssign, const NUMBERS: usize>(entry: &mut [T; NUMBERS], numbers: [
 pub(crate) struct ForceAccumulation<'a, V: Space> {
     rows: Range<usize>,
     /// Sums before this slot are initialised.
-    begun: usize,
-    share: AccumulatorSlice<'a, V>,
+    initialised_end: usize,
+    slice: AccumulatorSlice<'a, V>,
 }
 
 impl<'a, V: Space> ForceAccumulation<'a, V> {
-    pub(crate) fn new(rows: Range<usize>, share: AccumulatorSlice<'a, V>) -> Self {
-        Self { begun: rows.start, rows, share }
+    pub(crate) fn new(rows: Range<usize>, slice: AccumulatorSlice<'a, V>) -> Self {
+        Self { initialised_end: rows.start, rows, slice }
     }
 
     /// Initialises the sums before slot `end` that are not initialised yet.
-    pub(super) fn begin(&mut self, end: usize, gravity: V, store: &ParticleStore<V>) {
-        let end = end.clamp(self.begun, self.rows.end);
-        let (masses, start) = (&store.mass[self.begun..end], self.begun - self.rows.start);
-        if self.share.each == TOTAL_AND_DISSIPATIVE {
-            self.share.begin::<TOTAL_AND_DISSIPATIVE>(start, masses, gravity);
+    pub(super) fn initialise(&mut self, end: usize, gravity: V, store: &ParticleStore<V>) {
+        let end = end.clamp(self.initialised_end, self.rows.end);
+        let (masses, start) = (&store.mass[self.initialised_end..end], self.initialised_end - self.rows.start);
+        if self.slice.each == TOTAL_AND_DISSIPATIVE {
+            self.slice.initialise::<TOTAL_AND_DISSIPATIVE>(start, masses, gravity);
         } else {
-            self.share.begin::<TOTAL>(start, masses, gravity);
+            self.slice.initialise::<TOTAL>(start, masses, gravity);
         }
-        self.begun = end;
+        self.initialised_end = end;
     }
 
     /// Reads the sums of `entries` that lie in the own range, to load them into the cache.
@@ -180,12 +180,12 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
             let (force, torques_of) = (answer.force::<NUMBERS>(lane), answer.torques::<L, NUMBERS>(lane));
             add(&mut forces[first], force);
             if is_here {
-                take(&mut forces[second], force);
+                subtract(&mut forces[second], force);
             }
             if L::SPIN {
                 add(&mut torques[first], torques_of[0]);
                 if is_here {
-                    take(&mut torques[second], torques_of[1]);
+                    subtract(&mut torques[second], torques_of[1]);
                 }
             }
             if L::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
@@ -216,12 +216,12 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
             if SIDE == 0 {
                 add(&mut forces[entry], force);
             } else {
-                take(&mut forces[entry], force);
+                subtract(&mut forces[entry], force);
             }
             if L::SPIN && SIDE == 0 {
                 add(&mut torques[entry], torque);
             } else if L::SPIN {
-                take(&mut torques[entry], torque);
+                subtract(&mut torques[entry], torque);
             }
             if L::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
                 let drag = answer.rolling_drag_torque.get(lane);

@@ -71,7 +71,7 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
 
 /// Moves memories to the new slots of their particles after a renumbering.
 fn move_memories<V: Space, L: LawRequirements>(store: Res<ParticleStore<V>>, mut history: ResMut<History<V>>) {
-    history.follow::<L>(&store);
+    history.move_to_new_slots::<L>(&store);
 }
 
 /// Adds contacts with the law `law`, between particles and with flat walls. Laws from other crates are added here:

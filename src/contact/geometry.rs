@@ -33,10 +33,10 @@ impl<V: Space> ContactLine<V> {
     pub(super) fn new(separation: V, mobility: f64) -> Self {
         let squared = separation.length_squared();
         // One root gives 1/d and 1/mobility.
-        let both = inverse_root(squared * (mobility * mobility));
-        let inverse_distance = both * mobility;
+        let inverse_product = inverse_root(squared * (mobility * mobility));
+        let inverse_distance = inverse_product * mobility;
         let distance = squared * inverse_distance;
-        Self { normal: separation * inverse_distance, distance, reduced_mass: both * distance }
+        Self { normal: separation * inverse_distance, distance, reduced_mass: inverse_product * distance }
     }
 
     /// Computes the line from a wall to a particle.
@@ -60,24 +60,24 @@ pub fn touching<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, root: bo
     let squared = separation.length_squared();
     // Written so that a NaN does not touch.
     if squared < reach * reach && !(store.is_fixed(i) && store.is_fixed(j)) {
-        Some(between(store, [i, j], separation, root, 0.0))
+        Some(pair_at(store, [i, j], separation, root, 0.0))
     } else {
         None
     }
 }
 
 /// Returns the geometry of two particles whose contact has ended in this step.
-pub(super) fn parted<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
+pub(super) fn ended_pair<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
     let separation = store.separation(store.body[i].position, store.body[j].position);
-    between(store, [i, j], separation, true, dt)
+    pair_at(store, [i, j], separation, true, dt)
 }
 
 /// Returns the geometry of two particles that are `separation` (m) apart.
 #[inline(always)]
-fn between<V: Space>(store: &ParticleStore<V>, both: [usize; 2], separation: V, root: bool, dt: f64) -> Pair<V> {
-    let [a, b] = both.map(|entry| &store.body[entry]);
+fn pair_at<V: Space>(store: &ParticleStore<V>, slots: [usize; 2], separation: V, root: bool, dt: f64) -> Pair<V> {
+    let [a, b] = slots.map(|slot| &store.body[slot]);
     let separation = if separation.length_squared() < COINCIDENT {
-        coincident::<V>(store.id[both[0]], store.id[both[1]]) * PARTED
+        coincident::<V>(store.id[slots[0]], store.id[slots[1]]) * PARTED
     } else {
         separation
     };
@@ -90,8 +90,8 @@ fn between<V: Space>(store: &ParticleStore<V>, both: [usize; 2], separation: V, 
         root: if root { reduced_mass.sqrt() } else { 0.0 },
         radii: [a.radius, b.radius],
         inverse_reach: 1.0 / (a.radius + b.radius),
-        spins: both.map(|entry| store.spin(entry)),
-        species: both.map(|entry| store.species[entry]),
+        spins: slots.map(|slot| store.spin(slot)),
+        species: slots.map(|slot| store.species[slot]),
         dt,
         ahead: VelocityPrediction::default(),
     }
@@ -115,7 +115,7 @@ pub fn touching_wall<const PREDICTION: bool, V: Space>(
     if !(line.distance < body.radius + window && wall.is_present) {
         return None;
     }
-    let mut pair = at_wall(store, i, wall, line, root, dt);
+    let mut pair = wall_pair_at(store, i, wall, line, root, dt);
     if PREDICTION {
         let (gain, spin) = (&store.gain[i], store.spin_gain.get(i).copied().unwrap_or_default());
         pair.ahead = VelocityPrediction {
@@ -130,13 +130,13 @@ pub fn touching_wall<const PREDICTION: bool, V: Space>(
 }
 
 /// Returns the geometry of the movable particle in slot `i` and a wall that it has just left.
-pub(super) fn parted_from_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Pair<V> {
-    at_wall(store, i, wall, ContactLine::to_wall(&store.body[i], wall), true, dt)
+pub(super) fn ended_wall_pair<V: Space>(store: &ParticleStore<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Pair<V> {
+    wall_pair_at(store, i, wall, ContactLine::to_wall(&store.body[i], wall), true, dt)
 }
 
 /// Returns the geometry of the movable particle in slot `i` and a wall at the end of `line`.
 #[inline(always)]
-fn at_wall<V: Space>(
+fn wall_pair_at<V: Space>(
     store: &ParticleStore<V>,
     i: usize,
     wall: &FlatWall<V>,

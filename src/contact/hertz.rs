@@ -79,8 +79,8 @@ impl Hertz {
 }
 
 impl Normal for Hertz {
-    // The mean of delta^(1/4) is approximated by its value in the middle minus a share of (w/delta)^2/32. At this ratio
-    // the remainder is 0.02 (w/delta)^4, below 1e-5.
+    // `even_drag` takes the mean of delta^(1/4) as its value in the middle times 1 - (w/delta)^2/32. The remainder is
+    // 0.02 (w/delta)^4 at this ratio, below 1e-5.
     const EVEN: f64 = 8.0;
 
     #[inline(always)]
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn two_glass_spheres_meet_as_published() {
+    fn glass_sphere_impact_agrees_with_published_values() {
         // Chung and Ooi, Granular Matter 13, 643, 2011, test 1: R = 1 cm, 2800 kg/m^3, 10 m/s each: 274.1 um, 40.34 us.
         let mass = 2800.0 * 4.0 / 3.0 * PI * 1e-6;
         let bounce = Bounce { reduced_mass: 0.5 * mass, reduced_radius: 0.005, speed: 20.0 };
@@ -196,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn the_published_fit_of_the_damping_without_attraction_is_met() {
+    fn damping_without_attraction_agrees_with_published_fit() {
         const THORNTON: [f64; 10] = [
             -6.918_798, -16.411_05, 146.804_9, -796.455_9, 2_928.711, -7_206.864, 11_494.29, -11_342.18, 6_276.757,
             -1_489.915,

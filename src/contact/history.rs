@@ -55,14 +55,14 @@ impl AddAssign for ContactLosses {
 #[derive(Resource, Clone, Debug)]
 pub struct History<V: Space = Plane> {
     /// History blocks of contacts between particles.
-    pages: Vec<HistoryBlock<V>>,
+    pair_blocks: Vec<HistoryBlock<V>>,
     /// History blocks of contacts with flat walls; the partner is the index of the wall.
-    walls: Vec<HistoryBlock<V>>,
+    wall_blocks: Vec<HistoryBlock<V>>,
 }
 
 impl<V: Space> Default for History<V> {
     fn default() -> Self {
-        Self { pages: Vec::new(), walls: Vec::new() }
+        Self { pair_blocks: Vec::new(), wall_blocks: Vec::new() }
     }
 }
 
@@ -71,82 +71,84 @@ impl<V: Space> History<V> {
     #[must_use]
     pub fn of_pair(&self, i: usize, j: usize) -> Option<Memory<V>> {
         let low = i.min(j);
-        self.pages.get(low / BLOCK)?.look_up(Candidate::new(u32::try_from(low).ok()?, u32::try_from(i.max(j)).ok()?))
+        self.pair_blocks
+            .get(low / BLOCK)?
+            .look_up(Candidate::new(u32::try_from(low).ok()?, u32::try_from(i.max(j)).ok()?))
     }
 
     /// Returns the memory of the contact of slot `i` with a flat wall.
     #[must_use]
     pub fn of_wall(&self, i: usize, wall: usize) -> Option<Memory<V>> {
-        self.walls.get(i / BLOCK)?.look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
+        self.wall_blocks.get(i / BLOCK)?.look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
     }
 
     /// Returns a reader of contacts between particles, for look-ups in ascending order.
     #[must_use]
     pub fn read_pairs(&self) -> HistoryReader<'_, V> {
-        HistoryReader { pages: &self.pages, page: 0, from: 0 }
+        HistoryReader { blocks: &self.pair_blocks, block: 0, position: 0 }
     }
 
     /// Returns a reader of contacts with flat walls, for look-ups in ascending order.
     #[must_use]
     pub fn read_walls(&self) -> HistoryReader<'_, V> {
-        HistoryReader { pages: &self.walls, page: 0, from: 0 }
+        HistoryReader { blocks: &self.wall_blocks, block: 0, position: 0 }
     }
 
     /// Returns the energy lost in contacts in the last step.
     #[must_use]
     pub fn lost(&self) -> ContactLosses {
         let mut all = ContactLosses::default();
-        self.pages.iter().chain(&self.walls).for_each(|page| all += page.lost);
+        self.pair_blocks.iter().chain(&self.wall_blocks).for_each(|block| all += block.lost);
         all
     }
 
     /// Returns the history blocks for the particles of `store`: of contacts between particles, and of contacts with
     /// flat walls.
     pub fn pages(&mut self, store: &ParticleStore<V>) -> (&mut [HistoryBlock<V>], &mut [HistoryBlock<V>]) {
-        (fit(&mut self.pages, store), fit(&mut self.walls, store))
+        (resized(&mut self.pair_blocks, store), resized(&mut self.wall_blocks, store))
     }
 
     /// Moves memories to the slots that a renumbering of `store` has just assigned.
-    pub(super) fn follow<L: LawRequirements>(&mut self, store: &ParticleStore<V>) {
-        if self.pages.iter().chain(&self.walls).all(HistoryBlock::is_empty) {
+    pub(super) fn move_to_new_slots<L: LawRequirements>(&mut self, store: &ParticleStore<V>) {
+        if self.pair_blocks.iter().chain(&self.wall_blocks).all(HistoryBlock::is_empty) {
             return;
         }
-        let mut slots = vec![None; self.pages.len() * BLOCK];
+        let mut slots = vec![None; self.pair_blocks.len() * BLOCK];
         for (slot, former) in (0u32..).zip(&store.former) {
             if let Some(entry) = slots.get_mut(former.index()) {
                 *entry = Some(slot);
             }
         }
-        let place = |old: usize| slots.get(old).copied().flatten();
+        let new_slot = |old: usize| slots.get(old).copied().flatten();
         let mut pairs = Vec::new();
-        for (contact, mut memory) in self.pages.iter().flat_map(HistoryBlock::all) {
-            if let [Some(i), Some(j)] = contact.both().map(place) {
+        for (contact, mut memory) in self.pair_blocks.iter().flat_map(HistoryBlock::all) {
+            if let [Some(i), Some(j)] = contact.both().map(new_slot) {
                 if i > j {
                     memory = memory.turned();
                 }
                 pairs.push((Candidate::new(i.min(j), i.max(j)), memory));
             }
         }
-        let on_walls = self.walls.iter().flat_map(HistoryBlock::all);
+        let on_walls = self.wall_blocks.iter().flat_map(HistoryBlock::all);
         let walls = on_walls
             .filter_map(|(contact, memory)| {
                 let wall = u32::try_from(contact.second()).ok()?;
-                Some((Candidate::new(place(contact.first())?, wall), memory))
+                Some((Candidate::new(new_slot(contact.first())?, wall), memory))
             })
             .collect();
-        rewrite::<V, L>(&mut self.pages, store, pairs);
-        rewrite::<V, L>(&mut self.walls, store, walls);
+        rewrite::<V, L>(&mut self.pair_blocks, store, pairs);
+        rewrite::<V, L>(&mut self.wall_blocks, store, walls);
     }
 }
 
 /// Looks up memories in ascending order of contacts, faster than [`History::of_pair`] and [`History::of_wall`].
 #[derive(Clone, Debug)]
 pub struct HistoryReader<'a, V: Space = Plane> {
-    pages: &'a [HistoryBlock<V>],
+    blocks: &'a [HistoryBlock<V>],
     /// Index of the block of the last look-up.
-    page: usize,
+    block: usize,
     /// Position of the last look-up in its block.
-    from: usize,
+    position: usize,
 }
 
 impl<V: Space> HistoryReader<'_, V> {
@@ -154,31 +156,31 @@ impl<V: Space> HistoryReader<'_, V> {
     #[must_use]
     pub fn look_up(&mut self, i: usize, partner: usize) -> Option<Memory<V>> {
         let contact = Candidate::new(u32::try_from(i).ok()?, u32::try_from(partner).ok()?);
-        if i / BLOCK != self.page {
-            (self.page, self.from) = (i / BLOCK, 0);
+        if i / BLOCK != self.block {
+            (self.block, self.position) = (i / BLOCK, 0);
         }
-        self.pages.get(self.page)?.look_up_next(&mut self.from, contact)
+        self.blocks.get(self.block)?.look_up_next(&mut self.position, contact)
     }
 }
 
-/// Resizes `pages` to the number of blocks that the particles of `store` need.
-fn fit<'p, V: Space>(pages: &'p mut Vec<HistoryBlock<V>>, store: &ParticleStore<V>) -> &'p mut [HistoryBlock<V>] {
-    pages.resize_with(store.len().div_ceil(BLOCK), HistoryBlock::default);
-    pages
+/// Resizes `blocks` to the number of blocks that the particles of `store` need.
+fn resized<'p, V: Space>(blocks: &'p mut Vec<HistoryBlock<V>>, store: &ParticleStore<V>) -> &'p mut [HistoryBlock<V>] {
+    blocks.resize_with(store.len().div_ceil(BLOCK), HistoryBlock::default);
+    blocks
 }
 
 /// Rewrites all blocks for the particles of `store`, with `contacts`.
 fn rewrite<V: Space, L: LawRequirements>(
-    pages: &mut Vec<HistoryBlock<V>>,
+    blocks: &mut Vec<HistoryBlock<V>>,
     store: &ParticleStore<V>,
     mut contacts: Vec<(Candidate, Memory<V>)>,
 ) {
     // Most contacts keep their order, and the stable sort is fast on sorted runs.
     contacts.sort_by_key(|(contact, _)| *contact);
-    pages.clear();
-    let pages = fit(pages, store);
+    blocks.clear();
+    let blocks = resized(blocks, store);
     for (contact, memory) in &contacts {
-        pages[contact.first() / BLOCK].push::<L>(*contact, memory);
+        blocks[contact.first() / BLOCK].push::<L>(*contact, memory);
     }
 }
 
@@ -207,7 +209,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn who_is_asked_for_in_order_is_found_as_by_searching() {
+    fn sequential_look_up_agrees_with_search() {
         let mut page = HistoryBlock::<Plane>::default();
         for (contact, spring) in [([0, 1], 0.1), ([0, 3], 0.2), ([1, 2], 0.3)] {
             page.push::<Springs>(contact.into(), &memory(spring));
@@ -219,11 +221,11 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn memories_follow_their_particles() {
+    fn memories_move_with_their_particles() {
         let old: Vec<u32> = (0..3000).map(|n| 10 * n).collect();
         let before = store(&old, &[]);
         let mut history = History::default();
-        history.follow::<Springs>(&before);
+        history.move_to_new_slots::<Springs>(&before);
         for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
             history.pages(&before).0[contact[0] as usize / BLOCK].push::<Springs>(contact.into(), &memory(spring));
         }
@@ -232,7 +234,7 @@ pub(super) mod tests {
         // one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();
         let after = store(&new, &old);
-        history.follow::<Springs>(&after);
+        history.move_to_new_slots::<Springs>(&after);
         let slot = |name: u32| new.iter().position(|&other| other == name).unwrap();
         let spring = |a: u32, b: u32| history.of_pair(slot(a), slot(b)).map(|memory| memory.spring.x);
         assert_eq!(spring(10, 29990), Some(-1.5));
@@ -241,10 +243,10 @@ pub(super) mod tests {
         assert_eq!(spring(5, 10), None);
         assert_eq!(history.of_wall(slot(15000), 2).map(|memory| memory.spring.x), Some(7.0));
         let mut reader = history.read_pairs();
-        for [i, j] in history.pages.iter().flat_map(HistoryBlock::all).map(|(contact, _)| contact.both()) {
+        for [i, j] in history.pair_blocks.iter().flat_map(HistoryBlock::all).map(|(contact, _)| contact.both()) {
             assert_eq!(reader.look_up(i, j), history.of_pair(i, j));
         }
-        let kept: usize = history.pages.iter().map(HistoryBlock::len).sum();
+        let kept: usize = history.pair_blocks.iter().map(HistoryBlock::len).sum();
         assert_eq!(kept, 3);
     }
 }

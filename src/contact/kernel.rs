@@ -77,10 +77,10 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         }
         let tasks = self.list.tasks();
         scratches.resize_with(tasks.len(), ThreadScratch::default);
-        let (mut pages, mut wall_pages) = history.pages(store);
+        let (mut pair_histories, mut wall_histories) = history.pages(store);
         let has_borders = L::MEMORY && tasks.len() > 1;
         if has_borders {
-            exchange_halos::<V, L>(scratches, self.list, pages, goes_on);
+            exchange_halos::<V, L>(scratches, self.list, pair_histories, goes_on);
         }
         let view = &*store;
         let (left, places): (Vec<_>, Vec<_>) = scratches
@@ -95,19 +95,19 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         let mut workers = Vec::with_capacity(tasks.len());
         for (task, (batch, leaving, rows, spare, on_walls)) in tasks.iter().zip(places) {
             let count = task.rows.len();
-            let sums = ForceAccumulation::new(task.rows.clone(), rest.cut_off(count));
+            let sums = ForceAccumulation::new(task.rows.clone(), rest.split_front(count));
             let blocks = count.div_ceil(BLOCK);
-            let pages = pages.split_off_mut(..blocks).unwrap_or_default();
-            let wall_pages = wall_pages.split_off_mut(..blocks).unwrap_or_default();
+            let pair_histories = pair_histories.split_off_mut(..blocks).unwrap_or_default();
+            let wall_histories = wall_histories.split_off_mut(..blocks).unwrap_or_default();
             let own = near.partition_point(|contact| contact.first() < task.rows.end);
             let near = near.split_off(..own).unwrap_or_default();
             let halo = halo.clone();
             on_walls.clear();
             let worker = Worker { pass: self, view, task, halo, sums, batch, largest: deepest, near, on_walls };
             workers.push(move || {
-                let largest = worker.sum(pages, wall_pages, spare);
+                let largest = worker.sum(pair_histories, wall_histories, spare);
                 if has_borders {
-                    export_halo::<V, L>(&task.rows, self.list, pages, leaving);
+                    export_halo::<V, L>(&task.rows, self.list, pair_histories, leaving);
                     *rows = task.rows.clone();
                 }
                 largest

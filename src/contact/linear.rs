@@ -117,7 +117,7 @@ mod tests {
     use crate::space::Vector;
     use crate::values::NonNegative;
 
-    fn parting(attraction: Attraction) -> PairForce {
+    fn separating_force(attraction: Attraction) -> PairForce {
         let damping = Damping::B(NonNegative::try_from(100.0).unwrap());
         let normal = LinearNormal::new(Positive::try_from(1e4).unwrap(), damping, attraction);
         let law = Composite { normal, tangential: NoFriction, rolling: NoRolling };
@@ -125,15 +125,15 @@ mod tests {
     }
 
     #[test]
-    fn a_parting_pair_pulls_only_where_attraction_is_allowed() {
-        let pulled = parting(Attraction::Allowed);
+    fn a_separating_pair_pulls_only_if_attraction_is_allowed() {
+        let pulled = separating_force(Attraction::Allowed);
         assert_eq!(pulled.smooth, Vector::new(-90.0, 0.0));
-        let cut = parting(Attraction::Forbidden);
+        let cut = separating_force(Attraction::Forbidden);
         assert_eq!(cut.smooth, Vector::ZERO);
     }
 
     #[test]
-    fn restitution_does_not_depend_on_the_pair_s_mass() {
+    fn restitution_does_not_depend_on_mass() {
         let damping = Damping::Restitution(0.5.try_into().unwrap());
         for attraction in [Attraction::Allowed, Attraction::Forbidden] {
             let law = LinearNormal::new(Positive::try_from(1e4).unwrap(), damping, attraction);

@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::spring::{Slider, SliderForce, lost_at_the_end};
+use crate::contact::spring::{Slider, SliderForce, lost_at_contact_end};
 use crate::contact::tangential::NormalLoad;
 use crate::contact::{Bounce, Memory, Pair, Turning, VelocityPrediction};
 use crate::space::Space;
@@ -83,7 +83,7 @@ fn rolling_velocity<V: Space>(pair: &Pair<V>) -> V {
 
 /// Sets the torques of a rolling force with arm R_eff.
 #[inline(always)]
-fn resist<V: Space>(pair: &Pair<V>, pull: &SliderForce<V>, turning: &mut Turning<V>) {
+fn set_torques<V: Space>(pair: &Pair<V>, pull: &SliderForce<V>, turning: &mut Turning<V>) {
     let arm = pair.normal * pair.reduced_radius();
     turning.rolling = arm.cross(pull.force);
     turning.rolling_drag = arm.cross(pull.drag);
@@ -125,7 +125,7 @@ impl Rolling for RollingResistance {
         let drag = self.damping.of(pair.reduced_mass);
         let slider = Slider { stiffness: self.k.get(), drag, cap: self.friction.get() * normal_force.abs() };
         let pull = slider.pull(&mut memory.rolling, velocity, pair.normal, pair.dt);
-        resist(pair, &pull, turning);
+        set_torques(pair, &pull, turning);
     }
 
     #[inline(always)]
@@ -146,7 +146,7 @@ impl Rolling for RollingResistance {
         let mut sweep = load.sweep(motion, mobilities, friction, pair.dt);
         sweep.pulled = memory.rolling * -slider.stiffness;
         let pull = slider.pull_centred(&mut memory.rolling, &sweep, pair.normal);
-        resist(pair, &pull, turning);
+        set_torques(pair, &pull, turning);
     }
 
     fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {
@@ -158,7 +158,7 @@ impl Rolling for RollingResistance {
     }
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        lost_at_the_end(self.k.get(), memory.rolling, rolling_velocity(pair), pair.dt)
+        lost_at_contact_end(self.k.get(), memory.rolling, rolling_velocity(pair), pair.dt)
     }
 }
 
@@ -169,7 +169,7 @@ mod tests {
     use crate::space::Vector;
 
     #[test]
-    fn it_opposes_rolling_on_both_sides_alike() {
+    fn torque_is_odd_and_displacement_even_under_exchange() {
         let law = RollingResistance {
             k: 1e3.try_into().unwrap(),
             damping: RollingDamping::B(2.0.try_into().unwrap()),

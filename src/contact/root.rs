@@ -1,10 +1,10 @@
 //! 1/√x from multiplications and subtractions alone.
 //!
 //! A processor has a single unit for divisions and roots, and it is slow. With AVX-512 eight numbers may occupy it for
-//! 16 to 24 cycles; multiplications of eight numbers could run 32 to 48 times in that time. Here bit operations negate
-//! and halve the exponent for a first guess ([`GUESS`]), accurate within 3.5 %. Four steps of Newton's method square
-//! its relative error, e' = 3/2 e^2: 2e-3, 5e-6, 4e-11, round-off. The operations are the same with every instruction
-//! set, so the bits of the result are too.
+//! 16 to 24 cycles. In that time 32 to 48 multiplications of eight numbers could run. Here bit operations negate and
+//! halve the exponent for a first guess ([`GUESS`]), accurate within 3.5 %. Four steps of Newton's method square its
+//! relative error, e' = 3/2 e^2: 2e-3, 5e-6, 4e-11, round-off. The operations are the same with every instruction set,
+//! so the bits of the result are too.
 //!
 //! Limits: from the smallest normal double (2e-308) to the largest. Below that range the guess is wrong; 0 gives a
 //! finite number, and NaN gives NaN. Source of the guess: C. Lomont, Fast inverse square root, Purdue University, 2003.
@@ -31,7 +31,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_right_over_all_exponents() {
+    fn error_is_below_two_eps_for_all_exponents() {
         let mut largest: f64 = 0.0;
         for exponent in -1022..1023 {
             for part in 0..64 {
@@ -46,7 +46,7 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_root_says_so() {
+    fn nan_gives_nan_and_zero_a_finite_number() {
         assert!(inverse_root(f64::NAN).is_nan() && inverse_root(-f64::NAN).is_nan());
         assert!(inverse_root(0.0).is_finite());
     }

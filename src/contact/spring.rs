@@ -76,7 +76,8 @@ pub struct TangentialStep<V> {
     pub dt: f64,
     /// The event within the step, if there is one.
     pub event: Option<Event>,
-    /// Time during which the spring accumulates, s: from the event to the end of the step; 0 across a gap.
+    /// Time during which the spring accumulates, s: the whole step, or from the event to the end of the step, or 0 across
+    /// a gap.
     pub gathering: f64,
     /// Fractions of the steps centred on the beginning and the end in which the contact exists.
     pub shares: [f64; 2],
@@ -112,7 +113,7 @@ impl Slider {
         let (_, earlier) = cut(pulled - (middle - gained) * (self.drag * share_before), cap_before);
         let [half, half_lone] = sweep.mobilities.map(|mobility| 0.5 * dt * mobility);
         let before = *spring;
-        let swept = self.started(before, sweep, earlier * half) + middle * sweep.gathering;
+        let swept = self.spring_after_event(before, sweep, earlier * half) + middle * sweep.gathering;
         let mut after = swept - normal * swept.dot(normal);
         let elastic = after * -self.stiffness;
         let undragged = middle + gained - (earlier - pulled) * half + (elastic * share - pulled) * half_lone;
@@ -123,7 +124,7 @@ impl Slider {
             // step.
             after = V::ZERO;
         } else if is_beyond {
-            after = self.slipped(whole, middle + gained + (whole * share - earlier) * half_lone, after);
+            after = self.spring_at_cap(whole, middle + gained + (whole * share - earlier) * half_lone, after);
         }
         let (is_beyond_average, force) = cut(whole * share, cap);
         *spring = after;
@@ -137,27 +138,27 @@ impl Slider {
     /// Returns the spring that, with a dashpot at `velocity`, gives `force` at the cap. Without stiffness it returns
     /// `spring`.
     #[inline(always)]
-    fn slipped<V: Space>(&self, force: V, velocity: V, spring: V) -> V {
+    fn spring_at_cap<V: Space>(&self, force: V, velocity: V, spring: V) -> V {
         if self.stiffness > 0.0 { (force + velocity * self.drag) / -self.stiffness } else { spring }
     }
 
     /// Returns the spring after the event, if there was one. `own` is the velocity that the contact's own force of the
     /// previous step has added in half a step, m/s.
     #[inline(always)]
-    fn started<V: Space>(&self, spring: V, sweep: &TangentialStep<V>, own: V) -> V {
+    fn spring_after_event<V: Space>(&self, spring: V, sweep: &TangentialStep<V>, own: V) -> V {
         let Some(Event { ago, cap, opens }) = sweep.event else { return spring };
         // A contact that opens within this step has already received its averaged force before opening, over two half
         // steps.
         let own = if opens { own } else { V::ZERO };
         let then = sweep.middle + (sweep.gained - own) * (1.0 - 2.0 * ago / sweep.dt) - own * 2.0;
         let (is_beyond, force) = cut(spring * -self.stiffness - then * self.drag, cap);
-        if is_beyond { self.slipped(force, then, spring) } else { spring }
+        if is_beyond { self.spring_at_cap(force, then, spring) } else { spring }
     }
 }
 
 /// Returns the energy lost with the spring of an ended contact, J. `stiffness` in N/m; `velocity` (m/s) is the velocity
 /// of the last step, `dt` (s).
-pub(super) fn lost_at_the_end<V: Space>(stiffness: f64, spring: V, velocity: V, dt: f64) -> f64 {
+pub(super) fn lost_at_contact_end<V: Space>(stiffness: f64, spring: V, velocity: V, dt: f64) -> f64 {
     0.5 * stiffness * spring.dot(spring + velocity * dt)
 }
 
@@ -169,7 +170,7 @@ mod tests {
     const SLIDER: Slider = Slider { stiffness: 1e4, drag: 3.0, cap: 2.0 };
 
     #[test]
-    fn it_sticks_below_the_cap_and_slides_at_it() {
+    fn slider_sticks_below_the_cap_and_slides_at_it() {
         let mut spring = Solid::ZERO;
         let stuck = SLIDER.pull(&mut spring, Solid::X * 0.1, Solid::Z, 1e-3);
         assert!(!stuck.is_sliding && spring.distance(Solid::X * 1e-4) < 1e-19);

@@ -110,7 +110,7 @@ mod tests {
     use crate::contact::tests::pair;
 
     #[test]
-    fn a_pair_has_one_entry_whichever_comes_first() {
+    fn law_does_not_depend_on_the_order_of_species() {
         let stiffness = |a: u8, b: u8| 1.0 + f64::from(a) + 10.0 * f64::from(b);
         let table =
             PairTable::new(3, |a, b| Assignment::new(stiffness(a, b).try_into().unwrap(), 0.0.try_into().unwrap()));

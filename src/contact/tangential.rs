@@ -85,7 +85,8 @@ pub struct NormalLoad {
     pub shares: [f64; 2],
     /// The normal drag coefficient c at the evaluation, N s/m.
     pub drag: f64,
-    /// Time during which springs accumulate, s: from the event to the end of the step.
+    /// Time during which springs accumulate, s: the whole step, or from the event to the end of the step, or 0 across a
+    /// gap.
     pub gathering: f64,
     /// The event of this step at which the contact opened or the normal force changed sign: time from the event to the
     /// end of the step (s), normal force just after the event (N), and whether the contact opened.
@@ -203,7 +204,7 @@ mod tests {
     use crate::space::Vector;
 
     #[test]
-    fn arms_reach_to_the_contact_point_and_meet_there() {
+    fn arms_meet_at_the_contact_point() {
         let pair = Pair { radii: [0.03, 0.05], inverse_reach: 12.5, overlap: 0.004, ..pair() };
         let [i, j] = Lever::ContactPoint.arms(&pair);
         // Both arms together span the distance of the centres, and split the overlap in the ratio of the other radii.

@@ -20,7 +20,7 @@ pub struct Bodies<V: Space> {
     /// first component of the relative velocity; then its other components and the radii. The inverse masses do not fit
     /// there and are kept apart. Laws without [`LawRequirements::NUMBERS`] get sums of radii and of inverse masses
     /// instead; in the plane these two sums are stored alone.
-    taken: [Quads; 2],
+    loaded: [Quads; 2],
     /// From j to i, m.
     separation: Lanes<V>,
     /// Unit vector from j to i.
@@ -52,7 +52,7 @@ impl<V: Space> Bodies<V> {
         metric: &impl Metric<V>,
         [i, j]: [&Body<V>; 2],
     ) -> (f64, f64) {
-        let [one, two] = &mut self.taken;
+        let [one, two] = &mut self.loaded;
         let (x, v) = (|body: &Body<V>, axis| body.position.axis(axis), |body: &Body<V>, axis| body.velocity.axis(axis));
         // Side by side, so that one instruction adds both.
         let [reach, mobility] = [i.radius + j.radius, i.inverse_mass + j.inverse_mass];
@@ -91,7 +91,7 @@ impl<V: Space> Bodies<V> {
     /// Transposes the loaded numbers of the first `lanes` lanes.
     #[inline(always)]
     fn spread<L: LawRequirements>(&mut self, lanes: usize) {
-        let ([one, two], [m_i, m_j]) = (&self.taken, self.inverse_masses.each_mut());
+        let ([one, two], [m_i, m_j]) = (&self.loaded, self.inverse_masses.each_mut());
         let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
         let ([r_i, r_j], reach, mobility) = (self.radii.each_mut(), &mut self.reach, &mut self.mobility);
         match (V::COMPONENTS, L::NUMBERS) {
@@ -126,7 +126,7 @@ impl<V: Space> Bodies<V> {
 
     /// Computes the contact quantities from separations and masses. Returns the number of coincident centres.
     #[inline(always)]
-    fn measure_all<L: LawRequirements>(&mut self, lanes: usize, root: bool) -> u32 {
+    fn compute_lanes<L: LawRequirements>(&mut self, lanes: usize, root: bool) -> u32 {
         let mut coincident = 0;
         for lane in 0..lanes.min(LANES) {
             let separation = self.separation.get(lane);
@@ -155,7 +155,7 @@ impl<V: Space> Bodies<V> {
             #[inline(always)]
             || {
                 self.spread::<L>(lanes);
-                self.measure_all::<L>(lanes, root)
+                self.compute_lanes::<L>(lanes, root)
             },
         );
         coincident > 0
@@ -170,7 +170,7 @@ impl<V: Space> Bodies<V> {
                 self.separation.set(lane, normal(lane) * PARTED);
             }
         }
-        self.measure_all::<L>(lanes, false);
+        self.compute_lanes::<L>(lanes, false);
     }
 }
 
@@ -182,7 +182,7 @@ mod tests {
     use crate::space::{Plane, Solid};
 
     /// Loads bodies with distinct numbers and checks that every number arrives in its lane.
-    fn everything_arrives<V: Space, L: LawRequirements>() {
+    fn check_loading<V: Space, L: LawRequirements>() {
         let body = |lane: usize, side: usize| {
             let number = |what: usize| f64::from(u32::try_from(1000 * side + 10 * lane + what).unwrap());
             let at = |from: usize| V::narrow(Solid::new(number(from), number(from + 1), -number(from + 2)));
@@ -224,25 +224,25 @@ mod tests {
 
     /// Law requirements: sums for the pair only (`Sums`), numbers of each particle (`Each`), velocity prediction
     /// (`Predicting`).
-    struct Together;
+    struct Sums;
     struct Each;
-    struct Foresighted;
+    struct Predicting;
 
-    impl LawRequirements for Together {
+    impl LawRequirements for Sums {
         const RADII: bool = false;
     }
     impl LawRequirements for Each {}
-    impl LawRequirements for Foresighted {
+    impl LawRequirements for Predicting {
         const PREDICTION: bool = true;
     }
 
     #[test]
-    fn what_is_taken_arrives_in_its_lane() {
-        everything_arrives::<Plane, Together>();
-        everything_arrives::<Solid, Together>();
-        everything_arrives::<Plane, Each>();
-        everything_arrives::<Solid, Each>();
-        everything_arrives::<Plane, Foresighted>();
-        everything_arrives::<Solid, Foresighted>();
+    fn loaded_numbers_arrive_in_their_lane() {
+        check_loading::<Plane, Sums>();
+        check_loading::<Solid, Sums>();
+        check_loading::<Plane, Each>();
+        check_loading::<Solid, Each>();
+        check_loading::<Plane, Predicting>();
+        check_loading::<Solid, Predicting>();
     }
 }

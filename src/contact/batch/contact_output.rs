@@ -62,7 +62,7 @@ impl<V: Space> ContactOutput<V> {
 
     /// Stores the total force and torque.
     #[inline(always)]
-    pub(super) fn note<L: LawRequirements>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
+    pub(super) fn store_force<L: LawRequirements>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
         self.forces[0].set(lane, total::<L, V>(force));
         if L::SPIN {
             let turning = &force.turning;
@@ -76,7 +76,12 @@ impl<V: Space> ContactOutput<V> {
 
     /// Stores the numbers that only the energy balance needs.
     #[inline(always)]
-    pub(super) fn book<L: LawRequirements>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
+    pub(super) fn store_energy_numbers<L: LawRequirements>(
+        &mut self,
+        lane: usize,
+        pair: &Pair<V>,
+        force: &PairForce<V>,
+    ) {
         self.forces[1].set(lane, drag::<L, V>(force));
         if L::SPIN {
             let turning = &force.turning;
@@ -84,7 +89,7 @@ impl<V: Space> ContactOutput<V> {
             let counts = self.counts::<L>(lane);
             let lost = |lost: f64| if counts { lost } else { 0.0 };
             self.lost[0][lane] = lost(turning.lost_by_sliding);
-            self.lost[2][lane] = lost(pair.taken_by_dashpot::<L>(turning));
+            self.lost[2][lane] = lost(pair.dashpot_loss::<L>(turning));
             if L::ROLLING {
                 self.rolling_drag_torque.set(lane, turning.rolling_drag);
                 self.lost[1][lane] = lost(turning.lost_by_rolling);

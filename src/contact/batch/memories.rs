@@ -46,7 +46,7 @@ impl<V: Space> Batch<V> {
     pub fn recall<L: LawRequirements>(
         &mut self,
         cursor: &mut HistoryCursor<'_, V>,
-        mut forgotten: impl FnMut(Candidate, &Memory<V>),
+        mut on_end: impl FnMut(Candidate, &Memory<V>),
     ) {
         let contacts = &self.pairs[..self.len.min(LANES)];
         if cursor.recall_all::<L>(contacts, &mut self.memory) {
@@ -54,7 +54,7 @@ impl<V: Space> Batch<V> {
             return;
         }
         for (lane, &contact) in contacts.iter().enumerate() {
-            let memory = cursor.recall::<L>(contact, &mut forgotten);
+            let memory = cursor.recall::<L>(contact, &mut on_end);
             self.is_known[lane] = memory.is_some();
             self.memory.set::<L>(lane, &memory.unwrap_or_default());
         }

@@ -9,9 +9,9 @@ use crate::store::Rotation;
 #[derive(Clone, Debug, Default)]
 pub struct Spins<V: Space> {
     /// Spins as loaded, before the transposition; used in solid space, where spins have three components.
-    taken: [Quads; 2],
+    loaded: [Quads; 2],
     /// The fourth loaded number. Never read.
-    fourth: Scalars,
+    unused: Scalars,
     lanes: [Lanes<V::Spin>; 2],
 }
 
@@ -25,7 +25,7 @@ impl<V: Space> Spins<V> {
             } else {
                 // Four adjacent numbers, so that one instruction loads them.
                 let number = |axis| if axis < V::Spin::COUNT { spin.component(axis) } else { *inverse_inertia };
-                self.taken[side][lane] = quad(number);
+                self.loaded[side][lane] = quad(number);
             }
         }
     }
@@ -34,9 +34,9 @@ impl<V: Space> Spins<V> {
     #[inline(always)]
     pub(super) fn spread(&mut self, lanes: usize) {
         if V::Spin::COUNT > 1 {
-            for (taken, spins) in self.taken.iter().zip(&mut self.lanes) {
+            for (loaded, spins) in self.loaded.iter().zip(&mut self.lanes) {
                 let [x, y, z] = spins.axes();
-                spread(taken, lanes, x, y, z, &mut self.fourth);
+                spread(loaded, lanes, x, y, z, &mut self.unused);
             }
         }
     }

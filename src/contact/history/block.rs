@@ -36,8 +36,8 @@ impl<V: Space> Default for HistoryBlock<V> {
 impl<V: Space> HistoryBlock<V> {
     /// Makes this block a copy of the first `first` contacts of `earlier`. Reserves space for slightly more contacts
     /// than `earlier` has: growth by doubling would take twice the memory.
-    pub(super) fn begin<L: LawRequirements>(&mut self, earlier: &Self, first: usize) {
-        fn begin<T: Copy>(column: &mut Vec<T>, earlier: &[T], first: usize) {
+    pub(super) fn copy_front<L: LawRequirements>(&mut self, earlier: &Self, first: usize) {
+        fn copy_front<T: Copy>(column: &mut Vec<T>, earlier: &[T], first: usize) {
             let expected = earlier.len();
             if column.capacity() < expected || column.capacity() > 2 * expected + LANES {
                 *column = Vec::with_capacity(expected + expected / 16);
@@ -45,15 +45,15 @@ impl<V: Space> HistoryBlock<V> {
             column.clear();
             column.extend_from_slice(&earlier[..first]);
         }
-        begin(&mut self.contacts, &earlier.contacts, first);
+        copy_front(&mut self.contacts, &earlier.contacts, first);
         if L::SPRING {
-            begin(&mut self.spring, &earlier.spring, first);
+            copy_front(&mut self.spring, &earlier.spring, first);
         }
         if L::ROLLING {
-            begin(&mut self.rolling, &earlier.rolling, first);
+            copy_front(&mut self.rolling, &earlier.rolling, first);
         }
         if L::STIFFNESS {
-            begin(&mut self.stiffness, &earlier.stiffness, first);
+            copy_front(&mut self.stiffness, &earlier.stiffness, first);
         }
     }
 

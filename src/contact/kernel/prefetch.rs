@@ -18,11 +18,11 @@ pub(in crate::contact) fn touch<T>(entries: &[T], number: impl Fn(&T) -> f64) ->
 }
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
-    /// Prefetches data of the partners of rows before `end`, starting at slot `at_hand`. Returns the slot at which the
+    /// Prefetches data of the partners of rows before `end`, starting at slot `start`. Returns the slot at which the
     /// next prefetch starts. Does nothing if the spatial order has no beams, because the data are then close by.
-    pub(super) fn fetch(&self, at_hand: usize, end: usize) -> usize {
-        let Some(ahead) = self.view.order.ahead() else { return at_hand };
-        let next = at_hand..(end + ahead).clamp(at_hand, self.view.len());
+    pub(super) fn prefetch(&self, start: usize, end: usize) -> usize {
+        let Some(ahead) = self.view.order.ahead() else { return start };
+        let next = start..(end + ahead).clamp(start, self.view.len());
         black_box(self.read(next.clone()));
         next.end
     }

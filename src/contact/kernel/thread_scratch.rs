@@ -39,13 +39,13 @@ pub struct ScratchPerThread<V: Space>(pub Vec<ThreadScratch<V>>);
 pub(super) fn exchange_halos<V: Space, L: LawRequirements>(
     scratches: &mut [ThreadScratch<V>],
     list: &PairList,
-    pages: &[HistoryBlock<V>],
+    histories: &[HistoryBlock<V>],
     goes_on: bool,
 ) {
     let tasks = list.tasks();
     if !goes_on || tasks.iter().zip(&*scratches).any(|(task, scratch)| task.rows != scratch.rows) {
         for (Task { rows, .. }, scratch) in tasks.iter().zip(&mut *scratches) {
-            let own = &pages[rows.start / BLOCK..rows.end.div_ceil(BLOCK)];
+            let own = &histories[rows.start / BLOCK..rows.end.div_ceil(BLOCK)];
             export_halo::<V, L>(rows, list, own, &mut scratch.leaving);
         }
     }
@@ -58,14 +58,14 @@ pub(super) fn exchange_halos<V: Space, L: LawRequirements>(
 pub(super) fn export_halo<V: Space, L: LawRequirements>(
     rows: &Range<usize>,
     list: &PairList,
-    pages: &[HistoryBlock<V>],
+    histories: &[HistoryBlock<V>],
     leaving: &mut HistoryBlock<V>,
 ) {
     leaving.clear();
-    for (page, first) in pages.iter().zip(rows.clone().step_by(BLOCK)) {
+    for (history, first) in histories.iter().zip(rows.clone().step_by(BLOCK)) {
         // In most blocks no particle has a partner in later rows.
         if list.block(first / BLOCK).1 > rows.end {
-            leaving.copy::<L>(page, |contact| contact.second() >= rows.end);
+            leaving.copy::<L>(history, |contact| contact.second() >= rows.end);
         }
     }
 }

@@ -50,22 +50,22 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             self.batch.recall::<L>(cursor, |contact, memory| lost.add(pass.on_wall_contact_end(view, contact, memory)));
         }
         // For a wall contact the reach is the radius of the grain, so the share is 1.
-        if self.answer(1.0) {
+        if self.evaluate_law(1.0) {
             for lane in 0..self.batch.len {
                 self.largest = self.largest.max(self.batch.bodies.overlap[lane] / self.batch.bodies.reach[lane]);
             }
         }
-        self.keep(block, |contact, memory| pass.on_wall_contact_end(view, contact, memory));
+        self.store_results(block, |contact, memory| pass.on_wall_contact_end(view, contact, memory));
         if view.tracks_energy {
-            self.add_at_walls::<TOTAL_AND_DISSIPATIVE>();
+            self.add_to_walls::<TOTAL_AND_DISSIPATIVE>();
         } else {
-            self.add_at_walls::<TOTAL>();
+            self.add_to_walls::<TOTAL>();
         }
         self.batch.len = 0;
     }
 
     /// Adds the forces of the batch to grains and walls; `NUMBERS` per accumulator entry.
-    fn add_at_walls<const NUMBERS: usize>(&mut self) {
+    fn add_to_walls<const NUMBERS: usize>(&mut self) {
         let Self { sums, batch, on_walls, pass, .. } = self;
         sums.add_to_one::<L, NUMBERS, 0>(batch);
         let of_block = on_walls.len() - pass.walls.len();

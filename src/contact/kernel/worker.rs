@@ -34,55 +34,55 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// smaller radius of its pair.
     pub(super) fn sum(
         mut self,
-        pages: &mut [HistoryBlock<V>],
-        wall_pages: &mut [HistoryBlock<V>],
+        pair_histories: &mut [HistoryBlock<V>],
+        wall_histories: &mut [HistoryBlock<V>],
         spare: &mut HistoryBlock<V>,
     ) -> f64 {
         let gravity = self.pass.gravity;
-        self.sums.begin(list::end_of(&self.task.incoming), gravity, self.view);
+        self.sums.initialise(list::end_of(&self.task.incoming), gravity, self.view);
         let mut left = &self.task.incoming[..];
         while !left.is_empty() {
-            left = self.offer(left);
+            left = self.fill_batch(left);
             self.flush_incoming();
         }
-        let mut at_hand = self.task.rows.start;
-        let blocks = pages.iter_mut().zip(wall_pages).zip(self.task.rows.clone().step_by(BLOCK));
-        for ((page, wall_page), first) in blocks {
-            let mut block = Block { cursor: HistoryCursor::new(page, spare), lost: ContactLosses::default() };
+        let mut prefetched_end = self.task.rows.start;
+        let blocks = pair_histories.iter_mut().zip(wall_histories).zip(self.task.rows.clone().step_by(BLOCK));
+        for ((pair_history, wall_history), first) in blocks {
+            let mut block = Block { cursor: HistoryCursor::new(pair_history, spare), lost: ContactLosses::default() };
             let (mut left, end) = self.pass.list.block(first / BLOCK);
             // Sums are initialised block by block, so that they are still in the cache when forces are added.
-            self.sums.begin(end, gravity, self.view);
-            at_hand = self.fetch(at_hand, first + BLOCK);
+            self.sums.initialise(end, gravity, self.view);
+            prefetched_end = self.prefetch(prefetched_end, first + BLOCK);
             while !left.is_empty() {
-                left = self.offer(left);
+                left = self.fill_batch(left);
                 self.flush(&mut block);
             }
             block.cursor.end::<L>(block.lost, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
             if !self.pass.walls.is_empty() {
-                self.sums.begin(first + BLOCK, gravity, self.view);
+                self.sums.initialise(first + BLOCK, gravity, self.view);
                 self.sum_walls(
                     first + BLOCK,
-                    Block { cursor: HistoryCursor::new(wall_page, spare), lost: ContactLosses::default() },
+                    Block { cursor: HistoryCursor::new(wall_history, spare), lost: ContactLosses::default() },
                 );
             }
         }
-        self.sums.begin(self.task.rows.end, gravity, self.view);
+        self.sums.initialise(self.task.rows.end, gravity, self.view);
         self.largest
     }
 
     /// Adds overlapping candidates to the batch until it is full, and loads their bodies. With velocity prediction,
     /// pairs closer than the prediction margin are added too. Returns the candidates that are left. Branches on overlap
     /// are mispredicted often, so there is none: each candidate is written, and the batch grows only if it counts.
-    fn offer<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
+    fn fill_batch<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
         match self.view.periodic {
-            None => self.offer_by(Open, candidates),
-            Some(periodic) => self.offer_by(periodic, candidates),
+            None => self.fill_batch_by(Open, candidates),
+            Some(periodic) => self.fill_batch_by(periodic, candidates),
         }
     }
 
-    /// Fills the batch like [`Self::offer`], with separations measured by `metric`.
+    /// Fills the batch like [`Self::fill_batch`], with separations measured by `metric`.
     #[inline(always)]
-    fn offer_by<'c>(&mut self, metric: impl Metric<V>, candidates: &'c [Candidate]) -> &'c [Candidate] {
+    fn fill_batch_by<'c>(&mut self, metric: impl Metric<V>, candidates: &'c [Candidate]) -> &'c [Candidate] {
         let (bodies, batch, pass) = (&self.view.body[..], &mut *self.batch, self.pass);
         let margin = if L::PREDICTION { self.view.margin } else { 0.0 };
         pass.instructions.run_narrow(
@@ -107,7 +107,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
 
     /// Loads the data that the law requires besides bodies: species, spins, velocity prediction.
     #[inline]
-    fn describe(&mut self) {
+    fn load_requirements(&mut self) {
         if !(L::SPECIES || L::SPIN || L::PREDICTION) {
             return;
         }
@@ -137,8 +137,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
 
     /// Evaluates the law for the batch and updates the largest overlap.
     #[inline]
-    fn ask(&mut self) {
-        self.describe();
+    fn evaluate_batch(&mut self) {
+        self.load_requirements();
         let Pass { law, instructions, .. } = *self.pass;
         let lanes = self.batch.lanes();
         if self.batch.bodies.measure::<L>(lanes, law.needs_mass_root(), instructions) {
@@ -147,7 +147,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             self.batch.bodies.part_coincident::<L>(self.batch.len, normal);
         }
         // A possible record is detected without division and without the two radii.
-        if self.answer(self.view.smallest_share) {
+        if self.evaluate_law(self.view.smallest_share) {
             for (pair, overlap) in self.batch.pairs.iter().zip(self.batch.bodies.overlap.iter()).take(self.batch.len) {
                 let [i, j] = pair.both().map(|entry| self.view.body[entry].radius);
                 self.largest = self.largest.max(overlap / i.min(j));
@@ -158,7 +158,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// Evaluates the law in all lanes. Returns whether any overlap may be a record. `smallest_share` is a lower bound
     /// on the smaller radius of a pair divided by the sum of its radii.
     #[inline]
-    pub(super) fn answer(&mut self, smallest_share: f64) -> bool {
+    pub(super) fn evaluate_law(&mut self, smallest_share: f64) -> bool {
         let Pass { law, dt, instructions, .. } = *self.pass;
         // The last factor allows for rounding.
         let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
@@ -175,7 +175,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             let memory = self.halo.next(self.batch.pairs[lane]).unwrap_or_default();
             self.batch.memory.set::<L>(lane, &memory);
         }
-        self.ask();
+        self.evaluate_batch();
         if self.view.tracks_energy {
             self.sums.add_to_one::<L, TOTAL_AND_DISSIPATIVE, 1>(self.batch);
         } else {
@@ -191,8 +191,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             self.batch
                 .recall::<L>(cursor, |contact, memory| lost.add(self.pass.on_contact_end(self.view, contact, memory)));
         }
-        self.ask();
-        self.keep(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
+        self.evaluate_batch();
+        self.store_results(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
         let tracks_energy = self.view.tracks_energy;
         let (sums, batch) = (&mut self.sums, &*self.batch);
         self.pass.instructions.run_narrow(
@@ -210,10 +210,10 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
 
     /// Stores losses and memories of the batch. `on_end` returns the energy that a contact loses when it ends, J.
     #[inline]
-    pub(super) fn keep(
+    pub(super) fn store_results(
         &mut self,
         Block { cursor, lost }: &mut Block<'_, V>,
-        forgotten: impl Fn(Candidate, &Memory<V>) -> [f64; 2],
+        on_end: impl Fn(Candidate, &Memory<V>) -> [f64; 2],
     ) {
         let batch = &mut *self.batch;
         if L::SPIN && self.view.tracks_energy {
@@ -227,14 +227,14 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             cursor.remember_all::<L>(contacts, &batch.memory);
             return;
         }
-        cursor.part::<L>(contacts);
+        cursor.prepare_single::<L>(contacts);
         for (lane, &contact) in contacts.iter().enumerate() {
             if batch.answer.counts::<L>(lane) {
                 cursor.remember::<L>(contact, &batch.memory.get::<L>(lane));
             } else if batch.is_known[lane] {
                 // The contact has ended, but the law has already advanced its memory. The previous memory gives the
                 // loss.
-                lost.add(forgotten(contact, &cursor.before(contact).unwrap_or_default()));
+                lost.add(on_end(contact, &cursor.previous(contact).unwrap_or_default()));
             }
         }
     }

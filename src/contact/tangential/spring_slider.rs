@@ -4,7 +4,7 @@
 //! A [`Modulus`] gives stiffness and drag, constant or dependent on the contact.
 
 use crate::contact::damping::Coefficient;
-use crate::contact::spring::{Slider, lost_at_the_end};
+use crate::contact::spring::{Slider, lost_at_contact_end};
 use crate::contact::tangential::{Lever, NormalLoad, Tangential};
 use crate::contact::{Bounce, Memory, Pair, Turning};
 use crate::space::Space;
@@ -135,7 +135,7 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         sweep.pulled = memory.spring * -self.modulus.remembered(memory.stiffness);
         if M::VARIES {
             sweep.gathering *= Self::mean_stiffness(memory.stiffness, stiffness);
-            // In Hertz's law stiffness and drag are zero when a contact opens, so the opening event has no effect.
+            // A stiffness that varies is zero when a contact opens, and so is the drag: that event has no effect.
             sweep.event = sweep.event.filter(|_| memory.stiffness > 0.0);
             turning.lost_by_sliding = Self::adapt(stiffness, memory);
         }
@@ -153,7 +153,7 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
         let velocity = pair.sliding_velocity(self.lever.arms(pair));
-        lost_at_the_end(self.modulus.remembered(memory.stiffness), memory.spring, velocity, pair.dt)
+        lost_at_contact_end(self.modulus.remembered(memory.stiffness), memory.spring, velocity, pair.dt)
     }
 
     fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
