@@ -6,7 +6,7 @@
 //! For a wall, x_j is its nearest point. R_j is 0 in the overlap and infinite in the curvature, and 1/m_j = 0. A
 //! half-space has its own normal, and its distance is negative inside.
 //!
-//! One inverse root gives all lengths ([`ContactLine`]), here and in the kernel's lanes (`batch/bodies.rs`). So surveys
+//! One inverse root gives all lengths (`ContactLine`), here and in the kernel's lanes (`batch/bodies.rs`). So surveys
 //! of contacts and the force pass agree to the last bit.
 
 use crate::contact::root::inverse_root;

@@ -76,8 +76,7 @@ pub struct TangentialStep<V> {
     pub dt: f64,
     /// The event within the step, if there is one.
     pub event: Option<Event>,
-    /// Time during which the spring accumulates, s: the whole step, or from the event to the end of the step, or 0 across
-    /// a gap.
+    /// Time during which the spring accumulates, s: the whole step, or from the event to its end, or 0 across a gap.
     pub gathering: f64,
     /// Fractions of the steps centred on the beginning and the end in which the contact exists.
     pub shares: [f64; 2],

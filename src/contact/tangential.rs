@@ -85,8 +85,7 @@ pub struct NormalLoad {
     pub shares: [f64; 2],
     /// The normal drag coefficient c at the evaluation, N s/m.
     pub drag: f64,
-    /// Time during which springs accumulate, s: the whole step, or from the event to the end of the step, or 0 across a
-    /// gap.
+    /// Time during which springs accumulate, s: the whole step, or from the event to its end, or 0 across a gap.
     pub gathering: f64,
     /// The event of this step at which the contact opened or the normal force changed sign: time from the event to the
     /// end of the step (s), normal force just after the event (N), and whether the contact opened.

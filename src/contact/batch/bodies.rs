@@ -184,7 +184,7 @@ mod tests {
     /// Loads bodies with distinct numbers and checks that every number arrives in its lane.
     fn check_loading<V: Space, L: LawRequirements>() {
         let body = |lane: usize, side: usize| {
-            let number = |what: usize| f64::from(u32::try_from(1000 * side + 10 * lane + what).unwrap());
+            let number = |index: usize| f64::from(u32::try_from(1000 * side + 10 * lane + index).unwrap());
             let at = |from: usize| V::narrow(Solid::new(number(from), number(from + 1), -number(from + 2)));
             Body { position: at(1), velocity: at(4), radius: number(7), inverse_mass: number(8) }
         };

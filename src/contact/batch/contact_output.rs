@@ -27,8 +27,8 @@ pub struct ContactOutput<V: Space> {
 }
 
 impl<V: Space> ContactOutput<V> {
-    /// Returns whether the particles in a lane touch. With velocity prediction the law also evaluates pairs that may touch
-    /// within half a step; a pair that does not touch exerts no force.
+    /// Returns whether the particles in a lane touch. With velocity prediction the law also evaluates pairs that may
+    /// touch within half a step; a pair that does not touch exerts no force.
     #[inline(always)]
     pub fn counts<L: LawRequirements>(&self, lane: usize) -> bool {
         !L::PREDICTION || self.touches[lane] > 0.0

@@ -2,8 +2,8 @@
 //!
 //! The pass first needs a particle as the partner of a particle in the slice before. Partners come in an order that the
 //! processor cannot predict, so each first access would stall on memory. Where slots are sorted by beams
-//! ([`SpatialOrder`](crate::store::SpatialOrder)), a slice stays in the cache until it is needed. The numbers read here affect
-//! no result.
+//! ([`SpatialOrder`](crate::store::SpatialOrder)), a slice stays in the cache until it is needed. The numbers read here
+//! affect no result.
 
 use std::hint::black_box;
 use std::ops::Range;

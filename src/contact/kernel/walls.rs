@@ -16,8 +16,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// Sums the contacts between walls and the rows before `end` that have not been summed yet.
     pub(super) fn sum_walls(&mut self, end: usize, mut block: Block<'_, V>) {
         let pass = self.pass;
-        let of_block = self.near.partition_point(|contact| contact.first() < end);
-        let near = self.near.split_off(..of_block).unwrap_or_default();
+        let count = self.near.partition_point(|contact| contact.first() < end);
+        let near = self.near.split_off(..count).unwrap_or_default();
         if !near.is_empty() {
             self.on_walls.resize(self.on_walls.len() + pass.walls.len(), WallLoad::default());
         }
@@ -68,10 +68,10 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     fn add_to_walls<const NUMBERS: usize>(&mut self) {
         let Self { sums, batch, on_walls, pass, .. } = self;
         sums.add_to_one::<L, NUMBERS, 0>(batch);
-        let of_block = on_walls.len() - pass.walls.len();
+        let block_start = on_walls.len() - pass.walls.len();
         for lane in (0..batch.len).filter(|&lane| batch.answer.counts::<L>(lane)) {
             let (load, force) =
-                (&mut on_walls[of_block + batch.pairs[lane].second()], batch.answer.force::<NUMBERS>(lane));
+                (&mut on_walls[block_start + batch.pairs[lane].second()], batch.answer.force::<NUMBERS>(lane));
             load.force -= force[0];
             if let Some(&drag) = force.get(1) {
                 load.drag -= drag;
@@ -85,9 +85,9 @@ impl<V: Space> Surfaces<V> {
     /// task: one entry per wall for each of its blocks.
     pub(in crate::contact) fn gather<'a>(&mut self, on_walls: impl Iterator<Item = &'a [WallLoad<V>]>) {
         self.0.iter_mut().for_each(|wall| wall.load = WallLoad::default());
-        for of_task in on_walls {
-            for of_block in of_task.chunks(self.0.len()) {
-                self.0.iter_mut().zip(of_block).for_each(|(wall, load)| wall.load += *load);
+        for task_loads in on_walls {
+            for block_loads in task_loads.chunks(self.0.len()) {
+                self.0.iter_mut().zip(block_loads).for_each(|(wall, load)| wall.load += *load);
             }
         }
     }
