@@ -5,10 +5,10 @@
 //! a step. Centred laws correct both. Below, h = dt/2, u is the closing speed (along the normal, positive when
 //! approaching) and delta the overlap:
 //!
-//! * **Share.** The evaluation at t+dt represents the step centred on it. In that step the overlap changes from delta -
-//!   w to delta + w, w = h |u_h|. The contact exists in the share theta = clamp((delta + w)/(2 w), 0, 1) of that step,
-//!   and the drag is multiplied by theta. So it also acts across a gap of up to w. A coefficient that varies with the
-//!   overlap is replaced by its mean.
+//! * **Share.** The evaluation at t+dt represents the step centred on it. In that step the overlap changes from
+//!   delta - w to delta + w, w = h |u_h|. The contact exists in the share theta = clamp((delta + w)/(2 w), 0, 1) of
+//!   that step, and the drag is multiplied by theta. So it also acts across a gap of up to w. A coefficient that varies
+//!   with the overlap is replaced by its mean.
 //! * **Centred velocity.** The drag uses u at t+dt, solved for implicitly in the pair's own drag. All other forces are
 //!   lagged by a step: u = (u_h + h A_t + h D_t/m + h (F_t - F_s)/m')/(1 + h theta c/m). A_t is the closing
 //!   acceleration of the previous step, of all forces. F_t and D_t are the pair's own spring force and drag in that
@@ -28,9 +28,10 @@
 //! Stability of a single linear contact, in the normal and in the tangential direction: w0 dt < min(2, 1/zeta). The
 //! motion has det = (1 - h c/m)/(1 + h c/m) and trace = (2 - (w0 dt)^2)/(1 + h c/m), and an error of F_t is multiplied
 //! by -h c/m in each step. Velocity Verlet with lagged drag has a lower limit at every zeta. With several contacts the
-//! order is reversed. n contacts that share a motion, each with w0 and zeta, are stable for n ((w0 dt)^2 + 8 zeta w0
-//! dt/(1 + zeta w0 dt)) < 4. With velocity Verlet they are stable for n ((w0 dt)^2 + 4 zeta w0 dt) < 4
-//! ([`crate::scene::check::step`]). Compared with simulations in `tests/physics/schemes.rs`.
+//! order is reversed. n contacts that share a motion, each with w0 and zeta, are stable for
+//! n ((w0 dt)^2 + 8 zeta w0 dt/(1 + zeta w0 dt)) < 4. With velocity Verlet they are stable for
+//! n ((w0 dt)^2 + 4 zeta w0 dt) < 4 ([`crate::scene::check::step`]). `tests/physics/schemes.rs` compares these limits
+//! with simulations.
 //!
 //! Limits:
 //!

@@ -1,14 +1,14 @@
 //! How a scene gives the damping of a contact, and closed forms for a damped linear bounce.
 //!
-//! With w0 = sqrt(k/m_eff), beta = c/(2 m_eff) and zeta = beta/w0, the overlap obeys `delta'' + 2 zeta w0 delta' + w0^2
-//! delta = 0`, starting from `delta = 0`, `delta' = v0`.
+//! With w0 = sqrt(k/m_eff), beta = c/(2 m_eff) and zeta = beta/w0, the overlap obeys
+//! `delta'' + 2 zeta w0 delta' + w0^2 delta = 0`, starting from `delta = 0`, `delta' = v0`.
 //!
-//! * Attraction allowed: the contact lasts t_c = pi/w with w = w0 sqrt(1 - zeta^2), and e = exp(-pi zeta/sqrt(1 -
-//!   zeta^2)). At zeta >= 1 it never ends, e = 0.
-//! * Attraction forbidden: the contact ends when k delta + c delta' = 0. With zeta = sin(phi) this is at t_c = (pi - 2
-//!   phi)/w, and e = exp(-tan(phi) (pi - 2 phi)) (Schwager and Poeschel, Granular Matter 9, 465, 2007, in other
-//!   symbols). Beyond critical damping, with s = sqrt(zeta^2 - 1), t_c = 2 ln(zeta + s)/(s w0) and e = exp(-zeta w0
-//!   t_c). No finite damping gives e = 0.
+//! * Attraction allowed: the contact lasts t_c = pi/w with w = w0 sqrt(1 - zeta^2), and
+//!   e = exp(-pi zeta/sqrt(1 - zeta^2)). At zeta >= 1 it never ends, e = 0.
+//! * Attraction forbidden: the contact ends when k delta + c delta' = 0. With zeta = sin(phi) this is at
+//!   t_c = (pi - 2 phi)/w, and e = exp(-tan(phi) (pi - 2 phi)) (Schwager and Poeschel, Granular Matter 9, 465, 2007, in
+//!   other symbols). Beyond critical damping, with s = sqrt(zeta^2 - 1), t_c = 2 ln(zeta + s)/(s w0) and
+//!   e = exp(-zeta w0 t_c). No finite damping gives e = 0.
 
 use std::f64::consts::PI;
 
@@ -27,8 +27,8 @@ pub enum Damping {
     Restitution(Restitution),
 }
 
-/// A drag coefficient, N s/m: constant + per_mass m_eff + per_other x. At most one of the terms is nonzero. A sum avoids
-/// a branch in the loop over contacts. The caller defines x: sqrt(m_eff) for normal drag, the normal c for tangential
+/// A drag coefficient, N s/m: constant + per_mass m_eff + per_other x. At most one of the terms is nonzero. A sum
+/// avoids a branch in the loop over contacts. The caller defines x: sqrt(m_eff) for normal drag, the normal c for tangential
 /// drag.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Coefficient {

@@ -152,7 +152,7 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
 
     /// Reads the sums of `entries` that lie in the own range, to load them into the cache.
     pub(super) fn touch(&self, entries: Range<usize>) -> u64 {
-        let AccumulatorSlice { force, torque, each, .. } = &self.share;
+        let AccumulatorSlice { force, torque, each, .. } = &self.slice;
         let [start, end] = [entries.start, entries.end]
             .map(|entry| (entry.clamp(self.rows.start, self.rows.end) - self.rows.start) * each);
         // Accumulators that the law does not need are empty.
@@ -164,7 +164,7 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
     #[inline(always)]
     pub(super) fn add_to_both<L: LawRequirements, const NUMBERS: usize>(&mut self, batch: &Batch<V>) {
         let start = self.rows.start;
-        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.share;
+        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.slice;
         // Copied to locals so that the compiler can prove that stores do not alias them. Forces and torques have equal
         // length.
         let (forces, mut torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
@@ -206,7 +206,7 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
 
     /// Adds the forces of a batch to the first particles (`SIDE` 0) or the second particles (`SIDE` 1) alone.
     pub(crate) fn add_to_one<L: LawRequirements, const NUMBERS: usize, const SIDE: usize>(&mut self, batch: &Batch<V>) {
-        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.share;
+        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.slice;
         let (forces, torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
         let answer = &batch.answer;
         for lane in (0..batch.len.min(LANES)).filter(|&lane| answer.counts::<L>(lane)) {

@@ -1,7 +1,7 @@
 //! Contact geometry between two particles, and between a particle and a flat wall.
 //!
-//! Two particles touch when |x_ij| < R_i + R_j. Overlap R_i + R_j - |x_ij|, normal x_ij/|x_ij|, relative velocity v_i -
-//! v_j, reduced mass 1/(1/m_i + 1/m_j).
+//! Two particles touch when |x_ij| < R_i + R_j. Overlap R_i + R_j - |x_ij|, normal x_ij/|x_ij|, relative velocity
+//! v_i - v_j, reduced mass 1/(1/m_i + 1/m_j).
 //!
 //! For a wall, x_j is its nearest point. R_j is 0 in the overlap and infinite in the curvature, and 1/m_j = 0. A
 //! half-space has its own normal, and its distance is negative inside.

@@ -1,14 +1,14 @@
 //! The laws of Hertz and Mindlin: elastic spheres, with a damping that gives the same restitution at every speed.
 //!
-//! With 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j, 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j, G = E/(2 (1 + nu)), and R*
-//! = R_i R_j/(R_i + R_j):
+//! With 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j, 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j, G = E/(2 (1 + nu)), and
+//! R* = R_i R_j/(R_i + R_j):
 //!
 //! * spring F = 4/3 E* sqrt(R* delta) delta, tangent stiffness S_n = 2 E* sqrt(R* delta);
 //! * damping c = 2 z sqrt(S_n m_eff), z = sqrt(5/6) zeta. zeta is the damping ratio that gives the linear law the
 //!   restitution e, with attraction allowed or forbidden ([`Attraction`]). This is exact: a substitution of time turns
 //!   the bounce into a linear one (Antypov and Elliott, EPL 94, 50004, 2011). The polynomial of Thornton, Cummins and
-//!   Cleary, Powder Technology 233, 30, 2013, fits the forbidden case: its error in e is 3e-4 up to e = 0.9, and 2e-2
-//!   at e = 1;
+//!   Cleary, Powder Technology 233, 30, 2013, fits the forbidden case: its error in e is 3e-4 up to e = 0.9, and
+//!   2e-2 at e = 1;
 //! * tangential k_t = 8 G* sqrt(R* delta), c_t = 2 z sqrt(k_t m_eff) ([`Mindlin`]). This is the no-slip stiffness with
 //!   one spring and Coulomb's cap; the partial slip of Mindlin and Deresiewicz is not modelled.
 //!
