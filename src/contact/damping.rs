@@ -28,8 +28,8 @@ pub enum Damping {
 }
 
 /// A drag coefficient, N s/m: constant + per_mass m_eff + per_other x. At most one of the terms is nonzero. A sum
-/// avoids a branch in the loop over contacts. The caller defines x: sqrt(m_eff) for normal drag, the normal c for tangential
-/// drag.
+/// avoids a branch in the loop over contacts. The caller defines x: sqrt(m_eff) for normal drag, the normal c for
+/// tangential drag.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Coefficient {
     /// The constant term, N s/m.

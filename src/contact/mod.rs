@@ -198,8 +198,8 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     /// Returns the energy stored in a contact, J.
     fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
 
-    /// Returns the energies lost with the tangential and the rolling spring of a contact that has ended in this step, J.
-    /// The overlap of `pair` is negative. The lost energy is k S/2 . (S + v dt): the stored energy, and the energy
+    /// Returns the energies lost with the tangential and the rolling spring of a contact that has ended in this step,
+    /// J. The overlap of `pair` is negative. The lost energy is k S/2 . (S + v dt): the stored energy, and the energy
     /// k S/2 . v dt that the spring takes from the motion in the last step ([`spring`]).
     fn on_contact_end(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> [f64; 2] {
         [0.0, 0.0]

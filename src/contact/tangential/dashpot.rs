@@ -71,8 +71,8 @@ mod tests {
 
     #[test]
     fn a_dashpot_is_cut_at_the_cap() {
-        let zero = NonNegative::try_from(2.0).unwrap();
-        let law = Dashpot { damping: TangentialDamping::B(zero).into(), friction: 0.5, lever: Lever::Radius };
+        let drag = NonNegative::try_from(2.0).unwrap();
+        let law = Dashpot { damping: TangentialDamping::B(drag).into(), friction: 0.5, lever: Lever::Radius };
         let slow = Pair { relative_velocity: Vector::new(0.0, 1.0), ..pair() };
         let fast = Pair { relative_velocity: Vector::new(0.0, 10.0), ..pair() };
         let mut turning = Turning::default();
