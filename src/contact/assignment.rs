@@ -1,9 +1,10 @@
-//! The assignment's contact law: a spring along the normal and a drag on the full relative velocity.
+//! The contact law of the assignment: a spring along the normal, and a drag on the full relative velocity.
 //!
-//! F on i = k delta n - b (v_i - v_j), while the discs overlap; k in N/m, b in N s/m. The drag acts along the
-//! tangent too, so grains that slide past each other slow down, without friction and without spin. A contact
-//! lasts as long as its overlap; near its end the drag may pull. Source: Remmers, "The grain silo", 2009. (There
-//! the force "that i exerts on j" is the one on i.)
+//! F on i = k delta n - b (v_i - v_j) while the discs overlap; k in N/m, b in N s/m. The drag also acts along the
+//! tangent, so grains that slide past each other slow down, without friction and without spin. A contact lasts as long
+//! as its overlap; near its end the drag may pull.
+//!
+//! Source: Remmers, "The grain silo", 2009. The force "that i exerts on j" in that text is the force on i.
 
 use crate::contact::centred::{CentredLaw, VelocityPrediction, Window};
 use crate::contact::damping::Attraction;
@@ -11,7 +12,7 @@ use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::space::Space;
 use crate::values::{NonNegative, Positive};
 
-/// k delta n - b (v_i - v_j).
+/// The law F = k delta n - b (v_i - v_j).
 #[derive(Clone, Copy, Debug)]
 pub struct Assignment {
     k: f64,
@@ -19,7 +20,7 @@ pub struct Assignment {
 }
 
 impl Assignment {
-    /// The law with stiffness `k` (N/m) and drag `b` (N s/m).
+    /// Creates the law with stiffness `k` (N/m) and drag `b` (N s/m).
     #[must_use]
     pub fn new(k: Positive, b: NonNegative) -> Self {
         Self { k: k.get(), b: b.get() }
@@ -60,7 +61,8 @@ impl<V: Space> PairLaw<V> for Assignment {
 }
 
 impl<V: Space> CentredLaw<V> for Assignment {
-    /// As along the normal, with vectors: this drag acts on the whole relative velocity.
+    /// Like the normal force of [`Composite`](crate::contact::composite::Composite), but with vectors: this drag acts
+    /// on the whole relative velocity.
     #[inline(always)]
     fn centred(&self, pair: &Pair<V>, _: &mut Memory<V>) -> PairForce<V> {
         let window = Window::of(pair);
@@ -70,12 +72,12 @@ impl<V: Space> CentredLaw<V> for Assignment {
         } else {
             [pair.overlap, before].map(|overlap| self.b * window.share(overlap))
         };
-        // h/m of the pair, and of its lone grains.
+        // h/m of the pair, and of its grains without another contact.
         let VelocityPrediction { velocity: gained, inverse_masses, .. } = pair.ahead;
         let [half, half_lone] =
             [inverse_masses[0] + inverse_masses[1], pair.ahead.lone_mobility()].map(|m| 0.5 * pair.dt * m);
         let spring = self.k * pair.overlap.max(0.0);
-        // The normal of the step before was this one, to first order.
+        // To first order, the normal of the previous step was this normal.
         let change = pair.normal * (half_lone * (spring - self.k * before.max(0.0)));
         let drag_then = (pair.relative_velocity - gained) * (half * drag_before);
         let velocity = pair.relative_velocity + gained + change + drag_then;

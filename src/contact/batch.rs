@@ -1,8 +1,8 @@
-//! A batch of contacts: what the law needs to know of each, in lanes, and what it answers.
+//! A batch of contacts: the inputs of the law in lanes, and its output.
 //!
-//! The loop over the lanes has no branch but those of the law, and touches nothing but the batch: the compiler makes vector
-//! instructions of it. Each lane does what a single contact would, operation by operation, so that how many are computed at
-//! once leaves no trace. Lanes beyond the last contact are computed too, from what an earlier one left there, and not read.
+//! The loop over the lanes has no branches but those of the law and accesses only the batch, so the compiler vectorises
+//! it. Each lane performs the operations of a single contact in the same order. So the batch size does not change any
+//! result. Lanes beyond the last contact are also computed, from stale inputs, but never read.
 
 mod bodies;
 mod contact_output;
@@ -25,25 +25,25 @@ use crate::particle::Species;
 use crate::space::{Linear, Space};
 use crate::store::{Rotation, TOTAL_AND_DISSIPATIVE};
 
-/// Contacts i, j side by side; SI, as in [`Pair`].
+/// Contacts i, j side by side; units as in [`Pair`].
 #[derive(Clone, Debug, Default)]
 pub struct Batch<V: Space> {
-    /// How many there are.
+    /// Number of contacts.
     pub len: usize,
-    /// Entries of the columns.
+    /// Slots of i and j.
     pub pairs: PerLane<Candidate>,
     pub bodies: Bodies<V>,
     pub spins: Spins<V>,
     pub species: [PerLane<Species>; 2],
     pub ahead: PredictionLanes<V>,
     pub memory: MemoryLanes<V>,
-    /// Whether a contact is one of the pass before.
+    /// Whether the contact existed in the previous pass.
     pub is_known: PerLane<bool>,
     pub answer: ContactOutput<V>,
 }
 
 impl<V: Space> Batch<V> {
-    /// Takes one more contact, which has been measured: one with a flat wall, for the reach is the radius of i.
+    /// Adds a contact with a flat wall, with its geometry. The reach is set to the radius of i.
     #[inline(always)]
     pub fn push<L: LawRequirements>(&mut self, contact: Candidate, pair: &Pair<V>) {
         let (lane, bodies) = (self.len, &mut self.bodies);
@@ -72,7 +72,7 @@ impl<V: Space> Batch<V> {
         self.len += 1;
     }
 
-    /// The contact of a lane, moved on by `dt` (s), as the law sees it.
+    /// Returns the contact in a lane as the input of the law, for a step `dt` (s).
     #[inline(always)]
     fn pair<L: LawRequirements>(&self, lane: usize, dt: f64) -> Pair<V> {
         let mut pair = Pair {
@@ -104,21 +104,22 @@ impl<V: Space> Batch<V> {
         pair
     }
 
-    /// What contacts lose, J.
+    /// Returns the energy that the contacts lose, J.
     #[inline]
     pub fn lost<L: LawRequirements>(&mut self) -> ContactLosses {
         self.answer.lost::<L>(self.len.min(LANES))
     }
 
-    /// How many lanes are computed: a whole number of vectors.
+    /// Returns the number of lanes to compute: whole vectors.
     #[inline(always)]
     pub fn lanes(&self) -> usize {
         self.len.next_multiple_of(8).min(LANES)
     }
 
-    /// Asks `law` about all lanes; gives how many overlap by more than `deepest` times the sum of the radii.
+    /// Evaluates `law` in all lanes. Returns the number of contacts that overlap by more than `deepest` times the sum
+    /// of the radii.
     #[inline(always)]
-    fn answer_all<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
+    fn evaluate_lanes<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
         &mut self,
         law: &L,
         dt: f64,
@@ -136,17 +137,18 @@ impl<V: Space> Batch<V> {
                 self.answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
             }
             deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
-            self.answer.note::<L>(lane, &pair, &force);
+            self.answer.store_force::<L>(lane, &pair, &force);
             if NUMBERS == TOTAL_AND_DISSIPATIVE {
-                self.answer.book::<L>(lane, &pair, &force);
+                self.answer.store_energy_numbers::<L>(lane, &pair, &force);
             }
             self.memory.set::<L>(lane, &memory);
         }
         deeper
     }
 
-    /// Asks `law` about all contacts of the batch; with [`TOTAL_AND_DISSIPATIVE`] numbers to an entry also what serves the books of energy alone.
-    /// Tells whether any of them overlaps by more than `deepest` times the sum of the radii.
+    /// Evaluates `law` for all contacts of the batch. With [`TOTAL_AND_DISSIPATIVE`] as `NUMBERS` it also stores the
+    /// numbers that only the energy balance needs. Returns whether any contact overlaps by more than `deepest` times
+    /// the sum of the radii.
     pub fn ask<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
         &mut self,
         law: &L,
@@ -156,7 +158,7 @@ impl<V: Space> Batch<V> {
     ) -> bool {
         let deeper = instructions.run(
             #[inline(always)]
-            || self.answer_all::<L, NUMBERS>(law, dt, deepest),
+            || self.evaluate_lanes::<L, NUMBERS>(law, dt, deepest),
         );
         deeper > 0
     }
@@ -175,7 +177,8 @@ mod tests {
     use crate::space::{Linear, Plane, Solid};
     use crate::store::TOTAL;
 
-    /// A grain of 1 to 5 cm on a flat wall, unlike all others; every other one is fast enough to slide.
+    /// Returns the contact of grain `number`, of radius 1 to 5 cm, with a flat wall. The values vary with the number,
+    /// and every other grain is fast enough to slide.
     fn on_wall<V: Space>(number: u32) -> Pair<V> {
         let part = f64::from(number % 17) / 17.0;
         let along = |x: f64, y: f64, z: f64| V::narrow(Solid::new(x, y, z));
@@ -201,7 +204,7 @@ mod tests {
         }
     }
 
-    fn answers_agree<V: Space, L: PairLaw<V> + LawRequirements>(law: &L) {
+    fn check_batch<V: Space, L: PairLaw<V> + LawRequirements>(law: &L) {
         let contacts = 33;
         for instructions in Instructions::all() {
             let mut batch = Batch::<V>::default();
@@ -233,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_pushed_is_answered_as_by_itself() {
+    fn batch_agrees_with_single_contacts() {
         let damping = |per_mass| Coefficient { per_mass, ..Coefficient::default() };
         for lever in [Lever::Radius, Lever::ContactPoint] {
             let law = Composite {
@@ -249,10 +252,10 @@ mod tests {
                 },
                 rolling: NoRolling,
             };
-            answers_agree::<Plane, _>(&law);
-            answers_agree::<Solid, _>(&law);
-            answers_agree::<Plane, _>(&Centred(law));
-            answers_agree::<Solid, _>(&Centred(law));
+            check_batch::<Plane, _>(&law);
+            check_batch::<Solid, _>(&law);
+            check_batch::<Plane, _>(&Centred(law));
+            check_batch::<Solid, _>(&Centred(law));
         }
     }
 }

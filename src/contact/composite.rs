@@ -1,7 +1,7 @@
-//! A law put together from terms: a normal force, a tangential one, rolling resistance.
+//! A law composed of terms: a normal force, a tangential force and rolling resistance.
 //!
-//! The terms are types, so each combination that a scene can ask for is compiled into a kernel of its own, and a term
-//! that is not asked for ([`NoFriction`](super::tangential::Smooth), [`NoRolling`](super::rolling::Free)) leaves nothing behind.
+//! The terms are types, so each combination of terms gets a kernel of its own. An unused term
+//! ([`NoFriction`](super::tangential::NoFriction), [`NoRolling`](super::rolling::NoRolling)) costs no run time.
 
 use crate::contact::centred::{CentredLaw, VelocityPrediction, Window};
 use crate::contact::rolling::Rolling;
@@ -13,22 +13,25 @@ use crate::space::Space;
 pub trait Normal: Copy + Send + Sync + 'static {
     /// See [`LawRequirements::RADII`].
     const RADII: bool = true;
-    /// Where the overlap is at least this many times the half-width of a step, [`Normal::even_drag`] is its mean there.
+    /// For overlaps of at least this many half-widths of the step, [`Normal::even_drag`] gives the mean drag
+    /// coefficient.
     const EVEN: f64;
 
-    /// The spring's force, N.
+    /// Returns the spring force, N.
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64;
 
-    /// The drag coefficient c, N s/m.
+    /// Returns the drag coefficient c, N s/m.
     fn drag<V: Space>(&self, pair: &Pair<V>) -> f64;
 
-    /// The mean of that coefficient over the step around an overlap (m, or a gap), none where there is no contact, N s/m.
+    /// Returns the mean of the drag coefficient over the step centred on `overlap` (m; negative for a gap), N s/m. The
+    /// coefficient is zero where there is no contact.
     fn mean_drag<V: Space>(&self, pair: &Pair<V>, window: &Window, overlap: f64) -> f64;
 
-    /// That mean for an overlap far beyond the step, from the coefficient as it stands, N s/m.
+    /// Returns the mean of the drag coefficient for an overlap much larger than the half-width of the step, N s/m.
+    /// `drag` is the coefficient at the evaluation.
     fn even_drag(&self, drag: f64, window: &Window, overlap: f64) -> f64;
 
-    /// The lower bound of the whole force, N: 0, or minus infinity where it may pull.
+    /// Returns the lower bound of the total normal force, N: 0, or minus infinity where the force may pull.
     fn floor(&self) -> f64;
 
     /// See [`PairLaw::needs_mass_root`].
@@ -36,7 +39,7 @@ pub trait Normal: Copy + Send + Sync + 'static {
         false
     }
 
-    /// Energy stored in the spring, J.
+    /// Returns the energy stored in the spring, J.
     fn energy<V: Space>(&self, pair: &Pair<V>) -> f64;
 
     /// See [`PairLaw::stiffness`].
@@ -55,14 +58,14 @@ pub trait Normal: Copy + Send + Sync + 'static {
     fn restitution(&self, bounce: &Bounce) -> f64;
 }
 
-/// Normal force, friction and rolling resistance together.
+/// A law of normal force, friction and rolling resistance.
 #[derive(Clone, Copy, Debug)]
 pub struct Composite<N, T, R> {
-    /// Along the normal.
+    /// Force along the normal.
     pub normal: N,
-    /// In the tangent plane.
+    /// Force in the tangent plane.
     pub tangential: T,
-    /// Against rolling.
+    /// Resistance against rolling.
     pub rolling: R,
 }
 
@@ -142,7 +145,7 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite
         };
         let VelocityPrediction { velocity: gained, inverse_masses, .. } = &pair.ahead;
         let gained = -gained.dot(pair.normal);
-        // h/m of the pair, and of its lone grains.
+        // h/m of the pair, and of its grains without another contact.
         let [half, half_lone] =
             [inverse_masses[0] + inverse_masses[1], pair.ahead.lone_mobility()].map(|m| 0.5 * pair.dt * m);
         let spring_before = self.normal.spring(&pair.at_overlap(before));
@@ -154,11 +157,13 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite
         let mut force = PairForce::along(pair.normal, total, spring);
         if T::SPIN {
             let whole = (spring + drag * closing).max(floor);
-            // Turning normals and rounding may put the beginning of the step into a contact that was not there: it holds nothing.
+            // Turning normals and rounding may give a new contact a positive overlap at the beginning of the step. A
+            // contact without a spring is treated as new.
             let is_new = before <= 0.0 || T::SPRING && before < window.moved && memory.spring == V::ZERO;
             let event = if is_new {
                 (overlap > 0.0).then(|| (overlap / window.closing).min(pair.dt)).map(|ago| {
-                    // As the spring's: without what this contact's averaged force has taken before its time.
+                    // As for the spring, without the velocity that the averaged force of this contact took before the
+                    // contact opened.
                     let own = half * force_before;
                     let speed = window.closing + (gained + own) * (1.0 - 2.0 * ago / pair.dt) + 2.0 * own;
                     (ago, (self.normal.drag(&pair.at_overlap(0.0)) * speed).max(floor), true)

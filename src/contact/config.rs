@@ -1,4 +1,4 @@
-//! What a scene says about its contact law, and the one place where that chooses what is compiled for it.
+//! The contact section of a scene, and the only place where it selects the law that the kernel is compiled for.
 
 use std::sync::Arc;
 
@@ -16,18 +16,18 @@ use crate::contact::{AnyLaw, CentredLaw, LawRequirements};
 use crate::space::Space;
 use crate::values::{NonNegative, Positive, Restitution};
 
-/// The scene's `contact`: which law holds between grains, and between grains and walls.
+/// The scene's `contact`: the law between grains, and between grains and walls.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Contact {
-    /// The assignment's law, [`Assignment`].
+    /// The law of the assignment, [`Assignment`].
     Assignment {
         /// Spring stiffness k, N/m.
         k: Positive,
         /// Drag b on the full relative velocity, N s/m.
         b: NonNegative,
     },
-    /// The linear spring-dashpot along the normal, [`LinearNormal`], with friction if the scene wants it.
+    /// The linear spring-dashpot along the normal, [`LinearNormal`], with optional friction.
     Linear {
         /// Spring stiffness k_n, N/m.
         k: Positive,
@@ -36,11 +36,11 @@ pub enum Contact {
         /// Whether the normal force may pull.
         #[serde(default)]
         attraction: Attraction,
-        /// Friction. Default none: grains do not spin.
+        /// Friction. Without it, the default, grains do not spin.
         tangential: Option<Friction>,
-        /// Rolling resistance, with `Spring` only.
+        /// Rolling resistance; only together with `Spring` friction.
         rolling: Option<RollingResistance>,
-        /// Where friction acts.
+        /// Point at which friction acts.
         #[serde(default)]
         lever: Lever,
     },
@@ -51,11 +51,11 @@ pub enum Contact {
         /// Whether the normal force may pull.
         #[serde(default)]
         attraction: Attraction,
-        /// Friction. Default none: grains do not spin.
+        /// Friction. Without it, the default, grains do not spin.
         tangential: Option<HertzFriction>,
-        /// Rolling resistance, with friction only.
+        /// Rolling resistance; only together with friction.
         rolling: Option<RollingResistance>,
-        /// Where friction acts.
+        /// Point at which friction acts.
         #[serde(default)]
         lever: Lever,
     },
@@ -65,14 +65,14 @@ pub enum Contact {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Friction {
-    /// A dashpot without memory, cut at mu |F_n|: [`Dashpot`].
+    /// A dashpot without memory, capped at mu |F_n|: [`Dashpot`].
     Dashpot {
         /// Damping of the sliding velocity.
         damping: TangentialDamping,
         /// Coefficient mu.
         friction: NonNegative,
     },
-    /// A spring with memory and a dashpot, cut at mu |F_n|: [`SpringSlider`].
+    /// A spring with memory and a dashpot, capped at mu |F_n|: [`SpringSlider`].
     Spring {
         /// Stiffness k_t, N/m.
         k: Positive,
@@ -87,25 +87,25 @@ pub enum Friction {
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum HertzFriction {
-    /// Mindlin's no-slip stiffness, cut at mu |F_n|: [`Mindlin`].
+    /// Mindlin's no-slip stiffness, capped at mu |F_n|: [`Mindlin`].
     Mindlin {
         /// Coefficient mu.
         friction: NonNegative,
     },
 }
 
-/// One of the scene's `pairs`: other numbers for a pair of species.
+/// One of the scene's `pairs`: the law parameters of a species pair.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct PairOfSpecies {
     /// The two species.
     pub species: (u8, u8),
-    /// The law between them, of the same kind as `contact`.
+    /// The law between the two species, of the same kind as `contact`.
     pub contact: Contact,
 }
 
 impl Contact {
-    /// Which terms the law has; laws of all pairs must have the same.
+    /// Returns the kind of the law: its terms. The laws of all species pairs must be of the same kind.
     #[must_use]
     pub fn kind(&self) -> &'static str {
         match self {
@@ -120,7 +120,7 @@ impl Contact {
         }
     }
 
-    /// Whether its forces depend on positions alone, so that there is nothing to centre.
+    /// Returns whether the forces depend on positions alone. The centred scheme then changes nothing.
     #[must_use]
     pub fn is_elastic(&self) -> bool {
         match self {
@@ -134,34 +134,34 @@ impl Contact {
         }
     }
 
-    /// Whether grains spin under it.
+    /// Returns whether grains spin under this law.
     #[must_use]
     pub fn spins(&self) -> bool {
         matches!(self, Self::Linear { tangential: Some(_), .. } | Self::Hertz { tangential: Some(_), .. })
     }
 }
 
-/// Everything that a scene says about contacts, checked by [`crate::scene::rules`].
+/// The contact laws of a scene, checked by [`crate::scene::rules`].
 #[derive(Clone, Copy, Debug)]
 pub struct Contacts<'a> {
-    /// `contact`.
+    /// The scene's `contact`: the law of every species pair without an entry in `pairs`.
     pub usual: Contact,
-    /// `pairs`.
+    /// The scene's `pairs`.
     pub pairs: &'a [PairOfSpecies],
-    /// `materials`.
+    /// The scene's `materials`.
     pub materials: &'a [Material],
-    /// How many species there are.
+    /// Number of species.
     pub species: usize,
-    /// The only two that are asked for, if not all are.
+    /// If set, the law is built for this species pair alone.
     pub only: Option<(u8, u8)>,
 }
 
-/// Takes the law of a scene in its own type.
+/// Receives the law of a scene with its concrete type.
 pub trait LawVisitor<V: Space> {
-    /// What comes of it.
+    /// The result of the visit.
     type Output;
 
-    /// Takes the law.
+    /// Receives the law.
     fn take<L: CentredLaw<V> + LawRequirements>(self, law: L) -> Self::Output;
 }
 
@@ -175,44 +175,48 @@ impl<V: Space> LawVisitor<V> for Erase {
     }
 }
 
-/// Rules have seen to it that every pair has the same terms.
+/// Holds because [`crate::scene::rules`] rejects scenes with different kinds.
 const SAME_KIND: &str = "all pairs have the same kind of law";
 
 impl Contacts<'_> {
-    /// Hands the law to `visitor`: the one choice of what the kernel is compiled for.
+    /// Passes the law of the scene to `visitor`. This is the only place that selects the law types of compiled kernels.
     pub fn visit<V: Space, R: LawVisitor<V>>(&self, visitor: R) -> R::Output {
         match self.usual {
-            // Grains of one material need no table.
+            // A single species needs no table.
             Contact::Assignment { k, b } if self.species == 1 => visitor.take(Assignment::new(k, b)),
             Contact::Assignment { .. } => visitor.take(self.table(|a, b| self.assignment(a, b))),
             Contact::Linear { tangential: None, .. } if self.species == 1 => {
-                visitor.take(smooth(self.linear(0, 0).normal))
+                visitor.take(frictionless(self.linear(0, 0).normal))
             }
             Contact::Linear { tangential: None, .. } => {
-                visitor.take(self.table(|a, b| smooth(self.linear(a, b).normal)))
+                visitor.take(self.table(|a, b| frictionless(self.linear(a, b).normal)))
             }
             Contact::Linear { tangential: Some(Friction::Dashpot { .. }), .. } => {
                 visitor.take(self.table(|a, b| self.dashpot(a, b)))
             }
-            Contact::Linear { rolling: None, .. } if self.species == 1 => visitor.take(self.stick(0, 0, NoRolling)),
-            Contact::Linear { rolling: None, .. } => visitor.take(self.table(|a, b| self.stick(a, b, NoRolling))),
-            Contact::Linear { .. } => visitor.take(self.table(|a, b| self.stick(a, b, self.rolling(a, b)))),
-            Contact::Hertz { tangential: None, .. } => visitor.take(self.table(|a, b| smooth(self.hertz(a, b)))),
+            Contact::Linear { rolling: None, .. } if self.species == 1 => {
+                visitor.take(self.spring_friction(0, 0, NoRolling))
+            }
+            Contact::Linear { rolling: None, .. } => {
+                visitor.take(self.table(|a, b| self.spring_friction(a, b, NoRolling)))
+            }
+            Contact::Linear { .. } => visitor.take(self.table(|a, b| self.spring_friction(a, b, self.rolling(a, b)))),
+            Contact::Hertz { tangential: None, .. } => visitor.take(self.table(|a, b| frictionless(self.hertz(a, b)))),
             Contact::Hertz { rolling: None, .. } => visitor.take(self.table(|a, b| self.mindlin(a, b, NoRolling))),
             Contact::Hertz { .. } => visitor.take(self.table(|a, b| self.mindlin(a, b, self.rolling(a, b)))),
         }
     }
 
-    /// The law for passes that are not hot.
+    /// Returns the law as a trait object, for code that is not performance-critical.
     #[must_use]
     pub fn any<V: Space>(&self) -> AnyLaw<V> {
         self.visit(Erase)
     }
 
-    /// The law between two species alone.
+    /// Returns the law of a single species pair.
     #[must_use]
     pub fn between<V: Space>(&self, a: u8, b: u8) -> AnyLaw<V> {
-        Self { usual: self.of(a, b), pairs: &[], species: 1, only: Some((a, b)), ..*self }.any()
+        Self { usual: self.contact_of(a, b), pairs: &[], species: 1, only: Some((a, b)), ..*self }.any()
     }
 
     fn table<L>(&self, of: impl Fn(u8, u8) -> L) -> PairTable<L> {
@@ -222,19 +226,19 @@ impl Contacts<'_> {
         }
     }
 
-    /// What the scene says of a pair.
-    fn of(&self, a: u8, b: u8) -> Contact {
+    /// Returns the scene's law for a species pair.
+    fn contact_of(&self, a: u8, b: u8) -> Contact {
         let named = self.pairs.iter().find(|pair| pair.species == (a, b) || pair.species == (b, a));
         named.map_or(self.usual, |pair| pair.contact)
     }
 
     fn assignment(&self, a: u8, b: u8) -> Assignment {
-        let Contact::Assignment { k, b } = self.of(a, b) else { unreachable!("{SAME_KIND}") };
+        let Contact::Assignment { k, b } = self.contact_of(a, b) else { unreachable!("{SAME_KIND}") };
         Assignment::new(k, b)
     }
 
     fn linear(&self, a: u8, b: u8) -> LinearTerms {
-        let Contact::Linear { k, damping, attraction, tangential, lever, .. } = self.of(a, b) else {
+        let Contact::Linear { k, damping, attraction, tangential, lever, .. } = self.contact_of(a, b) else {
             unreachable!("{SAME_KIND}")
         };
         LinearTerms { normal: LinearNormal::new(k, damping, attraction), tangential, lever }
@@ -253,7 +257,12 @@ impl Contacts<'_> {
         }
     }
 
-    fn stick<R>(&self, a: u8, b: u8, rolling: R) -> Composite<LinearNormal, SpringSlider<ConstantStiffness>, R> {
+    fn spring_friction<R>(
+        &self,
+        a: u8,
+        b: u8,
+        rolling: R,
+    ) -> Composite<LinearNormal, SpringSlider<ConstantStiffness>, R> {
         let LinearTerms { normal, tangential: Some(Friction::Spring { k, damping, friction }), lever } =
             self.linear(a, b)
         else {
@@ -264,7 +273,7 @@ impl Contacts<'_> {
     }
 
     fn rolling(&self, a: u8, b: u8) -> RollingResistance {
-        match self.of(a, b) {
+        match self.contact_of(a, b) {
             Contact::Linear { rolling: Some(rolling), .. } | Contact::Hertz { rolling: Some(rolling), .. } => rolling,
             _ => unreachable!("{SAME_KIND}"),
         }
@@ -275,12 +284,13 @@ impl Contacts<'_> {
     }
 
     fn hertz(&self, a: u8, b: u8) -> Hertz {
-        let Contact::Hertz { restitution, attraction, .. } = self.of(a, b) else { unreachable!("{SAME_KIND}") };
+        let Contact::Hertz { restitution, attraction, .. } = self.contact_of(a, b) else { unreachable!("{SAME_KIND}") };
         Hertz::new(self.materials(a, b), restitution, attraction)
     }
 
     fn mindlin<R>(&self, a: u8, b: u8, rolling: R) -> Composite<Hertz, SpringSlider<Mindlin>, R> {
-        let Contact::Hertz { tangential: Some(HertzFriction::Mindlin { friction }), lever, .. } = self.of(a, b) else {
+        let Contact::Hertz { tangential: Some(HertzFriction::Mindlin { friction }), lever, .. } = self.contact_of(a, b)
+        else {
             unreachable!("{SAME_KIND}")
         };
         let normal = self.hertz(a, b);
@@ -289,13 +299,13 @@ impl Contacts<'_> {
     }
 }
 
-/// The numbers of the linear law for one pair.
+/// The parameters of the linear law for one species pair.
 struct LinearTerms {
     normal: LinearNormal,
     tangential: Option<Friction>,
     lever: Lever,
 }
 
-fn smooth<N: Normal>(normal: N) -> Composite<N, NoFriction, NoRolling> {
+fn frictionless<N: Normal>(normal: N) -> Composite<N, NoFriction, NoRolling> {
     Composite { normal, tangential: NoFriction, rolling: NoRolling }
 }

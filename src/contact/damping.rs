@@ -1,14 +1,14 @@
-//! How a contact's damping is given, and the closed forms of a damped linear bounce.
+//! How a scene gives the damping of a contact, and closed forms for a damped linear bounce.
 //!
-//! With w0 = sqrt(k/m_eff), beta = c/(2 m_eff) and zeta = beta/w0, an overlap obeys
-//! `delta'' + 2 zeta w0 delta' + w0^2 delta = 0` from `delta = 0`, `delta' = v0` on.
+//! With w0 = sqrt(k/m_eff), beta = c/(2 m_eff) and zeta = beta/w0, the overlap obeys
+//! `delta'' + 2 zeta w0 delta' + w0^2 delta = 0`, starting from `delta = 0`, `delta' = v0`.
 //!
 //! * Attraction allowed: the contact lasts t_c = pi/w with w = w0 sqrt(1 - zeta^2), and
 //!   e = exp(-pi zeta/sqrt(1 - zeta^2)). At zeta >= 1 it never ends, e = 0.
-//! * Attraction forbidden: it ends when k delta + c delta' = 0, with zeta = sin(phi) at t_c = (pi - 2 phi)/w, and
-//!   e = exp(-tan(phi) (pi - 2 phi)) (Schwager and Poeschel, Granular Matter 9, 465, 2007, in other symbols).
-//!   Beyond critical damping, with s = sqrt(zeta^2 - 1), t_c = 2 ln(zeta + s)/(s w0) and e = exp(-zeta w0 t_c).
-//!   No finite damping gives e = 0.
+//! * Attraction forbidden: the contact ends when k delta + c delta' = 0. With zeta = sin(phi) this is at
+//!   t_c = (pi - 2 phi)/w, and e = exp(-tan(phi) (pi - 2 phi)) (Schwager and Poeschel, Granular Matter 9, 465, 2007, in
+//!   other symbols). Beyond critical damping, with s = sqrt(zeta^2 - 1), t_c = 2 ln(zeta + s)/(s w0) and
+//!   e = exp(-zeta w0 t_c). No finite damping gives e = 0.
 
 use std::f64::consts::PI;
 
@@ -21,26 +21,27 @@ use crate::values::{NonNegative, Restitution};
 pub enum Damping {
     /// c = b, N s/m, the same for every pair.
     B(NonNegative),
-    /// c = gamma_n m_eff, gamma_n in 1/s (as LAMMPS has it): the same decay for every pair.
+    /// c = gamma_n m_eff, gamma_n in 1/s (as in LAMMPS): the same decay rate for every pair.
     PerMass(NonNegative),
-    /// The coefficient of restitution, the same for every pair: c = 2 zeta sqrt(k m_eff).
+    /// The restitution, the same for every pair: c = 2 zeta sqrt(k m_eff).
     Restitution(Restitution),
 }
 
-/// A drag coefficient, N s/m: constant + per_mass m_eff + per_other x, of which one term is there: a sum, so that the loop
-/// over many contacts has no branch. What x is, whoever asks decides.
+/// A drag coefficient, N s/m: constant + per_mass m_eff + per_other x. At most one of the terms is nonzero. A sum
+/// avoids a branch in the loop over contacts. The caller defines x: sqrt(m_eff) for normal drag, the normal c for
+/// tangential drag.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Coefficient {
-    /// N s/m.
+    /// The constant term, N s/m.
     pub constant: f64,
-    /// 1/s.
+    /// Factor of m_eff, 1/s.
     pub per_mass: f64,
-    /// N s/m in units of x.
+    /// Factor of x, N s/m per unit of x.
     pub per_other: f64,
 }
 
 impl Coefficient {
-    /// That of a pair, N s/m.
+    /// Returns the coefficient of a pair, N s/m; `other` is x.
     #[inline(always)]
     #[must_use]
     pub fn of(self, reduced_mass: f64, other: f64) -> f64 {
@@ -48,18 +49,18 @@ impl Coefficient {
     }
 }
 
-/// May the normal force pull?
+/// Whether the normal force may pull.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Default, Deserialize, Serialize)]
 pub enum Attraction {
     /// A contact lasts as long as the overlap; near its end the drag pulls.
     Allowed,
-    /// The normal force is cut at zero.
+    /// The normal force is never below zero.
     #[default]
     Forbidden,
 }
 
 impl Attraction {
-    /// The lower bound of the normal force, N.
+    /// Returns the lower bound of the normal force, N.
     #[must_use]
     pub fn floor(self) -> f64 {
         match self {
@@ -68,17 +69,17 @@ impl Attraction {
         }
     }
 
-    /// Restitution of a bounce with damping ratio `zeta`.
+    /// Returns the restitution of a bounce with damping ratio `zeta`.
     #[must_use]
     pub fn restitution(self, zeta: f64) -> f64 {
         match self {
             Self::Allowed if zeta >= 1.0 => 0.0,
             Self::Allowed => (-PI * zeta / (1.0 - zeta * zeta).sqrt()).exp(),
-            Self::Forbidden => restitution_forbidding(zeta),
+            Self::Forbidden => restitution_without_attraction(zeta),
         }
     }
 
-    /// Contact duration in units of 1/w0; infinite if the contact never ends.
+    /// Returns the contact duration in units of 1/w0; infinite if the contact never ends.
     #[must_use]
     pub fn duration(self, zeta: f64) -> f64 {
         let root = (1.0 - zeta * zeta).abs().sqrt();
@@ -91,7 +92,7 @@ impl Attraction {
         }
     }
 
-    /// The damping ratio that gives restitution `e`.
+    /// Returns the damping ratio for restitution `e`.
     #[must_use]
     pub fn damping_ratio(self, e: Restitution) -> f64 {
         let e = e.get();
@@ -103,8 +104,8 @@ impl Attraction {
     }
 }
 
-/// e(zeta) when the force never pulls; falls from 1 through exp(-2) at zeta = 1 towards 0.
-fn restitution_forbidding(zeta: f64) -> f64 {
+/// Returns e(zeta) without attraction; it falls from 1 through exp(-2) at zeta = 1 towards 0.
+fn restitution_without_attraction(zeta: f64) -> f64 {
     let root = (1.0 - zeta * zeta).abs().sqrt();
     if root < 1e-6 {
         return (-2.0f64).exp();
@@ -114,15 +115,15 @@ fn restitution_forbidding(zeta: f64) -> f64 {
     (-exponent).exp()
 }
 
-/// The zeta whose restitution without attraction is `e`: e(zeta) falls monotonically, so it is halved into place.
+/// Returns the zeta that gives restitution `e` without attraction. Bisection, because e(zeta) falls monotonically.
 fn bisect(e: f64) -> f64 {
     let (mut low, mut high) = (0.0, 1.0);
-    while restitution_forbidding(high) > e {
+    while restitution_without_attraction(high) > e {
         high *= 2.0;
     }
     for _ in 0..200 {
         let middle = 0.5 * (low + high);
-        if restitution_forbidding(middle) > e { low = middle } else { high = middle }
+        if restitution_without_attraction(middle) > e { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
@@ -132,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn both_rules_invert_to_the_restitution_asked_for() {
+    fn damping_ratio_inverts_restitution() {
         for rule in [Attraction::Allowed, Attraction::Forbidden] {
             for e in [1.0, 0.95, 0.9, 0.5, 0.2, 0.1353, 0.05, 1e-3] {
                 let zeta = rule.damping_ratio(Restitution::try_from(e).unwrap());
@@ -143,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn without_damping_both_rules_are_half_a_period() {
+    fn undamped_contact_lasts_half_a_period() {
         for rule in [Attraction::Allowed, Attraction::Forbidden] {
             assert!((rule.duration(0.0) - PI).abs() < 1e-15);
             assert!((rule.restitution(0.0) - 1.0).abs() < 1e-15);
@@ -151,14 +152,14 @@ mod tests {
     }
 
     #[test]
-    fn the_forbidding_forms_join_at_critical_damping() {
+    fn forms_without_attraction_join_at_critical_damping() {
         for rule in [Attraction::restitution, Attraction::duration] {
             let (below, at, above) = (
                 rule(Attraction::Forbidden, 0.999),
                 rule(Attraction::Forbidden, 1.0),
                 rule(Attraction::Forbidden, 1.001),
             );
-            // A smooth function: its second difference is of order 1e-6.
+            // The function is smooth: its second difference is of order 1e-6.
             assert!((below - 2.0 * at + above).abs() < 1e-5, "{below} {at} {above}");
         }
     }

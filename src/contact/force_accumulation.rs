@@ -1,11 +1,12 @@
-//! Sums: what contacts add to the loads of their two, and what ends with them. Each begins with the weight.
+//! Force accumulation: adds contact forces and torques to the loads of both particles, starting from their weight. Also
+//! computes the energy lost when a contact ends.
 //!
-//! What serves the books of energy alone is added where they are kept.
+//! Numbers that only the energy balance needs are added if the store tracks energy.
 
 use std::ops::{AddAssign, Range, SubAssign};
 
 use crate::contact::batch::Batch;
-use crate::contact::geometry::{parted, parted_from_wall};
+use crate::contact::geometry::{ended_pair, ended_wall_pair};
 use crate::contact::kernel::{Pass, touch};
 use crate::contact::lanes::LANES;
 use crate::contact::{LawRequirements, Memory, Pair, PairForce, PairLaw, Turning};
@@ -14,17 +15,19 @@ use crate::space::{Linear, Space};
 use crate::store::{Loads, ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
-    /// What the springs of a contact that has ended held, J: it is lost to friction and rolling resistance.
+    /// Returns the energy stored in the springs of a contact that has ended, J. It is lost to friction and rolling
+    /// resistance.
     #[cold]
     pub(super) fn on_contact_end(&self, store: &ParticleStore<V>, contact: Candidate, memory: &Memory<V>) -> [f64; 2] {
         if !store.tracks_energy {
             return [0.0; 2];
         }
         let [i, j] = contact.both();
-        self.law.on_contact_end(&parted(store, i, j, self.dt), memory)
+        self.law.on_contact_end(&ended_pair(store, i, j, self.dt), memory)
     }
 
-    /// The same for an entry and a wall; nothing if it is a door that has gone, which took all its contacts' energy with it.
+    /// Returns the energy lost when a contact with a wall ends, J. Returns 0 if the wall is a door that has been
+    /// removed: its removal has already accounted for the energy of all its contacts.
     #[cold]
     pub(super) fn on_wall_contact_end(
         &self,
@@ -36,34 +39,34 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         if !(self.walls[wall].is_present && store.tracks_energy) {
             return [0.0; 2];
         }
-        self.law.on_contact_end(&parted_from_wall(store, i, &self.walls[wall], self.dt), memory)
+        self.law.on_contact_end(&ended_wall_pair(store, i, &self.walls[wall], self.dt), memory)
     }
 }
 
 impl<V: Space> Pair<V> {
-    /// What the tangential dashpot takes in this step, J.
+    /// Returns the energy that the tangential dashpot dissipates in this step, J.
     #[inline(always)]
-    pub(crate) fn taken_by_dashpot<L: LawRequirements>(&self, turning: &Turning<V>) -> f64 {
+    pub(crate) fn dashpot_loss<L: LawRequirements>(&self, turning: &Turning<V>) -> f64 {
         let pair = if L::PREDICTION { self.predicted() } else { *self };
         -turning.friction_drag.dot(pair.sliding_velocity(turning.arms)) * self.dt
     }
 }
 
-/// The part of the force on i that dashpots make.
+/// Returns the dissipative part of the force on i, N.
 #[inline(always)]
 pub(crate) fn drag<L: LawRequirements, V: Space>(force: &PairForce<V>) -> V {
     if L::SPIN { force.drag + force.turning.friction_drag } else { force.drag }
 }
 
-/// The whole force on i.
+/// Returns the total force on i, N.
 #[inline(always)]
 pub(crate) fn total<L: LawRequirements, V: Space>(force: &PairForce<V>) -> V {
     if L::SPIN { force.smooth + force.turning.friction } else { force.smooth }
 }
 
-/// A share of the loads: of consecutive particles.
+/// Mutable loads of consecutive particles.
 pub(crate) struct AccumulatorSlice<'a, V: Space> {
-    /// Of [`Accumulator`](crate::store::Tally)s, all numbers, so many to an entry.
+    /// Numbers of an [`Accumulator`](crate::store::Accumulator), `each` per particle.
     force: &'a mut [V],
     torque: &'a mut [V::Spin],
     each: usize,
@@ -72,17 +75,17 @@ pub(crate) struct AccumulatorSlice<'a, V: Space> {
 }
 
 impl<'a, V: Space> AccumulatorSlice<'a, V> {
-    /// Everybody's.
+    /// Returns the loads of all particles.
     pub(crate) fn all(loads: &'a mut Loads<V>) -> Self {
         let Loads { force, torque, rolling_drag, contacts } = loads;
         let (force, each) = force.numbers_mut();
         Self { force, torque: torque.numbers_mut().0, each, rolling_drag, contacts }
     }
 
-    /// Takes those of the first so many away.
-    pub(crate) fn cut_off(&mut self, particles: usize) -> Self {
+    /// Splits off the loads of the first `particles` particles.
+    pub(crate) fn split_front(&mut self, particles: usize) -> Self {
         let (entries, numbers) = (..particles, ..particles * self.each);
-        // Of what is not asked for, nothing.
+        // Accumulators that the law does not need are empty.
         Self {
             force: self.force.split_off_mut(numbers).unwrap_or_default(),
             torque: self.torque.split_off_mut(numbers).unwrap_or_default(),
@@ -92,8 +95,8 @@ impl<'a, V: Space> AccumulatorSlice<'a, V> {
         }
     }
 
-    /// Sets sums from this place on to what they begin with, the weight of each mass (kg).
-    fn begin<const NUMBERS: usize>(&mut self, start: usize, masses: &[f64], gravity: V) {
+    /// Initialises the sums from position `start` on: forces to the weights of `masses` (kg), the rest to zero.
+    fn initialise<const NUMBERS: usize>(&mut self, start: usize, masses: &[f64], gravity: V) {
         fn clear<T: Copy + Default>(column: &mut [T], places: Range<usize>) {
             if let Some(sums) = column.get_mut(places) {
                 sums.fill(T::default());
@@ -110,59 +113,60 @@ impl<'a, V: Space> AccumulatorSlice<'a, V> {
     }
 }
 
-/// Adds numbers to an entry of a tally.
+/// Adds numbers to an accumulator entry.
 #[inline(always)]
 fn add<T: AddAssign, const NUMBERS: usize>(entry: &mut [T; NUMBERS], numbers: [T; NUMBERS]) {
     entry.iter_mut().zip(numbers).for_each(|(sum, number)| *sum += number);
 }
 
-/// Takes them away from one.
+/// Subtracts numbers from an accumulator entry.
 #[inline(always)]
-fn take<T: SubAssign, const NUMBERS: usize>(entry: &mut [T; NUMBERS], numbers: [T; NUMBERS]) {
+fn subtract<T: SubAssign, const NUMBERS: usize>(entry: &mut [T; NUMBERS], numbers: [T; NUMBERS]) {
     entry.iter_mut().zip(numbers).for_each(|(sum, number)| *sum -= number);
 }
 
-/// The sums of the particles of a share of rows, entry by entry.
+/// The sums of a range of rows.
 pub(crate) struct ForceAccumulation<'a, V: Space> {
     rows: Range<usize>,
-    /// Entries before this one have begun.
-    begun: usize,
-    share: AccumulatorSlice<'a, V>,
+    /// Sums before this slot are initialised.
+    initialised_end: usize,
+    slice: AccumulatorSlice<'a, V>,
 }
 
 impl<'a, V: Space> ForceAccumulation<'a, V> {
-    pub(crate) fn new(rows: Range<usize>, share: AccumulatorSlice<'a, V>) -> Self {
-        Self { begun: rows.start, rows, share }
+    pub(crate) fn new(rows: Range<usize>, slice: AccumulatorSlice<'a, V>) -> Self {
+        Self { initialised_end: rows.start, rows, slice }
     }
 
-    /// Begins the sums of all entries before this one, if they have not.
-    pub(super) fn begin(&mut self, end: usize, gravity: V, store: &ParticleStore<V>) {
-        let end = end.clamp(self.begun, self.rows.end);
-        let (masses, start) = (&store.mass[self.begun..end], self.begun - self.rows.start);
-        if self.share.each == TOTAL_AND_DISSIPATIVE {
-            self.share.begin::<TOTAL_AND_DISSIPATIVE>(start, masses, gravity);
+    /// Initialises the sums before slot `end` that are not initialised yet.
+    pub(super) fn initialise(&mut self, end: usize, gravity: V, store: &ParticleStore<V>) {
+        let end = end.clamp(self.initialised_end, self.rows.end);
+        let (masses, start) = (&store.mass[self.initialised_end..end], self.initialised_end - self.rows.start);
+        if self.slice.each == TOTAL_AND_DISSIPATIVE {
+            self.slice.initialise::<TOTAL_AND_DISSIPATIVE>(start, masses, gravity);
         } else {
-            self.share.begin::<TOTAL>(start, masses, gravity);
+            self.slice.initialise::<TOTAL>(start, masses, gravity);
         }
-        self.begun = end;
+        self.initialised_end = end;
     }
 
-    /// Reads those of entries that are here.
+    /// Reads the sums of `entries` that lie in the own range, to load them into the cache.
     pub(super) fn touch(&self, entries: Range<usize>) -> u64 {
-        let AccumulatorSlice { force, torque, each, .. } = &self.share;
+        let AccumulatorSlice { force, torque, each, .. } = &self.slice;
         let [start, end] = [entries.start, entries.end]
             .map(|entry| (entry.clamp(self.rows.start, self.rows.end) - self.rows.start) * each);
-        // Of what is not asked for, nothing.
+        // Accumulators that the law does not need are empty.
         let torque = torque.get(start..end).unwrap_or_default();
         touch(&force[start..end], |number| number.component(0)) ^ touch(torque, |number| number.component(0))
     }
 
-    /// Adds what the contacts of a batch do to both, unless the second is in another share.
+    /// Adds the forces of a batch to both particles, or only to the first if the second belongs to another thread.
     #[inline(always)]
     pub(super) fn add_to_both<L: LawRequirements, const NUMBERS: usize>(&mut self, batch: &Batch<V>) {
         let start = self.rows.start;
-        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.share;
-        // What is of its own cannot change under the loop; and who has a force has a torque.
+        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.slice;
+        // Copied to locals so that the compiler can prove that stores do not alias them. Forces and torques have equal
+        // length.
         let (forces, mut torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
         if L::SPIN {
             torques = &mut torques[..forces.len()];
@@ -172,16 +176,16 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
         for lane in (0..batch.len.min(LANES)).filter(|&lane| answer.counts::<L>(lane)) {
             let [first, second] = batch.pairs[lane].both().map(|entry| entry - start);
             let is_here = second < forces.len();
-            // All is read before anything is written: sums might lie where answers do, for all the compiler knows.
+            // All reads come before all writes: the compiler cannot prove that the sums do not alias the batch.
             let (force, torques_of) = (answer.force::<NUMBERS>(lane), answer.torques::<L, NUMBERS>(lane));
             add(&mut forces[first], force);
             if is_here {
-                take(&mut forces[second], force);
+                subtract(&mut forces[second], force);
             }
             if L::SPIN {
                 add(&mut torques[first], torques_of[0]);
                 if is_here {
-                    take(&mut torques[second], torques_of[1]);
+                    subtract(&mut torques[second], torques_of[1]);
                 }
             }
             if L::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
@@ -200,9 +204,9 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
         }
     }
 
-    /// Adds what the contacts of a batch do to their first members (`SIDE` 0) or to their second ones (1) alone.
+    /// Adds the forces of a batch to the first particles (`SIDE` 0) or the second particles (`SIDE` 1) alone.
     pub(crate) fn add_to_one<L: LawRequirements, const NUMBERS: usize, const SIDE: usize>(&mut self, batch: &Batch<V>) {
-        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.share;
+        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.slice;
         let (forces, torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
         let answer = &batch.answer;
         for lane in (0..batch.len.min(LANES)).filter(|&lane| answer.counts::<L>(lane)) {
@@ -212,12 +216,12 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
             if SIDE == 0 {
                 add(&mut forces[entry], force);
             } else {
-                take(&mut forces[entry], force);
+                subtract(&mut forces[entry], force);
             }
             if L::SPIN && SIDE == 0 {
                 add(&mut torques[entry], torque);
             } else if L::SPIN {
-                take(&mut torques[entry], torque);
+                subtract(&mut torques[entry], torque);
             }
             if L::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
                 let drag = answer.rolling_drag_torque.get(lane);

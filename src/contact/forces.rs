@@ -1,4 +1,4 @@
-//! The system that runs the kernel with the scene's law, search and threads.
+//! The system that runs the kernel with the scene's law, neighbour search and threads.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -26,15 +26,15 @@ use crate::walls::surfaces::Surfaces;
 #[derive(Resource)]
 pub struct Law<L>(pub Arc<L>);
 
-/// The largest overlap so far, of grains with grains and with walls, over the smaller radius.
+/// The largest overlap of the run so far divided by the smaller radius of its pair, over grains and walls.
 #[derive(Resource, Default)]
 pub struct LargestOverlap(pub f64);
 
-/// The set of the contact pass.
+/// System set of the contact pass.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ContactForces;
 
-/// By how much memories advance in this run of the schedule, s.
+/// Returns the time by which memories advance in this run of the schedule, s.
 fn memory_step(clock: &Clock) -> f64 {
     if clock.is_step_zero() { 0.0 } else { clock.dt }
 }
@@ -49,7 +49,7 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
 ) {
-    // This system's own writes do not count as changes.
+    // Change detection does not report this system's own writes, here the wall loads, as changes.
     let have_changed = walls.is_changed();
     let pass = Pass {
         law: &*law.0,
@@ -69,19 +69,20 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     }
 }
 
-/// Memories go along with their particles when slots are dealt out anew.
+/// Moves memories to the new slots of their particles after a renumbering.
 fn move_memories<V: Space, L: LawRequirements>(store: Res<ParticleStore<V>>, mut history: ResMut<History<V>>) {
-    history.follow::<L>(&store);
+    history.move_to_new_slots::<L>(&store);
 }
 
-/// Contacts with the law `law`, between particles and with flat walls. Outsiders' laws enter here: `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
+/// Adds contacts with the law `law`, between particles and with flat walls. Laws from other crates are added here:
+/// `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
 pub struct ContactPlugin<V: Space, L: PairLaw<V>> {
     law: Arc<L>,
     space: PhantomData<V>,
 }
 
 impl<V: Space, L: PairLaw<V>> ContactPlugin<V, L> {
-    /// The law in the space `V`.
+    /// Uses the law in the space `V`.
     #[must_use]
     pub fn new(law: Arc<L>) -> Self {
         Self { law, space: PhantomData }
@@ -89,7 +90,7 @@ impl<V: Space, L: PairLaw<V>> ContactPlugin<V, L> {
 }
 
 impl<L: PairLaw<Plane>> ContactPlugin<Plane, L> {
-    /// The law in the plane.
+    /// Uses the law in the plane.
     #[must_use]
     pub fn plane(law: Arc<L>) -> Self {
         Self::new(law)
@@ -98,7 +99,7 @@ impl<L: PairLaw<Plane>> ContactPlugin<Plane, L> {
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
     fn build(&self, app: &mut App) {
-        // A law that a behaviour brings may turn grains where the scene's own does not.
+        // The law of a behaviour may need spins in a scene that has none.
         if L::SPIN && !app.is_plugin_added::<SpinPlugin<V>>() {
             app.add_plugins(SpinPlugin::<V> { inertia: InertiaLaw::usual(V::DIMENSION), space: PhantomData });
         }

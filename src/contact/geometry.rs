@@ -1,9 +1,13 @@
-//! Where a contact is made: between two particles, or between a particle and a flat wall.
+//! Contact geometry between two particles, and between a particle and a flat wall.
 //!
-//! Two particles touch when |x_ij| < R_i + R_j; overlap R_i + R_j - |x_ij|, normal x_ij/|x_ij|, relative velocity v_i - v_j, reduced mass
-//! 1/(1/m_i + 1/m_j). For a wall, x_j is its nearest point, R_j = 0 in the overlap and infinite in the curvature, and 1/m_j = 0; a half-space has
-//! its own normal and a distance that is negative inside. Lengths come from one inverse root ([`ContactLine`]), here and in the kernel's lanes
-//! (`batch/bodies.rs`): so whoever looks at a contact sees the bits that the force pass saw.
+//! Two particles touch when |x_ij| < R_i + R_j. Overlap R_i + R_j - |x_ij|, normal x_ij/|x_ij|, relative velocity
+//! v_i - v_j, reduced mass 1/(1/m_i + 1/m_j).
+//!
+//! For a wall, x_j is its nearest point. R_j is 0 in the overlap and infinite in the curvature, and 1/m_j = 0. A
+//! half-space has its own normal, and its distance is negative inside.
+//!
+//! One inverse root gives all lengths (`ContactLine`), here and in the kernel's lanes (`batch/bodies.rs`). So surveys
+//! of contacts and the force pass agree to the last bit.
 
 use crate::contact::root::inverse_root;
 use crate::contact::{Pair, VelocityPrediction};
@@ -12,30 +16,30 @@ use crate::space::{COINCIDENT, Linear, PARTED, Space};
 use crate::store::{Body, ParticleStore};
 use crate::walls::surfaces::{FlatWall, Nearest};
 
-/// What follows from the separation of two and from their masses alone.
+/// The contact quantities that follow from the separation and the masses alone.
 pub(super) struct ContactLine<V> {
     /// Unit vector from j to i.
     pub normal: V,
-    /// m.
+    /// Distance between the centres, m; for a wall the distance to the wall.
     pub distance: f64,
-    /// kg.
+    /// Reduced mass, kg.
     pub reduced_mass: f64,
 }
 
 impl<V: Space> ContactLine<V> {
-    /// That of two which are this vector (m) apart, not less than [`COINCIDENT`], and whose inverse masses add up to `mobility` (1/kg): what would
-    /// take a root and two divisions, from one root.
+    /// Computes the line of two particles `separation` (m) apart, at least sqrt([`COINCIDENT`]) long. `mobility` is the
+    /// sum of their inverse masses, 1/kg. One inverse root replaces a root and two divisions.
     #[inline(always)]
     pub(super) fn new(separation: V, mobility: f64) -> Self {
         let squared = separation.length_squared();
-        // 1/d and 1/mobility from one root.
-        let both = inverse_root(squared * (mobility * mobility));
-        let inverse_distance = both * mobility;
+        // One root gives 1/d and 1/mobility.
+        let inverse_product = inverse_root(squared * (mobility * mobility));
+        let inverse_distance = inverse_product * mobility;
         let distance = squared * inverse_distance;
-        Self { normal: separation * inverse_distance, distance, reduced_mass: both * distance }
+        Self { normal: separation * inverse_distance, distance, reduced_mass: inverse_product * distance }
     }
 
-    /// That of a particle and a wall.
+    /// Computes the line from a wall to a particle.
     #[inline(always)]
     fn to_wall(body: &Body<V>, wall: &FlatWall<V>) -> Self {
         match wall.surface.nearest(body.position) {
@@ -45,8 +49,9 @@ impl<V: Space> ContactLine<V> {
     }
 }
 
-/// The contact of entries `i` and `j` if they overlap and at least one can move; with the root of the reduced mass if it is asked for.
-// A pair is large: handed over in memory, and copied, each contact would wait for its own stores.
+/// Returns the contact of the particles in slots `i` and `j` if they overlap and at least one can move. `root` asks for
+/// the root of the reduced mass.
+// Always inlined: a `Pair` is large, and returning it through memory would make each contact stall on its own stores.
 #[inline(always)]
 #[must_use]
 pub fn touching<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, root: bool) -> Option<Pair<V>> {
@@ -55,24 +60,24 @@ pub fn touching<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, root: bo
     let squared = separation.length_squared();
     // Written so that a NaN does not touch.
     if squared < reach * reach && !(store.is_fixed(i) && store.is_fixed(j)) {
-        Some(between(store, [i, j], separation, root, 0.0))
+        Some(pair_at(store, [i, j], separation, root, 0.0))
     } else {
         None
     }
 }
 
-/// The geometry of two particles that were in contact in the step before.
-pub(super) fn parted<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
+/// Returns the geometry of two particles whose contact has ended in this step.
+pub(super) fn ended_pair<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
     let separation = store.separation(store.body[i].position, store.body[j].position);
-    between(store, [i, j], separation, true, dt)
+    pair_at(store, [i, j], separation, true, dt)
 }
 
-/// Two particles that are this vector apart, m.
+/// Returns the geometry of two particles that are `separation` (m) apart.
 #[inline(always)]
-fn between<V: Space>(store: &ParticleStore<V>, both: [usize; 2], separation: V, root: bool, dt: f64) -> Pair<V> {
-    let [a, b] = both.map(|entry| &store.body[entry]);
+fn pair_at<V: Space>(store: &ParticleStore<V>, slots: [usize; 2], separation: V, root: bool, dt: f64) -> Pair<V> {
+    let [a, b] = slots.map(|slot| &store.body[slot]);
     let separation = if separation.length_squared() < COINCIDENT {
-        coincident::<V>(store.id[both[0]], store.id[both[1]]) * PARTED
+        coincident::<V>(store.id[slots[0]], store.id[slots[1]]) * PARTED
     } else {
         separation
     };
@@ -85,14 +90,15 @@ fn between<V: Space>(store: &ParticleStore<V>, both: [usize; 2], separation: V, 
         root: if root { reduced_mass.sqrt() } else { 0.0 },
         radii: [a.radius, b.radius],
         inverse_reach: 1.0 / (a.radius + b.radius),
-        spins: both.map(|entry| store.spin(entry)),
-        species: both.map(|entry| store.species[entry]),
+        spins: slots.map(|slot| store.spin(slot)),
+        species: slots.map(|slot| store.species[slot]),
         dt,
         ahead: VelocityPrediction::default(),
     }
 }
 
-/// The contact of movable entry `i` with a wall, if they touch (`PREDICTION`: within half a step).
+/// Returns the contact of the movable particle in slot `i` with a wall, if they touch. With `PREDICTION` a contact
+/// within half a step counts too.
 #[inline(always)]
 #[must_use]
 pub fn touching_wall<const PREDICTION: bool, V: Space>(
@@ -109,7 +115,7 @@ pub fn touching_wall<const PREDICTION: bool, V: Space>(
     if !(line.distance < body.radius + window && wall.is_present) {
         return None;
     }
-    let mut pair = at_wall(store, i, wall, line, root, dt);
+    let mut pair = wall_pair_at(store, i, wall, line, root, dt);
     if PREDICTION {
         let (gain, spin) = (&store.gain[i], store.spin_gain.get(i).copied().unwrap_or_default());
         pair.ahead = VelocityPrediction {
@@ -123,14 +129,14 @@ pub fn touching_wall<const PREDICTION: bool, V: Space>(
     Some(pair)
 }
 
-/// The geometry of movable entry `i` and a wall that it has just left.
-pub(super) fn parted_from_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Pair<V> {
-    at_wall(store, i, wall, ContactLine::to_wall(&store.body[i], wall), true, dt)
+/// Returns the geometry of the movable particle in slot `i` and a wall that it has just left.
+pub(super) fn ended_wall_pair<V: Space>(store: &ParticleStore<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Pair<V> {
+    wall_pair_at(store, i, wall, ContactLine::to_wall(&store.body[i], wall), true, dt)
 }
 
-/// Movable entry `i` and a wall, which are so far apart.
+/// Returns the geometry of the movable particle in slot `i` and a wall at the end of `line`.
 #[inline(always)]
-fn at_wall<V: Space>(
+fn wall_pair_at<V: Space>(
     store: &ParticleStore<V>,
     i: usize,
     wall: &FlatWall<V>,
@@ -155,7 +161,7 @@ fn at_wall<V: Space>(
     }
 }
 
-/// A normal for coincident centres: fixed by the two ids, odd under their swap.
+/// Returns a normal for coincident centres. The two ids determine it, and it changes sign when they are exchanged.
 #[cold]
 pub(super) fn coincident<V: Space>(i: GrainId, j: GrainId) -> V {
     let (low, high) = if i < j { (i, j) } else { (j, i) };

@@ -1,17 +1,18 @@
-//! Hertz and Mindlin: elastic spheres, with a damping that keeps the restitution the same at every speed.
+//! The laws of Hertz and Mindlin: elastic spheres, with a damping that gives the same restitution at every speed.
 //!
 //! With 1/E* = (1 - nu_i^2)/E_i + (1 - nu_j^2)/E_j, 1/G* = (2 - nu_i)/G_i + (2 - nu_j)/G_j, G = E/(2 (1 + nu)), and
 //! R* = R_i R_j/(R_i + R_j):
 //!
 //! * spring F = 4/3 E* sqrt(R* delta) delta, tangent stiffness S_n = 2 E* sqrt(R* delta);
-//! * damping c = 2 z sqrt(S_n m_eff), z = sqrt(5/6) zeta with the damping ratio zeta that gives the linear law the
-//!   restitution e, attraction allowed or forbidden ([`Attraction`]). That is exact: with such a damping a substitution of
-//!   time turns the bounce into a linear one (Antypov and Elliott, EPL 94, 50004, 2011). The polynomial of Thornton, Cummins
-//!   and Cleary, Powder Technology 233, 30, 2013, is a fit of the forbidden case, 3e-4 off in e up to 0.9, 2e-2 at 1;
-//! * tangential k_t = 8 G* sqrt(R* delta), c_t = 2 z sqrt(k_t m_eff) ([`Mindlin`]). It is the no-slip stiffness with one
-//!   spring and Coulomb's cap; Mindlin and Deresiewicz's partial slip is not modelled.
+//! * damping c = 2 z sqrt(S_n m_eff), z = sqrt(5/6) zeta. zeta is the damping ratio that gives the linear law the
+//!   restitution e, with attraction allowed or forbidden ([`Attraction`]). This is exact: a substitution of time turns
+//!   the bounce into a linear one (Antypov and Elliott, EPL 94, 50004, 2011). The polynomial of Thornton, Cummins and
+//!   Cleary, Powder Technology 233, 30, 2013, fits the forbidden case: its error in e is 3e-4 up to e = 0.9, and
+//!   2e-2 at e = 1;
+//! * tangential k_t = 8 G* sqrt(R* delta), c_t = 2 z sqrt(k_t m_eff) ([`Mindlin`]). This is the no-slip stiffness with
+//!   one spring and Coulomb's cap; the partial slip of Mindlin and Deresiewicz is not modelled.
 //!
-//! E and G in Pa. In a planar scene discs meet as spheres would.
+//! E and G in Pa. In a planar scene discs interact like spheres.
 
 use serde::{Deserialize, Serialize};
 
@@ -34,14 +35,14 @@ pub struct Material {
 }
 
 impl Material {
-    /// E* of two materials, Pa.
+    /// Returns E* of two materials, Pa.
     #[must_use]
     pub fn effective_modulus(self, other: Self) -> f64 {
         let compliance = |m: Self| (1.0 - m.poisson.get().powi(2)) / m.young.get();
         1.0 / (compliance(self) + compliance(other))
     }
 
-    /// G* of two materials, Pa.
+    /// Returns G* of two materials, Pa.
     #[must_use]
     pub fn effective_shear_modulus(self, other: Self) -> f64 {
         let compliance = |m: Self| (2.0 - m.poisson.get()) * 2.0 * (1.0 + m.poisson.get()) / m.young.get();
@@ -49,7 +50,7 @@ impl Material {
     }
 }
 
-/// The normal force.
+/// Hertz's normal force with damping.
 #[derive(Clone, Copy, Debug)]
 pub struct Hertz {
     modulus: f64,
@@ -59,7 +60,7 @@ pub struct Hertz {
 }
 
 impl Hertz {
-    /// The law between two materials.
+    /// Creates the law between two materials.
     #[must_use]
     pub fn new(materials: [Material; 2], restitution: Restitution, attraction: Attraction) -> Self {
         let [a, b] = materials;
@@ -71,14 +72,15 @@ impl Hertz {
         }
     }
 
-    /// S_n, N/m.
+    /// Returns S_n, N/m.
     fn tangent(&self, reduced_radius: f64, overlap: f64) -> f64 {
         2.0 * self.modulus * (reduced_radius * overlap).sqrt()
     }
 }
 
 impl Normal for Hertz {
-    // What the mean of delta^(1/4) is beyond its middle's (w/delta)^2/32 is 0.02 (w/delta)^4 there, below 1e-5.
+    // `even_drag` takes the mean of delta^(1/4) as its value in the middle times 1 - (w/delta)^2/32. The remainder is
+    // 0.02 (w/delta)^4 at this ratio, below 1e-5.
     const EVEN: f64 = 8.0;
 
     #[inline(always)]
@@ -128,7 +130,7 @@ impl Normal for Hertz {
     }
 
     fn contact_duration(&self, bounce: &Bounce) -> f64 {
-        // 2 int_0^1 dx/sqrt(1 - x^(5/2)) = 2.943 of the undamped bounce.
+        // The factor is 2 int_0^1 dx/sqrt(1 - x^(5/2)) = 2.943, for the undamped bounce.
         2.943_275 * self.deepest(bounce) / bounce.speed
     }
 
@@ -137,7 +139,7 @@ impl Normal for Hertz {
     }
 }
 
-/// The tangential stiffness that goes with it.
+/// Mindlin's tangential stiffness and drag, for use with [`Hertz`].
 #[derive(Clone, Copy, Debug)]
 pub struct Mindlin {
     shear_modulus: f64,
@@ -146,7 +148,7 @@ pub struct Mindlin {
 }
 
 impl Mindlin {
-    /// Between two materials that meet by `normal`.
+    /// Creates the tangential term between two materials with the normal law `normal`.
     #[must_use]
     pub fn new(materials: [Material; 2], normal: Hertz) -> Self {
         let [a, b] = materials;
@@ -183,18 +185,18 @@ mod tests {
     }
 
     #[test]
-    fn two_glass_spheres_meet_as_published() {
+    fn glass_sphere_impact_agrees_with_published_values() {
         // Chung and Ooi, Granular Matter 13, 643, 2011, test 1: R = 1 cm, 2800 kg/m^3, 10 m/s each: 274.1 um, 40.34 us.
         let mass = 2800.0 * 4.0 / 3.0 * PI * 1e-6;
         let bounce = Bounce { reduced_mass: 0.5 * mass, reduced_radius: 0.005, speed: 20.0 };
         let law = Hertz::new([glass(), glass()], Restitution::try_from(1.0).unwrap(), Attraction::Allowed);
-        // To the digits that are published.
+        // Tolerances: half a unit in the last published digit.
         assert!((law.deepest(&bounce) - 274.1e-6).abs() < 0.05e-6, "{}", law.deepest(&bounce));
         assert!((law.contact_duration(&bounce) - 40.34e-6).abs() < 0.005e-6, "{}", law.contact_duration(&bounce));
     }
 
     #[test]
-    fn the_published_fit_of_the_damping_without_attraction_is_met() {
+    fn damping_without_attraction_agrees_with_published_fit() {
         const THORNTON: [f64; 10] = [
             -6.918_798, -16.411_05, 146.804_9, -796.455_9, 2_928.711, -7_206.864, 11_494.29, -11_342.18, 6_276.757,
             -1_489.915,

@@ -1,11 +1,13 @@
-//! What contacts remember, from step to step.
+//! Contact history: the memories of contacts between steps.
 //!
-//! Each force pass reads the memories of the contacts that it finds and writes them down again ([`HistoryCursor`]). So a memory lives
-//! exactly as long as its contact, whatever the neighbour search does; and a contact that ends is forgotten. A contact stands
-//! once, in the row of its lower member and as seen from it. Rows are particles in the order of the columns, each with its
-//! partners in ascending order: the order in which the kernel comes by, so that looking up is walking along. Pages have
-//! [`BLOCK`] rows each, so that threads have pages of their own. When slots are dealt out anew, pages are rewritten by where
-//! each particle was before.
+//! Each force pass reads the memories of the contacts that it finds and writes them back ([`HistoryCursor`]). So a
+//! memory lives exactly as long as its contact, whatever the neighbour search does. The memory of a contact that ends
+//! is discarded.
+//!
+//! A contact is stored once, in the row of its lower slot and seen from the particle in that slot. Rows are slots in
+//! ascending order, each with its partners in ascending order. The kernel visits contacts in this order, so a look-up
+//! only moves a cursor forward. History blocks have [`BLOCK`] rows each, so that each thread owns whole blocks. After a
+//! renumbering, the blocks are rewritten by the previous slot of each particle.
 
 mod block;
 mod cursor;
@@ -21,14 +23,14 @@ use crate::neighbours::list::{BLOCK, Candidate};
 use crate::space::{Plane, Space};
 use crate::store::ParticleStore;
 
-/// What contacts take in a step, J.
+/// Energy lost in contacts in one step, J.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ContactLosses {
-    /// By sliding.
+    /// Lost to sliding.
     pub sliding: f64,
-    /// By rolling beyond the cap.
+    /// Lost to rolling beyond the cap.
     pub rolling: f64,
-    /// Tangential dashpots, by the velocities that forces are evaluated with.
+    /// Lost to tangential dashpots, computed with the velocities that the force evaluation uses.
     pub dashpots: f64,
 }
 
@@ -49,133 +51,136 @@ impl AddAssign for ContactLosses {
     }
 }
 
-/// The memories of all contacts between particles, and of those with flat walls.
+/// The memories of all contacts between particles and with flat walls.
 #[derive(Resource, Clone, Debug)]
 pub struct History<V: Space = Plane> {
-    /// Between particles, page by page.
-    pages: Vec<HistoryBlock<V>>,
-    /// With flat walls, the partner being the wall's index, page by page too.
-    walls: Vec<HistoryBlock<V>>,
+    /// History blocks of contacts between particles.
+    pair_blocks: Vec<HistoryBlock<V>>,
+    /// History blocks of contacts with flat walls; the partner is the index of the wall.
+    wall_blocks: Vec<HistoryBlock<V>>,
 }
 
 impl<V: Space> Default for History<V> {
     fn default() -> Self {
-        Self { pages: Vec::new(), walls: Vec::new() }
+        Self { pair_blocks: Vec::new(), wall_blocks: Vec::new() }
     }
 }
 
 impl<V: Space> History<V> {
-    /// The memory of a contact between entries i and j of the columns, as seen from the lower one.
+    /// Returns the memory of the contact between slots `i` and `j`, seen from the lower slot.
     #[must_use]
     pub fn of_pair(&self, i: usize, j: usize) -> Option<Memory<V>> {
         let low = i.min(j);
-        self.pages.get(low / BLOCK)?.look_up(Candidate::new(u32::try_from(low).ok()?, u32::try_from(i.max(j)).ok()?))
+        self.pair_blocks
+            .get(low / BLOCK)?
+            .look_up(Candidate::new(u32::try_from(low).ok()?, u32::try_from(i.max(j)).ok()?))
     }
 
-    /// The memory of the contact of entry i with a flat wall.
+    /// Returns the memory of the contact of slot `i` with a flat wall.
     #[must_use]
     pub fn of_wall(&self, i: usize, wall: usize) -> Option<Memory<V>> {
-        self.walls.get(i / BLOCK)?.look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
+        self.wall_blocks.get(i / BLOCK)?.look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
     }
 
-    /// Looks up contacts between particles that are asked for in ascending order.
+    /// Returns a reader of contacts between particles, for look-ups in ascending order.
     #[must_use]
     pub fn read_pairs(&self) -> HistoryReader<'_, V> {
-        HistoryReader { pages: &self.pages, page: 0, from: 0 }
+        HistoryReader { blocks: &self.pair_blocks, block: 0, position: 0 }
     }
 
-    /// Looks up contacts with flat walls that are asked for in ascending order.
+    /// Returns a reader of contacts with flat walls, for look-ups in ascending order.
     #[must_use]
     pub fn read_walls(&self) -> HistoryReader<'_, V> {
-        HistoryReader { pages: &self.walls, page: 0, from: 0 }
+        HistoryReader { blocks: &self.wall_blocks, block: 0, position: 0 }
     }
 
-    /// What contacts took in the last step.
+    /// Returns the energy lost in contacts in the last step.
     #[must_use]
     pub fn lost(&self) -> ContactLosses {
         let mut all = ContactLosses::default();
-        self.pages.iter().chain(&self.walls).for_each(|page| all += page.lost);
+        self.pair_blocks.iter().chain(&self.wall_blocks).for_each(|block| all += block.lost);
         all
     }
 
-    /// The pages for the particles of `store`: of contacts between them, and of those with flat walls.
+    /// Returns the history blocks for the particles of `store`: of contacts between particles, and of contacts with
+    /// flat walls.
     pub fn pages(&mut self, store: &ParticleStore<V>) -> (&mut [HistoryBlock<V>], &mut [HistoryBlock<V>]) {
-        (fit(&mut self.pages, store), fit(&mut self.walls, store))
+        (resized(&mut self.pair_blocks, store), resized(&mut self.wall_blocks, store))
     }
 
-    /// Follows the particles to the slots that `store` have just dealt out.
-    pub(super) fn follow<L: LawRequirements>(&mut self, store: &ParticleStore<V>) {
-        if self.pages.iter().chain(&self.walls).all(HistoryBlock::is_empty) {
+    /// Moves memories to the slots that a renumbering of `store` has just assigned.
+    pub(super) fn move_to_new_slots<L: LawRequirements>(&mut self, store: &ParticleStore<V>) {
+        if self.pair_blocks.iter().chain(&self.wall_blocks).all(HistoryBlock::is_empty) {
             return;
         }
-        let mut slots = vec![None; self.pages.len() * BLOCK];
+        let mut slots = vec![None; self.pair_blocks.len() * BLOCK];
         for (slot, former) in (0u32..).zip(&store.former) {
             if let Some(entry) = slots.get_mut(former.index()) {
                 *entry = Some(slot);
             }
         }
-        let place = |old: usize| slots.get(old).copied().flatten();
+        let new_slot = |old: usize| slots.get(old).copied().flatten();
         let mut pairs = Vec::new();
-        for (contact, mut memory) in self.pages.iter().flat_map(HistoryBlock::all) {
-            if let [Some(i), Some(j)] = contact.both().map(place) {
+        for (contact, mut memory) in self.pair_blocks.iter().flat_map(HistoryBlock::all) {
+            if let [Some(i), Some(j)] = contact.both().map(new_slot) {
                 if i > j {
                     memory = memory.turned();
                 }
                 pairs.push((Candidate::new(i.min(j), i.max(j)), memory));
             }
         }
-        let on_walls = self.walls.iter().flat_map(HistoryBlock::all);
+        let on_walls = self.wall_blocks.iter().flat_map(HistoryBlock::all);
         let walls = on_walls
             .filter_map(|(contact, memory)| {
                 let wall = u32::try_from(contact.second()).ok()?;
-                Some((Candidate::new(place(contact.first())?, wall), memory))
+                Some((Candidate::new(new_slot(contact.first())?, wall), memory))
             })
             .collect();
-        rewrite::<V, L>(&mut self.pages, store, pairs);
-        rewrite::<V, L>(&mut self.walls, store, walls);
+        rewrite::<V, L>(&mut self.pair_blocks, store, pairs);
+        rewrite::<V, L>(&mut self.wall_blocks, store, walls);
     }
 }
 
-/// Looks up memories in ascending order of contacts, in less time than [`History::of_pair`] and [`History::of_wall`].
+/// Looks up memories in ascending order of contacts, faster than [`History::of_pair`] and [`History::of_wall`].
 #[derive(Clone, Debug)]
 pub struct HistoryReader<'a, V: Space = Plane> {
-    pages: &'a [HistoryBlock<V>],
-    /// The page of the last contact.
-    page: usize,
-    /// The place of the last contact in that page.
-    from: usize,
+    blocks: &'a [HistoryBlock<V>],
+    /// Index of the block of the last look-up.
+    block: usize,
+    /// Position of the last look-up in its block.
+    position: usize,
 }
 
 impl<V: Space> HistoryReader<'_, V> {
-    /// The memory of entry i's contact with a partner: the entry of higher slot, or the index of the wall.
+    /// Returns the memory of the contact of slot `i` with a partner: a higher slot, or the index of a wall.
     #[must_use]
     pub fn look_up(&mut self, i: usize, partner: usize) -> Option<Memory<V>> {
         let contact = Candidate::new(u32::try_from(i).ok()?, u32::try_from(partner).ok()?);
-        if i / BLOCK != self.page {
-            (self.page, self.from) = (i / BLOCK, 0);
+        if i / BLOCK != self.block {
+            (self.block, self.position) = (i / BLOCK, 0);
         }
-        self.pages.get(self.page)?.look_up_next(&mut self.from, contact)
+        self.blocks.get(self.block)?.look_up_next(&mut self.position, contact)
     }
 }
 
-/// As many pages as the particles of `store` take.
-fn fit<'p, V: Space>(pages: &'p mut Vec<HistoryBlock<V>>, store: &ParticleStore<V>) -> &'p mut [HistoryBlock<V>] {
-    pages.resize_with(store.len().div_ceil(BLOCK), HistoryBlock::default);
-    pages
+/// Resizes `blocks` to the number of blocks that the particles of `store` need.
+fn resized<'p, V: Space>(blocks: &'p mut Vec<HistoryBlock<V>>, store: &ParticleStore<V>) -> &'p mut [HistoryBlock<V>] {
+    blocks.resize_with(store.len().div_ceil(BLOCK), HistoryBlock::default);
+    blocks
 }
 
-/// Writes pages anew for the particles of `store`, with these contacts.
+/// Rewrites all blocks for the particles of `store`, with `contacts`.
 fn rewrite<V: Space, L: LawRequirements>(
-    pages: &mut Vec<HistoryBlock<V>>,
+    blocks: &mut Vec<HistoryBlock<V>>,
     store: &ParticleStore<V>,
     mut contacts: Vec<(Candidate, Memory<V>)>,
 ) {
-    // What most have kept is their order, which a stable sort makes use of.
+    // Most contacts keep their order, and the stable sort is fast on sorted runs.
     contacts.sort_by_key(|(contact, _)| *contact);
-    pages.clear();
-    let pages = fit(pages, store);
+    blocks.clear();
+    let blocks = resized(blocks, store);
     for (contact, memory) in &contacts {
-        pages[contact.first() / BLOCK].push::<L>(*contact, memory);
+        blocks[contact.first() / BLOCK].push::<L>(*contact, memory);
     }
 }
 
@@ -191,7 +196,7 @@ pub(super) mod tests {
         const SPRING: bool = true;
     }
 
-    /// Of grains with these names, after others with those.
+    /// Returns a store of grains with the ids `names`, after a renumbering from the ids `before`.
     fn store(names: &[u32], before: &[u32]) -> ParticleStore {
         let id = names.iter().map(|&name| GrainId::grain(name).unwrap()).collect();
         let former = |name| before.iter().zip(0..).find(|(before, _)| *before == name).map(|(_, slot)| Slot::new(slot));
@@ -204,7 +209,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn who_is_asked_for_in_order_is_found_as_by_searching() {
+    fn sequential_look_up_agrees_with_search() {
         let mut page = HistoryBlock::<Plane>::default();
         for (contact, spring) in [([0, 1], 0.1), ([0, 3], 0.2), ([1, 2], 0.3)] {
             page.push::<Springs>(contact.into(), &memory(spring));
@@ -216,19 +221,20 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn memories_follow_their_particles() {
+    fn memories_move_with_their_particles() {
         let old: Vec<u32> = (0..3000).map(|n| 10 * n).collect();
         let before = store(&old, &[]);
         let mut history = History::default();
-        history.follow::<Springs>(&before);
+        history.move_to_new_slots::<Springs>(&before);
         for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
             history.pages(&before).0[contact[0] as usize / BLOCK].push::<Springs>(contact.into(), &memory(spring));
         }
         history.pages(&before).1[1500 / BLOCK].push::<Springs>([1500, 2].into(), &memory(7.0));
-        // Grain 0 goes, two come, and the order is turned round: who was the lower one is the upper one.
+        // Grain 0 leaves, two grains enter, and the order is reversed: the lower slot of each pair becomes the upper
+        // one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();
         let after = store(&new, &old);
-        history.follow::<Springs>(&after);
+        history.move_to_new_slots::<Springs>(&after);
         let slot = |name: u32| new.iter().position(|&other| other == name).unwrap();
         let spring = |a: u32, b: u32| history.of_pair(slot(a), slot(b)).map(|memory| memory.spring.x);
         assert_eq!(spring(10, 29990), Some(-1.5));
@@ -237,10 +243,10 @@ pub(super) mod tests {
         assert_eq!(spring(5, 10), None);
         assert_eq!(history.of_wall(slot(15000), 2).map(|memory| memory.spring.x), Some(7.0));
         let mut reader = history.read_pairs();
-        for [i, j] in history.pages.iter().flat_map(HistoryBlock::all).map(|(contact, _)| contact.both()) {
+        for [i, j] in history.pair_blocks.iter().flat_map(HistoryBlock::all).map(|(contact, _)| contact.both()) {
             assert_eq!(reader.look_up(i, j), history.of_pair(i, j));
         }
-        let kept: usize = history.pages.iter().map(HistoryBlock::len).sum();
+        let kept: usize = history.pair_blocks.iter().map(HistoryBlock::len).sum();
         assert_eq!(kept, 3);
     }
 }

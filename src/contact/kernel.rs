@@ -1,17 +1,24 @@
-//! The contact pass: the sums of all contact forces, between particles and with flat walls.
+//! The contact pass: sums the contact forces between particles and with flat walls.
 //!
-//! Each pair is evaluated once, walked i < j with both ascending, and added to both: a particle receives its partners in
-//! ascending order of slots. Three things happen by turns: candidates are filtered by distance, without a branch, into a
-//! batch; when it is full, the law answers for all its lanes at once; the answers are added one by one, in order. What a
-//! law does not demand ([`LawRequirements`]) is not compiled.
+//! Each pair (i, j) with i < j is evaluated once, in ascending order of i, then of j, and added to both particles. So
+//! each particle receives the forces of its partners in ascending order of slots. The pass alternates between three
+//! stages:
 //!
-//! Threads sum a range of rows each, and evaluate for themselves what rows of others do to theirs ([`PairList`]): the order
-//! of every sum, and so its bits, do not depend on their number. Memories are written in pages of [`BLOCK`] rows, and a batch
-//! ends with its block, so that neither do the books. What contacts with rows of others remember is copied before anyone writes:
-//! at the end of the pass before, by whoever has just written it.
+//! 1. Filter candidates by distance into a batch, without branches.
+//! 2. When the batch is full, evaluate the law in all lanes at once.
+//! 3. Add the forces one by one, in order.
 //!
-//! Contacts with walls are summed block by block too (`walls`), after all contacts between particles of the block: a particle's sum takes
-//! walls last, in the scene's order. What a wall gets is summed block by block, so that no bit of it depends on the number of threads.
+//! Code for data that a law does not require ([`LawRequirements`]) is not compiled.
+//!
+//! Each thread sums the forces of a range of rows. A pair across a border between two ranges is evaluated by both
+//! threads ([`PairList`]). So the order of every sum, and every bit of it, does not depend on the number of threads.
+//! Memories are stored in history blocks of [`BLOCK`] rows. A batch never spans two blocks, so the energy balance does
+//! not depend on the number of threads either. Memories of contacts across a border are copied at the end of a pass, by
+//! the thread that has just written them. In the next pass the other thread reads the copy (halo export and import).
+//!
+//! Contacts with walls are summed block by block (`walls`), after all contacts between the particles of the block. So
+//! the sum of a particle takes walls last, in the scene's order. The load on a wall is also summed block by block, so
+//! that no bit of it depends on the number of threads.
 
 mod prefetch;
 mod thread_scratch;
@@ -32,28 +39,30 @@ use crate::store::ParticleStore;
 use crate::threads::Threads;
 use crate::walls::surfaces::FlatWall;
 
-/// What a pass needs besides the columns.
+/// The input of a contact pass besides the particle store.
 pub struct Pass<'a, V: Space, L> {
     /// The contact law.
     pub law: &'a L,
-    /// Candidates.
+    /// Candidate pairs.
     pub list: &'a PairList,
     /// The flat walls.
     pub walls: &'a [FlatWall<V>],
-    /// Particles and walls that may touch, ascending.
+    /// Pairs of a particle and a wall that may touch, ascending.
     pub near: &'a [Candidate],
-    /// By how much memories advance, s.
+    /// Time by which memories advance, s.
     pub dt: f64,
-    /// m/s^2.
+    /// Acceleration of gravity, m/s^2.
     pub gravity: V,
-    /// What lanes are computed with.
+    /// Instruction set of the lane loops.
     pub instructions: Instructions,
 }
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
-    /// Sets the loads of `store` to the sums of weight and all contact forces. `deepest` is the largest overlap so
-    /// far over the smaller radius of its pair; gives that with these. `scratches` are kept for the next pass, and hold what walls get; `goes_on`
-    /// tells whether nobody has changed what contacts remember since the last one with them.
+    /// Sets the loads of `store` to the sums of weight and all contact forces.
+    ///
+    /// `deepest` is the largest overlap so far divided by the smaller radius of its pair. Returns the same ratio after
+    /// this pass. `scratches` persist between passes; after the pass they hold the loads on walls. `goes_on` states
+    /// that the contact history has not changed since the last pass with these `scratches`.
     pub fn sum(
         &self,
         store: &mut ParticleStore<V>,
@@ -68,10 +77,10 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         }
         let tasks = self.list.tasks();
         scratches.resize_with(tasks.len(), ThreadScratch::default);
-        let (mut pages, mut wall_pages) = history.pages(store);
+        let (mut pair_histories, mut wall_histories) = history.pages(store);
         let has_borders = L::MEMORY && tasks.len() > 1;
         if has_borders {
-            exchange_halos::<V, L>(scratches, self.list, pages, goes_on);
+            exchange_halos::<V, L>(scratches, self.list, pair_histories, goes_on);
         }
         let view = &*store;
         let (left, places): (Vec<_>, Vec<_>) = scratches
@@ -81,24 +90,24 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
             })
             .unzip();
         let halo = HaloImport::new(tasks, &left);
-        // What is left for the tasks to come.
+        // The parts not yet assigned to a task.
         let (mut rest, mut near) = (AccumulatorSlice::all(&mut loads), self.near);
         let mut workers = Vec::with_capacity(tasks.len());
         for (task, (batch, leaving, rows, spare, on_walls)) in tasks.iter().zip(places) {
             let count = task.rows.len();
-            let sums = ForceAccumulation::new(task.rows.clone(), rest.cut_off(count));
+            let sums = ForceAccumulation::new(task.rows.clone(), rest.split_front(count));
             let blocks = count.div_ceil(BLOCK);
-            let pages = pages.split_off_mut(..blocks).unwrap_or_default();
-            let wall_pages = wall_pages.split_off_mut(..blocks).unwrap_or_default();
+            let pair_histories = pair_histories.split_off_mut(..blocks).unwrap_or_default();
+            let wall_histories = wall_histories.split_off_mut(..blocks).unwrap_or_default();
             let own = near.partition_point(|contact| contact.first() < task.rows.end);
             let near = near.split_off(..own).unwrap_or_default();
             let halo = halo.clone();
             on_walls.clear();
             let worker = Worker { pass: self, view, task, halo, sums, batch, largest: deepest, near, on_walls };
             workers.push(move || {
-                let largest = worker.sum(pages, wall_pages, spare);
+                let largest = worker.sum(pair_histories, wall_histories, spare);
                 if has_borders {
-                    export_halo::<V, L>(&task.rows, self.list, pages, leaving);
+                    export_halo::<V, L>(&task.rows, self.list, pair_histories, leaving);
                     *rows = task.rows.clone();
                 }
                 largest

@@ -1,14 +1,14 @@
-//! Lanes: numbers of many contacts side by side, so that one instruction works on several.
+//! Lanes: numbers of many contacts side by side, so that one vector instruction processes several contacts.
 
 use std::ops::{Deref, DerefMut};
 
 use crate::space::Linear;
 
-/// Contacts in a batch. A multiple of every vector width; what friction with memory asks for in solid space, 25 kB, stays in a first
-/// cache of 32, and with a scheme that looks ahead 30 kB.
+/// Contacts in a batch: a multiple of every vector width. The largest batch fits into an L1 cache of 32 kB: friction
+/// with memory in solid space takes 25 kB, and 30 kB with velocity prediction.
 pub const LANES: usize = 48;
 
-/// One entry a lane. Aligned as cache lines are, so that no vector of lanes straddles two.
+/// One entry per lane. Aligned to cache lines, so that no vector of lanes straddles two of them.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 pub struct PerLane<T>([T; LANES]);
@@ -35,16 +35,16 @@ impl<T> DerefMut for PerLane<T> {
     }
 }
 
-/// One number a lane.
+/// One number per lane.
 pub type Scalars = PerLane<f64>;
 
-/// The numbers of both of a contact.
+/// Returns the numbers of both particles of the contact in a lane.
 #[inline(always)]
 pub fn of_both(both: &[Scalars; 2], lane: usize) -> [f64; 2] {
     [both[0][lane], both[1][lane]]
 }
 
-/// One vector or spin a lane, component by component.
+/// One vector or spin per lane, stored component by component.
 #[derive(Clone, Debug)]
 pub struct Lanes<T> {
     components: [Scalars; 3],
@@ -57,10 +57,10 @@ impl<T> Default for Lanes<T> {
     }
 }
 
-/// Four numbers a lane, side by side: they are written with half as many instructions as one by one, or a quarter.
+/// Four numbers per lane, side by side. Writing them takes a half or a quarter of the instructions of single writes.
 pub type Quads = PerLane<[f64; 4]>;
 
-/// Puts the numbers of the first `lanes` lanes where they belong.
+/// Transposes the first `lanes` lanes of `quads` into four arrays.
 #[inline(always)]
 pub fn spread(
     quads: &Quads,
@@ -76,13 +76,13 @@ pub fn spread(
 }
 
 impl<T: Linear> Lanes<T> {
-    /// All numbers, axis by axis.
+    /// Returns the arrays of all components, axis by axis.
     #[inline(always)]
     pub fn axes(&mut self) -> [&mut Scalars; 3] {
         self.components.each_mut()
     }
 
-    /// That of a lane.
+    /// Returns the vector of a lane.
     #[inline(always)]
     #[must_use]
     pub fn get(&self, lane: usize) -> T {
@@ -92,7 +92,7 @@ impl<T: Linear> Lanes<T> {
         )
     }
 
-    /// Sets that of a lane.
+    /// Sets the vector of a lane.
     #[inline(always)]
     pub fn set(&mut self, lane: usize, value: T) {
         for axis in 0..T::COUNT {

@@ -1,8 +1,8 @@
 //! The linear spring-dashpot along the normal.
 //!
 //! F on i = max(k delta - c v_n, floor) n with v_n = (v_i - v_j).n; k in N/m, c in N s/m by [`Damping`], floor 0 or
-//! -inf by [`Attraction`]. Source: Cundall and Strack, Geotechnique 29, 47, 1979; the normal part of the soft-particle
-//! codes and of LAMMPS's `hooke`.
+//! -inf by [`Attraction`]. Source: Cundall and Strack, Geotechnique 29, 47, 1979. The same normal force is used in
+//! soft-particle codes and in LAMMPS's `hooke`.
 
 use crate::contact::centred::Window;
 use crate::contact::composite::Normal;
@@ -11,18 +11,18 @@ use crate::contact::{Bounce, Pair};
 use crate::space::Space;
 use crate::values::Positive;
 
-/// max(k delta - c v_n, floor) n.
+/// The law max(k delta - c v_n, floor) n.
 #[derive(Clone, Copy, Debug)]
 pub struct LinearNormal {
     k: f64,
-    /// c, from m_eff and its root.
+    /// c, as a function of m_eff and its root.
     drag: Coefficient,
     attraction: Attraction,
     floor: f64,
 }
 
 impl LinearNormal {
-    /// The law with stiffness `k` (N/m).
+    /// Creates the law with stiffness `k` (N/m).
     #[must_use]
     pub fn new(k: Positive, damping: Damping, attraction: Attraction) -> Self {
         let k = k.get();
@@ -48,7 +48,7 @@ impl LinearNormal {
 
 impl Normal for LinearNormal {
     const RADII: bool = false;
-    // From there on the step before lies in the contact as a whole, too.
+    // From this overlap on, the contact exists during the whole previous step, too.
     const EVEN: f64 = 3.0;
 
     #[inline(always)]
@@ -117,7 +117,7 @@ mod tests {
     use crate::space::Vector;
     use crate::values::NonNegative;
 
-    fn parting(attraction: Attraction) -> PairForce {
+    fn separating_force(attraction: Attraction) -> PairForce {
         let damping = Damping::B(NonNegative::try_from(100.0).unwrap());
         let normal = LinearNormal::new(Positive::try_from(1e4).unwrap(), damping, attraction);
         let law = Composite { normal, tangential: NoFriction, rolling: NoRolling };
@@ -125,15 +125,15 @@ mod tests {
     }
 
     #[test]
-    fn a_parting_pair_pulls_only_where_attraction_is_allowed() {
-        let pulled = parting(Attraction::Allowed);
+    fn a_separating_pair_pulls_only_if_attraction_is_allowed() {
+        let pulled = separating_force(Attraction::Allowed);
         assert_eq!(pulled.smooth, Vector::new(-90.0, 0.0));
-        let cut = parting(Attraction::Forbidden);
+        let cut = separating_force(Attraction::Forbidden);
         assert_eq!(cut.smooth, Vector::ZERO);
     }
 
     #[test]
-    fn restitution_does_not_depend_on_the_pair_s_mass() {
+    fn restitution_does_not_depend_on_mass() {
         let damping = Damping::Restitution(0.5.try_into().unwrap());
         for attraction in [Attraction::Allowed, Attraction::Forbidden] {
             let law = LinearNormal::new(Positive::try_from(1e4).unwrap(), damping, attraction);

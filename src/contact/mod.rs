@@ -1,13 +1,17 @@
-//! Contacts between grains, and between grains and walls: which pairs touch, what they do to each other, who sums it.
+//! Contacts between grains, and between grains and walls: contact laws, contact history, and the kernel that sums
+//! contact forces.
 //!
-//! Grains i and j touch when |x_ij| < R_i + R_j, with x_ij = x_i - x_j; their overlap is
-//! delta = R_i + R_j - |x_ij|, their normal n = x_ij/|x_ij|, from j to i. What follows is a [`PairLaw`], made of
-//! terms with a file each: a normal force ([`assignment`], [`linear`], [`hertz`]), friction ([`tangential`]), rolling
-//! resistance ([`rolling`]), put together in [`composite`] with numbers for each pair of materials ([`table`]),
-//! and [`centred`] for the scheme of second order.
-//! [`kernel`] walks the pairs, the same for every law and every neighbour search; what a contact remembers is kept in
-//! [`history`]; [`crate::survey`] shows the contacts to other systems. Walls obey the same law with a partner of no
-//! curvature and infinite mass ([`crate::walls::surfaces`]).
+//! Particles i and j touch when |x_ij| < R_i + R_j, with x_ij = x_i - x_j. Their overlap is delta = R_i + R_j - |x_ij|.
+//! Their normal is n = x_ij/|x_ij|, from j to i.
+//!
+//! A contact law is a [`PairLaw`]. [`composite`] builds laws from terms: a normal force ([`linear`], [`hertz`]),
+//! friction ([`tangential`]) and rolling resistance ([`rolling`]). [`assignment`] is a law without terms. [`table`]
+//! holds the parameters for each species pair. [`centred`] averages a law over a step, for the integration scheme of
+//! second order.
+//!
+//! [`kernel`] iterates over the candidate pairs in the same way for every law and every neighbour search. [`history`]
+//! keeps the memories of contacts between steps. [`crate::survey`] shows contacts to other systems. Contacts with walls
+//! obey the same law, with a partner of zero curvature and infinite mass ([`crate::walls::surfaces`]).
 
 pub mod assignment;
 pub(crate) mod batch;
@@ -39,35 +43,36 @@ pub use self::forces::{ContactForces, ContactPlugin, LargestOverlap, Law};
 use crate::particle::Species;
 use crate::space::{Plane, Space};
 
-/// A touching pair as a law sees it, from the side of i.
+/// A touching pair, seen from the side of i: the input of a contact law.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<V: Space = Plane> {
     /// Unit vector from j to i.
     pub normal: V,
-    /// Overlap, m, positive; a gap, negative, only for centred laws.
+    /// Overlap, m, positive. Centred laws also get gaps, as negative overlaps.
     pub overlap: f64,
     /// v_i - v_j of the centres, m/s.
     pub relative_velocity: V,
-    /// m_i m_j/(m_i + m_j), kg; m_i against anything fixed.
+    /// m_i m_j/(m_i + m_j), kg. Against a fixed partner it is m_i.
     pub reduced_mass: f64,
-    /// Its root; may be zero unless the law takes it ([`PairLaw::needs_mass_root`]).
+    /// sqrt(reduced mass), kg^(1/2). May be zero unless [`PairLaw::needs_mass_root`] returns `true`.
     pub root: f64,
-    /// R_i and R_j, m; R_j is infinite for a flat wall. May be zero unless the law demands them.
+    /// R_i and R_j, m. R_j is infinite for a flat wall. May be zero unless the law requires radii.
     pub radii: [f64; 2],
-    /// 1/(R_i + R_j), 1/m: 0 for a flat wall. May be zero unless the law demands radii.
+    /// 1/(R_i + R_j), 1/m: 0 for a flat wall. May be zero unless the law requires radii.
     pub inverse_reach: f64,
-    /// Spins of i and j, rad/s; zero unless the law demands them.
+    /// Spins of i and j, rad/s; zero unless the law requires spins.
     pub spins: [V::Spin; 2],
-    /// Materials of i and j; the first unless the law demands them.
+    /// Species of i and j; both are species 0 unless the law requires species.
     pub species: [Species; 2],
-    /// By how much time memory advances in this evaluation, s: the step, or 0 for a look.
+    /// Time by which the law advances the memory in this evaluation, s: the step, or 0 if the evaluation must not
+    /// advance it.
     pub dt: f64,
-    /// What velocities gain until the end of the step; zero unless the law demands it.
+    /// Velocity changes until the end of the step; zero unless the law requires the prediction.
     pub ahead: VelocityPrediction<V>,
 }
 
 impl<V: Space> Pair<V> {
-    /// As seen from j, without what is ahead.
+    /// Returns the pair as seen from j, without the velocity prediction.
     #[must_use]
     pub fn turned(&self) -> Self {
         let swapped = |[i, j]: [f64; 2]| [j, i];
@@ -82,7 +87,7 @@ impl<V: Space> Pair<V> {
         }
     }
 
-    /// R_i R_j/(R_i + R_j), m; R_i against a flat wall.
+    /// Returns R_i R_j/(R_i + R_j), m; R_i against a flat wall.
     #[inline(always)]
     #[must_use]
     pub fn reduced_radius(&self) -> f64 {
@@ -90,15 +95,15 @@ impl<V: Space> Pair<V> {
         if j.is_infinite() { i } else { i * j * self.inverse_reach }
     }
 
-    /// (v_i - v_j).n, m/s: negative while the two approach.
+    /// Returns (v_i - v_j).n, m/s: negative while i and j approach.
     #[inline(always)]
     #[must_use]
     pub fn normal_velocity(&self) -> f64 {
         self.relative_velocity.dot(self.normal)
     }
 
-    /// Relative velocity of the surfaces in the tangent plane, m/s, with these arms (m) from the centres to the contact:
-    /// v_ij - v_n n - (l_i w_i + l_j w_j) x n.
+    /// Returns the relative velocity of the surfaces in the tangent plane, m/s: v_ij - v_n n - (l_i w_i + l_j w_j) x n.
+    /// `arms` are the distances l from the centres to the contact, m.
     #[inline(always)]
     #[must_use]
     pub fn sliding_velocity(&self, arms: [f64; 2]) -> V {
@@ -107,142 +112,145 @@ impl<V: Space> Pair<V> {
     }
 }
 
-/// What a contact remembers from step to step, from the side of i. Seen from j, `spring` has the
-/// other sign; `rolling` has the same, because relative spin and normal both change theirs.
+/// The memory of one contact between steps, seen from the side of i. Seen from j, `spring` has the opposite sign.
+/// `rolling` has the same sign from both sides: the relative spin and the normal both change sign.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Memory<V: Space = Plane> {
     /// Displacement of the tangential spring, m.
     pub spring: V,
     /// Displacement of the rolling spring, m.
     pub rolling: V,
-    /// Tangential stiffness at the last evaluation, N/m, for laws whose stiffness changes; 0 in a new contact. A law of one's own may keep
-    /// any number here: nobody but the law reads it.
+    /// Tangential stiffness at the last evaluation, N/m, for laws whose stiffness changes; 0 in a new contact. Laws
+    /// from other crates may keep any number here: only the law reads it.
     pub stiffness: f64,
 }
 
 impl<V: Space> Memory<V> {
-    /// As seen from the other one.
+    /// Returns the memory as seen from the other particle.
     #[must_use]
     pub fn turned(&self) -> Self {
         Self { spring: -self.spring, ..*self }
     }
 }
 
-/// What the pair does to i; on j acts the opposite force. The total is `smooth + friction`.
+/// The force of the contact on i; the opposite force acts on j. The total is `smooth + turning.friction`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct PairForce<V: Space = Plane> {
-    /// Spring and damping between the centres, N.
+    /// Force of the spring and damping between the centres, N.
     pub smooth: V,
-    /// The part of it that damping makes, which dissipates, N.
+    /// The damping part of `smooth`, which dissipates energy, N.
     pub drag: V,
-    /// What spinning laws add.
+    /// Friction and rolling resistance.
     pub turning: Turning<V>,
 }
 
-/// What friction and rolling resistance do to i. The torques are `-arms[0] n x friction + rolling` on i and
-/// `-arms[1] n x friction - rolling` on j.
+/// Friction and rolling resistance of a contact. The torque on i is `-arms[0] n x friction + rolling`. The torque on j
+/// is `-arms[1] n x friction - rolling`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Turning<V: Space = Plane> {
-    /// Tangential force, N.
+    /// Tangential force on i, N.
     pub friction: V,
-    /// The part of it that a dashpot makes, N.
+    /// The dashpot part of `friction`, N.
     pub friction_drag: V,
-    /// Distances from the centres of i and j to where it acts, m.
+    /// Distances from the centres of i and j to the point at which `friction` acts, m.
     pub arms: [f64; 2],
-    /// Torque of rolling resistance, N m.
+    /// Torque of rolling resistance on i, N m.
     pub rolling: V::Spin,
-    /// The part of it that a dashpot makes, N m.
+    /// The dashpot part of `rolling`, N m.
     pub rolling_drag: V::Spin,
-    /// What sliding took in this step, J.
+    /// Energy lost to sliding in this step, J.
     pub lost_by_sliding: f64,
-    /// What rolling beyond the cap took in this step, J.
+    /// Energy lost to rolling beyond the cap in this step, J.
     pub lost_by_rolling: f64,
     /// Whether the friction force is at its cap.
     pub is_sliding: bool,
 }
 
 impl<V: Space> PairForce<V> {
-    /// Spring and damping, and no friction, N.
+    /// Returns a force from its spring part and its damping part, N, without friction.
     #[inline(always)]
     #[must_use]
     pub fn smooth(elastic: V, drag: V) -> Self {
         Self { smooth: elastic + drag, drag, turning: Turning::default() }
     }
 
-    /// The same along the normal: a total of which the spring makes a part, N.
+    /// Returns a force along the normal, without friction, from its total and the spring part of that total, N.
     #[inline(always)]
     #[must_use]
     pub fn along(normal: V, total: f64, spring: f64) -> Self {
         Self { smooth: normal * total, drag: normal * (total - spring), turning: Turning::default() }
     }
 
-    /// What the spring does, N.
+    /// Returns the spring part of `smooth`, N.
     #[must_use]
     pub fn elastic(&self) -> V {
         self.smooth - self.drag
     }
 }
 
-/// A contact law. Odd under the exchange of i and j to the last bit: what is a vector may be made from `pair` only
-/// in ways that change sign with the normal, the relative velocity and the exchange of the two entries of the lists.
+/// A contact law. The force must change sign exactly, to the last bit, when i and j are exchanged. So the law must
+/// build vectors from `pair` only in ways that change sign with the normal, the relative velocity and the exchange of
+/// both entries of each array.
 pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
-    /// The force on i; advances the memory by `pair.dt`.
+    /// Returns the force on i and advances the memory by `pair.dt`.
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V>;
 
-    /// Energy stored in a contact, J.
+    /// Returns the energy stored in a contact, J.
     fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
 
-    /// What is lost with the tangential and with the rolling spring of a contact that has ended in this step, J; the
-    /// overlap of `pair` is negative. A spring takes k S/2 . v dt before it is gone ([`spring`]): k S/2 . (S + v dt).
+    /// Returns the energies lost with the tangential and the rolling spring of a contact that has ended in this step,
+    /// J. The overlap of `pair` is negative. The lost energy is k S/2 . (S + v dt): the stored energy, and the energy
+    /// k S/2 . v dt that the spring takes from the motion in the last step ([`spring`]).
     fn on_contact_end(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> [f64; 2] {
         [0.0, 0.0]
     }
 
-    /// Whether it takes [`Pair::root`], which takes time.
+    /// Whether the law reads [`Pair::root`]. Computing the root takes time.
     fn needs_mass_root(&self) -> bool {
         false
     }
 
-    /// Largest friction coefficient, for views and pictures; 0 without friction.
+    /// Returns the largest friction coefficient, for views and pictures; 0 without friction.
     fn friction(&self, _pair: &Pair<V>) -> f64 {
         0.0
     }
 
-    /// Normal stiffness, N/m, at the deepest point of such a bounce, for estimates of time step and overlap.
+    /// Returns the normal stiffness at the deepest point of a bounce, N/m. Estimates of time step and overlap use it.
     fn stiffness(&self, bounce: &Bounce) -> f64;
 
-    /// Normal drag coefficient c there, N s/m, for estimates.
+    /// Returns the normal drag coefficient c at the deepest point of a bounce, N s/m, for estimates.
     fn damping(&self, bounce: &Bounce) -> f64;
 
-    /// Largest overlap of an undamped bounce, m.
+    /// Returns the largest overlap of an undamped bounce, m.
     fn deepest(&self, bounce: &Bounce) -> f64 {
         bounce.speed / self.frequency(bounce)
     }
 
-    /// Duration of a contact, s, for estimates; infinite if it never ends.
+    /// Returns the contact duration, s, for estimates; infinite if the contact never ends.
     fn contact_duration(&self, bounce: &Bounce) -> f64;
 
-    /// Restitution of a head-on bounce, for reports.
+    /// Returns the restitution of a head-on bounce, for reports.
     fn restitution(&self, bounce: &Bounce) -> f64;
 
-    /// Stiffness (N/m) and drag coefficient (N s/m) of each way in which a contact can swing: along the normal, along the
-    /// tangent, in rolling. How much faster than along the normal a force moves the last two is the pair's affair.
+    /// Returns stiffness (N/m) and drag coefficient (N s/m) of the three modes in which a contact can oscillate: along
+    /// the normal, along the tangent, in rolling. The effective masses of the last two depend on the pair and are not
+    /// included.
     fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
         [[self.stiffness(bounce), self.damping(bounce)], [0.0; 2], [0.0; 2]]
     }
 
-    /// w0 = sqrt(k/m_eff), 1/s.
+    /// Returns w0 = sqrt(k/m_eff), 1/s.
     fn frequency(&self, bounce: &Bounce) -> f64 {
         (self.stiffness(bounce) / bounce.reduced_mass).sqrt()
     }
 
-    /// zeta = c/(2 sqrt(k m_eff)).
+    /// Returns zeta = c/(2 sqrt(k m_eff)).
     fn damping_ratio(&self, bounce: &Bounce) -> f64 {
         self.damping(bounce) / (2.0 * (self.stiffness(bounce) * bounce.reduced_mass).sqrt())
     }
 }
 
-/// A head-on bounce, for estimates: laws that are not linear depend on size and speed.
+/// A head-on bounce, for estimates. Stiffness and damping of nonlinear laws depend on size and speed.
 #[derive(Clone, Copy, Debug)]
 pub struct Bounce {
     /// m_i m_j/(m_i + m_j), kg.
@@ -253,13 +261,14 @@ pub struct Bounce {
     pub speed: f64,
 }
 
-/// What a law demands of the kernel that is compiled for it; what it does not demand, no scene with it pays for.
+/// Law requirements: the data that a law needs from the kernel compiled for it. Scenes pay no run time for data that
+/// their law does not require.
 pub trait LawRequirements {
-    /// Spins, and the torques that come with them.
+    /// Spins and torques.
     const SPIN: bool = false;
-    /// Materials by species.
+    /// Species of both particles.
     const SPECIES: bool = false;
-    /// [`Pair::radii`]. Who does without them says so.
+    /// [`Pair::radii`]. Required by default; a law that does not read radii sets it to `false`.
     const RADII: bool = true;
     /// [`Memory::spring`].
     const SPRING: bool = false;
@@ -269,13 +278,14 @@ pub trait LawRequirements {
     const STIFFNESS: bool = false;
     /// Velocities predicted for the end of the step, and pairs that touch within half a step: [`centred`].
     const PREDICTION: bool = false;
-    /// Whether it counts which of the two has which radius or mass.
+    /// Whether the kernel needs radius and mass of each particle, not only the sums for the pair.
     const NUMBERS: bool = Self::RADII || Self::SPIN || Self::PREDICTION;
-    /// Any memory.
+    /// Whether contacts have a memory.
     const MEMORY: bool = Self::SPRING || Self::ROLLING || Self::STIFFNESS;
 }
 
-/// The law of the scene for passes that are not hot: surveys, estimates, reports.
+/// The contact law of the scene as a trait object, for code that is not performance-critical: surveys, estimates,
+/// reports.
 #[derive(Resource, Clone)]
 pub struct AnyLaw<V: Space = Plane>(pub Arc<dyn PairLaw<V>>);
 
@@ -284,7 +294,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::space::Vector;
 
-    /// Two equal grains of 4 cm that touch along x, at rest.
+    /// Returns two equal grains of radius 4 cm that touch along x, at rest.
     pub(crate) fn pair() -> Pair {
         Pair {
             normal: Vector::X,

@@ -1,14 +1,16 @@
 //! Rolling resistance: an elastic-plastic spring-dashpot against the relative rolling of two grains.
 //!
-//! v_r = R_eff (w_i - w_j) x n gathers in a displacement xi (m), F_r = -k xi - c v_r cut at mu_r |F_n| as [`Slider`] has
-//! it, and the torque is R_eff n x F_r on i and the opposite on j, R_eff = R_i R_j/(R_i + R_j). There is no net force,
-//! and angular momentum is kept. k in N/m, c in N s/m; the torque's cap is mu_r R_eff |F_n|. Source: model C of Ai, Chen,
-//! Rotter and Ooi, Powder Technology 206, 269, 2011, in the units of LAMMPS's `rolling sds`. Twisting about the normal
-//! is not resisted.
+//! The rolling velocity v_r = R_eff (w_i - w_j) x n accumulates in a displacement xi (m), R_eff = R_i R_j/(R_i + R_j).
+//! The rolling force is F_r = -k xi - c v_r, capped at mu_r |F_n| as in [`Slider`]. The torque on i is R_eff n x F_r,
+//! and the opposite torque acts on j. There is no net force, and angular momentum is conserved. k in N/m, c in N s/m;
+//! the torque's cap is mu_r R_eff |F_n|.
+//!
+//! Source: model C of Ai, Chen, Rotter and Ooi, Powder Technology 206, 269, 2011, in the units of LAMMPS's `rolling
+//! sds`. Limit: twisting about the normal is not resisted.
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::spring::{Slider, SliderForce, lost_at_the_end};
+use crate::contact::spring::{Slider, SliderForce, lost_at_contact_end};
 use crate::contact::tangential::NormalLoad;
 use crate::contact::{Bounce, Memory, Pair, Turning, VelocityPrediction};
 use crate::space::Space;
@@ -26,7 +28,7 @@ pub struct RollingResistance {
     pub friction: NonNegative,
 }
 
-/// The drag coefficient of rolling, N s/m.
+/// How a scene gives the drag coefficient of rolling, N s/m.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum RollingDamping {
     /// c = b, N s/m.
@@ -36,7 +38,7 @@ pub enum RollingDamping {
 }
 
 impl RollingDamping {
-    /// c, N s/m.
+    /// Returns c, N s/m.
     fn of(self, reduced_mass: f64) -> f64 {
         match self {
             Self::B(b) => b.get(),
@@ -45,9 +47,9 @@ impl RollingDamping {
     }
 }
 
-/// A term against rolling.
+/// A term of rolling resistance.
 pub trait Rolling: Copy + Send + Sync + 'static {
-    /// Whether it remembers.
+    /// Whether the term needs [`Memory::rolling`].
     const ROLLING: bool;
 
     /// Adds the torque; `normal_force` in N.
@@ -62,32 +64,33 @@ pub trait Rolling: Copy + Send + Sync + 'static {
         turning: &mut Turning<V>,
     );
 
-    /// Energy stored, J.
+    /// Returns the stored energy, J.
     fn energy<V: Space>(&self, memory: &Memory<V>) -> f64;
 
-    /// Stiffness (N/m) and drag coefficient (N s/m).
+    /// Returns stiffness (N/m) and drag coefficient (N s/m).
     fn mode(&self, bounce: &Bounce) -> [f64; 2];
 
-    /// See [`PairLaw::on_contact_end`](crate::contact::PairLaw::forget), J.
+    /// Returns the energy lost at the end of a contact, J; see
+    /// [`PairLaw::on_contact_end`](crate::contact::PairLaw::on_contact_end).
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
 }
 
-/// v_r = R_eff (w_i - w_j) x n, m/s.
+/// Returns v_r = R_eff (w_i - w_j) x n, m/s.
 #[inline(always)]
 fn rolling_velocity<V: Space>(pair: &Pair<V>) -> V {
     pair.normal.turned_by((pair.spins[0] - pair.spins[1]) * pair.reduced_radius())
 }
 
-/// Turns a pull at R_eff into torques.
+/// Sets the torques of a rolling force with arm R_eff.
 #[inline(always)]
-fn resist<V: Space>(pair: &Pair<V>, pull: &SliderForce<V>, turning: &mut Turning<V>) {
+fn set_torques<V: Space>(pair: &Pair<V>, pull: &SliderForce<V>, turning: &mut Turning<V>) {
     let arm = pair.normal * pair.reduced_radius();
     turning.rolling = arm.cross(pull.force);
     turning.rolling_drag = arm.cross(pull.drag);
     turning.lost_by_rolling = pull.lost;
 }
 
-/// Grains roll freely.
+/// No rolling resistance.
 #[derive(Clone, Copy, Debug)]
 pub struct NoRolling;
 
@@ -122,7 +125,7 @@ impl Rolling for RollingResistance {
         let drag = self.damping.of(pair.reduced_mass);
         let slider = Slider { stiffness: self.k.get(), drag, cap: self.friction.get() * normal_force.abs() };
         let pull = slider.pull(&mut memory.rolling, velocity, pair.normal, pair.dt);
-        resist(pair, &pull, turning);
+        set_torques(pair, &pull, turning);
     }
 
     #[inline(always)]
@@ -143,7 +146,7 @@ impl Rolling for RollingResistance {
         let mut sweep = load.sweep(motion, mobilities, friction, pair.dt);
         sweep.pulled = memory.rolling * -slider.stiffness;
         let pull = slider.pull_centred(&mut memory.rolling, &sweep, pair.normal);
-        resist(pair, &pull, turning);
+        set_torques(pair, &pull, turning);
     }
 
     fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {
@@ -155,7 +158,7 @@ impl Rolling for RollingResistance {
     }
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        lost_at_the_end(self.k.get(), memory.rolling, rolling_velocity(pair), pair.dt)
+        lost_at_contact_end(self.k.get(), memory.rolling, rolling_velocity(pair), pair.dt)
     }
 }
 
@@ -166,7 +169,7 @@ mod tests {
     use crate::space::Vector;
 
     #[test]
-    fn it_opposes_rolling_on_both_sides_alike() {
+    fn torque_is_odd_and_displacement_even_under_exchange() {
         let law = RollingResistance {
             k: 1e3.try_into().unwrap(),
             damping: RollingDamping::B(2.0.try_into().unwrap()),

@@ -1,27 +1,28 @@
 //! 1/√x from multiplications and subtractions alone.
 //!
-//! A processor has one unit that divides and takes roots, and it is slow: with AVX-512 it may be busy for 16 to 24 cycles with eight
-//! numbers, in which it could have multiplied 32 to 48 times eight. Here half the exponent, turned round, makes a first guess ([`GUESS`]; within
-//! 3.5 %), and four steps of Newton's method square what is wrong with it: e' = 3/2 e^2, so 2e-3, 5e-6, 4e-11, and round-off.
-//! The operations are the same with all instructions, and so are the bits.
+//! A processor has a single unit for divisions and roots, and it is slow. With AVX-512 eight numbers may occupy it for
+//! 16 to 24 cycles. In that time 32 to 48 multiplications of eight numbers could run. Here bit operations negate and
+//! halve the exponent for a first guess ([`GUESS`]), accurate within 3.5 %. Four steps of Newton's method square its
+//! relative error, e' = 3/2 e^2: 2e-3, 5e-6, 4e-11, round-off. The operations are the same with every instruction set,
+//! so the bits of the result are too.
 //!
-//! Limits: from the least double with all its digits (2e-308) up to the largest. Below that the guess is none; of 0 comes a finite
-//! number, and of what is not a number none. Source of the guess: C. Lomont, Fast inverse square root, Purdue University, 2003.
+//! Limits: from the smallest normal double (2e-308) to the largest. Below that range the guess is wrong; 0 gives a
+//! finite number, and NaN gives NaN. Source of the guess: C. Lomont, Fast inverse square root, Purdue University, 2003.
 
-/// One and a half times the bits of 1, and a little less, so that the guess errs to both sides.
+/// Slightly less than 3/2 times the bits of 1.0. The guess then errs to both sides.
 const GUESS: u64 = 0x5FE6_EB50_C7B5_37A9;
 
-/// 1/√x, within one part in 2^52.
+/// Returns 1/√x, within one part in 2^52.
 #[inline(always)]
 #[must_use]
 pub fn inverse_root(x: f64) -> f64 {
     let half = 0.5 * x;
-    // Of what is not a number, with its sign, more is taken than there is.
+    // Wrapping, because the subtraction underflows for a NaN with its sign bit set.
     let mut root = f64::from_bits(GUESS.wrapping_sub(x.to_bits() >> 1));
     for _ in 0..3 {
         root *= 1.5 - half * root * root;
     }
-    // The last step adds what is missing, so that it is that which is rounded.
+    // The last step adds the correction to `root`, so that only the small correction suffers from rounding.
     root + root * (0.5 - half * root * root)
 }
 
@@ -30,7 +31,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_right_over_all_exponents() {
+    fn error_is_below_two_eps_for_all_exponents() {
         let mut largest: f64 = 0.0;
         for exponent in -1022..1023 {
             for part in 0..64 {
@@ -39,12 +40,13 @@ mod tests {
                 largest = largest.max((inverse_root(x) / exact - 1.0).abs());
             }
         }
-        // 0.8 eps is the most that was found against 50 digits; root and quotient of the reference add half an eps each.
+        // The largest error found against 50 digits is 0.8 eps. Root and quotient of the reference add half an eps
+        // each.
         assert!(largest < 2.0 * f64::EPSILON, "{largest:e}");
     }
 
     #[test]
-    fn what_has_no_root_says_so() {
+    fn nan_gives_nan_and_zero_a_finite_number() {
         assert!(inverse_root(f64::NAN).is_nan() && inverse_root(-f64::NAN).is_nan());
         assert!(inverse_root(0.0).is_finite());
     }

@@ -1,13 +1,13 @@
-//! Materials: the same law with other numbers for each pair of species.
+//! Species pairs: the same law with other parameters for each pair of species.
 //!
-//! The numbers of species a and b stand at a n + b and again at b n + a, n species in all; the last entry serves any
-//! species beyond. What kind of law it is is the same for all pairs and compiled in; only numbers are looked up.
+//! With n species, the parameters of species a and b are stored at a n + b and again at b n + a. The last entry serves
+//! any species number beyond. The kind of law is the same for all pairs and compiled in; only parameters are looked up.
 
 use crate::contact::{Bounce, CentredLaw, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::particle::Species;
 use crate::space::Space;
 
-/// Laws of one kind by pair of species.
+/// The laws of all species pairs, all of one kind.
 #[derive(Clone, Debug)]
 pub struct PairTable<L> {
     species: usize,
@@ -15,7 +15,7 @@ pub struct PairTable<L> {
 }
 
 impl<L> PairTable<L> {
-    /// The table of `species` kinds, at least one, with the law that `of` gives for kinds a and b.
+    /// Creates the table of `species` species, at least one. `of` returns the law for species a and b.
     #[must_use]
     pub fn new(species: usize, of: impl Fn(u8, u8) -> L) -> Self {
         let species = species.clamp(1, 256);
@@ -31,7 +31,7 @@ impl<L> PairTable<L> {
         &self.laws[a * self.species + b]
     }
 
-    /// The entry that gives the largest of some figure.
+    /// Returns the largest value of `figure` over all entries.
     fn largest(&self, figure: impl Fn(&L) -> f64) -> f64 {
         self.laws.iter().map(figure).fold(f64::NEG_INFINITY, f64::max)
     }
@@ -75,7 +75,8 @@ impl<V: Space, L: PairLaw<V>> PairLaw<V> for PairTable<L> {
         self.of(pair.species).friction(pair)
     }
 
-    // Estimates are for the pair that is hardest on the time step, or of the first species where that has no meaning.
+    // Estimates take the value that restricts the time step most. Restitution is that of species 0 with itself, because
+    // no value is worst.
 
     fn stiffness(&self, bounce: &Bounce) -> f64 {
         self.largest(|law| law.stiffness(bounce))
@@ -109,7 +110,7 @@ mod tests {
     use crate::contact::tests::pair;
 
     #[test]
-    fn a_pair_has_one_entry_whichever_comes_first() {
+    fn law_does_not_depend_on_the_order_of_species() {
         let stiffness = |a: u8, b: u8| 1.0 + f64::from(a) + 10.0 * f64::from(b);
         let table =
             PairTable::new(3, |a, b| Assignment::new(stiffness(a, b).try_into().unwrap(), 0.0.try_into().unwrap()));

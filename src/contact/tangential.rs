@@ -2,14 +2,14 @@
 //!
 //! With the sliding velocity v_t = v_ij - v_n n - (l_i w_i + l_j w_j) x n of the surfaces:
 //!
-//! * [`Dashpot`]: F_t = -c_t v_t, without memory. A heap of such grains creeps.
-//! * [`SpringSlider`]: a spring S that remembers how far the surfaces have moved against each other while the contact lasts,
-//!   F_t = -k_t S - c_t v_t, elastic-plastic as [`Slider`](super::spring::Slider) has it. Source: Cundall and Strack 1979, as in the
-//!   soft-particle codes and LAMMPS's `hooke/history`.
+//! * [`Dashpot`]: F_t = -c_t v_t, without memory. A heap of grains with this friction creeps.
+//! * [`SpringSlider`]: F_t = -k_t S - c_t v_t, elastic-plastic as in [`Slider`](super::spring::Slider). The spring S
+//!   remembers how far the surfaces have moved against each other while the contact lasts. Source: Cundall and Strack
+//!   1979; also used in soft-particle codes and LAMMPS's `hooke/history`.
 //!
-//! The force on j is the opposite; each grain gets the torque -l n x F_t. By [`Lever`] the arm l is the radius (simple,
-//! and what most codes have: a contact then leaks the angular momentum -delta n x F_t) or reaches to the contact point,
-//! which keeps angular momentum. c_t in N s/m by [`TangentialDamping`], k_t in N/m by [`Modulus`].
+//! The opposite force acts on j; each grain gets the torque -l n x F_t. [`Lever`] selects the arm l. An arm equal to
+//! the radius is simple and used by most codes, but a contact then leaks the angular momentum -delta n x F_t. An arm to
+//! the contact point conserves angular momentum. c_t in N s/m by [`TangentialDamping`], k_t in N/m by [`Modulus`].
 
 mod dashpot;
 mod spring_slider;
@@ -24,10 +24,10 @@ use crate::contact::{Bounce, Memory, Pair, Turning, VelocityPrediction};
 use crate::space::Space;
 use crate::values::NonNegative;
 
-/// Where the tangential force acts.
+/// The point at which the tangential force acts.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Lever {
-    /// A radius away from the centre.
+    /// At one radius from the centre.
     #[default]
     Radius,
     /// At the contact point: l_i = R_i - delta R_j/(R_i + R_j); R - delta on a flat wall.
@@ -35,7 +35,7 @@ pub enum Lever {
 }
 
 impl Lever {
-    /// The arms of i and j, m; none for a flat wall.
+    /// Returns the arms of i and j, m; the arm of a flat wall is 0.
     #[inline(always)]
     #[must_use]
     pub fn arms<V: Space>(self, pair: &Pair<V>) -> [f64; 2] {
@@ -52,18 +52,18 @@ impl Lever {
     }
 }
 
-/// The drag coefficient c_t of the tangential force, N s/m.
+/// How a scene gives the drag coefficient c_t of the tangential force, N s/m.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum TangentialDamping {
     /// c_t = b, N s/m.
     B(NonNegative),
-    /// c_t = gamma_t m_eff, gamma_t in 1/s, as LAMMPS has it.
+    /// c_t = gamma_t m_eff, gamma_t in 1/s, as in LAMMPS.
     PerMass(NonNegative),
-    /// c_t is this share of the normal c.
+    /// c_t is this fraction of the normal c.
     OfNormal(NonNegative),
 }
 
-/// c_t: what it is given besides the effective mass is the normal c.
+/// Converts to the coefficient c_t; its x is the normal c.
 impl From<TangentialDamping> for Coefficient {
     fn from(damping: TangentialDamping) -> Self {
         match damping {
@@ -74,27 +74,27 @@ impl From<TangentialDamping> for Coefficient {
     }
 }
 
-/// What the normal force of a centred contact leaves to its tangent plane.
+/// Normal load: the normal force of a centred contact, as input of its tangential terms.
 #[derive(Clone, Copy, Debug)]
 pub struct NormalLoad {
-    /// The normal force of the contact as it stands, N.
+    /// The normal force at the evaluation, N.
     pub whole: f64,
     /// The normal forces averaged over the steps centred on the beginning and on the end, N.
     pub averaged: [f64; 2],
-    /// The shares of those steps in which there is a contact.
+    /// The fractions of these two steps in which the contact exists.
     pub shares: [f64; 2],
-    /// The normal drag coefficient c as it stands, N s/m.
+    /// The normal drag coefficient c at the evaluation, N s/m.
     pub drag: f64,
-    /// For how long springs gather, s: from the event on.
+    /// Time during which springs accumulate, s: the whole step, or from the event to its end, or 0 across a gap.
     pub gathering: f64,
-    /// The moment of this step in which the contact opened or the normal force changed its sign, s before the end, with
-    /// the normal force just after, N, and whether it opened.
+    /// The event of this step at which the contact opened or the normal force changed sign: time from the event to the
+    /// end of the step (s), normal force just after the event (N), and whether the contact opened.
     pub event: Option<(f64, f64, bool)>,
 }
 
 impl NormalLoad {
-    /// The step, for a motion with this velocity in its middle and what that gains (m/s), the mobilities (1/kg) of such a
-    /// motion, and a coefficient of friction.
+    /// Returns the tangential step for a motion with coefficient of friction `friction`. `motion` is its velocity in
+    /// the middle of the step and the gain until the end (m/s); `mobilities` in 1/kg.
     #[inline(always)]
     #[must_use]
     pub fn sweep<V: Space>(&self, motion: [V; 2], mobilities: [f64; 2], friction: f64, dt: f64) -> TangentialStep<V> {
@@ -114,8 +114,9 @@ impl NormalLoad {
 }
 
 impl<V: Space> Pair<V> {
-    /// The sliding velocity in the middle of the step and what it gains until its end, m/s, and how fast a tangential
-    /// force changes it, of all and of lone grains, 1/kg: 1/m + l^2/I of i and j.
+    /// Returns the sliding velocity in the middle of the step and its gain until the end, m/s, and the mobilities,
+    /// 1/kg. A mobility is 1/m + l^2/I summed over i and j: first over both, then only over grains without another
+    /// contact.
     #[inline(always)]
     fn sliding(&self, arms: [f64; 2]) -> ([V; 2], [f64; 2]) {
         let middle = self.sliding_velocity(arms);
@@ -125,16 +126,16 @@ impl<V: Space> Pair<V> {
     }
 }
 
-/// A term in the tangent plane.
+/// A term of the force in the tangent plane.
 pub trait Tangential: Copy + Send + Sync + 'static {
-    /// Whether it turns grains.
+    /// Whether the term exerts torques.
     const SPIN: bool = true;
-    /// Whether it remembers a spring.
+    /// Whether the term needs [`Memory::spring`].
     const SPRING: bool = false;
-    /// Whether it remembers that spring's stiffness.
+    /// Whether the term needs [`Memory::stiffness`].
     const STIFFNESS: bool = false;
 
-    /// Adds friction; `normal_force` (N) and `normal_drag` (N s/m) are those of the normal force.
+    /// Adds friction; `normal_force` (N) and `normal_drag` (N s/m) belong to the normal force.
     fn add<V: Space>(
         &self,
         pair: &Pair<V>,
@@ -153,20 +154,22 @@ pub trait Tangential: Copy + Send + Sync + 'static {
         turning: &mut Turning<V>,
     );
 
-    /// Energy stored, J.
+    /// Returns the stored energy, J.
     fn energy<V: Space>(&self, _memory: &Memory<V>) -> f64 {
         0.0
     }
 
-    /// See [`PairLaw::on_contact_end`](crate::contact::PairLaw::forget), J.
+    /// Returns the energy lost at the end of a contact, J; see
+    /// [`PairLaw::on_contact_end`](crate::contact::PairLaw::on_contact_end).
     fn on_contact_end<V: Space>(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> f64 {
         0.0
     }
 
-    /// Stiffness (N/m) and drag coefficient (N s/m) at the deepest point of a bounce; `normal_drag` is the normal c.
+    /// Returns stiffness (N/m) and drag coefficient (N s/m) at the deepest point of a bounce; `normal_drag` is the
+    /// normal c.
     fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2];
 
-    /// The coefficient mu.
+    /// Returns the coefficient mu.
     fn friction(&self) -> f64;
 }
 
@@ -200,10 +203,10 @@ mod tests {
     use crate::space::Vector;
 
     #[test]
-    fn arms_reach_to_the_contact_point_and_meet_there() {
+    fn arms_meet_at_the_contact_point() {
         let pair = Pair { radii: [0.03, 0.05], inverse_reach: 12.5, overlap: 0.004, ..pair() };
         let [i, j] = Lever::ContactPoint.arms(&pair);
-        // Both arms together span the distance of the centres, and split the overlap in the other one's proportion.
+        // Both arms together span the distance of the centres, and split the overlap in the ratio of the other radii.
         assert!((i + j - 0.076).abs() < 1e-16 && (i - 0.0275).abs() < 1e-16, "{i} {j}");
         assert_eq!(Lever::Radius.arms(&pair), [0.03, 0.05]);
         assert_eq!(
@@ -214,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_rolling_contact_does_not_slide() {
-        // Over a floor below, a disc that rolls to the right turns clockwise.
+        // A disc on a floor that rolls to the right turns clockwise.
         let pair = Pair {
             normal: Vector::Y,
             relative_velocity: Vector::new(0.6, -0.2),

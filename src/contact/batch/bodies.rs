@@ -1,7 +1,7 @@
-//! What a batch takes of the bodies of each pair, and what follows from that alone.
+//! The bodies of the pairs of a batch, and the contact quantities that follow from bodies alone.
 //!
-//! What takes time here is storing. So numbers are taken side by side, by fours that an instruction loads, subtracts and stores
-//! at once, and spread over the lanes when the batch is full: a transposition, four lanes at a time.
+//! Stores dominate the run time here. So numbers are loaded, subtracted and stored in groups of four, one vector
+//! instruction each. When the batch is full, they are transposed into the lanes, four lanes at a time.
 
 use crate::contact::LawRequirements;
 use crate::contact::geometry::ContactLine;
@@ -11,37 +11,40 @@ use crate::periodic::Metric;
 use crate::space::{COINCIDENT, PARTED, Space, quad};
 use crate::store::Body;
 
-/// The bodies of contacts i, j side by side; SI.
+/// The bodies of contacts i, j side by side; SI units.
 #[derive(Clone, Debug, Default)]
 pub struct Bodies<V: Space> {
-    /// As taken. In the plane: separation and relative velocity; radii and inverse masses. In solid space: separation and first
-    /// component of the relative velocity; the rest of it and the radii, beside which there is no room for masses. Where it does
-    /// not count which of the two is which: sums of radii and of inverse masses instead, in the plane by themselves.
-    taken: [Quads; 2],
+    /// Numbers as loaded, before the transposition.
+    ///
+    /// In the plane: separation and relative velocity; then radii and inverse masses. In solid space: separation and
+    /// first component of the relative velocity; then its other components and the radii. The inverse masses do not fit
+    /// there and are kept apart. Laws without [`LawRequirements::NUMBERS`] get sums of radii and of inverse masses
+    /// instead; in the plane these two sums are stored alone.
+    loaded: [Quads; 2],
     /// From j to i, m.
     separation: Lanes<V>,
-    /// From j to i.
+    /// Unit vector from j to i.
     pub normal: Lanes<V>,
-    /// m.
+    /// Overlap, m.
     pub overlap: Scalars,
     pub relative_velocity: Lanes<V>,
     pub reduced_mass: Scalars,
-    /// Its root, where the law takes it; else 0.
+    /// Root of the reduced mass if the law needs it, else 0.
     pub root: Scalars,
-    /// The sum of the radii.
+    /// Sum of the radii, m.
     pub reach: Scalars,
-    /// Its inverse, where the law demands radii; else 0.
+    /// Inverse of `reach`, 1/m, if the law requires radii, else 0.
     pub inverse_reach: Scalars,
-    /// The sum of the inverse masses.
+    /// Sum of the inverse masses, 1/kg.
     mobility: Scalars,
-    /// Where it counts which is which.
+    /// Radii of i and j, m; set with [`LawRequirements::NUMBERS`] only.
     pub radii: [Scalars; 2],
-    /// Where the scheme looks ahead.
+    /// Inverse masses of i and j, 1/kg; set with [`LawRequirements::PREDICTION`].
     pub inverse_masses: [Scalars; 2],
 }
 
 impl<V: Space> Bodies<V> {
-    /// Takes two into a lane; gives the square of their distance, m^2, and the sum of their radii, m.
+    /// Loads two bodies into a lane. Returns the square of their distance, m^2, and the sum of their radii, m.
     #[inline(always)]
     pub fn take<L: LawRequirements>(
         &mut self,
@@ -49,9 +52,9 @@ impl<V: Space> Bodies<V> {
         metric: &impl Metric<V>,
         [i, j]: [&Body<V>; 2],
     ) -> (f64, f64) {
-        let [one, two] = &mut self.taken;
+        let [one, two] = &mut self.loaded;
         let (x, v) = (|body: &Body<V>, axis| body.position.axis(axis), |body: &Body<V>, axis| body.velocity.axis(axis));
-        // Side by side, so one instruction adds both.
+        // Side by side, so that one instruction adds both.
         let [reach, mobility] = [i.radius + j.radius, i.inverse_mass + j.inverse_mass];
         let squared = if V::COMPONENTS == 2 {
             let state = |body| [x(body, 0), x(body, 1), v(body, 0), v(body, 1)];
@@ -61,7 +64,7 @@ impl<V: Space> Bodies<V> {
             if L::NUMBERS {
                 two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
             } else {
-                // What lies beside them nobody reads: a store less.
+                // The other two numbers are never read: skipping them saves a store.
                 (two[lane][0], two[lane][1]) = (reach, mobility);
             }
             apart[0] * apart[0] + apart[1] * apart[1]
@@ -85,10 +88,10 @@ impl<V: Space> Bodies<V> {
         (squared, reach)
     }
 
-    /// Spreads what was taken over so many lanes.
+    /// Transposes the loaded numbers of the first `lanes` lanes.
     #[inline(always)]
     fn spread<L: LawRequirements>(&mut self, lanes: usize) {
-        let ([one, two], [m_i, m_j]) = (&self.taken, self.inverse_masses.each_mut());
+        let ([one, two], [m_i, m_j]) = (&self.loaded, self.inverse_masses.each_mut());
         let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
         let ([r_i, r_j], reach, mobility) = (self.radii.each_mut(), &mut self.reach, &mut self.mobility);
         match (V::COMPONENTS, L::NUMBERS) {
@@ -121,9 +124,9 @@ impl<V: Space> Bodies<V> {
         }
     }
 
-    /// Finds what follows from separations and masses; gives how many distances are nothing.
+    /// Computes the contact quantities from separations and masses. Returns the number of coincident centres.
     #[inline(always)]
-    fn measure_all<L: LawRequirements>(&mut self, lanes: usize, root: bool) -> u32 {
+    fn compute_lanes<L: LawRequirements>(&mut self, lanes: usize, root: bool) -> u32 {
         let mut coincident = 0;
         for lane in 0..lanes.min(LANES) {
             let separation = self.separation.get(lane);
@@ -132,7 +135,7 @@ impl<V: Space> Bodies<V> {
             self.overlap[lane] = self.reach[lane] - line.distance;
             self.reduced_mass[lane] = line.reduced_mass;
             if L::RADII {
-                // Here, where nothing waits for it.
+                // The division runs here, where no other instruction depends on it.
                 self.inverse_reach[lane] = 1.0 / self.reach[lane];
             }
             coincident += u32::from(separation.length_squared() < COINCIDENT);
@@ -145,21 +148,21 @@ impl<V: Space> Bodies<V> {
         coincident
     }
 
-    /// Spreads what was taken over so many lanes, and measures, the root of the reduced mass too if it is asked for. Tells
-    /// whether any distance may be nothing.
+    /// Transposes the first `lanes` lanes and computes their contact quantities, with the root of the reduced mass if
+    /// `root` is set. Returns whether any centres may coincide.
     pub fn measure<L: LawRequirements>(&mut self, lanes: usize, root: bool, instructions: Instructions) -> bool {
         let coincident = instructions.run(
             #[inline(always)]
             || {
                 self.spread::<L>(lanes);
-                self.measure_all::<L>(lanes, root)
+                self.compute_lanes::<L>(lanes, root)
             },
         );
         coincident > 0
     }
 
-    /// Gives coincident centres a normal: a separation so near to nothing that the overlap stays what it is. `normal` gives
-    /// that of a lane.
+    /// Gives coincident centres the direction that `normal` returns for their lane. The separation along it is so small
+    /// that the overlap does not change.
     #[cold]
     pub fn part_coincident<L: LawRequirements>(&mut self, lanes: usize, normal: impl Fn(usize) -> V) {
         for lane in 0..lanes {
@@ -167,7 +170,7 @@ impl<V: Space> Bodies<V> {
                 self.separation.set(lane, normal(lane) * PARTED);
             }
         }
-        self.measure_all::<L>(lanes, false);
+        self.compute_lanes::<L>(lanes, false);
     }
 }
 
@@ -178,10 +181,10 @@ mod tests {
     use crate::periodic::Open;
     use crate::space::{Plane, Solid};
 
-    /// Bodies of unlike numbers, apart by what has its components padded with zeros.
-    fn everything_arrives<V: Space, L: LawRequirements>() {
+    /// Loads bodies with distinct numbers and checks that every number arrives in its lane.
+    fn check_loading<V: Space, L: LawRequirements>() {
         let body = |lane: usize, side: usize| {
-            let number = |what: usize| f64::from(u32::try_from(1000 * side + 10 * lane + what).unwrap());
+            let number = |index: usize| f64::from(u32::try_from(1000 * side + 10 * lane + index).unwrap());
             let at = |from: usize| V::narrow(Solid::new(number(from), number(from + 1), -number(from + 2)));
             Body { position: at(1), velocity: at(4), radius: number(7), inverse_mass: number(8) }
         };
@@ -198,7 +201,7 @@ mod tests {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;
                 assert_eq!(bodies.relative_velocity.get(lane), i.velocity - j.velocity);
-                // The inverse root is right to one eps, and up to five roundings follow, of half an eps each.
+                // The inverse root is accurate to one eps. Up to five roundings of half an eps each follow.
                 let error = 4.0 * f64::EPSILON;
                 assert!(bodies.normal.get(lane).distance(separation * (1.0 / separation.length())) < error);
                 let reduced_mass = 1.0 / (i.inverse_mass + j.inverse_mass);
@@ -219,26 +222,27 @@ mod tests {
         }
     }
 
-    /// Without regard to which of the two is which, and with.
-    struct Together;
+    /// Law requirements: sums for the pair only (`Sums`), numbers of each particle (`Each`), velocity prediction
+    /// (`Predicting`).
+    struct Sums;
     struct Each;
-    struct Foresighted;
+    struct Predicting;
 
-    impl LawRequirements for Together {
+    impl LawRequirements for Sums {
         const RADII: bool = false;
     }
     impl LawRequirements for Each {}
-    impl LawRequirements for Foresighted {
+    impl LawRequirements for Predicting {
         const PREDICTION: bool = true;
     }
 
     #[test]
-    fn what_is_taken_arrives_in_its_lane() {
-        everything_arrives::<Plane, Together>();
-        everything_arrives::<Solid, Together>();
-        everything_arrives::<Plane, Each>();
-        everything_arrives::<Solid, Each>();
-        everything_arrives::<Plane, Foresighted>();
-        everything_arrives::<Solid, Foresighted>();
+    fn loaded_numbers_arrive_in_their_lane() {
+        check_loading::<Plane, Sums>();
+        check_loading::<Solid, Sums>();
+        check_loading::<Plane, Each>();
+        check_loading::<Solid, Each>();
+        check_loading::<Plane, Predicting>();
+        check_loading::<Solid, Predicting>();
     }
 }

@@ -1,4 +1,4 @@
-//! What a batch of contacts does to their two: what sums are made of, and what the books of energy want to know besides.
+//! The output of a batch of contacts: forces and torques to be summed, and numbers for the energy balance.
 
 use crate::contact::force_accumulation::{drag, total};
 use crate::contact::history::ContactLosses;
@@ -7,32 +7,34 @@ use crate::contact::{LawRequirements, Pair, PairForce};
 use crate::space::{Linear, Space};
 use crate::store::TOTAL_AND_DISSIPATIVE;
 
-/// What contacts do to their two, side by side.
+/// Forces, torques and losses of contacts, side by side.
 #[derive(Clone, Debug, Default)]
 pub struct ContactOutput<V: Space> {
-    /// Whether the two touch: 1 or 0. Where not, nothing else is to be read.
+    /// Whether the two particles touch: 1 or 0. If 0, the other fields of the lane must not be read.
     pub touches: Scalars,
-    /// Force on i, N: the whole, and the part of it that dashpots make.
+    /// Force on i, N: the total, and its dissipative part.
     forces: [Lanes<V>; TOTAL_AND_DISSIPATIVE],
-    /// n x F_t, N: of the whole tangential force, and of the part that dashpots make. By the arms they make torques.
+    /// n x F_t, N: of the total tangential force, and of its dissipative part. Multiplied by the arms they give
+    /// torques.
     moments: [Lanes<V::Spin>; TOTAL_AND_DISSIPATIVE],
     arms: [Scalars; 2],
     /// Torque of rolling resistance on i, N m.
     rolling: Lanes<V::Spin>,
     /// Torque on i of the dashpots of rolling resistance, N m.
     pub rolling_drag_torque: Lanes<V::Spin>,
-    /// What sliding, rolling beyond the cap and tangential dashpots took, J.
+    /// Energy lost to sliding, to rolling beyond the cap, and to tangential dashpots, J.
     lost: [Scalars; 3],
 }
 
 impl<V: Space> ContactOutput<V> {
-    /// Whether a lane is of two that touch: what a law only looks at ahead of that does nothing.
+    /// Returns whether the particles in a lane touch. With velocity prediction the law also evaluates pairs that may
+    /// touch within half a step; a pair that does not touch exerts no force.
     #[inline(always)]
     pub fn counts<L: LawRequirements>(&self, lane: usize) -> bool {
         !L::PREDICTION || self.touches[lane] > 0.0
     }
 
-    /// Force on i, as an entry of a [`Accumulator`](crate::store::Tally).
+    /// Returns the force on i, N, as an entry of an [`Accumulator`](crate::store::Accumulator).
     #[inline(always)]
     pub fn force<const NUMBERS: usize>(&self, lane: usize) -> [V; NUMBERS] {
         std::array::from_fn(
@@ -41,7 +43,7 @@ impl<V: Space> ContactOutput<V> {
         )
     }
 
-    /// Torques that i gains and that j loses, as entries of one.
+    /// Returns the torque that i gains and the torque that j loses, N m, as entries of an accumulator.
     #[inline(always)]
     pub fn torques<L: LawRequirements, const NUMBERS: usize>(&self, lane: usize) -> [[V::Spin; NUMBERS]; 2] {
         let mut torques = [[V::Spin::ZERO; NUMBERS]; 2];
@@ -58,9 +60,9 @@ impl<V: Space> ContactOutput<V> {
         torques
     }
 
-    /// Notes the whole.
+    /// Stores the total force and torque.
     #[inline(always)]
-    pub(super) fn note<L: LawRequirements>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
+    pub(super) fn store_force<L: LawRequirements>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
         self.forces[0].set(lane, total::<L, V>(force));
         if L::SPIN {
             let turning = &force.turning;
@@ -72,9 +74,14 @@ impl<V: Space> ContactOutput<V> {
         }
     }
 
-    /// Notes what serves the books alone.
+    /// Stores the numbers that only the energy balance needs.
     #[inline(always)]
-    pub(super) fn book<L: LawRequirements>(&mut self, lane: usize, pair: &Pair<V>, force: &PairForce<V>) {
+    pub(super) fn store_energy_numbers<L: LawRequirements>(
+        &mut self,
+        lane: usize,
+        pair: &Pair<V>,
+        force: &PairForce<V>,
+    ) {
         self.forces[1].set(lane, drag::<L, V>(force));
         if L::SPIN {
             let turning = &force.turning;
@@ -82,7 +89,7 @@ impl<V: Space> ContactOutput<V> {
             let counts = self.counts::<L>(lane);
             let lost = |lost: f64| if counts { lost } else { 0.0 };
             self.lost[0][lane] = lost(turning.lost_by_sliding);
-            self.lost[2][lane] = lost(pair.taken_by_dashpot::<L>(turning));
+            self.lost[2][lane] = lost(pair.dashpot_loss::<L>(turning));
             if L::ROLLING {
                 self.rolling_drag_torque.set(lane, turning.rolling_drag);
                 self.lost[1][lane] = lost(turning.lost_by_rolling);
@@ -90,7 +97,8 @@ impl<V: Space> ContactOutput<V> {
         }
     }
 
-    /// What the first so many lanes have lost, J, each kind added by fours: so that no addition waits for the one before.
+    /// Returns the energy lost in the first `lanes` lanes, J. Four partial sums per kind shorten the chain of dependent
+    /// additions.
     #[inline(always)]
     pub(super) fn lost<L: LawRequirements>(&mut self, lanes: usize) -> ContactLosses {
         self.lost.iter_mut().for_each(|numbers| numbers[lanes..].fill(0.0));

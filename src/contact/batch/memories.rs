@@ -1,4 +1,4 @@
-//! What the contacts of a batch remember: brought from the pages where it is kept.
+//! The memories of the contacts of a batch, loaded from the history blocks.
 
 use crate::contact::batch::Batch;
 use crate::contact::history::HistoryCursor;
@@ -7,7 +7,7 @@ use crate::contact::{LawRequirements, Memory};
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 
-/// As [`Memory`].
+/// [`Memory`] in lanes.
 #[derive(Clone, Debug, Default)]
 pub struct MemoryLanes<V: Space> {
     spring: Lanes<V>,
@@ -40,12 +40,13 @@ impl<V: Space> MemoryLanes<V> {
 }
 
 impl<V: Space> Batch<V> {
-    /// Fetches what all contacts remember, and notes which of them did. `forgotten` gets those that have ended, and their memories.
+    /// Loads the memories of all contacts and records which contacts existed in the previous pass. Contacts that have
+    /// ended are passed to `on_end` with their memories.
     #[inline]
     pub fn recall<L: LawRequirements>(
         &mut self,
         cursor: &mut HistoryCursor<'_, V>,
-        mut forgotten: impl FnMut(Candidate, &Memory<V>),
+        mut on_end: impl FnMut(Candidate, &Memory<V>),
     ) {
         let contacts = &self.pairs[..self.len.min(LANES)];
         if cursor.recall_all::<L>(contacts, &mut self.memory) {
@@ -53,7 +54,7 @@ impl<V: Space> Batch<V> {
             return;
         }
         for (lane, &contact) in contacts.iter().enumerate() {
-            let memory = cursor.recall::<L>(contact, &mut forgotten);
+            let memory = cursor.recall::<L>(contact, &mut on_end);
             self.is_known[lane] = memory.is_some();
             self.memory.set::<L>(lane, &memory.unwrap_or_default());
         }

@@ -1,4 +1,4 @@
-//! What is to come for the two of each contact until the end of the step.
+//! Velocity predictions of the contacts of a batch.
 
 use crate::contact::LawRequirements;
 use crate::contact::centred::VelocityPrediction;
@@ -6,7 +6,7 @@ use crate::contact::lanes::{Lanes, Scalars, of_both};
 use crate::space::Space;
 use crate::store::ParticleStore;
 
-/// As [`VelocityPrediction`].
+/// [`VelocityPrediction`] in lanes.
 #[derive(Clone, Debug, Default)]
 pub struct PredictionLanes<V: Space> {
     velocity: Lanes<V>,
@@ -16,7 +16,7 @@ pub struct PredictionLanes<V: Space> {
 }
 
 impl<V: Space> PredictionLanes<V> {
-    /// Fills in what is to come for a pair of entries.
+    /// Loads the prediction for the particles in two slots.
     #[inline]
     pub fn describe<L: LawRequirements>(&mut self, lane: usize, pair: [usize; 2], store: &ParticleStore<V>) {
         let [i, j] = pair.map(|entry| store.gain[entry]);
@@ -30,7 +30,7 @@ impl<V: Space> PredictionLanes<V> {
         }
     }
 
-    /// Sets what is to come for the two of a lane.
+    /// Sets the prediction of a lane.
     #[inline]
     pub fn set<L: LawRequirements>(&mut self, lane: usize, ahead: &VelocityPrediction<V>) {
         self.velocity.set(lane, ahead.velocity);
@@ -43,7 +43,7 @@ impl<V: Space> PredictionLanes<V> {
         }
     }
 
-    /// What is to come for the two of a lane, of these inverse masses (1/kg).
+    /// Returns the prediction of a lane; `inverse_masses` of i and j in 1/kg.
     #[inline(always)]
     pub(super) fn get<L: LawRequirements>(&self, lane: usize, inverse_masses: [f64; 2]) -> VelocityPrediction<V> {
         let mut ahead = VelocityPrediction {

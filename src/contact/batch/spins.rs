@@ -1,47 +1,47 @@
-//! How the two of each contact spin.
+//! Spins of the particles of the contacts of a batch.
 
 use crate::contact::lanes::{Lanes, Quads, Scalars, spread};
 use crate::space::quad;
 use crate::space::{Linear, Space};
 use crate::store::Rotation;
 
-/// How the two spin.
+/// Spins of i and j in lanes, rad/s.
 #[derive(Clone, Debug, Default)]
 pub struct Spins<V: Space> {
-    /// As taken, where they have three components.
-    taken: [Quads; 2],
-    /// What lies beside them, which nobody reads.
-    fourth: Scalars,
+    /// Spins as loaded, before the transposition; used in solid space, where spins have three components.
+    loaded: [Quads; 2],
+    /// The fourth loaded number. Never read.
+    unused: Scalars,
     lanes: [Lanes<V::Spin>; 2],
 }
 
 impl<V: Space> Spins<V> {
-    /// Takes those of two into a lane.
+    /// Loads the spins of two particles into a lane.
     #[inline(always)]
     pub fn take(&mut self, lane: usize, pair: [&Rotation<V>; 2]) {
         for (side, Rotation { spin, inverse_inertia }) in pair.into_iter().enumerate() {
             if V::Spin::COUNT == 1 {
                 self.lanes[side].set(lane, *spin);
             } else {
-                // Four that lie side by side.
+                // Four adjacent numbers, so that one instruction loads them.
                 let number = |axis| if axis < V::Spin::COUNT { spin.component(axis) } else { *inverse_inertia };
-                self.taken[side][lane] = quad(number);
+                self.loaded[side][lane] = quad(number);
             }
         }
     }
 
-    /// Spreads what was taken over so many lanes.
+    /// Transposes the loaded spins of the first `lanes` lanes.
     #[inline(always)]
     pub(super) fn spread(&mut self, lanes: usize) {
         if V::Spin::COUNT > 1 {
-            for (taken, spins) in self.taken.iter().zip(&mut self.lanes) {
+            for (loaded, spins) in self.loaded.iter().zip(&mut self.lanes) {
                 let [x, y, z] = spins.axes();
-                spread(taken, lanes, x, y, z, &mut self.fourth);
+                spread(loaded, lanes, x, y, z, &mut self.unused);
             }
         }
     }
 
-    /// Those of a lane.
+    /// Returns the spins of i and j in a lane.
     #[inline(always)]
     pub(super) fn get(&self, lane: usize) -> [V::Spin; 2] {
         [self.lanes[0].get(lane), self.lanes[1].get(lane)]

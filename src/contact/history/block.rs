@@ -1,4 +1,4 @@
-//! Pages: memories of the contacts of consecutive rows, in the order in which the kernel comes by.
+//! History blocks: memories of the contacts of consecutive rows, in the order in which the kernel visits them.
 
 use std::ops::Range;
 
@@ -9,7 +9,7 @@ use crate::contact::{LawRequirements, Memory};
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 
-/// Memories of the contacts of consecutive rows. Columns that the law does not demand stay empty.
+/// Memories of the contacts of consecutive rows. Vectors that the law does not require stay empty.
 #[derive(Clone, Debug)]
 pub struct HistoryBlock<V: Space> {
     /// Ascending.
@@ -17,7 +17,7 @@ pub struct HistoryBlock<V: Space> {
     spring: Vec<V>,
     rolling: Vec<V>,
     stiffness: Vec<f64>,
-    /// What contacts in these rows took.
+    /// Energy lost in contacts of these rows in the last pass.
     pub lost: ContactLosses,
 }
 
@@ -34,10 +34,10 @@ impl<V: Space> Default for HistoryBlock<V> {
 }
 
 impl<V: Space> HistoryBlock<V> {
-    /// Makes them a copy of the first contacts of `earlier`, with room for about as many as there are in all: vectors that
-    /// double would hold twice as much.
-    pub(super) fn begin<L: LawRequirements>(&mut self, earlier: &Self, first: usize) {
-        fn begin<T: Copy>(column: &mut Vec<T>, earlier: &[T], first: usize) {
+    /// Makes this block a copy of the first `first` contacts of `earlier`. Reserves space for slightly more contacts
+    /// than `earlier` has: growth by doubling would take twice the memory.
+    pub(super) fn copy_front<L: LawRequirements>(&mut self, earlier: &Self, first: usize) {
+        fn copy_front<T: Copy>(column: &mut Vec<T>, earlier: &[T], first: usize) {
             let expected = earlier.len();
             if column.capacity() < expected || column.capacity() > 2 * expected + LANES {
                 *column = Vec::with_capacity(expected + expected / 16);
@@ -45,25 +45,25 @@ impl<V: Space> HistoryBlock<V> {
             column.clear();
             column.extend_from_slice(&earlier[..first]);
         }
-        begin(&mut self.contacts, &earlier.contacts, first);
+        copy_front(&mut self.contacts, &earlier.contacts, first);
         if L::SPRING {
-            begin(&mut self.spring, &earlier.spring, first);
+            copy_front(&mut self.spring, &earlier.spring, first);
         }
         if L::ROLLING {
-            begin(&mut self.rolling, &earlier.rolling, first);
+            copy_front(&mut self.rolling, &earlier.rolling, first);
         }
         if L::STIFFNESS {
-            begin(&mut self.stiffness, &earlier.stiffness, first);
+            copy_front(&mut self.stiffness, &earlier.stiffness, first);
         }
     }
 
-    /// Makes them empty.
+    /// Removes all contacts.
     pub fn clear(&mut self) {
         self.truncate(0);
         self.lost = ContactLosses::default();
     }
 
-    /// Forgets all but the first contacts.
+    /// Discards all but the first `first` contacts.
     pub(super) fn truncate(&mut self, first: usize) {
         self.contacts.truncate(first);
         self.spring.truncate(first);
@@ -80,7 +80,7 @@ impl<V: Space> HistoryBlock<V> {
         }
     }
 
-    /// The memory at a place, of whatever the pages hold.
+    /// Returns the memory at position `at`; components that are not stored are zero.
     fn any_memory(&self, at: usize) -> Memory<V> {
         Memory {
             spring: self.spring.get(at).copied().unwrap_or_default(),
@@ -89,7 +89,7 @@ impl<V: Space> HistoryBlock<V> {
         }
     }
 
-    /// Adds a contact, which comes after the last one.
+    /// Appends a contact, which must come after the last one in order.
     #[inline]
     pub fn push<L: LawRequirements>(&mut self, contact: Candidate, memory: &Memory<V>) {
         self.contacts.push(contact);
@@ -104,7 +104,7 @@ impl<V: Space> HistoryBlock<V> {
         }
     }
 
-    /// Adds those contacts of others that are wanted, and that come after the last one.
+    /// Appends the contacts of `others` for which `is_wanted` returns true. They must come after the last one in order.
     pub(in crate::contact) fn copy<L: LawRequirements>(
         &mut self,
         others: &Self,
@@ -115,7 +115,7 @@ impl<V: Space> HistoryBlock<V> {
         }
     }
 
-    /// Adds these contacts, which were asked about together.
+    /// Appends the contacts of a batch with their memories.
     #[inline]
     pub(super) fn extend<L: LawRequirements>(&mut self, contacts: &[Candidate], memories: &MemoryLanes<V>) {
         self.contacts.extend_from_slice(contacts);
@@ -131,7 +131,7 @@ impl<V: Space> HistoryBlock<V> {
         }
     }
 
-    /// Fetches what these contacts remember.
+    /// Loads the memories of the given contacts into lanes.
     #[inline]
     pub(super) fn read<L: LawRequirements>(&self, contacts: Range<usize>, memories: &mut MemoryLanes<V>) {
         for (lane, at) in contacts.enumerate().take(LANES) {
@@ -139,7 +139,7 @@ impl<V: Space> HistoryBlock<V> {
         }
     }
 
-    /// Writes down what these contacts remember.
+    /// Overwrites the memories of the given contacts from lanes.
     #[inline]
     pub(super) fn write<L: LawRequirements>(&mut self, contacts: Range<usize>, memories: &MemoryLanes<V>) {
         fn write<T>(column: &mut [T], memory: impl Fn(usize) -> T) {
@@ -158,25 +158,26 @@ impl<V: Space> HistoryBlock<V> {
         }
     }
 
-    /// How many contacts they hold.
+    /// Returns the number of contacts.
     #[must_use]
     pub fn len(&self) -> usize {
         self.contacts.len()
     }
 
-    /// Whether they hold none.
+    /// Returns whether there are no contacts.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.contacts.is_empty()
     }
 
-    /// The memory of a contact.
+    /// Returns the memory of a contact.
     #[must_use]
     pub fn look_up(&self, contact: Candidate) -> Option<Memory<V>> {
         Some(self.any_memory(self.contacts.binary_search(&contact).ok()?))
     }
 
-    /// The same, if contacts are asked for in ascending order: `from` is where the last one was, at first 0.
+    /// Returns the memory of a contact, for calls in ascending order of contacts. `from` is the position of the last
+    /// look-up; start with 0.
     #[must_use]
     pub fn look_up_next(&self, from: &mut usize, contact: Candidate) -> Option<Memory<V>> {
         while self.contacts.get(*from).is_some_and(|&before| before < contact) {
@@ -185,7 +186,7 @@ impl<V: Space> HistoryBlock<V> {
         (self.contacts.get(*from) == Some(&contact)).then(|| self.any_memory(*from))
     }
 
-    /// Every contact and its memory.
+    /// Returns every contact with its memory.
     pub(super) fn all(&self) -> impl Iterator<Item = (Candidate, Memory<V>)> {
         self.contacts.iter().enumerate().map(|(at, &contact)| (contact, self.any_memory(at)))
     }

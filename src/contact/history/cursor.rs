@@ -1,8 +1,8 @@
-//! The walk along pages while the kernel comes by, in ascending order of contacts: what they remember from the pass before is
-//! read, and what they remember from now on is written.
+//! History cursor: moves along a history block in ascending order of contacts, with the kernel. It reads the memories
+//! of the previous pass and writes the new ones.
 //!
-//! In a bed at rest the contacts of a pass are those of the pass before. As long as they are, memories are written where they
-//! stood. From the first contact on that is new, or has ended, the page is written anew: it changes places with a spare one.
+//! In a bed at rest a pass finds the contacts of the previous pass. As long as it does, memories are overwritten in
+//! place. From the first new or ended contact on, the block is rewritten: it is swapped with a spare block.
 
 use crate::contact::batch::MemoryLanes;
 use crate::contact::history::{ContactLosses, HistoryBlock};
@@ -10,40 +10,40 @@ use crate::contact::{LawRequirements, Memory};
 use crate::neighbours::list::{Candidate, are_same};
 use crate::space::Space;
 
-/// A page and where the kernel is in it.
+/// A history block and the position of the kernel in it.
 pub struct HistoryCursor<'a, V: Space> {
-    page: &'a mut HistoryBlock<V>,
-    /// Once the page is written anew, what it was before.
+    block: &'a mut HistoryBlock<V>,
+    /// The block of the previous pass, once the block is being rewritten.
     spare: &'a mut HistoryBlock<V>,
-    is_anew: bool,
-    /// How many contacts of the pass before have been passed.
+    is_rewriting: bool,
+    /// Number of contacts of the previous pass that have been visited.
     passed: usize,
 }
 
 impl<'a, V: Space> HistoryCursor<'a, V> {
-    /// At the start of a page.
+    /// Returns a cursor at the start of a block.
     #[must_use]
-    pub fn new(page: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>) -> Self {
-        Self { page, spare, is_anew: false, passed: 0 }
+    pub fn new(block: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>) -> Self {
+        Self { block, spare, is_rewriting: false, passed: 0 }
     }
 
-    /// From here on the page is written anew.
+    /// Starts to rewrite the block from the current position on.
     #[cold]
-    fn begin_anew<L: LawRequirements>(&mut self) {
-        self.is_anew = true;
-        std::mem::swap(self.page, self.spare);
-        self.page.begin::<L>(self.spare, self.passed);
+    fn start_rewrite<L: LawRequirements>(&mut self) {
+        self.is_rewriting = true;
+        std::mem::swap(self.block, self.spare);
+        self.block.copy_front::<L>(self.spare, self.passed);
     }
 
-    /// Fetches what these contacts remember, if they are the next ones of the pass before, all of them and no other: tells
-    /// whether they are.
+    /// Loads the memories of `contacts` if these are exactly the next contacts of the previous pass. Returns whether
+    /// they are.
     #[inline]
     pub(in crate::contact) fn recall_all<L: LawRequirements>(
         &mut self,
         contacts: &[Candidate],
         memories: &mut MemoryLanes<V>,
     ) -> bool {
-        let before = if self.is_anew { &*self.spare } else { &*self.page };
+        let before = if self.is_rewriting { &*self.spare } else { &*self.block };
         let next = self.passed..self.passed + contacts.len();
         let are_next = before.contacts.get(next.clone()).is_some_and(|known| are_same(known, contacts));
         if are_next {
@@ -53,16 +53,16 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         are_next
     }
 
-    /// What a contact remembers, if it is not new. Contacts that are passed over have ended: `forgotten` gets them and their
-    /// memories.
+    /// Returns the memory of a contact, or `None` if it is new. Contacts that are skipped have ended: `on_end` receives
+    /// each of them with its memory.
     #[inline]
     pub fn recall<L: LawRequirements>(
         &mut self,
         contact: Candidate,
-        mut forgotten: impl FnMut(Candidate, &Memory<V>),
+        mut on_end: impl FnMut(Candidate, &Memory<V>),
     ) -> Option<Memory<V>> {
-        if !self.is_anew {
-            self.begin_anew::<L>();
+        if !self.is_rewriting {
+            self.start_rewrite::<L>();
         }
         while let Some(&next) = self.spare.contacts.get(self.passed)
             && next <= contact
@@ -72,56 +72,56 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
             if next == contact {
                 return Some(memory);
             }
-            forgotten(next, &memory);
+            on_end(next, &memory);
         }
         None
     }
 
-    /// What a contact that has been recalled remembered before.
-    pub(in crate::contact) fn before(&self, contact: Candidate) -> Option<Memory<V>> {
-        self.spare.look_up(contact).filter(|_| self.is_anew)
+    /// Returns the memory that a recalled contact had in the previous pass.
+    pub(in crate::contact) fn previous(&self, contact: Candidate) -> Option<Memory<V>> {
+        self.spare.look_up(contact).filter(|_| self.is_rewriting)
     }
 
-    /// Writes down what these contacts remember, which have just been recalled.
+    /// Stores the memories of `contacts`, which have just been recalled.
     #[inline]
     pub(crate) fn remember_all<L: LawRequirements>(&mut self, contacts: &[Candidate], memories: &MemoryLanes<V>) {
-        if self.is_anew {
-            self.page.extend::<L>(contacts, memories);
+        if self.is_rewriting {
+            self.block.extend::<L>(contacts, memories);
         } else {
-            self.page.write::<L>(self.passed - contacts.len()..self.passed, memories);
+            self.block.write::<L>(self.passed - contacts.len()..self.passed, memories);
         }
     }
 
-    /// Some of these last contacts, which have just been recalled, have ended: the others are remembered by themselves.
-    pub(in crate::contact) fn part<L: LawRequirements>(&mut self, contacts: &[Candidate]) {
-        if !self.is_anew {
+    /// Prepares to store the last recalled `contacts` one by one, because some of them have ended.
+    pub(in crate::contact) fn prepare_single<L: LawRequirements>(&mut self, contacts: &[Candidate]) {
+        if !self.is_rewriting {
             self.passed -= contacts.len();
-            self.begin_anew::<L>();
+            self.start_rewrite::<L>();
             self.passed += contacts.len();
         }
     }
 
-    /// Writes down what a contact remembers, which has just been recalled by itself.
+    /// Stores the memory of a contact that has just been recalled by itself.
     #[inline]
     pub fn remember<L: LawRequirements>(&mut self, contact: Candidate, memory: &Memory<V>) {
-        self.page.push::<L>(contact, memory);
+        self.block.push::<L>(contact, memory);
     }
 
-    /// Ends the page: contacts of the pass before that are left have ended. `lost`: what contacts took in
-    /// these rows; `forgotten` gives what ended contacts held.
+    /// Ends the block: the remaining contacts of the previous pass have ended. `lost` is the energy lost in these rows;
+    /// `on_end` returns the energy lost with an ended contact, J.
     pub fn end<L: LawRequirements>(
         &mut self,
         mut lost: ContactLosses,
-        mut forgotten: impl FnMut(Candidate, &Memory<V>) -> [f64; 2],
+        mut on_end: impl FnMut(Candidate, &Memory<V>) -> [f64; 2],
     ) {
-        let before = if self.is_anew { &*self.spare } else { &*self.page };
+        let before = if self.is_rewriting { &*self.spare } else { &*self.block };
         for at in self.passed..before.len() {
-            lost.add(forgotten(before.contacts[at], &before.memory::<L>(at)));
+            lost.add(on_end(before.contacts[at], &before.memory::<L>(at)));
         }
-        if !self.is_anew {
-            self.page.truncate(self.passed);
+        if !self.is_rewriting {
+            self.block.truncate(self.passed);
         }
-        self.page.lost = lost;
+        self.block.lost = lost;
     }
 }
 
@@ -131,37 +131,37 @@ mod tests {
     use crate::contact::history::tests::{Springs, memory};
     use crate::space::Plane;
 
-    /// By sliding and by rolling, J.
+    /// Returns losses by sliding and by rolling, J.
     fn lost(sliding: f64, rolling: f64) -> ContactLosses {
         ContactLosses { sliding, rolling, dashpots: 0.0 }
     }
 
-    /// Contact i touches j.
-    fn of(contact: [u32; 2]) -> Candidate {
+    /// Returns the contact of slots i and j.
+    fn pair(contact: [u32; 2]) -> Candidate {
         contact.into()
     }
 
     fn contacts() -> [Candidate; 4] {
-        [[0, 1], [0, 3], [1, 2], [2, 3]].map(of)
+        [[0, 1], [0, 3], [1, 2], [2, 3]].map(pair)
     }
 
-    /// Of four particles, with springs of 0.1 to 0.4 m.
-    fn page() -> HistoryBlock<Plane> {
-        let mut page = HistoryBlock::default();
+    /// Returns the history of four particles, with springs of 0.1 to 0.4 m.
+    fn block() -> HistoryBlock<Plane> {
+        let mut block = HistoryBlock::default();
         for (contact, spring) in contacts().into_iter().zip([0.1, 0.2, 0.3, 0.4]) {
-            page.push::<Springs>(contact, &memory(spring));
+            block.push::<Springs>(contact, &memory(spring));
         }
-        page
+        block
     }
 
-    fn springs(page: &HistoryBlock<Plane>) -> Vec<([usize; 2], f64)> {
-        page.all().map(|(contact, memory)| (contact.both(), memory.spring.x)).collect()
+    fn springs(block: &HistoryBlock<Plane>) -> Vec<([usize; 2], f64)> {
+        block.all().map(|(contact, memory)| (contact.both(), memory.spring.x)).collect()
     }
 
     #[test]
-    fn contacts_that_last_are_written_where_they_stood() {
-        let (mut page, mut spare) = (page(), HistoryBlock::default());
-        let mut cursor = HistoryCursor::new(&mut page, &mut spare);
+    fn lasting_contacts_are_overwritten_in_place() {
+        let (mut block, mut spare) = (block(), HistoryBlock::default());
+        let mut cursor = HistoryCursor::new(&mut block, &mut spare);
         let all = contacts();
         for contacts in [&all[..3], &all[3..]] {
             let mut memories = MemoryLanes::default();
@@ -172,42 +172,42 @@ mod tests {
             }
             cursor.remember_all::<Springs>(contacts, &memories);
         }
-        cursor.end::<Springs>(lost(1.0, 0.0), |_, _| panic!("none has ended"));
-        assert_eq!(springs(&page), [([0, 1], 0.2), ([0, 3], 0.4), ([1, 2], 0.6), ([2, 3], 0.8)]);
-        assert_eq!(page.lost, lost(1.0, 0.0));
+        cursor.end::<Springs>(lost(1.0, 0.0), |_, _| panic!("no contact has ended"));
+        assert_eq!(springs(&block), [([0, 1], 0.2), ([0, 3], 0.4), ([1, 2], 0.6), ([2, 3], 0.8)]);
+        assert_eq!(block.lost, lost(1.0, 0.0));
         assert!(spare.is_empty());
     }
 
     #[test]
-    fn from_the_first_change_on_pages_are_written_anew() {
-        let (mut page, mut spare) = (page(), HistoryBlock::default());
-        let mut cursor = HistoryCursor::new(&mut page, &mut spare);
+    fn block_is_rewritten_from_the_first_change_on() {
+        let (mut block, mut spare) = (block(), HistoryBlock::default());
+        let mut cursor = HistoryCursor::new(&mut block, &mut spare);
         let (mut memories, mut gone) = (MemoryLanes::default(), Vec::new());
         assert!(cursor.recall_all::<Springs>(&contacts()[..1], &mut memories));
         cursor.remember_all::<Springs>(&contacts()[..1], &memories);
-        // One is new, one has ended, more are wanted than there are: then one by one.
+        // One contact is new, one has ended, and one request goes beyond the end: each must be recalled one by one.
         for contacts in [&[[0, 2], [0, 3]][..], &[[1, 2]], &[[0, 3], [1, 2], [2, 3], [3, 4]]] {
-            let contacts: Vec<_> = contacts.iter().copied().map(of).collect();
+            let contacts: Vec<_> = contacts.iter().copied().map(pair).collect();
             assert!(!cursor.recall_all::<Springs>(&contacts, &mut memories));
         }
-        assert_eq!(cursor.recall::<Springs>(of([0, 2]), |_, _| panic!("none has ended")), None);
-        cursor.remember::<Springs>(of([0, 2]), &memory(5.0));
+        assert_eq!(cursor.recall::<Springs>(pair([0, 2]), |_, _| panic!("no contact has ended")), None);
+        cursor.remember::<Springs>(pair([0, 2]), &memory(5.0));
         let recalled =
-            cursor.recall::<Springs>(of([1, 2]), |contact, memory| gone.push((contact.both(), memory.spring.x)));
+            cursor.recall::<Springs>(pair([1, 2]), |contact, memory| gone.push((contact.both(), memory.spring.x)));
         assert_eq!((recalled, &gone[..]), (Some(memory(0.3)), &[([0, 3], 0.2)][..]));
-        assert_eq!(cursor.before(of([1, 2])), Some(memory(0.3)));
-        cursor.remember::<Springs>(of([1, 2]), &memory(6.0));
-        // And together again.
+        assert_eq!(cursor.previous(pair([1, 2])), Some(memory(0.3)));
+        cursor.remember::<Springs>(pair([1, 2]), &memory(6.0));
+        // From here on a whole batch matches again.
         assert!(cursor.recall_all::<Springs>(&contacts()[3..], &mut memories));
         cursor.remember_all::<Springs>(&contacts()[3..], &memories);
-        cursor.end::<Springs>(ContactLosses::default(), |_, _| panic!("they are at their end"));
-        assert_eq!(springs(&page), [([0, 1], 0.1), ([0, 2], 5.0), ([1, 2], 6.0), ([2, 3], 0.4)]);
+        cursor.end::<Springs>(ContactLosses::default(), |_, _| panic!("all contacts have been visited"));
+        assert_eq!(springs(&block), [([0, 1], 0.1), ([0, 2], 5.0), ([1, 2], 6.0), ([2, 3], 0.4)]);
     }
 
     #[test]
-    fn contacts_that_were_recalled_may_end() {
-        let (mut page, mut spare) = (page(), HistoryBlock::default());
-        let mut cursor = HistoryCursor::new(&mut page, &mut spare);
+    fn recalled_contacts_may_end() {
+        let (mut block, mut spare) = (block(), HistoryBlock::default());
+        let mut cursor = HistoryCursor::new(&mut block, &mut spare);
         let mut memories = MemoryLanes::default();
         let all = contacts();
         for contacts in [&all[..1], &all[1..3]] {
@@ -217,29 +217,29 @@ mod tests {
                 cursor.remember_all::<Springs>(contacts, &memories);
             }
         }
-        cursor.part::<Springs>(&contacts()[1..3]);
+        cursor.prepare_single::<Springs>(&contacts()[1..3]);
         cursor.remember::<Springs>(contacts()[1], &memories.get::<Springs>(0));
-        assert_eq!(cursor.before(contacts()[2]), Some(memory(0.3)));
+        assert_eq!(cursor.previous(contacts()[2]), Some(memory(0.3)));
         assert!(cursor.recall_all::<Springs>(&contacts()[3..], &mut memories));
         cursor.remember_all::<Springs>(&contacts()[3..], &memories);
-        cursor.end::<Springs>(ContactLosses::default(), |_, _| panic!("they are at their end"));
-        assert_eq!(springs(&page), [([0, 1], 5.0), ([0, 3], 5.0), ([2, 3], 0.4)]);
+        cursor.end::<Springs>(ContactLosses::default(), |_, _| panic!("all contacts have been visited"));
+        assert_eq!(springs(&block), [([0, 1], 5.0), ([0, 3], 5.0), ([2, 3], 0.4)]);
     }
 
     #[test]
-    fn contacts_at_the_end_of_a_page_are_forgotten() {
-        for is_anew in [false, true] {
-            let (mut page, mut spare) = (page(), HistoryBlock::default());
-            let mut cursor = HistoryCursor::new(&mut page, &mut spare);
+    fn contacts_left_at_the_end_of_a_block_are_discarded() {
+        for is_rewriting in [false, true] {
+            let (mut block, mut spare) = (block(), HistoryBlock::default());
+            let mut cursor = HistoryCursor::new(&mut block, &mut spare);
             let mut memories = MemoryLanes::default();
-            if is_anew {
-                assert!(cursor.recall::<Springs>(of([0, 0]), |_, _| panic!("none has ended")).is_none());
+            if is_rewriting {
+                assert!(cursor.recall::<Springs>(pair([0, 0]), |_, _| panic!("no contact has ended")).is_none());
             }
             assert!(cursor.recall_all::<Springs>(&contacts()[..2], &mut memories));
             cursor.remember_all::<Springs>(&contacts()[..2], &memories);
             cursor.end::<Springs>(lost(1.0, 2.0), |_, memory| [memory.spring.x, 0.0]);
-            assert_eq!(springs(&page), [([0, 1], 0.1), ([0, 3], 0.2)]);
-            assert_eq!(page.lost, lost(1.0 + 0.3 + 0.4, 2.0));
+            assert_eq!(springs(&block), [([0, 1], 0.1), ([0, 3], 0.2)]);
+            assert_eq!(block.lost, lost(1.0 + 0.3 + 0.4, 2.0));
         }
     }
 }

@@ -1,8 +1,9 @@
-//! Fetching ahead: where a pass walks along large slices of a packing, the next one is read in order before it is needed.
+//! Prefetch: in large packings, the next slice of the store is read in order before the pass needs it.
 //!
-//! A grain is first met as the partner of one in the slice before. Partners come in no order that a processor foresees, so each
-//! such meeting would wait for memory, and where slots go by beams ([`SpatialOrder`](crate::store::Order)) a slice stays at hand until it is needed.
-//! Nothing depends on what is read.
+//! The pass first needs a particle as the partner of a particle in the slice before. Partners come in an order that the
+//! processor cannot predict, so each first access would stall on memory. Where slots are sorted by beams
+//! ([`SpatialOrder`](crate::store::SpatialOrder)), a slice stays in the cache until it is needed. The numbers read here
+//! affect no result.
 
 use std::hint::black_box;
 use std::ops::Range;
@@ -11,17 +12,17 @@ use crate::contact::kernel::worker::Worker;
 use crate::contact::{LawRequirements, PairLaw};
 use crate::space::Space;
 
-/// Reads a number of each entry.
+/// Reads one number of each entry, which loads the entries into the cache.
 pub(in crate::contact) fn touch<T>(entries: &[T], number: impl Fn(&T) -> f64) -> u64 {
     entries.iter().fold(0, |all, entry| all ^ number(entry).to_bits())
 }
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
-    /// Reads what rows before `end` may ask of their partners, from entry `at_hand` on: gives where to go on. Does nothing where all is near
-    /// anyway.
-    pub(super) fn fetch(&self, at_hand: usize, end: usize) -> usize {
-        let Some(ahead) = self.view.order.ahead() else { return at_hand };
-        let next = at_hand..(end + ahead).clamp(at_hand, self.view.len());
+    /// Prefetches data of the partners of rows before `end`, starting at slot `start`. Returns the slot at which the
+    /// next prefetch starts. Does nothing if the spatial order has no beams, because the data are then close by.
+    pub(super) fn prefetch(&self, start: usize, end: usize) -> usize {
+        let Some(ahead) = self.view.order.ahead() else { return start };
+        let next = start..(end + ahead).clamp(start, self.view.len());
         black_box(self.read(next.clone()));
         next.end
     }

@@ -1,4 +1,5 @@
-//! What a thread keeps for itself from pass to pass, so that nothing is allocated in a step; and what it leaves to others.
+//! Thread scratch: buffers that persist between passes, so that a step allocates nothing; and the halo export, import
+//! and exchange of memories between threads.
 
 use std::ops::Range;
 
@@ -12,39 +13,39 @@ use crate::neighbours::list::{Candidate, PairList, Task};
 use crate::space::Space;
 use crate::walls::surfaces::WallLoad;
 
-/// The place where a thread works.
+/// The buffers of one thread.
 #[derive(Debug, Default)]
 pub struct ThreadScratch<V: Space> {
-    /// The contacts at hand.
+    /// The current batch of contacts.
     pub batch: Batch<V>,
-    /// What contacts of its rows with later ones remember, as it was before this pass.
+    /// Memories of the contacts of own rows with later rows, as before this pass. Other threads import them.
     pub left: HistoryBlock<V>,
-    /// The same, as it is after this pass.
+    /// Memories of the contacts of own rows with later rows, as after this pass.
     pub leaving: HistoryBlock<V>,
-    /// Those rows.
+    /// Own rows in the last pass.
     pub rows: Range<usize>,
-    /// For pages that are written anew.
+    /// Spare history block for blocks that are rewritten.
     pub spare: HistoryBlock<V>,
-    /// What each wall gets of each block that has grains near any.
+    /// Loads on the walls: one entry per wall for each block of rows with particles near any wall.
     pub on_walls: Vec<WallLoad<V>>,
 }
 
-/// One a thread.
+/// The scratch of each thread.
 #[derive(Resource, Debug, Default)]
 pub struct ScratchPerThread<V: Space>(pub Vec<ThreadScratch<V>>);
 
-/// What contacts across borders remembered after the last pass is what they do before this one: if nobody has changed it since, and
-/// the borders are the same, it stands on the desks.
+/// Makes the exports of the last pass the imports of this pass. The exports are made again if the history has changed
+/// since (`goes_on` is false) or the rows of the tasks have changed.
 pub(super) fn exchange_halos<V: Space, L: LawRequirements>(
     scratches: &mut [ThreadScratch<V>],
     list: &PairList,
-    pages: &[HistoryBlock<V>],
+    histories: &[HistoryBlock<V>],
     goes_on: bool,
 ) {
     let tasks = list.tasks();
     if !goes_on || tasks.iter().zip(&*scratches).any(|(task, scratch)| task.rows != scratch.rows) {
         for (Task { rows, .. }, scratch) in tasks.iter().zip(&mut *scratches) {
-            let own = &pages[rows.start / BLOCK..rows.end.div_ceil(BLOCK)];
+            let own = &histories[rows.start / BLOCK..rows.end.div_ceil(BLOCK)];
             export_halo::<V, L>(rows, list, own, &mut scratch.leaving);
         }
     }
@@ -53,28 +54,28 @@ pub(super) fn exchange_halos<V: Space, L: LawRequirements>(
     }
 }
 
-/// Copies what contacts of these rows with later ones remember, which stands in these pages.
+/// Copies the memories of contacts of `rows` with later rows from the history blocks of `rows` into `leaving`.
 pub(super) fn export_halo<V: Space, L: LawRequirements>(
     rows: &Range<usize>,
     list: &PairList,
-    pages: &[HistoryBlock<V>],
+    histories: &[HistoryBlock<V>],
     leaving: &mut HistoryBlock<V>,
 ) {
     leaving.clear();
-    for (page, first) in pages.iter().zip(rows.clone().step_by(BLOCK)) {
-        // In most blocks nobody has partners so far away.
+    for (history, first) in histories.iter().zip(rows.clone().step_by(BLOCK)) {
+        // In most blocks no particle has a partner in later rows.
         if list.block(first / BLOCK).1 > rows.end {
-            leaving.copy::<L>(page, |contact| contact.second() >= rows.end);
+            leaving.copy::<L>(history, |contact| contact.second() >= rows.end);
         }
     }
 }
 
-/// What contacts with earlier rows remember: what the tasks of those have left.
+/// Halo import: memories of contacts with earlier rows, from the exports of the tasks that own the earlier rows.
 #[derive(Clone)]
 pub(super) struct HaloImport<'a, V: Space> {
     tasks: &'a [Task],
     left: &'a [&'a HistoryBlock<V>],
-    /// Where the last one was that was asked for: in what which task has left, and at what place there.
+    /// Position of the last look-up: the exporting task and the place in its export.
     task: usize,
     at: usize,
 }
@@ -84,7 +85,7 @@ impl<'a, V: Space> HaloImport<'a, V> {
         Self { tasks, left, task: 0, at: 0 }
     }
 
-    /// The memory of a contact; they are asked for in ascending order.
+    /// Returns the memory of a contact. Calls must be in ascending order of contacts.
     pub(super) fn next(&mut self, contact: Candidate) -> Option<Memory<V>> {
         while self.tasks[self.task].rows.end <= contact.first() {
             (self.task, self.at) = (self.task + 1, 0);

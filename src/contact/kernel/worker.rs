@@ -1,4 +1,4 @@
-//! One thread at work: candidates in, sums out.
+//! The work of one thread in the contact pass.
 
 use crate::contact::batch::Batch;
 use crate::contact::force_accumulation::ForceAccumulation;
@@ -14,7 +14,7 @@ use crate::space::Space;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::WallLoad;
 
-/// What one thread reads and writes.
+/// The data that one thread reads and writes.
 pub(super) struct Worker<'a, V: Space, L> {
     pub(super) pass: &'a Pass<'a, V, L>,
     pub(super) view: &'a ParticleStore<V>,
@@ -23,65 +23,66 @@ pub(super) struct Worker<'a, V: Space, L> {
     pub(super) sums: ForceAccumulation<'a, V>,
     pub(super) batch: &'a mut Batch<V>,
     pub(super) largest: f64,
-    /// Its particles and walls that may touch.
+    /// Pairs of an own row and a wall that may touch; the ones not summed yet.
     pub(super) near: &'a [Candidate],
-    /// What walls get of each block.
+    /// Loads on the walls, block by block.
     pub(super) on_walls: &'a mut Vec<WallLoad<V>>,
 }
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
-    /// Sums its rows, whose contacts stand in these pages; gives the largest overlap over the smaller radius.
+    /// Sums the forces on own rows, with the given history blocks. Returns the largest overlap so far divided by the
+    /// smaller radius of its pair.
     pub(super) fn sum(
         mut self,
-        pages: &mut [HistoryBlock<V>],
-        wall_pages: &mut [HistoryBlock<V>],
+        pair_histories: &mut [HistoryBlock<V>],
+        wall_histories: &mut [HistoryBlock<V>],
         spare: &mut HistoryBlock<V>,
     ) -> f64 {
         let gravity = self.pass.gravity;
-        self.sums.begin(list::end_of(&self.task.incoming), gravity, self.view);
+        self.sums.initialise(list::end_of(&self.task.incoming), gravity, self.view);
         let mut left = &self.task.incoming[..];
         while !left.is_empty() {
-            left = self.offer(left);
+            left = self.fill_batch(left);
             self.flush_incoming();
         }
-        let mut at_hand = self.task.rows.start;
-        let blocks = pages.iter_mut().zip(wall_pages).zip(self.task.rows.clone().step_by(BLOCK));
-        for ((page, wall_page), first) in blocks {
-            let mut block = Block { cursor: HistoryCursor::new(page, spare), lost: ContactLosses::default() };
+        let mut prefetched_end = self.task.rows.start;
+        let blocks = pair_histories.iter_mut().zip(wall_histories).zip(self.task.rows.clone().step_by(BLOCK));
+        for ((pair_history, wall_history), first) in blocks {
+            let mut block = Block { cursor: HistoryCursor::new(pair_history, spare), lost: ContactLosses::default() };
             let (mut left, end) = self.pass.list.block(first / BLOCK);
-            // Not all at once: so they are at hand when they are added to.
-            self.sums.begin(end, gravity, self.view);
-            at_hand = self.fetch(at_hand, first + BLOCK);
+            // Sums are initialised block by block, so that they are still in the cache when forces are added.
+            self.sums.initialise(end, gravity, self.view);
+            prefetched_end = self.prefetch(prefetched_end, first + BLOCK);
             while !left.is_empty() {
-                left = self.offer(left);
+                left = self.fill_batch(left);
                 self.flush(&mut block);
             }
             block.cursor.end::<L>(block.lost, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
             if !self.pass.walls.is_empty() {
-                self.sums.begin(first + BLOCK, gravity, self.view);
+                self.sums.initialise(first + BLOCK, gravity, self.view);
                 self.sum_walls(
                     first + BLOCK,
-                    Block { cursor: HistoryCursor::new(wall_page, spare), lost: ContactLosses::default() },
+                    Block { cursor: HistoryCursor::new(wall_history, spare), lost: ContactLosses::default() },
                 );
             }
         }
-        self.sums.begin(self.task.rows.end, gravity, self.view);
+        self.sums.initialise(self.task.rows.end, gravity, self.view);
         self.largest
     }
 
-    /// Adds those candidates to the batch that overlap, or that the law looks at ahead of that, with what their bodies hold, until
-    /// it is full; gives those that are left. Whether one overlaps is hard to foresee, so there is no branch on it: each is
-    /// written, and the end moves on if it counts.
-    fn offer<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
+    /// Adds overlapping candidates to the batch until it is full, and loads their bodies. With velocity prediction,
+    /// pairs closer than the prediction margin are added too. Returns the candidates that are left. Branches on overlap
+    /// are mispredicted often, so there is none: each candidate is written, and the batch grows only if it counts.
+    fn fill_batch<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
         match self.view.periodic {
-            None => self.offer_by(Open, candidates),
-            Some(periodic) => self.offer_by(periodic, candidates),
+            None => self.fill_batch_by(Open, candidates),
+            Some(periodic) => self.fill_batch_by(periodic, candidates),
         }
     }
 
-    /// The same, with separations measured so.
+    /// Fills the batch like [`Self::fill_batch`], with separations measured by `metric`.
     #[inline(always)]
-    fn offer_by<'c>(&mut self, metric: impl Metric<V>, candidates: &'c [Candidate]) -> &'c [Candidate] {
+    fn fill_batch_by<'c>(&mut self, metric: impl Metric<V>, candidates: &'c [Candidate]) -> &'c [Candidate] {
         let (bodies, batch, pass) = (&self.view.body[..], &mut *self.batch, self.pass);
         let margin = if L::PREDICTION { self.view.margin } else { 0.0 };
         pass.instructions.run_narrow(
@@ -95,7 +96,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
                     batch.pairs[end] = candidate;
                     let (squared, reach) = batch.bodies.take::<L>(end, &metric, [body, other]);
                     let farthest = if L::PREDICTION { reach + margin } else { reach };
-                    // Written so that a NaN does not touch: the finite-value check names it at the end of the step.
+                    // Written so that a NaN does not touch: the finite-value check reports it at the end of the step.
                     end += usize::from(squared < farthest * farthest);
                 }
                 batch.len = end;
@@ -104,14 +105,14 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         )
     }
 
-    /// Fills in what the law needs to know besides what bodies hold.
+    /// Loads the data that the law requires besides bodies: species, spins, velocity prediction.
     #[inline]
-    fn describe(&mut self) {
+    fn load_requirements(&mut self) {
         if !(L::SPECIES || L::SPIN || L::PREDICTION) {
             return;
         }
         let (batch, view) = (&mut *self.batch, self.view);
-        // What is of its own cannot change under the loop.
+        // Copied to locals so that the compiler can prove that stores do not alias them.
         let (rotations, species) = (&view.rotation[..], &view.species[..]);
         self.pass.instructions.run_narrow(
             #[inline(always)]
@@ -134,10 +135,10 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         );
     }
 
-    /// Asks the law, and takes records of overlap into account.
+    /// Evaluates the law for the batch and updates the largest overlap.
     #[inline]
-    fn ask(&mut self) {
-        self.describe();
+    fn evaluate_batch(&mut self) {
+        self.load_requirements();
         let Pass { law, instructions, .. } = *self.pass;
         let lanes = self.batch.lanes();
         if self.batch.bodies.measure::<L>(lanes, law.needs_mass_root(), instructions) {
@@ -145,8 +146,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
             self.batch.bodies.part_coincident::<L>(self.batch.len, normal);
         }
-        // What may be a record is found without dividing, and without the two radii.
-        if self.answer(self.view.smallest_share) {
+        // A possible record is detected without division and without the two radii.
+        if self.evaluate_law(self.view.smallest_share) {
             for (pair, overlap) in self.batch.pairs.iter().zip(self.batch.bodies.overlap.iter()).take(self.batch.len) {
                 let [i, j] = pair.both().map(|entry| self.view.body[entry].radius);
                 self.largest = self.largest.max(overlap / i.min(j));
@@ -154,12 +155,12 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         }
     }
 
-    /// Lets the law answer for all lanes; tells whether any overlap may be a record, the smaller radius of a pair being this share of the reach or
-    /// more.
+    /// Evaluates the law in all lanes. Returns whether any overlap may be a record. `smallest_share` is a lower bound
+    /// on the smaller radius of a pair divided by the sum of its radii.
     #[inline]
-    pub(super) fn answer(&mut self, smallest_share: f64) -> bool {
+    pub(super) fn evaluate_law(&mut self, smallest_share: f64) -> bool {
         let Pass { law, dt, instructions, .. } = *self.pass;
-        // Some rounding included.
+        // The last factor allows for rounding.
         let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
         if self.view.tracks_energy {
             self.batch.ask::<L, TOTAL_AND_DISSIPATIVE>(law, dt, instructions, deepest)
@@ -168,13 +169,13 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         }
     }
 
-    /// Sums what the batch does to the particles of this share, the first ones being in others.
+    /// Adds the forces of the batch to own particles; the first particles of these pairs belong to other threads.
     fn flush_incoming(&mut self) {
         for lane in 0..if L::MEMORY { self.batch.len } else { 0 } {
             let memory = self.halo.next(self.batch.pairs[lane]).unwrap_or_default();
             self.batch.memory.set::<L>(lane, &memory);
         }
-        self.ask();
+        self.evaluate_batch();
         if self.view.tracks_energy {
             self.sums.add_to_one::<L, TOTAL_AND_DISSIPATIVE, 1>(self.batch);
         } else {
@@ -183,15 +184,15 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         self.batch.len = 0;
     }
 
-    /// Sums what the batch does to both members, and keeps the books.
+    /// Evaluates the batch, adds its forces to both particles, and stores memories and losses.
     fn flush(&mut self, block: &mut Block<'_, V>) {
         if L::MEMORY {
             let Block { cursor, lost } = block;
             self.batch
                 .recall::<L>(cursor, |contact, memory| lost.add(self.pass.on_contact_end(self.view, contact, memory)));
         }
-        self.ask();
-        self.keep(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
+        self.evaluate_batch();
+        self.store_results(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
         let tracks_energy = self.view.tracks_energy;
         let (sums, batch) = (&mut self.sums, &*self.batch);
         self.pass.instructions.run_narrow(
@@ -207,12 +208,12 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         self.batch.len = 0;
     }
 
-    /// Keeps what contacts have lost and what they remember; `forgotten` tells what goes with one that has ended, J.
+    /// Stores losses and memories of the batch. `on_end` returns the energy that a contact loses when it ends, J.
     #[inline]
-    pub(super) fn keep(
+    pub(super) fn store_results(
         &mut self,
         Block { cursor, lost }: &mut Block<'_, V>,
-        forgotten: impl Fn(Candidate, &Memory<V>) -> [f64; 2],
+        on_end: impl Fn(Candidate, &Memory<V>) -> [f64; 2],
     ) {
         let batch = &mut *self.batch;
         if L::SPIN && self.view.tracks_energy {
@@ -226,21 +227,23 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             cursor.remember_all::<L>(contacts, &batch.memory);
             return;
         }
-        cursor.part::<L>(contacts);
+        cursor.prepare_single::<L>(contacts);
         for (lane, &contact) in contacts.iter().enumerate() {
             if batch.answer.counts::<L>(lane) {
                 cursor.remember::<L>(contact, &batch.memory.get::<L>(lane));
             } else if batch.is_known[lane] {
-                // It has ended, and its memory been moved on all the same: what it held before is lost.
-                lost.add(forgotten(contact, &cursor.before(contact).unwrap_or_default()));
+                // The contact has ended, but the law has already advanced its memory. The previous memory gives the
+                // loss.
+                lost.add(on_end(contact, &cursor.previous(contact).unwrap_or_default()));
             }
         }
     }
 }
 
-/// What the contacts of a block of rows remember.
+/// The contact history of a block of rows in this pass.
 pub(super) struct Block<'a, V: Space> {
     pub(super) cursor: HistoryCursor<'a, V>,
-    /// What contacts lose, and what ended ones held: each in order, whenever the batch is full.
+    /// Losses of contacts, including the energy stored in ended ones. Both are added in a fixed order, independent of
+    /// how contacts are batched.
     pub(super) lost: ContactLosses,
 }

@@ -1,4 +1,4 @@
-//! Friction without memory: a dashpot in the tangent plane, F_t = -c_t v_t, cut at mu |F_n|.
+//! Friction without memory: a dashpot in the tangent plane, F_t = -c_t v_t, capped at mu |F_n|.
 
 use crate::contact::damping::Coefficient;
 use crate::contact::spring::Slider;
@@ -6,14 +6,14 @@ use crate::contact::tangential::{Lever, NormalLoad, Tangential};
 use crate::contact::{Bounce, Memory, Pair, Turning};
 use crate::space::Space;
 
-/// A dashpot cut at mu |F_n|.
+/// A dashpot capped at mu |F_n|.
 #[derive(Clone, Copy, Debug)]
 pub struct Dashpot {
     /// c_t, from the effective mass and the normal c.
     pub damping: Coefficient,
-    /// mu.
+    /// Coefficient mu.
     pub friction: f64,
-    /// Where it acts.
+    /// Point at which friction acts.
     pub lever: Lever,
 }
 
@@ -71,8 +71,8 @@ mod tests {
 
     #[test]
     fn a_dashpot_is_cut_at_the_cap() {
-        let zero = NonNegative::try_from(2.0).unwrap();
-        let law = Dashpot { damping: TangentialDamping::B(zero).into(), friction: 0.5, lever: Lever::Radius };
+        let drag = NonNegative::try_from(2.0).unwrap();
+        let law = Dashpot { damping: TangentialDamping::B(drag).into(), friction: 0.5, lever: Lever::Radius };
         let slow = Pair { relative_velocity: Vector::new(0.0, 1.0), ..pair() };
         let fast = Pair { relative_velocity: Vector::new(0.0, 10.0), ..pair() };
         let mut turning = Turning::default();

@@ -1,9 +1,10 @@
-//! Friction with memory: a spring and a dashpot in the tangent plane, F_t = -k_t S - c_t v_t, cut together at mu |F_n|.
+//! Friction with memory: a spring and a dashpot in the tangent plane, F_t = -k_t S - c_t v_t, capped together at mu
+//! |F_n|.
 //!
-//! Stiffness and drag are those of a [`Modulus`], the same in every contact or not.
+//! A [`Modulus`] gives stiffness and drag, constant or dependent on the contact.
 
 use crate::contact::damping::Coefficient;
-use crate::contact::spring::{Slider, lost_at_the_end};
+use crate::contact::spring::{Slider, lost_at_contact_end};
 use crate::contact::tangential::{Lever, NormalLoad, Tangential};
 use crate::contact::{Bounce, Memory, Pair, Turning};
 use crate::space::Space;
@@ -13,13 +14,14 @@ pub trait Modulus: Copy + Send + Sync + 'static {
     /// Whether the stiffness changes while a contact lasts.
     const VARIES: bool;
 
-    /// k_t (N/m) and c_t (N s/m); `normal_drag` is the normal c, N s/m.
+    /// Returns k_t (N/m) and c_t (N s/m); `normal_drag` is the normal c, N s/m.
     fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64);
 
-    /// The k_t that a spring was last used with, N/m, of which `memory` has a note if it varies.
+    /// Returns the k_t of the last evaluation of a spring, N/m. `memory` is [`Memory::stiffness`], set if the stiffness
+    /// varies.
     fn remembered(&self, memory: f64) -> f64;
 
-    /// k_t (N/m) and c_t (N s/m) at the deepest point of a bounce.
+    /// Returns k_t (N/m) and c_t (N s/m) at the deepest point of a bounce.
     fn at(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2];
 }
 
@@ -49,22 +51,24 @@ impl Modulus for ConstantStiffness {
     }
 }
 
-/// A spring with memory and a dashpot, cut together at mu |F_n|. Where the stiffness varies, a stiffening spring keeps
-/// its force and a softening one its displacement, so that neither gains energy (Thornton, Cummins and Cleary, Powder
-/// Technology 233, 30, 2013); what it loses is booked with sliding.
+/// A spring with memory and a dashpot, capped together at mu |F_n|.
+///
+/// If the stiffness varies, a stiffening spring keeps its force and a softening spring its displacement, so that
+/// neither gains energy (Thornton, Cummins and Cleary, Powder Technology 233, 30, 2013). The energy lost in this way
+/// counts as lost to sliding.
 #[derive(Clone, Copy, Debug)]
 pub struct SpringSlider<M> {
     /// k_t and c_t.
     pub modulus: M,
-    /// mu.
+    /// Coefficient mu.
     pub friction: f64,
-    /// Where it acts.
+    /// Point at which friction acts.
     pub lever: Lever,
 }
 
 impl<M: Modulus> SpringSlider<M> {
-    /// The mean stiffness of a step over that of its end: what is gathered while a spring stiffens keeps its force. From
-    /// nothing it grows like the root of time.
+    /// Returns the mean stiffness of a step divided by the stiffness at its end. Displacement accumulated while a
+    /// spring stiffens keeps its force. In a new contact the stiffness grows like the square root of time.
     #[inline(always)]
     fn mean_stiffness(before: f64, now: f64) -> f64 {
         if before >= now {
@@ -76,7 +80,7 @@ impl<M: Modulus> SpringSlider<M> {
         }
     }
 
-    /// Adapts the spring to a changed stiffness; gives what it loses, J.
+    /// Adapts the spring to a changed stiffness; returns the energy that it loses, J.
     #[inline(always)]
     fn adapt<V: Space>(k: f64, memory: &mut Memory<V>) -> f64 {
         let before = memory.stiffness * memory.spring.length_squared();
@@ -123,7 +127,7 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         memory: &mut Memory<V>,
         turning: &mut Turning<V>,
     ) {
-        // Across a gap too the arms meet: what the contact point's keep of the angular momentum, they keep there.
+        // The arms meet across a gap too, so that arms to the contact point conserve angular momentum there as well.
         let (stiffness, drag) = self.modulus.of(&pair.at_overlap(pair.overlap), load.drag);
         turning.arms = self.lever.arms(pair);
         let (motion, mobilities) = pair.sliding(turning.arms);
@@ -131,7 +135,7 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         sweep.pulled = memory.spring * -self.modulus.remembered(memory.stiffness);
         if M::VARIES {
             sweep.gathering *= Self::mean_stiffness(memory.stiffness, stiffness);
-            // Where a contact opens there is neither stiffness nor drag.
+            // A stiffness that varies is zero when a contact opens, and so is the drag: that event has no effect.
             sweep.event = sweep.event.filter(|_| memory.stiffness > 0.0);
             turning.lost_by_sliding = Self::adapt(stiffness, memory);
         }
@@ -149,7 +153,7 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
         let velocity = pair.sliding_velocity(self.lever.arms(pair));
-        lost_at_the_end(self.modulus.remembered(memory.stiffness), memory.spring, velocity, pair.dt)
+        lost_at_contact_end(self.modulus.remembered(memory.stiffness), memory.spring, velocity, pair.dt)
     }
 
     fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {
