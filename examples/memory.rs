@@ -1,6 +1,6 @@
 //! How fast this machine's memory is: bandwidth of one core by the size of what is read, and the wait of a chain of reads.
 //!
-//! `cargo run --release --example memory`; docs/speed.md sets the figures beside what a step moves.
+//! `cargo run --release --example memory`; docs/explanation/speed.md sets the figures beside what a step moves.
 
 #![allow(clippy::print_stdout, reason = "a program that prints")]
 #![allow(clippy::cast_precision_loss, reason = "figures for people")]

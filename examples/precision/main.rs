@@ -1,4 +1,4 @@
-//! What f32 would cost in error, and gain in time: `docs/precision.md` has the figures.
+//! What f32 would cost in error, and gain in time: `docs/explanation/precision.md` has the figures.
 //!
 //! ```text
 //! cargo run --release --example precision            # errors: ten minutes

@@ -22,7 +22,7 @@ use crate::writers::png;
 /// Arguments of `accuracy`.
 #[derive(Args, Debug)]
 #[command(after_help = "\
-Without arguments: all cases, each scheme, over a ladder of steps. See docs/accuracy.md.
+Without arguments: all cases, each scheme, over a ladder of steps. See docs/explanation/accuracy.md.
   siloflow accuracy
   siloflow accuracy bounce-0.5 bed --quick
 Figures: out/accuracy/work-precision.png, in-time.png; figures: out/accuracy/accuracy.csv, .json, .md

@@ -1,7 +1,7 @@
 //! The deferred kick: the second kick of a step is put off until a system looks at velocities, or else until the next drift.
 //!
 //! Velocity Verlet ends a step with half a kick and begins the next one with another, by the same forces. Where no system looks at
-//! velocities in between, both are made in one pass with the drift: a third less is read and written in a step (`docs/speed.md`). No bit
+//! velocities in between, both are made in one pass with the drift: a third less is read and written in a step (`docs/explanation/speed.md`). No bit
 //! of the motion depends on it.
 //!
 //! So from the force pass on, velocities and spins in the store may be half a step old, and the books of energy a step. The plan of

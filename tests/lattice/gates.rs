@@ -1,5 +1,5 @@
 //! The paper's claims, where one seed resolves them, in both silos. The whole study with its standard errors is `siloflow
-//! study`, its table docs/lattice-gas.md; claims that fail stand there as failing, and are not asserted here.
+//! study`, its table docs/explanation/lattice-gas.md; claims that fail stand there as failing, and are not asserted here.
 
 use std::path::Path;
 

@@ -5,8 +5,11 @@
 //! | language | the block holds |
 //! |---|---|
 //! | `sh` | commands that this test runs, block after block, in a directory of its own for each page |
-//! | `sh full` | commands that take long or need other programs; run with `SILOFLOW_DOCS=full`, as `.ci/full` does |
-//! | `sh setup` | commands that build or install; `.ci/run` runs them, or they are stated to be optional |
+//! | `sh full` | commands that take minutes or need other programs; run with `SILOFLOW_DOCS=full`, as `.ci/full` does |
+//! | `sh setup` | commands that build or install; `.ci/run` runs the important ones |
+//! | `sh manual` | measurements of many minutes, or with programs that have to be built first; run by hand |
+//!
+//! Calls of the program in blocks that are not run must at least be calls that the program understands.
 //!
 //! `cargo run --release --` stands for the program under test.
 
@@ -90,13 +93,38 @@ fn every_link_between_pages_leads_somewhere() {
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 
+fn as_siloflow(block: &str) -> String {
+    block.replace("cargo run --release -- ", "siloflow ").replace("target/release/siloflow", "siloflow")
+}
+
+/// Whether the program understands the calls that stand on lines of their own.
+fn understood(block: &str) -> Result<(), String> {
+    for line in as_siloflow(block).lines() {
+        let call = line.split(" #").next().unwrap_or(line).trim();
+        let Some(arguments) = call.strip_prefix("siloflow ").filter(|rest| !rest.contains(['$', '|', '\\', ';']))
+        else {
+            continue;
+        };
+        // The help is printed only if all arguments before it are right.
+        let arguments = arguments.split_whitespace().map(|word| word.trim_matches('\''));
+        let output = Command::new(env!("CARGO_BIN_EXE_siloflow")).args(arguments).arg("--help").output().unwrap();
+        if !output.status.success() {
+            return Err(format!("`{call}` is not understood: {}", String::from_utf8_lossy(&output.stderr)));
+        }
+    }
+    Ok(())
+}
+
 /// Runs the commands of a page.
 fn run(page: &Path, full: bool) -> Result<(), String> {
     let (_, blocks) = split(&fs::read_to_string(page).unwrap());
     let here = tempfile::tempdir().unwrap();
-    for name in ["scenes", "assets", "docs", "examples"] {
+    for name in ["scenes", "assets", "examples"] {
         symlink(crate::root().join(name), here.path().join(name)).unwrap();
     }
+    // A copy, because some commands write figures of the documentation.
+    let copied = Command::new("cp").arg("-r").args([crate::root().join("docs"), here.path().join("docs")]).status();
+    assert!(copied.unwrap().success());
     let programs = here.path().join("programs");
     fs::create_dir(&programs).unwrap();
     symlink(env!("CARGO_BIN_EXE_siloflow"), programs.join("siloflow")).unwrap();
@@ -105,9 +133,15 @@ fn run(page: &Path, full: bool) -> Result<(), String> {
         match language.as_str() {
             "sh" => {}
             "sh full" if full => {}
-            "sh full" | "sh setup" => continue,
+            "sh full" | "sh setup" | "sh manual" => {
+                understood(&block).map_err(|why| format!("{}: {why}", page.display()))?;
+                continue;
+            }
             other if other.starts_with("sh") || other == "bash" || other == "console" => {
-                return Err(format!("{}: a block in `{other}`: write `sh`, `sh full` or `sh setup`", page.display()));
+                return Err(format!(
+                    "{}: a block in `{other}`: write `sh`, `sh full`, `sh setup` or `sh manual`",
+                    page.display()
+                ));
             }
             _ => continue,
         }
@@ -136,4 +170,48 @@ fn every_command_of_the_documentation_works() {
 #[test]
 fn anchors_are_derived_as_code_hosts_do() {
     assert_eq!(anchor(" What is `modelled`, and what not?"), "what-is-modelled-and-what-not");
+}
+
+/// Checks that a value has the properties that its schema lists, and no others.
+fn fits(schema: &serde_json::Value, value: &serde_json::Value, path: &str) {
+    if let (Some(properties), Some(object)) = (schema["properties"].as_object(), value.as_object()) {
+        for key in schema["required"].as_array().unwrap() {
+            assert!(object.contains_key(key.as_str().unwrap()), "{path}: `{key}` is missing");
+        }
+        for (key, inner) in object {
+            let known = properties.get(key).unwrap_or_else(|| panic!("{path}: `{key}` is not in the schema"));
+            fits(known, inner, &format!("{path}.{key}"));
+        }
+    }
+    for inner in value.as_array().into_iter().flatten() {
+        fits(&schema["items"], inner, &format!("{path}[]"));
+    }
+}
+
+#[test]
+fn summaries_fit_the_schema() {
+    let page = crate::root().join("docs/reference/summary.schema.json");
+    let schema: serde_json::Value = serde_json::from_str(&fs::read_to_string(page).unwrap()).unwrap();
+    let here = tempfile::tempdir().unwrap();
+    let discharge = ["--set", "spawner.count=12", "--set", "pictures=None"];
+    let lossy = ["--set", "spawner.count=3", "--set", "pictures=None", "--until", "20"];
+    let without_balance = ["--set", "spawner.count=3", "--set", "energy_balance=false", "--until", "0.5"];
+    let frictional = ["--set", "fill[0].count=50", "--set", "pictures=None", "--until", "0.01"];
+    for (scene, more) in [
+        ("silo1.ron", &discharge[..]),
+        ("silo1-literal.ron", &lossy),
+        ("silo1.ron", &without_balance),
+        ("silo3d.ron", &frictional),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_siloflow"))
+            .arg("run")
+            .arg(crate::scene(scene))
+            .args(more)
+            .args(["--json", "--quiet", "--out", "run"])
+            .current_dir(&here)
+            .output()
+            .unwrap();
+        let summary = serde_json::from_slice(&output.stdout).unwrap();
+        fits(&schema, &summary, scene);
+    }
 }

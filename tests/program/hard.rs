@@ -1,4 +1,4 @@
-//! Hard cases, `scenes/hard`: what must hold in each, and how it ends. docs/hard-cases.md lists them.
+//! Hard cases, `scenes/hard`: what must hold in each, and how it ends. docs/explanation/hard-cases.md lists them.
 //!
 //! In all of them every number stays finite, every grain is inside, out or lost by name, and energy is not created beyond
 //! what the scheme's theory allows; or the run is refused or stopped with step and grain.
