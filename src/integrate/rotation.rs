@@ -1,8 +1,8 @@
 //! The rotation of grains, in scenes with friction: spins by torques.
 //!
 //! w follows velocity Verlet as the velocity does: w(t+dt/2) = w(t) + dt/2 T(t)/I, then T from positions and half-step
-//! velocities, then w(t+dt) = w(t+dt/2) + dt/2 T(t+dt)/I. Orientations are not followed: a sphere looks the same from all
-//! sides.
+//! velocities, then w(t+dt) = w(t+dt/2) + dt/2 T(t+dt)/I. Orientations are not followed: a sphere looks the same from
+//! all sides.
 
 use std::marker::PhantomData;
 

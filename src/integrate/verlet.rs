@@ -7,9 +7,9 @@
 //! 5. v(t+dt) = v(t+dt/2) + dt/2 a(t+dt)
 //!
 //! Steps 1 and 2 are [`Phase::Drift`], where 1 is written as x + dt v(t+dt/2), the same number; 4 and 5 are
-//! [`Phase::Kick`], unless they are put off until the next drift (`store/deferred_kick.rs`). Second order, symplectic and time-reversible while forces depend on positions alone. Drag is
-//! evaluated with a velocity half a step old, which makes damped contacts first order; one such contact is stable
-//! for dt < 2/w0 (sqrt(1 + zeta^2) - zeta).
+//! [`Phase::Kick`], unless they are put off until the next drift (`store/deferred_kick.rs`). Second order, symplectic
+//! and time-reversible while forces depend on positions alone. Drag is evaluated with a velocity half a step old, which
+//! makes damped contacts first order; one such contact is stable for dt < 2/w0 (sqrt(1 + zeta^2) - zeta).
 
 use std::ops::Add;
 

@@ -1,7 +1,7 @@
 //! Setting back: a particle that has left a periodic box goes on at the place in it which stands for the same.
 //!
-//! The drift sets positions back itself. Where gravity acts along a periodic axis and books of energy are kept, a pass of its own does, for
-//! what is set back by L along gravity is lifted by m g L.
+//! The drift sets positions back itself. Where gravity acts along a periodic axis and books of energy are kept, a pass
+//! of its own does, for what is set back by L along gravity is lifted by m g L.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -12,7 +12,8 @@ use crate::space::Space;
 use crate::step::{Drifted, Part, Phase, Step};
 use crate::store::{AfterDeferredKick, ParticleStore, SpinsDrifted};
 
-/// Sets back what has left the box, where gravity acts along a periodic axis, and sums the potential energy that this takes.
+/// Sets back what has left the box, where gravity acts along a periodic axis, and sums the potential energy that this
+/// takes.
 fn wrap_and_lift<V: Space>(mut store: ResMut<ParticleStore<V>>, gravity: Res<Gravity<V>>) {
     let ParticleStore { body, mass, periodic: Some(periodic), movable_end: end, .. } = &mut *store else { return };
     let mut lifted = 0.0;
@@ -26,7 +27,8 @@ fn wrap_and_lift<V: Space>(mut store: ResMut<ParticleStore<V>>, gravity: Res<Gra
     store.lifted = lifted;
 }
 
-/// Positions are in the box, and [`ParticleStore::lifted`] is the energy of this step, after this set of [`Phase::Drift`].
+/// Positions are in the box, and [`ParticleStore::lifted`] is the energy of this step, after this set of
+/// [`Phase::Drift`].
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct Wrapped;
 

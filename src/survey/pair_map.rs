@@ -1,7 +1,8 @@
 //! A number, or anything else, that a behaviour keeps for each contact as long as the contact lasts.
 //!
-//! A [`PairMap`] is part of a resource of the behaviour. Once a step a system goes through the contacts with [`PairMap::visit`]: a contact
-//! that is new begins with the default, one that has ended is forgotten. Names of particles are the keys, so renumbering is no concern.
+//! A [`PairMap`] is part of a resource of the behaviour. Once a step a system goes through the contacts with
+//! [`PairMap::visit`]: a contact that is new begins with the default, one that has ended is forgotten. Names of
+//! particles are the keys, so renumbering is no concern.
 //!
 //! ```
 //! use siloflow::prelude::*;

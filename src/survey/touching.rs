@@ -1,7 +1,7 @@
 //! Contacts one by one, in the order of the store: the cheap way to look at all of them.
 //!
-//! The geometry of a contact is found when the iterator comes by. What a contact remembers and which force the law makes there is found
-//! when it is asked for.
+//! The geometry of a contact is found when the iterator comes by. What a contact remembers and which force the law
+//! makes there is found when it is asked for.
 
 use bevy_ecs::entity::Entity;
 
@@ -141,8 +141,8 @@ impl<V: Space> Touching<'_, V> {
         self.survey.law.force(&self.pair, &mut self.memory())
     }
 
-    /// The contact as [`ContactView::all`](crate::survey::view::ContactView::all) shows it: seen from the particle of lower id. `memory`
-    /// is its own, `dt` the time step, s.
+    /// The contact as [`ContactView::all`](crate::survey::view::ContactView::all) shows it: seen from the particle of
+    /// lower id. `memory` is its own, `dt` the time step, s.
     pub(super) fn state_with(&self, memory: &Memory<V>, dt: f64) -> ContactState<V> {
         match self.partner {
             Partner::Particle(row) if self.survey.store.id[row] < self.grain() => {

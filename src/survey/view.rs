@@ -17,7 +17,8 @@
 //! }
 //! ```
 //!
-//! [`ContactView::iter`] takes a fraction of the time of [`ContactView::all`], which evaluates the law for every contact and sorts.
+//! [`ContactView::iter`] takes a fraction of the time of [`ContactView::all`], which evaluates the law for every
+//! contact and sorts.
 //!
 //! Forces are the law's at the positions and velocities of the full step, with the springs as the force pass left them;
 //! a contact slides if the law, moved on by the time step that was, cuts its friction.
@@ -106,14 +107,14 @@ pub struct ContactView<'w, V: Space = Plane> {
 }
 
 impl<V: Space> ContactView<'_, V> {
-    /// The contacts one by one, in the order of the store: their geometry is found as they come by, their memory and their force only on
-    /// request. Contacts with flat walls come after all others.
+    /// The contacts one by one, in the order of the store: their geometry is found as they come by, their memory and
+    /// their force only on request. Contacts with flat walls come after all others.
     pub fn iter(&self) -> impl Iterator<Item = Touching<'_, V>> {
         self.survey_param.survey().touching()
     }
 
-    /// All contacts with all that is known of them, in ascending order of the ids. The law is evaluated for each: [`ContactView::iter`]
-    /// takes less time.
+    /// All contacts with all that is known of them, in ascending order of the ids. The law is evaluated for each:
+    /// [`ContactView::iter`] takes less time.
     #[must_use]
     pub fn all(&self) -> Vec<ContactState<V>> {
         self.survey_param.survey().view(self.clock.dt)

@@ -1,7 +1,7 @@
 //! Conveyors: wall grains that move at a constant velocity, the rough walls of a shear cell or a rough belt.
 //!
-//! x <- x + v dt for every wall grain that the scene gives a velocity (`fill` with `fixed: true`). The work that it takes
-//! to keep them going is booked as wall work. In a periodic scene they come round.
+//! x <- x + v dt for every wall grain that the scene gives a velocity (`fill` with `fixed: true`). The work that it
+//! takes to keep them going is booked as wall work. In a periodic scene they come round.
 
 use std::marker::PhantomData;
 

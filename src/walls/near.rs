@@ -1,7 +1,7 @@
 //! Which grains are near which walls: all others are spared the look at every wall in every step.
 //!
-//! A grain is near a wall if its surface is less than a radius of the largest grain away from it: of a packing those are mostly
-//! the ones that touch it. The list holds until somebody can have gone that far, or a wall has changed.
+//! A grain is near a wall if its surface is less than a radius of the largest grain away from it: of a packing those
+//! are mostly the ones that touch it. The list holds until somebody can have gone that far, or a wall has changed.
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::Candidate;

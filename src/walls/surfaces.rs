@@ -1,10 +1,11 @@
 //! Flat walls: half-planes, segments and panels, under the same contact law as between grains.
 //!
 //! The partner has no curvature and infinite mass: overlap delta = R - d with d the distance from the centre to the
-//! wall, normal from the wall to the centre, reduced mass that of the grain. A half-plane (in solid space: a half-space)
-//! is solid behind its normal however deep a grain is in it, and may move along itself like a belt; a segment and a
-//! panel, its rectangle in solid space, are thin and act on both sides. A grain above the seam of two panels in one plane
-//! touches both: build floors of one piece. Contacts with walls are made and summed where all contacts are ([`crate::contact`]).
+//! wall, normal from the wall to the centre, reduced mass that of the grain. A half-plane (in solid space: a
+//! half-space) is solid behind its normal however deep a grain is in it, and may move along itself like a belt; a
+//! segment and a panel, its rectangle in solid space, are thin and act on both sides. A grain above the seam of two
+//! panels in one plane touches both: build floors of one piece. Contacts with walls are made and summed where all
+//! contacts are ([`crate::contact`]).
 
 use std::marker::PhantomData;
 use std::ops::AddAssign;
@@ -83,8 +84,8 @@ pub struct FlatWall<V: Space = Plane> {
 /// Where the surface is, as seen from a centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Nearest<V> {
-    /// From the nearest point of a thin surface to the centre, m. Not zero: on the surface itself it is a length far below any other, to one
-    /// side.
+    /// From the nearest point of a thin surface to the centre, m. Not zero: on the surface itself it is a length far
+    /// below any other, to one side.
     Point(V),
     /// A half-space has its normal everywhere, and a distance (m) that is negative inside.
     Half {
@@ -142,7 +143,8 @@ impl<V: Space> Surface<V> {
 #[derive(Resource, Clone, Debug)]
 pub struct Surfaces<V: Space = Plane>(pub Vec<FlatWall<V>>);
 
-/// The entity of a flat wall, by its index in [`Surfaces`]. A wall whose entity is despawned is not there any more from the next step on.
+/// The entity of a flat wall, by its index in [`Surfaces`]. A wall whose entity is despawned is not there any more from
+/// the next step on.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
 #[component(immutable, on_remove = leave)]
 pub struct WallIndex(pub usize);
@@ -163,7 +165,8 @@ pub(crate) fn walls_leave(leaving: Res<LeavingWalls>) -> bool {
     !leaving.0.is_empty()
 }
 
-/// Walls whose entities have gone are no more there. In the step after that, so that what their contacts held is booked first.
+/// Walls whose entities have gone are no more there. In the step after that, so that what their contacts held is booked
+/// first.
 fn remove_walls<V: Space>(mut leaving: ResMut<LeavingWalls>, mut walls: ResMut<Surfaces<V>>) {
     for wall in leaving.0.drain(..) {
         walls.0[wall].is_present = false;
