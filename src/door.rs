@@ -1,8 +1,7 @@
 //! The door controller: when the door opens, and how.
 //!
-//! The door is the wall grains and the flat walls ([`WallIndex`](crate::walls::surfaces::WallIndex)) marked [`Door`].
-//! It opens when the bed has come to rest, at a time, or never; it is removed at once, or slides along the orifice at a
-//! speed until it has cleared it, dragging what it meets.
+//! The door is the wall grains and the flat walls ([`WallIndex`](crate::walls::surfaces::WallIndex)) marked [`Door`]. It opens when the bed has come to rest, at a time, or never; it is
+//! removed at once, or slides along the orifice at a speed until it has cleared it, dragging what it meets.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;

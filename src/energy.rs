@@ -1,5 +1,5 @@
-//! The energy balance: kinetic (of rotation too) + gravitational + elastic = released + work of moving walls + lifted
-//! by periodic sides + work of added forces - dissipated - removed + error, in J.
+//! The energy balance: kinetic (of rotation too) + gravitational + elastic
+//! = released + work of moving walls + lifted by periodic sides + work of added forces - dissipated - removed + error, in J.
 //!
 //! *Released* is what grains bring with them, *removed* what goes with whatever leaves the world: culled grains with
 //! their contacts, the elastic energy held by a removed door. *Dissipated* is the work of the drag forces. Work is
@@ -10,18 +10,17 @@
 //! is evaluated at a velocity half a step old. What remains (`balance_error`) is the error of the elastic and
 //! gravitational part, plus k v^2 dt^2 or so for each contact that opens or closes within a step.
 //!
-//! Where grains spin, [`SpinEnergyPlugin`] books what friction takes: the work of the tangential and the rolling
-//! dashpots in the same way, and what sliding and rolling beyond their caps take out of the springs as
-//! [`crate::contact::spring`] says. How it divides into [`Channels`] is told contact by contact: there the work of
-//! tangential dashpots is force times sliding velocity times dt, with the velocity that the force was evaluated with.
-//! It differs from what the whole counts by an error of the scheme's own order: c v^2 dt/4 or so for each contact of
-//! plain velocity Verlet.
+//! Where grains spin, [`SpinEnergyPlugin`] books what friction takes: the work of the tangential and the
+//! rolling dashpots in the same way, and what sliding and rolling beyond their caps take out of the springs as
+//! [`crate::contact::spring`] says. How it divides into [`Channels`] is told contact by contact: there the work of tangential
+//! dashpots is force times sliding velocity times dt, with the velocity that the force was evaluated with. It differs from what
+//! the whole counts by an error of the scheme's own order: c v^2 dt/4 or so for each contact of plain velocity Verlet.
 //!
-//! What comes and goes is booked in `energy_flows`, work in `work`. A scene with `energy_books: false` has none of
-//! this: no plugin of this file, no resource, and no room in the columns.
+//! What comes and goes is booked in `energy_flows`, work in `work`. A scene with `energy_books: false` has none of this: no plugin of
+//! this file, no resource, and no room in the columns.
 //!
-//! Limit: a grain that a behaviour fixes or frees takes its kinetic energy out of or into the balance, which then shows
-//! as error; so does the work of one that is fixed and spins.
+//! Limit: a grain that a behaviour fixes or frees takes its kinetic energy out of or into the balance, which then shows as error;
+//! so does the work of one that is fixed and spins.
 
 mod energy_flows;
 mod work;
@@ -77,8 +76,7 @@ pub struct Channels {
     pub rolling: f64,
 }
 
-/// The books of the step are kept after this set, in [`Phase::Control`] or with the second kick
-/// (`store/deferred_kick.rs`).
+/// The books of the step are kept after this set, in [`Phase::Control`] or with the second kick (`store/deferred_kick.rs`).
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct EnergyBalanced;
 

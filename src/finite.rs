@@ -1,11 +1,10 @@
 //! The finite-value check: an infinite or undefined number stops the run and is named, with the grain and the step.
 //!
-//! It takes no pass of its own: a velocity or spin that is not finite makes the power of the drag forces so
-//! ([`crate::energy`]), or, where no books are kept, the sum of all of them; a position that is not finite makes the
-//! distance moved so ([`ParticleStore::travel`]); a force that is not finite shows in the velocity of the same step;
-//! and what systems write is looked at when it is taken over. Only then, and in step zero, are all particles looked
-//! through for the grain. Where the second kick of a step is made with the next drift (`store/deferred_kick.rs`),
-//! velocities show it then, and the step before is named.
+//! It takes no pass of its own: a velocity or spin that is not finite makes the power of the drag forces so ([`crate::energy`]), or,
+//! where no books are kept, the sum of all of them; a position that is not finite makes the distance moved so
+//! ([`ParticleStore::travel`]); a force that is not finite shows in the velocity of the same step; and what systems write is looked at when
+//! it is taken over. Only then, and in step zero, are all particles looked through for the grain. Where the second kick of a step is made
+//! with the next drift (`store/deferred_kick.rs`), velocities show it then, and the step before is named.
 
 use std::marker::PhantomData;
 

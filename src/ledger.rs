@@ -7,12 +7,14 @@
 //!   orifice. Named by id, step, place and nearest wall grain.
 //!
 //! Paths are straight between two looks. A grain is looked at again at the latest when it has moved by a quarter of the
-//! smallest radius since the last look (or in one step, if it is faster), so that a bed at rest costs next to nothing.
-//! So a grain that is on the other side of a wall after one step, without having touched it, is seen in that step, and
-//! the loss tells how far it moved. In solid space the walls are flat ones, the orifice is where a door panel was, and
-//! there is no top to leave by. Wall grains that move ([`crate::walls::conveyor`]) have no line. Who releases a grain
-//! writes `GrainReleased`, or the ledger does not know of it. Limit: what happens to a door grain's line while the door
-//! slides is not followed; from the first step of opening the orifice is open.
+//! smallest radius since the last look (or in one step, if it is faster), so that a bed at rest costs next to nothing. So a
+//! grain that is on the other side of a wall after one step, without having touched it, is seen in that step, and the
+//! loss tells how far it moved.
+//! In solid space the walls are flat ones, the orifice is where a door panel was, and there is no top to leave by. Wall
+//! grains that move ([`crate::walls::conveyor`]) have no line.
+//! Who releases a grain writes `GrainReleased`, or the ledger does not know of it.
+//! Limit: what happens to a door grain's line while the door slides is not followed; from the first step of opening
+//! the orifice is open.
 
 mod cull;
 mod grain_accounting;

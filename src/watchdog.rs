@@ -3,31 +3,28 @@
 //! Finite values are checked in every step by [`crate::finite`]. This file watches two more things.
 //!
 //! * **Energy that nobody put in.** Every `every` steps, and at the end: kinetic, gravitational and part of the elastic
-//!   energy, less what the books expect ([`EnergyFlows::expected`]), all in J. Velocity Verlet conserves K + (1 - q)
-//!   E_elastic with q = (w0 dt)^2/4, so that a contact under way seems to gain up to q of what it holds: [`APPARENT`]
-//!   of it, which is q at three quarters of the stability limit, is not counted. Drag cannot give energy back, so the
-//!   largest amount ever dissipated counts as gone, and what is missing from it as created: a drag that is unstable
-//!   books negative work. Unless springs hold it: a sliding contact whose dashpot alone is beyond the cap stretches its
-//!   spring against it, and books what that holds as taken back. The scale is what has been put in: energy of motion
-//!   and of springs of grains that entered, work of gravity, walls, belts and added forces, or expected - gravitational
-//!   + dissipated, the largest so far; and what an attraction between grains has given, whose elastic energy is below
-//!   zero. It does not depend on where heights count from. More than the share `energy` of it stops the run. A
-//!   round-off of 1e-9 sum m |g.x| is let pass. Healthy runs stay a hundred times below: looked at every 100 steps,
-//!   `silo1` with its mixture and polydisperse variants, `couette`, `column`, and the first tenths of a second of
-//!   `silo2d`, `chute3d` and `bed3d` create less than 1e-3 of it (`--set 'watchdog=(every: 100, energy: 1.0e-3)'` does
-//!   not stop them).
-//! * **Overlap beyond the law.** Every step, by the largest overlap of the force pass, over the smaller radius. Both
-//!   laws are meant for small overlaps. From 0.586 (2 - sqrt 2, solid space) or 0.845 (2 - 2/sqrt 3, plane) on, equal
-//!   grains in dense order touch their second neighbours through the first; at 1 the centre of a grain has reached the
-//!   surface of its partner, a thin wall would push it on to the other side, and the direction of the force means
-//!   nothing. That is the default limit. From 0.3 on a run warns, once. (The assignment's silo reaches 0.73, where a
-//!   grain falls 4 m.)
+//!   energy, less what the books expect ([`EnergyFlows::expected`]), all in J. Velocity Verlet conserves
+//!   K + (1 - q) E_elastic with q = (w0 dt)^2/4, so that a contact under way seems to gain up to q of what it holds:
+//!   [`APPARENT`] of it, which is q at three quarters of the stability limit, is not counted. Drag cannot give energy back,
+//!   so the largest amount ever dissipated counts as gone, and what is missing from it as created: a drag that is
+//!   unstable books negative work. Unless springs hold it: a sliding contact whose dashpot alone is beyond the cap
+//!   stretches its spring against it, and books what that holds as taken back. The scale is what has been put in: energy
+//!   of motion and of springs of grains that entered, work of gravity, walls, belts and added forces, or
+//!   expected - gravitational + dissipated, the largest so far; and what an attraction between grains has given, whose elastic energy is
+//!   below zero. It does not depend on where heights count from. More
+//!   than the share `energy` of it stops the run. A round-off of
+//!   1e-9 sum m |g.x| is let pass. Healthy runs stay a hundred times below: looked at every 100 steps, `silo1` with its mixture
+//!   and polydisperse variants, `couette`, `column`, and the first tenths of a second of `silo2d`, `chute3d` and `bed3d` create
+//!   less than 1e-3 of it (`--set 'watchdog=(every: 100, energy: 1.0e-3)'` does not stop them).
+//! * **Overlap beyond the law.** Every step, by the largest overlap of the force pass, over the smaller radius. Both laws
+//!   are meant for small overlaps. From 0.586 (2 - sqrt 2, solid space) or 0.845 (2 - 2/sqrt 3, plane) on, equal grains in
+//!   dense order touch their second neighbours through the first; at 1 the centre of a grain has reached the surface of
+//!   its partner, a thin wall would push it on to the other side, and the direction of the force means nothing. That is
+//!   the default limit. From 0.3 on a run warns, once. (The assignment's silo reaches 0.73, where a grain falls 4 m.)
 //!
-//! Limits: what a drag that is not quite unstable creates is not told from what it takes. Energy is judged as a whole,
-//! so a few wild grains among many that carry much are seen late, by their overlap or by the ledger, and without books
-//! (`energy_books: false`) not at all. A behaviour that sets velocities, or fixes and frees grains, changes energy
-//! without a force, which looks like growth: such a scene says `watchdog: (energy: None)`. Nothing is undone: what was
-//! written stands.
+//! Limits: what a drag that is not quite unstable creates is not told from what it takes. Energy is judged as a whole, so a few wild grains among many that carry much are seen late, by their overlap or by
+//! the ledger, and without books (`energy_books: false`) not at all. A behaviour that sets velocities, or fixes and frees grains, changes energy without a force, which looks
+//! like growth: such a scene says `watchdog: (energy: None)`. Nothing is undone: what was written stands.
 
 use std::marker::PhantomData;
 use std::num::NonZeroU32;

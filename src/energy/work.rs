@@ -90,8 +90,7 @@ pub(super) fn book_friction<V: Space>(
     let turning = -(of_grains + power(on_fixed, fixed, |of| of.spin)).sum_of_components();
     let rolling = -sum(store.loads.rolling_drag.iter().zip(&store.rotation).map(|(drag, of)| drag.times(of.spin)));
     let taken = history.lost();
-    // In step zero too: there a dashpot beyond the cap loads its spring, and what that stores is not to be had for
-    // nothing.
+    // In step zero too: there a dashpot beyond the cap loads its spring, and what that stores is not to be had for nothing.
     channels.tangential += taken.sliding + taken.dashpots;
     channels.rolling += taken.rolling;
     flows.dissipated += taken.sliding + taken.rolling;

@@ -1,10 +1,10 @@
 //! Grain files: CSV with one grain a row, read by the scene's `grains` and written as `state.csv`.
 //!
-//! Columns, found by name: `id` (whole, unique), `radius` (m), `mass` (kg), `x`, `y` (m), `vx`, `vy` (m/s), in solid
-//! space `z` and `vz` as well; and, if wanted, `species` (whole, default 0) and the spin (rad/s, default 0), `wz` in
-//! the plane, `wx`, `wy` and `wz` in space. A planar scene accepts the other columns of solid space if they are zero
-//! throughout, and one without friction those of the spin. Numbers are written with as many digits as they need to be
-//! read back to the same bits.
+//! Columns, found by name: `id` (whole, unique), `radius` (m), `mass` (kg), `x`, `y` (m), `vx`, `vy` (m/s), in solid space
+//! `z` and `vz` as well; and, if wanted, `species` (whole, default 0) and the spin (rad/s, default 0), `wz` in the plane,
+//! `wx`, `wy` and `wz` in space. A planar scene accepts the other columns of solid space if they are zero throughout, and
+//! one without friction those of the spin. Numbers are written with as many digits as they need to be read back to the
+//! same bits.
 
 mod read;
 mod write;

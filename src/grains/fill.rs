@@ -1,9 +1,9 @@
 //! Grains of the start, set on a lattice: a block to fall, a gas, or the rough wall of a chute or a shear cell.
 //!
 //! A square lattice of side `spacing`, in solid space a cubic one, fills the box from `low` to `high`: x runs fastest,
-//! then y, then z; what does not fit into a whole number of cells is left free at the upper ends. Grains are displaced
-//! by a uniform `jitter` and start with a `velocity` plus a uniform `agitation`, half-widths both. Everything depends
-//! on the seed and the grain's number only.
+//! then y, then z; what does not fit into a whole number of cells is left free at the upper ends. Grains are displaced by
+//! a uniform `jitter` and start with a `velocity` plus a uniform `agitation`, half-widths both. Everything depends on the
+//! seed and the grain's number only.
 
 use serde::{Deserialize, Serialize};
 
@@ -81,8 +81,7 @@ impl Fill {
         (wanted <= MOST).then_some(wanted as u32)
     }
 
-    /// The grains, with ids from `first_id` on, as long as there are ids; `number` tells one `fill` of a scene from the
-    /// next.
+    /// The grains, with ids from `first_id` on, as long as there are ids; `number` tells one `fill` of a scene from the next.
     pub fn grains(
         &self,
         dimension: Dimension,

@@ -123,8 +123,8 @@ mod tests {
         // One circle on a grid of R/20 errs by (1/20)^1.5 or so, 196 of them by a 14th of that; the window ends within
         // half a grid cell, 0.0235/2 of 14.
         assert!((phi - PI * radius * radius).abs() < 2e-3, "{phi}");
-        // The mean height of a half circle over its own width is pi R/4; between circles of the last row there is a
-        // gap, through which the row below shows its side, so the mean lies below.
+        // The mean height of a half circle over its own width is pi R/4; between circles of the last row there is a gap,
+        // through which the row below shows its side, so the mean lies below.
         let height = fill_height(&grains);
         assert!(height < 19.0 + PI * radius / 4.0 && height > 18.9, "{height}");
     }

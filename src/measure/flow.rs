@@ -10,8 +10,8 @@
 //! What lies on the line between two cells, to a billionth of a cell, belongs to the upper or right one: rounding does
 //! not deal out the rows of a lattice. Units are those of what is added, in the grain silo m, kg and m/s.
 //!
-//! Limit: the mean of a cell contains how the velocity changes across the cell. In a shear u = a x sampled uniformly it
-//! is a times the cell's middle, with a standard error of a cell/sqrt(12 n) for n grains.
+//! Limit: the mean of a cell contains how the velocity changes across the cell. In a shear u = a x sampled uniformly it is
+//! a times the cell's middle, with a standard error of a cell/sqrt(12 n) for n grains.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

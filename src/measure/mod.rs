@@ -1,8 +1,7 @@
 //! Measurements: they look when they are due, and at the end of the run, and never write physics.
 //!
-//! The clock of [`observe_every`] is known beforehand: components are brought up to date, and kicks made in time, only
-//! for steps in which an observer is due (`register_predictable` in `store/gates.rs`). A system with another run
-//! condition counts as looking in every step.
+//! The clock of [`observe_every`] is known beforehand: components are brought up to date, and kicks made in time, only for steps in which
+//! an observer is due (`register_predictable` in `store/gates.rs`). A system with another run condition counts as looking in every step.
 
 pub mod bed;
 pub mod discharge;

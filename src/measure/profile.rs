@@ -1,18 +1,18 @@
 //! Profiles: averages over bins along an axis, and over time.
 //!
-//! Every `sample` seconds each grain adds to the bins that it lies in. After `average` seconds, or at the end of the
-//! run, the sums become means, with the number of samples:
+//! Every `sample` seconds each grain adds to the bins that it lies in. After `average` seconds, or at the end of the run,
+//! the sums become means, with the number of samples:
 //!
 //! * *count*: grains whose centre is in the bin, a sample;
 //! * *packing fraction*: the volume (in the plane: area) of the grains between the bin's two ends, exactly, slice by
 //!   slice, over the bin's own: its width times `section`. Overlaps count twice;
 //! * *velocity*: momentum over mass of the grains whose centre is in the bin;
-//! * *granular temperature*: sum m |v - v_mean|^2/(D sum m) with D = 2 or 3 components and the mean velocity of the
-//!   same bin and samples, m^2/s^2. It contains what the mean flow changes across the bin and in the time.
+//! * *granular temperature*: sum m |v - v_mean|^2/(D sum m) with D = 2 or 3 components and the mean velocity of the same
+//!   bin and samples, m^2/s^2. It contains what the mean flow changes across the bin and in the time.
 //!
 //! The volume of a sphere below a plane at h from its centre, |h| <= R, is pi (2 R^3/3 + R^2 h - h^3/3); the area of a
-//! disc is R^2 (pi/2 + asin(h/R)) + h sqrt(R^2 - h^2). Along a periodic axis the next images of a grain count, on each
-//! side. Grains that are fixed do not.
+//! disc is R^2 (pi/2 + asin(h/R)) + h sqrt(R^2 - h^2). Along a periodic axis the next images of a grain count, on each side.
+//! Grains that are fixed do not.
 
 use std::f64::consts::PI;
 
@@ -41,8 +41,8 @@ pub struct Profile {
     pub from: Option<NonNegative>,
     /// Time over which samples are averaged, s. Default the whole run.
     pub average: Option<Positive>,
-    /// Area of the section at right angles to the axis, m^2; in the plane its length, m. Default: of the periodic box,
-    /// if that bounds every other axis.
+    /// Area of the section at right angles to the axis, m^2; in the plane its length, m. Default: of the periodic box, if
+    /// that bounds every other axis.
     pub section: Option<Positive>,
 }
 
