@@ -41,8 +41,8 @@ fn predict_velocities<V: Space>(clock: Res<Clock>, mut store: ResMut<ParticleSto
     }
 }
 
+/// Predicts spin gains from the torques of the start of the step.
 fn predict_spins<V: Space>(mut store: ResMut<ParticleStore<V>>) {
-    /// Predicts spin gains from the torques of the start of the step.
     let ParticleStore { rotation, loads, spin_gain, lookahead, movable_end: end, .. } = &mut *store;
     spin_gain.clear();
     spin_gain.extend(rotation[..*end].iter().enumerate().map(|(i, rotation)| {

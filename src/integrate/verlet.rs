@@ -60,8 +60,8 @@ fn drift_by<V: Space, const NUMBERS: usize, const PENDING: bool>(
     }
 }
 
+/// Drifts, and applies `wrap` to each new position.
 fn drift_with<V: Space, const NUMBERS: usize, const PENDING: bool>(
-    /// Drifts, and applies `wrap` to each new position.
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,

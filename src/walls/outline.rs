@@ -159,8 +159,8 @@ fn cells(from: Vector, to: Vector, cell: f64) -> impl Iterator<Item = [i64; 2]> 
     (low[1]..=high[1]).flat_map(move |y| (low[0]..=high[0]).map(move |x| [x, y]))
 }
 
+/// Links neighbouring wall discs between which no grain of radius `smallest` (m) fits.
 fn disc_links(discs: &[Disc], smallest: f64) -> Vec<Link> {
-    /// Links neighbouring wall discs between which no grain of radius `smallest` (m) fits.
     let distance = |a: usize, b: usize| discs[a].centre.distance(discs[b].centre);
     let tight = |a: usize, b: usize| distance(a, b) < discs[a].radius + discs[b].radius + 2.0 * smallest;
     let neighbours: Vec<Vec<usize>> =
@@ -178,8 +178,8 @@ fn disc_links(discs: &[Disc], smallest: f64) -> Vec<Link> {
     links
 }
 
+/// Returns the line between the flanks of the door.
 fn orifice(walls: &[Disc], door: &[Disc]) -> Option<Link> {
-    /// Returns the line between the flanks of the door.
     let (first, last) = farthest_pair(door)?;
     let middle = 0.5 * (first + last);
     let nearest = |to: Vector, admits: &dyn Fn(Vector) -> bool| {

@@ -113,7 +113,7 @@ pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, F
     let mut discs = Vec::new();
     for (range, words) in lines {
         if discs.len() == expected {
-            let message = format!("a line too many: the header announces {walls} + {doors} = {expected} grains");
+            let message = format!("surplus line: the header announces {walls} + {doors} = {expected} grains");
             return fault(
                 "silo_file::surplus_line",
                 range,
@@ -123,7 +123,7 @@ pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, F
         }
         let [x, y, radius] = words.as_slice() else {
             let message = format!("expected three numbers (x, y, radius), got {}", words.len());
-            return fault("silo_file::columns", range, message, "one grain a line: x y radius");
+            return fault("silo_file::columns", range, message, "one grain per line: x y radius");
         };
         let mut values = [0.0; 3];
         for (value, word) in values.iter_mut().zip([x, y, radius]) {
@@ -170,8 +170,8 @@ pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, F
     Ok(SiloGeometry { wall: discs, door })
 }
 
+/// Returns the byte range of the first line.
 fn first_line(text: &str) -> Range<usize> {
-    /// Returns the byte range of the first line.
     0..text.find('\n').unwrap_or(text.len())
 }
 

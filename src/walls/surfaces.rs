@@ -154,8 +154,8 @@ pub struct WallIndex(pub usize);
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct LeavingWalls(pub(crate) Vec<usize>);
 
+/// Records a wall whose entity is despawned.
 fn record_leaving_wall(mut world: DeferredWorld, context: HookContext) {
-    /// Records a wall whose entity is despawned.
     let Some(&WallIndex(wall)) = world.get(context.entity) else { return };
     if let Some(mut leaving) = world.get_resource_mut::<LeavingWalls>() {
         leaving.0.push(wall);
