@@ -1,23 +1,23 @@
-//! The discharge through the orifice, from the ledger: how long, and how fast.
+//! Discharge through the orifice, from the grain accounting: duration and rate.
 //!
-//! The rate is taken between the moments when a tenth and nine tenths of the grains were out, so that neither the
-//! start of the flow nor its thin end counts.
+//! The rate is taken between the times at which a tenth and nine tenths of the grains were out. So neither the start of
+//! the flow nor its thin end counts.
 
 use serde::Serialize;
 
 use crate::ledger::Ledger;
 
-/// The figures.
+/// Results of the measurement.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Discharge {
-    /// From the first grain out to the last, s.
+    /// Time from the first grain out to the last, s.
     pub duration_s: f64,
-    /// Mean rate between a tenth and nine tenths, grains/s.
+    /// Mean rate between a tenth and nine tenths of the grains, grains/s.
     pub rate_per_s: f64,
 }
 
 impl Discharge {
-    /// The figures of a ledger, if at least ten grains are out.
+    /// Returns the discharge, if at least ten grains are out.
     #[must_use]
     pub fn of(ledger: &Ledger) -> Option<Self> {
         let times = &ledger.out_times;

@@ -105,8 +105,9 @@ impl<'a, V: Space> Survey<'a, V> {
         }
     }
 
+    /// Visits the accepted contacts between particles.
     fn visit_pairs(
-        /// Visits the accepted contacts between particles. &self,
+        &self,
         accepts: &impl Fn(usize, Partner) -> bool,
         visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
