@@ -15,20 +15,20 @@
 //!   returned.
 //!
 //!   The run stops if the created energy exceeds the share `energy` of the *input*. The input is the energy of motion
-//!   and springs of grains that entered, plus the work of gravity, walls, belts and added forces. It equals
-//!   expected - gravitational + dissipated; the largest value so far counts. Attraction between grains has negative
-//!   elastic energy; its largest magnitude so far is added. The input does not depend on the zero of height. A round-off
-//!   of 1e-9 sum m |g.x| is tolerated.
+//!   and springs of grains that entered, plus the work of gravity, walls, belts and added forces. It equals expected -
+//!   gravitational + dissipated; the largest value so far counts. Attraction between grains has negative elastic
+//!   energy; its largest magnitude so far is added. The input does not depend on the zero of height. A round-off of
+//!   1e-9 sum m |g.x| is tolerated.
 //!
-//!   Healthy runs stay a hundred times below the limit. Checked every 100 steps, these runs create less than 1e-3 of the
-//!   input: `silo1` with its mixture and polydisperse variants, `couette`, `column`, and the first tenths of a second of
-//!   `silo2d`, `chute3d` and `bed3d` (`--set 'watchdog=(every: 100, energy: 1.0e-3)'` does not stop them).
+//!   Healthy runs stay a hundred times below the limit. Checked every 100 steps, these runs create less than 1e-3 of
+//!   the input: `silo1` with its mixture and polydisperse variants, `couette`, `column`, and the first tenths of a
+//!   second of `silo2d`, `chute3d` and `bed3d` (`--set 'watchdog=(every: 100, energy: 1.0e-3)'` does not stop them).
 //! * **Overlap beyond the contact law.** Checked every step, by the largest ratio of overlap to the smaller radius in
 //!   the force pass.
 //!
-//!   Both contact laws are meant for small overlaps. From 0.586 (2 - sqrt 2, solid space) or 0.845 (2 - 2/sqrt 3, plane)
-//!   on, equal grains in dense order touch their second neighbours through the first. At 1 the centre of a grain reaches
-//!   the surface of its partner, a thin wall would push it to the other side, and the direction of the force is
+//!   Both contact laws are meant for small overlaps. From 0.586 (2 - sqrt 2, solid space) or 0.845 (2 - 2/sqrt 3,
+//!   plane) on, equal grains in dense order touch their second neighbours through the first. At 1 the centre of a grain
+//!   reaches the surface of its partner, a thin wall would push it to the other side, and the direction of the force is
 //!   meaningless. The default limit is 1. From 0.3 on the run warns once. (The assignment's silo reaches 0.73, where a
 //!   grain falls 4 m.)
 //!

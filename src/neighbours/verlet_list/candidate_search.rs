@@ -75,7 +75,7 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
         let cost_if_all_slow = volume(3.0 * (self.range + 2.0 * self.widest));
         let saved = (0..self.store.len()).map(|i| {
             let visited = volume((2.0 * self.reach(i) + 1.0) * self.side());
-            if self.is_fast(i) { 2.0 * visited - cost_if_all_slow } else { seen - cost_if_all_slow }
+            if self.is_fast(i) { 2.0 * visited - cost_if_all_slow } else { visited - cost_if_all_slow }
         });
         // False if the sum is NaN.
         saved.sum::<f64>() > 0.0

@@ -49,8 +49,8 @@ impl<V: Space> VerletList<V> {
         true
     }
 
-    /// Renews the pairs of the particles in `far`, unless there are too many; `dt` is the time step, s. Returns whether
-    /// it did.
+    /// Renews the pairs of the particles in `exhausted`, unless there are too many; `dt` is the time step, s. Returns
+    /// whether it did.
     pub(in crate::neighbours) fn renew_particles(
         &mut self,
         store: &ParticleStore<V>,
@@ -58,17 +58,17 @@ impl<V: Space> VerletList<V> {
         exhausted: &[u32],
         dt: f64,
     ) -> bool {
-        if far.len() > MAX_UPDATES {
+        if exhausted.len() > MAX_UPDATES {
             return false;
         }
-        let mut is_far = vec![false; store.len()];
-        for i in far.iter().map(|&i| i as usize) {
-            is_far[i] = true;
+        let mut is_exhausted = vec![false; store.len()];
+        for i in exhausted.iter().map(|&i| i as usize) {
+            is_exhausted[i] = true;
             self.anchors[i] = Anchor::of(&store.body[i], self.skin, dt);
         }
-        let others = list.pairs().iter().filter(|pair| !pair.both().iter().any(|&i| is_far[i]));
+        let others = list.pairs().iter().filter(|pair| !pair.both().iter().any(|&i| is_exhausted[i]));
         let others = others.copied().collect();
-        self.add_pairs_of(store, list, others, far);
+        self.add_pairs_of(store, list, others, exhausted);
         true
     }
 
