@@ -27,7 +27,8 @@ fn end_when_empty(
     mut outcome: ResMut<Outcome>,
 ) {
     if pending.0 == 0 && ledger.released > 0 && ledger.inside() == 0 {
-        empty.0 = Some(clock.time());
+        // A silo that lost all of its grains was not emptied through its orifice.
+        empty.0 = (ledger.out() > 0).then(|| clock.time());
         outcome.finish(End::Empty);
     }
 }

@@ -19,7 +19,7 @@
 //! of tangential dashpots is force times sliding velocity times dt, with the velocity used for the force. It differs
 //! from the total by an error of the scheme's own order, about c v^2 dt/4 for each contact in plain velocity Verlet.
 //!
-//! `energy_flows` adds the energy of entering and leaving particles, `work` adds work. With `energy_books: false` a
+//! `energy_flows` adds the energy of entering and leaving particles, `work` adds work. With `energy_balance: false` a
 //! scene has no energy balance: no plugin of this file, no resource, and no memory in the store.
 //!
 //! Limit: if a behaviour fixes or frees a grain, the grain's kinetic energy leaves or enters the balance and appears as

@@ -5,7 +5,7 @@
 //! ([`crate::energy`]), or without energy balance the sum of all velocities or spins. If a position is not finite,
 //! neither is the distance moved ([`ParticleStore::travel`]). A force that is not finite shows in the velocity of the
 //! same step. Values written by systems are checked at write-back. Only after one of these signs, and in step zero, the
-//! check looks for the grain among all particles.
+//! check searches for the grain among all particles.
 //!
 //! If the second kick of a step is deferred to the next drift (`store/deferred_kick.rs`), velocities show the fault
 //! only then, and the error names the previous step.

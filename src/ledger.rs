@@ -6,10 +6,10 @@
 //!   it left the bounding box of the walls over the top; or it fell below `cull.below` without crossing the orifice. A
 //!   loss is reported with id, step, position and nearest wall grain.
 //!
-//! Paths are straight between two checks. A grain is checked again when it has moved by a quarter of the smallest
-//! radius since its last check, or after one step if it is faster. A bed at rest therefore costs almost nothing. A
-//! grain that passes through a wall within one step, without touching it, is found in that step, and the report states
-//! how far it moved.
+//! Paths are straight between two checks. A grain is checked again at the latest when it has moved by a quarter of the
+//! smallest radius since its last check, or after one step if it is faster. A bed at rest therefore costs almost
+//! nothing. A grain that passes through a wall within one step, without touching it, is found in that step, and the
+//! report states how far it moved.
 //!
 //! In solid space the walls are flat walls, the orifice is the place of a door panel, and grains cannot leave over a
 //! top. Moving wall grains ([`crate::walls::conveyor`]) have no lines. A system that releases a grain must write

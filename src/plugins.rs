@@ -61,17 +61,17 @@ pub(crate) fn add_all<V: Space>(
         .add("until", EndingPlugin { until: scene.until.get(), at_rest: scene.rest.is_some_and(|rest| rest.stop) })
         .add("always", FinitePlugin(space))
         .add("always", LedgerPlugin(scene.on_loss, space));
-    if scene.energy_books {
-        app.add("energy_books", EnergyPlugin(space));
+    if scene.energy_balance {
+        app.add("energy_balance", EnergyPlugin(space));
     }
     if let Some(mut watchdog) = scene.watchdog {
         // Without books nobody knows how much energy there should be.
-        watchdog.energy = watchdog.energy.filter(|_| scene.energy_books);
+        watchdog.energy = watchdog.energy.filter(|_| scene.energy_balance);
         app.add("watchdog", WatchdogPlugin(watchdog, space));
     }
     if let Some(periodic) = periodic {
-        app.add("periodic", PeriodicPlugin { periodic, tracks_energy: scene.energy_books });
-        if scene.energy_books && periodic.lifts(scene.gravity.get()) {
+        app.add("periodic", PeriodicPlugin { periodic, tracks_energy: scene.energy_balance });
+        if scene.energy_balance && periodic.lifts(scene.gravity.get()) {
             app.add("periodic", LiftPlugin(space));
         }
     }
@@ -79,12 +79,12 @@ pub(crate) fn add_all<V: Space>(
     if let Some(line) = scene.cull {
         app.add("cull", CullPlugin(line, space));
     }
-    if scene.energy_books && has_behaviours {
+    if scene.energy_balance && has_behaviours {
         app.add("behaviours", AddedWorkPlugin(space));
     }
     if scene.contact.spins() {
         app.add("contact.tangential", SpinPlugin { inertia: loaded.inertia(), space });
-        if scene.energy_books {
+        if scene.energy_balance {
             app.add("contact.tangential", SpinEnergyPlugin(space));
         }
     }
@@ -111,7 +111,7 @@ pub(crate) fn add_all<V: Space>(
     let surfaces = loaded.surfaces::<V>();
     if !surfaces.is_empty() && (has_behaviours || surfaces.iter().any(|wall| wall.is_door)) {
         app.add("walls", LeavingWallsPlugin(space));
-        if scene.energy_books {
+        if scene.energy_balance {
             app.add("walls", LeavingWallsEnergyPlugin(space));
         }
     }
@@ -127,7 +127,9 @@ pub(crate) fn add_all<V: Space>(
     });
     app.add_with("contact.tangential", |app| {
         // A behaviour's law may turn grains where the scene's own does not.
-        if scene.energy_books && app.is_plugin_added::<SpinPlugin<V>>() && !app.is_plugin_added::<SpinEnergyPlugin<V>>()
+        if scene.energy_balance
+            && app.is_plugin_added::<SpinPlugin<V>>()
+            && !app.is_plugin_added::<SpinEnergyPlugin<V>>()
         {
             app.add_plugins(SpinEnergyPlugin(space));
         }

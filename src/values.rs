@@ -10,9 +10,16 @@ use crate::space::{Solid, Space, Vector};
 macro_rules! checked_number {
     ($(#[$doc:meta])* $name:ident, $expected:literal, $holds:expr) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq, PartialOrd, Deserialize, Serialize)]
+        #[derive(Clone, Copy, PartialEq, PartialOrd, Deserialize, Serialize)]
         #[serde(try_from = "f64", into = "f64")]
         pub struct $name(f64);
+
+        /// Prints the number alone, so that a printed scene reads like a written one.
+        impl fmt::Debug for $name {
+            fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+                self.0.fmt(f)
+            }
+        }
 
         impl $name {
             /// The number.

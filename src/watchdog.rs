@@ -15,10 +15,10 @@
 //!   returned.
 //!
 //!   The run stops if the created energy exceeds the share `energy` of the *input*. The input is the energy of motion
-//!   and springs of grains that entered, plus the work of gravity, walls, belts and added forces. It equals expected -
-//!   gravitational + dissipated; the largest value so far counts. Attraction between grains has negative elastic
-//!   energy; its largest magnitude so far is added. The input does not depend on the zero of height. A round-off of
-//!   1e-9 sum m |g.x| is tolerated.
+//!   and springs of grains that entered, plus the work of gravity, walls, belts and added forces. It equals
+//!   expected - gravitational + dissipated; the largest value so far counts. Attraction between grains has negative
+//!   elastic energy; its largest magnitude so far is added. The input does not depend on the zero of height. A
+//!   round-off of 1e-9 sum m |g.x| is tolerated.
 //!
 //!   Healthy runs stay a hundred times below the limit. Checked every 100 steps, these runs create less than 1e-3 of
 //!   the input: `silo1` with its mixture and polydisperse variants, `couette`, `column`, and the first tenths of a
@@ -36,7 +36,7 @@
 //!
 //! * Energy created by a nearly unstable drag cannot be distinguished from its loss.
 //! * Energy is checked as a whole. A few wild grains among many with much energy are found late, by their overlap or by
-//!   the grain accounting. Without energy balance (`energy_books: false`) energy is not checked.
+//!   the grain accounting. Without energy balance (`energy_balance: false`) energy is not checked.
 //! * If a behaviour sets velocities, or fixes and frees grains, energy changes without a force and seems to grow. The
 //!   scene must then say `watchdog: (energy: None)`.
 //! * Output written before the stop remains.
@@ -81,7 +81,7 @@ impl Default for Watchdog {
 }
 
 /// Overlap ratio from which on a run warns.
-const WARNING_RATIO: f64 = 0.3;
+pub(crate) const LARGE_OVERLAP: f64 = 0.3;
 
 /// Share of the elastic energy that may be apparent only: 0.75^2.
 pub const APPARENT: f64 = 0.5625;
@@ -153,7 +153,7 @@ impl WatchdogState {
 impl WatchdogState {
     /// Returns whether an overlap ratio calls for a failure or for the first warning.
     fn needs_report(&self, ratio: f64) -> bool {
-        ratio > self.overlap || (ratio > WARNING_RATIO && !self.has_warned)
+        ratio > self.overlap || (ratio > LARGE_OVERLAP && !self.has_warned)
     }
 }
 

@@ -17,9 +17,10 @@ mod study;
 use std::ffi::OsString;
 use std::io::IsTerminal as _;
 use std::num::NonZeroUsize;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::error::{ContextKind, ContextValue};
 use clap::{Args, Parser, Subcommand};
 
 use crate::behaviour::Registry;
@@ -39,7 +40,7 @@ use crate::scene::load::{self, AnyScene};
 struct Cli {
     #[command(subcommand)]
     command: Command,
-    /// Say nothing but errors.
+    /// Print errors and JSON only: no progress, no warnings, no summary in words.
     #[arg(long, short, global = true)]
     quiet: bool,
     /// Say more: -v events such as lost grains, -vv everything.
@@ -128,6 +129,9 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Err(error) => {
             // clap's own: help and version go to stdout with 0, a wrong call to stderr with 2.
             let _ = error.print();
+            if let Some(scene) = scene_without_command(&error) {
+                eprintln!("\n  help: to run a scene, write `siloflow run {scene}`");
+            }
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
     };
@@ -150,6 +154,12 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
             ExitCode::from(2)
         }
     }
+}
+
+/// The scene file that stands where a command is expected.
+fn scene_without_command(error: &clap::Error) -> Option<&str> {
+    let Some(ContextValue::String(word)) = error.get(ContextKind::InvalidSubcommand) else { return None };
+    Path::new(word).extension().is_some_and(|ending| ending == "ron").then_some(word)
 }
 
 fn start_log(cli: &Cli) {

@@ -38,7 +38,11 @@ pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Ve
     let mut scene = args.load()?;
     let path = args.out.clone().unwrap_or_else(|| default_directory(&scene));
     let report = run_into(&path, &mut scene, registry, args.threads, quiet)?;
-    say(if args.json { &report.json } else { &report.words });
+    if args.json {
+        say(&report.json);
+    } else if !quiet {
+        say(&report.words);
+    }
     Ok(if report.is_done { Verdict::Done } else { Verdict::SimulationFailed })
 }
 

@@ -117,7 +117,7 @@ impl<V: Space> Outputs<V> {
         let profiles = loaded.profiles();
         let species = u8::try_from(loaded.largest_species()).unwrap_or(u8::MAX);
         Ok(Self {
-            series: SeriesPlugin::create(loaded.scene.series, loaded.scene.energy_books, &directory.series())?,
+            series: SeriesPlugin::create(loaded.scene.series, loaded.scene.energy_balance, &directory.series())?,
             walls: if has_walls { Some(WallForcesPlugin::create(&directory.walls())?) } else { None },
             profiles: if profiles.is_empty() {
                 None
@@ -151,7 +151,7 @@ fn line(world: &World, until: f64, pace: Pace) -> String {
         Dimension::Solid => kinetic::<Solid>(world),
     };
     format!(
-        "t = {time:.2} s of at most {until:.0} s | {:.1} M particle-steps/s | at most {:.0} s to go | inside {}, out {}, \
+        "t = {time:.2} s of at most {until} s | {:.1} M particle-steps/s | at most {:.0} s to go | inside {}, out {}, \
          lost {} | kinetic {kinetic:.3e} J",
         pace.millions_per_s,
         pace.left(time, until - time),
@@ -191,7 +191,7 @@ fn words(summary: &Summary, directory: &RunDirectory) -> String {
         line("bed", format!("height {:.3} m, packing fraction {:.4}", bed.fill_height_m, bed.packing_fraction));
     }
     if let Some(flow) = summary.discharge {
-        line("discharge", format!("{:.2} s, {:.1} grains/s", flow.duration_s, flow.rate_per_s));
+        line("discharge", format!("{:.2} s, {:.1} grains/s from 10 to 90 % out", flow.duration_s, flow.rate_per_s));
     }
     line("overlap", format!("largest {:.4} of the radius", summary.max_overlap_ratio));
     if let Energy { flows: Some(flows), balance_error: Some(error), .. } = &summary.energy {

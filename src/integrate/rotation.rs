@@ -2,7 +2,7 @@
 //!
 //! The spin w follows velocity Verlet like the velocity: w(t+dt/2) = w(t) + dt/2 T(t)/I, then T from positions and
 //! half-step velocities, then w(t+dt) = w(t+dt/2) + dt/2 T(t+dt)/I. Orientations are not integrated, because a sphere
-//! looks the same from all sides.
+//! is symmetric.
 
 use std::marker::PhantomData;
 

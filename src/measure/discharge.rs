@@ -17,7 +17,7 @@ pub struct Discharge {
 }
 
 impl Discharge {
-    /// Returns the discharge, if at least ten grains are out.
+    /// Returns the discharge; `None` if fewer than ten grains are out, or if they left in one step.
     #[must_use]
     pub fn of(ledger: &Ledger) -> Option<Self> {
         let times = &ledger.out_times;
@@ -27,9 +27,8 @@ impl Discharge {
         let (tenth, nine_tenths) = (times.len() / 10, times.len() - 1 - times.len() / 10);
         #[expect(clippy::cast_precision_loss, reason = "grain ids are 31 bits wide")]
         let grains = (nine_tenths - tenth) as f64;
-        Some(Self {
-            duration_s: times[times.len() - 1] - times[0],
-            rate_per_s: grains / (times[nine_tenths] - times[tenth]),
-        })
+        let interval = times[nine_tenths] - times[tenth];
+        // Grains that leave in one step have no rate.
+        (interval > 0.0).then(|| Self { duration_s: times[times.len() - 1] - times[0], rate_per_s: grains / interval })
     }
 }

@@ -5,7 +5,7 @@
 //! force of each pair to both members.
 //!
 //! A pair whose members belong to two tasks is evaluated twice. The task of the second member evaluates it too, before
-//! its own rows: such pairs are `incoming`. So each particle sums its partners in ascending order of slots on any
+//! its own rows, as an `incoming` pair. So each particle sums its partners in ascending order of slots on any
 //! number of threads.
 
 use std::ops::Range;

@@ -104,8 +104,8 @@ pub struct Scene {
     #[serde(default = "default_watchdog")]
     pub watchdog: Option<Watchdog>,
     /// Whether the energy balance is kept, which takes time: [`crate::energy`].
-    #[serde(default = "default_books")]
-    pub energy_books: bool,
+    #[serde(default = "default_books", alias = "energy_books")]
+    pub energy_balance: bool,
     /// When the run ends at the latest, s of simulated time.
     pub until: Positive,
     /// Measures fill height and packing fraction at rest.

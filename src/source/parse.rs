@@ -18,7 +18,70 @@ pub fn ron_options() -> ron::Options {
 /// # Errors
 /// If it is not RON, or not a `T`.
 pub fn parse<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Fault> {
-    ron_options().from_str(text).map_err(|error| explain(name, text, &error, 0))
+    if let Some(fault) = not_a_scene(name, text) {
+        return Err(fault);
+    }
+    ron_options()
+        .from_str(text)
+        .map_err(|error| number_for_choice::<T>(name, text, &error).unwrap_or_else(|| explain(name, text, &error, 0)))
+}
+
+/// A fault if the text does not even begin like a RON structure: a grains file, for example.
+fn not_a_scene(name: &str, text: &str) -> Option<Fault> {
+    let start = text.find(|c: char| !c.is_whitespace() && c != '\u{feff}')?;
+    if text[start..].starts_with(['(', '#', '/']) || text[start..].starts_with(char::is_uppercase) {
+        return None;
+    }
+    let end = text[start..].find('\n').map_or(text.len(), |end| start + end);
+    let fault = Fault::new("scene::not_a_scene", "this is not a scene: a scene is RON text that begins with `(`");
+    Some(
+        fault.help("give a scene such as scenes/silo1.ron; a scene names its grains file by the key `grains.file`").at(
+            name,
+            text,
+            start..end,
+        ),
+    )
+}
+
+/// A name that no choice of any key has.
+const NO_CHOICE: &str = "NoSuchChoice";
+
+/// The fault for a number in a place where a choice is expected, such as `step: 1e-4`. The choices come from a second parse of the text, with
+/// a choice that does not exist in place of the number.
+fn number_for_choice<T: DeserializeOwned>(name: &str, text: &str, error: &SpannedError) -> Option<Fault> {
+    let places = Places::scan(text);
+    let place = places.innermost(byte_of(text, error.span.start.line, error.span.start.col))?;
+    let number = text[place.value.clone()].trim();
+    number.parse::<f64>().ok()?;
+    let probe = format!("{}{NO_CHOICE}{}", &text[..place.value.start], &text[place.value.end..]);
+    let Err(SpannedError { code: Error::NoSuchEnumVariant { expected, found, .. }, .. }) =
+        ron_options().from_str::<T>(&probe)
+    else {
+        return None;
+    };
+    if found != NO_CHOICE {
+        return None;
+    }
+    let help = if expected.contains(&"Fixed") {
+        format!("write `Fixed({number})`")
+    } else {
+        format!("the choices here are: {}", expected.join(", "))
+    };
+    let fault = Fault::new("scene::wrong_type", format!("`{number}` is a number, and a choice is expected here"));
+    Some(fault.help(help).at(name, text, place.value.clone()).key(&place.path))
+}
+
+/// The name of the list that is most like a misspelt one, if any is like it.
+fn closest<'a>(found: &str, names: &[&'a str]) -> Option<&'a str> {
+    let likeness = |name: &str| strsim::jaro_winkler(&found.to_lowercase(), &name.to_lowercase());
+    let best = names.iter().map(|name| (likeness(name), *name)).max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (best.0 > 0.85).then_some(best.1)
+}
+
+/// The help for a misspelt name: the closest one, or else all.
+fn did_you_mean(what: &str, found: &str, names: &[&str]) -> String {
+    closest(found, names)
+        .map_or_else(|| format!("the {what} here are: {}", names.join(", ")), |name| format!("did you mean `{name}`?"))
 }
 
 /// The fault for an error that ron met in a text whose part from byte `offset` on it was given.
@@ -57,7 +120,6 @@ pub fn explain(name: &str, text: &str, error: &SpannedError, offset: usize) -> F
 fn describe(error: &Error, here: &str) -> (&'static str, String, String, String) {
     let parent = here.rsplit_once('.').map_or("", |(parent, _)| parent);
     let child = |of: &str, key: &str| if of.is_empty() { key.to_owned() } else { format!("{of}.{key}") };
-    let list = |names: &[&str]| names.join(", ");
     match error {
         Error::NoSuchStructField { expected, found, .. } => {
             // ron stops behind the unknown name: the place is the entry with that name, or its parent.
@@ -66,7 +128,7 @@ fn describe(error: &Error, here: &str) -> (&'static str, String, String, String)
             } else {
                 child(here, found)
             };
-            let help = format!("the keys here are: {}", list(expected));
+            let help = did_you_mean("keys", found, expected);
             ("scene::unknown_key", key, "there is no such key".to_owned(), help)
         }
         Error::MissingStructField { field, .. } => {
@@ -81,7 +143,7 @@ fn describe(error: &Error, here: &str) -> (&'static str, String, String, String)
             "scene::unknown_choice",
             here.to_owned(),
             format!("there is no choice `{found}`"),
-            format!("the choices here are: {}", list(expected)),
+            did_you_mean("choices", found, expected),
         ),
         Error::Message(text) if text.starts_with("expected") => (
             "scene::out_of_range",

@@ -86,8 +86,8 @@ impl<'a, V: Space> Survey<'a, V> {
         self.contacts_among(|_, _| true, visit);
     }
 
-    /// Like [`Self::contacts`], for contacts that `accepts` returns true for. Of all others not even the geometry is
-    /// computed.
+    /// Like [`Self::contacts`], for contacts that `accepts` returns true for. The geometry of other contacts is
+    /// not computed.
     fn contacts_among(
         &self,
         accepts: impl Fn(usize, Partner) -> bool,

@@ -21,6 +21,7 @@ mod command_line;
 mod compare;
 mod diff;
 mod divergence;
+mod docs;
 mod hard;
 mod instructions;
 mod lattice;

@@ -22,6 +22,7 @@ use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane};
 use crate::walls::config::Wall;
 use crate::walls::outline::Outline;
+use crate::watchdog::LARGE_OVERLAP;
 
 /// Estimates of a scene with grains, SI.
 #[derive(Clone, Copy, Debug)]
@@ -180,8 +181,9 @@ fn extent(loaded: &Loaded, axis: usize) -> Option<f64> {
 /// What to expect of this scene that its author may not want.
 #[must_use]
 pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
-    let Some(estimates) = Estimates::of(loaded) else { return Vec::new() };
     let mut warnings = Vec::new();
+    renamed_keys(loaded, &mut warnings);
+    let Some(estimates) = Estimates::of(loaded) else { return warnings };
     step(&estimates, &mut warnings);
     softness(loaded, &estimates, &mut warnings);
     if let Some(place) = leaks::way_out(loaded) {
@@ -210,6 +212,17 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
         }
     }
     warnings
+}
+
+/// Keys that still have an old name.
+fn renamed_keys(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+    if loaded.source.value_of("energy_books").is_some() {
+        warnings.push(Warning {
+            code: "check::renamed_key",
+            message: "the key `energy_books` is now called `energy_balance`".to_owned(),
+            help: "write `energy_balance`: the next release does not know the old name".to_owned(),
+        });
+    }
 }
 
 fn step(estimates: &Estimates, warnings: &mut Vec<Warning>) {
@@ -247,7 +260,18 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
             ),
         });
     }
-    if estimates.static_overlap > 0.3 {
+    if estimates.impact_overlap > LARGE_OVERLAP {
+        warnings.push(Warning {
+            code: "check::deep_impacts",
+            message: format!(
+                "a grain that arrives at {:.1} m/s overlaps by up to {:.2} of its radius; the contact law is meant for small \
+                 overlaps",
+                estimates.impact_speed, estimates.impact_overlap
+            ),
+            help: "raise the stiffness, or let grains fall less far, if the impacts matter to you".to_owned(),
+        });
+    }
+    if estimates.static_overlap > LARGE_OVERLAP {
         warnings.push(Warning {
             code: "check::soft_bed",
             message: format!(

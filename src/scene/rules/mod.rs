@@ -208,10 +208,10 @@ fn door_and_rest(loaded: &Loaded) -> Result<(), Fault> {
 fn books(loaded: &Loaded) -> Result<(), Fault> {
     let key = "watchdog.energy";
     let asks = loaded.source.value_of(key).is_some_and(|value| value != "None");
-    if asks && !loaded.scene.energy_books {
+    if asks && !loaded.scene.energy_balance {
         return Err(loaded
             .fault("scene::no_books", key, "energy that comes from nowhere is found by its books, and none are kept")
-            .help("remove `energy_books: false`, or leave out `watchdog.energy`"));
+            .help("remove `energy_balance: false`, or leave out `watchdog.energy`"));
     }
     Ok(())
 }
