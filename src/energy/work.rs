@@ -35,7 +35,7 @@ fn sum<T: Linear>(products: impl Iterator<Item = T>) -> f64 {
 }
 
 /// Returns the power of the dissipative accumulators, by component, W. `motion` returns the velocity or spin of a
-/// mover.
+/// particle.
 fn power<T: Linear, M>(sums: &[[T; TOTAL_AND_DISSIPATIVE]], movers: &[M], motion: impl Fn(&M) -> T) -> T {
     sums.iter().zip(movers).map(|([_, drag], mover)| drag.times(motion(mover))).fold(T::ZERO, Add::add)
 }

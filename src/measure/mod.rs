@@ -33,7 +33,7 @@ pub enum ObserveStage {
 pub struct Every<T> {
     /// Interval, s.
     interval: f64,
-    /// Number of intervals until the observer is due again.
+    /// The observer is due next at the time `next` times `interval`.
     next: u64,
     is_due: bool,
     observer: PhantomData<T>,
