@@ -74,7 +74,7 @@ impl DoorState {
 }
 
 #[expect(clippy::too_many_arguments, reason = "opening depends on all of them")]
-fn open_door(
+fn open(
     mut commands: Commands,
     clock: Res<Clock>,
     mut state: ResMut<DoorState>,
@@ -120,11 +120,7 @@ fn slide_path(grains: &[(Vector, f64)], orifice: &Link) -> (Vector, f64) {
 /// Filter: wall grains of the door. It is disjoint from all movable particles.
 type DoorGrain = (With<Door>, With<Fixed>);
 
-fn slide_door(
-    clock: Res<Clock>,
-    mut state: ResMut<DoorState>,
-    mut door: Query<(&mut Position, &mut Velocity), DoorGrain>,
-) {
+fn slide(clock: Res<Clock>, mut state: ResMut<DoorState>, mut door: Query<(&mut Position, &mut Velocity), DoorGrain>) {
     let Some(sliding) = state.sliding else { return };
     let arrived = clock.has_reached(sliding.until);
     for (mut x, mut v) in &mut door {
@@ -157,11 +153,11 @@ impl Plugin for DoorPlugin {
         if self.0.opens != DoorOpens::Never {
             app.add_systems(
                 Step,
-                open_door.in_set(Phase::Control).in_set(PlainCommands).after(RestDetection).run_if(is_closed),
+                open.in_set(Phase::Control).in_set(PlainCommands).after(RestDetection).run_if(is_closed),
             );
         }
         if matches!(self.0.how, DoorMotion::Slide(_)) {
-            app.add_systems(Step, slide_door.in_set(Phase::Drift).run_if(is_sliding));
+            app.add_systems(Step, slide.in_set(Phase::Drift).run_if(is_sliding));
         }
     }
 }

@@ -83,7 +83,7 @@ fn reorder_states<V: Space>(
 }
 
 /// Checks the paths of all grains that have moved far enough, and reports grains that are out or lost.
-fn check_paths<V: Space>(
+fn watch_paths<V: Space>(
     (enclosure, particles): (Res<Enclosure<V>>, Particles<V>),
     (door, cull): (Option<Res<DoorState>>, Option<Res<CullLine>>),
     mut out: MessageWriter<GrainOut<V>>,
@@ -214,6 +214,6 @@ impl<V: Space> Plugin for PathsPlugin<V> {
         app.insert_resource(GrainStates::<V>(Vec::new()))
             .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
             .add_systems(Renumber, reorder_states::<V>.in_set(Renumbering).after(renumber::<V>))
-            .add_systems(Step, check_paths::<V>.in_set(Phase::Cull).before(grain_accounting::account_for_grains::<V>));
+            .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(grain_accounting::account_for_grains::<V>));
     }
 }

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::ledger::grain_accounting::{account_for_grains, count_released};
-use crate::ledger::{GrainState, GrainStates, Ledger, check_paths};
+use crate::ledger::{GrainState, GrainStates, Ledger, watch_paths};
 use crate::messages::GrainLost;
 use crate::particle::GrainId;
 use crate::particles::Particles;
@@ -76,7 +76,7 @@ impl<V: Space> Plugin for CullPlugin<V> {
                 .in_set(Phase::Cull)
                 .in_set(PlainCommands)
                 .after(count_released)
-                .after(check_paths::<V>)
+                .after(watch_paths::<V>)
                 .before(account_for_grains::<V>),
         );
     }
