@@ -1,7 +1,8 @@
-//! The door controller: when the door opens, and how.
+//! Door controller: decides when the door opens, and opens it.
 //!
-//! The door is the wall grains and the flat walls ([`WallIndex`](crate::walls::surfaces::WallIndex)) marked [`Door`]. It opens when the bed has come to rest, at a time, or never; it is
-//! removed at once, or slides along the orifice at a speed until it has cleared it, dragging what it meets.
+//! The door consists of the wall grains and flat walls ([`WallIndex`](crate::walls::surfaces::WallIndex)) marked
+//! [`Door`]. It opens when the bed has come to rest, at a given time, or never. It is removed at once, or it slides
+//! along the orifice at a constant speed until the orifice is clear, and drags the grains that it touches.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -16,13 +17,13 @@ use crate::store::PlainCommands;
 use crate::values::{NonNegative, Positive};
 use crate::walls::outline::Link;
 
-/// The scene's `door`.
+/// The scene key `door`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct DoorControl {
-    /// When it opens.
+    /// When the door opens.
     pub opens: DoorOpens,
-    /// How it opens.
+    /// How the door opens.
     #[serde(default)]
     pub how: DoorMotion,
 }
@@ -41,22 +42,23 @@ pub enum DoorOpens {
 /// How the door opens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub enum DoorMotion {
-    /// It is gone at once, and with it the elastic energy of what rested on it.
+    /// The door vanishes at once, with the elastic energy of its contacts.
     #[default]
     Remove,
-    /// It slides sideways at this speed, m/s.
+    /// The door slides sideways at this speed, m/s.
     Slide(Positive),
 }
 
-/// The door's state.
+/// State of the door.
 #[derive(Resource, Debug)]
 pub struct DoorState {
     control: DoorControl,
-    /// When the door began to open, s.
+    /// When the door began to open, s; `None` before.
     pub open_time: Option<f64>,
     sliding: Option<Slide>,
 }
 
+/// A sliding motion: velocity (m/s) and end time (s).
 #[derive(Clone, Copy, Debug)]
 struct Slide {
     velocity: Vector,
@@ -71,7 +73,7 @@ impl DoorState {
     }
 }
 
-#[expect(clippy::too_many_arguments, reason = "all that opening depends on")]
+#[expect(clippy::too_many_arguments, reason = "opening depends on all of them")]
 fn open(
     mut commands: Commands,
     clock: Res<Clock>,
@@ -82,12 +84,12 @@ fn open(
     parts: Query<Entity, With<Door>>,
     grains: Query<(&Position, &Radius), DoorGrain>,
 ) {
-    let due = match state.control.opens {
+    let is_due = match state.control.opens {
         DoorOpens::AtRest => at_rest.read().next().is_some(),
         DoorOpens::At(time) => clock.has_reached(time.get()),
         DoorOpens::Never => false,
     };
-    if !due {
+    if !is_due {
         return;
     }
     state.open_time = Some(clock.time());
@@ -97,16 +99,16 @@ fn open(
         DoorMotion::Slide(speed) => {
             let places: Vec<_> = grains.iter().map(|(x, radius)| (x.0, radius.0)).collect();
             let Some(orifice) = orifice.map(|orifice| orifice.0) else { return };
-            let (direction, way) = slide_of(&places, &orifice);
+            let (direction, distance) = slide_path(&places, &orifice);
             let velocity = speed.get() * direction;
-            state.sliding = Some(Slide { velocity, until: clock.time() + way / speed.get() });
+            state.sliding = Some(Slide { velocity, until: clock.time() + distance / speed.get() });
         }
     }
 }
 
-/// Which way the door slides, rightwards or upwards along the orifice, and how far, m: until its last grain has gone
-/// behind the far flank.
-fn slide_of(grains: &[(Vector, f64)], orifice: &Link) -> (Vector, f64) {
+/// Returns the direction in which the door slides (rightwards or upwards along the orifice), and how far (m). The door
+/// stops when its last grain is behind the far flank.
+fn slide_path(grains: &[(Vector, f64)], orifice: &Link) -> (Vector, f64) {
     let along = (orifice.to - orifice.from).try_normalize().unwrap_or(Vector::X);
     let direction = if (along.x, along.y) < (0.0, 0.0) { -along } else { along };
     let last = grains.iter().map(|(x, _)| x.dot(direction)).fold(f64::INFINITY, f64::min);
@@ -115,7 +117,7 @@ fn slide_of(grains: &[(Vector, f64)], orifice: &Link) -> (Vector, f64) {
     (direction, flank - last + radius)
 }
 
-/// Wall grains of the door; disjoint from all that forces move.
+/// Filter: wall grains of the door. It is disjoint from all movable particles.
 type DoorGrain = (With<Door>, With<Fixed>);
 
 fn slide(clock: Res<Clock>, mut state: ResMut<DoorState>, mut door: Query<(&mut Position, &mut Velocity), DoorGrain>) {
@@ -142,7 +144,7 @@ fn is_sliding(state: Res<DoorState>) -> bool {
 #[derive(Resource, Clone, Copy, Debug)]
 pub struct Orifice(pub Link);
 
-/// Opens the door as the scene says.
+/// Adds the door controller of a scene.
 pub struct DoorPlugin(pub DoorControl);
 
 impl Plugin for DoorPlugin {
@@ -165,15 +167,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_door_slides_until_its_last_grain_is_behind_the_far_flank() {
+    fn the_door_slides_until_its_last_grain_is_behind_the_far_flank() {
         let orifice = Link { from: Vector::new(0.13, 0.0), to: Vector::new(-0.13, 0.0) };
         for grains in
             [vec![(Vector::ZERO, 0.03)], vec![(Vector::new(0.04, 0.0), 0.03), (Vector::new(-0.04, 0.0), 0.03)]]
         {
-            let (direction, way) = slide_of(&grains, &orifice);
+            let (direction, distance) = slide_path(&grains, &orifice);
             let last = grains.iter().map(|(x, _)| x.x).fold(f64::INFINITY, f64::min);
             assert_eq!(direction, Vector::X);
-            assert!((last + way - 0.16).abs() < 1e-15, "{way}");
+            assert!((last + distance - 0.16).abs() < 1e-15, "{distance}");
         }
     }
 }

@@ -1,6 +1,6 @@
-//! When a run ends regularly: the silo is empty, the bed is at rest (if the scene says so), or time is up.
+//! Regular ends of a run: the silo is empty, the bed is at rest (if the scene says so), or the time is over.
 //!
-//! Empty means that grains have been released, none is to come, and none is inside.
+//! The silo is empty if grains have been released, none is still to be released, and none is inside.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -15,7 +15,7 @@ use crate::store::reads_velocities_when;
 #[derive(Resource)]
 struct Until(f64);
 
-/// When the silo was found empty, s.
+/// Time at which the silo was found empty, s.
 #[derive(Resource, Default, Debug)]
 pub struct EmptyTime(pub Option<f64>);
 
@@ -27,13 +27,13 @@ fn end_when_empty(
     mut outcome: ResMut<Outcome>,
 ) {
     if pending.0 == 0 && ledger.released > 0 && ledger.inside() == 0 {
-        // A silo whose grains are all lost has not been emptied.
+        // A silo that lost all of its grains was not emptied through its orifice.
         empty.0 = (ledger.out() > 0).then(|| clock.time());
         outcome.finish(End::Empty);
     }
 }
 
-fn time_is_up(clock: Res<Clock>, until: Res<Until>) -> bool {
+fn is_time_over(clock: Res<Clock>, until: Res<Until>) -> bool {
     clock.has_reached(until.0)
 }
 
@@ -41,22 +41,22 @@ fn end_at_time(mut outcome: ResMut<Outcome>) {
     outcome.finish(End::TimeReached);
 }
 
-/// Ends the run when rest is found.
+/// Ends the run when the bed has come to rest.
 pub(crate) fn end_at_rest(mut rest: MessageReader<CameToRest>, mut outcome: ResMut<Outcome>) {
     if rest.read().next().is_some() {
         outcome.finish(End::AtRest);
     }
 }
 
-/// After this set of [`Phase::Cull`], a run that ends regularly in this step has ended.
+/// After this set of [`Phase::Cull`], a run that ends regularly in this step has its end set.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Endings;
 
-/// Ends the run.
+/// Regular ends of a run.
 pub struct EndingPlugin {
-    /// At the latest, s.
+    /// Latest end, s.
     pub until: f64,
-    /// Whether rest ends it.
+    /// Whether rest ends the run.
     pub at_rest: bool,
 }
 
@@ -64,14 +64,14 @@ impl Plugin for EndingPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(Until(self.until)).init_resource::<EmptyTime>().add_systems(
             Step,
-            (end_when_empty, end_at_time.run_if(time_is_up))
+            (end_when_empty, end_at_time.run_if(is_time_over))
                 .chain()
                 .in_set(Phase::Cull)
                 .in_set(Endings)
                 .after(GrainsAccounted)
                 .run_if(time_moves),
         );
-        reads_velocities_when(app, time_is_up);
+        reads_velocities_when(app, is_time_over);
         if self.at_rest {
             app.add_systems(Step, end_at_rest.in_set(Phase::Cull).before(end_when_empty));
         }

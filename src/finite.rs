@@ -1,10 +1,14 @@
-//! The finite-value check: an infinite or undefined number stops the run and is named, with the grain and the step.
+//! Finite-value check: an infinite or undefined number stops the run. The error names the quantity, the grain and the
+//! step.
 //!
-//! It takes no pass of its own: a velocity or spin that is not finite makes the power of the drag forces so ([`crate::energy`]), or,
-//! where no books are kept, the sum of all of them; a position that is not finite makes the distance moved so
-//! ([`ParticleStore::travel`]); a force that is not finite shows in the velocity of the same step; and what systems write is looked at when
-//! it is taken over. Only then, and in step zero, are all particles looked through for the grain. Where the second kick of a step is made
-//! with the next drift (`store/deferred_kick.rs`), velocities show it then, and the step before is named.
+//! The check needs no pass of its own. If a velocity or spin is not finite, neither is the power of the drag forces
+//! ([`crate::energy`]), or without energy balance the sum of all velocities or spins. If a position is not finite,
+//! neither is the distance moved ([`ParticleStore::travel`]). A force that is not finite shows in the velocity of the
+//! same step. Values written by systems are checked at write-back. Only after one of these signs, and in step zero, the
+//! check searches for the grain among all particles.
+//!
+//! If the second kick of a step is deferred to the next drift (`store/deferred_kick.rs`), velocities show the fault
+//! only then, and the error names the previous step.
 
 use std::marker::PhantomData;
 
@@ -19,7 +23,7 @@ use crate::space::{Linear, Space};
 use crate::step::{Clock, Step};
 use crate::store::{AfterDeferredKick, DeferredKick, EngineChecks, ParticleStore, SecondKicks};
 
-/// Whether the sums of all velocities and of all spins are.
+/// Returns whether the sums of all velocities and of all spins are finite.
 fn sums_are_finite<V: Space>(store: &ParticleStore<V>) -> bool {
     let of_velocities = || store.body.iter().map(|body| body.velocity).sum();
     let of_spins = || store.rotation.iter().map(|rotation| rotation.spin).sum();
@@ -28,9 +32,9 @@ fn sums_are_finite<V: Space>(store: &ParticleStore<V>) -> bool {
     velocities.is_finite() && spins.is_finite()
 }
 
-/// What tells whether all is finite, and whose fault it is if not.
+/// System parameters of the check.
 #[derive(SystemParam)]
-struct Evidence<'w, V: Space> {
+struct FiniteCheck<'w, V: Space> {
     clock: Res<'w, Clock>,
     store: Res<'w, ParticleStore<V>>,
     law: Option<Res<'w, AnyLaw<V>>>,
@@ -38,8 +42,8 @@ struct Evidence<'w, V: Space> {
     outcome: ResMut<'w, Outcome>,
 }
 
-impl<V: Space> Evidence<'_, V> {
-    /// Whether velocities and spins are.
+impl<V: Space> FiniteCheck<'_, V> {
+    /// Returns whether all velocities and spins are finite.
     fn motion_is_finite(&self) -> bool {
         match &self.flows {
             Some(flows) => flows.dissipated.is_finite(),
@@ -47,11 +51,12 @@ impl<V: Space> Evidence<'_, V> {
         }
     }
 
-    /// Fails with the first grain of which something is not; positions count if they are of that step.
-    fn accuse(&mut self, step: u64, positions_count: bool) {
+    /// Fails the run with the first grain that has a value that is not finite. Positions are tested only if they belong
+    /// to `step`.
+    fn report_first(&mut self, step: u64, test_positions: bool) {
         for i in 0..self.store.len() {
             let body = &self.store.body[i];
-            let quantity = if positions_count && !body.position.is_finite() {
+            let quantity = if test_positions && !body.position.is_finite() {
                 "position"
             } else if !body.velocity.is_finite() {
                 "velocity"
@@ -66,7 +71,7 @@ impl<V: Space> Evidence<'_, V> {
         }
     }
 
-    /// Why entry `i` may be as it is.
+    /// Returns the probable cause for the particle in slot `i`.
     fn cause(&self, i: usize) -> String {
         let Self { clock, store, law, .. } = self;
         if store.added.get(i).is_some_and(|added| !added.is_finite()) {
@@ -85,20 +90,22 @@ impl<V: Space> Evidence<'_, V> {
     }
 }
 
-fn check<V: Space>(mut evidence: Evidence<V>) {
-    let store = &evidence.store;
-    let is_odd = store.is_suspect || !store.travel.is_finite();
-    if is_odd || evidence.clock.is_step_zero() || !evidence.motion_is_finite() {
-        let step = evidence.clock.steps;
-        evidence.accuse(step, true);
+/// Checks the present step.
+fn check<V: Space>(mut parameters: FiniteCheck<V>) {
+    let store = &parameters.store;
+    let has_sign = store.is_suspect || !store.travel.is_finite();
+    if has_sign || parameters.clock.is_step_zero() || !parameters.motion_is_finite() {
+        let step = parameters.clock.steps;
+        parameters.report_first(step, true);
     }
 }
 
-/// Of the step before, whose second kick was made with the drift: positions that have followed from it do not count.
-fn check_late<V: Space>(mut evidence: Evidence<V>) {
-    if !evidence.motion_is_finite() {
-        let step = evidence.clock.steps - 1;
-        evidence.accuse(step, false);
+/// Checks the previous step, with its second kick made in this drift. Positions are not tested, because they already
+/// belong to this step.
+fn check_late<V: Space>(mut parameters: FiniteCheck<V>) {
+    if !parameters.motion_is_finite() {
+        let step = parameters.clock.steps - 1;
+        parameters.report_first(step, false);
     }
 }
 

@@ -1,11 +1,14 @@
-//! The rest detector: has everything that was released come to rest?
+//! Rest detector: finds the time at which all released grains have come to rest.
 //!
-//! Every grain is slower than `speed` sqrt(g R), and the kinetic energy of all is below `energy` times the sum of
-//! m g R, for `hold` seconds without a break, with no grain still to come. In these units the thresholds do not
-//! change with the size of the grains: a grain of 4 cm on Earth at 2e-3 moves at 1.3 mm/s, and the kinetic energy
-//! 1e-6 m g R would lift it by 1e-6 of its radius. A single quiet step proves nothing: a grain thrown up is at rest
-//! at the top of its path, hence the hold. Limit: grains that are out or lost but not yet culled count as well; a
-//! scene that goes on after losses needs `cull` to come to rest.
+//! Rest has three conditions. Every grain is slower than `speed` sqrt(g R). The total kinetic energy is below `energy`
+//! times the sum of m g R. No grain is still to be released. All must hold for `hold` seconds without a break.
+//!
+//! In these units the thresholds do not depend on the grain size. With `speed` 2e-3, a grain of 4 cm on Earth moves at
+//! 1.3 mm/s; the kinetic energy 1e-6 m g R would lift it by 1e-6 of its radius. One quiet step proves nothing, because
+//! a grain thrown upwards is at rest at the top of its path. Therefore the conditions must hold for a time.
+//!
+//! Limit: grains that are out or lost but not yet culled count too. A scene that goes on after losses needs `cull` to
+//! come to rest.
 
 use std::marker::PhantomData;
 
@@ -22,7 +25,7 @@ use crate::step::{Clock, Phase, Step};
 use crate::store::register_predictable;
 use crate::values::{NonNegative, Positive};
 
-/// The scene's `rest`.
+/// The scene key `rest`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rest {
@@ -30,19 +33,19 @@ pub struct Rest {
     pub speed: Positive,
     /// Threshold of the kinetic energy per grain, in units of m g R.
     pub energy: Positive,
-    /// How long both must hold, s.
+    /// Time for which both conditions must hold, s.
     pub hold: NonNegative,
     /// Whether rest ends the run. Default false.
     #[serde(default)]
     pub stop: bool,
 }
 
-/// The rest detector's state.
+/// State of the rest detector.
 #[derive(Resource, Debug)]
 pub struct RestDetector {
     thresholds: Rest,
     quiet_since: Option<f64>,
-    /// When rest was found, s.
+    /// When rest was detected, s; `None` before.
     pub rest_time: Option<f64>,
 }
 
@@ -81,11 +84,11 @@ fn is_quiet<V: Space>(motion: &Motion<V>, thresholds: &Rest, g: f64) -> bool {
     kinetic <= thresholds.energy.get() * scale
 }
 
-fn everything_is_released_and_moves(pending: Res<Pending>, detector: Res<RestDetector>) -> bool {
+fn may_come_to_rest(pending: Res<Pending>, detector: Res<RestDetector>) -> bool {
     pending.0 == 0 && detector.rest_time.is_none()
 }
 
-/// Finds rest, once.
+/// Detects rest once.
 pub struct RestPlugin<V: Space>(pub Rest, pub PhantomData<V>);
 
 impl<V: Space> Plugin for RestPlugin<V> {
@@ -95,9 +98,9 @@ impl<V: Space> Plugin for RestPlugin<V> {
             detect::<V>
                 .in_set(Phase::Control)
                 .in_set(RestDetection)
-                .run_if(everything_is_released_and_moves)
+                .run_if(may_come_to_rest)
                 .run_if(crate::step::time_moves),
         );
-        register_predictable(app, everything_is_released_and_moves, everything_is_released_and_moves);
+        register_predictable(app, may_come_to_rest, may_come_to_rest);
     }
 }

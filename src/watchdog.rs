@@ -1,30 +1,45 @@
-//! The watchdog: stops a run whose figures mean nothing any more, and names step, grain and remedy.
+//! Watchdog: stops a run with meaningless results, and reports step, grain and remedy.
 //!
-//! Finite values are checked in every step by [`crate::finite`]. This file watches two more things.
+//! [`crate::finite`] checks in every step that values are finite. This file checks two more things.
 //!
-//! * **Energy that nobody put in.** Every `every` steps, and at the end: kinetic, gravitational and part of the elastic
-//!   energy, less what the books expect ([`EnergyFlows::expected`]), all in J. Velocity Verlet conserves
-//!   K + (1 - q) E_elastic with q = (w0 dt)^2/4, so that a contact under way seems to gain up to q of what it holds:
-//!   [`APPARENT`] of it, which is q at three quarters of the stability limit, is not counted. Drag cannot give energy back,
-//!   so the largest amount ever dissipated counts as gone, and what is missing from it as created: a drag that is
-//!   unstable books negative work. Unless springs hold it: a sliding contact whose dashpot alone is beyond the cap
-//!   stretches its spring against it, and books what that holds as taken back. The scale is what has been put in: energy
-//!   of motion and of springs of grains that entered, work of gravity, walls, belts and added forces, or
-//!   expected - gravitational + dissipated, the largest so far; and what an attraction between grains has given, whose elastic energy is
-//!   below zero. It does not depend on where heights count from. More
-//!   than the share `energy` of it stops the run. A round-off of
-//!   1e-9 sum m |g.x| is let pass. Healthy runs stay a hundred times below: looked at every 100 steps, `silo1` with its mixture
-//!   and polydisperse variants, `couette`, `column`, and the first tenths of a second of `silo2d`, `chute3d` and `bed3d` create
-//!   less than 1e-3 of it (`--set 'watchdog=(every: 100, energy: 1.0e-3)'` does not stop them).
-//! * **Overlap beyond the law.** Every step, by the largest overlap of the force pass, over the smaller radius. Both laws
-//!   are meant for small overlaps. From 0.586 (2 - sqrt 2, solid space) or 0.845 (2 - 2/sqrt 3, plane) on, equal grains in
-//!   dense order touch their second neighbours through the first; at 1 the centre of a grain has reached the surface of
-//!   its partner, a thin wall would push it on to the other side, and the direction of the force means nothing. That is
-//!   the default limit. From 0.3 on a run warns, once. (The assignment's silo reaches 0.73, where a grain falls 4 m.)
+//! * **Energy without a source.** Checked every `every` steps and at the end.
 //!
-//! Limits: what a drag that is not quite unstable creates is not told from what it takes. Energy is judged as a whole, so a few wild grains among many that carry much are seen late, by their overlap or by
-//! the ledger, and without books (`energy_books: false`) not at all. A behaviour that sets velocities, or fixes and frees grains, changes energy without a force, which looks
-//! like growth: such a scene says `watchdog: (energy: None)`. Nothing is undone: what was written stands.
+//!   *Created energy* is the kinetic, gravitational and part of the elastic energy, minus the energy expected from the
+//!   energy flows ([`EnergyFlows::expected`]), all in J. Velocity Verlet conserves K + (1 - q) E_elastic with
+//!   q = (w0 dt)^2/4, so a contact in progress seems to gain up to q of its elastic energy. The share [`APPARENT`] of
+//!   the elastic energy is therefore not counted; it equals q at three quarters of the stability limit.
+//!
+//!   Drag cannot return energy, but an unstable drag does negative work. The largest dissipated energy so far therefore
+//!   stays dissipated, and any decrease counts as created. Energy in springs is excepted: if the dashpot alone of a
+//!   sliding contact exceeds the cap, it stretches its spring, and the balance counts the energy of the spring as
+//!   returned.
+//!
+//!   The run stops if the created energy exceeds the share `energy` of the *input*. The input is the energy of motion
+//!   and springs of grains that entered, plus the work of gravity, walls, belts and added forces. It equals
+//!   expected - gravitational + dissipated; the largest value so far counts. Attraction between grains has negative
+//!   elastic energy; its largest magnitude so far is added. The input does not depend on the zero of height. A
+//!   round-off of 1e-9 sum m |g.x| is tolerated.
+//!
+//!   Healthy runs stay a hundred times below the limit. Checked every 100 steps, these runs create less than 1e-3 of
+//!   the input: `silo1` with its mixture and polydisperse variants, `couette`, `column`, and the first tenths of a
+//!   second of `silo2d`, `chute3d` and `bed3d` (`--set 'watchdog=(every: 100, energy: 1.0e-3)'` does not stop them).
+//! * **Overlap beyond the contact law.** Checked every step, by the largest ratio of overlap to the smaller radius in
+//!   the force pass.
+//!
+//!   Both contact laws are meant for small overlaps. From 0.586 (2 - sqrt 2, solid space) or 0.845 (2 - 2/sqrt 3,
+//!   plane) on, equal grains in dense order touch their second neighbours through the first. At 1 the centre of a grain
+//!   reaches the surface of its partner, a thin wall would push it to the other side, and the direction of the force is
+//!   meaningless. The default limit is 1. From 0.3 on the run warns once. (The assignment's silo reaches 0.73, where a
+//!   grain falls 4 m.)
+//!
+//! Limits:
+//!
+//! * Energy created by a nearly unstable drag cannot be distinguished from its loss.
+//! * Energy is checked as a whole. A few wild grains among many with much energy are found late, by their overlap or by
+//!   the grain accounting. Without energy balance (`energy_balance: false`) energy is not checked.
+//! * If a behaviour sets velocities, or fixes and frees grains, energy changes without a force and seems to grow. The
+//!   scene must then say `watchdog: (energy: None)`.
+//! * Output written before the stop remains.
 
 use std::marker::PhantomData;
 use std::num::NonZeroU32;
@@ -46,15 +61,15 @@ use crate::store::register_predictable;
 use crate::survey::{Partner, Survey, SurveyParam};
 use crate::values::Positive;
 
-/// The scene's `watchdog`.
+/// The scene key `watchdog`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Watchdog {
-    /// Steps between two looks at the energy.
+    /// Steps between two checks of the energy.
     pub every: NonZeroU32,
-    /// The share of the energy put in that may appear from nowhere; `None` does not look.
+    /// Largest share of the energy input that may appear without a source; `None` disables the check.
     pub energy: Option<Positive>,
-    /// The largest overlap over the smaller radius; `None` does not look.
+    /// Largest ratio of overlap to the smaller radius; `None` disables the check.
     pub overlap: Option<Positive>,
 }
 
@@ -65,33 +80,36 @@ impl Default for Watchdog {
     }
 }
 
-/// From this overlap on a run warns.
+/// Overlap ratio from which on a run warns.
 pub(crate) const LARGE_OVERLAP: f64 = 0.3;
 
-/// The share of the elastic energy that may only seem to be there: 0.75^2.
+/// Share of the elastic energy that may be apparent only: 0.75^2.
 pub const APPARENT: f64 = 0.5625;
 
-/// Of sum m |g.x|: far above the round-off of the sums, far below any energy that matters.
+/// Tolerated share of sum m |g.x|: far above the round-off of the sums, far below any energy that matters.
 const ROUND_OFF: f64 = 1e-9;
 
-/// What the watchdog remembers.
+/// Limits and state of the watchdog.
 #[derive(Resource, Debug)]
-struct Watch {
+struct WatchdogState {
+    /// Steps between two checks of the energy.
     every: u64,
+    /// Largest created share of the energy input.
     energy: f64,
+    /// Largest overlap ratio.
     overlap: f64,
     /// Largest energy dissipated so far, J.
     dissipated: f64,
-    /// Largest energy put in so far, J.
-    put_in: f64,
-    /// Largest energy that attraction of contacts has given so far, J: how far the elastic energy was below zero.
+    /// Largest energy input so far, J.
+    input: f64,
+    /// Largest energy released by attractive contacts so far, J: minus the lowest elastic energy.
     bound: f64,
     has_warned: bool,
 }
 
-/// The energy of all grains, J.
+/// Energies of all grains, J.
 #[derive(Clone, Copy, Debug, Default)]
-struct Held {
+struct Energies {
     kinetic: f64,
     potential: f64,
     elastic: f64,
@@ -99,7 +117,7 @@ struct Held {
     magnitude: f64,
 }
 
-impl Held {
+impl Energies {
     fn of<V: Space>(survey: &Survey<V>, gravity: V) -> Self {
         let store = survey.store;
         let mut held = Self { elastic: survey.elastic_energy(|_, _| true), ..Self::default() };
@@ -114,66 +132,72 @@ impl Held {
     }
 }
 
-impl Watch {
-    /// Energy from nowhere, J, if it is too much.
-    fn created(&mut self, held: &Held, flows: &EnergyFlows) -> Option<f64> {
+impl WatchdogState {
+    /// Returns the created energy, J, if it exceeds the limit.
+    fn created(&mut self, held: &Energies, flows: &EnergyFlows) -> Option<f64> {
         self.dissipated = self.dissipated.max(flows.dissipated);
         self.bound = self.bound.max(-held.elastic);
         let in_springs = held.elastic.max(0.0);
-        let given_back = (self.dissipated - flows.dissipated - in_springs).max(0.0);
-        let expected = flows.expected() - given_back;
-        self.put_in = self.put_in.max(expected - held.potential + flows.dissipated + given_back);
+        let returned = (self.dissipated - flows.dissipated - in_springs).max(0.0);
+        let expected = flows.expected() - returned;
+        self.input = self.input.max(expected - held.potential + flows.dissipated + returned);
         let elastic = if held.elastic > 0.0 { (1.0 - APPARENT) * held.elastic } else { held.elastic };
         let counted = held.kinetic + held.potential + elastic;
-        let created = if counted - expected < given_back { given_back } else { counted - expected };
-        // Written so that sums too large for a double, and their differences, are too much.
-        let is_right = created <= self.energy * (self.put_in + self.bound) + ROUND_OFF * held.magnitude;
-        (!is_right).then_some(created)
+        let created = if counted - expected < returned { returned } else { counted - expected };
+        // Written so that the check fails if sums overflow to infinity or their difference is NaN.
+        let is_small = created <= self.energy * (self.input + self.bound) + ROUND_OFF * held.magnitude;
+        (!is_small).then_some(created)
     }
 }
 
-impl Watch {
-    /// Whether an overlap (over the smaller radius) is new to the watch.
-    fn is_deep(&self, ratio: f64) -> bool {
+impl WatchdogState {
+    /// Returns whether an overlap ratio calls for a failure or for the first warning.
+    fn needs_report(&self, ratio: f64) -> bool {
         ratio > self.overlap || (ratio > LARGE_OVERLAP && !self.has_warned)
     }
 }
 
-/// Run condition, and all that most steps cost: is there something to look at?
-fn is_called(clock: Res<Clock>, largest: Res<LargestOverlap>, watch: Res<Watch>, outcome: Res<Outcome>) -> bool {
-    clock.steps.is_multiple_of(watch.every) || watch.is_deep(largest.0) || outcome.end().is_some()
+/// Run condition: a check is due. Most steps cost no more than this test.
+fn is_check_due(
+    clock: Res<Clock>,
+    largest: Res<LargestOverlap>,
+    state: Res<WatchdogState>,
+    outcome: Res<Outcome>,
+) -> bool {
+    clock.steps.is_multiple_of(state.every) || state.needs_report(largest.0) || outcome.end().is_some()
 }
 
-fn look<V: Space>(
+/// Checks overlap and energy.
+fn check<V: Space>(
     (clock, gravity, flows): (Res<Clock>, Res<Gravity<V>>, Option<Res<EnergyFlows>>),
     largest: Res<LargestOverlap>,
     survey_param: SurveyParam<V>,
-    mut watch: ResMut<Watch>,
+    mut state: ResMut<WatchdogState>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let is_time = clock.steps.is_multiple_of(watch.every) || outcome.end().is_some();
+    let is_energy_due = clock.steps.is_multiple_of(state.every) || outcome.end().is_some();
     if matches!(outcome.end(), Some(End::Failed(_))) {
         return;
     }
     let (survey, ratio) = (survey_param.survey(), largest.0);
-    if watch.is_deep(ratio) {
-        watch.has_warned = true;
-        if let Some(failure) = judge_overlap(&survey, &clock, ratio, watch.overlap) {
+    if state.needs_report(ratio) {
+        state.has_warned = true;
+        if let Some(failure) = check_overlap(&survey, &clock, ratio, state.overlap) {
             outcome.fail(failure);
         }
     }
-    if is_time
-        && watch.energy < f64::INFINITY
+    if is_energy_due
+        && state.energy < f64::INFINITY
         && let Some(flows) = flows
-        && let Some(created_j) = watch.created(&Held::of(&survey, gravity.0), &flows)
-        && let Some(failure) = energy_grew(&survey, &clock, created_j, watch.put_in)
+        && let Some(created_j) = state.created(&Energies::of(&survey, gravity.0), &flows)
+        && let Some(failure) = energy_failure(&survey, &clock, created_j, state.input)
     {
         outcome.fail(failure);
     }
 }
 
-/// The failure, unless nobody is there any more.
-fn energy_grew<V: Space>(survey: &Survey<V>, clock: &Clock, created_j: f64, put_in_j: f64) -> Option<Failure> {
+/// Returns the failure; `None` if no grain is left.
+fn energy_failure<V: Space>(survey: &Survey<V>, clock: &Clock, created_j: f64, put_in_j: f64) -> Option<Failure> {
     let store = survey.store;
     let movable = (0..store.movable_end).filter(|&i| !store.is_fixed(i));
     let fastest = movable.max_by(|&a, &b| {
@@ -187,13 +211,13 @@ fn energy_grew<V: Space>(survey: &Survey<V>, clock: &Clock, created_j: f64, put_
     Some(Failure::EnergyGrew { step: clock.steps, grain, speed_m_s, created_j, put_in_j, stiffness })
 }
 
-/// A failure if the overlap is beyond `limit`, else a warning.
-fn judge_overlap<V: Space>(survey: &Survey<V>, clock: &Clock, ratio: f64, limit: f64) -> Option<Failure> {
+/// Returns a failure if the overlap ratio exceeds `limit`, and warns otherwise.
+fn check_overlap<V: Space>(survey: &Survey<V>, clock: &Clock, ratio: f64, limit: f64) -> Option<Failure> {
     let step = clock.steps;
     let (grain, partner) = deepest(survey)?;
     if ratio > limit {
         let remedy = if clock.is_step_zero() {
-            "they start like that: move them apart"
+            "they overlap at the start: move them apart"
         } else {
             "stiffen the contacts, lower `step`, or let grains fall less far"
         };
@@ -206,41 +230,44 @@ fn judge_overlap<V: Space>(survey: &Survey<V>, clock: &Clock, ratio: f64, limit:
     None
 }
 
-/// The deepest contact as it stands: its grain, and its partner in words.
+/// Returns the grain of the deepest present contact, and its partner in words.
 fn deepest<V: Space>(survey: &Survey<V>) -> Option<(GrainId, String)> {
-    let (mut deepest, mut who) = (0.0, None);
+    let (mut deepest, mut contact) = (0.0, None);
     survey.contacts(|i, partner, pair, _| {
         let ratio = pair.overlap / pair.radii[0].min(pair.radii[1]);
         if ratio > deepest {
-            (deepest, who) = (ratio, Some((i, partner)));
+            (deepest, contact) = (ratio, Some((i, partner)));
         }
     });
     let store = survey.store;
-    who.map(|(i, partner)| match partner {
+    contact.map(|(i, partner)| match partner {
         Partner::Particle(j) => (store.id[i], store.id[j].to_string()),
         Partner::Wall(_) => (store.id[i], "a flat wall".to_owned()),
     })
 }
 
-/// Watches energy and overlap.
+/// Checks energy and overlap.
 pub struct WatchdogPlugin<V: Space>(pub Watchdog, pub PhantomData<V>);
 
 impl<V: Space> Plugin for WatchdogPlugin<V> {
     fn build(&self, app: &mut App) {
         let Watchdog { every, energy, overlap } = self.0;
         let limit = |share: Option<Positive>| share.map_or(f64::INFINITY, Positive::get);
-        app.insert_resource(Watch {
+        app.insert_resource(WatchdogState {
             every: u64::from(every.get()),
             energy: limit(energy),
             overlap: limit(overlap),
             dissipated: 0.0,
-            put_in: 0.0,
+            input: 0.0,
             bound: 0.0,
             has_warned: overlap.is_none(),
         });
-        // After the books of the step are closed, and before the end of the run is written.
-        app.add_systems(Step, look::<V>.in_set(Phase::Cull).after(GrainsAccounted).after(Endings).run_if(is_called));
-        register_predictable(app, is_called, is_called);
+        // After the energy balance of the step is complete, and before the end of the run is written.
+        app.add_systems(
+            Step,
+            check::<V>.in_set(Phase::Cull).after(GrainsAccounted).after(Endings).run_if(is_check_due),
+        );
+        register_predictable(app, is_check_due, is_check_due);
     }
 }
 
@@ -248,61 +275,70 @@ impl<V: Space> Plugin for WatchdogPlugin<V> {
 mod tests {
     use super::*;
 
-    fn fresh() -> Watch {
-        Watch { every: 100, energy: 0.1, overlap: 1.0, dissipated: 0.0, put_in: 0.0, bound: 0.0, has_warned: false }
+    fn fresh() -> WatchdogState {
+        WatchdogState {
+            every: 100,
+            energy: 0.1,
+            overlap: 1.0,
+            dissipated: 0.0,
+            input: 0.0,
+            bound: 0.0,
+            has_warned: false,
+        }
     }
 
-    fn held(kinetic: f64, potential: f64) -> Held {
-        Held { kinetic, potential, elastic: 0.0, magnitude: potential.abs() }
+    fn held(kinetic: f64, potential: f64) -> Energies {
+        Energies { kinetic, potential, elastic: 0.0, magnitude: potential.abs() }
     }
 
     #[test]
-    fn only_energy_that_nobody_put_in_counts() {
-        // 2 J of motion enter at 10 J of height and fall to 4 J: 8 J have been put in, and K may be 8 J and a tenth.
+    fn only_energy_without_a_source_counts() {
+        // A grain enters with 2 J of motion at 10 J of height and falls to 4 J. The input is 8 J, so K may be 8 J plus
+        // a tenth.
         let flows = EnergyFlows { released: 12.0, ..EnergyFlows::default() };
         assert_eq!(fresh().created(&held(8.7, 4.0), &flows), None);
         let created = fresh().created(&held(8.9, 4.0), &flows).expect("too much");
         // Three sums of numbers around 10.
         assert!((created - 0.9).abs() < 1e-14, "{created}");
-        // Of what springs seem to hold, 0.4375 is certain: 1.75 J of 4 J.
-        let springs = |kinetic: f64| Held { elastic: 4.0, ..held(kinetic, 4.0) };
+        // Only 0.4375 of the apparent elastic energy counts: 1.75 J of 4 J.
+        let springs = |kinetic: f64| Energies { elastic: 4.0, ..held(kinetic, 4.0) };
         assert_eq!(fresh().created(&springs(7.0), &flows), None);
         assert!(fresh().created(&springs(7.1), &flows).is_some());
-        // Less than there should be is lost.
+        // Missing energy is a loss, not a gain.
         assert_eq!(fresh().created(&held(1.0, 4.0), &flows), None);
-        // A wall that works puts energy in.
+        // The work of a wall is energy input.
         assert_eq!(fresh().created(&held(8.9, 4.0), &EnergyFlows { wall_work: 1.0, ..flows }), None);
     }
 
     #[test]
-    fn drag_cannot_give_energy_back() {
-        let mut watch = fresh();
+    fn drag_cannot_return_energy() {
+        let mut state = fresh();
         let flows = |dissipated: f64| EnergyFlows { released: 2.0, dissipated, ..EnergyFlows::default() };
-        assert_eq!(watch.created(&held(1.0, 0.0), &flows(1.0)), None);
-        // The books balance, 2 J = 1.5 J + 0.5 J, because an unstable drag has taken back what it dissipated.
-        assert!(watch.created(&held(1.5, 0.0), &flows(0.5)).is_some());
-        // Wherever that energy is now.
-        assert_eq!(watch.created(&held(0.0, 0.0), &flows(0.5)), Some(0.5));
-        // A spring that a sliding dashpot has stretched will give it to the drag again.
-        assert_eq!(watch.created(&Held { elastic: 0.5, ..held(1.0, 0.0) }, &flows(0.5)), None);
+        assert_eq!(state.created(&held(1.0, 0.0), &flows(1.0)), None);
+        // The balance closes, 2 J = 1.5 J + 0.5 J, because an unstable drag has returned the energy that it dissipated.
+        assert!(state.created(&held(1.5, 0.0), &flows(0.5)).is_some());
+        // The present form of the energy does not matter.
+        assert_eq!(state.created(&held(0.0, 0.0), &flows(0.5)), Some(0.5));
+        // A spring stretched by a sliding dashpot will return its energy to the drag.
+        assert_eq!(state.created(&Energies { elastic: 0.5, ..held(1.0, 0.0) }, &flows(0.5)), None);
     }
 
     #[test]
-    fn grains_that_attract_each_other_may_be_bound() {
-        let bound = |kinetic: f64, elastic: f64| Held { elastic, ..held(kinetic, 0.0) };
-        let mut watch = fresh();
-        // They start 1 J below zero, and move with what the attraction gives.
+    fn attraction_is_an_energy_input() {
+        let bound = |kinetic: f64, elastic: f64| Energies { elastic, ..held(kinetic, 0.0) };
+        let mut state = fresh();
+        // The grains start 1 J below zero, and their motion has the energy that the attraction released.
         let flows = EnergyFlows { released: -1.0, ..EnergyFlows::default() };
-        assert_eq!(watch.created(&bound(0.0, -1.0), &flows), None);
-        assert_eq!(watch.created(&bound(1.0, -2.0), &flows), None);
-        assert_eq!(watch.created(&bound(1.1, -2.0), &flows), None);
-        assert!(watch.created(&bound(1.3, -2.0), &flows).is_some());
-        // A drag has taken it.
-        assert_eq!(watch.created(&bound(0.0, -2.0), &EnergyFlows { dissipated: 1.0, ..flows }), None);
+        assert_eq!(state.created(&bound(0.0, -1.0), &flows), None);
+        assert_eq!(state.created(&bound(1.0, -2.0), &flows), None);
+        assert_eq!(state.created(&bound(1.1, -2.0), &flows), None);
+        assert!(state.created(&bound(1.3, -2.0), &flows).is_some());
+        // Drag has dissipated the energy.
+        assert_eq!(state.created(&bound(0.0, -2.0), &EnergyFlows { dissipated: 1.0, ..flows }), None);
     }
 
     #[test]
-    fn energies_too_large_for_a_double_are_too_much() {
+    fn infinite_energies_exceed_the_limit() {
         let flows = EnergyFlows { released: f64::INFINITY, ..EnergyFlows::default() };
         assert!(fresh().created(&held(f64::INFINITY, 0.0), &flows).is_some());
     }

@@ -1,4 +1,4 @@
-//! What grains and doors bring into the balance and take out of it, J.
+//! Energy that entering and leaving grains and doors add to the balance, J.
 
 use bevy_ecs::prelude::*;
 
@@ -11,12 +11,13 @@ use crate::store::{ParticleStore, Slot};
 use crate::survey::{Partner, SurveyParam};
 use crate::walls::surfaces::LeavingWalls;
 
+/// Returns the kinetic and gravitational energy of a particle, J.
 fn mechanical<V: Space>(mass: f64, x: V, v: V, gravity: V) -> f64 {
     0.5 * mass * v.length_squared() - mass * gravity.dot(x)
 }
 
-/// Every particle that has left takes its energy with it. The store still holds the state that it had.
-pub(super) fn book_removed<V: Space>(
+/// Adds the energy of removed particles and their contacts. The store still holds their last state.
+pub(super) fn add_removed_energy<V: Space>(
     survey_param: SurveyParam<V>,
     store: Res<ParticleStore<V>>,
     gravity: Res<Gravity<V>>,
@@ -35,8 +36,8 @@ pub(super) fn book_removed<V: Space>(
         .elastic_energy(|i, partner| is_gone(i) || matches!(partner, Partner::Particle(j) if is_gone(j)));
 }
 
-/// Grains that have just got their first slots.
-pub(super) fn book_released<V: Space>(
+/// Adds the energy of grains that have just received their first slots.
+pub(super) fn add_released_energy<V: Space>(
     store: Res<ParticleStore<V>>,
     gravity: Res<Gravity<V>>,
     grains: Query<(), With<Grain>>,
@@ -52,20 +53,20 @@ pub(super) fn book_released<V: Space>(
     }
 }
 
-/// Grains that start in contact bring the elastic energy of their overlap too; their other springs start relaxed.
-pub(super) fn book_initial_overlaps<V: Space>(survey_param: SurveyParam<V>, mut flows: ResMut<EnergyFlows>) {
+/// Adds the elastic energy of overlaps at the start. All other springs start relaxed.
+pub(super) fn add_initial_overlap_energy<V: Space>(survey_param: SurveyParam<V>, mut flows: ResMut<EnergyFlows>) {
     let survey = survey_param.survey();
     survey.contacts(|_, _, pair, _| flows.released += survey.law.elastic_energy(pair, &Memory::default()));
 }
 
-/// A wall that is about to go takes the elastic energy of its contacts with it.
-pub(super) fn book_leaving_walls<V: Space>(
+/// Adds the elastic energy of contacts with walls that are about to be removed.
+pub(super) fn add_leaving_wall_energy<V: Space>(
     survey_param: SurveyParam<V>,
     leaving: Res<LeavingWalls>,
     mut flows: ResMut<EnergyFlows>,
 ) {
     let survey = survey_param.survey();
-    // A grain that has left meanwhile takes its contacts with it already.
+    // The contacts of a removed grain are already counted with the grain.
     flows.removed += survey.elastic_energy(|i, partner| {
         matches!(partner, Partner::Wall(wall) if leaving.0.contains(&wall)) && survey.store.is_present(i)
     });

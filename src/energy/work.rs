@@ -1,6 +1,6 @@
-//! The work of a step: of dashpots, of moving walls and of forces that behaviours add, J.
+//! Work in a step: of dashpots, of moving walls and of forces that behaviours add, J.
 //!
-//! Sums run in ascending order of slots, those of the drag stride by stride, each component for itself.
+//! Sums run in ascending order of slots, separately for each component. Sums of drag power run chunk by chunk.
 
 use std::ops::Add;
 
@@ -21,30 +21,33 @@ pub(super) struct Powers {
     dissipation: f64,
 }
 
-/// Powers of dashpots' torques, tangential and rolling, at the end of the last step, W.
+/// Powers of the torques of tangential and rolling dashpots at the end of the last step, W.
 #[derive(Resource, Clone, Copy, Debug, Default)]
 pub(super) struct TurningPowers {
     turning: f64,
     rolling: f64,
 }
 
-/// The sum of scalar products, given by component: in ascending order of slots, each component for itself.
+/// Returns the sum of scalar products, given by component. It runs in ascending order of slots, separately for each
+/// component.
 fn sum<T: Linear>(products: impl Iterator<Item = T>) -> f64 {
     products.fold(T::ZERO, Add::add).sum_of_components()
 }
 
-/// The power of the dashpots in these sums, by component, W; `motion` is the velocity or spin of who has them.
+/// Returns the power of the dissipative accumulators, by component, W. `motion` returns the velocity or spin of a
+/// particle.
 fn power<T: Linear, M>(sums: &[[T; TOTAL_AND_DISSIPATIVE]], movers: &[M], motion: impl Fn(&M) -> T) -> T {
     sums.iter().zip(movers).map(|([_, drag], mover)| drag.times(motion(mover))).fold(T::ZERO, Add::add)
 }
 
-/// The same, summed stride by stride.
-fn power_by_strides<T: Linear, M>(sums: &[[T; TOTAL_AND_DISSIPATIVE]], movers: &[M], motion: impl Fn(&M) -> T) -> T {
+/// Like [`power`], but summed chunk by chunk.
+fn power_by_chunks<T: Linear, M>(sums: &[[T; TOTAL_AND_DISSIPATIVE]], movers: &[M], motion: impl Fn(&M) -> T) -> T {
     let chunks = sums.chunks(CHUNK).zip(movers.chunks(CHUNK));
     chunks.map(|(sums, movers)| power(sums, movers, &motion)).fold(T::ZERO, Add::add)
 }
 
-pub(super) fn book_contact_work<V: Space>(
+/// Adds the work of normal and tangential dashpots and of moving walls.
+pub(super) fn add_contact_work<V: Space>(
     clock: Res<Clock>,
     store: Res<ParticleStore<V>>,
     walls: Res<Surfaces<V>>,
@@ -53,10 +56,10 @@ pub(super) fn book_contact_work<V: Space>(
 ) {
     let (force, on_fixed) = store.loads.force.entries().split_at(store.movable_end);
     let (body, fixed) = store.body.split_at(store.movable_end);
-    // As the kick sums them, if it does.
-    let of_grains = store.kick_sum.unwrap_or_else(|| power_by_strides(force, body, |body| body.velocity));
+    // The kick's sum is reused if there is one; otherwise the sum runs in the same order.
+    let of_grains = store.kick_sum.unwrap_or_else(|| power_by_chunks(force, body, |body| body.velocity));
     let (mut dissipation, mut wall) = (-of_grains.sum_of_components(), 0.0);
-    // Most of what is fixed stands still.
+    // Most fixed particles do not move.
     for (i, ([force, drag], body)) in
         on_fixed.iter().zip(fixed).enumerate().filter(|(_, (_, body))| body.velocity != V::ZERO)
     {
@@ -75,7 +78,8 @@ pub(super) fn book_contact_work<V: Space>(
     (last.dissipation, last.wall) = (dissipation, wall);
 }
 
-pub(super) fn book_friction<V: Space>(
+/// Adds the losses of friction and rolling resistance.
+pub(super) fn add_friction_loss<V: Space>(
     clock: Res<Clock>,
     store: Res<ParticleStore<V>>,
     history: Res<History<V>>,
@@ -85,15 +89,16 @@ pub(super) fn book_friction<V: Space>(
 ) {
     let (torque, on_fixed) = store.loads.torque.entries().split_at(store.movable_end);
     let (rotation, fixed) = store.rotation.split_at(store.movable_end);
-    // As the kick sums them, if it does.
-    let of_grains = store.spin_kick_sum.unwrap_or_else(|| power_by_strides(torque, rotation, |of| of.spin));
-    let turning = -(of_grains + power(on_fixed, fixed, |of| of.spin)).sum_of_components();
-    let rolling = -sum(store.loads.rolling_drag.iter().zip(&store.rotation).map(|(drag, of)| drag.times(of.spin)));
-    let taken = history.lost();
-    // In step zero too: there a dashpot beyond the cap loads its spring, and what that stores is not to be had for nothing.
-    channels.tangential += taken.sliding + taken.dashpots;
-    channels.rolling += taken.rolling;
-    flows.dissipated += taken.sliding + taken.rolling;
+    // The kick's sum is reused if there is one; otherwise the sum runs in the same order.
+    let of_grains = store.spin_kick_sum.unwrap_or_else(|| power_by_chunks(torque, rotation, |rotation| rotation.spin));
+    let turning = -(of_grains + power(on_fixed, fixed, |rotation| rotation.spin)).sum_of_components();
+    let rolling =
+        -sum(store.loads.rolling_drag.iter().zip(&store.rotation).map(|(drag, rotation)| drag.times(rotation.spin)));
+    let losses = history.lost();
+    // Step zero counts too: a dashpot beyond the cap loads its spring there, and this energy must have a source.
+    channels.tangential += losses.sliding + losses.dashpots;
+    channels.rolling += losses.rolling;
+    flows.dissipated += losses.sliding + losses.rolling;
     if !clock.is_step_zero() {
         let half = 0.5 * clock.dt;
         channels.rolling += half * (last.rolling + rolling);
@@ -102,8 +107,8 @@ pub(super) fn book_friction<V: Space>(
     *last = TurningPowers { turning, rolling };
 }
 
-/// Of the forces of this step, whose power the store has summed when they were written.
-pub(super) fn book_added_work<V: Space>(
+/// Adds the work of forces that behaviours add. The store has summed their power when they were written.
+pub(super) fn add_behaviour_work<V: Space>(
     clock: Res<Clock>,
     store: Res<ParticleStore<V>>,
     mut flows: ResMut<EnergyFlows>,
@@ -116,7 +121,7 @@ pub(super) fn book_added_work<V: Space>(
     last.added = added;
 }
 
-/// What periodic sides have lifted in this step.
-pub(super) fn book_lifted<V: Space>(store: Res<ParticleStore<V>>, mut flows: ResMut<EnergyFlows>) {
+/// Adds the potential energy of grains wrapped at periodic sides in this step.
+pub(super) fn add_lifted_energy<V: Space>(store: Res<ParticleStore<V>>, mut flows: ResMut<EnergyFlows>) {
     flows.lifted += store.lifted;
 }

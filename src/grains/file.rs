@@ -1,10 +1,12 @@
-//! Grain files: CSV with one grain a row, read by the scene's `grains` and written as `state.csv`.
+//! Grain files: CSV with one grain per row. The scene key `grains` reads them, and `state.csv` is one.
 //!
-//! Columns, found by name: `id` (whole, unique), `radius` (m), `mass` (kg), `x`, `y` (m), `vx`, `vy` (m/s), in solid space
-//! `z` and `vz` as well; and, if wanted, `species` (whole, default 0) and the spin (rad/s, default 0), `wz` in the plane,
-//! `wx`, `wy` and `wz` in space. A planar scene accepts the other columns of solid space if they are zero throughout, and
-//! one without friction those of the spin. Numbers are written with as many digits as they need to be read back to the
-//! same bits.
+//! Columns are found by name: `id` (whole, unique), `radius` (m), `mass` (kg), `x`, `y` (m), `vx`, `vy` (m/s), and in
+//! solid space also `z` and `vz`. Optional columns are `species` (whole, default 0) and the spin (rad/s, default 0):
+//! `wz` in the plane, `wx`, `wy` and `wz` in solid space.
+//!
+//! A planar scene accepts the other columns of solid space if they are zero throughout. A scene without friction
+//! accepts spin columns under the same condition. Numbers are written with enough digits to be read back to the same
+//! bits.
 
 mod read;
 mod write;
@@ -18,7 +20,7 @@ pub use self::write::{write, write_to};
 use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use crate::space::{Dimension, Solid, Space};
 
-/// The scene's `grains`.
+/// The scene key `grains`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct GrainFile {
@@ -26,10 +28,10 @@ pub struct GrainFile {
     pub file: PathBuf,
 }
 
-/// One row, SI.
+/// One grain, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GrainRow {
-    /// Name.
+    /// Id.
     pub id: GrainId,
     /// Radius, m.
     pub radius: f64,
@@ -41,12 +43,12 @@ pub struct GrainRow {
     pub velocity: Solid,
     /// Spin, rad/s; in the plane, along z.
     pub spin: Solid,
-    /// Kind.
+    /// Species.
     pub species: Species,
 }
 
 impl GrainRow {
-    /// The grain as an entity's components; its force is evaluated in step zero.
+    /// Returns the components of the grain as an entity. Its force is zero until step zero evaluates it.
     #[must_use]
     pub fn bundle<V: Space>(&self) -> GrainBundle<V> {
         GrainBundle {
@@ -64,14 +66,17 @@ impl GrainRow {
     }
 }
 
+/// Columns that every file needs.
 const ALWAYS: [&str; 7] = ["id", "radius", "mass", "x", "y", "vx", "vy"];
-const IN_SPACE: [&str; 2] = ["z", "vz"];
+/// Additional columns that a file of a solid scene needs.
+const SOLID: [&str; 2] = ["z", "vz"];
+/// Columns of the spin.
 const SPIN: [&str; 3] = ["wx", "wy", "wz"];
 
-/// What the scene has, and so what a file may have.
+/// Properties of a scene that determine the columns of its grain files.
 #[derive(Clone, Copy, Debug)]
 pub struct Kind {
-    /// Plane or solid.
+    /// Plane or solid space.
     pub dimension: Dimension,
     /// Whether grains spin.
     pub spins: bool,
@@ -83,10 +88,10 @@ impl Kind {
     }
 
     fn needed(self) -> impl Iterator<Item = &'static str> {
-        ALWAYS.into_iter().chain(IN_SPACE.into_iter().filter(move |_| self.is_solid()))
+        ALWAYS.into_iter().chain(SOLID.into_iter().filter(move |_| self.is_solid()))
     }
 
-    /// Columns that may be there, but say nothing.
+    /// Returns whether a column, if present, must be zero.
     fn must_be_zero(self, column: &str) -> bool {
         match column {
             "z" | "vz" => !self.is_solid(),
@@ -107,7 +112,7 @@ mod tests {
     const PLANE: Kind = Kind { dimension: Dimension::Plane, spins: false };
 
     #[test]
-    fn what_is_written_is_read_back_to_the_same_bits() {
+    fn written_grains_are_read_back_to_the_same_bits() {
         let text =
             "id,radius,mass,x,y,vx,vy,species\n1,0.1,0.3,0.30000000000000004,-1e-300,5e-324,-0,0\n7,1,2,3,4,5,6,255\n";
         let mut world = World::new();
@@ -119,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn so_are_spinning_spheres() {
+    fn spinning_spheres_are_written_as_they_were_read() {
         let kind = Kind { dimension: Dimension::Solid, spins: true };
         let text = "id,radius,mass,x,y,z,vx,vy,vz,species,wx,wy,wz\n4,0.1,0.3,1,2,3,4,5,6,1,7,8,0.1\n";
         let mut world = World::new();
@@ -130,7 +135,7 @@ mod tests {
     }
 
     #[test]
-    fn names_the_place_of_what_is_wrong() {
+    fn faults_point_at_the_wrong_line_and_column() {
         let cases = [
             ("id,radius,mass,x,y,vx\n", "grain_file::missing_column", (1, 1)),
             ("id,radius,mass,x,y,vx,vy,spin\n", "grain_file::unknown_column", (1, 1)),

@@ -1,9 +1,10 @@
-//! Grains of the start, set on a lattice: a block to fall, a gas, or the rough wall of a chute or a shear cell.
+//! Lattice fill: places the initial grains on a lattice. Examples are a block that falls, a gas, or the rough wall of a
+//! chute or a shear cell.
 //!
-//! A square lattice of side `spacing`, in solid space a cubic one, fills the box from `low` to `high`: x runs fastest,
-//! then y, then z; what does not fit into a whole number of cells is left free at the upper ends. Grains are displaced by
-//! a uniform `jitter` and start with a `velocity` plus a uniform `agitation`, half-widths both. Everything depends on the
-//! seed and the grain's number only.
+//! A square lattice of side `spacing` (in solid space a cubic one) fills the box from `low` to `high`. Its x index runs
+//! fastest, then y, then z. Space that does not hold a whole cell stays free at the upper ends. Each grain is displaced
+//! by a uniform `jitter`, and starts with `velocity` plus a uniform `agitation`. Both are half-widths. The random
+//! numbers depend only on the seed and the number of the grain.
 
 use serde::{Deserialize, Serialize};
 
@@ -15,36 +16,36 @@ use crate::random::Stream;
 use crate::space::{Dimension, Solid};
 use crate::values::{FiniteVector, NonNegative, Positive};
 
-/// One of the scene's `fill`.
+/// One entry of the scene key `fill`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fill {
     /// Lower corner of the box, m.
     pub low: FiniteVector,
-    /// Upper corner, m.
+    /// Upper corner of the box, m.
     pub high: FiniteVector,
     /// Side of the lattice, m.
     pub spacing: Positive,
     /// Radii, m.
     pub radius: RadiusLaw,
-    /// How many; default as many as fit.
+    /// Number of grains. Default: as many as fit.
     pub count: Option<u32>,
     /// Half-width of the displacement of each coordinate, m. Default 0.
     #[serde(default)]
     pub jitter: Option<NonNegative>,
-    /// Velocity, m/s. Default at rest. Fixed grains keep it.
+    /// Velocity, m/s. Default 0. Fixed grains keep it.
     pub velocity: Option<FiniteVector>,
-    /// Half-widths of a random velocity, m/s. Default none.
+    /// Half-widths of a uniform random velocity, m/s. Default 0.
     pub agitation: Option<FiniteVector>,
-    /// Whether they are fixed: wall grains.
+    /// Whether the grains are fixed wall grains.
     #[serde(default)]
     pub fixed: bool,
-    /// Species of the first size. Default 0.
+    /// Species of the first size of `radius`. Default 0.
     #[serde(default)]
     pub species: u8,
 }
 
-/// A wall grain of a scene.
+/// A wall grain of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FixedGrain {
     /// Centre, m.
@@ -53,35 +54,37 @@ pub struct FixedGrain {
     pub radius: f64,
     /// Velocity, m/s.
     pub velocity: Solid,
-    /// Kind.
+    /// Species.
     pub species: Species,
 }
 
-/// More cells than that are refused: a slip of the pen, or more than a machine holds.
-const MOST: f64 = 1e7;
+/// Largest accepted number of grains, and of cells along an axis. More are a typing error, or exceed the memory of a
+/// machine.
+const MAX_GRAINS: f64 = 1e7;
 
 impl Fill {
-    /// Number of lattice cells along each axis.
+    /// Returns the number of lattice cells along each axis.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e7, not negative")]
     fn cells(&self, dimension: Dimension) -> [u32; 3] {
         let (low, high) = (self.low.padded(), self.high.padded());
-        // Corners far from the origin are rounded themselves.
+        // The corners of a box far from the origin are rounded themselves.
         let round_off = (low.abs() + high.abs()) * f64::EPSILON;
         let size = high - low + round_off;
-        let along = |axis: usize| (size[axis] / self.spacing.get() * (1.0 + 1e-12)).clamp(0.0, MOST) as u32;
+        let along = |axis: usize| (size[axis] / self.spacing.get() * (1.0 + 1e-12)).clamp(0.0, MAX_GRAINS) as u32;
         [along(0), along(1), if dimension == Dimension::Solid { along(2) } else { 1 }]
     }
 
-    /// How many grains there will be; `None` if they are too many to hold.
+    /// Returns the number of grains; `None` if they are too many.
     #[must_use]
     pub fn size(&self, dimension: Dimension) -> Option<u32> {
-        let room = self.cells(dimension).into_iter().map(f64::from).product::<f64>();
-        let wanted = self.count.map_or(room, f64::from).min(room);
+        let capacity = self.cells(dimension).into_iter().map(f64::from).product::<f64>();
+        let wanted = self.count.map_or(capacity, f64::from).min(capacity);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e7, not negative")]
-        (wanted <= MOST).then_some(wanted as u32)
+        (wanted <= MAX_GRAINS).then_some(wanted as u32)
     }
 
-    /// The grains, with ids from `first_id` on, as long as there are ids; `number` tells one `fill` of a scene from the next.
+    /// Returns the grains, with ids from `first_id` on, until ids run out. `number` is the number of this `fill` in the
+    /// scene and selects its random numbers.
     pub fn grains(
         &self,
         dimension: Dimension,
@@ -91,7 +94,7 @@ impl Fill {
         first_id: u32,
     ) -> Vec<GrainRow> {
         let count = self.size(dimension).unwrap_or(0);
-        let [store, rows, _] = self.cells(dimension).map(|cells| cells.max(1));
+        let [columns, rows, _] = self.cells(dimension).map(|cells| cells.max(1));
         let random = Stream::new(seed, &format!("fill {number}"));
         let mut quotas = self.radius.quotas(count);
         let axes =
@@ -103,7 +106,7 @@ impl Fill {
             .filter_map(|n| {
                 let [size, x, y, z, vx, vy, vz] = random.uniform::<7>(u64::from(n));
                 let (radius, species) = self.radius.choose(size, &mut quotas);
-                let cell = [n % store, n / store % rows, n / store / rows].map(|c| f64::from(c) + 0.5);
+                let cell = [n % columns, n / columns % rows, n / columns / rows].map(|c| f64::from(c) + 0.5);
                 let displaced = axes([x, y, z].map(|u| jitter * (2.0 * u - 1.0)));
                 let agitated = agitation * axes([vx, vy, vz].map(|u| 2.0 * u - 1.0));
                 Some(GrainRow {

@@ -1,4 +1,4 @@
-//! The census: every grain of a world as it is, in ascending order of id.
+//! Grain snapshot: the present state of every grain of a world, in ascending order of ids.
 
 use bevy_ecs::prelude::*;
 
@@ -6,7 +6,7 @@ use crate::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity}
 use crate::space::Space;
 use crate::spin::Spin;
 
-/// A grain, SI.
+/// State of one grain, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct GrainSnapshot<V: Space> {
     pub(crate) id: GrainId,
@@ -15,16 +15,19 @@ pub(crate) struct GrainSnapshot<V: Space> {
     pub(crate) position: V,
     pub(crate) velocity: V,
     pub(crate) species: Species,
-    /// If it can spin.
+    /// Spin; `None` if the grain cannot spin.
     pub(crate) spin: Option<V::Spin>,
 }
 
-/// Whether any grain can spin.
+/// Returns whether any grain can spin.
 pub(crate) fn has_spins<V: Space>(world: &mut World) -> bool {
     world.query_filtered::<(), (With<Grain>, With<Spin<V::Spin>>)>().iter(world).next().is_some()
 }
 
-/// Shows each grain to `visit`, until that fails.
+/// Calls `visit` with each grain, until a call fails.
+///
+/// # Errors
+/// The first error of `visit`.
 pub(crate) fn take<V: Space, E>(
     world: &mut World,
     visit: impl FnMut(GrainSnapshot<V>) -> Result<(), E>,
@@ -33,7 +36,7 @@ pub(crate) fn take<V: Space, E>(
         world.query_filtered::<(&GrainId, Entity), With<Grain>>().iter(world).map(|(id, grain)| (*id, grain)).collect();
     grains.sort_unstable_by_key(|&(id, _)| id);
     let mut rows = world.query::<Row<V>>();
-    let resident = |(id, radius, mass, x, v, species, spin): Row<'_, V>| GrainSnapshot {
+    let snapshot = |(id, radius, mass, x, v, species, spin): Row<'_, V>| GrainSnapshot {
         id: *id,
         radius: radius.0,
         mass: mass.0,
@@ -42,7 +45,7 @@ pub(crate) fn take<V: Space, E>(
         species: *species,
         spin: spin.map(|spin| spin.0),
     };
-    grains.into_iter().filter_map(|(_, grain)| rows.get(world, grain).ok()).map(resident).try_for_each(visit)
+    grains.into_iter().filter_map(|(_, grain)| rows.get(world, grain).ok()).map(snapshot).try_for_each(visit)
 }
 
 type Row<'a, V> = (

@@ -1,4 +1,4 @@
-//! How a grain's mass follows from its radius.
+//! Mass of a grain as a function of its radius.
 
 use std::f64::consts::PI;
 
@@ -6,10 +6,10 @@ use serde::{Deserialize, Serialize};
 
 use crate::values::Positive;
 
-/// The scene's `mass`.
+/// The scene key `mass`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 pub enum MassLaw {
-    /// m = rho R^2, rho in kg/m^2: the assignment's.
+    /// m = rho R^2, rho in kg/m^2: the law of the assignment.
     ArealSquare(Positive),
     /// m = rho pi R^2, rho in kg/m^2: a disc.
     Disc(Positive),
@@ -18,7 +18,7 @@ pub enum MassLaw {
 }
 
 impl MassLaw {
-    /// The mass, kg, of a grain of radius `radius`, m.
+    /// Returns the mass (kg) of a grain of radius `radius` (m).
     #[must_use]
     pub fn of(self, radius: f64) -> f64 {
         match self {
@@ -41,7 +41,7 @@ mod tests {
             (MassLaw::Disc(rho), 0.502_654_824_574_366_9),
             (MassLaw::Sphere(rho), 0.026_808_257_310_632_903),
         ] {
-            // A product of five rounded numbers.
+            // The mass is a product of up to five rounded numbers.
             assert!((law.of(0.04) / mass - 1.0).abs() < 5.0 * f64::EPSILON);
         }
     }

@@ -1,4 +1,4 @@
-//! How grains get into a scene: from a file, or released one by one.
+//! Sources of grains: files, lattice fills and the spawner; and grain snapshots.
 
 pub mod file;
 pub mod fill;

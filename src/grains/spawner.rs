@@ -1,10 +1,11 @@
-//! The spawner: releases grains one after the other at a point.
+//! Spawner: releases grains one after the other at a point.
 //!
-//! A grain is due `interval` after the one before it. It enters at `point` plus a jitter, uniform within the given
-//! half-widths, with the given velocity, and at first feels only its weight. If its place overlaps anything, the
-//! release waits, so that no overlap energy is injected; the next one is due `interval` after the actual release.
-//! After `release_timeout` of waiting the run ends with the reason. Jitter and radius of a grain depend only on
-//! the seed and the grain's number.
+//! A grain is due `interval` after the previous one. It enters at `point` plus a uniform jitter within the given
+//! half-widths, with the given velocity. At first only its weight acts on it.
+//!
+//! If the grain would overlap any particle or wall, its release is delayed, so that no overlap energy enters. The next
+//! grain is due `interval` after the actual release. If the delay exceeds `release_timeout`, the run fails and states
+//! the reason. Jitter and radius depend only on the seed and the number of the grain.
 
 use std::marker::PhantomData;
 
@@ -26,46 +27,47 @@ use crate::store::PlainCommands;
 use crate::values::{FiniteVector, NonNegative, Positive, Share};
 use crate::walls::surfaces::Surfaces;
 
-/// The scene's `spawner`.
+/// The scene key `spawner`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Spawner {
-    /// Where grains are released, m.
+    /// Release point, m.
     pub point: FiniteVector,
-    /// Half-widths of the uniform jitter of the release point, m. Default none: one exact column.
+    /// Half-widths of the uniform jitter of the release point, m. Default 0: all grains enter at exactly one point.
     #[serde(default)]
     pub jitter: Option<FiniteVector>,
     /// Velocity at release, m/s.
     pub velocity: FiniteVector,
     /// Time between releases, s.
     pub interval: Positive,
-    /// How many grains.
+    /// Number of grains.
     pub count: u32,
-    /// Their radii, m.
+    /// Radii, m.
     pub radius: RadiusLaw,
-    /// How long a release may wait for its place before the run ends, s. Default 10.
-    #[serde(default = "patience")]
+    /// Longest delay of a release before the run fails, s. Default 10.
+    #[serde(default = "default_timeout")]
     pub release_timeout: NonNegative,
 }
 
-/// The scene's `spawner.radius`.
+/// The scene key `spawner.radius`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub enum RadiusLaw {
-    /// All the same, m.
+    /// One radius, m.
     Fixed(Positive),
-    /// Sizes (radius in m, share), in random order but with exact shares of the count, to the grain. The shares sum
-    /// to 1; the place in the list is the species.
+    /// Sizes (radius in m, share). Their order is random, but the number of each size is exactly its share of the
+    /// count, rounded to whole grains. The shares sum to 1. The index of a size is its species.
     Mixture(Vec<(Positive, Share)>),
     /// Uniform between two radii, m.
     Uniform(Positive, Positive),
 }
 
-fn patience() -> NonNegative {
-    NonNegative::try_from(10.0).expect("ten is positive")
+/// Default of `release_timeout`, s.
+fn default_timeout() -> NonNegative {
+    NonNegative::try_from(10.0).expect("10 is not negative")
 }
 
 impl RadiusLaw {
-    /// Smallest and largest radius, m.
+    /// Returns the smallest and the largest radius, m.
     #[must_use]
     pub fn range(&self) -> (f64, f64) {
         match self {
@@ -78,7 +80,7 @@ impl RadiusLaw {
         }
     }
 
-    /// How many of `count` grains each size of a mixture gets: shares rounded, the last size takes the rest.
+    /// Returns how many of `count` grains each size of a mixture gets. Shares are rounded; the last size gets the rest.
     pub(crate) fn quotas(&self, count: u32) -> Vec<u32> {
         let Self::Mixture(sizes) = self else { return Vec::new() };
         let mut left = count;
@@ -88,7 +90,7 @@ impl RadiusLaw {
                 #[expect(
                     clippy::cast_possible_truncation,
                     clippy::cast_sign_loss,
-                    reason = "a share of a count is one"
+                    reason = "a share of a count does not exceed the count"
                 )]
                 let quota = ((share.get() * f64::from(count)).round() as u32).min(left);
                 left -= quota;
@@ -101,20 +103,21 @@ impl RadiusLaw {
         quotas
     }
 
-    /// Radius (m) and species of a grain from its random number; `quotas` are what is left of each size.
+    /// Returns radius (m) and species of a grain for a uniform random number `u`. `quotas` holds the remaining number
+    /// of grains of each size.
     pub(crate) fn choose(&self, u: f64, quotas: &mut [u32]) -> (f64, Species) {
         match self {
             Self::Fixed(radius) => (radius.get(), Species(0)),
             Self::Uniform(a, b) => (a.get() + u * (b.get() - a.get()), Species(0)),
             Self::Mixture(sizes) => {
-                let mut ticket = u * f64::from(quotas.iter().sum::<u32>());
+                let mut remainder = u * f64::from(quotas.iter().sum::<u32>());
                 let mut chosen = quotas.iter().rposition(|&quota| quota > 0).unwrap_or(0);
                 for (size, &quota) in quotas.iter().enumerate() {
-                    if ticket < f64::from(quota) {
+                    if remainder < f64::from(quota) {
                         chosen = size;
                         break;
                     }
-                    ticket -= f64::from(quota);
+                    remainder -= f64::from(quota);
                 }
                 quotas[chosen] = quotas[chosen].saturating_sub(1);
                 (sizes[chosen].0.get(), Species(u8::try_from(chosen).unwrap_or(u8::MAX)))
@@ -123,19 +126,20 @@ impl RadiusLaw {
     }
 }
 
-/// Grains that are still to come, from whatever source; rest and the end of a run wait for them.
+/// Number of grains still to be released by any source. The rest detector and the end of a run depend on it.
 #[derive(Resource, Default, Debug)]
 pub struct Pending(pub u32);
 
-/// What became of the releases, for the report.
+/// Delays of releases, for the summary.
 #[derive(Resource, Default, Debug, Clone, Copy, Serialize)]
 pub struct ReleaseDelays {
-    /// Releases that had to wait for their place.
+    /// Number of releases that were delayed because their place was occupied.
     pub delayed_releases: u32,
-    /// Longest wait, s.
+    /// Longest delay, s.
     pub longest_delay_s: f64,
 }
 
+/// State of the spawner.
 #[derive(Resource)]
 struct SpawnerState<V: Space> {
     config: Spawner,
@@ -143,11 +147,15 @@ struct SpawnerState<V: Space> {
     random: Stream,
     quotas: Vec<u32>,
     next_id: u32,
+    /// Time at which the next grain is due, s.
     due: f64,
+    /// Whether the release of the next grain is delayed.
     is_blocked: bool,
-    waiting: Option<Candidate<V>>,
+    /// The next grain, once its random numbers are drawn.
+    next: Option<Candidate<V>>,
 }
 
+/// A grain to be released.
 #[derive(Clone, Copy)]
 struct Candidate<V> {
     id: GrainId,
@@ -157,8 +165,9 @@ struct Candidate<V> {
 }
 
 impl<V: Space> SpawnerState<V> {
+    /// Returns the next grain, and draws its random numbers if needed.
     fn candidate(&mut self, periodic: Option<&Periodic<V>>) -> Option<Candidate<V>> {
-        if self.waiting.is_none() {
+        if self.next.is_none() {
             let id = GrainId::grain(self.next_id)?;
             let [u, share @ ..] = self.random.uniform::<4>(u64::from(self.next_id));
             let (radius, species) = self.config.radius.choose(u, &mut self.quotas);
@@ -168,13 +177,13 @@ impl<V: Space> SpawnerState<V> {
                 position = position.with_axis(axis, position.axis(axis) + half_widths.axis(axis) * (2.0 * share - 1.0));
             }
             let position = periodic.map_or(position, |periodic| periodic.wrapped(position));
-            self.waiting = Some(Candidate { id, position, radius, species });
+            self.next = Some(Candidate { id, position, radius, species });
         }
-        self.waiting
+        self.next
     }
 }
 
-#[expect(clippy::too_many_arguments, reason = "what a release touches")]
+#[expect(clippy::too_many_arguments, reason = "a release reads and writes all of them")]
 fn release<V: Space>(
     mut commands: Commands,
     particles: Particles<V>,
@@ -186,24 +195,24 @@ fn release<V: Space>(
     (clock, gravity, walls): (Res<Clock>, Res<Gravity<V>>, Res<Surfaces<V>>),
 ) {
     let Some(grain) = state.candidate(particles.periodic()) else { return };
-    let waited = clock.time() - state.due;
+    let delay = clock.time() - state.due;
     if let Some(blocker) = blocker(&grain, &particles, &walls) {
         state.is_blocked = true;
-        if waited > state.config.release_timeout.get() {
-            outcome.fail(Failure::ReleaseBlocked { step: clock.steps, grain: grain.id, waited_s: waited, blocker });
+        if delay > state.config.release_timeout.get() {
+            outcome.fail(Failure::ReleaseBlocked { step: clock.steps, grain: grain.id, waited_s: delay, blocker });
         }
         return;
     }
     if state.is_blocked {
         if delays.delayed_releases == 0 {
             tracing::warn!(
-                "t = {:.3} s: {} was released {waited:.3} s late, its place was taken",
+                "t = {:.3} s: {} was released {delay:.3} s late, its place was taken",
                 clock.time(),
                 grain.id
             );
         }
         delays.delayed_releases += 1;
-        delays.longest_delay_s = delays.longest_delay_s.max(waited);
+        delays.longest_delay_s = delays.longest_delay_s.max(delay);
     }
     let mass = state.mass.of(grain.radius);
     commands.spawn(GrainBundle {
@@ -220,14 +229,16 @@ fn release<V: Space>(
     });
     released.write(GrainReleased { id: grain.id });
     pending.0 -= 1;
-    state.waiting = None;
+    state.next = None;
     state.next_id += 1;
-    // On time, the next moment is counted from this one's due time, so that moments do not drift by round-off.
+    // After a release on time, the next due time is counted from this due time, so that due times do not drift by
+    // round-off.
     let now = if state.is_blocked { clock.time() } else { state.due };
     state.due = now + state.config.interval.get();
     state.is_blocked = false;
 }
 
+/// Returns the name of a particle or wall that `grain` would overlap.
 fn blocker<V: Space>(grain: &Candidate<V>, particles: &Particles<V>, walls: &Surfaces<V>) -> Option<String> {
     let overlaps = |row: usize| {
         let reach = particles.radius(row) + grain.radius;
@@ -245,17 +256,17 @@ fn release_due<V: Space>(clock: Res<Clock>, state: Res<SpawnerState<V>>, pending
     pending.0 > 0 && clock.has_reached(state.due)
 }
 
-/// A spawner whose grains get ids from `first_id` on.
+/// Spawner of a scene.
 pub struct SpawnerPlugin<V: Space> {
-    /// What the scene says.
+    /// Configuration.
     pub config: Spawner,
-    /// How heavy grains are.
+    /// Law for the masses of grains.
     pub mass: MassLaw,
     /// The scene's seed.
     pub seed: u64,
     /// Id of the first grain.
     pub first_id: u32,
-    /// Where.
+    /// The space.
     pub space: PhantomData<V>,
 }
 
@@ -270,7 +281,7 @@ impl<V: Space> Plugin for SpawnerPlugin<V> {
             next_id: self.first_id,
             due: 0.0,
             is_blocked: false,
-            waiting: None,
+            next: None,
         });
         app.add_systems(Step, release::<V>.in_set(Phase::Spawn).in_set(PlainCommands).run_if(release_due::<V>));
     }
@@ -281,7 +292,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_mixture_has_its_shares_to_the_grain() {
+    fn a_mixture_has_exact_shares() {
         let size = |radius: f64, share: f64| (radius.try_into().unwrap(), share.try_into().unwrap());
         let law = RadiusLaw::Mixture(vec![size(0.04, 0.5), size(0.03, 0.3), size(0.02, 0.2)]);
         let mut quotas = law.quotas(1001);

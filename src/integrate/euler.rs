@@ -1,11 +1,13 @@
-//! The two Euler schemes: both of first order, for teaching.
+//! The two Euler schemes, both of first order, for teaching.
 //!
-//! * Explicit: x(t+dt) = x(t) + dt v(t), v(t+dt) = v(t) + dt a(t), with both on the right at time t. After a time T of free
-//!   fall it is g T dt/2 too high. It feeds energy into every spring, by a factor 1 + (w0 dt)^2 a step, so no step is
-//!   stable for contacts. The control of the free-fall test, and no more.
-//! * Symplectic: v(t+dt) = v(t) + dt a(t), then x(t+dt) = x(t) + dt v(t+dt), a at time t. After a time T of free fall it is
-//!   g T dt/2 too low. For forces that depend on positions alone it is symplectic, so that energy errs but does not drift,
-//!   and stable for w0 dt < 2. It takes the same positions as velocity Verlet whose velocities are read half a step late.
+//! * Explicit: x(t+dt) = x(t) + dt v(t), v(t+dt) = v(t) + dt a(t), with v and a on the right at time t. After a time T
+//!   of free fall the position is g T dt/2 too high. The scheme multiplies the energy of every spring by
+//!   1 + (w0 dt)^2 per step, so it is unstable for contacts at any step. It only serves as the control of the free-fall
+//!   test.
+//! * Symplectic: v(t+dt) = v(t) + dt a(t), then x(t+dt) = x(t) + dt v(t+dt), with a at time t. After a time T of free
+//!   fall the position is g T dt/2 too low. For forces that depend on positions alone the scheme is symplectic: its
+//!   energy has an error but no drift. It is stable for w0 dt < 2. Its positions equal those of velocity Verlet with
+//!   velocities read half a step late.
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;

@@ -1,4 +1,4 @@
-//! Time integration: how positions and velocities follow from forces. One file a scheme, or a kind of them.
+//! Time integration: computes positions and velocities from forces. Each file holds one scheme, or one family of them.
 
 pub mod centred;
 mod euler;
@@ -13,25 +13,25 @@ use serde::{Deserialize, Serialize};
 
 use crate::space::Space;
 
-/// The scene's `integrator`.
+/// The scene key `integrator`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Integrator {
-    /// Velocity Verlet with centred contacts: second order with drag and friction too. Where contacts are elastic,
-    /// it is `Verlet`.
+    /// Velocity Verlet with centred contacts: second order, also with drag and friction. For elastic contacts it equals
+    /// `Verlet`.
     #[default]
     Centred,
-    /// Velocity Verlet with the drag at the half-step velocity, as the assignment writes it. Second order; first
-    /// with drag.
+    /// Velocity Verlet with the drag at the half-step velocity, as the assignment writes it. Second order without drag,
+    /// first order with it.
     Verlet,
-    /// Symplectic Euler, first order, for teaching: errs where velocity Verlet does not, and is as stable.
+    /// Symplectic Euler, for teaching: first order, but as stable as velocity Verlet.
     SymplecticEuler,
-    /// Explicit Euler, first order and unstable for springs: for teaching, as the scheme that goes wrong.
+    /// Explicit Euler, for teaching: first order and unstable for springs.
     ExplicitEuler,
 }
 
-/// The integrator of a scene.
+/// Adds the integrator of a scene.
 pub struct IntegratorPlugin<V: Space> {
-    /// Which.
+    /// The scheme.
     pub kind: Integrator,
     /// The space.
     pub space: PhantomData<V>,

@@ -1,8 +1,8 @@
-//! The rotation of grains, in scenes with friction: spins by torques.
+//! Rotation of grains: integrates spins from torques, in scenes with friction.
 //!
-//! w follows velocity Verlet as the velocity does: w(t+dt/2) = w(t) + dt/2 T(t)/I, then T from positions and half-step
-//! velocities, then w(t+dt) = w(t+dt/2) + dt/2 T(t+dt)/I. Orientations are not followed: a sphere looks the same from all
-//! sides.
+//! The spin w follows velocity Verlet like the velocity: w(t+dt/2) = w(t) + dt/2 T(t)/I, then T from positions and
+//! half-step velocities, then w(t+dt) = w(t+dt/2) + dt/2 T(t+dt)/I. Orientations are not integrated, because a sphere
+//! is symmetric.
 
 use std::marker::PhantomData;
 
@@ -18,8 +18,8 @@ use crate::store::{
     TOTAL_AND_DISSIPATIVE, add_second_kick, kick_term,
 };
 
-/// Every grain that enters gets what it needs to turn, unless it brings all of it.
-fn equip<V: Space>(
+/// Adds the missing components of rotation to each grain that enters.
+fn add_rotation_components<V: Space>(
     added: On<Add<Grain>>,
     store: Res<ParticleStore<V>>,
     grains: Query<(&Mass, &Radius, Has<Spin<V::Spin>>, Has<Torque<V::Spin>>, Has<Inertia>)>,
@@ -38,14 +38,14 @@ fn equip<V: Space>(
     }
 }
 
-/// What a torque (N m) adds to the spin in half a step of `dt` (s), rad/s.
+/// Returns the gain of spin (rad/s) by a torque (N m) in half a step; `dt` is the step, s.
 #[inline]
-fn gained<W: Linear>(torque: W, dt: f64, inverse_inertia: f64) -> W {
+fn half_kick<W: Linear>(torque: W, dt: f64, inverse_inertia: f64) -> W {
     torque * (0.5 * dt * inverse_inertia)
 }
 
-/// The second kick of a step, the first of the next, or both in one pass. The second leaves
-/// a sum, which saves a pass ([`ParticleStore::spin_kick_sum`]).
+/// Makes the second kick of a step, the first kick of the next step, or both in one pass. The second kick also sums
+/// [`ParticleStore::spin_kick_sum`], which saves a pass.
 fn kick_spins<V: Space, const SECOND: bool, const FIRST: bool>(
     dt: f64,
     chunked: &ChunkedPass,
@@ -58,7 +58,7 @@ fn kick_spins<V: Space, const SECOND: bool, const FIRST: bool>(
     }
 }
 
-/// By torques of which so many numbers are kept.
+/// Kicks spins by torques with `NUMBERS` accumulators per particle.
 fn kick_by<V: Space, const NUMBERS: usize, const SECOND: bool, const FIRST: bool>(
     dt: f64,
     chunked: &ChunkedPass,
@@ -70,13 +70,13 @@ fn kick_by<V: Space, const NUMBERS: usize, const SECOND: bool, const FIRST: bool
         &mut rotation[..*end],
         #[inline(always)]
         |torque, rotation, sum: &mut V::Spin| {
-            let gained = gained(torque[0], dt, rotation.inverse_inertia);
+            let gain = half_kick(torque[0], dt, rotation.inverse_inertia);
             if SECOND {
-                rotation.spin += gained;
+                rotation.spin += gain;
                 *sum += kick_term(torque, rotation.spin);
             }
             if FIRST {
-                rotation.spin += gained;
+                rotation.spin += gain;
             }
         },
     );
@@ -85,7 +85,7 @@ fn kick_by<V: Space, const NUMBERS: usize, const SECOND: bool, const FIRST: bool
     }
 }
 
-/// Before the drift; with the second kick of the step before, if it is owed.
+/// Makes the first kick before the drift, together with the second kick of the previous step if that is pending.
 fn first_kick<V: Space>(
     (clock, chunked): (Res<Clock>, ChunkedPass),
     second: Res<PendingKick>,
@@ -99,15 +99,15 @@ fn first_kick<V: Space>(
     }
 }
 
-/// After the forces.
+/// Makes the second kick, after the forces.
 fn second_kick<V: Space>((clock, chunked): (Res<Clock>, ChunkedPass), mut store: ResMut<ParticleStore<V>>) {
     kick_spins::<V, true, false>(clock.dt, &chunked, &mut store);
     store.stale.add(MirrorSet::SPIN.and(MirrorSet::FREE));
 }
 
-/// Rotation of grains.
+/// Adds the rotation of grains.
 pub struct SpinPlugin<V: Space> {
-    /// What moments of inertia follow from.
+    /// Law for the moments of inertia.
     pub inertia: InertiaLaw,
     /// The space.
     pub space: PhantomData<V>,
@@ -116,7 +116,7 @@ pub struct SpinPlugin<V: Space> {
 impl<V: Space> Plugin for SpinPlugin<V> {
     fn build(&self, app: &mut App) {
         app.world_mut().resource_mut::<ParticleStore<V>>().inertia = Some(self.inertia);
-        app.world_mut().spawn((Observer::new(equip::<V>), OwnObserver));
+        app.world_mut().spawn((Observer::new(add_rotation_components::<V>), OwnObserver));
         app.add_systems(Step, first_kick::<V>.in_set(Part::Engine(Phase::Drift)).in_set(SpinsDrifted).after(Drifted));
         add_second_kick(app, second_kick::<V>.after(Kicked));
     }

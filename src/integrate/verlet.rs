@@ -6,10 +6,12 @@
 //! 4. a(t+dt) = F/m
 //! 5. v(t+dt) = v(t+dt/2) + dt/2 a(t+dt)
 //!
-//! Steps 1 and 2 are [`Phase::Drift`], where 1 is written as x + dt v(t+dt/2), the same number; 4 and 5 are
-//! [`Phase::Kick`], unless they are put off until the next drift (`store/deferred_kick.rs`). Second order, symplectic and time-reversible while forces depend on positions alone. Drag is
-//! evaluated with a velocity half a step old, which makes damped contacts first order; one such contact is stable
-//! for dt < 2/w0 (sqrt(1 + zeta^2) - zeta).
+//! Steps 1 and 2 are [`Phase::Drift`]. Step 1 is written as x + dt v(t+dt/2), which is the same number. Steps 4 and 5
+//! are [`Phase::Kick`], unless the kick is deferred to the next drift (`store/deferred_kick.rs`).
+//!
+//! The scheme is second order, symplectic and time-reversible for forces that depend on positions alone. Drag is
+//! evaluated with a velocity half a step old, so damped contacts are first order. One such contact is stable for
+//! dt < 2/w0 (sqrt(1 + zeta^2) - zeta).
 
 use std::ops::Add;
 
@@ -23,13 +25,13 @@ use crate::store::{
     add_second_kick, kick_term,
 };
 
-/// What a force (N) adds to the velocity in half a step of `dt` (s), m/s.
+/// Returns the gain of velocity (m/s) by a force (N) in half a step; `dt` is the step, s.
 #[inline]
 fn half_kick<V: Space>(force: V, dt: f64, inverse_mass: f64) -> V {
     force * (0.5 * dt * inverse_mass)
 }
 
-/// If the second kick of the step before is owed, with that, and with its sum.
+/// Makes the first kick and the drift. A pending second kick of the previous step, with its sum, comes first.
 fn drift<V: Space>(
     (clock, chunked): (Res<Clock>, ChunkedPass),
     second: Res<PendingKick>,
@@ -45,24 +47,25 @@ fn drift<V: Space>(
     }
 }
 
-/// By forces of which so many numbers are kept.
-fn drift_by<V: Space, const NUMBERS: usize, const OWED: bool>(
+/// Drifts under forces with `NUMBERS` accumulators per particle.
+fn drift_by<V: Space, const NUMBERS: usize, const PENDING: bool>(
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) {
-    // An open scene pays nothing for sides.
+    // The pass is compiled without wrapping too, so that open scenes do not pay for it.
     match store.periodic.filter(|_| !store.sets_back_later) {
-        None => drift_along::<V, NUMBERS, OWED>(dt, chunked, store, |_| {}),
-        Some(periodic) => drift_along::<V, NUMBERS, OWED>(dt, chunked, store, |x| periodic.wrap(x)),
+        None => drift_with::<V, NUMBERS, PENDING>(dt, chunked, store, |_| {}),
+        Some(periodic) => drift_with::<V, NUMBERS, PENDING>(dt, chunked, store, |x| periodic.wrap(x)),
     }
 }
 
-fn drift_along<V: Space, const NUMBERS: usize, const OWED: bool>(
+/// Drifts, and applies `wrap` to each new position.
+fn drift_with<V: Space, const NUMBERS: usize, const PENDING: bool>(
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
-    set_back: impl Fn(&mut V) + Sync,
+    wrap: impl Fn(&mut V) + Sync,
 ) {
     let ParticleStore { body, loads, movable_end: end, .. } = store;
     let chunks = chunked.in_chunks(
@@ -70,28 +73,28 @@ fn drift_along<V: Space, const NUMBERS: usize, const OWED: bool>(
         &mut body[..*end],
         #[inline(always)]
         |force, body, (longest, sum): &mut (LongestMove, V)| {
-            let gained = half_kick(force[0], dt, body.inverse_mass);
-            let mut velocity = body.velocity + gained;
-            if OWED {
+            let gain = half_kick(force[0], dt, body.inverse_mass);
+            let mut velocity = body.velocity + gain;
+            if PENDING {
                 *sum += kick_term(force, velocity);
-                velocity += gained;
+                velocity += gain;
             }
             let mut position = body.position + velocity * dt;
-            // Before it is set back.
+            // The move is measured before the position is wrapped.
             longest.raise(position - body.position);
-            set_back(&mut position);
+            wrap(&mut position);
             (body.position, body.velocity) = (position, velocity);
         },
     );
-    let both = |(longest, sum): (LongestMove, V), (way, term)| (longest.or(way), sum + term);
+    let both = |(longest, sum): (LongestMove, V), (other, term)| (longest.or(other), sum + term);
     let (longest, sum) = chunks.into_iter().fold((LongestMove::default(), V::ZERO), both);
     store.travel += longest.length();
-    if OWED {
+    if PENDING {
         store.kick_sum = Some(sum);
     }
 }
 
-/// With a sum, which saves a pass ([`ParticleStore::kick_sum`]).
+/// Makes the second kick. It also sums [`ParticleStore::kick_sum`], which saves a pass.
 fn kick<V: Space>((clock, chunked): (Res<Clock>, ChunkedPass), mut store: ResMut<ParticleStore<V>>) {
     let sum = if store.tracks_energy {
         kick_by::<V, TOTAL_AND_DISSIPATIVE>(clock.dt, &chunked, &mut store)

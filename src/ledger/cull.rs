@@ -1,4 +1,4 @@
-//! The culler: removes grains that have fallen far enough. Who is there without having crossed the orifice is lost.
+//! Culler: removes grains that have fallen far enough. A grain there that has not crossed the orifice is lost.
 
 use std::collections::HashSet;
 use std::marker::PhantomData;
@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::ledger::grain_accounting::{account_for_grains, count_released};
-use crate::ledger::{Ledger, Place, Whereabouts, watch_paths};
+use crate::ledger::{GrainState, GrainStates, Ledger, watch_paths};
 use crate::messages::GrainLost;
 use crate::particle::GrainId;
 use crate::particles::Particles;
@@ -18,27 +18,28 @@ use crate::step::{Phase, Step};
 use crate::store::PlainCommands;
 use crate::values::Finite;
 
-/// The scene's `cull`.
+/// The scene key `cull`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cull {
-    /// Grains whose centre is below this height are removed, m.
+    /// Height below which grains are removed, by their centres, m.
     pub below: Finite,
 }
 
-/// Grains that the culler has removed, until the store reports them.
+/// Ids of grains that the culler has despawned, until the store reports their removal.
 #[derive(Resource, Default)]
 pub(super) struct Culled(pub(super) HashSet<GrainId>);
 
+/// Height of `cull.below`, m.
 #[derive(Resource)]
 pub(super) struct CullLine(pub(super) f64);
 
 fn cull<V: Space>(
     mut commands: Commands,
     particles: Particles<V>,
-    (line, whereabouts): (Res<CullLine>, Option<Res<Whereabouts<V>>>),
+    (line, states): (Res<CullLine>, Option<Res<GrainStates<V>>>),
     mut ledger: ResMut<Ledger>,
-    mut expected: ResMut<Culled>,
+    mut culled: ResMut<Culled>,
     mut lost: MessageWriter<GrainLost<V>>,
     mut trigger: Local<DisplacementTrigger>,
 ) {
@@ -51,16 +52,16 @@ fn cull<V: Space>(
         lowest = lowest.min(position.height());
         if position.height() < line.0 {
             commands.entity(particles.entity(row)).despawn();
-            expected.0.insert(id);
+            culled.0.insert(id);
             ledger.culled += 1;
-            let place = whereabouts.as_ref().and_then(|places| places.0.get(row));
-            if place.is_none_or(|place| !matches!(place, Place::Out | Place::Lost)) {
+            let state = states.as_ref().and_then(|states| states.0.get(row));
+            if state.is_none_or(|state| !matches!(state, GrainState::Out | GrainState::Lost)) {
                 let way = "below the cull line, without having crossed the orifice".to_owned();
                 lost.write(GrainLost { id, position, way, nearest: None });
             }
         }
     }
-    // No grain is below the line before one has gone this far.
+    // No grain can be below the line before one has moved this far.
     *trigger = DisplacementTrigger::for_distance(particles.travel_meter(), lowest - line.0);
 }
 

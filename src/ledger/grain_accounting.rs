@@ -1,6 +1,6 @@
-//! The books: who has entered, who is out and when, who is lost and how, and what a loss does to the run.
+//! Grain accounting: counts grains that enter, are out or are lost, and applies `on_loss`.
 //!
-//! Told by messages: `GrainReleased`, `GrainOut` and `GrainLost`. A grain that somebody else removed is lost too.
+//! It reads the messages `GrainReleased`, `GrainOut` and `GrainLost`. A grain removed by any other system is lost too.
 
 use std::collections::HashSet;
 use std::marker::PhantomData;
@@ -10,7 +10,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::ledger::cull::Culled;
-use crate::ledger::shown;
+use crate::ledger::format_position;
 use crate::messages::{GrainLost, GrainOut, GrainReleased};
 use crate::outcome::{Failure, Outcome};
 use crate::particle::GrainId;
@@ -18,68 +18,68 @@ use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 use crate::store::{BeforeRenumbering, ParticleStore, Renumber};
 
-/// The scene's `on_loss`: what a lost grain does to the run.
+/// The scene key `on_loss`: effect of a lost grain on the run.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum OnLoss {
-    /// The run stops and has failed.
+    /// The run stops as failed.
     #[default]
     Stop,
-    /// The run goes on; it has failed all the same when it ends.
+    /// The run goes on, but counts as failed when it ends.
     Continue,
 }
 
-/// One lost grain.
+/// Record of one lost grain.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LossRecord {
-    /// Its id.
+    /// Id of the grain.
     pub grain: u32,
-    /// The step in which it was noticed.
+    /// Step in which the loss was found.
     pub step: u64,
     /// Simulated time, s.
     pub time_s: f64,
-    /// Where it was, m.
+    /// Position of the grain, m.
     pub position_m: Vec<f64>,
-    /// How it went.
+    /// How the grain was lost, in words.
     pub way: String,
-    /// The nearest wall grain, by its number in the silo file.
+    /// Nearest wall grain, by its number in the silo file.
     pub nearest_wall_grain: Option<u32>,
 }
 
-/// The books.
+/// Counts of released, out and lost grains.
 #[derive(Resource, Default, Debug)]
 pub struct Ledger {
-    /// Grains that have entered.
+    /// Number of grains that have entered.
     pub released: u32,
-    /// When each grain that is out crossed the orifice, s, in order.
+    /// Times at which grains crossed the orifice, s, ascending.
     pub out_times: Vec<f64>,
-    /// Who was lost, in order.
+    /// Lost grains, in order of time.
     pub lost: Vec<LossRecord>,
-    /// Grains removed below the cull line, whether out or lost.
+    /// Number of grains removed below the cull line, out or lost.
     pub culled: u32,
-    /// Who is out or lost.
+    /// Ids of all grains that are out or lost.
     gone: HashSet<GrainId>,
 }
 
 impl Ledger {
-    /// Grains that are out.
+    /// Returns the number of grains that are out.
     #[must_use]
     pub fn out(&self) -> u32 {
         count(self.out_times.len())
     }
 
-    /// Grains that are lost.
+    /// Returns the number of lost grains.
     #[must_use]
     pub fn lost(&self) -> u32 {
         count(self.lost.len())
     }
 
-    /// Whether a grain is out or lost.
+    /// Returns whether a grain is out or lost.
     #[must_use]
     pub fn is_gone(&self, grain: GrainId) -> bool {
         self.gone.contains(&grain)
     }
 
-    /// Grains that are inside: released, neither out nor lost.
+    /// Returns the number of grains inside: released, and neither out nor lost.
     #[must_use]
     pub fn inside(&self) -> u32 {
         self.released.saturating_sub(self.out() + self.lost())
@@ -94,17 +94,17 @@ pub(super) fn count_released(mut ledger: ResMut<Ledger>, mut released: MessageRe
     ledger.released += count(released.read().count());
 }
 
-/// Grains that left the world otherwise are lost too; the store still knows their names.
-fn miss_vanished<V: Space>(
-    mut expected: ResMut<Culled>,
+/// Reports grains that another system has removed as lost. Before the renumbering the store still holds their ids.
+fn report_vanished_grains<V: Space>(
+    mut culled: ResMut<Culled>,
     store: Res<ParticleStore<V>>,
     mut lost: MessageWriter<GrainLost<V>>,
     ledger: Res<Ledger>,
 ) {
     for &row in store.vacated() {
         let id = store.id[row];
-        if !expected.0.remove(&id) && !id.is_wall() && !ledger.gone.contains(&id) {
-            let way = "out of the world, removed by a behaviour".to_owned();
+        if !culled.0.remove(&id) && !id.is_wall() && !ledger.gone.contains(&id) {
+            let way = "removed by a behaviour".to_owned();
             lost.write(GrainLost { id, position: store.body[row].position, way, nearest: None });
         }
     }
@@ -119,7 +119,7 @@ pub(super) fn account_for_grains<V: Space>(
     mut outcome: ResMut<Outcome>,
 ) {
     let (step, time_s) = (clock.steps, clock.time());
-    // Whoever leaves in the same step is booked in the order of the ids, whatever tables the grains are in.
+    // Grains that leave in the same step are counted in the order of their ids, independent of ECS tables.
     let mut out: Vec<_> = out.read().collect();
     out.sort_unstable_by_key(|grain| grain.id);
     let mut lost: Vec<_> = lost.read().collect();
@@ -129,7 +129,7 @@ pub(super) fn account_for_grains<V: Space>(
         ledger.out_times.push(time_s);
     }
     for grain in lost {
-        tracing::debug!("t = {time_s:.3} s: {} was lost {}", grain.id, grain.way);
+        tracing::debug!("t = {time_s:.3} s: {} was lost: {}", grain.id, grain.way);
         ledger.gone.insert(grain.id);
         ledger.lost.push(LossRecord {
             grain: grain.id.number(),
@@ -141,19 +141,20 @@ pub(super) fn account_for_grains<V: Space>(
         });
         if on_loss.0 == OnLoss::Stop {
             let GrainLost { id, position, way, .. } = grain.clone();
-            outcome.fail(Failure::GrainLost { step, grain: id, position: shown(position), way });
+            outcome.fail(Failure::GrainLost { step, grain: id, position: format_position(position), way });
         }
     }
 }
 
+/// The scene key `on_loss` as a resource.
 #[derive(Resource)]
 pub(super) struct OnLossSetting(OnLoss);
 
-/// Systems of [`Phase::Cull`] that act on a settled ledger run after this set.
+/// Systems of [`Phase::Cull`] that need the final counts of the step run after this set.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct GrainsAccounted;
 
-/// The ledger, with what a loss does.
+/// Adds the grain accounting, with the effect of a loss.
 pub struct LedgerPlugin<V: Space>(pub OnLoss, pub PhantomData<V>);
 
 impl<V: Space> Plugin for LedgerPlugin<V> {
@@ -161,7 +162,7 @@ impl<V: Space> Plugin for LedgerPlugin<V> {
         app.init_resource::<Ledger>()
             .insert_resource(OnLossSetting(self.0))
             .init_resource::<Culled>()
-            .add_systems(Renumber, miss_vanished::<V>.in_set(BeforeRenumbering))
+            .add_systems(Renumber, report_vanished_grains::<V>.in_set(BeforeRenumbering))
             .add_systems(
                 Step,
                 (count_released, account_for_grains::<V>).chain().in_set(Phase::Cull).in_set(GrainsAccounted),

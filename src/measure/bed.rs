@@ -1,11 +1,12 @@
-//! The bed at rest: how high it stands and how densely it is packed.
+//! Bed at rest: height and packing fraction.
 //!
-//! *Fill height* is the mean, over 100 columns of equal width across the bed, of the top of the highest grain in
-//! each column, m above the origin; columns without a grain count from the lowest. *Packing fraction* is the share
-//! of the window's area that grains cover, sampled on a square grid of 1/20 of the smallest radius; overlaps count
-//! once. The window has to lie inside the bed, away from walls and surface: then the figure is the bulk's, except
-//! for the layering next to walls. The sampling error is of the order (grid/R)/sqrt(number of grains in the window),
-//! under 1e-3 for a hundred grains. A window that would take more than 4e6 points gets a wider grid.
+//! *Fill height* (m above the origin) is a mean over 100 columns of equal width across the bed. Each column counts with
+//! the top of its highest grain, a column without grains with the lowest point of the bed.
+//!
+//! *Packing fraction* is the share of the window's area that grains cover. It is sampled on a square grid of 1/20 of
+//! the smallest radius; overlaps count once. The window must lie inside the bed, away from walls and surface. Then the
+//! result is the bulk value, except for the layering next to walls. The sampling error is about (grid/R)/sqrt(number of
+//! grains in the window), less than 1e-3 for a hundred grains. A window with more than 4e6 points gets a wider grid.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -19,7 +20,7 @@ use crate::step::Step;
 use crate::store::PlainCommands;
 use crate::values::FiniteVector;
 
-/// The scene's `bed`: a window inside the bed at rest.
+/// The scene key `bed`: a window inside the bed at rest.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Bed {
@@ -29,10 +30,10 @@ pub struct Bed {
     pub high: FiniteVector,
 }
 
-/// The figures.
+/// Results of the measurement.
 #[derive(Resource, Clone, Copy, Debug, Serialize)]
 pub struct BedFigures {
-    /// Mean height of the surface, m.
+    /// Mean height of the surface above the origin, m.
     pub fill_height_m: f64,
     /// Share of the window that grains cover.
     pub packing_fraction: f64,
@@ -71,8 +72,8 @@ fn fill_height(grains: &[(Vector, f64)]) -> f64 {
     tops.iter().sum::<f64>() / 100.0
 }
 
-/// Where a window would hold more points, the grid is wider.
-const MOST_POINTS: f64 = 4e6;
+/// Largest number of grid points in a window.
+const MAX_POINTS: f64 = 4e6;
 
 fn packing_fraction(grains: &[(Vector, f64)], low: Vector, high: Vector) -> f64 {
     let smallest = grains.iter().map(|(_, r)| *r).fold(f64::INFINITY, f64::min);
@@ -81,7 +82,7 @@ fn packing_fraction(grains: &[(Vector, f64)], low: Vector, high: Vector) -> f64 
         .filter(|(x, r)| x.cmpgt(low - Vector::splat(*r)).all() && x.cmplt(high + Vector::splat(*r)).all())
         .collect();
     let area = (high - low).element_product();
-    let step = (smallest / 20.0).max((area / MOST_POINTS).sqrt());
+    let step = (smallest / 20.0).max((area / MAX_POINTS).sqrt());
     let (mut covered, mut points) = (0u32, 0u32);
     let mut y = low.y + 0.5 * step;
     while y < high.y {
@@ -114,17 +115,17 @@ mod tests {
     use std::f64::consts::PI;
 
     #[test]
-    fn a_square_lattice_is_packed_as_its_cell() {
-        // A radius whose grid does not repeat from cell to cell, so that 196 cells average the error of each.
+    fn packing_fraction_of_a_square_lattice_is_that_of_its_cell() {
+        // With this radius the grid does not repeat from cell to cell, so the errors of 196 cells average out.
         let radius = 0.47;
         let grains: Vec<_> =
             (0..20u8).flat_map(|i| (0..20u8).map(move |j| (Vector::new(f64::from(i), f64::from(j)), radius))).collect();
         let phi = packing_fraction(&grains, Vector::splat(2.5), Vector::splat(16.5));
-        // One circle on a grid of R/20 errs by (1/20)^1.5 or so, 196 of them by a 14th of that; the window ends within
-        // half a grid cell, 0.0235/2 of 14.
+        // The error of one circle on a grid of R/20 is about (1/20)^1.5, and 196 circles divide it by 14. The window
+        // ends within half a grid cell, 0.0235/2 of 14.
         assert!((phi - PI * radius * radius).abs() < 2e-3, "{phi}");
-        // The mean height of a half circle over its own width is pi R/4; between circles of the last row there is a gap,
-        // through which the row below shows its side, so the mean lies below.
+        // The mean height of a half circle over its width is pi R/4. Gaps between circles of the top row show the sides
+        // of the row below, so the mean is lower.
         let height = fill_height(&grains);
         assert!(height < 19.0 + PI * radius / 4.0 && height > 18.9, "{height}");
     }

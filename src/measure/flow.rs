@@ -1,17 +1,19 @@
-//! A field of mean velocity in square cells: what a flow looks like, for any model of grain.
+//! Flow field: mean velocity in square cells. It works for any model of grains.
 //!
-//! Every sample, each grain adds its mass m and momentum m v to the cell that its centre is in; over all samples
+//! In each sample, each grain adds its mass m and momentum m v to the cell that contains its centre. The results are
+//! averages over all samples:
 //!
-//! * *count*: grains a sample, an average over all samples of the field, those without a grain in the cell too;
-//! * *velocity*: sum m v / sum m, the mean of the grains (not of the samples: a cell that is empty half of the time is
-//!   not half as fast).
+//! * *count*: grains per sample, including samples without a grain in the cell;
+//! * *velocity*: sum m v / sum m. It is a mean over grains, not over samples: a cell that is empty half of the time is
+//!   not half as fast.
 //!
-//! Cells have their corners at whole multiples of their side, so that fields of two runs, or of two models, share them.
-//! What lies on the line between two cells, to a billionth of a cell, belongs to the upper or right one: rounding does
-//! not deal out the rows of a lattice. Units are those of what is added, in the grain silo m, kg and m/s.
+//! Corners of cells are at whole multiples of the cell side, so that the fields of two runs, or of two models, share
+//! cells. A point on the line between two cells, within a billionth of a cell, belongs to the upper or right cell.
+//! Rounding therefore does not scatter the rows of a lattice over two cells. Units are the units of the input: m, kg
+//! and m/s in the grain silo.
 //!
-//! Limit: the mean of a cell contains how the velocity changes across the cell. In a shear u = a x sampled uniformly it is
-//! a times the cell's middle, with a standard error of a cell/sqrt(12 n) for n grains.
+//! Limit: the mean of a cell averages over the variation of the velocity in it. In a shear u = a x sampled uniformly,
+//! the mean is a times the middle of the cell. Its standard error for n grains is a L/sqrt(12 n), with the cell side L.
 
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
@@ -20,32 +22,32 @@ use serde::{Deserialize, Serialize};
 
 use crate::values::{Positive, Share};
 
-/// The scene's `flow`.
+/// The scene key `flow`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Flow {
     /// Side of the square cells, m.
     pub cell: Positive,
-    /// Share of the released grains that are out when sampling begins. Default 0.05.
+    /// Share of the released grains that are out when sampling starts. Default 0.05.
     #[serde(default = "default_from")]
     pub from: Share,
-    /// And when it ends. Default 0.4.
+    /// Share of the released grains that are out when sampling ends. Default 0.4.
     #[serde(default = "default_to")]
     pub to: Share,
-    /// Time between samples, s; of a lattice gas a whole number of steps.
+    /// Time between samples, s. In a lattice gas it must be a whole number of steps.
     pub sample: Positive,
 }
 
 fn default_from() -> Share {
-    Share::try_from(0.05).expect("a share")
+    Share::try_from(0.05).expect("0.05 is a share")
 }
 
 fn default_to() -> Share {
-    Share::try_from(0.4).expect("a share")
+    Share::try_from(0.4).expect("0.4 is a share")
 }
 
 impl Flow {
-    /// Whether a sample is wanted when `out` of `released` grains are out.
+    /// Returns whether a sample is due when `out` of `released` grains are out.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "fewer than 2^53 grains")]
     pub fn samples_at(&self, out: u64, released: u64) -> bool {
@@ -54,7 +56,7 @@ impl Flow {
     }
 }
 
-/// Sums in one cell.
+/// Sums over one cell.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums {
     count: u64,
@@ -62,40 +64,40 @@ struct Sums {
     momentum: [f64; 2],
 }
 
-/// Means in one cell.
+/// Means over one cell.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct FlowMeans {
     /// Middle of the cell along the first axis.
     pub x: f64,
-    /// Along the second, upwards.
+    /// Middle of the cell along the second axis, upwards.
     pub y: f64,
-    /// Samples of the field.
+    /// Number of samples of the field.
     pub samples: u64,
-    /// Grains a sample.
+    /// Grains per sample.
     pub count: f64,
     /// Mean velocity along the first axis.
     pub vx: f64,
-    /// Along the second.
+    /// Mean velocity along the second axis.
     pub vy: f64,
 }
 
-/// The sums of a field so far.
+/// Sums of a flow field so far.
 #[derive(Clone, Debug)]
 pub struct FlowField {
     cell: f64,
     samples: u64,
-    /// By row, then column: the order of the means.
+    /// Cells by row, then column, in the order of the means.
     cells: BTreeMap<[i64; 2], Sums>,
 }
 
-/// The number of the cell, of side `cell`, that a coordinate is in.
+/// Returns the number of the cell of side `cell` that contains a coordinate.
 #[expect(clippy::cast_possible_truncation, reason = "saturates far outside any silo")]
 fn number(coordinate: f64, cell: f64) -> i64 {
     (coordinate / cell + 1e-9).floor() as i64
 }
 
 impl FlowField {
-    /// The means as rows of `flow.csv`. Writing to a string cannot fail.
+    /// Returns the means as rows of `flow.csv`. Writing to a string cannot fail.
     pub(crate) fn rows(&self) -> String {
         self.means().iter().fold(String::new(), |mut text, cell| {
             let FlowMeans { x, y, samples, count, vx, vy } = cell;
@@ -104,18 +106,18 @@ impl FlowField {
         })
     }
 
-    /// No samples yet, in cells of this side.
+    /// Makes a field without samples, with cells of side `cell`.
     #[must_use]
     pub fn new(cell: f64) -> Self {
         Self { cell, samples: 0, cells: BTreeMap::new() }
     }
 
-    /// Adds a grain to the sample that is being taken.
+    /// Adds a grain to the present sample.
     pub fn add(&mut self, x: f64, y: f64, mass: f64, vx: f64, vy: f64) {
         self.add_to(x, y, 1, mass, [vx, vy]);
     }
 
-    /// Adds several of mass 1 at one place, with their mean velocity.
+    /// Adds `count` grains of mass 1 at one place, with their mean velocity.
     pub fn add_several(&mut self, x: f64, y: f64, count: u32, velocity: [f64; 2]) {
         self.add_to(x, y, count, f64::from(count), velocity);
     }
@@ -128,18 +130,18 @@ impl FlowField {
         sums.momentum[1] += mass * vy;
     }
 
-    /// The sample is complete, whether it held grains or not.
+    /// Ends the present sample, with or without grains.
     pub fn end_sample(&mut self) {
         self.samples += 1;
     }
 
-    /// Complete samples.
+    /// Returns the number of complete samples.
     #[must_use]
     pub fn samples(&self) -> u64 {
         self.samples
     }
 
-    /// The means of all cells that ever held a grain, by y, then x.
+    /// Returns the means of all cells that ever held a grain, by y, then x.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "counts and cells are far below 2^53")]
     pub fn means(&self) -> Vec<FlowMeans> {
@@ -162,7 +164,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_window_holds_both_its_ends_and_no_grain_at_all() {
+    fn sampling_includes_both_limits_and_needs_a_released_grain() {
         let flow: Flow = ron::from_str("(cell: 0.1, from: 0.25, to: 0.5, sample: 0.1)").unwrap();
         assert!([(1, 4), (3, 8), (2, 4)].iter().all(|&(out, released)| flow.samples_at(out, released)));
         assert!(![(0, 0), (0, 4), (3, 4)].iter().any(|&(out, released)| flow.samples_at(out, released)));
@@ -187,8 +189,8 @@ mod tests {
     }
 
     #[test]
-    fn a_rotation_about_the_origin_is_that_of_the_cell_s_middle() {
-        // Four grains at the same distances from the middle of their cell, in each of 6 x 6 cells: u = (-w y, w x).
+    fn a_rotation_has_the_velocity_of_each_cell_s_middle() {
+        // Four grains at equal distances from the middle of their cell, in each of 6 x 6 cells: u = (-w y, w x).
         let (w, cell) = (3.0, 0.5);
         let mut field = FlowField::new(cell);
         for k in 0..144u8 {
@@ -205,31 +207,32 @@ mod tests {
     }
 
     #[test]
-    fn a_shear_sampled_uniformly_has_the_means_of_the_middles() {
-        let (a, cell, looks) = (2.0, 0.25, 40_000);
+    fn a_uniformly_sampled_shear_has_the_velocity_of_each_cell_s_middle() {
+        let (a, cell, grains) = (2.0, 0.25, 40_000);
         let random = Stream::new(5, "shear");
         let mut field = FlowField::new(cell);
-        for look in 0..looks {
-            let [x, y] = random.uniform::<2>(look);
+        for grain in 0..grains {
+            let [x, y] = random.uniform::<2>(grain);
             field.add(x, y, 1.0, 0.0, a * x);
-            if look % 100 == 99 {
+            if grain % 100 == 99 {
                 field.end_sample();
             }
         }
         assert_eq!(field.means().len(), 16);
         for mean in field.means() {
-            // Five standard errors of the mean of n numbers uniform over a cell.
+            // Five standard errors of the mean of n numbers that are uniform over a cell.
             let n = mean.count * mean.samples as f64;
             let bound = 5.0 * a * cell / (12.0 * n).sqrt();
             assert!((mean.vy - a * mean.x).abs() < bound && mean.vx == 0.0, "{mean:?} {bound}");
-            // ... and of a share of 1/16 of 100 a sample.
-            let spread = (looks as f64 / 16.0 * 15.0 / 16.0).sqrt() / mean.samples as f64;
+            // Five standard errors of the number of grains in the cell: each of 100 per sample is there with
+            // probability 1/16.
+            let spread = (grains as f64 / 16.0 * 15.0 / 16.0).sqrt() / mean.samples as f64;
             assert!((mean.count - 100.0 / 16.0).abs() < 5.0 * spread, "{mean:?}");
         }
     }
 
     #[test]
-    fn heavy_grains_count_by_their_mass_and_empty_samples_by_their_absence() {
+    fn velocity_is_weighted_by_mass_and_empty_samples_lower_the_count() {
         let mut field = FlowField::new(1.0);
         field.add(0.5, 0.5, 3.0, 1.0, 0.0);
         field.add(0.5, 0.5, 1.0, 5.0, 0.0);

@@ -1,7 +1,8 @@
-//! Measurements: they look when they are due, and at the end of the run, and never write physics.
+//! Measurements: observers that run at intervals and at the end of the run. They never write physics.
 //!
-//! The clock of [`observe_every`] is known beforehand: components are brought up to date, and kicks made in time, only for steps in which
-//! an observer is due (`register_predictable` in `store/gates.rs`). A system with another run condition counts as looking in every step.
+//! The times of [`observe_every`] are predictable. So components are refreshed and kicks are made in time only for
+//! steps with an observer that is due (`register_predictable` in `store/predictable_conditions.rs`). A system with any
+//! other run condition counts as running in every step.
 
 pub mod bed;
 pub mod discharge;
@@ -21,39 +22,41 @@ use crate::store::{KickAppliedAtEnd, register_predictable};
 /// The stages of [`Phase::Observe`], in this order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ObserveStage {
-    /// What is needed is measured.
+    /// Observers measure.
     Measure,
-    /// Rows and pictures are written.
+    /// Outputs write rows and pictures.
     Write,
 }
 
-/// The clock of the observer `T`: due at time 0, after every interval, and in the last step of a run.
+/// Clock of the observer `T`. It is due at time 0, after every interval, and in the last step of a run.
 #[derive(Resource)]
 pub struct Every<T> {
+    /// Interval, s.
     interval: f64,
-    looks: u64,
+    /// The observer is due next at the time `next` times `interval`.
+    next: u64,
     is_due: bool,
     observer: PhantomData<T>,
 }
 
 impl<T> Every<T> {
-    #[expect(clippy::cast_precision_loss, reason = "2^53 looks are out of reach")]
-    fn is_time(&self, clock: &Clock) -> bool {
-        clock.has_reached(self.looks as f64 * self.interval)
+    #[expect(clippy::cast_precision_loss, reason = "a run has fewer than 2^53 intervals")]
+    fn is_due_at(&self, clock: &Clock) -> bool {
+        clock.has_reached(self.next as f64 * self.interval)
     }
 }
 
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "2^53 looks are out of reach, and time is not negative"
+    reason = "a run has fewer than 2^53 intervals, and time is not negative"
 )]
 fn tick<T: Send + Sync + 'static>(clock: Res<Clock>, outcome: Res<Outcome>, mut every: ResMut<Every<T>>) {
-    let is_time = every.is_time(&clock);
-    if is_time {
-        every.looks = (((clock.time() + 1e-3 * clock.dt) / every.interval).floor() as u64).saturating_add(1);
+    let is_due = every.is_due_at(&clock);
+    if is_due {
+        every.next = (((clock.time() + 1e-3 * clock.dt) / every.interval).floor() as u64).saturating_add(1);
     }
-    every.is_due = is_time || outcome.end().is_some();
+    every.is_due = is_due || outcome.end().is_some();
 }
 
 /// Run condition: the observer `T` is due.
@@ -64,12 +67,12 @@ pub fn due<T: Send + Sync + 'static>(every: Option<Res<Every<T>>>) -> bool {
 
 /// Registers the clock of the observer `T` with an interval in s.
 pub fn observe_every<T: Send + Sync + 'static>(app: &mut App, interval: f64) {
-    app.insert_resource(Every::<T> { interval, looks: 0, is_due: false, observer: PhantomData })
+    app.insert_resource(Every::<T> { interval, next: 0, is_due: false, observer: PhantomData })
         .add_systems(Step, tick::<T>.in_set(Part::Engine(Phase::Observe)).after(KickAppliedAtEnd));
-    register_predictable(app, due::<T>, |clock: Res<Clock>, every: Res<Every<T>>| every.is_time(&clock));
+    register_predictable(app, due::<T>, |clock: Res<Clock>, every: Res<Every<T>>| every.is_due_at(&clock));
 }
 
-/// The stages.
+/// Adds the stages of [`Phase::Observe`].
 pub struct ObservePlugin;
 
 impl Plugin for ObservePlugin {

@@ -1,18 +1,19 @@
 //! Profiles: averages over bins along an axis, and over time.
 //!
-//! Every `sample` seconds each grain adds to the bins that it lies in. After `average` seconds, or at the end of the run,
-//! the sums become means, with the number of samples:
+//! Every `sample` seconds, each grain adds to the bins that it overlaps. After `average` seconds, or at the end of the
+//! run, the sums become means, with the number of samples:
 //!
-//! * *count*: grains whose centre is in the bin, a sample;
-//! * *packing fraction*: the volume (in the plane: area) of the grains between the bin's two ends, exactly, slice by
-//!   slice, over the bin's own: its width times `section`. Overlaps count twice;
-//! * *velocity*: momentum over mass of the grains whose centre is in the bin;
-//! * *granular temperature*: sum m |v - v_mean|^2/(D sum m) with D = 2 or 3 components and the mean velocity of the same
-//!   bin and samples, m^2/s^2. It contains what the mean flow changes across the bin and in the time.
+//! * *count*: grains per sample with their centre in the bin;
+//! * *packing fraction*: volume of the grains in the bin (in the plane: area) over the volume of the bin. The volume of
+//!   a grain between the two ends of the bin is exact. The volume of the bin is its width times `section`. Overlaps
+//!   count twice;
+//! * *velocity*: momentum over mass of the grains with their centre in the bin;
+//! * *granular temperature*: sum m |v - v_mean|^2/(D sum m), m^2/s^2, with D = 2 or 3 components and the mean velocity
+//!   of the same bin and samples. It contains the variation of the mean flow across the bin and in time.
 //!
-//! The volume of a sphere below a plane at h from its centre, |h| <= R, is pi (2 R^3/3 + R^2 h - h^3/3); the area of a
-//! disc is R^2 (pi/2 + asin(h/R)) + h sqrt(R^2 - h^2). Along a periodic axis the next images of a grain count, on each side.
-//! Grains that are fixed do not.
+//! The volume of a sphere below a plane at h from its centre, |h| <= R, is pi (2 R^3/3 + R^2 h - h^3/3). The area of a
+//! disc is R^2 (pi/2 + asin(h/R)) + h sqrt(R^2 - h^2). Along a periodic axis the nearest image of a grain on each side
+//! counts too. Fixed grains do not count.
 
 use std::f64::consts::PI;
 
@@ -23,42 +24,42 @@ use crate::space::{Dimension, Space};
 use crate::store::ParticleStore;
 use crate::values::{Finite, NonNegative, Positive};
 
-/// One of the scene's `profiles`.
+/// One entry of the scene key `profiles`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Profile {
-    /// Along which axis.
+    /// Axis of the profile.
     pub axis: Axis,
     /// Lower end of the first bin, m.
     pub low: Finite,
     /// Upper end of the last bin, m.
     pub high: Finite,
-    /// How many bins.
+    /// Number of bins.
     pub bins: u16,
     /// Time between samples, s.
     pub sample: Positive,
     /// Time of the first sample, s. Default 0.
     pub from: Option<NonNegative>,
-    /// Time over which samples are averaged, s. Default the whole run.
+    /// Time over which samples are averaged, s. Default: the whole run.
     pub average: Option<Positive>,
-    /// Area of the section at right angles to the axis, m^2; in the plane its length, m. Default: of the periodic box, if
-    /// that bounds every other axis.
+    /// Area of the cross section perpendicular to the axis, m^2; in the plane its length, m. Default: cross section of
+    /// the periodic box, if that bounds every other axis.
     pub section: Option<Positive>,
 }
 
 /// An axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Axis {
-    /// The first.
+    /// First axis.
     X,
-    /// The second; up in the plane.
+    /// Second axis; upwards in the plane.
     Y,
-    /// The third; up in solid space.
+    /// Third axis; upwards in solid space.
     Z,
 }
 
 impl Axis {
-    /// Its number, from 0.
+    /// Returns the number of the axis, from 0.
     #[must_use]
     pub fn number(self) -> usize {
         match self {
@@ -69,7 +70,7 @@ impl Axis {
     }
 }
 
-/// Sums of one species in one bin.
+/// Sums over one species in one bin.
 #[derive(Clone, Copy, Debug, Default)]
 struct Sums<V> {
     count: u64,
@@ -79,33 +80,33 @@ struct Sums<V> {
     energy: f64,
 }
 
-/// Means of one species in one bin.
+/// Means over one species in one bin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Means<V> {
     /// Middle of the bin along the axis, m.
     pub place: f64,
-    /// Grains whose centre is in the bin.
+    /// Grains per sample with their centre in the bin.
     pub count: f64,
-    /// Share of the bin that they fill.
+    /// Share of the bin's volume that grains fill.
     pub packing_fraction: f64,
-    /// m/s.
+    /// Mean velocity, m/s.
     pub velocity: V,
-    /// m^2/s^2.
+    /// Granular temperature, m^2/s^2.
     pub temperature: f64,
 }
 
-/// The sums of a profile so far.
+/// Sums of a profile so far.
 #[derive(Clone, Debug)]
 pub struct Sampler<V: Space> {
-    /// What the scene says.
+    /// Configuration of the profile.
     pub profile: Profile,
     section: f64,
     bins: Vec<Sums<V>>,
-    /// How many samples the sums hold.
+    /// Number of samples in the sums.
     pub samples: u64,
 }
 
-/// Volume or area of a grain below a plane at `h` from its centre, m^3 or m^2.
+/// Returns the volume (m^3) or area (m^2) of a grain below a plane at `h` (m) from its centre.
 fn below(dimension: Dimension, radius: f64, h: f64) -> f64 {
     let h = h.clamp(-radius, radius);
     match dimension {
@@ -117,7 +118,7 @@ fn below(dimension: Dimension, radius: f64, h: f64) -> f64 {
 }
 
 impl<V: Space> Sampler<V> {
-    /// No samples yet; `section` in m^2 or m.
+    /// Makes a sampler without samples; `section` in m^2 (in the plane: m).
     #[must_use]
     pub fn new(profile: Profile, section: f64) -> Self {
         Self { profile, section, bins: vec![Sums::default(); usize::from(profile.bins)], samples: 0 }
@@ -127,7 +128,7 @@ impl<V: Space> Sampler<V> {
         (self.profile.high.get() - self.profile.low.get()) / f64::from(self.profile.bins)
     }
 
-    /// Adds the grains of `species` (all, if none is named) as they are.
+    /// Adds a sample of the grains of `species`, or of all grains if `None`.
     pub fn add(&mut self, store: &ParticleStore<V>, species: Option<Species>) {
         let axis = self.profile.axis.number();
         let side = store.periodic.and_then(|periodic| periodic.side(axis));
@@ -148,7 +149,7 @@ impl<V: Space> Sampler<V> {
         if !(0.0..f64::from(self.profile.bins)).contains(&bin) {
             return;
         }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a bin")]
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a valid bin number")]
         let sums = &mut self.bins[bin as usize];
         let (mass, v) = (store.mass[i], store.body[i].velocity);
         sums.count += 1;
@@ -167,15 +168,15 @@ impl<V: Space> Sampler<V> {
         let mut bin = first;
         while bin <= last {
             let start = low + bin * width - x;
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the number of a bin")]
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a valid bin number")]
             let sums = &mut self.bins[bin as usize];
             sums.volume += below(V::DIMENSION, radius, start + width) - below(V::DIMENSION, radius, start);
             bin += 1.0;
         }
     }
 
-    /// The means, and a new start.
-    #[expect(clippy::cast_precision_loss, reason = "counts of samples and grains")]
+    /// Returns the means and resets the sums.
+    #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
     pub fn take(&mut self) -> Vec<Means<V>> {
         let (width, samples) = (self.width(), self.samples.max(1) as f64);
         let axes = V::COMPONENTS as f64;
@@ -237,7 +238,7 @@ mod tests {
         // Seven differences of rounded numbers below one.
         assert!((area - PI * 0.0625).abs() < 14.0 * f64::EPSILON, "{area}");
         assert!((volume - 4.0 / 3.0 * PI * 0.25f64.powi(3)).abs() < 14.0 * f64::EPSILON, "{volume}");
-        // Half of it lies on each side of its middle.
+        // Half of the sphere lies on each side of its middle.
         let mut halves = Sampler::new(profile(0.0, 0.6, 2), 1.0);
         halves.add(&sphere, None);
         let halves = halves.take();
@@ -256,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn velocity_and_temperature_are_those_of_the_bin() {
+    fn velocity_and_temperature_use_the_grains_of_the_bin() {
         let v = |x: f64, y: f64| Plane::new(x, y);
         let grains =
             [(v(0.1, 0.0), v(1.0, 0.0), 0.01), (v(0.2, 0.0), v(3.0, 2.0), 0.01), (v(0.9, 0.0), v(9.0, 9.0), 0.01)];
@@ -266,7 +267,7 @@ mod tests {
         assert_eq!(sampler.samples, 2);
         let means = sampler.take();
         assert_eq!((means[0].count, means[0].velocity), (2.0, v(2.0, 1.0)));
-        // Each of the two is (1, 1) away from the mean.
+        // Each of the two velocities differs from the mean by (1, 1) in magnitude.
         assert_eq!((means[0].temperature, means[1].temperature), (1.0, 0.0));
         assert_eq!(sampler.samples, 0);
         sampler.add(&store(&grains), Some(Species(1)));

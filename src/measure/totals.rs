@@ -1,8 +1,7 @@
-//! Totals over all grains at one moment: energies, largest speed and overlap, coordination number.
+//! Totals over all grains at one time: energies, largest speed and overlap, coordination number.
 //!
-//! Kinetic energy is that of the full-step velocities; gravitational energy is -m g.x, zero at the origin; the
-//! coordination number is the mean number of contacts of a grain, with grains and walls alike. Sums run in
-//! ascending order of slots.
+//! Kinetic energy uses full-step velocities. Gravitational energy is -m g.x, zero at the origin. The coordination
+//! number is the mean number of contacts of a grain, with grains and walls. Sums run in ascending order of slots.
 
 use bevy_ecs::prelude::*;
 use serde::Serialize;
@@ -11,10 +10,10 @@ use crate::gravity::Gravity;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::survey::{Partner, Survey};
 
-/// What is measured, SI.
+/// Results of the measurement, SI.
 #[derive(Clone, Copy, Debug, Default, Serialize)]
 pub struct Totals {
-    /// Movable grains in the world.
+    /// Number of movable grains in the world.
     pub grains: usize,
     /// Kinetic energy of translation, J.
     pub kinetic: f64,
@@ -26,14 +25,14 @@ pub struct Totals {
     pub elastic: f64,
     /// Largest speed, m/s.
     pub largest_speed: f64,
-    /// Largest overlap over the smaller radius of its pair.
+    /// Largest ratio of overlap to the smaller radius of a pair.
     pub largest_overlap_ratio: f64,
-    /// Mean number of contacts of a grain.
+    /// Coordination number.
     pub coordination: f64,
 }
 
 impl Totals {
-    /// Measures the state in `store`.
+    /// Measures the state of `survey`; `gravity` in m/s^2.
     #[must_use]
     pub fn measure<V: Space>(survey: &Survey<V>, gravity: V) -> Self {
         let store = survey.store;
@@ -62,14 +61,14 @@ impl Totals {
         totals
     }
 
-    /// Kinetic, rotational, gravitational and elastic energy together, J.
+    /// Returns the sum of kinetic, rotational, gravitational and elastic energy, J.
     #[must_use]
     pub fn energy(&self) -> f64 {
         self.kinetic + self.rotational + self.potential + self.elastic
     }
 }
 
-/// [`Totals`] of a world, whenever they are wanted.
+/// Measures the totals of a world at any time.
 #[must_use]
 pub fn of_world(world: &World) -> Totals {
     fn of<V: Space>(world: &World) -> Totals {

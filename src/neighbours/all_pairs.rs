@@ -1,10 +1,10 @@
-//! Every pair: N(N-1)/2 distances a step. The reference that the other searches must equal.
+//! Brute-force search: N(N-1)/2 distances per step. It is the reference that the other searches must equal.
 
 use crate::neighbours::list::PairList;
 use crate::space::Space;
 use crate::store::ParticleStore;
 
-/// Lists who may touch.
+/// Lists every pair that may touch.
 pub(super) fn find<V: Space>(store: &ParticleStore<V>, list: &mut PairList) {
     list.clear();
     for i in 0..store.len() {

@@ -1,36 +1,38 @@
-//! A pair that may touch, as lists and histories name it.
+//! Candidate pairs: pairs that may touch, as neighbour lists and contact histories key them.
 
 use std::fmt;
 
-/// Two entries of the columns, the lower one first; or an entry and a flat wall. One number, so that it is read, written and
-/// compared at once; in ascending order of the first, then of the second.
+/// Candidate pair: two slots with the lower one first, or a slot and the index of a flat wall.
+///
+/// Both indices are packed into one `u64`, so that a pair is read, written and compared as one number. Pairs are
+/// ordered by the first index, then by the second.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Candidate(u64);
 
 impl Candidate {
-    /// These two.
+    /// Packs the indices of a pair.
     #[inline(always)]
     #[must_use]
     pub fn new(first: u32, second: u32) -> Self {
         Self(u64::from(first) << 32 | u64::from(second))
     }
 
-    /// The first.
+    /// Returns the first index.
     #[inline(always)]
     #[must_use]
     pub fn first(self) -> usize {
         (self.0 >> 32) as usize
     }
 
-    /// The second.
-    #[expect(clippy::cast_possible_truncation, reason = "the lower half")]
+    /// Returns the second index.
+    #[expect(clippy::cast_possible_truncation, reason = "keeps the lower 32 bits")]
     #[inline(always)]
     #[must_use]
     pub fn second(self) -> usize {
         self.0 as u32 as usize
     }
 
-    /// Both.
+    /// Returns both indices.
     #[inline(always)]
     #[must_use]
     pub fn both(self) -> [usize; 2] {
@@ -38,12 +40,13 @@ impl Candidate {
     }
 }
 
-/// Whether these are the same. All are compared, without a branch: they mostly are.
+/// Returns whether two slices hold equal candidates. It compares all of them without a branch, because they usually are
+/// equal.
 #[inline]
 #[must_use]
 pub fn are_same(some: &[Candidate], others: &[Candidate]) -> bool {
-    let differences = some.iter().zip(others).fold(0, |found, (one, other)| found | (one.0 ^ other.0));
-    some.len() == others.len() && differences == 0
+    let differing_bits = some.iter().zip(others).fold(0, |bits, (one, other)| bits | (one.0 ^ other.0));
+    some.len() == others.len() && differing_bits == 0
 }
 
 impl From<[u32; 2]> for Candidate {
@@ -63,7 +66,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn others_are_told_apart() {
+    fn different_lists_are_not_equal() {
         let some = [[0, 7], [1, 0], [1, 2]].map(Candidate::from);
         assert!(are_same(&some, &some) && are_same(&[], &[]));
         assert!(!are_same(&some, &some[..2]) && !are_same(&some[1..], &some[..2]));
@@ -71,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn it_is_two_numbers_in_one() {
+    fn order_and_text_follow_both_indices() {
         let candidates = [[0, 7], [1, 0], [1, u32::MAX], [u32::MAX, 0]].map(Candidate::from);
         assert!(candidates.is_sorted());
         assert_eq!(format!("{:?}", candidates[2]), "[1, 4294967295]");

@@ -1,15 +1,16 @@
-//! Hashed cells: space is divided into squares or cubes of side L, and only occupied ones cost memory.
+//! Hashed cells: space is divided into squares or cubes of side L, and only occupied cells cost memory.
 //!
 //! A particle belongs to the cell (floor(x/L), floor(y/L), ...). A periodic axis is divided into a whole number of
-//! cells, and the last one is next to the first. Cells are kept in a hash table as the assignment's
-//! footnote suggests, but instead of chains its buckets are slices of one array, sorted by counting: filling is two
-//! passes over the particles, and a grain a kilometre away takes one entry like any other. Cells of a row have
-//! adjacent buckets, so that a grain looks into three slices for its nine cells (in solid space, nine for 27). Two cells may share a bucket, so an
-//! entry is taken only if its own cell is one that was asked for.
+//! cells, and its last cell is next to its first. The assignment's footnote suggests a hash table. Instead of chains,
+//! the buckets of this table are slices of one array, sorted by counting. Filling takes two passes over the particles,
+//! and a grain a kilometre away takes one entry like any other. Cells of a row have adjacent buckets, so that a grain
+//! reads three slices for its nine cells (in solid space, nine slices for 27 cells). Two cells may share a bucket, so
+//! an entry counts only if its own cell is in the requested range.
 //!
-//! A pair is found if its cells are the same or neighbours, so for certain if its centres are at most L apart:
-//! L must be at least the largest distance at which two particles touch, 2 R_max for grains. A scheme that looks ahead asks
-//! for what the fastest grain goes in a step on top: where L has no room for it, grains look another cell far.
+//! A pair is found if its cells are equal or adjacent, so for certain if its centres are at most L apart. L must
+//! therefore be at least the largest distance at which two particles touch, 2 R_max for grains. A scheme with velocity
+//! prediction adds the distance that the fastest grain moves in a step. If L is smaller than the sum, grains search
+//! more cells around their own.
 
 use crate::neighbours::contact_range;
 use crate::neighbours::list::PairList;
@@ -18,35 +19,41 @@ use crate::periodic::Periodic;
 use crate::space::Space;
 use crate::store::ParticleStore;
 
-/// How many cells a particle looks far; beyond that, asking everybody is not dearer.
-pub(super) const MOST_CELLS: u8 = 8;
+/// Largest search radius in cells. Beyond it, testing all particles costs no more.
+pub(super) const MAX_REACH: u8 = 8;
 
-/// Number along x, and the row of cells.
+/// Cell number along x, and the row of cells.
 type Cell<V> = (i64, <V as Space>::Row);
 
 /// Particles sorted by cell.
 pub struct Cells<V: Space> {
     size: f64,
-    /// The box, and by axis how many cells span it; 0 where it is open.
+    /// The periodic box.
     periodic: Option<Periodic<V>>,
+    /// Number of cells across the box along each axis; 0 along an open axis.
     span: [i64; 3],
+    /// Side of a cell along each axis, m.
     sides: V,
+    /// The cell of each particle.
     cell: Vec<Cell<V>>,
-    /// The largest distance at which two touch, m, and how many cells far that is looked for.
+    /// Largest distance at which two particles touch, m.
     range: f64,
+    /// Search radius in cells.
     reach: u8,
+    /// Start of each bucket in `entries`.
     starts: Vec<u32>,
+    /// Slots, sorted by bucket.
     entries: Vec<u32>,
 }
 
 impl<V: Space> Cells<V> {
-    /// Cells of side `size` (m) or, to fit a whole number into a periodic box, somewhat more.
+    /// Makes empty cells of side `size` (m). Along a periodic axis the side grows until a whole number of cells fits.
     pub(super) fn new(size: f64, periodic: Option<Periodic<V>>) -> Self {
         let (mut span, mut sides) = ([0; 3], V::ZERO);
         for (axis, span) in span.iter_mut().enumerate().take(V::COMPONENTS) {
             let length = periodic.and_then(|periodic| periodic.side(axis));
             *span = length.map_or(0, |length| floor(length / size).max(1));
-            #[expect(clippy::cast_precision_loss, reason = "a number of cells")]
+            #[expect(clippy::cast_precision_loss, reason = "a number of cells is far below 2^53")]
             let whole = length.map_or(size, |length| length / *span as f64);
             sides = sides.with_axis(axis, whole);
         }
@@ -69,8 +76,8 @@ impl<V: Space> Cells<V> {
         if needed > self.size { Err(Failure::CellsTooSmall { size: self.size, needed }) } else { Ok(()) }
     }
 
-    /// Provides for pairs that are this far (m) from touching.
-    pub(super) fn look_ahead(&mut self, margin: f64) {
+    /// Sets the search radius so that pairs up to `margin` (m) away from touching are found.
+    pub(super) fn set_reach(&mut self, margin: f64) {
         let cells = ((self.range + margin) / self.size).ceil();
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 1 and 255")]
         {
@@ -83,7 +90,7 @@ impl<V: Space> Cells<V> {
         let number = |axis: usize| {
             let low = self.periodic.filter(|_| self.span[axis] > 0).map_or(0.0, |periodic| periodic.low.axis(axis));
             let cell = floor((x.axis(axis) - low) / self.sides.axis(axis));
-            // The last position below the upper end may round up to it.
+            // Rounding may put the last position below the upper end into the next cell.
             if self.span[axis] > 0 { cell.clamp(0, self.span[axis] - 1) } else { cell }
         };
         (number(0), V::row(V::origin_row(), |axis, _| number(axis)))
@@ -106,20 +113,21 @@ impl<V: Space> Cells<V> {
         }
         self.entries.clear();
         self.entries.resize(self.cell.len(), 0);
-        // From the last to the first, each to the end of what is left of its bucket: buckets come out ascending.
+        // Iterates from the last particle to the first and fills each bucket from its end, so that buckets are
+        // ascending.
         let particles = u32::try_from(self.cell.len()).expect("fewer than 2^32 particles");
         for i in (0..particles).rev() {
             let end = &mut self.starts[bucket::<V>(self.cell[i as usize], buckets) + 1];
             *end -= 1;
             self.entries[*end as usize] = i;
         }
-        // Each start has moved down by its own count; shift them back into place.
+        // Filling has moved each start down by its bucket's count. Shift the starts back into place.
         self.starts.rotate_left(1);
         self.starts[buckets] = particles;
     }
 
-    /// Calls `visit` with every particle that `wants` accepts in the cells at most `reach` cells away from that of
-    /// particle `i`, itself included, each once.
+    /// Calls `visit` once with each particle that `wants` accepts in the cells at most `reach` cells away from the cell
+    /// of particle `i`. Particle `i` itself is included.
     #[inline]
     pub(super) fn around(&self, i: usize, reach: u8, wants: impl Fn(u32) -> bool, mut visit: impl FnMut(u32)) {
         let (x, row) = self.cell[i];
@@ -128,23 +136,23 @@ impl<V: Space> Cells<V> {
             let Some(row) = self.row_at(row, away, reach) else { continue };
             let span = self.span[0];
             if span == 0 {
-                self.take(row, x.wrapping_sub(reach), x.wrapping_add(reach), &wants, &mut visit);
+                self.visit_row(row, x.wrapping_sub(reach), x.wrapping_add(reach), &wants, &mut visit);
             } else if 2 * reach + 1 >= span {
-                self.take(row, 0, span - 1, &wants, &mut visit);
+                self.visit_row(row, 0, span - 1, &wants, &mut visit);
             } else {
                 let (from, to) = (x - reach, x + reach);
-                self.take(row, from.max(0), to.min(span - 1), &wants, &mut visit);
+                self.visit_row(row, from.max(0), to.min(span - 1), &wants, &mut visit);
                 if from < 0 {
-                    self.take(row, from + span, span - 1, &wants, &mut visit);
+                    self.visit_row(row, from + span, span - 1, &wants, &mut visit);
                 }
                 if to >= span {
-                    self.take(row, 0, to - span, &wants, &mut visit);
+                    self.visit_row(row, 0, to - span, &wants, &mut visit);
                 }
             }
         }
     }
 
-    /// The row `away` from `row`, around the ends of periodic axes; `None` where that is another one's image.
+    /// Returns the row `away` from `row`, wrapped at periodic ends; `None` if another offset already gives that row.
     #[inline]
     fn row_at(&self, row: V::Row, away: V::Row, reach: i64) -> Option<V::Row> {
         let mut is_image = false;
@@ -158,20 +166,21 @@ impl<V: Space> Cells<V> {
             if span == 0 {
                 return number.wrapping_add(step);
             }
-            // Of a box narrower than the view, each cell is seen once: at steps -reach to -reach + span - 1.
+            // In a box narrower than the search range, each cell counts once: at offsets -reach to -reach + span - 1.
             is_image |= step + reach >= span;
             (number + step).rem_euclid(span)
         });
         (!is_image).then_some(wanted)
     }
 
-    /// Visits the cells `from` to `to` of a row. They lie in adjacent buckets, around the end of the table if need be.
+    /// Visits the cells `from` to `to` of a row. Their buckets are adjacent, and may continue at the start of the
+    /// table.
     #[inline]
-    fn take(&self, row: V::Row, from: i64, to: i64, wants: &impl Fn(u32) -> bool, visit: &mut impl FnMut(u32)) {
+    fn visit_row(&self, row: V::Row, from: i64, to: i64, wants: &impl Fn(u32) -> bool, visit: &mut impl FnMut(u32)) {
         let buckets = self.starts.len() - 1;
-        let mut look = |first: usize, end: usize| {
+        let mut visit_buckets = |first: usize, end: usize| {
             for &j in &self.entries[self.starts[first] as usize..self.starts[end] as usize] {
-                // What is not wanted need not be looked up.
+                // Rejected particles skip the lookup of their cell.
                 if !wants(j) {
                     continue;
                 }
@@ -181,19 +190,19 @@ impl<V: Space> Cells<V> {
                 }
             }
         };
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few cells, or those of a box")]
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few cells, or all of a box")]
         let cells = to.wrapping_sub(from) as usize + 1;
         let first = bucket::<V>((from, row), buckets);
         let end = first + cells;
-        look(first, end.min(buckets));
+        visit_buckets(first, end.min(buckets));
         if end > buckets {
-            look(0, (end - buckets).min(first));
+            visit_buckets(0, (end - buckets).min(first));
         }
     }
 }
 
 impl<V: Space> Cells<V> {
-    /// Lists who may touch.
+    /// Lists every pair that may touch.
     pub(super) fn find(&self, store: &ParticleStore<V>, list: &mut PairList) {
         list.clear();
         for i in 0..store.len() {
@@ -204,7 +213,7 @@ impl<V: Space> Cells<V> {
                         list.push(j);
                     }
                 };
-                if self.reach <= MOST_CELLS {
+                if self.reach <= MAX_REACH {
                     self.around(i, self.reach, wants, consider);
                 } else {
                     (0u32..).take(store.len()).filter(|&j| wants(j)).for_each(consider);
@@ -215,7 +224,7 @@ impl<V: Space> Cells<V> {
     }
 }
 
-/// The floor as an integer. `f64::floor` is a function call on processors of the baseline.
+/// Returns the floor as an integer. On baseline processors `f64::floor` is a function call.
 #[inline]
 #[expect(
     clippy::cast_possible_truncation,
@@ -227,9 +236,9 @@ pub(crate) fn floor(x: f64) -> i64 {
     towards_zero.saturating_sub(i64::from((towards_zero as f64) > x))
 }
 
-/// Rows are scattered over the table; along a row, buckets follow each other.
+/// Returns the bucket of a cell. Rows are scattered over the table; cells along a row have consecutive buckets.
 #[inline]
-#[expect(clippy::cast_sign_loss, clippy::cast_possible_truncation, reason = "a hash: any bits will do")]
+#[expect(clippy::cast_sign_loss, clippy::cast_possible_truncation, reason = "a hash: any bits serve")]
 fn bucket<V: Space>((x, row): Cell<V>, buckets: usize) -> usize {
     (V::scatter(row) as usize).wrapping_add(x as usize) & (buckets - 1)
 }
@@ -242,7 +251,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn floor_is_the_floor() {
+    fn floor_rounds_down_and_saturates() {
         for (x, floored) in [
             (-1.5, -2),
             (-1.0, -1),
@@ -257,7 +266,7 @@ mod tests {
         }
     }
 
-    /// Everyone within a side of the cells is found, and nobody twice.
+    /// Checks that each search finds all points within one cell side, and none twice.
     fn check<V: Space>(points: &[V], periodic: Option<Periodic<V>>) -> Result<(), TestCaseError> {
         let size = 0.7;
         let mut cells = Cells::new(size, periodic);
@@ -269,7 +278,7 @@ mod tests {
             let listed = found.len();
             found.sort_unstable();
             found.dedup();
-            prop_assert_eq!(found.len(), listed, "a particle was offered twice");
+            prop_assert_eq!(found.len(), listed, "a particle was visited twice");
             for j in 0..points.len() {
                 let apart = points[i] - points[j];
                 let apart = periodic.map_or(apart, |periodic| periodic.shortest(apart)).length();
@@ -281,7 +290,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn cells_around_hold_everyone_within_a_side(
+        fn cells_around_a_point_hold_all_points_within_a_side(
             points in prop::collection::vec((-3.0..3.0, -3.0..3.0, -3.0..3.0), 1..80),
             far in -1e12..1e12,
         ) {
@@ -291,9 +300,9 @@ mod tests {
             check(&points.iter().map(|x| x.truncate()).collect::<Vec<Plane>>(), None)?;
         }
 
-        /// Boxes of one cell's width, of two, and of many.
+        /// Periodic boxes one, two and many cells wide.
         #[test]
-        fn so_do_those_of_a_periodic_box(
+        fn cells_of_a_periodic_box_hold_all_points_within_a_side(
             points in prop::collection::vec((0.0..1.0, 0.0..1.0, 0.0..1.0), 1..60),
             lengths in (1.41..6.0, 1.41..6.0),
         ) {

@@ -1,55 +1,56 @@
-//! The candidates: pairs of particles that may touch, the first of lower slot than the second, ascending; and how they are
-//! shared among threads.
+//! Neighbour list: candidate pairs in ascending order, the lower slot first; and their division into tasks for threads.
 //!
-//! A flat list, with both members of a pair, so that walking it has nothing to foresee. It is cut into blocks of rows; a
-//! row is the pairs of one first member. A thread sums the rows of a [`Task`] and adds each pair to both members, as one
-//! thread does for all rows. What a row of another task does to its own particles it evaluates itself, before its own
-//! rows: those pairs are `incoming`. So each particle receives its partners in ascending order of slots on any number of
-//! threads, and only pairs across the border of two tasks are evaluated twice.
+//! The list is flat and stores both members of each pair, so that iterating over it needs no lookups. A row is the set
+//! of pairs with one first member. Rows are grouped into blocks. A thread sums the rows of a [`Task`] and adds the
+//! force of each pair to both members.
+//!
+//! A pair whose members belong to two tasks is evaluated twice. The task of the second member evaluates it too, before
+//! its own rows, as an `incoming` pair. So each particle sums its partners in ascending order of slots on any
+//! number of threads.
 
 use std::ops::Range;
 
-/// Rows of a block: what a force pass does at a time, on however many threads.
+/// Rows of a block. A force pass processes one block at a time, on any number of threads.
 pub const BLOCK: usize = 1024;
 
 pub use crate::neighbours::candidate::{Candidate, are_same};
 
-/// The candidates.
+/// List of all candidate pairs.
 #[derive(Debug, Default)]
 pub struct PairList {
     pairs: Vec<Candidate>,
-    /// Of rows: where each begins; made with the list.
+    /// Start of each row in `pairs`; scratch of the list's construction.
     starts: Vec<u32>,
-    /// Of the row that is being written.
+    /// The row that is being written.
     row: u32,
-    /// Of each block of rows: where its pairs end, and [where their entries do](end_of).
+    /// For each block: the end of its pairs in `pairs`, and the [end of their slots](end_of).
     blocks: Vec<[usize; 2]>,
     tasks: Vec<Task>,
 }
 
-/// What one thread sums.
+/// Rows and pairs that one thread sums.
 #[derive(Debug, Default, Clone)]
 pub struct Task {
-    /// Its rows.
+    /// Rows of the task.
     pub rows: Range<usize>,
-    /// Pairs (i, j) with i before these rows and j among them, ascending.
+    /// Pairs (i, j) with i before `rows` and j in `rows`, ascending.
     pub incoming: Vec<Candidate>,
 }
 
-/// Before this entry are all of which these pairs are.
+/// Returns one more than the largest slot in `pairs`; 0 if there are none.
 #[must_use]
 pub fn end_of(pairs: &[Candidate]) -> usize {
     pairs.iter().map(|pair| pair.second() + 1).max().unwrap_or(0)
 }
 
 impl PairList {
-    /// All candidates.
+    /// Returns all candidates.
     #[must_use]
     pub fn pairs(&self) -> &[Candidate] {
         &self.pairs
     }
 
-    /// The candidates of a block of rows, and the [end](end_of) of their entries.
+    /// Returns the candidates of block `number`, and the [end](end_of) of their slots.
     #[must_use]
     pub fn block(&self, number: usize) -> (&[Candidate], usize) {
         let start = if number == 0 { 0 } else { self.blocks[number - 1][0] };
@@ -57,33 +58,33 @@ impl PairList {
         (&self.pairs[start..end], entries)
     }
 
-    /// The shares of the threads.
+    /// Returns the tasks of the threads.
     #[must_use]
     pub fn tasks(&self) -> &[Task] {
         &self.tasks
     }
 
-    /// Starts anew.
+    /// Empties the list.
     pub(super) fn clear(&mut self) {
         self.pairs.clear();
         self.row = 0;
     }
 
-    /// Adds a candidate to the row that is being written.
+    /// Adds a candidate with second member `j` to the row that is being written.
     #[inline]
     pub(super) fn push(&mut self, j: u32) {
         self.pairs.push(Candidate::new(self.row, j));
     }
 
-    /// Ends that row, whose candidates came in any order.
+    /// Ends the row that is being written and sorts it.
     pub(super) fn end_row(&mut self) {
         let written = self.pairs.iter().rposition(|pair| pair.first() != self.row as usize).map_or(0, |last| last + 1);
         self.pairs[written..].sort_unstable();
         self.row += 1;
     }
 
-    /// Takes pairs of `rows` particles, in any order, and in parts.
-    pub(super) fn take(&mut self, parts: &[Vec<Candidate>], rows: usize) {
+    /// Replaces the list by pairs of `rows` particles, given in several parts and in any order.
+    pub(super) fn fill(&mut self, parts: &[Vec<Candidate>], rows: usize) {
         self.starts.clear();
         self.starts.resize(rows + 1, 0);
         for pair in parts.iter().flatten() {
@@ -94,7 +95,7 @@ impl PairList {
         }
         self.pairs.clear();
         self.pairs.resize(parts.iter().map(Vec::len).sum(), Candidate::default());
-        // Filling moves each start to the next one's place.
+        // Filling moves each start to the start of the next row.
         for &pair in parts.iter().flatten() {
             let place = &mut self.starts[pair.first()];
             self.pairs[*place as usize] = pair;
@@ -103,7 +104,7 @@ impl PairList {
         let mut start = 0;
         for &end in &self.starts[..rows] {
             let row = &mut self.pairs[start..end as usize];
-            // Most are.
+            // Most rows are sorted already.
             if !row.is_sorted() {
                 row.sort_unstable();
             }
@@ -111,8 +112,8 @@ impl PairList {
         }
     }
 
-    /// Shares `rows` rows among `threads`, in whole blocks of `size` rows.
-    pub(super) fn share_out(&mut self, rows: usize, threads: usize, size: usize) {
+    /// Assigns `rows` rows to at most `threads` tasks, in whole blocks of `size` rows.
+    pub(super) fn assign_tasks(&mut self, rows: usize, threads: usize, size: usize) {
         let pairs = &self.pairs;
         let row_of = |border: usize| pairs.partition_point(|pair| pair.first() < border);
         self.blocks.clear();
@@ -137,8 +138,8 @@ impl PairList {
                 own += 1;
             }
             if j >= self.tasks[own].rows.end {
-                let theirs = self.tasks.partition_point(|task| task.rows.end <= j);
-                self.tasks[theirs].incoming.push(pair);
+                let other = self.tasks.partition_point(|task| task.rows.end <= j);
+                self.tasks[other].incoming.push(pair);
             }
         }
     }
@@ -153,9 +154,9 @@ mod tests {
     }
 
     #[test]
-    fn pairs_come_out_in_order_whichever_way_they_go_in() {
-        let mut taken = PairList::default();
-        taken.take(&[all([[0, 3], [2, 3]]).to_vec(), all([[0, 1], [1, 2]]).to_vec()], 4);
+    fn pairs_are_sorted_in_whichever_order_they_are_added() {
+        let mut filled = PairList::default();
+        filled.fill(&[all([[0, 3], [2, 3]]).to_vec(), all([[0, 1], [1, 2]]).to_vec()], 4);
         let mut written = PairList::default();
         for row in [&[3, 1][..], &[2], &[3], &[]] {
             for &j in row {
@@ -163,23 +164,23 @@ mod tests {
             }
             written.end_row();
         }
-        for list in [taken, written] {
+        for list in [filled, written] {
             assert_eq!(list.pairs(), all([[0, 1], [0, 3], [1, 2], [2, 3]]));
         }
     }
 
     #[test]
-    fn tasks_cover_all_rows_and_know_who_comes_in() {
+    fn tasks_cover_all_rows_and_hold_incoming_pairs() {
         let mut list = PairList::default();
-        list.take(&[all([[0, 5], [1, 3], [2, 3], [3, 5], [4, 5]]).to_vec()], 6);
-        list.share_out(6, 3, 2);
+        list.fill(&[all([[0, 5], [1, 3], [2, 3], [3, 5], [4, 5]]).to_vec()], 6);
+        list.assign_tasks(6, 3, 2);
         let tasks: Vec<_> = list.tasks().iter().map(|task| (task.rows.clone(), task.incoming.clone())).collect();
         assert_eq!(tasks, [(0..2, vec![]), (2..4, all([[1, 3]]).to_vec()), (4..6, all([[0, 5], [3, 5]]).to_vec())]);
         assert_eq!(list.block(1), (&all([[2, 3], [3, 5]])[..], 6));
-        // More threads than blocks: as many tasks as blocks.
-        list.share_out(6, 8, 4);
+        // With more threads than blocks there is one task per block.
+        list.assign_tasks(6, 8, 4);
         assert_eq!(list.tasks().len(), 2);
-        list.share_out(6, 1, 4);
+        list.assign_tasks(6, 1, 4);
         assert_eq!((list.tasks().len(), list.tasks()[0].rows.clone()), (1, 0..6));
     }
 }

@@ -1,12 +1,12 @@
-//! Neighbour search: which particles may touch.
+//! Neighbour search: finds the pairs of particles that may touch.
 //!
-//! The scene's `neighbours` chooses between three searches with one result, to the last bit:
+//! The scene key `neighbours` selects one of three searches. Their results are equal to the last bit.
 //!
-//! | search | work a step | memory |
+//! | search | work per step | memory |
 //! |---|---|---|
-//! | [`AllPairs`](Neighbours::AllPairs) | N^2/2 distances: the reference | N indices |
-//! | [`Cells`](Neighbours::Cells) | sorting into hashed cells, then 9 (27) cells a grain | N entries |
-//! | [`VerletList`](Neighbours::VerletList) | the listed pairs; now and then a search by cells | the list |
+//! | [`AllPairs`](Neighbours::AllPairs) | N^2/2 distances (reference) | N indices |
+//! | [`Cells`](Neighbours::Cells) | sorting into hashed cells, then 9 (27) cells per grain | N entries |
+//! | [`VerletList`](Neighbours::VerletList) | the listed pairs; occasionally a search by cells | the list |
 
 mod all_pairs;
 mod candidate;
@@ -30,55 +30,56 @@ use crate::store::{ParticleStore, VelocitiesPredicted};
 use crate::threads::Threads;
 use crate::values::Positive;
 
-/// The scene's `neighbours`.
+/// The scene key `neighbours`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Neighbours {
-    /// Every pair, every step.
+    /// Tests every pair in every step.
     AllPairs,
-    /// Hashed square or cubic cells, filled anew every step; a grain looks into its own cell and those around it.
+    /// Hashed square or cubic cells, filled in every step. A grain searches its own cell and the adjacent ones.
     Cells {
         /// Side L of a cell, m: at least the largest distance at which two particles touch.
         size: Positive,
     },
-    /// The same, with the side given as a multiple of the largest radius.
+    /// Like [`Cells`](Neighbours::Cells), with L given as a multiple of the largest radius.
     CellsOfRange {
-        /// L over the largest radius: 2 or more, for grains alone.
+        /// L over the largest radius: at least 2 if all particles are grains.
         rng: Positive,
     },
-    /// A list of the pairs that might touch soon, renewed when a particle has moved too far.
+    /// A list of the pairs that may touch soon. It is rebuilt when a particle has moved too far.
     VerletList {
-        /// Skin, m: particles at rest are listed up to this distance of their surfaces.
+        /// Skin, m: two particles at rest are listed if the gap between their surfaces is smaller.
         skin: Positive,
     },
 }
 
-/// The search and its state.
+/// A search with its state.
 pub enum Method<V: Space> {
     /// Every pair.
     AllPairs,
-    /// Cells, filled every step.
+    /// Cells, filled in every step.
     Cells(Cells<V>),
-    /// A list, renewed on displacement.
+    /// A list, rebuilt after displacements.
     VerletList(VerletList<V>),
 }
 
-/// How often cells were filled or the list was renewed.
+/// Counts how often cells were filled or the list was rebuilt.
 #[derive(Resource, Default, Debug, Clone, Copy)]
 pub struct Rebuilds(pub u64);
 
-/// The neighbour search of a run.
+/// Neighbour search of a run, with its latest result.
 #[derive(Resource)]
 pub struct Search<V: Space = Plane> {
-    /// Which, with its state.
+    /// The search and its state.
     method: Method<V>,
-    /// What it has found.
+    /// The latest neighbour list.
     pub list: PairList,
+    /// Renumberings of the store up to the last update.
     generation: u64,
 }
 
 impl<V: Space> Search<V> {
-    /// The search `kind` in a box with these periodic sides, for grains of at most `largest_radius` (m).
+    /// Makes the search `kind` in the periodic box `periodic`, for grains with radii up to `largest_radius` (m).
     #[must_use]
     pub fn new(kind: Neighbours, periodic: Option<Periodic<V>>, largest_radius: f64) -> Self {
         let method = match kind {
@@ -90,15 +91,15 @@ impl<V: Space> Search<V> {
         Self { method, list: PairList::default(), generation: 0 }
     }
 
-    /// Makes the search valid for the positions in `store`, and shares the list out among `threads`; `dt` is the time step, s.
-    /// Tells whether cells were filled or the list was renewed.
+    /// Updates the list to the positions in `store` and assigns it to `threads` tasks; `dt` is the time step, s.
+    /// Returns whether cells were filled or the list was rebuilt.
     ///
     /// # Errors
-    /// If particles touch at more than the cell size.
+    /// If particles touch at a distance larger than the cell size.
     pub fn update(&mut self, store: &ParticleStore<V>, dt: f64, threads: &Threads) -> Result<bool, Failure> {
         let renumbered = self.generation != store.generation;
-        let mut caught_up = false;
-        let follows = self.generation + 1 == store.generation;
+        let mut renewed_some = false;
+        let is_next = self.generation + 1 == store.generation;
         self.generation = store.generation;
         let rebuilt = match &mut self.method {
             Method::AllPairs => {
@@ -107,45 +108,45 @@ impl<V: Space> Search<V> {
             }
             Method::Cells(cells) => {
                 cells.fill(store.body.iter().map(|body| body.position));
-                let is_right = if renumbered { cells.check_range(store) } else { Ok(()) };
-                cells.look_ahead(store.margin);
-                // Found in any case, so that what is left of a step that fails has a valid list.
+                let range_check = if renumbered { cells.check_range(store) } else { Ok(()) };
+                cells.set_reach(store.margin);
+                // The list is made even after an error, so that the state left by the failed step has a valid list.
                 cells.find(store, &mut self.list);
-                self.list.share_out(store.len(), threads.count(), BLOCK);
-                is_right?;
+                self.list.assign_tasks(store.len(), threads.count(), BLOCK);
+                range_check?;
                 true
             }
             Method::VerletList(list) => {
-                let is_whole = !renumbered || (follows && list.follow(store, &mut self.list, dt));
-                let gone_far = if is_whole { list.gone_far(store) } else { Vec::new() };
-                caught_up = !gone_far.is_empty();
-                let stale = !is_whole || (caught_up && !list.catch_up(store, &mut self.list, &gone_far, dt));
+                let is_whole = !renumbered || (is_next && list.apply_renumbering(store, &mut self.list, dt));
+                let exhausted = if is_whole { list.exhausted(store) } else { Vec::new() };
+                renewed_some = !exhausted.is_empty();
+                let stale = !is_whole || (renewed_some && !list.renew_particles(store, &mut self.list, &exhausted, dt));
                 if stale {
                     list.renew(store, &mut self.list, dt, threads);
                 }
                 stale
             }
         };
-        if rebuilt || renumbered || caught_up {
-            self.list.share_out(store.len(), threads.count(), BLOCK);
+        if rebuilt || renumbered || renewed_some {
+            self.list.assign_tasks(store.len(), threads.count(), BLOCK);
         }
         Ok(rebuilt)
     }
 }
 
 impl<V: Space> ParticleStore<V> {
-    /// Whether two are so near that the law has to look at them.
+    /// Returns whether the contact law must test this pair.
     fn may_touch(&self, i: usize, j: usize) -> bool {
-        // Summed as the kernel does it, to the last bit.
+        // Summed in the same order as in the kernel, so that both agree to the last bit.
         let reach = self.body[i].radius + self.body[j].radius + self.margin;
         self.separation(self.body[i].position, self.body[j].position).length_squared() < reach * reach
     }
 }
 
-/// The largest distance at which two particles of `store` touch, at least one of them movable, m.
+/// Returns the largest distance at which two particles of `store` touch, at least one of them movable, m.
 ///
-/// A grain looks one cell far, so a pair is found for certain only if its centres are at most a cell's side apart:
-/// the side must not be smaller than this. For grains alone that is twice the largest radius.
+/// A grain searches the adjacent cells, so a pair is found for certain only if its centres are at most one cell side
+/// apart. The side must therefore not be smaller than this distance. For grains alone it is twice the largest radius.
 #[must_use]
 pub fn contact_range<V: Space>(store: &ParticleStore<V>) -> f64 {
     let largest = |fixed: bool| {
@@ -172,11 +173,11 @@ fn update_search<V: Space>(
 
 /// The neighbour search of a scene.
 pub struct NeighboursPlugin<V: Space> {
-    /// Which.
+    /// The kind of search.
     pub kind: Neighbours,
-    /// The periodic sides of the scene.
+    /// The periodic box of the scene.
     pub periodic: Option<Periodic<V>>,
-    /// Of all grains, m.
+    /// Largest radius of all grains, m.
     pub largest_radius: f64,
 }
 

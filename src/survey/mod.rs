@@ -1,7 +1,7 @@
-//! A survey of the contacts as they stand: for measurements, books and pictures, not for the hot loop.
+//! Survey of all contacts at the present moment: for measurements, energy balance and pictures, not for the force pass.
 //!
-//! It looks at the positions of the columns with the neighbour search of the last force pass, and at what contacts
-//! remembered after it, so it is right at any time between that pass and the next renumbering.
+//! It uses the positions of the store, the neighbour list of the last force pass, and the contact history after it. It
+//! is therefore valid from that pass until the next renumbering.
 
 pub mod pair_forces;
 pub mod pair_map;
@@ -19,16 +19,16 @@ use crate::space::{Plane, Space};
 use crate::store::ParticleStore;
 use crate::walls::surfaces::{FlatWall, Surfaces};
 
-/// Who is touched.
+/// Partner of a particle in a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Partner {
-    /// The particle at this index of the columns.
+    /// The particle in this slot.
     Particle(usize),
-    /// The flat wall of this index.
+    /// The flat wall with this index.
     Wall(usize),
 }
 
-/// What a system needs for a survey.
+/// System parameters of a survey.
 #[derive(SystemParam)]
 pub struct SurveyParam<'w, V: Space = Plane> {
     motion: Motion<'w, V>,
@@ -39,7 +39,7 @@ pub struct SurveyParam<'w, V: Space = Plane> {
 }
 
 impl<V: Space> SurveyParam<'_, V> {
-    /// The survey.
+    /// Returns the survey.
     #[must_use]
     pub fn survey(&self) -> Survey<'_, V> {
         Survey {
@@ -52,23 +52,23 @@ impl<V: Space> SurveyParam<'_, V> {
     }
 }
 
-/// Everything that contacts depend on.
+/// Everything that determines the contacts.
 #[derive(Clone, Copy)]
 pub struct Survey<'a, V: Space = Plane> {
     /// Particles.
     pub store: &'a ParticleStore<V>,
-    /// Candidates.
+    /// Candidate pairs.
     pub search: &'a Search<V>,
     /// Flat walls.
     pub walls: &'a [FlatWall<V>],
-    /// The law.
+    /// Contact law.
     pub law: &'a dyn PairLaw<V>,
-    /// What contacts remember.
+    /// Contact history.
     pub history: &'a History<V>,
 }
 
 impl<'a, V: Space> Survey<'a, V> {
-    /// The survey of a world.
+    /// Returns the survey of a world.
     #[must_use]
     pub fn of_world(world: &'a World) -> Self {
         Self {
@@ -80,22 +80,23 @@ impl<'a, V: Space> Survey<'a, V> {
         }
     }
 
-    /// Calls `visit` once for each contact: with the index of one particle, its partner, and the pair and its memory as
-    /// seen from that particle. Between particles the first is the one with the lower slot.
+    /// Calls `visit` once for each contact, with the slot of one particle, its partner, the pair and its memory. Pair
+    /// and memory are seen from that particle. In a contact of two particles it is the particle in the lower slot.
     pub fn contacts(&self, visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>)) {
         self.contacts_among(|_, _| true, visit);
     }
 
-    /// The same for those contacts alone that `counts` accepts; of others not even the geometry is found.
+    /// Like [`Self::contacts`], for contacts that `accepts` returns true for. The geometry of other contacts is
+    /// not computed.
     fn contacts_among(
         &self,
-        counts: impl Fn(usize, Partner) -> bool,
+        accepts: impl Fn(usize, Partner) -> bool,
         mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
-        self.pairs(&counts, &mut visit);
+        self.visit_pairs(&accepts, &mut visit);
         let (store, root, mut memories) = (self.store, self.law.needs_mass_root(), self.history.read_walls());
         for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
-            for (index, wall) in self.walls.iter().enumerate().filter(|&(index, _)| counts(i, Partner::Wall(index))) {
+            for (index, wall) in self.walls.iter().enumerate().filter(|&(index, _)| accepts(i, Partner::Wall(index))) {
                 if let Some(pair) = geometry::touching_wall::<false, V>(store, i, wall, root, 0.0) {
                     let memory = memories.look_up(i, index).unwrap_or_default();
                     visit(i, Partner::Wall(index), &pair, &memory);
@@ -104,14 +105,15 @@ impl<'a, V: Space> Survey<'a, V> {
         }
     }
 
-    fn pairs(
+    /// Visits the accepted contacts between particles.
+    fn visit_pairs(
         &self,
-        counts: &impl Fn(usize, Partner) -> bool,
+        accepts: &impl Fn(usize, Partner) -> bool,
         visit: &mut impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
         let (root, mut memories) = (self.law.needs_mass_root(), self.history.read_pairs());
         let candidates = self.search.list.pairs().iter().map(|candidate| candidate.both());
-        for [i, j] in candidates.filter(|&[i, j]| counts(i, Partner::Particle(j))) {
+        for [i, j] in candidates.filter(|&[i, j]| accepts(i, Partner::Particle(j))) {
             if let Some(pair) = geometry::touching(self.store, i, j, root) {
                 let memory = memories.look_up(i, j).unwrap_or_default();
                 visit(i, Partner::Particle(j), &pair, &memory);
@@ -119,10 +121,10 @@ impl<'a, V: Space> Survey<'a, V> {
         }
     }
 
-    /// Elastic energy of all contacts that `counts` accepts, J.
-    pub fn elastic_energy(&self, counts: impl Fn(usize, Partner) -> bool) -> f64 {
+    /// Returns the elastic energy of all contacts that `accepts` returns true for, J.
+    pub fn elastic_energy(&self, accepts: impl Fn(usize, Partner) -> bool) -> f64 {
         let mut energy = 0.0;
-        self.contacts_among(counts, |_, _, pair, memory| energy += self.law.elastic_energy(pair, memory));
+        self.contacts_among(accepts, |_, _, pair, memory| energy += self.law.elastic_energy(pair, memory));
         energy
     }
 }

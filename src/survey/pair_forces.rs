@@ -1,7 +1,7 @@
-//! One more force between particles that touch, on top of the scene's contact law, whichever it is.
+//! Additional force between touching particles, on top of the contact law of the scene.
 //!
-//! A system of [`ForceStage::Added`](crate::step::ForceStage::Added) with [`PairForces`] gives the force for each contact; it acts on the
-//! first particle, and its opposite on the partner:
+//! A system in [`ForceStage::Added`](crate::step::ForceStage::Added) takes [`PairForces`] and returns a force for each
+//! contact. The force acts on the first particle, its opposite on the partner:
 //!
 //! ```
 //! use siloflow::prelude::*;
@@ -16,10 +16,10 @@
 //! # }
 //! ```
 //!
-//! Limits: such a force is no part of the law. Friction is not capped by it, its potential energy is no elastic energy (the balance books
-//! its work as `added_work`), `check` does not know its stiffness, and what flat walls bear (`walls.csv`) is without it. Velocities are
-//! v(t+dt/2), so a damping of this kind is of first order. A force that needs more than that is a
-//! [`PairLaw`](crate::contact::PairLaw) of one's own.
+//! Limits: the force is no part of the contact law. Friction is not capped by it. Its potential energy does not count
+//! as elastic; the energy balance counts its work as `added_work`. `check` does not know its stiffness. The wall loads
+//! of `walls.csv` do not contain it. Velocities are v(t+dt/2), so damping by such a force is first order. A force
+//! without these limits needs its own [`PairLaw`](crate::contact::PairLaw).
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -29,7 +29,7 @@ use crate::space::{Plane, Space};
 use crate::survey::touching::Touching;
 use crate::survey::view::ContactView;
 
-/// The contacts, and the forces on particles, which a system adds to.
+/// System parameter: the contacts, and the forces on particles that a system adds to.
 #[derive(SystemParam)]
 pub struct PairForces<'w, 's, V: Space = Plane> {
     contacts: ContactView<'w, V>,
@@ -38,8 +38,9 @@ pub struct PairForces<'w, 's, V: Space = Plane> {
 }
 
 impl<V: Space> PairForces<'_, '_, V> {
-    /// Adds the force (N) that `on_first` gives for each contact to its first particle, and the opposite one to the partner. A flat wall
-    /// does not move. Contacts come by in the order of the store, so the sum of a particle is the same on every machine.
+    /// Adds the force (N) that `on_first` returns for each contact to its first particle, and the opposite force to the
+    /// partner. A flat wall does not move. Contacts are visited in the order of the store, so the sums are the same on
+    /// every machine.
     pub fn add(&mut self, mut on_first: impl FnMut(&Touching<'_, V>) -> V) {
         let Self { contacts, forces, sums } = self;
         sums.clear();
@@ -58,7 +59,7 @@ impl<V: Space> PairForces<'_, '_, V> {
         }
     }
 
-    /// The contacts.
+    /// Returns the contacts.
     #[must_use]
     pub fn contacts(&self) -> &ContactView<'_, V> {
         &self.contacts

@@ -1,7 +1,8 @@
-//! A number, or anything else, that a behaviour keeps for each contact as long as the contact lasts.
+//! A value that a behaviour keeps for each contact while the contact lasts.
 //!
-//! A [`PairMap`] is part of a resource of the behaviour. Once a step a system goes through the contacts with [`PairMap::visit`]: a contact
-//! that is new begins with the default, one that has ended is forgotten. Names of particles are the keys, so renumbering is no concern.
+//! A behaviour holds a [`PairMap`] in a resource. Once per step a system visits all contacts with [`PairMap::visit`]. A
+//! new contact starts with the default value; the value of a contact that has ended is dropped. Keys are grain ids, so
+//! renumbering does not affect them.
 //!
 //! ```
 //! use siloflow::prelude::*;
@@ -19,7 +20,7 @@
 //! # }
 //! ```
 //!
-//! A law of one's own remembers in [`Memory`](crate::contact::Memory) instead, which is part of the force pass.
+//! A contact law uses [`Memory`](crate::contact::Memory) instead, which is part of the force pass.
 
 use rustc_hash::FxHashMap;
 
@@ -28,21 +29,22 @@ use crate::space::Space;
 use crate::survey::touching::Touching;
 use crate::survey::view::{ContactView, Touched};
 
-/// A `T` for each contact.
+/// A value of type `T` for each contact.
 #[derive(Clone, Debug)]
 pub struct PairMap<T> {
-    of: FxHashMap<(GrainId, Touched), T>,
-    /// Those of the visit before.
-    before: FxHashMap<(GrainId, Touched), T>,
+    /// Values of the last visit.
+    values: FxHashMap<(GrainId, Touched), T>,
+    /// Values of the previous visit; empty between visits.
+    previous: FxHashMap<(GrainId, Touched), T>,
 }
 
 impl<T> Default for PairMap<T> {
     fn default() -> Self {
-        Self { of: FxHashMap::default(), before: FxHashMap::default() }
+        Self { values: FxHashMap::default(), previous: FxHashMap::default() }
     }
 }
 
-/// A contact has one key, whichever particle it is seen from.
+/// Returns the key of a contact. It does not depend on the particle from which the contact is seen.
 fn key(grain: GrainId, with: Touched) -> (GrainId, Touched) {
     match with {
         Touched::Particle(partner) if partner < grain => (partner, Touched::Particle(grain)),
@@ -51,36 +53,37 @@ fn key(grain: GrainId, with: Touched) -> (GrainId, Touched) {
 }
 
 impl<T: Default> PairMap<T> {
-    /// Shows each contact with what is kept for it, in the order of the store, and forgets contacts that have ended.
+    /// Calls `each` with every contact and its value, in the order of the store, and drops the values of ended
+    /// contacts.
     pub fn visit<V: Space>(&mut self, contacts: &ContactView<'_, V>, mut each: impl FnMut(&Touching<'_, V>, &mut T)) {
-        std::mem::swap(&mut self.of, &mut self.before);
-        self.of.reserve(self.before.len());
+        std::mem::swap(&mut self.values, &mut self.previous);
+        self.values.reserve(self.previous.len());
         contacts.iter().for_each(|contact| {
             let key = key(contact.grain(), contact.with());
-            let mut value = self.before.remove(&key).unwrap_or_default();
+            let mut value = self.previous.remove(&key).unwrap_or_default();
             each(&contact, &mut value);
-            self.of.insert(key, value);
+            self.values.insert(key, value);
         });
-        self.before.clear();
+        self.previous.clear();
     }
 }
 
 impl<T> PairMap<T> {
-    /// What is kept for a contact, as of the last visit.
+    /// Returns the value of a contact at the last visit.
     #[must_use]
     pub fn get(&self, grain: GrainId, with: Touched) -> Option<&T> {
-        self.of.get(&key(grain, with))
+        self.values.get(&key(grain, with))
     }
 
-    /// How many contacts there were in the last visit.
+    /// Returns the number of contacts at the last visit.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.of.len()
+        self.values.len()
     }
 
-    /// Whether there was none.
+    /// Returns whether there were no contacts at the last visit.
     #[must_use]
     pub fn is_empty(&self) -> bool {
-        self.of.is_empty()
+        self.values.is_empty()
     }
 }

@@ -1,7 +1,6 @@
-//! Contacts one by one, in the order of the store: the cheap way to look at all of them.
+//! Iterates over contacts in the order of the store. This is the cheap way to visit all of them.
 //!
-//! The geometry of a contact is found when the iterator comes by. What a contact remembers and which force the law makes there is found
-//! when it is asked for.
+//! The iterator computes the geometry of each contact. Its memory and its force are computed only on request.
 
 use bevy_ecs::entity::Entity;
 
@@ -11,7 +10,7 @@ use crate::space::{Plane, Space};
 use crate::survey::view::{ContactState, Touched};
 use crate::survey::{Partner, Survey};
 
-/// One contact as it stands, seen from the particle of lower slot, which forces move. SI.
+/// One contact, seen from the particle in the lower slot, which is movable. SI.
 #[derive(Clone, Copy)]
 pub struct Touching<'a, V: Space = Plane> {
     survey: Survey<'a, V>,
@@ -21,14 +20,15 @@ pub struct Touching<'a, V: Space = Plane> {
 }
 
 impl<'a, V: Space> Survey<'a, V> {
-    /// All contacts of particles that are present: between particles in ascending order of slots, then with flat walls.
+    /// Iterates over all contacts of particles that are present: first between particles, in ascending order of slots,
+    /// then with flat walls.
     pub fn touching(self) -> impl Iterator<Item = Touching<'a, V>> {
         let (store, root) = (self.store, self.law.needs_mass_root());
         let between = self.search.list.pairs().iter().filter_map(move |candidate| {
             let [i, j] = candidate.both();
             let pair = geometry::touching(store, i, j, root);
-            let is_there = store.is_present(i) && store.is_present(j);
-            Some(Touching { survey: self, row: i, partner: Partner::Particle(j), pair: pair? }).filter(|_| is_there)
+            let are_present = store.is_present(i) && store.is_present(j);
+            Some(Touching { survey: self, row: i, partner: Partner::Particle(j), pair: pair? }).filter(|_| are_present)
         });
         let rows = (0..store.movable_end).filter(|&i| store.is_present(i));
         let with_walls = rows.flat_map(move |i| {
@@ -42,19 +42,19 @@ impl<'a, V: Space> Survey<'a, V> {
 }
 
 impl<V: Space> Touching<'_, V> {
-    /// The row of the first particle in the store.
+    /// Returns the slot of the first particle.
     #[must_use]
     pub fn row(&self) -> usize {
         self.row
     }
 
-    /// The partner.
+    /// Returns the partner.
     #[must_use]
     pub fn partner(&self) -> Partner {
         self.partner
     }
 
-    /// The row of the partner in the store, if it is a particle.
+    /// Returns the slot of the partner, if it is a particle.
     #[must_use]
     pub fn partner_row(&self) -> Option<usize> {
         match self.partner {
@@ -63,25 +63,25 @@ impl<V: Space> Touching<'_, V> {
         }
     }
 
-    /// The entity of the first particle.
+    /// Returns the entity of the first particle.
     #[must_use]
     pub fn entity(&self) -> Entity {
         self.survey.store.entity[self.row]
     }
 
-    /// The entity of the partner, if it is a particle.
+    /// Returns the entity of the partner, if it is a particle.
     #[must_use]
     pub fn partner_entity(&self) -> Option<Entity> {
         self.partner_row().map(|row| self.survey.store.entity[row])
     }
 
-    /// The name of the first particle.
+    /// Returns the id of the first particle.
     #[must_use]
     pub fn grain(&self) -> GrainId {
         self.survey.store.id[self.row]
     }
 
-    /// The name of the partner.
+    /// Returns the id of the partner.
     #[must_use]
     pub fn with(&self) -> Touched {
         match self.partner {
@@ -90,31 +90,32 @@ impl<V: Space> Touching<'_, V> {
         }
     }
 
-    /// What a law sees: overlap, normal, relative velocity, radii, reduced mass, spins, materials.
+    /// Returns the input of a contact law: overlap, normal, relative velocity, radii, reduced mass, spins, materials.
     #[must_use]
     pub fn pair(&self) -> &Pair<V> {
         &self.pair
     }
 
-    /// Overlap, m.
+    /// Returns the overlap, m.
     #[must_use]
     pub fn overlap(&self) -> f64 {
         self.pair.overlap
     }
 
-    /// Unit vector from the partner to the first particle.
+    /// Returns the unit vector from the partner to the first particle.
     #[must_use]
     pub fn normal(&self) -> V {
         self.pair.normal
     }
 
-    /// Centre of the first particle, m.
+    /// Returns the centre of the first particle, m.
     #[must_use]
     pub fn from(&self) -> V {
         self.survey.store.body[self.row].position
     }
 
-    /// From there to the centre of the partner, or to the foot on the wall, m.
+    /// Returns the vector from the centre of the first particle to the centre of the partner, or to the nearest point
+    /// of the wall, m.
     #[must_use]
     pub fn to_partner(&self) -> V {
         let distance = match self.partner {
@@ -124,7 +125,7 @@ impl<V: Space> Touching<'_, V> {
         self.pair.normal * -distance
     }
 
-    /// What the contact remembers, as seen from the first particle. It is searched for.
+    /// Searches for the memory of the contact and returns it as seen from the first particle.
     #[must_use]
     pub fn memory(&self) -> Memory<V> {
         let history = self.survey.history;
@@ -135,30 +136,31 @@ impl<V: Space> Touching<'_, V> {
         memory.unwrap_or_default()
     }
 
-    /// The force of the scene's law on the first particle. The law is evaluated.
+    /// Evaluates the contact law and returns its force on the first particle.
     #[must_use]
     pub fn force(&self) -> PairForce<V> {
         self.survey.law.force(&self.pair, &mut self.memory())
     }
 
-    /// The contact as [`ContactView::all`](crate::survey::view::ContactView::all) shows it: seen from the particle of lower id. `memory`
-    /// is its own, `dt` the time step, s.
+    /// Returns the contact as seen from the particle with the lower id, as
+    /// [`ContactView::all`](crate::survey::view::ContactView::all) lists it. `memory` is the memory of this contact,
+    /// `dt` the time step, s.
     pub(super) fn state_with(&self, memory: &Memory<V>, dt: f64) -> ContactState<V> {
         match self.partner {
             Partner::Particle(row) if self.survey.store.id[row] < self.grain() => {
                 let partner = Partner::Particle(self.row);
-                Self { row, partner, pair: self.pair.turned(), ..*self }.as_seen(&memory.turned(), dt)
+                Self { row, partner, pair: self.pair.turned(), ..*self }.state_from_first(&memory.turned(), dt)
             }
-            _ => self.as_seen(memory, dt),
+            _ => self.state_from_first(memory, dt),
         }
     }
 
-    fn as_seen(&self, memory: &Memory<V>, dt: f64) -> ContactState<V> {
+    fn state_from_first(&self, memory: &Memory<V>, dt: f64) -> ContactState<V> {
         let (law, pair) = (self.survey.law, &self.pair);
         let force = law.force(pair, &mut memory.clone());
         let normal_force = force.smooth.dot(pair.normal);
         let friction = force.turning.friction;
-        // Without an arm there is no friction that could slide.
+        // A contact law without friction sets no lever arms.
         let has_friction = force.turning.arms.iter().any(|&arm| arm > 0.0);
         let is_sliding = has_friction && law.force(&Pair { dt, ..*pair }, &mut memory.clone()).turning.is_sliding;
         let cap = law.friction(pair) * normal_force.abs();

@@ -1,6 +1,6 @@
-//! The contacts as users see them: who touches whom, how deep, with which forces, sticking or sliding.
+//! Contacts for users: which particles touch, with which overlap and forces, sticking or sliding.
 //!
-//! Read-only, for measurements and pictures. In a system of [`Phase::Observe`](crate::step::Phase::Observe):
+//! Read-only, for measurements and pictures, in a system of [`Phase::Observe`](crate::step::Phase::Observe):
 //!
 //! ```
 //! use siloflow::prelude::*;
@@ -17,10 +17,11 @@
 //! }
 //! ```
 //!
-//! [`ContactView::iter`] takes a fraction of the time of [`ContactView::all`], which evaluates the law for every contact and sorts.
+//! [`ContactView::iter`] takes a fraction of the time of [`ContactView::all`], which evaluates the contact law for
+//! every contact and sorts.
 //!
-//! Forces are the law's at the positions and velocities of the full step, with the springs as the force pass left them;
-//! a contact slides if the law, moved on by the time step that was, cuts its friction.
+//! Forces are the contact law at the positions and velocities of the full step, with the springs left by the force
+//! pass. A contact slides if the law caps its friction when evaluated for one more time step.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -32,31 +33,31 @@ use crate::step::Clock;
 use crate::survey::touching::Touching;
 use crate::survey::{Partner, Survey, SurveyParam};
 
-/// With whom a grain is in contact.
+/// Partner of a grain in a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Touched {
     /// A grain or a wall grain.
     Particle(GrainId),
-    /// A flat wall, by its number in the scene, from 1, discs not counted.
+    /// A flat wall, by its number in the scene, counted from 1 without discs.
     Wall(usize),
 }
 
-/// One contact, SI.
+/// State of one contact, SI.
 #[derive(Clone, Copy, Debug)]
 pub struct ContactState<V: Space = Plane> {
-    /// The grain from whose side it is seen.
+    /// The grain from which the contact is seen.
     pub grain: GrainId,
-    /// What it touches.
+    /// Its partner.
     pub with: Touched,
     /// Centre of the grain, m.
     pub from: V,
-    /// From there to the centre of the partner, or to the foot on the wall, m.
+    /// Vector from the centre of the grain to the centre of the partner, or to the nearest point of the wall, m.
     pub to_partner: V,
     /// Overlap, m.
     pub overlap: f64,
     /// Unit vector from the partner to the grain.
     pub normal: V,
-    /// Normal force, N; positive where it pushes.
+    /// Normal force, N; positive if repulsive.
     pub normal_force: f64,
     /// Friction on the grain, N.
     pub friction: V,
@@ -64,22 +65,22 @@ pub struct ContactState<V: Space = Plane> {
     pub mobilised: f64,
     /// Whether friction is at its cap.
     pub is_sliding: bool,
-    /// What it remembers.
+    /// Memory of the contact.
     pub memory: Memory<V>,
 }
 
 impl<V: Space> Survey<'_, V> {
-    /// All contacts, in ascending order of the ids; contacts with flat walls come after all others. `dt` in s.
+    /// Returns all contacts in ascending order of ids; contacts with flat walls come last. `dt` is the time step, s.
     #[must_use]
     pub fn view(&self, dt: f64) -> Vec<ContactState<V>> {
-        // Large and written once: a second copy would take most of the time.
+        // The states are large. Sorting them by a second copy would take most of the time.
         let mut states = Vec::with_capacity(self.search.list.pairs().len());
         let mut order = Vec::with_capacity(states.capacity());
-        let (mut of_pairs, mut of_walls) = (self.history.read_pairs(), self.history.read_walls());
+        let (mut pair_cursor, mut wall_cursor) = (self.history.read_pairs(), self.history.read_walls());
         self.touching().for_each(|contact| {
             let memory = match contact.partner() {
-                Partner::Particle(j) => of_pairs.look_up(contact.row(), j),
-                Partner::Wall(wall) => of_walls.look_up(contact.row(), wall),
+                Partner::Particle(j) => pair_cursor.look_up(contact.row(), j),
+                Partner::Wall(wall) => wall_cursor.look_up(contact.row(), wall),
             };
             let state = contact.state_with(&memory.unwrap_or_default(), dt);
             order.push((matches!(state.with, Touched::Wall(_)), state.grain, state.with, states.len()));
@@ -87,18 +88,18 @@ impl<V: Space> Survey<'_, V> {
         });
         order.sort_unstable();
         for place in 0..order.len() {
-            let mut from = order[place].3;
-            // It was exchanged when an earlier place was filled.
-            while from < place {
-                from = order[from].3;
+            let mut source = order[place].3;
+            // The state was moved when an earlier place was filled.
+            while source < place {
+                source = order[source].3;
             }
-            states.swap(place, from);
+            states.swap(place, source);
         }
         states
     }
 }
 
-/// The contacts, for systems.
+/// System parameter: all contacts.
 #[derive(SystemParam)]
 pub struct ContactView<'w, V: Space = Plane> {
     survey_param: SurveyParam<'w, V>,
@@ -106,20 +107,20 @@ pub struct ContactView<'w, V: Space = Plane> {
 }
 
 impl<V: Space> ContactView<'_, V> {
-    /// The contacts one by one, in the order of the store: their geometry is found as they come by, their memory and their force only on
-    /// request. Contacts with flat walls come after all others.
+    /// Iterates over the contacts in the order of the store; contacts with flat walls come last. The geometry of each
+    /// contact is computed, its memory and force only on request.
     pub fn iter(&self) -> impl Iterator<Item = Touching<'_, V>> {
         self.survey_param.survey().touching()
     }
 
-    /// All contacts with all that is known of them, in ascending order of the ids. The law is evaluated for each: [`ContactView::iter`]
-    /// takes less time.
+    /// Returns the full state of all contacts, in ascending order of ids. It evaluates the contact law for each
+    /// contact, so [`ContactView::iter`] takes less time.
     #[must_use]
     pub fn all(&self) -> Vec<ContactState<V>> {
         self.survey_param.survey().view(self.clock.dt)
     }
 
-    /// Number of rows of the store. The row of a particle in a contact is less.
+    /// Returns the number of slots of the store. The slots of the particles in a contact are smaller.
     #[must_use]
     pub fn rows(&self) -> usize {
         self.survey_param.survey().store.len()

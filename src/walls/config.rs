@@ -1,4 +1,4 @@
-//! The scene's `walls`.
+//! The scene key `walls`.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,21 +7,21 @@ use crate::space::Space;
 use crate::values::{FiniteVector, Positive};
 use crate::walls::surfaces::{FlatWall, Surface, WallLoad};
 
-/// One of the scene's `walls`.
+/// One entry of the scene key `walls`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Wall {
-    /// Everything behind a line, in solid space behind a plane, is solid.
+    /// A solid half-plane behind a line; in solid space, a half-space behind a plane.
     #[serde(alias = "HalfSpace")]
     HalfPlane {
         /// A point of the surface, m.
         point: FiniteVector,
-        /// The direction from the solid into the free half, of any length but zero.
+        /// Direction from the solid into the free half, of any non-zero length.
         normal: FiniteVector,
-        /// Its velocity along itself, m/s: a belt. Default at rest.
+        /// Velocity of the wall along itself, m/s, for a belt. Default 0.
         #[serde(default)]
         velocity: Option<FiniteVector>,
-        /// Its material. Default 0.
+        /// Material. Default 0.
         #[serde(default)]
         species: u8,
     },
@@ -31,40 +31,41 @@ pub enum Wall {
         from: FiniteVector,
         /// The other end, m.
         to: FiniteVector,
-        /// Its material. Default 0.
+        /// Material. Default 0.
         #[serde(default)]
         species: u8,
     },
-    /// A thin rectangle of solid space.
+    /// A thin rectangle, in solid space.
     Panel {
         /// One corner, m.
         corner: FiniteVector,
-        /// From there along one edge, m.
+        /// Edge vector from the corner, m.
         along: FiniteVector,
-        /// From there along the other edge, m, at right angles to the first.
+        /// Other edge vector from the corner, m, at right angles to `along`.
         across: FiniteVector,
-        /// Its material. Default 0.
+        /// Material. Default 0.
         #[serde(default)]
         species: u8,
-        /// Whether it is the door: gone when the door opens, and grains that pass where it was are out.
+        /// Whether the panel is the door. It vanishes when the door opens, and grains that pass through its place are
+        /// out.
         #[serde(default)]
         door: bool,
     },
-    /// A fixed disc or sphere: a wall grain like those of a silo file.
+    /// A fixed disc or sphere: a wall grain like a grain of a silo file.
     #[serde(alias = "Sphere")]
     Disc {
         /// Centre, m.
         centre: FiniteVector,
         /// Radius, m.
         radius: Positive,
-        /// Its material. Default 0.
+        /// Material. Default 0.
         #[serde(default)]
         species: u8,
     },
 }
 
 impl Wall {
-    /// The flat wall, unless it is a disc.
+    /// Returns the flat wall, or `None` for a disc.
     #[must_use]
     pub fn flat<V: Space>(&self) -> Option<FlatWall<V>> {
         let (surface, species) = match *self {

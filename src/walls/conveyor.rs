@@ -1,7 +1,7 @@
-//! Conveyors: wall grains that move at a constant velocity, the rough walls of a shear cell or a rough belt.
+//! Conveyors: wall grains that move at constant velocity, for example the rough walls of a shear cell or a rough belt.
 //!
-//! x <- x + v dt for every wall grain that the scene gives a velocity (`fill` with `fixed: true`). The work that it takes
-//! to keep them going is booked as wall work. In a periodic scene they come round.
+//! x <- x + v dt for every wall grain with a velocity (`fill` with `fixed: true`). The work that keeps them moving
+//! counts as wall work. In a periodic scene they are wrapped.
 
 use std::marker::PhantomData;
 
@@ -12,7 +12,7 @@ use crate::particle::{Fixed, Position, Velocity};
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 
-/// Marks a wall grain that keeps moving.
+/// Marks a wall grain that moves at constant velocity.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Conveyed;
 
@@ -24,7 +24,7 @@ fn convey<V: Space>(clock: Res<Clock>, mut belt: Query<(&mut Position<V>, &Veloc
     }
 }
 
-/// Moves conveyors.
+/// Moves the conveyors.
 pub struct ConveyorPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for ConveyorPlugin<V> {

@@ -1,4 +1,4 @@
-//! What encloses the grains: discs of a silo file, discs and flat walls of the scene, and what counts as a way out.
+//! Walls: discs of a silo file, discs and flat walls of the scene, and the lines whose crossing counts as a way out.
 
 pub mod config;
 pub mod conveyor;

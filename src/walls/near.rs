@@ -1,7 +1,7 @@
-//! Which grains are near which walls: all others are spared the look at every wall in every step.
+//! Near walls: lists which grains are near which walls, so that all others need no wall test in most steps.
 //!
-//! A grain is near a wall if its surface is less than a radius of the largest grain away from it: of a packing those are mostly
-//! the ones that touch it. The list holds until somebody can have gone that far, or a wall has changed.
+//! A grain is near a wall if the gap between their surfaces is less than the largest grain radius. In a packing, most
+//! near grains touch the wall. The list is valid until a grain may have moved by that distance, or a wall has changed.
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::Candidate;
@@ -9,7 +9,7 @@ use crate::space::Space;
 use crate::store::ParticleStore;
 use crate::walls::surfaces::FlatWall;
 
-/// Pairs of an entry of the columns and a wall's index, ascending.
+/// Pairs of a slot and a wall index, ascending.
 #[derive(Debug, Default)]
 pub struct NearWalls {
     pairs: Vec<Candidate>,
@@ -17,7 +17,7 @@ pub struct NearWalls {
 }
 
 impl NearWalls {
-    /// Those of now.
+    /// Returns the present pairs; updates them if needed.
     pub fn of<V: Space>(&mut self, store: &ParticleStore<V>, walls: &[FlatWall<V>], has_changed: bool) -> &[Candidate] {
         if walls.is_empty() {
             return &[];
@@ -28,7 +28,7 @@ impl NearWalls {
             self.pairs.clear();
             for (i, body) in (0u32..).zip(grains) {
                 for (number, wall) in (0u32..).zip(walls) {
-                    // Written so that a NaN is near nothing.
+                    // Written so that NaN counts as not near.
                     if wall.surface.distance(body.position) < body.radius + slack {
                         self.pairs.push(Candidate::new(i, number));
                     }

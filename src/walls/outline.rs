@@ -1,10 +1,10 @@
-//! The outline: which lines a grain's path must not cross, and which one is the orifice.
+//! Outline: the lines that no path of a grain may cross, and the line that is the orifice.
 //!
-//! * Two wall grains are linked if no grain fits between them and no third wall grain is closer to both than they
-//!   are to each other (the relative neighbourhood graph: neighbours, without the chords across corners).
-//! * Segments of the scene are links as they are; behind a half-plane is outside.
-//! * The orifice is the line between the two wall grains that flank the door: the ones nearest to the door's two
-//!   ends, on opposite sides of it.
+//! * Two wall grains are linked if no grain fits between them and no third wall grain is closer to both than they are
+//!   to each other. This relative neighbourhood graph links neighbours, without chords across corners.
+//! * Segments of the scene are links themselves. The region behind a half-plane is outside.
+//! * The orifice is the line between the two wall grains that flank the door. They are nearest to the two ends of the
+//!   door, on opposite sides of it.
 
 use rustc_hash::FxHashMap;
 
@@ -14,7 +14,7 @@ use crate::walls::paths::{Crossing, Paths, enters};
 use crate::walls::silo_file::Disc;
 use crate::walls::surfaces::{FlatWall, Surface};
 
-/// A line that keeps grains in.
+/// A line that encloses grains.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Link {
     /// One end, m.
@@ -23,20 +23,21 @@ pub struct Link {
     pub to: Vector,
 }
 
-/// The lines of a scene's enclosure.
+/// Lines of a scene's enclosure.
 #[derive(Clone, Debug, Default)]
 pub struct Outline {
     links: Vec<Link>,
+    /// Side of a cell, m.
     cell: f64,
-    /// Which links are in a cell: asked for every grain that has gone some way, so quickly hashed.
-    near: FxHashMap<[i64; 2], Vec<usize>>,
+    /// Indices of the links in each cell. Queried for every grain that has moved some distance, so the hash is fast.
+    links_by_cell: FxHashMap<[i64; 2], Vec<usize>>,
     half_planes: Vec<Surface>,
     orifice: Option<Link>,
     bounds: Option<[Vector; 2]>,
 }
 
 impl Outline {
-    /// The outline of `walls` (discs), `door` (discs) and flat walls, for grains of radius `smallest` (m) or more.
+    /// Makes the outline of wall discs, door discs and flat walls, for grains of radius `smallest` (m) or more.
     #[must_use]
     pub fn new(walls: &[Disc], door: &[Disc], surfaces: &[FlatWall], smallest: f64) -> Self {
         let mut links = disc_links(walls, smallest);
@@ -54,38 +55,38 @@ impl Outline {
         let mut outline = Self {
             links,
             cell: longest,
-            near: FxHashMap::default(),
+            links_by_cell: FxHashMap::default(),
             half_planes,
             orifice: orifice(walls, door),
             bounds: bounds.map(|(low, high)| [low, high]),
         };
         for (index, link) in outline.links.iter().enumerate() {
             for key in cells(link.from, link.to, outline.cell) {
-                outline.near.entry(key).or_default().push(index);
+                outline.links_by_cell.entry(key).or_default().push(index);
             }
         }
         outline
     }
 
-    /// Without a box that grains may leave: in a periodic scene every way leads out of it.
+    /// Removes the bounding box. In a periodic scene, every path may leave it.
     #[must_use]
     pub fn unbounded(self) -> Self {
         Self { bounds: None, ..self }
     }
 
-    /// The line between the flanks of the door.
+    /// Returns the line between the flanks of the door.
     #[must_use]
     pub fn orifice(&self) -> Option<Link> {
         self.orifice
     }
 
-    /// The links between wall grains, and the segments.
+    /// Returns the links between wall grains, and the segments.
     #[must_use]
     pub fn links(&self) -> &[Link] {
         &self.links
     }
 
-    /// Lower left and upper right corner of all links, m.
+    /// Returns the lower left and upper right corners of the box around all links, m.
     #[must_use]
     pub fn bounds(&self) -> Option<[Vector; 2]> {
         self.bounds
@@ -96,22 +97,22 @@ impl Paths<Plane> for Outline {
     fn crossing(&self, from: Vector, to: Vector) -> Option<Crossing<Vector>> {
         let wall = |link: &Link| Crossing::Wall { from: link.from, to: link.to };
         let mut first: Option<(f64, Crossing<Vector>)> = None;
-        let mut consider = |share: Option<f64>, what: Crossing<Vector>| {
+        let mut consider = |share: Option<f64>, crossing: Crossing<Vector>| {
             if let Some(share) = share
                 && first.is_none_or(|(earliest, _)| share < earliest)
             {
-                first = Some((share, what));
+                first = Some((share, crossing));
             }
         };
         if let Some(orifice) = self.orifice {
             consider(orifice.crossed_at(from, to), Crossing::Orifice);
         }
-        // A path that spans many cells meets most of them: then all links are asked.
+        // A path across many cells meets most links, so all of them are tested.
         if (to - from).abs().max_element() > 8.0 * self.cell {
             self.links.iter().for_each(|link| consider(link.crossed_at(from, to), wall(link)));
         } else {
             for key in cells(from, to, self.cell) {
-                for link in self.near.get(&key).into_iter().flatten().map(|&index| self.links[index]) {
+                for link in self.links_by_cell.get(&key).into_iter().flatten().map(|&index| self.links[index]) {
                     consider(link.crossed_at(from, to), wall(&link));
                 }
             }
@@ -119,14 +120,14 @@ impl Paths<Plane> for Outline {
         for plane in &self.half_planes {
             consider(enters(plane, from, to), Crossing::FlatWall);
         }
-        first.map(|(_, what)| what)
+        first.map(|(_, crossing)| crossing)
     }
 
-    /// Which side of the bounding box a grain has left by, in words; nothing if it was not inside before, or if there
-    /// are half-planes, which bound without a box.
+    /// Returns the side of the bounding box through which a grain has left, in words. `None` if it was not inside
+    /// before, or if the scene has half-planes, which bound without a box.
     fn beyond(&self, before: Vector, here: Vector) -> Option<&'static str> {
         let [low, high] = self.bounds.filter(|_| self.half_planes.is_empty())?;
-        // What is above the top can still fall back in; sideways of it, or under the silo, it cannot.
+        // A grain above the top may fall back in; a grain beside or below the box may not.
         let is_beside = |x: Vector| x.x < low.x || x.x > high.x;
         if is_beside(before) || before.y < low.y {
             None
@@ -139,7 +140,7 @@ impl Paths<Plane> for Outline {
 }
 
 impl Link {
-    /// Where along the path (0 to 1) it crosses this line.
+    /// Returns where the path crosses this line, as a share of the path (0 to 1).
     fn crossed_at(&self, from: Vector, to: Vector) -> Option<f64> {
         let (path, line, offset) = (to - from, self.to - self.from, self.from - from);
         let cross = path.perp_dot(line);
@@ -151,13 +152,14 @@ impl Link {
     }
 }
 
-/// Cells of side `cell` that the box around a line overlaps.
+/// Returns the cells of side `cell` that the box around a line overlaps.
 fn cells(from: Vector, to: Vector, cell: f64) -> impl Iterator<Item = [i64; 2]> {
-    // Callers bound the number of cells.
+    // Callers limit the number of cells.
     let [low, high] = [from.min(to) / cell, from.max(to) / cell].map(|corner| [floor(corner.x), floor(corner.y)]);
     (low[1]..=high[1]).flat_map(move |y| (low[0]..=high[0]).map(move |x| [x, y]))
 }
 
+/// Links neighbouring wall discs between which no grain of radius `smallest` (m) fits.
 fn disc_links(discs: &[Disc], smallest: f64) -> Vec<Link> {
     let distance = |a: usize, b: usize| discs[a].centre.distance(discs[b].centre);
     let tight = |a: usize, b: usize| distance(a, b) < discs[a].radius + discs[b].radius + 2.0 * smallest;
@@ -176,8 +178,9 @@ fn disc_links(discs: &[Disc], smallest: f64) -> Vec<Link> {
     links
 }
 
+/// Returns the line between the flanks of the door.
 fn orifice(walls: &[Disc], door: &[Disc]) -> Option<Link> {
-    let (first, last) = ends(door)?;
+    let (first, last) = farthest_pair(door)?;
     let middle = 0.5 * (first + last);
     let nearest = |to: Vector, admits: &dyn Fn(Vector) -> bool| {
         let centres = walls.iter().map(|disc| disc.centre).filter(|&centre| admits(centre));
@@ -188,8 +191,8 @@ fn orifice(walls: &[Disc], door: &[Disc]) -> Option<Link> {
     Some(Link { from, to })
 }
 
-/// The two door grains that are farthest apart.
-fn ends(door: &[Disc]) -> Option<(Vector, Vector)> {
+/// Returns the centres of the two door grains that are farthest apart.
+fn farthest_pair(door: &[Disc]) -> Option<(Vector, Vector)> {
     let pairs = door.iter().flat_map(|a| door.iter().map(move |b| (a.centre, b.centre)));
     pairs.reduce(|best, pair| if pair.0.distance(pair.1) > best.0.distance(best.1) { pair } else { best })
 }
@@ -203,7 +206,7 @@ mod tests {
         centres.iter().map(|&(x, y)| Disc { centre: Vector::new(x, y), radius: 0.3 }).collect()
     }
 
-    /// A square corner, a gap, and a far post; a door of two in the gap.
+    /// A square corner, a gap and a far post, with two door grains in the gap.
     fn corner() -> Outline {
         let walls = discs(&[(0.0, 2.0), (0.0, 1.0), (0.0, 0.0), (1.0, 0.0), (4.0, 0.0), (5.0, 0.0)]);
         Outline::new(&walls, &discs(&[(2.0, 0.0), (3.0, 0.0)]), &[], 0.5)
@@ -226,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_crosses_what_it_meets_first() {
+    fn the_first_line_on_a_path_counts() {
         let outline = corner();
         assert_eq!(outline.crossing(Vector::new(2.5, 0.1), Vector::new(2.5, -0.1)), Some(Crossing::Orifice));
         let through = outline.crossing(Vector::new(0.5, 0.1), Vector::new(-100.0, -0.1));
@@ -240,10 +243,10 @@ mod tests {
         assert_eq!(outline.beyond(inside, Vector::new(1.0, 9.0)), None);
         assert_eq!(outline.beyond(inside, Vector::new(-0.1, 9.0)), Some("over the top"));
         assert_eq!(outline.beyond(inside, Vector::new(1.0, -0.1)), Some("past the lower end of the walls"));
-        assert_eq!(outline.beyond(Vector::new(-1.0, 1.0), Vector::new(-2.0, 1.0)), None, "it never was inside");
+        assert_eq!(outline.beyond(Vector::new(-1.0, 1.0), Vector::new(-2.0, 1.0)), None, "the grain was never inside");
         let wall = Wall::HalfPlane { point: Vector::ZERO.into(), normal: Vector::Y.into(), velocity: None, species: 0 };
         let floor = wall.flat().unwrap();
         let open = Outline::new(&discs(&[(0.0, 2.0)]), &[], &[floor], 0.1);
-        assert_eq!(open.beyond(Vector::new(0.0, 3.0), Vector::new(1.0, 3.0)), None, "a floor has no sides");
+        assert_eq!(open.beyond(Vector::new(0.0, 3.0), Vector::new(1.0, 3.0)), None, "a floor has no lateral bounds");
     }
 }

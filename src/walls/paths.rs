@@ -1,17 +1,17 @@
-//! Which lines or faces a grain's path must not cross, and which one is the way out.
+//! Paths of grains: the lines or faces that they must not cross, and the way out.
 //!
-//! In the plane, an [`Outline`](crate::walls::outline::Outline) of wall grains and flat walls; in solid space, flat
-//! walls alone: [`FlatWalls`]. There the way out is where a door panel was.
+//! In the plane, the lines are an [`Outline`](crate::walls::outline::Outline) of wall grains and flat walls. In solid
+//! space the faces are [`FlatWalls`] alone, and the way out is the place of a door panel.
 
 use crate::space::{Solid, Space};
 use crate::walls::surfaces::{FlatWall, Surface};
 
-/// What a path crossed.
+/// Line or face that a path crosses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Crossing<V> {
     /// The way out: the line between the flanks of the door, or a panel of the door.
     Orifice,
-    /// A line between two places, m.
+    /// A wall line between two points, m.
     Wall {
         /// One end.
         from: V,
@@ -22,12 +22,12 @@ pub enum Crossing<V> {
     FlatWall,
 }
 
-/// The bounds of where grains belong.
+/// Bounds of the region of the grains.
 pub trait Paths<V: Space>: Send + Sync {
-    /// What the straight path crosses first.
+    /// Returns the line or face that the straight path crosses first.
     fn crossing(&self, from: V, to: V) -> Option<Crossing<V>>;
 
-    /// Which side of the walls' box a grain has left by, in words.
+    /// Returns the side of the walls' bounding box through which a grain has left, in words.
     fn beyond(&self, before: V, here: V) -> Option<&'static str>;
 }
 
@@ -35,13 +35,13 @@ pub trait Paths<V: Space>: Send + Sync {
 #[derive(Clone, Debug)]
 pub struct FlatWalls(pub Vec<FlatWall<Solid>>);
 
-/// Where along a path (0 to 1) it passes from the free side of a half-space into it.
+/// Returns where a path passes from the free side of a half-space into it, as a share of the path (0 to 1).
 pub(super) fn enters<V: Space>(surface: &Surface<V>, from: V, to: V) -> Option<f64> {
     let (before, after) = (surface.distance(from), surface.distance(to));
     (before >= 0.0 && after < 0.0).then(|| before / (before - after))
 }
 
-/// Where along a path (0 to 1) it passes through a panel.
+/// Returns where a path passes through a panel, as a share of the path (0 to 1).
 fn pierces(corner: Solid, along: Solid, across: Solid, from: Solid, to: Solid) -> Option<f64> {
     let normal = along.cross(across);
     let (before, after) = ((from - corner).dot(normal), (to - corner).dot(normal));
@@ -57,20 +57,20 @@ fn pierces(corner: Solid, along: Solid, across: Solid, from: Solid, to: Solid) -
 impl Paths<Solid> for FlatWalls {
     fn crossing(&self, from: Solid, to: Solid) -> Option<Crossing<Solid>> {
         let crossed = self.0.iter().filter_map(|wall| {
-            let (share, what) = match wall.surface {
+            let (share, crossing) = match wall.surface {
                 Surface::HalfPlane { .. } => (enters(&wall.surface, from, to)?, Crossing::FlatWall),
                 Surface::Panel { corner, along, across } => {
-                    let what = if wall.is_door { Crossing::Orifice } else { Crossing::FlatWall };
-                    (pierces(corner, along, across, from, to)?, what)
+                    let crossing = if wall.is_door { Crossing::Orifice } else { Crossing::FlatWall };
+                    (pierces(corner, along, across, from, to)?, crossing)
                 }
                 Surface::Segment { .. } => return None,
             };
-            Some((share, what))
+            Some((share, crossing))
         });
-        crossed.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, what)| what)
+        crossed.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, crossing)| crossing)
     }
 
-    /// Not judged: what flat walls leave open is open, and the cull line sees who falls through.
+    /// Always `None`: gaps between flat walls are legal, and the cull line catches grains that fall through.
     fn beyond(&self, _: Solid, _: Solid) -> Option<&'static str> {
         None
     }

@@ -1,7 +1,7 @@
-//! Reader for the assignment's silo file.
+//! Reader of the assignment's silo file.
 //!
-//! The first line holds two counts, of wall grains and of door grains. Then follows one line a grain, wall first,
-//! door after: x, y and radius, in the unit that the scene states (`unit`, the assignment's file is in cm).
+//! The first line holds the numbers of wall grains and of door grains. One line per grain follows, wall grains first:
+//! x, y and radius, in the `unit` that the scene states (cm for the assignment's file).
 //!
 //! ```text
 //! 183 5
@@ -9,8 +9,7 @@
 //! ...
 //! ```
 //!
-//! Blank lines at the end are ignored; anything else that is not such a line is an error that names its line and
-//! column.
+//! Blank lines at the end are ignored. Any other malformed line is an error with its line and column.
 
 use std::ops::Range;
 use std::path::PathBuf;
@@ -20,15 +19,15 @@ use serde::{Deserialize, Serialize};
 use crate::fault::Fault;
 use crate::space::Vector;
 
-/// The scene's `silo`.
+/// The scene key `silo`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Silo {
     /// Path of the silo file, relative to the scene file.
     pub file: PathBuf,
-    /// Unit of its numbers.
+    /// Unit of the numbers in the file.
     pub unit: LengthUnit,
-    /// Its material. Default 0.
+    /// Material. Default 0.
     #[serde(default)]
     pub species: u8,
 }
@@ -45,7 +44,7 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// How many of it make a metre: division by a whole number rounds once, as 400 cm to 4 m.
+    /// Returns the number of units per metre. Division by a whole number rounds once, so that 400 cm is exactly 4 m.
     fn per_metre(self) -> f64 {
         match self {
             Self::Metre => 1.0,
@@ -55,7 +54,7 @@ impl LengthUnit {
     }
 }
 
-/// A disc at rest.
+/// A fixed disc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Disc {
     /// Centre, m.
@@ -64,16 +63,16 @@ pub struct Disc {
     pub radius: f64,
 }
 
-/// The geometry of a silo, SI.
+/// Geometry of a silo, SI.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SiloGeometry {
-    /// The wall, in the file's order.
+    /// Wall discs, in the order of the file.
     pub wall: Vec<Disc>,
-    /// The door, in the file's order.
+    /// Door discs, in the order of the file.
     pub door: Vec<Disc>,
 }
 
-/// One blank-separated word of the file and where it stands.
+/// A word of the file, with its byte range.
 struct Word<'a> {
     text: &'a str,
     range: Range<usize>,
@@ -82,8 +81,8 @@ struct Word<'a> {
 /// Parses the text of a silo file. `name` is the file's name in messages.
 ///
 /// # Errors
-/// If the counts are wrong, a line is missing or one too many, a word is not a finite number, or a radius not
-/// positive; the fault points at the place.
+/// If a count is wrong, a line is missing or surplus, a word is not a finite number, or a radius is not positive. The
+/// fault points at the place.
 pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, Fault> {
     let fault = |code, range: Range<usize>, message: String, help: &str| {
         Err(Fault::new(code, message).help(help).at(name, text, range))
@@ -114,7 +113,7 @@ pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, F
     let mut discs = Vec::new();
     for (range, words) in lines {
         if discs.len() == expected {
-            let message = format!("a line too many: the header announces {walls} + {doors} = {expected} grains");
+            let message = format!("surplus line: the header announces {walls} + {doors} = {expected} grains");
             return fault(
                 "silo_file::surplus_line",
                 range,
@@ -124,7 +123,7 @@ pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, F
         }
         let [x, y, radius] = words.as_slice() else {
             let message = format!("expected three numbers (x, y, radius), got {}", words.len());
-            return fault("silo_file::store", range, message, "one grain a line: x y radius");
+            return fault("silo_file::columns", range, message, "one grain per line: x y radius");
         };
         let mut values = [0.0; 3];
         for (value, word) in values.iter_mut().zip([x, y, radius]) {
@@ -171,11 +170,12 @@ pub fn parse(name: &str, text: &str, unit: LengthUnit) -> Result<SiloGeometry, F
     Ok(SiloGeometry { wall: discs, door })
 }
 
+/// Returns the byte range of the first line.
 fn first_line(text: &str) -> Range<usize> {
     0..text.find('\n').unwrap_or(text.len())
 }
 
-/// The lines up to the last one that is not blank: byte range and words.
+/// Returns byte range and words of each line, up to the last line that is not blank.
 fn lines(text: &str) -> impl Iterator<Item = (Range<usize>, Vec<Word<'_>>)> {
     let offset_of = move |part: &str| part.as_ptr() as usize - text.as_ptr() as usize;
     text.trim_end().lines().map(move |line| {
@@ -203,20 +203,20 @@ mod tests {
     }
 
     #[test]
-    fn names_the_place_of_what_is_wrong() {
+    fn faults_point_at_the_wrong_line_and_column() {
         let cases = [
             ("2", "silo_file::header", (1, 1)),
             ("", "silo_file::header", (1, 1)),
             ("2 x\n", "silo_file::header", (1, 3)),
             ("-2 1\n", "silo_file::header", (1, 1)),
-            ("1 0\n0 0\n", "silo_file::store", (2, 1)),
-            ("1 0\n0 0 1 7\n", "silo_file::store", (2, 1)),
+            ("1 0\n0 0\n", "silo_file::columns", (2, 1)),
+            ("1 0\n0 0 1 7\n", "silo_file::columns", (2, 1)),
             ("1 0\n0 zero 1\n", "silo_file::number", (2, 3)),
             ("1 0\n0 NaN 1\n", "silo_file::number", (2, 3)),
             ("1 0\n0 0 -1\n", "silo_file::radius", (2, 5)),
             ("1 1\n0 0 1\n", "silo_file::missing_line", (2, 6)),
             ("1 0\n0 0 1\n1 1 1\n", "silo_file::surplus_line", (3, 1)),
-            ("2 0\n0 0 1\n\n1 1 1\n", "silo_file::store", (3, 1)),
+            ("2 0\n0 0 1\n\n1 1 1\n", "silo_file::columns", (3, 1)),
         ];
         for (text, code, place) in cases {
             let fault = parse("bad.dat", text, LengthUnit::Metre).unwrap_err();

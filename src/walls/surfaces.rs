@@ -1,10 +1,12 @@
-//! Flat walls: half-planes, segments and panels, under the same contact law as between grains.
+//! Flat walls: half-planes, segments and panels, under the same contact law as contacts between grains.
 //!
-//! The partner has no curvature and infinite mass: overlap delta = R - d with d the distance from the centre to the
-//! wall, normal from the wall to the centre, reduced mass that of the grain. A half-plane (in solid space: a half-space)
-//! is solid behind its normal however deep a grain is in it, and may move along itself like a belt; a segment and a
-//! panel, its rectangle in solid space, are thin and act on both sides. A grain above the seam of two panels in one plane
-//! touches both: build floors of one piece. Contacts with walls are made and summed where all contacts are ([`crate::contact`]).
+//! The wall has no curvature and infinite mass. The overlap is delta = R - d, with d the distance from the centre of
+//! the grain to the wall. The normal points from the wall to the centre. The reduced mass is the mass of the grain.
+//!
+//! A half-plane (in solid space: a half-space) is solid behind its surface at any depth, and may move along itself like
+//! a belt. A segment and a panel, its rectangle in solid space, are thin and act on both sides. A grain above the seam
+//! of two panels in one plane touches both, so a floor should be one panel. The force pass sums contacts with walls
+//! ([`crate::contact`]).
 
 use std::marker::PhantomData;
 use std::ops::AddAssign;
@@ -22,14 +24,14 @@ use crate::store::AfterDeferredKick;
 /// A flat surface.
 #[derive(Clone, Copy, Debug)]
 pub enum Surface<V: Space = Plane> {
-    /// Solid behind `normal`, a unit vector.
+    /// Solid behind the surface.
     HalfPlane {
         /// A point of the surface, m.
         point: V,
         /// Unit normal into the free half.
         normal: V,
     },
-    /// Thin, between two points, m.
+    /// Thin line between two points.
     Segment {
         /// One end, m.
         from: V,
@@ -47,12 +49,12 @@ pub enum Surface<V: Space = Plane> {
     },
 }
 
-/// What the grains do to a wall in the present step.
+/// Load of the grains on a wall in the present step.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct WallLoad<V> {
     /// Force on the wall, N.
     pub force: V,
-    /// The part of it that dashpots make, along the normal and across, N.
+    /// Dissipative part of the force, from normal and tangential dashpots, N.
     pub drag: V,
 }
 
@@ -66,57 +68,57 @@ impl<V: Space> AddAssign for WallLoad<V> {
 /// A flat wall of the scene.
 #[derive(Clone, Copy, Debug)]
 pub struct FlatWall<V: Space = Plane> {
-    /// Where it is.
+    /// Geometry.
     pub surface: Surface<V>,
-    /// Its velocity along itself, m/s.
+    /// Velocity along the wall, m/s.
     pub velocity: V,
-    /// Its material.
+    /// Material.
     pub species: Species,
-    /// Whether it is the door.
+    /// Whether the wall is the door.
     pub is_door: bool,
-    /// Whether it is there: a door that has opened is not.
+    /// Whether the wall is present; a door that has opened is not.
     pub is_present: bool,
-    /// What the grains do to it.
+    /// Load of the grains on the wall.
     pub load: WallLoad<V>,
 }
 
-/// Where the surface is, as seen from a centre.
+/// Position of a surface relative to a centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Nearest<V> {
-    /// From the nearest point of a thin surface to the centre, m. Not zero: on the surface itself it is a length far below any other, to one
-    /// side.
+    /// Vector from the nearest point of a thin surface to the centre, m. It is never zero: for a centre on the surface
+    /// it is a very short vector to one side.
     Point(V),
-    /// A half-space has its normal everywhere, and a distance (m) that is negative inside.
+    /// Normal and distance of a half-space.
     Half {
         /// Unit normal into the free half.
         normal: V,
-        /// m.
+        /// Distance from the surface, m; negative inside.
         distance: f64,
     },
 }
 
-/// The foot of a point on an edge, from 0 to 1.
+/// Returns the point of an edge nearest to a centre, as a share of the edge (0 to 1).
 #[inline]
-fn foot<V: Space>(from_corner: V, edge: V) -> f64 {
+fn foot_share<V: Space>(from_corner: V, edge: V) -> f64 {
     (from_corner.dot(edge) / edge.length_squared()).clamp(0.0, 1.0)
 }
 
 impl<V: Space> Surface<V> {
-    /// Where the surface is, as seen from `x`.
+    /// Returns the position of the surface relative to `x` (m).
     #[inline(always)]
     #[must_use]
     pub fn nearest(&self, x: V) -> Nearest<V> {
         let away = match *self {
             Self::HalfPlane { point, normal } => return Nearest::Half { normal, distance: (x - point).dot(normal) },
-            Self::Segment { from, to } => x - (from + (to - from) * foot(x - from, to - from)),
+            Self::Segment { from, to } => x - (from + (to - from) * foot_share(x - from, to - from)),
             Self::Panel { corner, along, across } => {
-                x - (corner + along * foot(x - corner, along) + across * foot(x - corner, across))
+                x - (corner + along * foot_share(x - corner, along) + across * foot_share(x - corner, across))
             }
         };
         Nearest::Point(if away.length_squared() < COINCIDENT { self.side() * PARTED } else { away })
     }
 
-    /// The side to which a thin surface pushes a centre that lies exactly on it, as a unit vector.
+    /// Returns the unit vector along which a thin surface pushes a centre that lies exactly on it.
     #[cold]
     fn side(&self) -> V {
         let across = match *self {
@@ -127,7 +129,7 @@ impl<V: Space> Surface<V> {
         across.unit_or_zero()
     }
 
-    /// Distance of a point from the wall, m; negative inside a half-plane.
+    /// Returns the distance of a point from the wall, m; negative inside a half-plane.
     #[inline]
     #[must_use]
     pub fn distance(&self, x: V) -> f64 {
@@ -138,39 +140,42 @@ impl<V: Space> Surface<V> {
     }
 }
 
-/// The flat walls of the scene, in its order.
+/// Flat walls, in the order of the scene.
 #[derive(Resource, Clone, Debug)]
 pub struct Surfaces<V: Space = Plane>(pub Vec<FlatWall<V>>);
 
-/// The entity of a flat wall, by its index in [`Surfaces`]. A wall whose entity is despawned is not there any more from the next step on.
+/// Marks the entity of a flat wall by its index in [`Surfaces`]. After the entity is despawned, the wall is absent from
+/// the next step on.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
-#[component(immutable, on_remove = leave)]
+#[component(immutable, on_remove = record_leaving_wall)]
 pub struct WallIndex(pub usize);
 
-/// Walls whose entities have gone since the last step.
+/// Walls whose entities have been despawned since the last step.
 #[derive(Resource, Clone, Debug, Default)]
 pub(crate) struct LeavingWalls(pub(crate) Vec<usize>);
 
-fn leave(mut world: DeferredWorld, context: HookContext) {
+/// Records a wall whose entity is despawned.
+fn record_leaving_wall(mut world: DeferredWorld, context: HookContext) {
     let Some(&WallIndex(wall)) = world.get(context.entity) else { return };
     if let Some(mut leaving) = world.get_resource_mut::<LeavingWalls>() {
         leaving.0.push(wall);
     }
 }
 
-/// Run condition: a wall's entity has gone.
+/// Run condition: the entity of a wall has been despawned.
 pub(crate) fn walls_leave(leaving: Res<LeavingWalls>) -> bool {
     !leaving.0.is_empty()
 }
 
-/// Walls whose entities have gone are no more there. In the step after that, so that what their contacts held is booked first.
+/// Removes walls whose entities were despawned. This happens one step later, so that the energy balance accounts for
+/// the elastic energy of their contacts first.
 fn remove_walls<V: Space>(mut leaving: ResMut<LeavingWalls>, mut walls: ResMut<Surfaces<V>>) {
     for wall in leaving.0.drain(..) {
         walls.0[wall].is_present = false;
     }
 }
 
-/// Walls go with their entities.
+/// Removes walls whose entities are despawned.
 pub struct LeavingWallsPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for LeavingWallsPlugin<V> {

@@ -1,4 +1,4 @@
-//! Reading a grain file: row by row, so that its text, longer than the grains that it tells of, is not held as a whole.
+//! Reads grain files row by row. The text of a file is longer than its grains, so it is never held as a whole.
 
 use std::collections::BTreeSet;
 use std::fs::{self, File};
@@ -9,41 +9,41 @@ use std::path::Path;
 use csv::{ReaderBuilder, StringRecord};
 
 use crate::fault::Fault;
-use crate::grains::file::{ALWAYS, GrainRow, IN_SPACE, Kind, SPIN};
+use crate::grains::file::{ALWAYS, GrainRow, Kind, SOLID, SPIN};
 use crate::particle::{GrainId, Species};
 use crate::space::Solid;
 
-/// Reads a grain file's text. `name` is the file's name in messages.
+/// Parses the text of a grain file. `name` is the file's name in messages.
 ///
 /// # Errors
-/// If a column is missing or unknown, or a value not in range; the fault points at line and column.
+/// If a column is missing or unknown, or a value is out of range. The fault points at line and column.
 pub fn parse(name: &str, text: &str, kind: Kind) -> Result<Vec<GrainRow>, Fault> {
-    rows(text.as_bytes(), kind).map_err(|misfit| misfit.fault(name, text))
+    rows(text.as_bytes(), kind).map_err(|defect| defect.fault(name, text))
 }
 
-/// The same of the file at `path`.
+/// Reads the grain file at `path`. `name` is its name in messages.
 ///
 /// # Errors
-/// If it cannot be read; within that, as [`parse`].
+/// The outer error if the file cannot be read, the inner one as for [`parse`].
 pub fn read(name: &str, path: &Path, kind: Kind) -> io::Result<Result<Vec<GrainRow>, Fault>> {
     match rows(File::open(path)?, kind) {
         Ok(rows) => Ok(Ok(rows)),
-        Err(Misfit { at: At::Nowhere(error), .. }) => Err(error),
-        // Read again, to show the place.
-        Err(misfit) => Ok(Err(misfit.fault(name, &String::from_utf8_lossy(&fs::read(path)?)))),
+        Err(Defect { at: Place::Unreadable(error), .. }) => Err(error),
+        // The file is read again to show the place.
+        Err(defect) => Ok(Err(defect.fault(name, &String::from_utf8_lossy(&fs::read(path)?)))),
     }
 }
 
-fn rows(source: impl io::Read, kind: Kind) -> Result<Vec<GrainRow>, Misfit> {
+fn rows(source: impl io::Read, kind: Kind) -> Result<Vec<GrainRow>, Defect> {
     let mut reader = ReaderBuilder::new().trim(csv::Trim::All).flexible(true).from_reader(source);
-    let header = reader.headers().map_err(Misfit::syntax)?.clone();
+    let header = reader.headers().map_err(Defect::syntax)?.clone();
     check_header(&header, kind)?;
     let (mut seen, mut rows, mut record) = (BTreeSet::new(), Vec::new(), StringRecord::new());
-    while reader.read_record(&mut record).map_err(Misfit::syntax)? {
+    while reader.read_record(&mut record).map_err(Defect::syntax)? {
         let line = Line { header: &header, record: &record, kind };
         let row = line.grain()?;
         if !seen.insert(row.id) {
-            return Err(line.misfit(
+            return Err(line.defect(
                 "grain_file::duplicate_id",
                 "id",
                 format!("the id {} occurs twice", row.id.number()),
@@ -55,62 +55,64 @@ fn rows(source: impl io::Read, kind: Kind) -> Result<Vec<GrainRow>, Misfit> {
     Ok(rows)
 }
 
-fn check_header(header: &StringRecord, kind: Kind) -> Result<(), Misfit> {
-    let misfit = |code, message: String| {
+fn check_header(header: &StringRecord, kind: Kind) -> Result<(), Defect> {
+    let defect = |code, message: String| {
         let needed: Vec<_> = kind.needed().collect();
-        let help = format!("the store are {} and, if wanted, species, wx, wy, wz", needed.join(", "));
-        Err(Misfit { code, message, help, at: At::Header })
+        let help = format!("the columns are {} and, if wanted, species, wx, wy, wz", needed.join(", "));
+        Err(Defect { code, message, help, at: Place::Header })
     };
     if let Some(missing) = kind.needed().find(|&column| !header.iter().any(|found| found == column)) {
-        return misfit("grain_file::missing_column", format!("the column `{missing}` is missing"));
+        return defect("grain_file::missing_column", format!("the column `{missing}` is missing"));
     }
     let known = |column: &str| {
-        ALWAYS.contains(&column) || IN_SPACE.contains(&column) || SPIN.contains(&column) || column == "species"
+        ALWAYS.contains(&column) || SOLID.contains(&column) || SPIN.contains(&column) || column == "species"
     };
     if let Some(unknown) = header.iter().find(|column| !known(column)) {
-        return misfit("grain_file::unknown_column", format!("there is no column `{unknown}`"));
+        return defect("grain_file::unknown_column", format!("there is no column `{unknown}`"));
     }
     Ok(())
 }
 
-/// What is wrong with a file: a fault, once its text is at hand to show the place.
-struct Misfit {
+/// A defect of a file. It becomes a fault once the text is available to show the place.
+struct Defect {
     code: &'static str,
     message: String,
     help: String,
-    at: At,
+    at: Place,
 }
 
-enum At {
+/// Place of a defect.
+enum Place {
     /// The file cannot be read.
-    Nowhere(io::Error),
+    Unreadable(io::Error),
+    /// The header line.
     Header,
-    /// Counted from the beginning.
+    /// A byte, counted from the start of the file.
     Byte(usize),
-    /// A column, in the order of the file, of the record that begins at this byte.
+    /// The start byte of a record, and a column in the order of the file.
     Cell(usize, usize),
 }
 
-impl Misfit {
+impl Defect {
     fn syntax(error: csv::Error) -> Self {
         let at = position(error.position());
         let message = format!("this is not CSV: {error}");
         let at = match error.into_kind() {
-            csv::ErrorKind::Io(error) => At::Nowhere(error),
-            _ => At::Byte(at),
+            csv::ErrorKind::Io(error) => Place::Unreadable(error),
+            _ => Place::Byte(at),
         };
         Self { code: "grain_file::syntax", message, help: "separate values by commas".to_owned(), at }
     }
 
     fn fault(self, name: &str, text: &str) -> Fault {
         let place = match self.at {
-            At::Nowhere(_) => 0..0,
-            At::Header => 0..text.find('\n').unwrap_or(text.len()),
-            At::Byte(at) => {
+            Place::Unreadable(_) => 0..0,
+            Place::Header => 0..text.find('\n').unwrap_or(text.len()),
+            Place::Byte(at) => {
                 let at = text.floor_char_boundary(at);
                 at..at
             }
-            At::Cell(record, column) => cell(text, text.floor_char_boundary(record), column),
+            Place::Cell(record, column) => cell(text, text.floor_char_boundary(record), column),
         };
         Fault::new(self.code, self.message).help(self.help).at(name, text, place)
     }
@@ -120,9 +122,9 @@ fn position(position: Option<&csv::Position>) -> usize {
     position.and_then(|position| usize::try_from(position.byte()).ok()).unwrap_or(0)
 }
 
-/// The place of a column in the record that begins at `from`.
+/// Returns the byte range of a column in the record that starts at `from`.
 fn cell(text: &str, from: usize, column: usize) -> Range<usize> {
-    // A record starts where the one before it ended; skip the line break in between.
+    // The byte position of a record is the end of the previous record, so the line break in between is skipped.
     let from = from + text[from..].len() - text[from..].trim_start().len();
     let line = &text[from..from + text[from..].find('\n').unwrap_or(text.len() - from)];
     let start: usize = line.split(',').take(column).map(|cell| cell.len() + 1).sum();
@@ -131,6 +133,7 @@ fn cell(text: &str, from: usize, column: usize) -> Range<usize> {
     from + start..from + start + length
 }
 
+/// One record of the file.
 struct Line<'a> {
     header: &'a StringRecord,
     record: &'a StringRecord,
@@ -142,42 +145,42 @@ impl Line<'_> {
         self.record.get(self.header.iter().position(|found| found == column)?)
     }
 
-    fn misfit(&self, code: &'static str, column: &str, message: String) -> Misfit {
+    fn defect(&self, code: &'static str, column: &str, message: String) -> Defect {
         let index = self.header.iter().position(|found| found == column).unwrap_or(0);
-        Misfit {
+        Defect {
             code,
             message: format!("column `{column}`: {message}"),
-            help: "one grain a row; numbers in SI units".to_owned(),
-            at: At::Cell(position(self.record.position()), index),
+            help: "one grain per row; numbers in SI units".to_owned(),
+            at: Place::Cell(position(self.record.position()), index),
         }
     }
 
-    fn number(&self, column: &str, holds: impl Fn(f64) -> bool, expected: &str) -> Result<f64, Misfit> {
+    fn number(&self, column: &str, is_valid: impl Fn(f64) -> bool, expected: &str) -> Result<f64, Defect> {
         let found = self.value(column).unwrap_or("");
         match found.parse::<f64>() {
-            Ok(number) if number.is_finite() && holds(number) => Ok(number),
-            _ => Err(self.misfit("grain_file::value", column, format!("expected {expected}, got `{found}`"))),
+            Ok(number) if number.is_finite() && is_valid(number) => Ok(number),
+            _ => Err(self.defect("grain_file::value", column, format!("expected {expected}, got `{found}`"))),
         }
     }
 
-    fn grain(&self) -> Result<GrainRow, Misfit> {
+    fn grain(&self) -> Result<GrainRow, Defect> {
         let any = |column| self.number(column, |_| true, "a finite number");
         let positive = |column| self.number(column, |x| x > 0.0, "a number greater than 0");
         let id = self.value("id").and_then(|id| id.parse().ok()).and_then(GrainId::grain).ok_or_else(|| {
             let found = self.value("id").unwrap_or("");
             let message = format!("expected a whole number from 0 to {}, got `{found}`", GrainId::MAX_GRAIN);
-            self.misfit("grain_file::value", "id", message)
+            self.defect("grain_file::value", "id", message)
         })?;
         let has = |column: &str| self.value(column).is_some();
-        for column in IN_SPACE.into_iter().chain(SPIN).filter(|column| self.kind.must_be_zero(column) && has(column)) {
-            self.number(column, |x| x == 0.0, "0, for this scene is planar or its grains do not spin")?;
+        for column in SOLID.into_iter().chain(SPIN).filter(|column| self.kind.must_be_zero(column) && has(column)) {
+            self.number(column, |x| x == 0.0, "0, because this scene is planar or its grains do not spin")?;
         }
         let or_zero = |column: &'static str| if has(column) { any(column) } else { Ok(0.0) };
         let species = match self.value("species") {
             None => 0,
             Some(found) => found.parse().map_err(|_| {
                 let message = format!("expected a whole number from 0 to 255, got `{found}`");
-                self.misfit("grain_file::value", "species", message)
+                self.defect("grain_file::value", "species", message)
             })?,
         };
         Ok(GrainRow {

@@ -1,12 +1,13 @@
-//! The search for all pairs that belong on a Verlet list, through hashed cells.
+//! Search for all pairs that belong on a Verlet list, by hashed cells.
 //!
-//! Cells are wide enough for two slow particles, which look at the cells next to theirs, the one of higher slot for both; a fast
-//! particle looks farther, for all its pairs with slow ones. As slow counts who may move no farther than the skin; or, where
-//! most fly, everybody: then cells are wider. What is found is the same. Threads share the rows.
+//! A particle is slow if its allowance is at most the skin. A cell is wide enough that two slow particles that belong
+//! on the list are in adjacent cells. A pair of slow particles is found from its higher slot. A fast particle searches
+//! more cells, and finds all its pairs with slow ones. If most particles are fast, all of them count as slow and cells
+//! are wider; the result is the same. Threads divide the rows among them.
 
 use std::ops::Range;
 
-use crate::neighbours::cells::{Cells, MOST_CELLS};
+use crate::neighbours::cells::{Cells, MAX_REACH};
 use crate::neighbours::contact_range;
 use crate::neighbours::list::Candidate;
 use crate::neighbours::verlet_list::VerletList;
@@ -14,37 +15,37 @@ use crate::space::Space;
 use crate::store::ParticleStore;
 use crate::threads::Threads;
 
-/// How many particles a thread takes at a time.
-const SHARE: u32 = 1024;
+/// Number of particles per thread job.
+const JOB_ROWS: u32 = 1024;
 
-/// A search.
+/// One search.
 pub(super) struct CandidateSearch<'a, V: Space> {
     verlet: &'a VerletList<V>,
     store: &'a ParticleStore<V>,
-    /// The largest distance at which two touch, m.
+    /// Largest distance at which two particles touch, m.
     range: f64,
-    /// The largest allowance, m.
+    /// Largest allowance, m.
     widest: f64,
-    /// The largest of those that count as slow, m.
+    /// Largest allowance of a slow particle, m.
     slow: f64,
     cells: Cells<V>,
 }
 
 impl<'a, V: Space> CandidateSearch<'a, V> {
-    /// Among the particles of `store`, whose anchors are cast.
+    /// Prepares a search among the particles of `store`. Their anchors must be set.
     pub(super) fn new(verlet: &'a VerletList<V>, store: &'a ParticleStore<V>) -> Self {
-        let widest = verlet.made_at.iter().map(|anchor| anchor.allowance).fold(0.0, f64::max);
+        let widest = verlet.anchors.iter().map(|anchor| anchor.allowance).fold(0.0, f64::max);
         let cells = Cells::new(f64::MIN_POSITIVE, store.periodic);
-        let mut sweep = Self { verlet, store, range: contact_range(store), widest, slow: verlet.skin, cells };
-        if sweep.all_are_slow() {
-            sweep.slow = widest;
+        let mut search = Self { verlet, store, range: contact_range(store), widest, slow: verlet.skin, cells };
+        if search.all_are_slow() {
+            search.slow = widest;
         }
-        sweep.cells = Cells::new(sweep.side().max(f64::MIN_POSITIVE), store.periodic);
-        sweep.cells.fill(store.body.iter().map(|body| body.position));
-        sweep
+        search.cells = Cells::new(search.side().max(f64::MIN_POSITIVE), store.periodic);
+        search.cells.fill(store.body.iter().map(|body| body.position));
+        search
     }
 
-    /// The side of cells in which two slow ones that are near are at most one apart, m.
+    /// Returns the cell side, m. Two slow particles that belong on the list are in adjacent cells.
     #[inline]
     fn side(&self) -> f64 {
         self.range + 2.0 * self.slow
@@ -52,42 +53,44 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
 
     #[inline]
     fn is_fast(&self, i: usize) -> bool {
-        self.verlet.made_at[i].allowance > self.slow
+        self.verlet.anchors[i].allowance > self.slow
     }
 
-    /// How many cells far particle `i` looks.
+    /// Returns the search radius of particle `i` in cells.
     #[inline]
     fn reach(&self, i: usize) -> f64 {
         if self.is_fast(i) {
-            ((self.range + self.verlet.made_at[i].allowance + self.widest) / self.side()).ceil()
+            ((self.range + self.verlet.anchors[i].allowance + self.widest) / self.side()).ceil()
         } else {
             1.0
         }
     }
 
-    /// Whether it costs less if everybody counts as slow. A look around takes as long as there are particles in the cells that are
-    /// seen, so as their volume; what lies above in slots, a slow one passes over.
+    /// Returns whether a search costs less if all particles count as slow.
+    ///
+    /// The cost of one particle's search is proportional to the number of particles in the cells it visits, so to their
+    /// volume. A slow particle skips higher slots.
     fn all_are_slow(&self) -> bool {
         let volume = |across: f64| (0..V::COMPONENTS).map(|_| across).product::<f64>();
-        let instead = volume(3.0 * (self.range + 2.0 * self.widest));
+        let cost_if_all_slow = volume(3.0 * (self.range + 2.0 * self.widest));
         let saved = (0..self.store.len()).map(|i| {
-            let seen = volume((2.0 * self.reach(i) + 1.0) * self.side());
-            if self.is_fast(i) { 2.0 * seen - instead } else { seen - instead }
+            let visited = volume((2.0 * self.reach(i) + 1.0) * self.side());
+            if self.is_fast(i) { 2.0 * visited - cost_if_all_slow } else { visited - cost_if_all_slow }
         });
-        // Of a NaN this is not true.
+        // False if the sum is NaN.
         saved.sum::<f64>() > 0.0
     }
 
-    /// All pairs, each once, in parts; about so many.
+    /// Returns all pairs, each once, in one part per job. `expected` is an estimate of their number.
     pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<Vec<Candidate>> {
         let particles = u32::try_from(self.store.len()).expect("fewer than 2^32 particles");
-        let shares =
-            (0..particles).step_by(SHARE as usize).map(|first| first..particles.min(first.saturating_add(SHARE)));
+        let jobs =
+            (0..particles).step_by(JOB_ROWS as usize).map(|first| first..particles.min(first.saturating_add(JOB_ROWS)));
         let of_each = expected.div_ceil(self.store.len().max(1));
-        threads.share(shares.map(|rows| move || self.pairs_of(rows, of_each)))
+        threads.share(jobs.map(|rows| move || self.pairs_of(rows, of_each)))
     }
 
-    /// Those that particles of `rows` find, about so many each.
+    /// Returns the pairs found by the particles of `rows`, with space reserved for `of_each` pairs per particle.
     #[inline]
     fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> Vec<Candidate> {
         let mut pairs = Vec::with_capacity(of_each * rows.len());
@@ -95,17 +98,17 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
             let row = i as usize;
             let fast = self.is_fast(row);
             let mut consider = |j: u32| {
-                // A pair of one speed class is taken by its upper member, a mixed one by the fast member.
+                // A pair of equal speed class is found by its higher slot, a mixed pair by its fast member.
                 let mine = if fast == self.is_fast(j as usize) { j < i } else { fast };
                 if mine && self.verlet.are_near(self.store, row, j as usize) {
                     pairs.push(Candidate::new(i.min(j), i.max(j)));
                 }
             };
-            // Beyond a few cells around it, asking everybody is not dearer.
+            // For a large search radius, testing all particles costs no more.
             match (fast, self.reach(row)) {
                 (false, _) => self.cells.around(row, 1, |j| j < i, consider),
                 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most eight")]
-                (true, n) if n <= f64::from(MOST_CELLS) => self.cells.around(row, n as u8, |_| true, consider),
+                (true, n) if n <= f64::from(MAX_REACH) => self.cells.around(row, n as u8, |_| true, consider),
                 (true, _) => (0u32..).take(self.store.len()).for_each(&mut consider),
             }
         }
@@ -129,7 +132,7 @@ mod tests {
     const SKIN: f64 = 0.1;
     const DT: f64 = 1e-3;
 
-    /// Spheres at these places (m), the last five fixed, with these speeds (m/s).
+    /// Makes spheres at positions (x, y, z) in m with a speed in m/s. The last five are fixed.
     fn store(particles: &[(f64, f64, f64, f64)], is_periodic: bool) -> ParticleStore<Solid> {
         let body = |&(x, y, z, speed): &(f64, f64, f64, f64)| Body {
             position: Solid::new(x, y, z),
@@ -158,9 +161,9 @@ mod tests {
     }
 
     proptest! {
-        /// Some at rest and some so fast that they look cells far, or at everybody.
+        /// Some spheres rest; others are so fast that they search many cells, or all particles.
         #[test]
-        fn all_who_are_near_are_found(
+        fn all_near_pairs_are_found(
             particles in prop::collection::vec((0.0..1.0, 0.0..1.0, 0.0..1.0, prop_oneof![Just(0.0), 0.0..10.0, 0.0..100.0]), 30),
             is_periodic in any::<bool>(),
         ) {
@@ -168,7 +171,7 @@ mod tests {
         }
     }
 
-    /// A lattice of spheres that fly at this speed (m/s), but for those that are fixed.
+    /// Makes a lattice of 2744 spheres; the first `how_many` fly at `speed` (m/s).
     fn flying(speed: f64, how_many: usize) -> ParticleStore<Solid> {
         let place = |number: u32| 0.07 * f64::from(number);
         let place = |number: u32| (place(number % 14), place(number / 14 % 14), place(number / 196));
@@ -180,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_are_wider_where_most_fly_and_nobody_is_missed() {
+    fn cells_are_wider_if_most_fly_and_no_pair_is_missed() {
         let speed = 4.0 * SKIN / (25.0 * DT);
         for (count, wide) in [(0, false), (3, false), (2739, true)] {
             let store = flying(speed, count);

@@ -1,9 +1,9 @@
-//! A Verlet list keeps up with a few particles that came, left or have used up their allowances, while the many others
-//! stay where they are: in filling and discharging that happens far more often than anything else.
+//! Updates a Verlet list without a search when a few particles enter, leave or use up their allowances. While a silo
+//! fills or discharges, this is by far the most frequent reason to change the list.
 //!
-//! When slots are dealt out anew, pairs go over to the new ones; those of particles that left, or that are no longer what they
-//! were ([`ParticleStore::same_before`]), go. The others' allowances go on as they were. Everybody is asked about each newcomer, who is
-//! given an allowance from here on; and so about each that has gone far.
+//! After a renumbering, pairs are mapped to the new slots. Pairs of particles that left, or that changed their identity
+//! ([`ParticleStore::same_before`]), are dropped. All other particles keep their allowances. Each newcomer gets a new
+//! allowance and is tested against all particles. Each particle that used up its allowance is treated likewise.
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::{Candidate, PairList};
@@ -11,68 +11,81 @@ use crate::neighbours::verlet_list::{Anchor, VerletList};
 use crate::space::Space;
 use crate::store::{ParticleStore, Slot};
 
-/// About more at once nobody is asked: in `silo1` a search takes as many instructions as some hundred of these questions to each
-/// particle, and then the list is good for all.
-const FEW: usize = 16;
+/// Largest number of particles that are updated singly. In `silo1` a search takes as many instructions as some hundred
+/// tests of one particle against all others, and it renews all allowances.
+const MAX_UPDATES: usize = 16;
 
 impl<V: Space> VerletList<V> {
-    /// Brings `list` to the slots that have just been dealt out in `store`; `dt` is the time step, s. Tells whether it did.
-    pub(in crate::neighbours) fn follow(&mut self, store: &ParticleStore<V>, list: &mut PairList, dt: f64) -> bool {
+    /// Maps `list` to the slots just assigned in `store`; `dt` is the time step, s. Returns false, and changes nothing,
+    /// if there are too many newcomers.
+    pub(in crate::neighbours) fn apply_renumbering(
+        &mut self,
+        store: &ParticleStore<V>,
+        list: &mut PairList,
+        dt: f64,
+    ) -> bool {
         let former: Vec<_> = (0..store.len()).map(|i| store.same_before(i)).collect();
         let entries = || (0u32..).zip(&former);
-        let known = |former: &Slot| self.made_at.get(former.index());
+        let known = |former: &Slot| self.anchors.get(former.index());
         let newcomers: Vec<_> = entries().filter(|(_, former)| known(former).is_none()).map(|(i, _)| i).collect();
-        if newcomers.len() > FEW {
+        if newcomers.len() > MAX_UPDATES {
             return false;
         }
-        let mut places = vec![None; self.made_at.len()];
+        let mut places = vec![None; self.anchors.len()];
         for (i, former) in entries() {
             if let Some(place) = places.get_mut(former.index()) {
                 *place = Some(i);
             }
         }
-        let followed = list.pairs().iter().filter_map(|pair| match pair.both().map(|former| places[former]) {
+        let kept = list.pairs().iter().filter_map(|pair| match pair.both().map(|former| places[former]) {
             [Some(i), Some(j)] => Some(Candidate::new(i.min(j), i.max(j))),
             _ => None,
         });
-        let followed = followed.collect();
+        let kept = kept.collect();
         let anchors = former.iter().zip(&store.body);
         let anchors = anchors.map(|(former, body)| known(former).copied().unwrap_or(Anchor::of(body, self.skin, dt)));
-        self.made_at = anchors.collect();
-        self.admit(store, list, followed, &newcomers);
+        self.anchors = anchors.collect();
+        self.add_pairs_of(store, list, kept, &newcomers);
         true
     }
 
-    /// Brings `list` up to date for those who have gone far, if they are few; `dt` is the time step, s. Tells whether it did.
-    pub(in crate::neighbours) fn catch_up(
+    /// Renews the pairs of the particles in `exhausted`, unless there are too many; `dt` is the time step, s. Returns
+    /// whether it did.
+    pub(in crate::neighbours) fn renew_particles(
         &mut self,
         store: &ParticleStore<V>,
         list: &mut PairList,
-        far: &[u32],
+        exhausted: &[u32],
         dt: f64,
     ) -> bool {
-        if far.len() > FEW {
+        if exhausted.len() > MAX_UPDATES {
             return false;
         }
-        let mut is_far = vec![false; store.len()];
-        for i in far.iter().map(|&i| i as usize) {
-            is_far[i] = true;
-            self.made_at[i] = Anchor::of(&store.body[i], self.skin, dt);
+        let mut is_exhausted = vec![false; store.len()];
+        for i in exhausted.iter().map(|&i| i as usize) {
+            is_exhausted[i] = true;
+            self.anchors[i] = Anchor::of(&store.body[i], self.skin, dt);
         }
-        let others = list.pairs().iter().filter(|pair| !pair.both().iter().any(|&i| is_far[i]));
+        let others = list.pairs().iter().filter(|pair| !pair.both().iter().any(|&i| is_exhausted[i]));
         let others = others.copied().collect();
-        self.admit(store, list, others, far);
+        self.add_pairs_of(store, list, others, exhausted);
         true
     }
 
-    /// Adds to `pairs` those of newcomers, whose anchors are cast, and makes them the list.
-    fn admit(&mut self, store: &ParticleStore<V>, list: &mut PairList, mut pairs: Vec<Candidate>, newcomers: &[u32]) {
-        for (met, &new) in newcomers.iter().enumerate() {
+    /// Adds the pairs of `newcomers` to `pairs` and makes them the list. The anchors of newcomers must be set.
+    fn add_pairs_of(
+        &mut self,
+        store: &ParticleStore<V>,
+        list: &mut PairList,
+        mut pairs: Vec<Candidate>,
+        newcomers: &[u32],
+    ) {
+        for (position, &new) in newcomers.iter().enumerate() {
             let near = (0u32..).take(store.len()).filter(|&j| self.are_near(store, new as usize, j as usize));
-            let near = near.filter(|j| !newcomers[..=met].contains(j));
+            let near = near.filter(|j| !newcomers[..=position].contains(j));
             pairs.extend(near.map(|j| Candidate::new(new.min(j), new.max(j))));
         }
-        list.take(&[pairs], store.len());
+        list.fill(&[pairs], store.len());
         self.trigger = DisplacementTrigger::default();
     }
 }
@@ -88,7 +101,7 @@ mod tests {
 
     const SKIN: f64 = 0.1;
 
-    /// Of discs at these places (m), the last ones of them fixed, which had those slots.
+    /// Makes discs at `places` (m), the last `fixed` of them fixed, with the previous slots `former`.
     fn store(places: &[(f64, f64)], fixed: usize, former: Vec<Slot>) -> ParticleStore {
         let body = |&(x, y): &(f64, f64)| {
             let radius = 0.05 + 0.02 * x;
@@ -100,9 +113,9 @@ mod tests {
     }
 
     proptest! {
-        /// Of 30 discs, the last five of them fixed, some leave, the others change places and some come.
+        /// Of 30 discs, the last five of them fixed, some leave, the others change slots, and new ones enter.
         #[test]
-        fn nobody_near_is_missed(
+        fn no_near_pair_is_missed_after_renumbering(
             places in prop::collection::vec((0.0..1.0, 0.0..1.0), 30),
             leaving in prop::collection::vec(0u32..30, 0..6),
             coming in prop::collection::vec((0.0..1.0, 0.0..1.0), 0..4),
@@ -123,19 +136,19 @@ mod tests {
             let places: Vec<_> = former.iter().map_while(place).collect();
             let fixed = places.len() - free;
             let after = store(&places, fixed, former);
-            prop_assert!(verlet.follow(&after, &mut list, 1e-3));
-            prop_assert!(verlet.gone_far(&after).is_empty());
+            prop_assert!(verlet.apply_renumbering(&after, &mut list, 1e-3));
+            prop_assert!(verlet.exhausted(&after).is_empty());
             let mut whole = PairList::default();
             VerletList::new(SKIN).renew(&after, &mut whole, 1e-3, &Threads::one());
-            // Nobody has moved: so the list is what a search would find.
+            // No disc has moved, so the list must equal the result of a search.
             prop_assert_eq!(list.pairs(), whole.pairs());
         }
     }
 
     proptest! {
-        /// Some go beyond their allowances, the others half as far as they may.
+        /// Some discs move beyond their allowances, the others about half as far as they may.
         #[test]
-        fn nobody_is_missed_by_those_who_went_far(
+        fn no_pair_is_missed_by_exhausted_particles(
             places in prop::collection::vec((0.0..1.0, 0.0..1.0), 30),
             far in prop::collection::vec((0usize..30, -0.3..0.3, -0.3..0.3), 0..8),
             ways in prop::collection::vec(0.0..std::f64::consts::TAU, 30),
@@ -150,9 +163,9 @@ mod tests {
             for (i, x, y) in far {
                 after.body[i].position += Plane::new(x, y);
             }
-            let gone_far = verlet.gone_far(&after);
-            prop_assert!(gone_far.is_empty() || verlet.catch_up(&after, &mut list, &gone_far, 1e-3));
-            prop_assert!(verlet.gone_far(&after).is_empty());
+            let exhausted = verlet.exhausted(&after);
+            prop_assert!(exhausted.is_empty() || verlet.renew_particles(&after, &mut list, &exhausted, 1e-3));
+            prop_assert!(verlet.exhausted(&after).is_empty());
             prop_assert!(list.pairs().is_sorted_by(|one, next| one < next));
             for j in 0..30 {
                 for i in 0..j.min(25) {
@@ -164,13 +177,15 @@ mod tests {
     }
 
     #[test]
-    fn it_does_not_follow_a_crowd() {
+    fn too_many_newcomers_need_a_search() {
         let places: Vec<_> = (0..20).map(|number| (0.1 * f64::from(number), 0.0)).collect();
         let (mut verlet, mut list) = (VerletList::new(SKIN), PairList::default());
-        let (few, many) =
-            (store(&places[..FEW], 0, vec![Slot::default(); FEW]), store(&places, 0, vec![Slot::default(); 20]));
-        assert!(verlet.follow(&few, &mut list, 1e-3) && !list.pairs().is_empty());
-        assert!(!verlet.follow(&many, &mut list, 1e-3));
-        assert!(!verlet.catch_up(&many, &mut list, &(0..17).collect::<Vec<_>>(), 1e-3));
+        let (few, many) = (
+            store(&places[..MAX_UPDATES], 0, vec![Slot::default(); MAX_UPDATES]),
+            store(&places, 0, vec![Slot::default(); 20]),
+        );
+        assert!(verlet.apply_renumbering(&few, &mut list, 1e-3) && !list.pairs().is_empty());
+        assert!(!verlet.apply_renumbering(&many, &mut list, 1e-3));
+        assert!(!verlet.renew_particles(&many, &mut list, &(0..17).collect::<Vec<_>>(), 1e-3));
     }
 }
