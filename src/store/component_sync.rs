@@ -1,11 +1,13 @@
-//! Synchronisation of components with the store: in the phases in which systems use them, and between steps.
+//! Component sync: copies mirrored components from and to the store, around the phases in which systems use them and
+//! between steps.
 //!
-//! Before the systems of a phase run, the components that they use are brought up to date, as far as they are stale; after them, what they
-//! wrote is taken over into the store. A phase whose systems use no component has neither. Change ticks tell which rows a system wrote:
-//! a system that writes past change detection (`bypass_change_detection`) says that its write does not count, and it is lost.
+//! Before the systems of a phase run, the stale components that they use are refreshed. After them, values that they
+//! wrote are written back to the store. A phase whose systems use no mirrored component has neither copy. Change ticks
+//! show which rows a system wrote. A write that bypasses change detection (`bypass_change_detection`) declares that it
+//! does not count, and it is lost.
 //!
-//! The world between steps is the caller's ([`publish_to_world`]): all components are up to date, and what is written then counts from the next
-//! step on ([`collect_from_world`]).
+//! Between steps the caller owns the world ([`publish_to_world`]): all components are up to date. Values that the
+//! caller writes count from the next step on ([`collect_from_world`]).
 
 use bevy_app::App;
 use bevy_ecs::change_detection::Tick;
@@ -21,7 +23,7 @@ use crate::store::mirror::{MirrorSet, Refresh, WriteBack};
 use crate::store::predictable_conditions::PredictableConditions;
 use crate::store::sync_plan::{ForeignObservers, Plan, ReadsMotion, ReadsPlaces};
 
-/// What systems of phase number `phase` use in this step: what they read, and what they may write.
+/// Mirrored components that the systems of phase number `phase` read and may write in this step.
 fn wanted(world: &mut World, phase: usize, observers: &mut ForeignObservers) -> (MirrorSet, MirrorSet) {
     let plan = &mut world.resource_mut::<Plan>().phases[phase];
     let (needs, has_commands) = (std::mem::take(&mut plan.needs), plan.has_commands);
@@ -65,7 +67,7 @@ fn write_back<V: Space, const PHASE: usize>(world: &mut World, state: &mut Syste
 const FORCES: usize = 3;
 
 impl<V: Space> ParticleStore<V> {
-    /// Nothing has been added to the forces of this step.
+    /// Clears the forces that systems have added in this step. Allocates them if the phase may write `Force`.
     fn begin_added(&mut self, may_be: bool) {
         self.added.clear();
         if may_be {
@@ -73,7 +75,7 @@ impl<V: Space> ParticleStore<V> {
         }
     }
 
-    /// What systems have added to the forces acts with the velocities of the step's end, which the kick will make.
+    /// Evaluates the power of the added forces, W, with the velocities of the step's end: those after the second kick.
     fn end_added(&mut self) {
         let rows = self.added.iter().zip(&self.body).enumerate().take(self.movable_end);
         let power = rows.map(|(i, (added, body))| {
@@ -83,13 +85,13 @@ impl<V: Space> ParticleStore<V> {
     }
 }
 
-/// Between steps.
+/// The systems that sync all components between steps.
 #[derive(Resource)]
 struct BetweenSteps {
     refresh: SystemId,
     write_back: SystemId,
     watch: SystemId,
-    /// When the world was handed out to be changed.
+    /// The change tick at which the caller got the world to change it.
     handed_out: Option<Tick>,
 }
 
@@ -107,7 +109,7 @@ fn run(world: &mut World, system: SystemId) {
     world.run_system(system).expect("it was registered with the resource, and needs nothing that may be missing");
 }
 
-/// Brings all components up to date, and makes a kick that was put off.
+/// Refreshes all components, after applying a pending kick.
 pub(crate) fn refresh_world(world: &mut World) {
     apply_pending_kick(world);
     if let Some(&BetweenSteps { refresh, .. }) = world.get_resource() {
@@ -115,7 +117,7 @@ pub(crate) fn refresh_world(world: &mut World) {
     }
 }
 
-/// The same, for somebody who may change components.
+/// Like [`refresh_world`], for a caller that may change components: records from which tick on changes count.
 pub(crate) fn publish_to_world(world: &mut World) {
     refresh_world(world);
     let now = world.increment_change_tick();
@@ -124,7 +126,7 @@ pub(crate) fn publish_to_world(world: &mut World) {
     }
 }
 
-/// Takes over what was changed since the world was handed out.
+/// Writes back the components that the caller changed since [`publish_to_world`].
 pub(crate) fn collect_from_world(world: &mut World) {
     let Some(&BetweenSteps { write_back, watch, handed_out: Some(_), .. }) = world.get_resource() else { return };
     run(world, write_back);
@@ -132,7 +134,7 @@ pub(crate) fn collect_from_world(world: &mut World) {
     world.resource_mut::<BetweenSteps>().handed_out = None;
 }
 
-/// Prepares synchronisation between steps.
+/// Registers the sync between steps.
 pub(super) fn add<V: Space>(app: &mut App) {
     let world = app.world_mut();
     let (refresh, write_back) = (world.register_system(refresh_all::<V>), world.register_system(write_all_back::<V>));
@@ -143,22 +145,22 @@ pub(super) fn add<V: Space>(app: &mut App) {
     world.init_resource::<PredictableConditions>();
 }
 
-/// Plans the synchronisation in a step, and adds its systems where there is something to do, to a schedule that has all others.
+/// Derives the sync plan of a complete schedule, and adds refresh and write-back systems to the phases that need them.
 ///
 /// # Errors
-/// If a system stands in no phase.
+/// If a system is in no phase.
 pub(crate) fn plan<V: Space>(schedule: &mut Schedule, world: &mut World) -> Result<(), Fault> {
     schedule.graph_mut().initialize(world);
     let plan = Plan::of::<V>(schedule.graph(), world)?;
     world.insert_resource(plan);
-    // Observers and hooks of behaviours are there by now.
+    // Behaviours have added their observers and hooks by now.
     let mut observers = world.query_filtered();
     Plan::watch(world, &mut observers);
     add_copies::<V>(schedule, world);
     Ok(())
 }
 
-/// Adds the systems of the phases that need copies and do not have them.
+/// Adds refresh and write-back to the phases that need them and do not have them yet.
 fn add_copies<V: Space>(schedule: &mut Schedule, world: &mut World) {
     let plan = &mut *world.resource_mut::<Plan>();
     add_phase::<V, 0>(schedule, plan);
@@ -182,7 +184,7 @@ fn add_phase<V: Space, const PHASE: usize>(schedule: &mut Schedule, plan: &mut P
     }
 }
 
-/// Observers and hooks may have come between two steps.
+/// Extends the schedule if observers or hooks were added between two steps.
 fn watch_commands<V: Space>(world: &mut World, observers: &mut ForeignObservers) {
     if Plan::watch(world, observers) {
         world.schedule_scope(Step, |world, schedule| add_copies::<V>(schedule, world));

@@ -1,4 +1,4 @@
-//! Access lists: in which phase a system stands, and which mirrored components it uses.
+//! Access lists: finds the phase of a system, and the mirrored components that it uses.
 
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::prelude::*;
@@ -28,7 +28,7 @@ fn in_the_engine(system: &str) -> Fault {
         .help("put it into a `Phase`; a system that adds a force belongs in `ForceStage::Added`")
 }
 
-/// All sets that a system is in.
+/// All sets that contain a system.
 pub(super) fn ancestors(graph: &ScheduleGraph, system: SystemKey) -> Vec<SystemSetKey> {
     let (mut sets, mut next) = (Vec::new(), vec![NodeId::System(system)]);
     while let Some(node) = next.pop() {
@@ -63,7 +63,7 @@ impl Places {
         }
     }
 
-    /// The number of the phase that a system in these sets stands in.
+    /// The number of the phase that is among these sets.
     pub(super) fn phase(&self, sets: &[SystemSetKey]) -> Option<usize> {
         self.phases.iter().position(|phase| phase.is_some_and(|phase| sets.contains(&phase)))
     }
@@ -73,10 +73,10 @@ impl Places {
         self.plain.is_some_and(|plain| sets.contains(&plain))
     }
 
-    /// Checks a system that stands in no phase.
+    /// Checks a system that is in no phase.
     ///
     /// # Errors
-    /// If it stands in no part of the engine either, or does and uses components.
+    /// If the system is in no part of the engine either, or is in one and uses components.
     pub(super) fn check_engine(
         &self,
         sets: &[SystemSetKey],
@@ -95,15 +95,16 @@ impl Places {
     }
 }
 
-/// Numbers of grains that a kick which is put off leaves half a step old.
+/// Numbers of grains that are half a step old while a kick is pending.
 const MOTION: MirrorSet = MirrorSet::VELOCITY.or(MirrorSet::SPIN).and(MirrorSet::FREE);
 
-/// Numbers that must not change before a kick that was put off and its books are done.
+/// Numbers that must not change while a kick and its energy balance are pending.
 const DUE: MirrorSet = MirrorSet::ALL.without(MirrorSet::POSITION);
 
-/// What tells which components an access list contains.
+/// Finds the mirrored components that an access list contains.
 pub(super) struct AccessReader {
-    /// Reading and writing each component of free and of fixed particles.
+    /// Per mirrored component, of free and of fixed particles: the component, an access that conflicts with any use,
+    /// and an access that conflicts with writes.
     probes: Vec<(MirrorSet, FilteredAccess, FilteredAccess)>,
     store: FilteredAccess,
     places: FilteredAccess,
@@ -128,7 +129,7 @@ impl AccessReader {
                 writes.and_with(fixed);
             }
             let mut reads = writes.clone();
-            // A write meets all that read or write, a read all that write.
+            // Write access conflicts with every reader and writer; read access conflicts with writers only.
             writes.add_write(component);
             reads.add_read(component);
             (kind.and(among), writes, reads)
@@ -151,7 +152,8 @@ impl AccessReader {
         }
     }
 
-    /// What systems or conditions with this access need, if anything.
+    /// The needs of systems or conditions with this access; `None` if they use neither mirrored components nor
+    /// velocities.
     pub(super) fn need<'a>(&self, all: impl Iterator<Item = &'a SystemAccess>, gates: Vec<usize>) -> Option<Need> {
         let mut need = Need { reads: MirrorSet::NONE, writes: MirrorSet::NONE, looks_at_motion: false, gates };
         for access in all {
@@ -164,7 +166,7 @@ impl AccessReader {
                     need.writes.add(*mirrors);
                 }
             }
-            // Who reads the store without saying what for looks at everything.
+            // A system that reads the store without a marker resource is assumed to read everything.
             need.looks_at_motion |= meets(&self.motion) || (meets(&self.store) && !meets(&self.places));
         }
         need.looks_at_motion |= need.reads.meets(MOTION) || need.writes.meets(DUE);

@@ -1,7 +1,8 @@
-//! Mirrored components: how a component shows what the store holds, and how the store takes over what a system wrote.
+//! Mirrored components: copies a component from the store (refresh), and a value that a system wrote to the store
+//! (write-back).
 //!
-//! [`Position`], [`Velocity`], [`Force`], [`Spin`] and [`Torque`] of a particle are copies of numbers in the store. A copy is *stale* once
-//! the store has moved on without it ([`ParticleStore::stale`]).
+//! [`Position`], [`Velocity`], [`Force`], [`Spin`] and [`Torque`] of a particle are copies of numbers in the store. A
+//! copy is *stale* if the store has changed since ([`ParticleStore::stale`]).
 
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::component::Mutable;
@@ -14,11 +15,11 @@ use crate::space::{Linear, Space};
 use crate::spin::{Spin, Torque};
 use crate::store::{DENSE, LongestMove, ParticleStore};
 
-/// Some of the mirrored components, of particles that are free, that are fixed, or of both.
+/// A set of mirrored components, kept separately for free and fixed particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct MirrorSet(u16);
 
-/// Kinds of mirrored components.
+/// Number of mirrored components.
 const KINDS: u16 = 5;
 
 impl MirrorSet {
@@ -29,9 +30,9 @@ impl MirrorSet {
     pub(crate) const SPIN: Self = Self::of_both(3);
     pub(crate) const TORQUE: Self = Self::of_both(4);
     pub(crate) const ALL: Self = Self((1 << (2 * KINDS)) - 1);
-    /// All components of particles that are free.
+    /// All components of free particles.
     pub(crate) const FREE: Self = Self((1 << KINDS) - 1);
-    /// All components of particles that are fixed.
+    /// All components of fixed particles.
     pub(crate) const FIXED: Self = Self(Self::ALL.0 & !Self::FREE.0);
 
     const fn of_both(kind: u16) -> Self {
@@ -54,7 +55,7 @@ impl MirrorSet {
         self.0 == 0
     }
 
-    /// Whether any of these is among the others.
+    /// Whether the two sets have a common element.
     pub(crate) const fn meets(self, other: Self) -> bool {
         self.0 & other.0 != 0
     }
@@ -68,10 +69,10 @@ impl MirrorSet {
 trait Mirror<V: Space>: Component<Mutability = Mutable> + Copy {
     const KIND: MirrorSet;
 
-    /// The value in row `i`, if the scene has such numbers.
+    /// Returns the value of row `i`, or `None` if the scene has no such numbers.
     fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self>;
 
-    /// Takes a value over into row `i`.
+    /// Writes the value to row `i`.
     fn take_over(self, store: &mut ParticleStore<V>, i: usize, longest: &mut LongestMove);
 }
 
@@ -149,7 +150,7 @@ type Shown<'w, 's, C> = (
     Query<'w, 's, (&'static Slot, &'static mut C), With<Fixed>>,
 );
 
-/// The store and all mirrored components, to bring components up to date.
+/// System parameter for the refresh: the store and all mirrored components.
 #[derive(SystemParam)]
 pub(super) struct Refresh<'w, 's, V: Space> {
     store: ResMut<'w, ParticleStore<V>>,
@@ -161,7 +162,7 @@ pub(super) struct Refresh<'w, 's, V: Space> {
 }
 
 impl<V: Space> Refresh<'_, '_, V> {
-    /// Brings those of `wanted` up to date that are stale.
+    /// Refreshes the stale components among `wanted`.
     pub(super) fn refresh(mut self, wanted: MirrorSet) {
         let due = wanted.and(self.store.stale);
         let stale = self.store.stale.without(due);
@@ -185,7 +186,7 @@ fn show_both<V: Space, C: Mirror<V>>(store: &ParticleStore<V>, due: MirrorSet, (
     }
 }
 
-/// Past change ticks, so that `Changed` tells what systems wrote.
+/// Copies the store to the components without setting change ticks, so that `Changed` shows only writes of systems.
 fn show<V: Space, C: Mirror<V>, F: ArchetypeFilter>(store: &ParticleStore<V>, rows: &mut Query<(&Slot, &mut C), F>) {
     for (slots, mut values) in rows.contiguous_iter_mut().expect(DENSE) {
         for (slot, value) in slots.iter().zip(values.bypass_change_detection()) {
@@ -198,7 +199,7 @@ fn show<V: Space, C: Mirror<V>, F: ArchetypeFilter>(store: &ParticleStore<V>, ro
 
 type Written<'w, 's, C> = Query<'w, 's, (&'static Slot, Ref<'static, C>)>;
 
-/// The store and all mirrored components, to take over what systems wrote.
+/// System parameter for the write-back: the store and all mirrored components.
 #[derive(SystemParam)]
 pub(super) struct WriteBack<'w, 's, V: Space> {
     store: ResMut<'w, ParticleStore<V>>,
@@ -210,7 +211,7 @@ pub(super) struct WriteBack<'w, 's, V: Space> {
 }
 
 impl<V: Space> WriteBack<'_, '_, V> {
-    /// Takes over those of `written` that systems wrote after the tick `since`.
+    /// Writes back the components in `written` that systems wrote after the tick `since`.
     pub(super) fn write_back(mut self, written: MirrorSet, since: Tick) {
         let mut longest = LongestMove::default();
         let store = &mut *self.store;
@@ -220,12 +221,12 @@ impl<V: Space> WriteBack<'_, '_, V> {
         take_over(store, written, since, &self.spins, &mut longest);
         take_over(store, written, since, &self.torques, &mut longest);
         store.travel += longest.length();
-        // A write past change detection is not taken over: the component shows what the store does not hold.
+        // A write that bypassed change detection was not written back, so the component may differ from the store.
         store.stale.add(written);
     }
 }
 
-/// Of free and fixed particles alike, for a system may fix a particle in the phase in which it writes to it.
+/// Writes back free and fixed particles alike: a system may fix a particle in the phase in which it writes to it.
 fn take_over<V: Space, C: Mirror<V>>(
     store: &mut ParticleStore<V>,
     written: MirrorSet,
@@ -243,7 +244,7 @@ fn take_over<V: Space, C: Mirror<V>>(
         }
         let now = ticks.this_run();
         for (slot, (value, changed)) in slots.iter().zip(values.iter().zip(ticks.changed())) {
-            // A particle that has no slot yet is read when it gets one.
+            // A particle without a slot is read when it gets one.
             if changed.is_newer_than(since, now) && slot.index() < store.len() {
                 value.take_over(store, slot.index(), longest);
             }

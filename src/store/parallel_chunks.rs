@@ -1,7 +1,6 @@
-//! Walking along two columns, on all threads.
+//! Passes over two columns on all threads, in chunks of [`CHUNK`] entries.
 //!
-//! [`CHUNK`] entries at a time. What is summed on the way is summed over each stride by itself, so that the number of threads
-//! leaves no trace.
+//! Each chunk has its own partial sum. The sums therefore do not depend on the number of threads.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -9,13 +8,13 @@ use bevy_ecs::system::SystemParam;
 use crate::instructions::Instructions;
 use crate::threads::Threads;
 
-/// How many entries a thread takes at a time.
+/// Entries per chunk.
 pub(crate) const CHUNK: usize = 1024;
 
-/// From how many strides on threads share them: with fewer there is little to save.
+/// The smallest number of chunks that is shared among threads. With fewer chunks, sharing saves too little.
 const WORTHWHILE: usize = 8;
 
-/// Who walks.
+/// System parameter of a chunked pass: the threads and the instruction set.
 #[derive(SystemParam)]
 pub(crate) struct ChunkedPass<'w> {
     threads: Res<'w, Threads>,
@@ -23,7 +22,8 @@ pub(crate) struct ChunkedPass<'w> {
 }
 
 impl ChunkedPass<'_> {
-    /// Calls `each` with the entries of both columns, and with what it sums up. Gives the sums of the strides, in order.
+    /// Calls `each` with the entries of both columns and the partial sum of the chunk. Returns the partial sums, in the
+    /// order of chunks.
     pub(crate) fn in_chunks<A: Sync, B: Send, T: Default + Send>(
         &self,
         read: &[A],
@@ -65,7 +65,7 @@ mod tests {
 
     use super::*;
 
-    /// Walks on so many threads.
+    /// Runs `pass` with this number of threads.
     fn with<T>(threads: usize, walk: impl FnOnce(ChunkedPass<'_>) -> T) -> T {
         let mut world = World::new();
         world.insert_resource(Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap());

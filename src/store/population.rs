@@ -1,10 +1,12 @@
-//! The population: which entities entered, left, or changed what the store keeps of them for good, since slots were dealt out.
+//! The population: entities that entered, left, or changed a permanent property since the last renumbering.
 //!
-//! Component hooks note it at once, whoever acts: commands, systems with the world, observers. `GrainId` marks a particle;
-//! `Radius`, `Mass`, `Species`, `Inertia` and `Fixed` change by insertion only. Their hooks ask for a renumbering, which reads
-//! the entities noted here and no others. A particle that leaves is struck out of the store at once: its row stays, without
-//! an entity, until the renumbering ([`ParticleStore::is_present`]). A mirrored component that is inserted on a particle of the store
-//! is written through.
+//! Component hooks record each change at once, whether a command, an observer or a system with the world makes it.
+//! `GrainId` marks a particle. `Radius`, `Mass`, `Species`, `Inertia` and `Fixed` change by insertion only. Their hooks
+//! request a renumbering, which reads only the entities recorded here.
+//!
+//! When a particle leaves, its row loses its entity at once, and the row remains until the renumbering
+//! ([`ParticleStore::is_present`]). A mirrored component that is inserted on a particle of the store is written to the
+//! store at once.
 
 use bevy_ecs::component::Mutable;
 use bevy_ecs::lifecycle::HookContext;
@@ -18,22 +20,22 @@ use crate::store::deferred_kick::PendingKick;
 use crate::store::mirror::MirrorSet;
 use crate::store::{LongestMove, ParticleStore};
 
-/// What has changed since slots were dealt out.
+/// Changes since the last renumbering.
 #[derive(Resource, Default)]
 pub(crate) struct Population {
-    /// Entities that entered, or have another radius, mass, species or moment of inertia, or were fixed or freed.
+    /// Entities that entered, were fixed or freed, or got another radius, mass, species or moment of inertia.
     touched: Vec<Entity>,
     /// Whether the order of slots is out of date, or a particle has left.
     is_out_of_date: bool,
 }
 
 impl Population {
-    /// Asks for a renumbering.
+    /// Requests a renumbering.
     pub(crate) fn renumber(&mut self) {
         self.is_out_of_date = true;
     }
 
-    /// Whether slots have to be dealt out anew.
+    /// Whether a renumbering is due.
     pub(crate) fn is_due(&self) -> bool {
         self.is_out_of_date || !self.touched.is_empty()
     }
@@ -43,7 +45,7 @@ impl Population {
         !self.touched.is_empty()
     }
 
-    /// The entities to be read anew, each once; and a new start.
+    /// Returns the entities to read again, without duplicates, and clears the record.
     pub(super) fn take(&mut self) -> Vec<Entity> {
         self.is_out_of_date = false;
         let mut touched = std::mem::take(&mut self.touched);
@@ -59,7 +61,7 @@ impl Population {
     }
 }
 
-/// The row of an entity, if the store has one.
+/// The row of an entity, or `None` if the store has no row for it.
 fn row_of<V: Space>(world: &DeferredWorld, entity: Entity) -> Option<usize> {
     world.get_resource::<ParticleStore<V>>()?.row_of(entity, *world.get::<Slot>(entity)?)
 }
@@ -68,7 +70,7 @@ fn entered(mut world: DeferredWorld, context: HookContext) {
     Population::touch(&mut world, context.entity);
 }
 
-/// A particle leaves: its row belongs to no entity any more.
+/// A particle leaves: its row loses its entity.
 fn left<V: Space>(mut world: DeferredWorld, context: HookContext) {
     if let Some(row) = row_of::<V>(&world, context.entity) {
         world.resource_mut::<ParticleStore<V>>().vacate(row);
@@ -78,14 +80,16 @@ fn left<V: Space>(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// What the store keeps for good of a particle was inserted or removed. Of one that enters all is read anyway.
+/// Records an entity with a permanent property inserted or removed. An entering particle has no slot and is skipped,
+/// because all its components are read anyway.
 fn altered(mut world: DeferredWorld, context: HookContext) {
     if world.get::<Slot>(context.entity).is_some_and(|slot| *slot != Slot::default()) {
         Population::touch(&mut world, context.entity);
     }
 }
 
-/// A particle was fixed or freed: what is stale is counted apart for both.
+/// A particle was fixed or freed. Staleness is kept separately for free and fixed particles, so all components become
+/// stale.
 fn fixed_or_freed<V: Space>(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut store) = world.get_resource_mut::<ParticleStore<V>>() {
         store.stale = MirrorSet::ALL;
@@ -93,7 +97,7 @@ fn fixed_or_freed<V: Space>(mut world: DeferredWorld, context: HookContext) {
     altered(world, context);
 }
 
-/// Writes an inserted component through to the store, if the particle is there.
+/// Writes an inserted component to the store, if the particle has a row.
 fn inserted<V: Space, T: Component<Mutability = Mutable> + Copy>(
     mut world: DeferredWorld,
     context: HookContext,
@@ -107,31 +111,31 @@ fn inserted<V: Space, T: Component<Mutability = Mutable> + Copy>(
     }
 }
 
-/// Whether a second kick is owed: then the store holds velocities and spins from before it.
+/// Whether a second kick is pending. If it is, the store holds velocities and spins from before this kick.
 #[derive(Clone, Copy)]
 struct Owed(bool);
 
 impl<V: Space> ParticleStore<V> {
-    /// The row of `entity`, which has this slot, if it has a row.
+    /// The row of `entity`, which has this slot; `None` if it has no row.
     #[inline]
     pub(super) fn row_of(&self, entity: Entity, slot: Slot) -> Option<usize> {
         (self.entity.get(slot.index()) == Some(&entity)).then_some(slot.index())
     }
 
-    /// Strikes out the particle of a row.
+    /// Removes the entity from a row.
     fn vacate(&mut self, row: usize) {
         self.entity[row] = Entity::PLACEHOLDER;
         self.vacated.push(row);
     }
 
-    /// Whether the particle of row `i` is still there: one that left keeps its row until slots are dealt out anew.
+    /// Whether the particle of row `i` still exists. A particle that left keeps its row until the next renumbering.
     #[must_use]
     #[inline]
     pub fn is_present(&self, i: usize) -> bool {
         self.vacated.is_empty() || self.entity[i] != Entity::PLACEHOLDER
     }
 
-    /// The rows of particles that left since slots were dealt out, in the order of their leaving.
+    /// The rows of particles that left since the last renumbering, in the order in which they left.
     #[must_use]
     pub fn vacated(&self) -> &[usize] {
         &self.vacated
@@ -143,13 +147,13 @@ impl<V: Space> ParticleStore<V> {
         self.travel += longest.length();
     }
 
-    /// What the owed kick will add to the velocity of a row, m/s.
+    /// The velocity change by the pending kick, m/s.
     fn owed_kick(&self, row: usize, force: V, Owed(is_pending): Owed) -> V {
         let time = if is_pending { self.half_step } else { 0.0 };
         force * (time * self.body[row].inverse_mass)
     }
 
-    /// What it will add to the spin, rad/s.
+    /// The spin change by the pending kick, rad/s.
     fn owed_spin(&self, row: usize, torque: V::Spin, Owed(is_pending): Owed) -> V::Spin {
         let time = if is_pending { self.half_step } else { 0.0 };
         torque * (time * self.rotation[row].inverse_inertia)
@@ -183,7 +187,7 @@ impl<V: Space> ParticleStore<V> {
     }
 }
 
-/// Registers the hooks, before the first particle is spawned.
+/// Registers the hooks. This must happen before the first particle is spawned.
 pub(super) fn add<V: Space>(world: &mut World) {
     world.init_resource::<Population>();
     world.register_component_hooks::<GrainId>().on_insert(entered).on_remove(left::<V>);
