@@ -1,4 +1,5 @@
-//! An app under assembly: which key of the scene asked for each plugin, so that `explain` can tell why a system is there.
+//! Records which scene key requested each system while an app is assembled, so that `explain` can print why a system
+//! exists.
 
 use std::collections::HashMap;
 
@@ -6,11 +7,11 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{InternedScheduleLabel, SystemKey};
 
-/// Which scene key asked for each system of all schedules.
+/// The scene key that requested each system, over all schedules.
 #[derive(Resource, Default)]
 pub struct AskedBy(pub HashMap<(InternedScheduleLabel, SystemKey), String>);
 
-/// Adds plugins and notes who asked for their systems.
+/// Adds plugins and records the keys that requested their systems.
 pub(crate) struct Assembly<'a> {
     app: &'a mut App,
     asked_by: HashMap<(InternedScheduleLabel, SystemKey), String>,
@@ -27,7 +28,7 @@ impl<'a> Assembly<'a> {
         self
     }
 
-    /// Adds what `build` adds, asked for by `key`.
+    /// Calls `build`, and records `key` for the systems that it adds.
     pub(crate) fn add_with(&mut self, key: &str, build: impl FnOnce(&mut App)) {
         build(self.app);
         self.note(key);

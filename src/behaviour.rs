@@ -116,9 +116,9 @@ use crate::source::Source;
 use crate::source::parse;
 use crate::space::Dimension;
 
-/// What the keys of one behaviour make.
+/// A behaviour, read from its keys in the scene.
 pub trait Behaviour: 'static {
-    /// Checks the keys against the scene; the error says what is wrong and what to do.
+    /// Checks the keys against the scene. The error text names the problem and a remedy.
     ///
     /// # Errors
     /// If the behaviour cannot work in this scene.
@@ -126,22 +126,24 @@ pub trait Behaviour: 'static {
         Ok(())
     }
 
-    /// Whether it works in a scene of this space. Components default to the plane, so a behaviour that says `Position` and
-    /// `Force` finds nobody in solid space; one for that says `Position<Solid>`, and so here.
+    /// Whether the behaviour works in a scene of this space. Components default to the plane, so systems that query
+    /// `Position` and `Force` find no particles in solid space. A behaviour that queries `Position<Solid>` declares
+    /// solid space here.
     fn lives_in(&self, space: Dimension) -> bool {
         space == Dimension::Plane
     }
 
-    /// Whether it works in a scene of the lattice gas, on [`Gas`](crate::lattice::gas::Gas) and
-    /// [`Sites`](crate::lattice::sites::Sites). There are no grains then.
+    /// Whether the behaviour works in a scene of the lattice gas, on [`Gas`](crate::lattice::gas::Gas) and
+    /// [`Sites`](crate::lattice::sites::Sites). A lattice gas has no grains.
     fn lives_on_lattice(&self) -> bool {
         false
     }
 
-    /// Whether [`Behaviour::build`] adds the contact law, as [`crate::contact::ContactPlugin`] with a
-    /// [`crate::contact::PairLaw`] of its own. Then
-    /// the scene's `contact` only serves the estimates of `check`, and tells whether a grain file may give spins: a law that
-    /// turns grains is best told to a scene whose `contact` has `tangential` too.
+    /// Whether [`Behaviour::build`] adds the contact law: a [`crate::contact::ContactPlugin`] with its own
+    /// [`crate::contact::PairLaw`].
+    ///
+    /// If it does, the scene's `contact` serves only for the estimates of `check`, and decides whether a grain file may
+    /// give spins. For a law that rotates grains, the scene's `contact` should therefore have `tangential` too.
     fn brings_contact_law(&self) -> bool {
         false
     }
@@ -152,21 +154,21 @@ pub trait Behaviour: 'static {
 
 type Parse = fn(&Source, &str, &str) -> Result<Box<dyn Behaviour>, Fault>;
 
-/// The behaviours that a program knows, by name.
+/// The behaviours of a program, by name.
 #[derive(Default, Clone)]
 pub struct Registry(BTreeMap<&'static str, Parse>);
 
 impl Registry {
-    /// Makes `T` known as `name`.
+    /// Registers `T` under `name`.
     pub fn register<T: Behaviour + DeserializeOwned>(&mut self, name: &'static str) -> &mut Self {
         self.0.insert(name, parse_keys::<T>);
         self
     }
 
-    /// The behaviours that a scene of grains asks for, in the order of their names.
+    /// Returns the behaviours that a scene of grains requests, in the order of their names.
     ///
     /// # Errors
-    /// If a name is unknown, or its keys are wrong; the fault points into the scene.
+    /// If a name is unknown, or its keys are wrong. The fault gives the place in the scene.
     pub fn of_scene(&self, loaded: &Loaded) -> Result<Vec<(String, Box<dyn Behaviour>)>, Fault> {
         self.find(&loaded.source, &loaded.scene.behaviours, |behaviour| {
             if !behaviour.lives_in(loaded.scene.space) {
@@ -177,7 +179,7 @@ impl Registry {
         })
     }
 
-    /// The behaviours that a scene of the lattice gas asks for, in the order of their names.
+    /// Returns the behaviours that a lattice gas scene requests, in the order of their names.
     ///
     /// # Errors
     /// As [`Registry::of_scene`].

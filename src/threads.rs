@@ -1,10 +1,11 @@
-//! How many threads share the force pass ([`crate::contact::kernel`]), those over the rows of many grains
-//! ([`crate::columns`]), the search for neighbours and the lattice's passes. One needs no pool; on several the bits are the same.
+//! The threads that share the force pass ([`crate::contact::kernel`]), passes over the particle store
+//! ([`crate::store`]), the neighbour search and the passes of the lattice gas. One thread needs no pool. Results are
+//! the same to the last bit for any number of threads.
 //!
-//! A step is a few passes of some ten or a hundred microseconds each, with a little in between that one thread does. To wake
-//! a thread that sleeps takes as long as a pass, and 0.1 to 0.5 ms in a virtual machine. So whoever has helped stays awake, looks
-//! for more to do, and goes to sleep after 2 ms without; whoever waits for helpers stays awake too. Meanwhile each lets others
-//! have its core if they want it.
+//! A step is a few passes of 10 to 100 microseconds each, with a little single-threaded work in between. Waking a
+//! sleeping thread takes as long as a pass; in a virtual machine it takes 0.1 to 0.5 ms. A helper thread therefore
+//! stays awake after a pass, polls for more work, and sleeps after 2 ms without any. A thread that needs results of
+//! helpers polls too. Polling threads yield their core to other threads.
 
 use std::cell::Cell;
 use std::num::NonZeroUsize;
@@ -16,27 +17,27 @@ use std::time::{Duration, Instant};
 use bevy_ecs::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder, Yield};
 
-/// For how long a thread that has nothing to do looks for something. The parts of a step that one thread does take less, but
-/// for a renewed list of many grains, or a row of measurements.
+/// How long a thread without work polls before it sleeps. The single-threaded parts of a step take less time, except a
+/// rebuilt list of many grains or a row of measurements.
 const PATIENCE: Duration = Duration::from_millis(2);
 
 /// The threads of a run.
 #[derive(Resource)]
 pub struct Threads(Option<Team>);
 
-/// Several of them.
+/// A pool of several threads.
 #[derive(Clone)]
 struct Team {
     pool: Arc<ThreadPool>,
-    /// Whether some of them may be asleep.
+    /// Whether some threads may be asleep.
     sleeps: Arc<AtomicBool>,
 }
 
 impl Threads {
-    /// `count` threads.
+    /// Creates `count` threads.
     ///
     /// # Errors
-    /// If the system refuses to start them.
+    /// If the operating system cannot start them.
     pub fn new(count: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
         if count.get() == 1 {
             return Ok(Self::one());
@@ -45,19 +46,19 @@ impl Threads {
         Ok(Self(Some(Team { pool, sleeps: Arc::new(AtomicBool::new(true)) })))
     }
 
-    /// One thread.
+    /// Creates a single thread.
     #[must_use]
     pub fn one() -> Self {
         Self(None)
     }
 
-    /// How many threads there are.
+    /// Number of threads.
     #[must_use]
     pub fn count(&self) -> usize {
         self.0.as_ref().map_or(1, |team| team.pool.current_num_threads())
     }
 
-    /// Does all jobs, side by side if there are several threads; gives what came of them, in order.
+    /// Runs all jobs, in parallel if there are several threads. Returns their results in the order of jobs.
     pub(crate) fn share<R: Send>(&self, jobs: impl IntoIterator<Item: FnOnce() -> R + Send>) -> Vec<R> {
         match &self.0 {
             None => jobs.into_iter().map(|job| job()).collect(),
@@ -65,7 +66,8 @@ impl Threads {
         }
     }
 
-    /// Runs `work` on one of them, so that passes within it share with the others what they do, instead of waking all and waiting.
+    /// Runs `work` on a thread of the pool. Passes inside it then share their jobs with the other threads directly,
+    /// without waking the whole pool.
     pub(crate) fn run<R: Send>(world: &mut World, work: impl FnOnce(&mut World) -> R + Send) -> R {
         match world.resource::<Self>().0.clone() {
             None => work(world),
@@ -102,7 +104,7 @@ impl Team {
         results.into_iter().map(|result| result.expect("a job that panics takes the scope with it")).collect()
     }
 
-    /// Does something that waits to be done, or lets others have the core. Tells which.
+    /// Runs a pending job, or else yields the core. Returns whether it ran a job.
     fn look_for_work(&self) -> bool {
         let has_worked = self.pool.yield_now() == Some(Yield::Executed);
         if !has_worked {
@@ -111,7 +113,7 @@ impl Team {
         has_worked
     }
 
-    /// Wakes those who sleep.
+    /// Wakes the sleeping threads.
     fn wake(&self) {
         if self.sleeps.swap(false, Ordering::Relaxed) {
             let (leader, team) = (self.pool.current_thread_index(), self.clone());
@@ -123,12 +125,12 @@ impl Team {
         }
     }
 
-    /// Helps until there has been nothing to do for a while.
+    /// Runs jobs until there have been none for a while.
     fn stay_awake(&self) {
         thread_local! {
             static IS_AWAKE: Cell<bool> = const { Cell::new(false) };
         }
-        // Who is asked while it helps has no need to be asked.
+        // A thread may receive this request while it is already polling.
         if IS_AWAKE.replace(true) {
             return;
         }
@@ -143,7 +145,7 @@ impl Team {
     }
 }
 
-/// Says at the end of a job, however it ends, that there is one less.
+/// Decrements the count of open jobs when a job ends, even by a panic.
 struct Ended<'a>(&'a AtomicUsize);
 
 impl Drop for Ended<'_> {
