@@ -24,21 +24,21 @@ impl<'a> Assembly<'a> {
 
     pub(crate) fn add(&mut self, key: &str, plugin: impl Plugin) -> &mut Self {
         self.app.add_plugins(plugin);
-        self.note(key);
+        self.record(key);
         self
     }
 
     /// Calls `build`, and records `key` for the systems that it adds.
     pub(crate) fn add_with(&mut self, key: &str, build: impl FnOnce(&mut App)) {
         build(self.app);
-        self.note(key);
+        self.record(key);
     }
 
     pub(crate) fn provide(&mut self, resource: impl Resource) {
         self.app.insert_resource(resource);
     }
 
-    fn note(&mut self, key: &str) {
+    fn record(&mut self, key: &str) {
         let Some(schedules) = self.app.world().get_resource::<Schedules>() else { return };
         for (_, schedule) in schedules.iter() {
             for (system, ..) in schedule.graph().systems.iter() {

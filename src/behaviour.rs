@@ -1,14 +1,14 @@
-//! Behaviours of outsiders: systems that a program composes with ours, switched on by the scene.
+//! Behaviours from other crates: systems that a program adds to those of siloflow, and that a scene switches on.
 //!
-//! A scene names them under `behaviours`, each with its own keys in RON:
+//! A scene lists them under `behaviours`, each with its own keys in RON:
 //!
 //! ```text
 //! behaviours: {"wind": (force: 0.2)},
 //! ```
 //!
-//! # A crate of one's own
+//! # A separate crate
 //!
-//! Its `Cargo.toml` needs two dependencies:
+//! The `Cargo.toml` of the crate needs two dependencies:
 //!
 //! ```toml
 //! [package]
@@ -24,12 +24,14 @@
 //! opt-level = 2 # a simulation without optimisation takes twenty times as long
 //! ```
 //!
-//! `use siloflow::prelude::*;` stands in each module that derives `Component`, `Resource`, `Message`, `Bundle`, `SystemSet`, `SystemParam`
-//! or `QueryData`: these derives name the crate `bevy_ecs`, which the prelude brings along. (A crate that has `bevy_ecs` among its own
-//! dependencies needs the version of siloflow's.) `examples/outside` in the repository is such a crate: air drag, temperatures with conduction
-//! at contacts, a cohesive contact law, an attraction on top of any law.
+//! Every module that derives `Component`, `Resource`, `Message`, `Bundle`, `SystemSet`, `SystemParam` or `QueryData`
+//! needs `use siloflow::prelude::*;`. These derives name the crate `bevy_ecs`, which the prelude exports. (A crate with
+//! its own dependency on `bevy_ecs` needs the version that siloflow uses.) `examples/outside` in the repository is an
+//! example: air drag, temperatures with conduction at contacts, a cohesive contact law, and an attraction on top of any
+//! law.
 //!
-//! A program registers the type that the keys of the scene make, and hands the registry to [`crate::cli::main_with`]:
+//! A program registers the type that is read from the keys of the scene, and passes the registry to
+//! [`crate::cli::main_with`]:
 //!
 //! ```
 //! use serde::Deserialize;
@@ -61,8 +63,9 @@
 //!
 //! # Both spaces
 //!
-//! Components default to the plane. A behaviour for both spaces has systems that are generic over [`Space`](crate::space::Space), says so in
-//! [`Behaviour::lives_in`], and asks in [`Behaviour::build`] which one the scene has:
+//! Components default to the plane. A behaviour for both spaces has systems that are generic over
+//! [`Space`](crate::space::Space). It declares this in [`Behaviour::lives_in`], and looks up the space of the scene in
+//! [`Behaviour::build`]:
 //!
 //! ```
 //! # use siloflow::prelude::*;
@@ -87,21 +90,31 @@
 //! }
 //! ```
 //!
-//! # Components of one's own
+//! # New components
 //!
-//! A system of [`Phase::Spawn`](crate::step::Phase::Spawn) inserts them, by `Commands`, on grains that do not have them yet: a query of
-//! `(With<Grain>, Without<Temperature>)`. A grain that has just been released may get its own a step later.
+//! A system of [`Phase::Spawn`](crate::step::Phase::Spawn) inserts new components, by `Commands`, on grains without
+//! them: a query of `(With<Grain>, Without<Temperature>)`. A grain that has just been released may get them one step
+//! later.
 //!
 //! # Contacts
 //!
-//! | a behaviour that | takes |
+//! | a behaviour that | uses |
 //! |---|---|
-//! | looks at contacts | [`ContactView::iter`](crate::survey::view::ContactView::iter): 20 to 40 ns a grain; [`all`](crate::survey::view::ContactView::all) if it needs all that is known of each, in the order of names |
-//! | adds a force at contacts to the scene's law | [`PairForces`](crate::survey::pair_forces::PairForces) in [`ForceStage::Added`](crate::step::ForceStage::Added) |
-//! | keeps a number for each contact | [`PairMap`](crate::survey::pair_map::PairMap) |
-//! | replaces the law | [`PairLaw`](crate::contact::PairLaw) with [`ContactPlugin`](crate::contact::ContactPlugin); [`Memory`](crate::contact::Memory) holds what it remembers |
+//! | reads contacts | [`ContactView::iter`]: 20 to 40 ns per grain; [`ContactView::all`] for all data, in id order |
+//! | adds forces to the scene's law | [`PairForces`] in [`ForceStage::Added`](crate::step::ForceStage::Added) |
+//! | keeps a number for each contact | [`PairMap`] |
+//! | replaces the law | [`PairLaw`] with [`ContactPlugin`]; [`Memory`] holds its memory of a contact |
 //!
-//! Systems of several behaviours that write `Force` need an order between them (`.after(...)`): it is the order of the sum.
+//! Systems of several behaviours that write `Force` need a declared order (`.after(...)`), because it is the order of
+//! summation.
+//!
+//! [`ContactView::iter`]: crate::survey::view::ContactView::iter
+//! [`ContactView::all`]: crate::survey::view::ContactView::all
+//! [`PairForces`]: crate::survey::pair_forces::PairForces
+//! [`PairMap`]: crate::survey::pair_map::PairMap
+//! [`PairLaw`]: crate::contact::PairLaw
+//! [`ContactPlugin`]: crate::contact::ContactPlugin
+//! [`Memory`]: crate::contact::Memory
 
 use std::collections::BTreeMap;
 
@@ -173,7 +186,7 @@ impl Registry {
         self.find(&loaded.source, &loaded.scene.behaviours, |behaviour| {
             if !behaviour.lives_in(loaded.scene.space) {
                 let message = format!("this behaviour does not work with `space: {:?}`", loaded.scene.space);
-                return Err((message, "its program says where it does, in `Behaviour::lives_in`"));
+                return Err((message, "the behaviour declares its spaces in `Behaviour::lives_in`"));
             }
             behaviour.check(loaded).map_err(|message| (message, "see the documentation of the behaviour"))
         })
@@ -189,7 +202,7 @@ impl Registry {
                 return Ok(());
             }
             let message = "this behaviour does not work with the lattice gas".to_owned();
-            Err((message, "its program says where it does, in `Behaviour::lives_on_lattice`"))
+            Err((message, "the behaviour declares this in `Behaviour::lives_on_lattice`"))
         })
     }
 
@@ -215,9 +228,9 @@ impl Registry {
     fn unknown(&self, source: &Source, name: &str, key: &str) -> Fault {
         let known: Vec<_> = self.0.keys().copied().collect();
         let help = if known.is_empty() {
-            "this program knows none; a program of your own registers them (examples/vibrating_wall.rs)".to_owned()
+            "this program has no behaviours; another program can register some (examples/vibrating_wall.rs)".to_owned()
         } else {
-            format!("this program knows: {}", known.join(", "))
+            format!("this program has: {}", known.join(", "))
         };
         source.fault("scene::unknown_behaviour", key, format!("there is no behaviour `{name}`")).help(help)
     }

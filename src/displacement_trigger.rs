@@ -18,7 +18,7 @@ pub struct TravelMeter {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DisplacementTrigger {
     generation: u64,
-    until: f64,
+    fires_at: f64,
 }
 
 impl DisplacementTrigger {
@@ -26,7 +26,7 @@ impl DisplacementTrigger {
     #[must_use]
     #[inline]
     pub fn for_distance(now: TravelMeter, distance: f64) -> Self {
-        Self { generation: now.generation, until: now.travel + distance }
+        Self { generation: now.generation, fires_at: now.travel + distance }
     }
 
     /// Whether the trigger has fired; `ahead` (m) is added to the distance moved.
@@ -34,8 +34,8 @@ impl DisplacementTrigger {
     #[inline]
     pub fn has_fired(&self, now: TravelMeter, ahead: f64) -> bool {
         // Written so that a NaN travel fires the trigger.
-        let goes_on = self.generation == now.generation && now.travel + ahead < self.until;
-        !goes_on
+        let is_armed = self.generation == now.generation && now.travel + ahead < self.fires_at;
+        !is_armed
     }
 }
 
@@ -44,12 +44,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_wait_ends_with_the_way_or_with_the_slots() {
+    fn a_trigger_fires_after_the_distance_or_a_renumbering() {
         let now = TravelMeter { generation: 3, travel: 1.0 };
-        let wait = DisplacementTrigger::for_distance(now, 0.5);
-        assert!(!wait.has_fired(now, 0.4) && wait.has_fired(now, 0.5));
-        assert!(wait.has_fired(TravelMeter { travel: f64::NAN, ..now }, 0.0));
-        assert!(wait.has_fired(TravelMeter { generation: 4, ..now }, 0.0));
+        let trigger = DisplacementTrigger::for_distance(now, 0.5);
+        assert!(!trigger.has_fired(now, 0.4) && trigger.has_fired(now, 0.5));
+        assert!(trigger.has_fired(TravelMeter { travel: f64::NAN, ..now }, 0.0));
+        assert!(trigger.has_fired(TravelMeter { generation: 4, ..now }, 0.0));
         assert!(DisplacementTrigger::default().has_fired(now, 0.0));
     }
 }

@@ -88,13 +88,13 @@ impl Instructions {
         all.iter().copied().find(|instructions| instructions.name() == name).ok_or_else(|| {
             let expected = NAMES.join(", ");
             let why = if NAMES.contains(&name) {
-                "this processor lacks these instructions"
+                "this processor lacks this instruction set"
             } else {
-                "there are no such instructions"
+                "there is no such instruction set"
             };
             let here: Vec<_> = all.iter().map(|instructions| instructions.name()).collect();
             Fault::new("call::instructions", format!("{VARIABLE} is `{name}`: {why}; expected one of {expected}"))
-                .help(format!("this processor has {}; without {VARIABLE} the widest are taken", here.join(", ")))
+                .help(format!("this processor has {}; without {VARIABLE} the widest set is used", here.join(", ")))
         })
     }
 
@@ -129,14 +129,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_is_found_by_its_name() {
+    fn each_set_is_found_by_its_name() {
         for instructions in Instructions::all() {
             assert_eq!(Instructions::named(instructions.name()).unwrap().name(), instructions.name());
         }
     }
 
     #[test]
-    fn a_name_that_this_machine_does_not_know_is_a_fault() {
+    fn an_unknown_name_is_a_fault() {
         for name in ["", "AVX2", "sse2", "avx2 "] {
             let fault = Instructions::named(name).unwrap_err();
             assert_eq!(fault.code(), "call::instructions");

@@ -37,7 +37,7 @@ pub enum Failure {
     },
     /// Energy grew without a source.
     #[error(
-        "step {step}: {created_j:.3e} J of energy have come from nowhere, {:.0} % of the {put_in_j:.3e} J that were put in; \
+        "step {step}: the energy grew by {created_j:.3e} J without a source, {:.0} % of the {put_in_j:.3e} J put in; \
          the fastest is {grain} at {speed_m_s:.3e} m/s, w0 dt = {stiffness:.2} for it in a single contact (`check` prints \
          the limit): lower `step`, or if a behaviour changes velocities without a force, set `watchdog.energy`",
         100.0 * created_j / put_in_j
@@ -76,7 +76,7 @@ pub enum Failure {
         remedy: &'static str,
     },
     /// A grain was lost and the scene says `on_loss: Stop`.
-    #[error("step {step}: {grain} was lost at {position} m: {way}; `on_loss: Continue` would go on")]
+    #[error("step {step}: {grain} was lost at {position} m: {way}; `on_loss: Continue` continues the run")]
     GrainLost {
         /// The step.
         step: u64,
@@ -104,8 +104,8 @@ pub enum Failure {
     },
     /// A particle is too large for the cells.
     #[error(
-        "particles touch at up to {needed} m but cells have side {size} m, so that contacts would be missed: a grain \
-         looks one cell far; raise `neighbours.size`"
+        "particles touch at up to {needed} m but cells have side {size} m, so contacts would be missed: the search \
+         covers adjacent cells only; raise `neighbours.size`"
     )]
     CellsTooSmall {
         /// Side of a cell, m.
@@ -114,7 +114,7 @@ pub enum Failure {
         needed: f64,
     },
     /// Particles of a lattice gas are missing, or there are too many.
-    #[error("step {step}: there should be {expected} particles inside, but {counted} are counted")]
+    #[error("step {step}: the ledger has {expected} particles inside, but {counted} were counted")]
     Miscounted {
         /// The step at the end of which they were counted.
         step: u64,

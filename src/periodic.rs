@@ -1,8 +1,8 @@
 //! Periodic sides: a grain that leaves the box through one side enters at the opposite side.
 //!
 //! Along a periodic axis with box length L, every grain stands for its images at x + n L. Positions are kept in low <=
-//! x < high: X < low gets +L and X >= high gets -L, once per step, after the drift. (Algorithm 1 of the paper in
-//! `docs/soft-particle.md` has both signs the other way round.)
+//! x < high: X < low gets +L and X >= high gets -L, once per step, after the drift. (Algorithm 1 of Kumawat's *Soft
+//! Particle Molecular Dynamic Simulation* has both signs the other way round; see `docs/soft-particle.md`.)
 //!
 //! Two grains interact by their nearest images: a separation longer than L/2 is shortened by L. This is unambiguous
 //! only if a grain cannot touch two images of another. L must therefore exceed twice the largest distance of centres in
@@ -57,13 +57,13 @@ pub struct Periodic<V: Space> {
 }
 
 /// 1.5 * 2^52: doubles of this size are whole numbers.
-const WHOLE: f64 = 6_755_399_441_055_744.0;
+const ROUNDING: f64 = 6_755_399_441_055_744.0;
 
 /// Returns s - L round(s/L), from L and 1/L.
 #[inline(always)]
 fn shortest(separation: f64, length: f64, inverse_length: f64) -> f64 {
     // Adding a number of this size rounds to a whole number, with an instruction that every processor has.
-    let boxes = (separation * inverse_length + WHOLE) - WHOLE;
+    let boxes = (separation * inverse_length + ROUNDING) - ROUNDING;
     separation - length * boxes
 }
 
@@ -197,19 +197,19 @@ mod tests {
     use crate::space::{Plane, Solid};
     use proptest::prelude::*;
 
-    fn strip() -> Periodic<Plane> {
+    fn strip_along_x() -> Periodic<Plane> {
         Periodic::new(&PeriodicSides { x: Some((-1.0, 2.0)), ..PeriodicSides::default() }).unwrap()
     }
 
     #[test]
     fn an_open_axis_is_left_alone() {
-        assert_eq!(strip().wrapped(Plane::new(0.5, 1e9)), Plane::new(0.5, 1e9));
-        assert_eq!(strip().shortest(Plane::new(0.5, -1e9)), Plane::new(0.5, -1e9));
+        assert_eq!(strip_along_x().wrapped(Plane::new(0.5, 1e9)), Plane::new(0.5, 1e9));
+        assert_eq!(strip_along_x().shortest(Plane::new(0.5, -1e9)), Plane::new(0.5, -1e9));
         assert_eq!(Periodic::<Solid>::new(&PeriodicSides::default()), None);
     }
 
     #[test]
-    fn a_path_that_came_round_has_an_image_at_each_side_that_it_crossed() {
+    fn a_path_has_an_image_at_each_side_that_it_crossed() {
         let sides = PeriodicSides { x: Some((-1.0, 2.0)), y: Some((0.0, 1.0)), z: None };
         let shifts = |from| Periodic::<Plane>::new(&sides).unwrap().shifts_of_path(from).collect::<Vec<_>>();
         assert_eq!(shifts(Plane::new(0.5, 0.5)), [Plane::ZERO]);
@@ -222,7 +222,7 @@ mod tests {
         #[test]
         fn wrapping_stays_in_the_box_and_keeps_the_image(x in -40.0..40.0f64, tiny in 0.0..1e-16f64) {
             for x in [x, -1.0 - tiny, 2.0 - tiny] {
-                let wrapped = strip().wrapped(Plane::new(x, 0.0)).x;
+                let wrapped = strip_along_x().wrapped(Plane::new(x, 0.0)).x;
                 prop_assert!((-1.0..2.0).contains(&wrapped), "{wrapped}");
                 let images = (x - wrapped) / 3.0;
                 // Rounding errors of a few numbers up to 40.
@@ -232,11 +232,11 @@ mod tests {
 
         #[test]
         fn the_shortest_separation_is_the_shortest_of_all_images(a in -1.0..2.0f64, b in -1.0..2.0f64) {
-            let s = strip().shortest(Plane::new(a - b, 0.0)).x;
+            let s = strip_along_x().shortest(Plane::new(a - b, 0.0)).x;
             for image in [-3.0, 0.0, 3.0] {
                 prop_assert!(s.abs() <= (a - b + image).abs() + 1e-15);
             }
-            prop_assert_eq!(strip().shortest(Plane::new(b - a, 0.0)).x, -s);
+            prop_assert_eq!(strip_along_x().shortest(Plane::new(b - a, 0.0)).x, -s);
         }
     }
 }

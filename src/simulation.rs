@@ -75,22 +75,22 @@ impl Simulation {
     ) -> Result<Self, Fault> {
         let mut app = Self::assemble(loaded, registry, threads, more)?;
         match loaded.scene.space {
-            Dimension::Plane => populate::<Plane>(app.world_mut(), loaded),
-            Dimension::Solid => populate::<Solid>(app.world_mut(), loaded),
+            Dimension::Plane => spawn_particles::<Plane>(app.world_mut(), loaded),
+            Dimension::Solid => spawn_particles::<Solid>(app.world_mut(), loaded),
         }
-        Self::ready_for_grains(app, loaded)
+        Self::complete_with_store(app, loaded)
     }
 
     /// Checks whether [`Simulation::new`] would succeed, without spawning a grain.
     pub(crate) fn check(loaded: &Loaded, registry: &Registry) -> Result<(), Fault> {
         let app = Self::assemble(loaded, registry, NonZeroUsize::MIN, Box::new(|_| {}))?;
-        Self::ready_for_grains(app, loaded).map(|_| ())
+        Self::complete_with_store(app, loaded).map(|_| ())
     }
 
-    fn ready_for_grains(app: App, loaded: &Loaded) -> Result<Self, Fault> {
+    fn complete_with_store(app: App, loaded: &Loaded) -> Result<Self, Fault> {
         match loaded.scene.space {
-            Dimension::Plane => Self::ready(app, store::plan::<Plane>),
-            Dimension::Solid => Self::ready(app, store::plan::<Solid>),
+            Dimension::Plane => Self::complete(app, store::plan::<Plane>),
+            Dimension::Solid => Self::complete(app, store::plan::<Solid>),
         }
     }
 
@@ -102,11 +102,11 @@ impl Simulation {
         more: Additions<'_>,
     ) -> Result<App, Fault> {
         let behaviours = registry.of_scene(loaded)?;
-        let mut app = empty(threads)?;
+        let mut app = app_with_resources(threads)?;
         let mut assembly = Assembly::new(&mut app);
         match loaded.scene.space {
-            Dimension::Plane => furnish::<Plane>(&mut assembly, loaded, behaviours, planar_paths),
-            Dimension::Solid => furnish::<Solid>(&mut assembly, loaded, behaviours, solid_paths),
+            Dimension::Plane => add_plugins::<Plane>(&mut assembly, loaded, behaviours, planar_paths),
+            Dimension::Solid => add_plugins::<Solid>(&mut assembly, loaded, behaviours, solid_paths),
         }
         more(&mut assembly);
         assembly.finish();
@@ -129,18 +129,18 @@ impl Simulation {
         more: Additions<'_>,
     ) -> Result<Self, Fault> {
         let behaviours = registry.of_lattice(loaded)?;
-        let mut app = empty(threads)?;
+        let mut app = app_with_resources(threads)?;
         let mut assembly = Assembly::new(&mut app);
         lattice::plugins::add_all(&mut assembly, loaded);
         add_behaviours(&mut assembly, behaviours);
         more(&mut assembly);
         assembly.finish();
         // There are no particles, so no component mirrors the store.
-        Self::ready(app, |_, _| Ok(()))
+        Self::complete(app, |_, _| Ok(()))
     }
 
     /// Completes an app that has all its plugins. `plan` adds the systems that depend on all plugins.
-    fn ready(mut app: App, plan: fn(&mut Schedule, &mut World) -> Result<(), Fault>) -> Result<Self, Fault> {
+    fn complete(mut app: App, plan: fn(&mut Schedule, &mut World) -> Result<(), Fault>) -> Result<Self, Fault> {
         app.add_systems(Step, message_update_system.in_set(Part::End));
         // Initialised here, so that conflicting systems are an input error and not a later panic.
         app.world_mut().schedule_scope(Step, |world, schedule| {
@@ -186,11 +186,11 @@ impl Simulation {
     /// Steps until the run ends. `each` receives the world after every step, with components that may be out of date.
     pub(crate) fn advance_to_end(&mut self, mut each: impl FnMut(&World) + Send) -> End {
         loop {
-            let goes_on = |world: &World| {
+            let continues = |world: &World| {
                 each(world);
                 true
             };
-            if let Some(end) = self.advance_while(goes_on) {
+            if let Some(end) = self.advance_while(continues) {
                 return end;
             }
         }
@@ -210,14 +210,14 @@ impl Simulation {
 
     /// Steps until the clock shows `steps` steps, or the run ends.
     pub fn run_steps(&mut self, steps: u64) -> Option<End> {
-        let goes_on = |world: &World| {
+        let continues = |world: &World| {
             let clock = world.resource::<Clock>();
             clock.is_step_zero() || clock.steps < steps
         };
-        if !goes_on(self.world()) {
+        if !continues(self.world()) {
             return self.world().resource::<Outcome>().end().cloned();
         }
-        let end = self.advance_while(goes_on);
+        let end = self.advance_while(continues);
         self.refresh();
         end
     }
@@ -250,7 +250,7 @@ fn advance(world: &mut World) -> Option<End> {
 }
 
 /// Returns an app with the resources of every run.
-fn empty(threads: NonZeroUsize) -> Result<App, Fault> {
+fn app_with_resources(threads: NonZeroUsize) -> Result<App, Fault> {
     let threads = Threads::new(threads).map_err(|error| {
         Fault::new("call::threads", format!("could not start the threads: {error}"))
             .help("ask for fewer with --threads")
@@ -265,7 +265,7 @@ fn empty(threads: NonZeroUsize) -> Result<App, Fault> {
     Ok(app)
 }
 
-fn furnish<V: Space>(
+fn add_plugins<V: Space>(
     assembly: &mut Assembly,
     loaded: &Loaded,
     behaviours: Vec<(String, Box<dyn Behaviour>)>,
@@ -277,7 +277,7 @@ fn furnish<V: Space>(
     add_all::<V>(assembly, loaded, behaviours, paths);
 }
 
-fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
+fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded) {
     let mut discs = 0;
     let mut next_id = || {
         discs += 1;

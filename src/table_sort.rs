@@ -24,7 +24,7 @@ use crate::store::{DENSE, Plan, SORT_CHECK_INTERVAL, SpatialOrder, has_renumbere
 struct OutOfTable;
 
 /// The smallest number of grains that is sorted; sorting fewer saves too little.
-const WORTHWHILE: usize = 512;
+const MIN_SORTED: usize = 512;
 
 fn sort_rows(world: &mut World, rows: &mut QueryState<(Entity, &Slot), Without<Fixed>>) {
     let (mut all, mut out_of_table) = (0, 0);
@@ -33,7 +33,7 @@ fn sort_rows(world: &mut World, rows: &mut QueryState<(Entity, &Slot), Without<F
         out_of_table += slots.windows(2).filter(|pair| pair[1].index() < pair[0].index()).count();
     }
     let tolerated = if world.resource::<Clock>().steps.is_multiple_of(SORT_CHECK_INTERVAL) { 0 } else { all / 10 };
-    if all < WORTHWHILE || out_of_table <= tolerated {
+    if all < MIN_SORTED || out_of_table <= tolerated {
         return;
     }
     let tables = rows.contiguous_iter(world).expect(DENSE);
@@ -78,7 +78,7 @@ fn arrange(world: &mut World, mut grains: Vec<Entity>, mut ranks: Vec<u32>) {
 
 /// Sorts grains before they are spawned into the order of their future slots. Few grains are left as they are.
 pub(crate) fn sort_newcomers<V: Space, T>(newcomers: &mut [(GrainBundle<V>, T)]) {
-    if newcomers.len() < WORTHWHILE {
+    if newcomers.len() < MIN_SORTED {
         return;
     }
     let grains = || newcomers.iter().map(|(grain, _)| &grain.particle);

@@ -19,7 +19,7 @@ pub(crate) const TOTAL_AND_DISSIPATIVE: usize = 2;
 /// Otherwise it is `motion`: the velocity or spin after the kick.
 #[inline(always)]
 pub(crate) fn kick_term<T: Linear, const NUMBERS: usize>(entry: &[T; NUMBERS], motion: T) -> T {
-    entry.get(1).map_or(motion, |of_dashpots| of_dashpots.times(motion))
+    entry.get(1).map_or(motion, |dissipative| dissipative.times(motion))
 }
 
 /// One accumulator entry per particle.
@@ -27,21 +27,21 @@ pub(crate) fn kick_term<T: Linear, const NUMBERS: usize>(entry: &[T; NUMBERS], m
 pub struct Accumulator<T> {
     numbers: Vec<T>,
     /// Numbers per entry.
-    each: usize,
+    per_entry: usize,
 }
 
 impl<T> Default for Accumulator<T> {
     fn default() -> Self {
-        Self { numbers: Vec::new(), each: TOTAL }
+        Self { numbers: Vec::new(), per_entry: TOTAL }
     }
 }
 
 impl<T: Linear> Accumulator<T> {
     /// Sets the size to `particles` entries, all zero.
     pub(crate) fn reset(&mut self, particles: usize, tracks_energy: bool) {
-        self.each = if tracks_energy { TOTAL_AND_DISSIPATIVE } else { TOTAL };
+        self.per_entry = if tracks_energy { TOTAL_AND_DISSIPATIVE } else { TOTAL };
         self.numbers.clear();
-        self.numbers.resize(particles * self.each, T::ZERO);
+        self.numbers.resize(particles * self.per_entry, T::ZERO);
     }
 
     /// Sets the size to `particles` entries. The first entries take the totals of the slots in `former`; the others are
@@ -57,7 +57,7 @@ impl<T: Linear> Accumulator<T> {
     /// Number of particles.
     #[must_use]
     pub fn len(&self) -> usize {
-        self.numbers.len() / self.each
+        self.numbers.len() / self.per_entry
     }
 
     /// Whether there are no entries: the scene does not need these sums.
@@ -70,7 +70,7 @@ impl<T: Linear> Accumulator<T> {
     #[inline]
     #[must_use]
     pub fn get(&self, i: usize) -> Option<T> {
-        self.numbers.get(i * self.each).copied()
+        self.numbers.get(i * self.per_entry).copied()
     }
 
     /// Returns the total of entry `i`.
@@ -80,27 +80,27 @@ impl<T: Linear> Accumulator<T> {
     #[inline]
     #[must_use]
     pub fn of(&self, i: usize) -> T {
-        self.numbers[i * self.each]
+        self.numbers[i * self.per_entry]
     }
 
     /// Sets the total of entry `i`, if the entry exists.
     #[inline]
-    pub(crate) fn set(&mut self, i: usize, whole: T) {
-        if let Some(sum) = self.numbers.get_mut(i * self.each) {
-            *sum = whole;
+    pub(crate) fn set(&mut self, i: usize, total: T) {
+        if let Some(sum) = self.numbers.get_mut(i * self.per_entry) {
+            *sum = total;
         }
     }
 
     /// Returns all entries as arrays of `NUMBERS` numbers. Empty if the entries have another length.
     #[inline]
     pub(crate) fn entries<const NUMBERS: usize>(&self) -> &[[T; NUMBERS]] {
-        if NUMBERS == self.each { self.numbers.as_chunks().0 } else { &[] }
+        if NUMBERS == self.per_entry { self.numbers.as_chunks().0 } else { &[] }
     }
 
     /// Returns all numbers, entry by entry, and the numbers per entry.
     #[inline]
     pub(crate) fn numbers_mut(&mut self) -> (&mut [T], usize) {
-        (&mut self.numbers, self.each)
+        (&mut self.numbers, self.per_entry)
     }
 }
 
@@ -110,19 +110,19 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_part_of_dashpots_is_kept_where_books_are() {
+    fn the_dissipative_part_is_kept_with_the_energy_balance() {
         for (tracks_energy, numbers) in [(false, vec![0.0, 5.0, 0.0]), (true, vec![0.0, 0.0, 5.0, 2.0, 0.0, 0.0])] {
-            let mut tally = Accumulator::<f64>::default();
-            tally.reset(3, tracks_energy);
-            tally.set(1, 4.0);
-            let (numbers_of, each) = tally.numbers_mut();
-            numbers_of[each] += 1.0;
+            let mut accumulator = Accumulator::<f64>::default();
+            accumulator.reset(3, tracks_energy);
+            accumulator.set(1, 4.0);
+            let (values, per_entry) = accumulator.numbers_mut();
+            values[per_entry] += 1.0;
             if tracks_energy {
-                numbers_of[each + 1] += 2.0;
+                values[per_entry + 1] += 2.0;
             }
-            assert_eq!((tally.len(), tally.of(1), tally.get(3)), (3, 5.0, None));
-            assert_eq!(tally.numbers, numbers);
-            assert_eq!(tally.entries::<TOTAL_AND_DISSIPATIVE>().len(), if tracks_energy { 3 } else { 0 });
+            assert_eq!((accumulator.len(), accumulator.of(1), accumulator.get(3)), (3, 5.0, None));
+            assert_eq!(accumulator.numbers, numbers);
+            assert_eq!(accumulator.entries::<TOTAL_AND_DISSIPATIVE>().len(), if tracks_energy { 3 } else { 0 });
         }
         assert_eq!([kick_term(&[4.0], 3.0), kick_term(&[4.0, 2.0], 3.0)], [3.0, 6.0]);
     }

@@ -24,17 +24,17 @@ use crate::store::predictable_conditions::PredictableConditions;
 use crate::store::sync_plan::{ForeignObservers, Plan, ReadsMotion, ReadsPlaces};
 
 /// Mirrored components that the systems of phase number `phase` read and may write in this step.
-fn wanted(world: &mut World, phase: usize, observers: &mut ForeignObservers) -> (MirrorSet, MirrorSet) {
+fn used_components(world: &mut World, phase: usize, observers: &mut ForeignObservers) -> (MirrorSet, MirrorSet) {
     let plan = &mut world.resource_mut::<Plan>().phases[phase];
     let (needs, has_commands) = (std::mem::take(&mut plan.needs), plan.has_commands);
     let mut uses = (MirrorSet::NONE, MirrorSet::NONE);
     for need in &needs {
-        if PredictableConditions::open(world, &need.gates) {
+        if PredictableConditions::are_open(world, &need.gates) {
             uses = (uses.0.or(need.reads), uses.1.or(need.writes));
         }
     }
     world.resource_mut::<Plan>().phases[phase].needs = needs;
-    if has_commands && Plan::others_may_run(world, observers) { (MirrorSet::ALL, MirrorSet::ALL) } else { uses }
+    if has_commands && Plan::foreign_code_may_run(world, observers) { (MirrorSet::ALL, MirrorSet::ALL) } else { uses }
 }
 
 fn refresh<V: Space, const PHASE: usize>(
@@ -42,9 +42,9 @@ fn refresh<V: Space, const PHASE: usize>(
     state: &mut SystemState<Refresh<V>>,
     observers: &mut ForeignObservers,
 ) {
-    let (reads, writes) = wanted(world, PHASE, observers);
+    let (reads, writes) = used_components(world, PHASE, observers);
     if !reads.is_none() {
-        state.get_mut(world).expect("the store is there").refresh(reads);
+        state.get_mut(world).expect("the store plugin inserts the store").refresh(reads);
     }
     let since = world.increment_change_tick();
     let mut plan = world.resource_mut::<Plan>();
@@ -57,7 +57,7 @@ fn write_back<V: Space, const PHASE: usize>(world: &mut World, state: &mut Syste
         world.resource_mut::<ParticleStore<V>>().begin_added(writes.meets(MirrorSet::FORCE));
     }
     if !writes.is_none() {
-        state.get_mut(world).expect("the store is there").write_back(writes, since);
+        state.get_mut(world).expect("the store plugin inserts the store").write_back(writes, since);
     }
     if PHASE == FORCES {
         world.resource_mut::<ParticleStore<V>>().end_added();
@@ -68,9 +68,9 @@ const FORCES: usize = 3;
 
 impl<V: Space> ParticleStore<V> {
     /// Clears the forces that systems have added in this step. Allocates them if the phase may write `Force`.
-    fn begin_added(&mut self, may_be: bool) {
+    fn begin_added(&mut self, may_write_force: bool) {
         self.added.clear();
-        if may_be {
+        if may_write_force {
             self.added.resize(self.len(), V::ZERO);
         }
     }
@@ -90,9 +90,9 @@ impl<V: Space> ParticleStore<V> {
 struct BetweenSteps {
     refresh: SystemId,
     write_back: SystemId,
-    watch: SystemId,
+    extend: SystemId,
     /// The change tick at which the caller got the world to change it.
-    handed_out: Option<Tick>,
+    published_at: Option<Tick>,
 }
 
 fn refresh_all<V: Space>(store: Refresh<V>) {
@@ -100,20 +100,20 @@ fn refresh_all<V: Space>(store: Refresh<V>) {
 }
 
 fn write_all_back<V: Space>(between: Res<BetweenSteps>, store: WriteBack<V>) {
-    if let Some(since) = between.handed_out {
+    if let Some(since) = between.published_at {
         store.write_back(MirrorSet::ALL, since);
     }
 }
 
-fn run(world: &mut World, system: SystemId) {
-    world.run_system(system).expect("it was registered with the resource, and needs nothing that may be missing");
+fn run_registered(world: &mut World, system: SystemId) {
+    world.run_system(system).expect("the system is registered, and its parameters always exist");
 }
 
 /// Refreshes all components, after applying a pending kick.
 pub(crate) fn refresh_world(world: &mut World) {
     apply_pending_kick(world);
     if let Some(&BetweenSteps { refresh, .. }) = world.get_resource() {
-        run(world, refresh);
+        run_registered(world, refresh);
     }
 }
 
@@ -122,24 +122,24 @@ pub(crate) fn publish_to_world(world: &mut World) {
     refresh_world(world);
     let now = world.increment_change_tick();
     if let Some(mut between) = world.get_resource_mut::<BetweenSteps>() {
-        between.handed_out.get_or_insert(now);
+        between.published_at.get_or_insert(now);
     }
 }
 
 /// Writes back the components that the caller changed since [`publish_to_world`].
 pub(crate) fn collect_from_world(world: &mut World) {
-    let Some(&BetweenSteps { write_back, watch, handed_out: Some(_), .. }) = world.get_resource() else { return };
-    run(world, write_back);
-    run(world, watch);
-    world.resource_mut::<BetweenSteps>().handed_out = None;
+    let Some(&BetweenSteps { write_back, extend, published_at: Some(_), .. }) = world.get_resource() else { return };
+    run_registered(world, write_back);
+    run_registered(world, extend);
+    world.resource_mut::<BetweenSteps>().published_at = None;
 }
 
 /// Registers the sync between steps.
 pub(super) fn add<V: Space>(app: &mut App) {
     let world = app.world_mut();
     let (refresh, write_back) = (world.register_system(refresh_all::<V>), world.register_system(write_all_back::<V>));
-    let watch = world.register_system(watch_commands::<V>);
-    world.insert_resource(BetweenSteps { refresh, write_back, watch, handed_out: None });
+    let extend = world.register_system(extend_schedule::<V>);
+    world.insert_resource(BetweenSteps { refresh, write_back, extend, published_at: None });
     world.init_resource::<ReadsPlaces>();
     world.init_resource::<ReadsMotion>();
     world.init_resource::<PredictableConditions>();
@@ -155,13 +155,13 @@ pub(crate) fn plan<V: Space>(schedule: &mut Schedule, world: &mut World) -> Resu
     world.insert_resource(plan);
     // Behaviours have added their observers and hooks by now.
     let mut observers = world.query_filtered();
-    Plan::watch(world, &mut observers);
-    add_copies::<V>(schedule, world);
+    Plan::check_for_foreign_code(world, &mut observers);
+    add_sync_systems::<V>(schedule, world);
     Ok(())
 }
 
 /// Adds refresh and write-back to the phases that need them and do not have them yet.
-fn add_copies<V: Space>(schedule: &mut Schedule, world: &mut World) {
+fn add_sync_systems<V: Space>(schedule: &mut Schedule, world: &mut World) {
     let plan = &mut *world.resource_mut::<Plan>();
     add_phase::<V, 0>(schedule, plan);
     add_phase::<V, 1>(schedule, plan);
@@ -174,7 +174,7 @@ fn add_copies<V: Space>(schedule: &mut Schedule, world: &mut World) {
 }
 
 fn add_phase<V: Space, const PHASE: usize>(schedule: &mut Schedule, plan: &mut Plan) {
-    if plan.wants_copies(PHASE) {
+    if plan.needs_sync(PHASE) {
         let phase = Phase::ALL[PHASE];
         schedule.add_systems((
             refresh::<V, PHASE>.in_set(Part::Refresh(phase)),
@@ -185,8 +185,8 @@ fn add_phase<V: Space, const PHASE: usize>(schedule: &mut Schedule, plan: &mut P
 }
 
 /// Extends the schedule if observers or hooks were added between two steps.
-fn watch_commands<V: Space>(world: &mut World, observers: &mut ForeignObservers) {
-    if Plan::watch(world, observers) {
-        world.schedule_scope(Step, |world, schedule| add_copies::<V>(schedule, world));
+fn extend_schedule<V: Space>(world: &mut World, observers: &mut ForeignObservers) {
+    if Plan::check_for_foreign_code(world, observers) {
+        world.schedule_scope(Step, |world, schedule| add_sync_systems::<V>(schedule, world));
     }
 }

@@ -16,14 +16,15 @@ use crate::store::ParticleStore;
 use crate::store::mirror::MirrorSet;
 use crate::store::sync_plan::{Need, PlainCommands, ReadsMotion, ReadsPlaces};
 
-fn in_no_phase(system: &str) -> Fault {
+fn no_phase_fault(system: &str) -> Fault {
     let phases: Vec<_> = Phase::ALL.iter().map(|phase| format!("{phase:?}")).collect();
-    Fault::new("behaviour::no_phase", format!("the system `{system}` stands in no phase of the step"))
+    Fault::new("behaviour::no_phase", format!("the system `{system}` is in no phase of the step"))
         .help(format!("add `.in_set(Phase::...)`; the phases are {}", phases.join(", ")))
 }
 
-fn in_the_engine(system: &str) -> Fault {
-    let message = format!("the system `{system}` uses components in a part of the step that works on the store");
+fn engine_fault(system: &str) -> Fault {
+    let message =
+        format!("the system `{system}` uses components in a part of the step that works on the particle store");
     Fault::new("behaviour::engine", message)
         .help("put it into a `Phase`; a system that adds a force belongs in `ForceStage::Added`")
 }
@@ -45,13 +46,13 @@ pub(super) fn ancestors(graph: &ScheduleGraph, system: SystemKey) -> Vec<SystemS
 }
 
 /// The sets of the phases and of the engine.
-pub(super) struct Places {
+pub(super) struct PhaseSets {
     phases: Vec<Option<SystemSetKey>>,
     engine: Vec<SystemSetKey>,
     plain: Option<SystemSetKey>,
 }
 
-impl Places {
+impl PhaseSets {
     pub(super) fn of(graph: &ScheduleGraph) -> Self {
         let key = |set: InternedSystemSet| graph.system_sets.get_key(set);
         let parts = |phase| [Part::Engine(phase), Part::Refresh(phase), Part::WriteBack(phase)];
@@ -85,11 +86,11 @@ impl Places {
         system: &str,
     ) -> Result<(), Fault> {
         if !self.engine.iter().any(|part| sets.contains(part)) {
-            return Err(in_no_phase(system));
+            return Err(no_phase_fault(system));
         }
         let shared = access.filter(|access| !access.is_exclusive());
         match reader.need(shared.into_iter(), Vec::new()) {
-            Some(need) if !need.reads.is_none() => Err(in_the_engine(system)),
+            Some(need) if !need.reads.is_none() => Err(engine_fault(system)),
             _ => Ok(()),
         }
     }
@@ -99,7 +100,7 @@ impl Places {
 const MOTION: MirrorSet = MirrorSet::VELOCITY.or(MirrorSet::SPIN).and(MirrorSet::FREE);
 
 /// Numbers that must not change while a kick and its energy balance are pending.
-const DUE: MirrorSet = MirrorSet::ALL.without(MirrorSet::POSITION);
+const NEEDED_BY_PENDING_KICK: MirrorSet = MirrorSet::ALL.without(MirrorSet::POSITION);
 
 /// Finds the mirrored components that an access list contains.
 pub(super) struct AccessReader {
@@ -155,21 +156,22 @@ impl AccessReader {
     /// The needs of systems or conditions with this access; `None` if they use neither mirrored components nor
     /// velocities.
     pub(super) fn need<'a>(&self, all: impl Iterator<Item = &'a SystemAccess>, gates: Vec<usize>) -> Option<Need> {
-        let mut need = Need { reads: MirrorSet::NONE, writes: MirrorSet::NONE, looks_at_motion: false, gates };
+        let mut need = Need { reads: MirrorSet::NONE, writes: MirrorSet::NONE, reads_motion: false, gates };
         for access in all {
-            let meets = |probe: &FilteredAccess| !access.get_conflicts_single(probe).is_empty();
+            let conflicts_with = |probe: &FilteredAccess| !access.get_conflicts_single(probe).is_empty();
             for (mirrors, uses, writes) in &self.probes {
-                if meets(uses) {
+                if conflicts_with(uses) {
                     need.reads.add(*mirrors);
                 }
-                if meets(writes) {
+                if conflicts_with(writes) {
                     need.writes.add(*mirrors);
                 }
             }
             // A system that reads the store without a marker resource is assumed to read everything.
-            need.looks_at_motion |= meets(&self.motion) || (meets(&self.store) && !meets(&self.places));
+            need.reads_motion |=
+                conflicts_with(&self.motion) || (conflicts_with(&self.store) && !conflicts_with(&self.places));
         }
-        need.looks_at_motion |= need.reads.meets(MOTION) || need.writes.meets(DUE);
-        (need.looks_at_motion || !need.reads.is_none()).then_some(need)
+        need.reads_motion |= need.reads.meets(MOTION) || need.writes.meets(NEEDED_BY_PENDING_KICK);
+        (need.reads_motion || !need.reads.is_none()).then_some(need)
     }
 }

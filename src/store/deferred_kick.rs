@@ -75,19 +75,19 @@ pub(crate) fn apply_pending_kick(world: &mut World) {
 }
 
 /// Whether a system of the engine will read velocities in this step.
-fn engine_looks(world: &mut World) -> bool {
+fn engine_reads_velocities(world: &mut World) -> bool {
     // `resource_scope` would move an entity.
-    let mut lookers = std::mem::take(&mut world.resource_mut::<VelocityReaders>().0);
+    let mut conditions = std::mem::take(&mut world.resource_mut::<VelocityReaders>().0);
     // A condition that cannot be evaluated counts as true.
-    let looks = lookers.iter_mut().any(|looker| looker.run_readonly((), world).unwrap_or(true));
-    world.resource_mut::<VelocityReaders>().0 = lookers;
-    looks
+    let is_read = conditions.iter_mut().any(|condition| condition.run_readonly((), world).unwrap_or(true));
+    world.resource_mut::<VelocityReaders>().0 = conditions;
+    is_read
 }
 
 /// Applies the second kick, or defers it if no system will read velocities.
 fn kick_or_defer(world: &mut World, observers: &mut ForeignObservers) {
-    let may_wait = world.resource::<PendingKick>().may_be_deferred;
-    let is_wanted = !may_wait || engine_looks(world) || Plan::motion_is_looked_at(world, observers);
+    let may_be_deferred = world.resource::<PendingKick>().may_be_deferred;
+    let is_wanted = !may_be_deferred || engine_reads_velocities(world) || Plan::motion_will_be_read(world, observers);
     world.resource_mut::<PendingKick>().is_pending = !is_wanted;
     if is_wanted {
         world.run_schedule(DeferredKick);
@@ -95,7 +95,7 @@ fn kick_or_defer(world: &mut World, observers: &mut ForeignObservers) {
 }
 
 /// Starts the energy balance, in step zero.
-fn begin(world: &mut World) {
+fn start_energy_balance(world: &mut World) {
     world.run_schedule(DeferredKick);
 }
 
@@ -130,9 +130,9 @@ pub(super) fn add(app: &mut App) {
     app.add_schedule(serial(DeferredKick)).init_resource::<PendingKick>();
     app.world_mut().init_resource::<VelocityReaders>();
     app.edit_schedule(Step, |schedule| {
-        let late =
+        let late_systems =
             AfterDeferredKick.in_set(Part::Engine(Phase::Drift)).after(Drifted).after(SpinsDrifted).run_if(is_pending);
-        schedule.configure_sets(late);
+        schedule.configure_sets(late_systems);
         schedule.configure_sets(KickAppliedAtEnd.in_set(Part::Engine(Phase::Observe)));
         let control = (BalanceStarted, EngineBalance, EngineChecks).chain().in_set(Part::Engine(Phase::Control));
         schedule.configure_sets(control);
@@ -141,7 +141,7 @@ pub(super) fn add(app: &mut App) {
         Step,
         (
             kick_or_defer.in_set(Part::Engine(Phase::Kick)),
-            begin.in_set(BalanceStarted).run_if(is_step_zero),
+            start_energy_balance.in_set(BalanceStarted).run_if(is_step_zero),
             apply_pending_kick_at_end.in_set(KickAppliedAtEnd).run_if(has_ended),
         ),
     );

@@ -24,18 +24,18 @@ const KINDS: u16 = 5;
 
 impl MirrorSet {
     pub(crate) const NONE: Self = Self(0);
-    pub(crate) const POSITION: Self = Self::of_both(0);
-    pub(crate) const VELOCITY: Self = Self::of_both(1);
-    pub(crate) const FORCE: Self = Self::of_both(2);
-    pub(crate) const SPIN: Self = Self::of_both(3);
-    pub(crate) const TORQUE: Self = Self::of_both(4);
+    pub(crate) const POSITION: Self = Self::free_and_fixed(0);
+    pub(crate) const VELOCITY: Self = Self::free_and_fixed(1);
+    pub(crate) const FORCE: Self = Self::free_and_fixed(2);
+    pub(crate) const SPIN: Self = Self::free_and_fixed(3);
+    pub(crate) const TORQUE: Self = Self::free_and_fixed(4);
     pub(crate) const ALL: Self = Self((1 << (2 * KINDS)) - 1);
     /// All components of free particles.
     pub(crate) const FREE: Self = Self((1 << KINDS) - 1);
     /// All components of fixed particles.
     pub(crate) const FIXED: Self = Self(Self::ALL.0 & !Self::FREE.0);
 
-    const fn of_both(kind: u16) -> Self {
+    const fn free_and_fixed(kind: u16) -> Self {
         Self(1 << kind | 1 << (kind + KINDS))
     }
 
@@ -70,20 +70,20 @@ trait Mirror<V: Space>: Component<Mutability = Mutable> + Copy {
     const KIND: MirrorSet;
 
     /// Returns the value of row `i`, or `None` if the scene has no such numbers.
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self>;
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self>;
 
     /// Writes the value to row `i`.
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, longest: &mut LongestMove);
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, longest: &mut LongestMove);
 }
 
 impl<V: Space> Mirror<V> for Position<V> {
     const KIND: MirrorSet = MirrorSet::POSITION;
 
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self> {
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self> {
         store.body.get(i).map(|body| Self(body.position))
     }
 
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, longest: &mut LongestMove) {
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, longest: &mut LongestMove) {
         store.put(i, self.0, longest);
     }
 }
@@ -91,11 +91,11 @@ impl<V: Space> Mirror<V> for Position<V> {
 impl<V: Space> Mirror<V> for Velocity<V> {
     const KIND: MirrorSet = MirrorSet::VELOCITY;
 
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self> {
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self> {
         store.body.get(i).map(|body| Self(body.velocity))
     }
 
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
         store.body[i].velocity = self.0;
         store.is_suspect |= !self.0.is_finite();
     }
@@ -104,11 +104,11 @@ impl<V: Space> Mirror<V> for Velocity<V> {
 impl<V: Space> Mirror<V> for Force<V> {
     const KIND: MirrorSet = MirrorSet::FORCE;
 
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self> {
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self> {
         store.loads.force.get(i).map(Self)
     }
 
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
         if let Some(added) = store.added.get_mut(i) {
             *added += self.0 - store.loads.force.of(i);
         }
@@ -120,11 +120,11 @@ impl<V: Space> Mirror<V> for Force<V> {
 impl<V: Space> Mirror<V> for Spin<V::Spin> {
     const KIND: MirrorSet = MirrorSet::SPIN;
 
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self> {
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self> {
         store.rotation.get(i).map(|rotation| Self(rotation.spin))
     }
 
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
         if let Some(rotation) = store.rotation.get_mut(i) {
             rotation.spin = self.0;
             store.is_suspect |= !self.0.is_finite();
@@ -135,17 +135,17 @@ impl<V: Space> Mirror<V> for Spin<V::Spin> {
 impl<V: Space> Mirror<V> for Torque<V::Spin> {
     const KIND: MirrorSet = MirrorSet::TORQUE;
 
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self> {
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self> {
         store.loads.torque.get(i).map(Self)
     }
 
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
         store.loads.torque.set(i, self.0);
         store.is_suspect |= !self.0.is_finite();
     }
 }
 
-type Shown<'w, 's, C> = (
+type RefreshQueries<'w, 's, C> = (
     Query<'w, 's, (&'static Slot, &'static mut C), Without<Fixed>>,
     Query<'w, 's, (&'static Slot, &'static mut C), With<Fixed>>,
 );
@@ -154,11 +154,11 @@ type Shown<'w, 's, C> = (
 #[derive(SystemParam)]
 pub(super) struct Refresh<'w, 's, V: Space> {
     store: ResMut<'w, ParticleStore<V>>,
-    positions: Shown<'w, 's, Position<V>>,
-    velocities: Shown<'w, 's, Velocity<V>>,
-    forces: Shown<'w, 's, Force<V>>,
-    spins: Shown<'w, 's, Spin<<V as Space>::Spin>>,
-    torques: Shown<'w, 's, Torque<<V as Space>::Spin>>,
+    positions: RefreshQueries<'w, 's, Position<V>>,
+    velocities: RefreshQueries<'w, 's, Velocity<V>>,
+    forces: RefreshQueries<'w, 's, Force<V>>,
+    spins: RefreshQueries<'w, 's, Spin<<V as Space>::Spin>>,
+    torques: RefreshQueries<'w, 's, Torque<<V as Space>::Spin>>,
 }
 
 impl<V: Space> Refresh<'_, '_, V> {
@@ -168,46 +168,53 @@ impl<V: Space> Refresh<'_, '_, V> {
         let stale = self.store.stale.without(due);
         let store = self.store.bypass_change_detection();
         store.stale = stale;
-        show_both(store, due, &mut self.positions);
-        show_both(store, due, &mut self.velocities);
-        show_both(store, due, &mut self.forces);
-        show_both(store, due, &mut self.spins);
-        show_both(store, due, &mut self.torques);
+        refresh_component(store, due, &mut self.positions);
+        refresh_component(store, due, &mut self.velocities);
+        refresh_component(store, due, &mut self.forces);
+        refresh_component(store, due, &mut self.spins);
+        refresh_component(store, due, &mut self.torques);
     }
 }
 
-fn show_both<V: Space, C: Mirror<V>>(store: &ParticleStore<V>, due: MirrorSet, (free, fixed): &mut Shown<'_, '_, C>) {
+fn refresh_component<V: Space, C: Mirror<V>>(
+    store: &ParticleStore<V>,
+    due: MirrorSet,
+    (free, fixed): &mut RefreshQueries<'_, '_, C>,
+) {
     let due = due.and(C::KIND);
     if due.meets(MirrorSet::FREE) {
-        show(store, free);
+        refresh_rows(store, free);
     }
     if due.meets(MirrorSet::FIXED) {
-        show(store, fixed);
+        refresh_rows(store, fixed);
     }
 }
 
 /// Copies the store to the components without setting change ticks, so that `Changed` shows only writes of systems.
-fn show<V: Space, C: Mirror<V>, F: ArchetypeFilter>(store: &ParticleStore<V>, rows: &mut Query<(&Slot, &mut C), F>) {
+fn refresh_rows<V: Space, C: Mirror<V>, F: ArchetypeFilter>(
+    store: &ParticleStore<V>,
+    rows: &mut Query<(&Slot, &mut C), F>,
+) {
     for (slots, mut values) in rows.contiguous_iter_mut().expect(DENSE) {
         for (slot, value) in slots.iter().zip(values.bypass_change_detection()) {
-            if let Some(now) = C::shown(store, slot.index()) {
+            if let Some(now) = C::from_store(store, slot.index()) {
                 *value = now;
             }
         }
     }
 }
 
-type Written<'w, 's, C> = Query<'w, 's, (&'static Slot, Ref<'static, C>)>;
+type WrittenQuery<'w, 's, C> = Query<'w, 's, (&'static Slot, Ref<'static, C>)>;
 
 /// System parameter for the write-back: the store and all mirrored components.
 #[derive(SystemParam)]
 pub(super) struct WriteBack<'w, 's, V: Space> {
     store: ResMut<'w, ParticleStore<V>>,
-    positions: Written<'w, 's, Position<V>>,
-    velocities: Written<'w, 's, Velocity<V>>,
-    forces: Written<'w, 's, Force<V>>,
-    spins: Written<'w, 's, Spin<<V as Space>::Spin>>,
-    torques: Written<'w, 's, Torque<<V as Space>::Spin>>,
+    positions: WrittenQuery<'w, 's, Position<V>>,
+    velocities: WrittenQuery<'w, 's, Velocity<V>>,
+    forces: WrittenQuery<'w, 's, Force<V>>,
+    spins: WrittenQuery<'w, 's, Spin<<V as Space>::Spin>>,
+    torques: WrittenQuery<'w, 's, Torque<<V as Space>::Spin>>,
 }
 
 impl<V: Space> WriteBack<'_, '_, V> {
@@ -215,11 +222,11 @@ impl<V: Space> WriteBack<'_, '_, V> {
     pub(super) fn write_back(mut self, written: MirrorSet, since: Tick) {
         let mut longest = LongestMove::default();
         let store = &mut *self.store;
-        take_over(store, written, since, &self.positions, &mut longest);
-        take_over(store, written, since, &self.velocities, &mut longest);
-        take_over(store, written, since, &self.forces, &mut longest);
-        take_over(store, written, since, &self.spins, &mut longest);
-        take_over(store, written, since, &self.torques, &mut longest);
+        write_back_component(store, written, since, &self.positions, &mut longest);
+        write_back_component(store, written, since, &self.velocities, &mut longest);
+        write_back_component(store, written, since, &self.forces, &mut longest);
+        write_back_component(store, written, since, &self.spins, &mut longest);
+        write_back_component(store, written, since, &self.torques, &mut longest);
         store.travel += longest.length();
         // A write that bypassed change detection was not written back, so the component may differ from the store.
         store.stale.add(written);
@@ -227,11 +234,11 @@ impl<V: Space> WriteBack<'_, '_, V> {
 }
 
 /// Writes back free and fixed particles alike: a system may fix a particle in the phase in which it writes to it.
-fn take_over<V: Space, C: Mirror<V>>(
+fn write_back_component<V: Space, C: Mirror<V>>(
     store: &mut ParticleStore<V>,
     written: MirrorSet,
     since: Tick,
-    rows: &Written<C>,
+    rows: &WrittenQuery<C>,
     longest: &mut LongestMove,
 ) {
     if !written.meets(C::KIND) {
@@ -246,7 +253,7 @@ fn take_over<V: Space, C: Mirror<V>>(
         for (slot, (value, changed)) in slots.iter().zip(values.iter().zip(ticks.changed())) {
             // A particle without a slot is read when it gets one.
             if changed.is_newer_than(since, now) && slot.index() < store.len() {
-                value.take_over(store, slot.index(), longest);
+                value.write_to(store, slot.index(), longest);
             }
         }
     }

@@ -12,7 +12,7 @@ use crate::threads::Threads;
 pub(crate) const CHUNK: usize = 1024;
 
 /// The smallest number of chunks that is shared among threads. With fewer chunks, sharing saves too little.
-const WORTHWHILE: usize = 8;
+const MIN_SHARED_CHUNKS: usize = 8;
 
 /// System parameter of a chunked pass: the threads and the instruction set.
 #[derive(SystemParam)]
@@ -47,7 +47,7 @@ impl ChunkedPass<'_> {
             read.chunks(CHUNK).zip(written.chunks_mut(CHUNK)).map(chunk).collect()
         };
         let (chunks, threads) = (written.len().div_ceil(CHUNK), self.threads.count());
-        if threads == 1 || chunks < WORTHWHILE {
+        if threads == 1 || chunks < MIN_SHARED_CHUNKS {
             return in_chunks(read, written);
         }
         let share = chunks.div_ceil(threads) * CHUNK;
@@ -66,27 +66,27 @@ mod tests {
     use super::*;
 
     /// Runs `pass` with this number of threads.
-    fn with<T>(threads: usize, walk: impl FnOnce(ChunkedPass<'_>) -> T) -> T {
+    fn with_threads<T>(threads: usize, pass: impl FnOnce(ChunkedPass<'_>) -> T) -> T {
         let mut world = World::new();
         world.insert_resource(Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap());
         world.init_resource::<Instructions>();
-        walk(SystemState::<ChunkedPass>::new(&mut world).get(&world).unwrap())
+        pass(SystemState::<ChunkedPass>::new(&mut world).get(&world).unwrap())
     }
 
     #[test]
-    fn sums_are_those_of_strides_on_any_number_of_threads() {
-        let count = u32::try_from(WORTHWHILE * CHUNK + 100).unwrap();
+    fn sums_are_chunk_sums_on_any_number_of_threads() {
+        let count = u32::try_from(MIN_SHARED_CHUNKS * CHUNK + 100).unwrap();
         let column: Vec<_> = (0..count).map(|number| 1.0 / f64::from(number + 1)).collect();
-        let by_strides: Vec<f64> = column.chunks(CHUNK).map(|chunk| chunk.iter().sum()).collect();
+        let by_chunks: Vec<f64> = column.chunks(CHUNK).map(|chunk| chunk.iter().sum()).collect();
         for threads in [1, 2, 3] {
             let mut written = vec![1.0; column.len()];
-            let sums = with(threads, |chunked| {
+            let sums = with_threads(threads, |chunked| {
                 chunked.in_chunks(&column, &mut written, |a, b, sum: &mut f64| {
                     *b += a;
                     *sum += a;
                 })
             });
-            assert_eq!(sums, by_strides);
+            assert_eq!(sums, by_chunks);
             assert!(written.iter().zip(&column).all(|(b, a)| *b == 1.0 + a));
         }
     }

@@ -20,10 +20,10 @@ pub(crate) const DENSE: &str = "table components are contiguous";
 pub(crate) struct LongestMove(u64);
 
 impl LongestMove {
-    /// Includes the displacement `way`, m.
+    /// Includes the displacement `displacement`, m.
     #[inline]
-    pub(crate) fn raise<V: Space>(&mut self, way: V) {
-        self.0 = self.0.max(way.length_squared().to_bits());
+    pub(crate) fn raise<V: Space>(&mut self, displacement: V) {
+        self.0 = self.0.max(displacement.length_squared().to_bits());
     }
 
     /// Returns the larger of two.
@@ -42,8 +42,8 @@ impl<V: Space> ParticleStore<V> {
     /// Sets the position of row `i`, m, to the image of `x` in the box, and includes the displacement in `longest`.
     #[inline]
     pub(crate) fn put(&mut self, i: usize, x: V, longest: &mut LongestMove) {
-        let way = x - self.body[i].position;
-        longest.raise(self.periodic.map_or(way, |periodic| periodic.shortest(way)));
+        let displacement = x - self.body[i].position;
+        longest.raise(self.periodic.map_or(displacement, |periodic| periodic.shortest(displacement)));
         self.body[i].position = x;
         if let Some(periodic) = &self.periodic
             && !periodic.contains(x)
@@ -96,10 +96,10 @@ mod tests {
     use crate::space::Vector;
 
     /// The largest of these displacements along x, m.
-    fn longest(ways: &[f64]) -> f64 {
+    fn longest(displacements: &[f64]) -> f64 {
         let mut longest = LongestMove::default();
-        for &way in ways {
-            longest.raise(Vector::new(way, 0.0));
+        for &displacement in displacements {
+            longest.raise(Vector::new(displacement, 0.0));
         }
         let [one, other] = [longest, LongestMove::default()];
         assert_eq!(one.or(other).length().to_bits(), other.or(one).length().to_bits());
@@ -107,10 +107,10 @@ mod tests {
     }
 
     #[test]
-    fn the_longest_way_is_found_and_what_is_no_number_is_not_forgotten() {
+    fn the_longest_move_is_found_and_nan_is_kept() {
         assert_eq!((longest(&[]), longest(&[1.0, -3.0, 2.0])), (0.0, 3.0));
-        for odd in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert!(longest(&[odd, 1.0]).is_nan() && longest(&[1.0, odd]).is_nan(), "{odd}");
+        for not_finite in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(longest(&[not_finite, 1.0]).is_nan() && longest(&[1.0, not_finite]).is_nan(), "{not_finite}");
         }
     }
 }

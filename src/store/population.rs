@@ -66,12 +66,12 @@ fn row_of<V: Space>(world: &DeferredWorld, entity: Entity) -> Option<usize> {
     world.get_resource::<ParticleStore<V>>()?.row_of(entity, *world.get::<Slot>(entity)?)
 }
 
-fn entered(mut world: DeferredWorld, context: HookContext) {
+fn on_enter(mut world: DeferredWorld, context: HookContext) {
     Population::touch(&mut world, context.entity);
 }
 
 /// A particle leaves: its row loses its entity.
-fn left<V: Space>(mut world: DeferredWorld, context: HookContext) {
+fn on_leave<V: Space>(mut world: DeferredWorld, context: HookContext) {
     if let Some(row) = row_of::<V>(&world, context.entity) {
         world.resource_mut::<ParticleStore<V>>().vacate(row);
         if let Some(mut population) = world.get_resource_mut::<Population>() {
@@ -82,7 +82,7 @@ fn left<V: Space>(mut world: DeferredWorld, context: HookContext) {
 
 /// Records an entity with a permanent property inserted or removed. An entering particle has no slot and is skipped,
 /// because all its components are read anyway.
-fn altered(mut world: DeferredWorld, context: HookContext) {
+fn on_alter(mut world: DeferredWorld, context: HookContext) {
     if world.get::<Slot>(context.entity).is_some_and(|slot| *slot != Slot::default()) {
         Population::touch(&mut world, context.entity);
     }
@@ -90,30 +90,30 @@ fn altered(mut world: DeferredWorld, context: HookContext) {
 
 /// A particle was fixed or freed. Staleness is kept separately for free and fixed particles, so all components become
 /// stale.
-fn fixed_or_freed<V: Space>(mut world: DeferredWorld, context: HookContext) {
+fn on_fix_or_free<V: Space>(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut store) = world.get_resource_mut::<ParticleStore<V>>() {
         store.stale = MirrorSet::ALL;
     }
-    altered(world, context);
+    on_alter(world, context);
 }
 
 /// Writes an inserted component to the store, if the particle has a row.
-fn inserted<V: Space, T: Component<Mutability = Mutable> + Copy>(
+fn on_mirror_insert<V: Space, T: Component<Mutability = Mutable> + Copy>(
     mut world: DeferredWorld,
     context: HookContext,
-    write: fn(&mut ParticleStore<V>, usize, T, Owed),
+    write: fn(&mut ParticleStore<V>, usize, T, KickPending),
 ) {
     if let Some(row) = row_of::<V>(&world, context.entity)
         && let Some(value) = world.get::<T>(context.entity).copied()
     {
         let is_pending = world.get_resource::<PendingKick>().is_some_and(|kick| kick.is_pending);
-        write(&mut world.resource_mut::<ParticleStore<V>>(), row, value, Owed(is_pending));
+        write(&mut world.resource_mut::<ParticleStore<V>>(), row, value, KickPending(is_pending));
     }
 }
 
 /// Whether a second kick is pending. If it is, the store holds velocities and spins from before this kick.
 #[derive(Clone, Copy)]
-struct Owed(bool);
+struct KickPending(bool);
 
 impl<V: Space> ParticleStore<V> {
     /// The row of `entity`, which has this slot; `None` if it has no row.
@@ -141,47 +141,47 @@ impl<V: Space> ParticleStore<V> {
         &self.vacated
     }
 
-    fn write_position(&mut self, row: usize, Position(x): Position<V>, _: Owed) {
+    fn write_position(&mut self, row: usize, Position(x): Position<V>, _: KickPending) {
         let mut longest = LongestMove::default();
         self.put(row, x, &mut longest);
         self.travel += longest.length();
     }
 
     /// The velocity change by the pending kick, m/s.
-    fn owed_kick(&self, row: usize, force: V, Owed(is_pending): Owed) -> V {
+    fn pending_kick_gain(&self, row: usize, force: V, KickPending(is_pending): KickPending) -> V {
         let time = if is_pending { self.half_step } else { 0.0 };
         force * (time * self.body[row].inverse_mass)
     }
 
     /// The spin change by the pending kick, rad/s.
-    fn owed_spin(&self, row: usize, torque: V::Spin, Owed(is_pending): Owed) -> V::Spin {
+    fn pending_spin_gain(&self, row: usize, torque: V::Spin, KickPending(is_pending): KickPending) -> V::Spin {
         let time = if is_pending { self.half_step } else { 0.0 };
         torque * (time * self.rotation[row].inverse_inertia)
     }
 
-    fn write_velocity(&mut self, row: usize, Velocity(v): Velocity<V>, owed: Owed) {
-        self.body[row].velocity = v - self.owed_kick(row, self.loads.force.of(row), owed);
+    fn write_velocity(&mut self, row: usize, Velocity(v): Velocity<V>, pending: KickPending) {
+        self.body[row].velocity = v - self.pending_kick_gain(row, self.loads.force.of(row), pending);
         self.is_suspect |= !v.is_finite();
     }
 
-    fn write_force(&mut self, row: usize, Force(force): Force<V>, owed: Owed) {
+    fn write_force(&mut self, row: usize, Force(force): Force<V>, pending: KickPending) {
         let change = self.loads.force.of(row) - force;
-        let kept = self.owed_kick(row, change, owed);
-        self.body[row].velocity += kept;
+        let correction = self.pending_kick_gain(row, change, pending);
+        self.body[row].velocity += correction;
         self.loads.force.set(row, force);
         self.is_suspect |= !force.is_finite();
     }
 
-    fn write_spin(&mut self, row: usize, Spin(spin): Spin<V::Spin>, owed: Owed) {
+    fn write_spin(&mut self, row: usize, Spin(spin): Spin<V::Spin>, pending: KickPending) {
         if row < self.rotation.len() {
-            self.rotation[row].spin = spin - self.owed_spin(row, self.loads.torque.of(row), owed);
+            self.rotation[row].spin = spin - self.pending_spin_gain(row, self.loads.torque.of(row), pending);
         }
     }
 
-    fn write_torque(&mut self, row: usize, Torque(torque): Torque<V::Spin>, owed: Owed) {
+    fn write_torque(&mut self, row: usize, Torque(torque): Torque<V::Spin>, pending: KickPending) {
         if row < self.rotation.len() {
-            let kept = self.owed_spin(row, self.loads.torque.of(row) - torque, owed);
-            self.rotation[row].spin += kept;
+            let correction = self.pending_spin_gain(row, self.loads.torque.of(row) - torque, pending);
+            self.rotation[row].spin += correction;
             self.loads.torque.set(row, torque);
         }
     }
@@ -190,25 +190,25 @@ impl<V: Space> ParticleStore<V> {
 /// Registers the hooks. This must happen before the first particle is spawned.
 pub(super) fn add<V: Space>(world: &mut World) {
     world.init_resource::<Population>();
-    world.register_component_hooks::<GrainId>().on_insert(entered).on_remove(left::<V>);
-    world.register_component_hooks::<Radius>().on_insert(altered);
-    world.register_component_hooks::<Mass>().on_insert(altered).on_remove(altered);
-    world.register_component_hooks::<Species>().on_insert(altered).on_remove(altered);
-    world.register_component_hooks::<Inertia>().on_insert(altered);
-    world.register_component_hooks::<Fixed>().on_insert(fixed_or_freed::<V>).on_remove(fixed_or_freed::<V>);
+    world.register_component_hooks::<GrainId>().on_insert(on_enter).on_remove(on_leave::<V>);
+    world.register_component_hooks::<Radius>().on_insert(on_alter);
+    world.register_component_hooks::<Mass>().on_insert(on_alter).on_remove(on_alter);
+    world.register_component_hooks::<Species>().on_insert(on_alter).on_remove(on_alter);
+    world.register_component_hooks::<Inertia>().on_insert(on_alter);
+    world.register_component_hooks::<Fixed>().on_insert(on_fix_or_free::<V>).on_remove(on_fix_or_free::<V>);
     world
         .register_component_hooks::<Position<V>>()
-        .on_insert(|world, context| inserted::<V, _>(world, context, ParticleStore::write_position));
+        .on_insert(|world, context| on_mirror_insert::<V, _>(world, context, ParticleStore::write_position));
     world
         .register_component_hooks::<Velocity<V>>()
-        .on_insert(|world, context| inserted::<V, _>(world, context, ParticleStore::write_velocity));
+        .on_insert(|world, context| on_mirror_insert::<V, _>(world, context, ParticleStore::write_velocity));
     world
         .register_component_hooks::<Force<V>>()
-        .on_insert(|world, context| inserted::<V, _>(world, context, ParticleStore::write_force));
+        .on_insert(|world, context| on_mirror_insert::<V, _>(world, context, ParticleStore::write_force));
     world
         .register_component_hooks::<Spin<V::Spin>>()
-        .on_insert(|world, context| inserted::<V, _>(world, context, ParticleStore::write_spin));
+        .on_insert(|world, context| on_mirror_insert::<V, _>(world, context, ParticleStore::write_spin));
     world
         .register_component_hooks::<Torque<V::Spin>>()
-        .on_insert(|world, context| inserted::<V, _>(world, context, ParticleStore::write_torque));
+        .on_insert(|world, context| on_mirror_insert::<V, _>(world, context, ParticleStore::write_torque));
 }

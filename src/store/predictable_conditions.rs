@@ -56,12 +56,12 @@ impl PredictableConditions {
     }
 
     /// Whether all of these gates are open in the present phase.
-    pub(super) fn open(world: &mut World, gates: &[usize]) -> bool {
+    pub(super) fn are_open(world: &mut World, gates: &[usize]) -> bool {
         if gates.is_empty() {
             return true;
         }
         let mut all = Self::take(world);
-        let is_open = gates.iter().all(|&gate| answer(&mut all[gate].opens, world));
+        let is_open = gates.iter().all(|&gate| evaluate(&mut all[gate].opens, world));
         world.resource_mut::<Self>().0 = all;
         is_open
     }
@@ -69,7 +69,7 @@ impl PredictableConditions {
     /// Whether, in any of these sets, all gates will open, as predicted at the kick.
     pub(super) fn any_will_open(world: &mut World, sets: &[Vec<usize>]) -> bool {
         let mut all = Self::take(world);
-        let will_open = sets.iter().any(|gates| gates.iter().all(|&gate| answer(&mut all[gate].will_open, world)));
+        let will_open = sets.iter().any(|gates| gates.iter().all(|&gate| evaluate(&mut all[gate].will_open, world)));
         world.resource_mut::<Self>().0 = all;
         will_open
     }
@@ -81,6 +81,6 @@ impl PredictableConditions {
 }
 
 /// Evaluates a condition. A condition that cannot be evaluated counts as true.
-fn answer(condition: &mut BoxedCondition, world: &World) -> bool {
+fn evaluate(condition: &mut BoxedCondition, world: &World) -> bool {
     condition.run_readonly((), world).unwrap_or(true)
 }

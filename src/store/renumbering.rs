@@ -39,8 +39,8 @@ fn sort_if_needed<V: Space>(store: Res<ParticleStore<V>>, mut population: ResMut
 }
 
 /// Run condition: a renumbering has happened since the last evaluation.
-pub(crate) fn has_renumbered(count: Res<Renumberings>, mut known: Local<u64>) -> bool {
-    std::mem::replace(&mut *known, count.0) != count.0
+pub(crate) fn has_renumbered(count: Res<Renumberings>, mut last_seen: Local<u64>) -> bool {
+    std::mem::replace(&mut *last_seen, count.0) != count.0
 }
 
 /// Number of renumberings.

@@ -111,7 +111,7 @@ impl<V: Space> ParticleStore<V> {
         // Memory use is highest here when all grains of a scene enter at once.
         drop((entrants, entering));
         self.make_room();
-        self.settle_altered(&altered);
+        self.apply_altered(&altered);
         for (entity, slot) in newcomers {
             if let Ok(row) = particles.get(entity) {
                 self.fill(slot as usize, &row);
@@ -188,9 +188,9 @@ impl<V: Space> ParticleStore<V> {
     fn make_room(&mut self) {
         let Self { former, tracks_energy, inertia, loads, .. } = self;
         let (size, kept) = (former.len(), &former[..]);
-        let nothing = Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 };
+        let blank = Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 };
         rearrange(&mut self.entity, size, kept, Entity::PLACEHOLDER);
-        rearrange(&mut self.body, size, kept, nothing);
+        rearrange(&mut self.body, size, kept, blank);
         rearrange(&mut self.mass, size, kept, 0.0);
         rearrange(&mut self.species, size, kept, Species::default());
         loads.force.rearrange(size, kept, *tracks_energy);
@@ -205,7 +205,7 @@ impl<V: Space> ParticleStore<V> {
 
     /// Writes the properties of altered particles, given by former row. Records in `altered` the particles that
     /// neighbour lists must not carry over: those with another radius, and those that were fixed or freed.
-    fn settle_altered(&mut self, altered: &FxHashMap<usize, Properties>) {
+    fn apply_altered(&mut self, altered: &FxHashMap<usize, Properties>) {
         self.altered.clear();
         if altered.is_empty() {
             return;
@@ -276,16 +276,16 @@ mod tests {
     }
 
     #[test]
-    fn slots_follow_what_enters_leaves_and_is_altered() {
+    fn slots_follow_entering_leaving_and_altered_particles() {
         let mut world = World::new();
         world.init_resource::<ParticleStore>();
         population::add::<Plane>(&mut world);
         world.init_resource::<Renumberings>();
         let [gone, grown, held, same] = [0, 1, 2, 3].map(|number| world.spawn(grain(number)).id());
         world.run_system_once(renumber::<Plane>).unwrap();
-        let nobody = Slot::default();
+        let no_slot = Slot::default();
         assert_eq!(world.resource::<ParticleStore>().entity, [gone, grown, held, same]);
-        assert_eq!(world.resource::<ParticleStore>().former, [nobody; 4]);
+        assert_eq!(world.resource::<ParticleStore>().former, [no_slot; 4]);
         assert!(!world.resource::<population::Population>().is_due());
         world.despawn(gone);
         let store = world.resource::<ParticleStore>();
@@ -296,9 +296,9 @@ mod tests {
         world.run_system_once(renumber::<Plane>).unwrap();
         let store = world.resource::<ParticleStore>();
         assert_eq!((&store.entity[..], store.movable_end), (&[grown, same, new, held][..], 3));
-        assert_eq!(store.former, [Slot::new(1), Slot::new(3), nobody, Slot::new(2)]);
+        assert_eq!(store.former, [Slot::new(1), Slot::new(3), no_slot, Slot::new(2)]);
         let same_before: Vec<_> = (0..4).map(|i| store.same_before(i)).collect();
-        assert_eq!(same_before, [nobody, Slot::new(3), nobody, nobody]);
+        assert_eq!(same_before, [no_slot, Slot::new(3), no_slot, no_slot]);
         assert!(store.body[0].radius > 0.15 && store.is_fixed(3) && store.vacated().is_empty());
     }
 }

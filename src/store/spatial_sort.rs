@@ -6,18 +6,18 @@
 //! hardware prefetchers predict. The slot ranges of two threads meet in one cross-section, or at the side of a beam.
 //!
 //! A force pass works on two slices at a time, and the data of their grains should stay in the cache. If slices are
-//! large, the axis of the second largest extent is therefore cut into beams of about [`SLICE`] grains per slice, one
-//! after the other. A beam is at least [`NARROWEST`] cells wide, so that few grains are at its side. Grains at a side
+//! large, the axis of the second largest extent is therefore cut into beams of about [`GRAINS_PER_SLICE`] grains per slice, one
+//! after the other. A beam is at least [`MIN_BEAM_WIDTH`] cells wide, so that few grains are at its side. Grains at a side
 //! are loaded again for the next beam.
 
 use crate::space::Space;
 
 /// Cells of a slice that fit easily into the cache. A step needs about 200 B per grain, so two active slices and the
 /// next one take 230 kB: a quarter of a second-level cache of 1 MB.
-const SLICE: f64 = 384.0;
+const GRAINS_PER_SLICE: f64 = 384.0;
 
 /// Smallest width of a beam, in cells.
-const NARROWEST: f64 = 8.0;
+const MIN_BEAM_WIDTH: f64 = 8.0;
 
 /// The cell size (m), the axes by descending extent, and the width of beams along the second axis in cells, if there
 /// are beams.
@@ -53,8 +53,8 @@ impl SpatialOrder {
         axes.sort_by(|&a, &b| (high[b] - low[b]).total_cmp(&(high[a] - low[a])));
         let cell = diameter.max(f64::MIN_POSITIVE);
         let [_, wide, deep] = axes.map(|axis| ((high[axis] - low[axis]) / cell).max(1.0));
-        let width = (SLICE / deep).max(NARROWEST);
-        #[expect(clippy::cast_possible_truncation, reason = "at least NARROWEST, at most SLICE")]
+        let width = (GRAINS_PER_SLICE / deep).max(MIN_BEAM_WIDTH);
+        #[expect(clippy::cast_possible_truncation, reason = "at least MIN_BEAM_WIDTH, at most GRAINS_PER_SLICE")]
         let beam = (wide > 2.0 * width).then_some(width as i32);
         Self { cell, axes, beam }
     }
@@ -64,7 +64,7 @@ impl SpatialOrder {
     #[must_use]
     pub fn ahead(&self) -> Option<usize> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small whole number")]
-        self.beam.map(|_| 2 * SLICE as usize)
+        self.beam.map(|_| 2 * GRAINS_PER_SLICE as usize)
     }
 
     /// The place of `x` (m) in the order.
@@ -109,7 +109,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_too_far_or_too_few() {
+    fn extreme_positions_and_empty_input_have_a_place() {
         let order = SpatialOrder::of(std::iter::empty::<Plane>(), 0.0);
         assert!(order.place(Plane::new(1e300, f64::NAN)).contains(&i32::MAX));
     }
