@@ -27,7 +27,7 @@ use bevy_ecs::prelude::*;
 
 use crate::space::{Plane, Space};
 
-/// The id of a particle for its whole life; never reused. Forces are summed in ascending order of ids.
+/// The id of a particle for its whole life; never reused.
 ///
 /// Grains count from 0 or carry the ids of their file. Ids of wall grains and door grains are larger than the ids of
 /// all grains.

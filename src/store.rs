@@ -139,8 +139,7 @@ pub struct ParticleStore<V: Space = Plane> {
     pub entity: Vec<Entity>,
     /// The slot of each particle before the last renumbering; the default slot if it had none.
     pub(crate) former: Vec<Slot>,
-    /// Slots of particles whose radius changed at the last renumbering, or that were fixed or freed; in ascending
-    /// order.
+    /// Slots of particles that were fixed or freed, or got another radius, at the last renumbering; in ascending order.
     pub(crate) altered: Vec<Slot>,
     /// The scene's rule for moments of inertia; `None` if grains do not spin.
     pub(crate) inertia: Option<InertiaLaw>,

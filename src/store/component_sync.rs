@@ -75,7 +75,7 @@ impl<V: Space> ParticleStore<V> {
         }
     }
 
-    /// Evaluates the power of the added forces, W, with the velocities of the step's end: those after the second kick.
+    /// Evaluates the power of the added forces, W, with the velocities of the step's end (after the second kick).
     fn end_added(&mut self) {
         let rows = self.added.iter().zip(&self.body).enumerate().take(self.movable_end);
         let power = rows.map(|(i, (added, body))| {

@@ -40,8 +40,8 @@ pub(crate) struct AfterDeferredKick;
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct SecondKicks;
 
-/// The set of [`Phase::Observe`] that applies a pending kick in the last step of a run. After it, velocities are those
-/// of the step's end.
+/// The set of [`Phase::Observe`] that applies a pending kick in the last step of a run. After it, velocities belong to
+/// the step's end.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct KickAppliedAtEnd;
 
@@ -58,8 +58,8 @@ pub(crate) struct PendingKick {
 #[derive(Resource, Default)]
 struct VelocityReaders(Vec<BoxedCondition>);
 
-/// Declares that a system of the engine reads velocities or the energy balance at the end of some steps: those in which
-/// `condition` holds when the second kick is due.
+/// Declares that a system of the engine reads velocities or the energy balance at the end of some steps. These are the
+/// steps in which `condition` holds when the second kick is due.
 pub(crate) fn reads_velocities_when<M>(app: &mut App, condition: impl SystemCondition<M>) {
     let world = app.world_mut();
     let mut condition = IntoSystem::into_system(condition);

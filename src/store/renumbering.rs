@@ -67,7 +67,7 @@ pub(crate) fn renumber<V: Space>(
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Renumber;
 
-/// The set of [`Renumber`] that applies a pending kick; after it, velocities are those of the step's end.
+/// The set of [`Renumber`] that applies a pending kick. After it, velocities belong to the step's end.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct KicksApplied;
 

@@ -204,7 +204,7 @@ impl<V: Space> ParticleStore<V> {
     }
 
     /// Writes the properties of altered particles, given by former row. Records in `altered` the particles that
-    /// neighbour lists must not carry over: those with another radius, and those that were fixed or freed.
+    /// neighbour lists must not carry over: particles that were fixed or freed, or got another radius.
     fn apply_altered(&mut self, altered: &FxHashMap<usize, Properties>) {
         self.altered.clear();
         if altered.is_empty() {

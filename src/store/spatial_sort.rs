@@ -6,14 +6,14 @@
 //! hardware prefetchers predict. The slot ranges of two threads meet in one cross-section, or at the side of a beam.
 //!
 //! A force pass works on two slices at a time, and the data of their grains should stay in the cache. If slices are
-//! large, the axis of the second largest extent is therefore cut into beams of about [`GRAINS_PER_SLICE`] grains per slice, one
-//! after the other. A beam is at least [`MIN_BEAM_WIDTH`] cells wide, so that few grains are at its side. Grains at a side
-//! are loaded again for the next beam.
+//! large, the axis of the second largest extent is therefore cut into beams, one after the other. A beam has about
+//! [`GRAINS_PER_SLICE`] grains per slice and is at least [`MIN_BEAM_WIDTH`] cells wide, so that few grains are at its
+//! side. Grains at a side are loaded again for the next beam.
 
 use crate::space::Space;
 
-/// Cells of a slice that fit easily into the cache. A step needs about 200 B per grain, so two active slices and the
-/// next one take 230 kB: a quarter of a second-level cache of 1 MB.
+/// Grains of a slice that fit easily into the cache, about one per cell. A step needs about 200 B per grain, so two
+/// active slices and the next one take 230 kB: a quarter of a second-level cache of 1 MB.
 const GRAINS_PER_SLICE: f64 = 384.0;
 
 /// Smallest width of a beam, in cells.

@@ -29,7 +29,7 @@ pub(crate) struct ReadsPlaces;
 #[derive(Resource, Default)]
 pub(crate) struct ReadsMotion;
 
-/// The component use that some systems with the same gates share.
+/// The component use of systems that share their gates.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Need {
     pub(super) reads: MirrorSet,
@@ -72,8 +72,8 @@ pub(crate) struct Plan {
     has_hooks: bool,
 }
 
-/// Systems whose commands add no observer and no component with hooks. A scene with such systems only need not check
-/// for them.
+/// Systems with commands that add no observer and no component with hooks. A scene with only these systems needs no
+/// check for observers and hooks.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct PlainCommands;
 
