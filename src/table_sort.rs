@@ -27,13 +27,13 @@ struct OutOfTable;
 const MIN_SORTED: usize = 512;
 
 fn sort_rows(world: &mut World, rows: &mut QueryState<(Entity, &Slot), Without<Fixed>>) {
-    let (mut all, mut out_of_table) = (0, 0);
+    let (mut all, mut out_of_order) = (0, 0);
     for (_, slots) in rows.contiguous_iter(world).expect(DENSE) {
         all += slots.len();
-        out_of_table += slots.windows(2).filter(|pair| pair[1].index() < pair[0].index()).count();
+        out_of_order += slots.windows(2).filter(|pair| pair[1].index() < pair[0].index()).count();
     }
     let tolerated = if world.resource::<Clock>().steps.is_multiple_of(SORT_CHECK_INTERVAL) { 0 } else { all / 10 };
-    if all < MIN_SORTED || out_of_table <= tolerated {
+    if all < MIN_SORTED || out_of_order <= tolerated {
         return;
     }
     let tables = rows.contiguous_iter(world).expect(DENSE);
