@@ -1,4 +1,5 @@
-//! An app under assembly: which key of the scene asked for each plugin, so that `explain` can tell why a system is there.
+//! Records which scene key requested each system while an app is assembled, so that `explain` can print why a system
+//! exists.
 
 use std::collections::HashMap;
 
@@ -6,11 +7,11 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{InternedScheduleLabel, SystemKey};
 
-/// Which scene key asked for each system of all schedules.
+/// The scene key that requested each system, over all schedules.
 #[derive(Resource, Default)]
 pub struct AskedBy(pub HashMap<(InternedScheduleLabel, SystemKey), String>);
 
-/// Adds plugins and notes who asked for their systems.
+/// Adds plugins and records the keys that requested their systems.
 pub(crate) struct Assembly<'a> {
     app: &'a mut App,
     asked_by: HashMap<(InternedScheduleLabel, SystemKey), String>,
@@ -23,21 +24,21 @@ impl<'a> Assembly<'a> {
 
     pub(crate) fn add(&mut self, key: &str, plugin: impl Plugin) -> &mut Self {
         self.app.add_plugins(plugin);
-        self.note(key);
+        self.record(key);
         self
     }
 
-    /// Adds what `build` adds, asked for by `key`.
+    /// Calls `build`, and records `key` for the systems that it adds.
     pub(crate) fn add_with(&mut self, key: &str, build: impl FnOnce(&mut App)) {
         build(self.app);
-        self.note(key);
+        self.record(key);
     }
 
     pub(crate) fn provide(&mut self, resource: impl Resource) {
         self.app.insert_resource(resource);
     }
 
-    fn note(&mut self, key: &str) {
+    fn record(&mut self, key: &str) {
         let Some(schedules) = self.app.world().get_resource::<Schedules>() else { return };
         for (_, schedule) in schedules.iter() {
             for (system, ..) in schedule.graph().systems.iter() {

@@ -1,14 +1,14 @@
-//! Behaviours of outsiders: systems that a program composes with ours, switched on by the scene.
+//! Behaviours from other crates: systems that a program adds to those of siloflow, and that a scene switches on.
 //!
-//! A scene names them under `behaviours`, each with its own keys in RON:
+//! A scene lists them under `behaviours`, each with its own keys in RON:
 //!
 //! ```text
 //! behaviours: {"wind": (force: 0.2)},
 //! ```
 //!
-//! # A crate of one's own
+//! # A separate crate
 //!
-//! Its `Cargo.toml` needs two dependencies:
+//! The `Cargo.toml` of the crate needs two dependencies:
 //!
 //! ```toml
 //! [package]
@@ -24,12 +24,14 @@
 //! opt-level = 2 # a simulation without optimisation takes twenty times as long
 //! ```
 //!
-//! `use siloflow::prelude::*;` stands in each module that derives `Component`, `Resource`, `Message`, `Bundle`, `SystemSet`, `SystemParam`
-//! or `QueryData`: these derives name the crate `bevy_ecs`, which the prelude brings along. (A crate that has `bevy_ecs` among its own
-//! dependencies needs the version of siloflow's.) `examples/outside` in the repository is such a crate: air drag, temperatures with conduction
-//! at contacts, a cohesive contact law, an attraction on top of any law.
+//! Every module that derives `Component`, `Resource`, `Message`, `Bundle`, `SystemSet`, `SystemParam` or `QueryData`
+//! needs `use siloflow::prelude::*;`. These derives name the crate `bevy_ecs`, which the prelude exports. (A crate with
+//! its own dependency on `bevy_ecs` needs the version that siloflow uses.) `examples/outside` in the repository is an
+//! example: air drag, temperatures with conduction at contacts, a cohesive contact law, and an attraction on top of any
+//! law.
 //!
-//! A program registers the type that the keys of the scene make, and hands the registry to [`crate::cli::main_with`]:
+//! A program registers the type that is read from the keys of the scene, and passes the registry to
+//! [`crate::cli::main_with`]:
 //!
 //! ```
 //! use serde::Deserialize;
@@ -61,8 +63,9 @@
 //!
 //! # Both spaces
 //!
-//! Components default to the plane. A behaviour for both spaces has systems that are generic over [`Space`](crate::space::Space), says so in
-//! [`Behaviour::lives_in`], and asks in [`Behaviour::build`] which one the scene has:
+//! Components default to the plane. A behaviour for both spaces has systems that are generic over
+//! [`Space`](crate::space::Space). It declares this in [`Behaviour::lives_in`], and looks up the space of the scene in
+//! [`Behaviour::build`]:
 //!
 //! ```
 //! # use siloflow::prelude::*;
@@ -87,21 +90,31 @@
 //! }
 //! ```
 //!
-//! # Components of one's own
+//! # New components
 //!
-//! A system of [`Phase::Spawn`](crate::step::Phase::Spawn) inserts them, by `Commands`, on grains that do not have them yet: a query of
-//! `(With<Grain>, Without<Temperature>)`. A grain that has just been released may get its own a step later.
+//! A system of [`Phase::Spawn`](crate::step::Phase::Spawn) inserts new components, by `Commands`, on grains without
+//! them: a query of `(With<Grain>, Without<Temperature>)`. A grain that has just been released may get them one step
+//! later.
 //!
 //! # Contacts
 //!
-//! | a behaviour that | takes |
+//! | a behaviour that | uses |
 //! |---|---|
-//! | looks at contacts | [`ContactView::iter`](crate::survey::view::ContactView::iter): 20 to 40 ns a grain; [`all`](crate::survey::view::ContactView::all) if it needs all that is known of each, in the order of names |
-//! | adds a force at contacts to the scene's law | [`PairForces`](crate::survey::pair_forces::PairForces) in [`ForceStage::Added`](crate::step::ForceStage::Added) |
-//! | keeps a number for each contact | [`PairMap`](crate::survey::pair_map::PairMap) |
-//! | replaces the law | [`PairLaw`](crate::contact::PairLaw) with [`ContactPlugin`](crate::contact::ContactPlugin); [`Memory`](crate::contact::Memory) holds what it remembers |
+//! | reads contacts | [`ContactView::iter`]: 20 to 40 ns per grain; [`ContactView::all`] for all data, in id order |
+//! | adds forces to the scene's law | [`PairForces`] in [`ForceStage::Added`](crate::step::ForceStage::Added) |
+//! | keeps a number for each contact | [`PairMap`] |
+//! | replaces the law | [`PairLaw`] with [`ContactPlugin`]; [`Memory`] holds its memory of a contact |
 //!
-//! Systems of several behaviours that write `Force` need an order between them (`.after(...)`): it is the order of the sum.
+//! Systems of several behaviours that write `Force` need a declared order (`.after(...)`), because it is the order of
+//! summation.
+//!
+//! [`ContactView::iter`]: crate::survey::view::ContactView::iter
+//! [`ContactView::all`]: crate::survey::view::ContactView::all
+//! [`PairForces`]: crate::survey::pair_forces::PairForces
+//! [`PairMap`]: crate::survey::pair_map::PairMap
+//! [`PairLaw`]: crate::contact::PairLaw
+//! [`ContactPlugin`]: crate::contact::ContactPlugin
+//! [`Memory`]: crate::contact::Memory
 
 use std::collections::BTreeMap;
 
@@ -116,9 +129,9 @@ use crate::source::Source;
 use crate::source::parse;
 use crate::space::Dimension;
 
-/// What the keys of one behaviour make.
+/// A behaviour, read from its keys in the scene.
 pub trait Behaviour: 'static {
-    /// Checks the keys against the scene; the error says what is wrong and what to do.
+    /// Checks the keys against the scene. The error text names the problem and a remedy.
     ///
     /// # Errors
     /// If the behaviour cannot work in this scene.
@@ -126,22 +139,24 @@ pub trait Behaviour: 'static {
         Ok(())
     }
 
-    /// Whether it works in a scene of this space. Components default to the plane, so a behaviour that says `Position` and
-    /// `Force` finds nobody in solid space; one for that says `Position<Solid>`, and so here.
+    /// Whether the behaviour works in a scene of this space. Components default to the plane, so systems that query
+    /// `Position` and `Force` find no particles in solid space. A behaviour that queries `Position<Solid>` declares
+    /// solid space here.
     fn lives_in(&self, space: Dimension) -> bool {
         space == Dimension::Plane
     }
 
-    /// Whether it works in a scene of the lattice gas, on [`Gas`](crate::lattice::gas::Gas) and
-    /// [`Sites`](crate::lattice::sites::Sites). There are no grains then.
+    /// Whether the behaviour works in a scene of the lattice gas, on [`Gas`](crate::lattice::gas::Gas) and
+    /// [`Sites`](crate::lattice::sites::Sites). A lattice gas has no grains.
     fn lives_on_lattice(&self) -> bool {
         false
     }
 
-    /// Whether [`Behaviour::build`] adds the contact law, as [`crate::contact::ContactPlugin`] with a
-    /// [`crate::contact::PairLaw`] of its own. Then
-    /// the scene's `contact` only serves the estimates of `check`, and tells whether a grain file may give spins: a law that
-    /// turns grains is best told to a scene whose `contact` has `tangential` too.
+    /// Whether [`Behaviour::build`] adds the contact law: a [`crate::contact::ContactPlugin`] with its own
+    /// [`crate::contact::PairLaw`].
+    ///
+    /// If it does, the scene's `contact` serves only for the estimates of `check`, and decides whether a grain file may
+    /// give spins. For a law that rotates grains, the scene's `contact` should therefore have `tangential` too.
     fn brings_contact_law(&self) -> bool {
         false
     }
@@ -152,32 +167,32 @@ pub trait Behaviour: 'static {
 
 type Parse = fn(&Source, &str, &str) -> Result<Box<dyn Behaviour>, Fault>;
 
-/// The behaviours that a program knows, by name.
+/// The behaviours of a program, by name.
 #[derive(Default, Clone)]
 pub struct Registry(BTreeMap<&'static str, Parse>);
 
 impl Registry {
-    /// Makes `T` known as `name`.
+    /// Registers `T` under `name`.
     pub fn register<T: Behaviour + DeserializeOwned>(&mut self, name: &'static str) -> &mut Self {
         self.0.insert(name, parse_keys::<T>);
         self
     }
 
-    /// The behaviours that a scene of grains asks for, in the order of their names.
+    /// Returns the behaviours that a scene of grains requests, in the order of their names.
     ///
     /// # Errors
-    /// If a name is unknown, or its keys are wrong; the fault points into the scene.
+    /// If a name is unknown, or its keys are wrong. The fault gives the place in the scene.
     pub fn of_scene(&self, loaded: &Loaded) -> Result<Vec<(String, Box<dyn Behaviour>)>, Fault> {
         self.find(&loaded.source, &loaded.scene.behaviours, |behaviour| {
             if !behaviour.lives_in(loaded.scene.space) {
                 let message = format!("this behaviour does not work with `space: {:?}`", loaded.scene.space);
-                return Err((message, "its program says where it does, in `Behaviour::lives_in`"));
+                return Err((message, "the behaviour declares its spaces in `Behaviour::lives_in`"));
             }
             behaviour.check(loaded).map_err(|message| (message, "see the documentation of the behaviour"))
         })
     }
 
-    /// The behaviours that a scene of the lattice gas asks for, in the order of their names.
+    /// Returns the behaviours that a lattice gas scene requests, in the order of their names.
     ///
     /// # Errors
     /// As [`Registry::of_scene`].
@@ -187,7 +202,7 @@ impl Registry {
                 return Ok(());
             }
             let message = "this behaviour does not work with the lattice gas".to_owned();
-            Err((message, "its program says where it does, in `Behaviour::lives_on_lattice`"))
+            Err((message, "the behaviour declares this in `Behaviour::lives_on_lattice`"))
         })
     }
 
@@ -213,9 +228,9 @@ impl Registry {
     fn unknown(&self, source: &Source, name: &str, key: &str) -> Fault {
         let known: Vec<_> = self.0.keys().copied().collect();
         let help = if known.is_empty() {
-            "this program knows none; a program of your own registers them (examples/vibrating_wall.rs)".to_owned()
+            "this program has no behaviours; another program can register some (examples/vibrating_wall.rs)".to_owned()
         } else {
-            format!("this program knows: {}", known.join(", "))
+            format!("this program has: {}", known.join(", "))
         };
         source.fault("scene::unknown_behaviour", key, format!("there is no behaviour `{name}`")).help(help)
     }

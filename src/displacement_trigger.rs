@@ -1,40 +1,41 @@
-//! Waiting: passes over all particles that need not be made before somebody can have gone far enough to matter.
+//! Displacement trigger: skips a pass over all particles until a particle may have moved far enough to matter.
 //!
-//! [`TravelMeter`] counts the sum over the steps of the longest move of any particle in a step. Whoever has found that
-//! nothing happens before somebody has gone a distance d lets its pass rest until travel has grown by d; the result is
-//! the same as with a pass in every step. New slots end every wait.
+//! [`TravelMeter`] holds the sum over the steps of the longest move of any particle in a step. A pass that has found
+//! that nothing can happen before a particle moves a distance d sets the trigger to d. It is skipped until the sum has
+//! grown by d. Results are the same as with a pass in every step. A renumbering fires every trigger.
 
-/// How far particles can have moved, of [`Particles::travel_meter`](crate::particles::Particles::odometer).
+/// The distance that particles can have moved; see
+/// [`Particles::travel_meter`](crate::particles::Particles::travel_meter).
 #[derive(Clone, Copy, Debug)]
 pub struct TravelMeter {
-    /// Counts how often slots have been dealt out.
+    /// Number of renumberings.
     pub(crate) generation: u64,
-    /// The sum over the steps of the longest move of any particle in a step, m.
+    /// Sum over the steps of the longest move of any particle in a step, m.
     pub(crate) travel: f64,
 }
 
-/// When to look again.
+/// Fires when a particle may have moved a given distance.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct DisplacementTrigger {
     generation: u64,
-    until: f64,
+    fires_at: f64,
 }
 
 impl DisplacementTrigger {
-    /// Until any particle can have gone this far, m.
+    /// Creates a trigger that fires once a particle may have moved `distance` (m) from now on.
     #[must_use]
     #[inline]
     pub fn for_distance(now: TravelMeter, distance: f64) -> Self {
-        Self { generation: now.generation, until: now.travel + distance }
+        Self { generation: now.generation, fires_at: now.travel + distance }
     }
 
-    /// Whether it is over; `ahead` (m) counts as gone.
+    /// Whether the trigger has fired; `ahead` (m) is added to the distance moved.
     #[must_use]
     #[inline]
     pub fn has_fired(&self, now: TravelMeter, ahead: f64) -> bool {
-        // Written so that a travel that is not a number ends it.
-        let goes_on = self.generation == now.generation && now.travel + ahead < self.until;
-        !goes_on
+        // Written so that a NaN travel fires the trigger.
+        let is_armed = self.generation == now.generation && now.travel + ahead < self.fires_at;
+        !is_armed
     }
 }
 
@@ -43,12 +44,12 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_wait_ends_with_the_way_or_with_the_slots() {
+    fn a_trigger_fires_after_the_distance_or_a_renumbering() {
         let now = TravelMeter { generation: 3, travel: 1.0 };
-        let wait = DisplacementTrigger::for_distance(now, 0.5);
-        assert!(!wait.has_fired(now, 0.4) && wait.has_fired(now, 0.5));
-        assert!(wait.has_fired(TravelMeter { travel: f64::NAN, ..now }, 0.0));
-        assert!(wait.has_fired(TravelMeter { generation: 4, ..now }, 0.0));
+        let trigger = DisplacementTrigger::for_distance(now, 0.5);
+        assert!(!trigger.has_fired(now, 0.4) && trigger.has_fired(now, 0.5));
+        assert!(trigger.has_fired(TravelMeter { travel: f64::NAN, ..now }, 0.0));
+        assert!(trigger.has_fired(TravelMeter { generation: 4, ..now }, 0.0));
         assert!(DisplacementTrigger::default().has_fired(now, 0.0));
     }
 }

@@ -1,6 +1,7 @@
-//! Weight: m g on every grain. Where it acts, the potential energy of a grain is -m g.x, zero at the origin.
+//! Gravity: the weight m g of every grain. The potential energy of a grain is -m g.x, zero at the origin.
 //!
-//! It is what the sum of the forces on a grain begins with ([`crate::store::Loads::force`]), so that it takes no pass.
+//! The weight is the first term of the force sum of a grain ([`crate::store::Loads::force`]), so it takes no separate
+//! pass.
 
 use bevy_ecs::prelude::*;
 

@@ -1,12 +1,13 @@
-//! Which instructions the lanes of the force pass are computed with: those that every processor of the kind has, or
-//! AVX2 or AVX-512 where they are found at run time.
+//! The instruction set for the lanes of the force pass: the baseline of the processor family, or AVX2 or AVX-512 if
+//! found at run time.
 //!
-//! The same source is compiled for each, so they do the same operations in the same order: additions, multiplications,
-//! divisions and roots as IEEE 754 has them, never fused. The bits are the same; `tests/program/searches.rs` forces each.
+//! The same source is compiled for each set, so all sets do the same operations in the same order. Additions,
+//! multiplications, divisions and roots follow IEEE 754 and are never fused. The results are equal to the last bit;
+//! `tests/program/searches.rs` runs every set.
 //!
-//! A run takes the widest instructions of its processor. The environment variable [`VARIABLE`], `SILOFLOW_INSTRUCTIONS`, forces
-//! `baseline`, `avx2` or `avx512` instead. A word that is none of these is an error of the run, and so are instructions that the
-//! processor lacks. An empty variable counts as none.
+//! A run uses the widest set of its processor. The environment variable [`VARIABLE`], `SILOFLOW_INSTRUCTIONS`, forces
+//! `baseline`, `avx2` or `avx512` instead. Another word, or a set that the processor lacks, is an error of the run. An
+//! empty variable counts as not set.
 
 use std::env;
 
@@ -16,16 +17,16 @@ use fearless_simd::{Avx2, Avx512, Level, Simd};
 
 use crate::fault::Fault;
 
-/// The environment variable that forces instructions by their [`Instructions::name`].
+/// The environment variable that forces an instruction set by its [`Instructions::name`].
 pub const VARIABLE: &str = "SILOFLOW_INSTRUCTIONS";
 
-/// All names, of instructions that a processor may lack too.
+/// Names of all sets, including those that a processor may lack.
 const NAMES: [&str; 3] = ["baseline", "avx2", "avx512"];
 
-/// One of the ways to compute.
+/// An instruction set.
 #[derive(Resource, Clone, Copy, Debug)]
 pub enum Instructions {
-    /// What the program was compiled for.
+    /// The instructions that the program was compiled for.
     Baseline,
     /// AVX2, four lanes at a time.
     #[cfg(target_arch = "x86_64")]
@@ -36,14 +37,14 @@ pub enum Instructions {
 }
 
 impl Default for Instructions {
-    /// The widest.
+    /// The widest set of this machine.
     fn default() -> Self {
         Self::all().pop().unwrap_or(Self::Baseline)
     }
 }
 
 impl Instructions {
-    /// All that this machine can do, the widest last.
+    /// All sets of this machine, the widest last.
     #[must_use]
     pub fn all() -> Vec<Self> {
         let mut all = vec![Self::Baseline];
@@ -55,7 +56,7 @@ impl Instructions {
         all
     }
 
-    /// The word that [`VARIABLE`] has for them.
+    /// The word for this set in [`VARIABLE`].
     #[must_use]
     pub fn name(self) -> &'static str {
         match self {
@@ -67,7 +68,7 @@ impl Instructions {
         }
     }
 
-    /// Those that [`VARIABLE`] names, the widest if it is not set.
+    /// Returns the set that [`VARIABLE`] names, or the widest if the variable is not set.
     ///
     /// # Errors
     /// As [`Instructions::named`].
@@ -78,26 +79,26 @@ impl Instructions {
         }
     }
 
-    /// Those with this name.
+    /// Returns the set with this name.
     ///
     /// # Errors
-    /// If no instructions have this name, or this machine lacks them.
+    /// If no set has this name, or this machine lacks it.
     pub fn named(name: &str) -> Result<Self, Fault> {
         let all = Self::all();
         all.iter().copied().find(|instructions| instructions.name() == name).ok_or_else(|| {
             let expected = NAMES.join(", ");
             let why = if NAMES.contains(&name) {
-                "this processor lacks these instructions"
+                "this processor lacks this instruction set"
             } else {
-                "there are no such instructions"
+                "there is no such instruction set"
             };
             let here: Vec<_> = all.iter().map(|instructions| instructions.name()).collect();
             Fault::new("call::instructions", format!("{VARIABLE} is `{name}`: {why}; expected one of {expected}"))
-                .help(format!("this processor has {}; without {VARIABLE} the widest are taken", here.join(", ")))
+                .help(format!("this processor has {}; without {VARIABLE} the widest set is used", here.join(", ")))
         })
     }
 
-    /// Runs `work` with them: all of it that is inlined is compiled for them.
+    /// Runs `work` with this instruction set: all code inlined into `work` is compiled for it.
     #[inline]
     pub fn run<R>(self, work: impl FnOnce() -> R) -> R {
         match self {
@@ -109,7 +110,8 @@ impl Instructions {
         }
     }
 
-    /// The same, with AVX2 at most: where a vector or two lie side by side, wider ones would have to be put together.
+    /// Like [`Instructions::run`], with AVX2 at most. It suits code that handles one or two vectors at a time, where
+    /// wider registers would have to be assembled from several vectors.
     #[inline]
     pub fn run_narrow<R>(self, work: impl FnOnce() -> R) -> R {
         #[cfg(target_arch = "x86_64")]
@@ -127,14 +129,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_is_found_by_its_name() {
+    fn each_set_is_found_by_its_name() {
         for instructions in Instructions::all() {
             assert_eq!(Instructions::named(instructions.name()).unwrap().name(), instructions.name());
         }
     }
 
     #[test]
-    fn a_name_that_this_machine_does_not_know_is_a_fault() {
+    fn an_unknown_name_is_a_fault() {
         for name in ["", "AVX2", "sse2", "avx2 "] {
             let fault = Instructions::named(name).unwrap_err();
             assert_eq!(fault.code(), "call::instructions");

@@ -1,15 +1,16 @@
-//! siloflow simulates grain in silos: discrete elements or a lattice gas, from one scene file, as an entity-component-system app.
+//! siloflow simulates granular flow in silos with discrete elements or a lattice gas. A scene file describes a run,
+//! which is an app of an entity-component-system.
 //!
-//! The program is `siloflow run SCENE.ron`; this is the library below it, for whoever composes new behaviours.
+//! The program is `siloflow run SCENE.ron`. This is its library, for programs that add new behaviours.
 //!
 //! * Particles are entities: [`particle`]. One step is one run of one schedule with public phases: [`step`].
-//! * A scene says what is in the silo and thereby which plugins, components and systems exist: [`scene`], [`plugins`].
-//! * One behaviour, one file: [`grains::spawner`], [`rest`], [`door`], [`ledger`], [`energy`], [`gravity`], ...
-//! * Contact laws are [`contact::PairLaw`]s, summed by one kernel over the [`columns`], in the order of their slots,
-//!   with candidates from a search in [`neighbours`].
-//! * The lattice gas runs in the same phases, with systems of its own and no particle: [`lattice`].
-//! * Behaviours of your own: [`behaviour`].
-//! * Where two runs part, to the step, the grain and the quantity: [`divergence`].
+//! * A scene describes the silo and so selects the plugins, components and systems that exist: [`scene`], [`plugins`].
+//! * Each feature has its own file: [`grains::spawner`], [`rest`], [`door`], [`ledger`], [`energy`], [`gravity`], ...
+//! * Contact laws are [`contact::PairLaw`]s. One kernel sums contact forces over the particle [`store`], in the order
+//!   of slots, with candidate pairs from a search in [`neighbours`].
+//! * The lattice gas runs in the same phases, with its own systems and without particles: [`lattice`].
+//! * [`behaviour`] explains how another crate adds behaviours.
+//! * [`divergence`] finds the first difference between two runs: step, grain and quantity.
 //!
 //! ```
 //! use std::num::NonZeroUsize;
@@ -80,8 +81,9 @@ pub mod walls;
 pub mod watchdog;
 pub mod writers;
 
-/// What a behaviour needs. A crate that depends on siloflow and serde alone has the derives of the ECS too: they name `bevy_ecs`, which
-/// `use siloflow::prelude::*` brings into the module ([`behaviour`] has the `Cargo.toml`).
+/// Names that a behaviour needs. A crate that depends on siloflow and serde alone can use the derives of the ECS too.
+/// These derives name `bevy_ecs`, which `use siloflow::prelude::*` imports into the module ([`behaviour`] shows the
+/// `Cargo.toml`).
 pub mod prelude {
     pub use bevy_app::{App, Plugin};
     pub use bevy_ecs;

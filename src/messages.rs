@@ -1,6 +1,6 @@
-//! What happens in a silo, as ECS messages that any system may read.
+//! ECS messages about events in a silo; any system may read them.
 //!
-//! A message lives for two steps; a reader that runs every step misses none.
+//! A message lives for two steps, so a reader that runs every step misses none.
 
 use std::marker::PhantomData;
 
@@ -13,27 +13,27 @@ use crate::space::{Plane, Space};
 /// A grain entered.
 #[derive(Message, Clone, Copy, Debug)]
 pub struct GrainReleased {
-    /// Which.
+    /// The grain.
     pub id: GrainId,
 }
 
 /// A grain's path crossed the open orifice.
 #[derive(Message, Clone, Copy, Debug)]
 pub struct GrainOut<V: Space = Plane> {
-    /// Which.
+    /// The grain.
     pub id: GrainId,
-    /// Where it was at the end of that step, m.
+    /// Its position at the end of that step, m.
     pub position: V,
 }
 
-/// A grain left the silo by any other way.
+/// A grain left the silo in any other way.
 #[derive(Message, Clone, Debug)]
 pub struct GrainLost<V: Space = Plane> {
-    /// Which.
+    /// The grain.
     pub id: GrainId,
-    /// Where it was at the end of that step, m.
+    /// Its position at the end of that step, m.
     pub position: V,
-    /// In words: through which wall, or over which side.
+    /// Description: through which wall, or over which side.
     pub way: String,
     /// The nearest wall grain, if there is one.
     pub nearest: Option<GrainId>,

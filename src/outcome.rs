@@ -1,5 +1,5 @@
-//! How a run ends: done, or failed with the reason. Whoever finds that it is over says so here; the runner stops
-//! after that step.
+//! How a run ends: regularly, or with a failure and its reason. A system that ends the run records the end in
+//! [`Outcome`], and the simulation stops after that step.
 
 use bevy_ecs::prelude::*;
 use serde::{Serialize, Serializer};
@@ -12,79 +12,79 @@ use crate::particle::GrainId;
 pub enum End {
     /// All grains have been released, and none is inside.
     Empty,
-    /// The bed came to rest, and the scene asked for no more.
+    /// The bed came to rest, and the scene requests nothing after that.
     AtRest,
     /// Simulated time reached the scene's `until`.
     TimeReached,
-    /// It could not go on.
+    /// The run failed.
     Failed(Failure),
 }
 
-/// What stopped a run.
+/// The reason why a run failed.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum Failure {
-    /// A number is infinite or not a number.
+    /// A number is infinite or NaN.
     #[error("step {step}: the {quantity} of {grain} is not finite; {cause}")]
     NotFinite {
-        /// The step at whose end it was found.
+        /// The step at the end of which it was found.
         step: u64,
-        /// Whose.
+        /// The particle.
         grain: GrainId,
-        /// Which quantity.
+        /// The quantity that is not finite.
         quantity: &'static str,
-        /// Where it comes from, and what to do.
+        /// The cause, and a remedy.
         cause: String,
     },
-    /// Energy has appeared from nowhere.
+    /// Energy grew without a source.
     #[error(
-        "step {step}: {created_j:.3e} J of energy have come from nowhere, {:.0} % of the {put_in_j:.3e} J that were put in; \
+        "step {step}: the energy grew by {created_j:.3e} J without a source, {:.0} % of the {put_in_j:.3e} J put in; \
          the fastest is {grain} at {speed_m_s:.3e} m/s, w0 dt = {stiffness:.2} for it in a single contact (`check` prints \
          the limit): lower `step`, or if a behaviour changes velocities without a force, set `watchdog.energy`",
         100.0 * created_j / put_in_j
     )]
     EnergyGrew {
-        /// The step at whose end it was found.
+        /// The step at the end of which it was found.
         step: u64,
         /// The fastest grain.
         grain: GrainId,
         /// Its speed, m/s.
         speed_m_s: f64,
-        /// How much, J.
+        /// The energy gained, J.
         created_j: f64,
-        /// What was put in, J.
+        /// The energy put in, J.
         put_in_j: f64,
         /// w0 dt of one contact of that grain with a wall.
         stiffness: f64,
     },
-    /// Two overlap so far that the contact law does not hold.
+    /// Two particles overlap so far that the contact law does not hold.
     #[error(
         "step {step}: {grain} and {partner} overlap by {ratio:.2} of the smaller radius, more than `watchdog.overlap`, \
          {limit}: the contact law does not hold there; {remedy}, or set `watchdog.overlap`"
     )]
     TooDeep {
-        /// In which step.
+        /// The step.
         step: u64,
-        /// Which grain.
+        /// The grain.
         grain: GrainId,
-        /// With whom.
+        /// The particle or wall that it overlaps with.
         partner: String,
-        /// Overlap over the smaller radius.
+        /// Overlap divided by the smaller radius.
         ratio: f64,
-        /// The largest that the scene allows.
+        /// The largest ratio that the scene allows.
         limit: f64,
-        /// What to do.
+        /// The remedy.
         remedy: &'static str,
     },
     /// A grain was lost and the scene says `on_loss: Stop`.
-    #[error("step {step}: {grain} was lost at {position} m: {way}; `on_loss: Continue` would go on")]
+    #[error("step {step}: {grain} was lost at {position} m: {way}; `on_loss: Continue` continues the run")]
     GrainLost {
-        /// In which step.
+        /// The step.
         step: u64,
-        /// Which.
+        /// The grain.
         grain: GrainId,
-        /// Where, m.
+        /// Its position, m.
         position: String,
-        /// How.
+        /// The way by which it left.
         way: String,
     },
     /// The release point stayed occupied.
@@ -93,19 +93,19 @@ pub enum Failure {
          release fewer grains, move the release point up, or raise `spawner.release_timeout`"
     )]
     ReleaseBlocked {
-        /// In which step patience ran out.
+        /// The step in which the time limit was exceeded.
         step: u64,
-        /// Which grain waits.
+        /// The grain to be released.
         grain: GrainId,
-        /// For how long, s.
+        /// Duration of the block, s.
         waited_s: f64,
-        /// Who is in the way.
+        /// The particle or wall that blocks the release point.
         blocker: String,
     },
-    /// A particle outgrew the cells.
+    /// A particle is too large for the cells.
     #[error(
-        "particles touch at up to {needed} m but cells have side {size} m, so that contacts would be missed: a grain \
-         looks one cell far; raise `neighbours.size`"
+        "particles touch at up to {needed} m but cells have side {size} m, so contacts would be missed: the search \
+         covers adjacent cells only; raise `neighbours.size`"
     )]
     CellsTooSmall {
         /// Side of a cell, m.
@@ -114,21 +114,21 @@ pub enum Failure {
         needed: f64,
     },
     /// Particles of a lattice gas are missing, or there are too many.
-    #[error("step {step}: there should be {expected} particles inside, but {counted} are counted")]
+    #[error("step {step}: the ledger has {expected} particles inside, but {counted} were counted")]
     Miscounted {
-        /// The step at whose end they were counted.
+        /// The step at the end of which they were counted.
         step: u64,
-        /// By the ledger.
+        /// The number according to the ledger.
         expected: u64,
-        /// By looking.
+        /// The number counted.
         counted: u64,
     },
     /// A file could not be written.
     #[error("could not write {path}: {reason}")]
     Output {
-        /// Which file.
+        /// The path.
         path: String,
-        /// What the system said.
+        /// The reason that the operating system gave.
         reason: String,
     },
     /// A behaviour stopped the run.
@@ -136,12 +136,13 @@ pub enum Failure {
     Behaviour(String),
 }
 
-/// The end of a run, once there is one. The first word stands, but a failure outweighs a regular end.
+/// The end of a run, once there is one. The first end that a system records is kept, except that a failure replaces a
+/// regular end.
 #[derive(Resource, Default, Debug)]
 pub struct Outcome(Option<End>);
 
 impl Outcome {
-    /// The end, if the run has come to it.
+    /// The end of the run, if it has ended.
     #[must_use]
     pub fn end(&self) -> Option<&End> {
         self.0.as_ref()
@@ -161,7 +162,7 @@ impl Outcome {
 }
 
 impl End {
-    /// The word for it in `summary.json`.
+    /// The name of this end in `summary.json`.
     #[must_use]
     pub fn word(&self) -> &'static str {
         match self {

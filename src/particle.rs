@@ -1,25 +1,25 @@
-//! The data structure: particles are entities, their properties are components.
+//! The components of particles: particles are entities, and their properties are components.
 //!
-//! A *grain* moves; a *wall grain* is a disc that is part of the silo's wall or door and carries [`Fixed`].
-//! Both have the columns of [`Particle`]; a grain has also those of [`GrainBundle`]. The ECS keeps each component
-//! as one dense column, so a pass that needs positions reads nothing else.
+//! A *grain* moves. A *wall grain* is a disc or sphere that is part of the silo's wall or door and carries [`Fixed`].
+//! Both have the components of [`Particle`]; a grain also has those of [`GrainBundle`]. The ECS keeps each component as
+//! one dense column, so a pass that needs positions reads nothing else.
 //!
-//! | component | unit | who has it |
+//! | component | unit | on |
 //! |---|---|---|
-//! | [`GrainId`] | | all |
-//! | [`Position`] | m | all |
-//! | [`Velocity`] | m/s | all (zero for a wall at rest) |
-//! | [`Force`] | N | all: contacts, weight and added forces; on wall grains, what the grains do to them |
-//! | [`Radius`] | m | all |
+//! | [`GrainId`] | | all particles |
+//! | [`Position`] | m | all particles |
+//! | [`Velocity`] | m/s | all particles (zero for a wall at rest) |
+//! | [`Force`] | N | all particles: contacts, weight and added forces; on wall grains, the forces of the grains |
+//! | [`Radius`] | m | all particles |
 //! | [`Mass`] | kg | grains |
-//! | [`Species`] | | all |
+//! | [`Species`] | | all particles |
 //! | [`Grain`] | marker | grains |
 //! | [`Fixed`] | marker | particles that no force moves |
 //! | [`Door`] | marker | wall grains that form the door |
 //!
-//! Vectors are those of the scene's space: `Position` is `Position<Plane>`, a solid scene has `Position<Solid>`. Other
-//! components come only with the plugin that needs them, so only in scenes that ask for it: spin, torque and moment of
-//! inertia with a tangential force ([`crate::spin`]).
+//! Vectors have the dimension of the scene's space: `Position` means `Position<Plane>`, and a solid scene has
+//! `Position<Solid>`. Other components come only with the plugin that needs them, and so only in scenes that use it.
+//! Spin, torque and moment of inertia come with a tangential force ([`crate::spin`]).
 
 use std::fmt;
 
@@ -27,28 +27,29 @@ use bevy_ecs::prelude::*;
 
 use crate::space::{Plane, Space};
 
-/// The name of a particle for its whole life; never reused. Forces are summed in ascending order of it.
+/// The id of a particle for its whole life; never reused.
 ///
-/// Grains count from 0 or carry the ids of their file; wall grains and door grains follow after all grains.
+/// Grains count from 0 or carry the ids of their file. Ids of wall grains and door grains are larger than the ids of
+/// all grains.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[component(immutable)]
 #[require(Slot)]
 pub struct GrainId(u32);
 
 impl GrainId {
-    /// Ids from here on belong to wall and door grains.
+    /// The smallest id of wall and door grains.
     const FIRST_WALL: u32 = 1 << 31;
     /// The largest id that a grain can have.
     pub const MAX_GRAIN: u32 = Self::FIRST_WALL - 1;
 
-    /// The id of grain `number`, if that is at most [`GrainId::MAX_GRAIN`].
+    /// Returns the id of grain `number`; `None` if the number exceeds [`GrainId::MAX_GRAIN`].
     #[must_use]
     pub fn grain(number: u32) -> Option<Self> {
         (number <= Self::MAX_GRAIN).then_some(Self(number))
     }
 
-    /// The id of fixed disc `number`, counted from 1 in the order of the silo file (wall, then door) and then of
-    /// the scene's discs.
+    /// Returns the id of fixed disc `number`. Fixed discs are counted from 1 in the order of the silo file (wall, then
+    /// door), then of the scene's discs.
     ///
     /// # Panics
     /// If there are 2^31 fixed discs.
@@ -58,13 +59,13 @@ impl GrainId {
         Self(number.expect("fewer than 2^31 wall grains"))
     }
 
-    /// The number within its kind: grains as in their file, wall grains from 1.
+    /// The number among particles of this kind: grains as in their file, wall grains from 1.
     #[must_use]
     pub fn number(self) -> u32 {
         self.0 & Self::MAX_GRAIN
     }
 
-    /// Whether this names a wall or door grain.
+    /// Whether this is the id of a wall or door grain.
     #[must_use]
     pub fn is_wall(self) -> bool {
         self.0 >= Self::FIRST_WALL
@@ -78,12 +79,12 @@ impl fmt::Display for GrainId {
     }
 }
 
-/// Index of a particle in the packed store ([`ParticleStore`](crate::store::Columns)).
+/// Index of a particle in the particle store ([`ParticleStore`](crate::store::ParticleStore)).
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub struct Slot(u32);
 
 impl Default for Slot {
-    /// No place yet.
+    /// The slot of a particle without a row.
     fn default() -> Self {
         Self(u32::MAX)
     }
@@ -94,12 +95,12 @@ impl Slot {
         Self(index)
     }
 
-    /// That of row `i`, of which there are fewer than 2^32.
+    /// The slot of row `i`. There are fewer than 2^32 rows.
     pub(crate) fn of(i: usize) -> Self {
         u32::try_from(i).map_or_else(|_| Self::default(), Self)
     }
 
-    /// The index, out of range as long as the particle has no place.
+    /// The row; out of range while the particle has none.
     #[must_use]
     pub fn index(self) -> usize {
         self.0 as usize
@@ -117,7 +118,7 @@ pub struct Position<V: Space = Plane>(pub V);
 #[component(summary_tick)]
 pub struct Velocity<V: Space = Plane>(pub V);
 
-/// Sum of the forces, N, as of the last evaluation; the acceleration is this over [`Mass`].
+/// Sum of the forces, N, at the last evaluation. The acceleration is this force divided by [`Mass`].
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[component(summary_tick)]
 pub struct Force<V: Space = Plane>(pub V);
@@ -132,8 +133,8 @@ pub struct Radius(pub f64);
 #[component(immutable)]
 pub struct Mass(pub f64);
 
-/// Which kind of grain or wall: 0 for the first size of a mixture, 1 for the second. Colours pictures and averages, and
-/// chooses among the materials of a scene that has several.
+/// Kind of a grain or wall: 0 for the first size of a mixture, 1 for the second. It selects colours in pictures, groups
+/// in averages, and the material in scenes with several materials.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
 #[component(immutable)]
 pub struct Species(pub u8);
@@ -142,8 +143,9 @@ pub struct Species(pub u8);
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Grain;
 
-/// Marks a particle that no force moves: a wall grain, or a grain that a behaviour holds. Who moves it sets its
-/// [`Position`] and its [`Velocity`]. A table component, so that passes over grains run over contiguous columns.
+/// Marks a particle that no force moves: a wall grain, or a grain that a behaviour holds. A system that moves it sets
+/// both its [`Position`] and its [`Velocity`]. This is a table component, so that passes over grains run over
+/// contiguous columns.
 #[derive(Component, Clone, Copy, Debug, Default)]
 pub struct Fixed;
 
@@ -152,35 +154,35 @@ pub struct Fixed;
 #[component(storage = "SparseSet")]
 pub struct Door;
 
-/// What every particle has.
+/// The components of every particle.
 #[derive(Bundle, Clone, Copy, Debug)]
 pub struct Particle<V: Space = Plane> {
-    /// Its name.
+    /// Id.
     pub id: GrainId,
-    /// Its centre, m.
+    /// Centre, m.
     pub position: Position<V>,
-    /// Its velocity, m/s.
+    /// Velocity, m/s.
     pub velocity: Velocity<V>,
-    /// The force on it, N.
+    /// Force, N.
     pub force: Force<V>,
-    /// Its radius, m.
+    /// Radius, m.
     pub radius: Radius,
 }
 
-/// What every grain has.
+/// The components of every grain.
 #[derive(Bundle, Clone, Copy, Debug)]
 pub struct GrainBundle<V: Space = Plane> {
-    /// What every particle has.
+    /// The components of every particle.
     pub particle: Particle<V>,
-    /// Its mass, kg.
+    /// Mass, kg.
     pub mass: Mass,
-    /// Its kind.
+    /// Species.
     pub species: Species,
-    /// That it is a grain.
+    /// The marker of grains.
     pub grain: Grain,
 }
 
-/// One disc or sphere of a wall; a `velocity` other than zero is kept up by [`crate::walls::conveyor`].
+/// Returns one disc or sphere of a wall. [`crate::walls::conveyor`] maintains a `velocity` other than zero.
 #[must_use]
 pub fn wall_grain<V: Space>(id: GrainId, centre: V, radius: f64, velocity: V, species: Species) -> impl Bundle {
     let particle = Particle {

@@ -1,8 +1,9 @@
-//! The particles as read-only system parameters: for systems that look at every particle, or in every step.
+//! Read-only system parameters over the particle store, for systems that read all particles, or run in every step.
 //!
-//! [`Particles`] and [`Motion`] read the packed store of the force loop, in the order of its rows: nothing is copied for them, as it
-//! is for a query of `Position` or `Velocity`. A row belongs to the same particle until slots are dealt out anew, after
-//! [`Phase::Spawn`](crate::step::Phase::Spawn) of a later step; particles that entered since have no row yet. All numbers are SI.
+//! [`Particles`] and [`Motion`] read the store of the force loop directly, in the order of its rows. Nothing is copied
+//! for them, unlike for a query of `Position` or `Velocity`. A row belongs to the same particle until a renumbering,
+//! after [`Phase::Spawn`](crate::step::Phase::Spawn) of a later step. Particles that have entered since have no row
+//! yet. All numbers are SI.
 //!
 //! ```
 //! use siloflow::prelude::*;
@@ -25,7 +26,7 @@ use crate::periodic::Periodic;
 use crate::space::{Plane, Space};
 use crate::store::{ParticleStore, ReadsMotion, ReadsPlaces};
 
-/// Places, properties and forces of all particles.
+/// Positions, properties and forces of all particles.
 #[derive(SystemParam)]
 pub struct Particles<'w, V: Space = Plane> {
     store: Res<'w, ParticleStore<V>>,
@@ -40,7 +41,7 @@ impl<V: Space> Particles<'_, V> {
         self.store.len()
     }
 
-    /// Whether there is no row.
+    /// Whether there are no rows.
     #[must_use]
     #[inline]
     pub fn is_empty(&self) -> bool {
@@ -59,28 +60,28 @@ impl<V: Space> Particles<'_, V> {
         (0..self.len()).filter(|&row| self.is_present(row))
     }
 
-    /// Whether the particle of a row is still there: one that left keeps its row until slots are dealt out anew.
+    /// Whether the particle of a row still exists. A particle that left keeps its row until the next renumbering.
     #[must_use]
     #[inline]
     pub fn is_present(&self, row: usize) -> bool {
         self.store.is_present(row)
     }
 
-    /// Whether no force moves it.
+    /// Whether forces do not move the particle.
     #[must_use]
     #[inline]
     pub fn is_fixed(&self, row: usize) -> bool {
         self.store.is_fixed(row)
     }
 
-    /// The entity.
+    /// The entity of the particle.
     #[must_use]
     #[inline]
     pub fn entity(&self, row: usize) -> Entity {
         self.store.entity[row]
     }
 
-    /// The name.
+    /// The id of the particle.
     #[must_use]
     #[inline]
     pub fn id(&self, row: usize) -> GrainId {
@@ -101,7 +102,7 @@ impl<V: Space> Particles<'_, V> {
         self.store.body[row].radius
     }
 
-    /// The mass, kg; 0 for what has none.
+    /// The mass, kg; 0 for particles without mass.
     #[must_use]
     #[inline]
     pub fn mass(&self, row: usize) -> f64 {
@@ -115,28 +116,28 @@ impl<V: Space> Particles<'_, V> {
         self.store.species[row]
     }
 
-    /// The sum of the forces, N, as of the last evaluation.
+    /// The sum of the forces on the particle, N, at the last evaluation.
     #[must_use]
     #[inline]
     pub fn force(&self, row: usize) -> V {
         self.store.loads.force.of(row)
     }
 
-    /// The vector from `b` to `a`, m: in a periodic scene the shortest one.
+    /// The vector from `b` to `a`, m: in a periodic scene, the shortest one.
     #[must_use]
     #[inline]
     pub fn separation(&self, a: V, b: V) -> V {
         self.store.separation(a, b)
     }
 
-    /// The periodic sides of the scene.
+    /// The periodic sides of the scene, if it has any.
     #[must_use]
     #[inline]
     pub fn periodic(&self) -> Option<&Periodic<V>> {
         self.store.periodic.as_ref()
     }
 
-    /// How far particles can have moved, for systems that need not look in every step.
+    /// The distance that particles can have moved, for systems that need not run in every step.
     #[must_use]
     #[inline]
     pub fn travel_meter(&self) -> TravelMeter {
@@ -144,7 +145,7 @@ impl<V: Space> Particles<'_, V> {
     }
 }
 
-/// The same, and velocities and spins.
+/// Like [`Particles`], with velocities and spins.
 #[derive(SystemParam)]
 pub struct Motion<'w, V: Space = Plane> {
     particles: Particles<'w, V>,
@@ -160,7 +161,7 @@ impl<'w, V: Space> Deref for Motion<'w, V> {
 }
 
 impl<V: Space> Motion<'_, V> {
-    /// The whole store.
+    /// The particle store.
     #[must_use]
     #[inline]
     pub fn store(&self) -> &ParticleStore<V> {

@@ -1,6 +1,6 @@
-//! Which plugins a scene needs: one line a behaviour.
+//! Selects the plugins that a scene needs, one line per plugin.
 //!
-//! Each is added together with the scene key that asks for it, so that `explain` can tell why a system is there.
+//! Each plugin is added together with the scene key that requests it, so that `explain` can print why a system exists.
 
 use std::marker::PhantomData;
 use std::sync::Arc;
@@ -39,7 +39,7 @@ use crate::walls::paths::FlatWalls;
 use crate::walls::surfaces::LeavingWallsPlugin;
 use crate::watchdog::WatchdogPlugin;
 
-/// Adds what the scene asks for to an app that has the resources of a run.
+/// Adds the plugins that the scene needs to an app that has the resources of a run.
 pub(crate) fn add_all<V: Space>(
     app: &mut Assembly,
     loaded: &Loaded,
@@ -65,7 +65,7 @@ pub(crate) fn add_all<V: Space>(
         app.add("energy_balance", EnergyPlugin(space));
     }
     if let Some(mut watchdog) = scene.watchdog {
-        // Without books nobody knows how much energy there should be.
+        // Without the energy balance the expected energy is unknown.
         watchdog.energy = watchdog.energy.filter(|_| scene.energy_balance);
         app.add("watchdog", WatchdogPlugin(watchdog, space));
     }
@@ -120,13 +120,13 @@ pub(crate) fn add_all<V: Space>(
     }
     add_behaviours(app, behaviours);
     app.add_with("behaviours", |app| {
-        // A behaviour may bring a force of its own instead of contacts.
+        // A behaviour that replaces the contact law may add a force of its own without contacts.
         if own_contacts && !app.world().contains_resource::<History<V>>() {
             app.add_systems(Step, clear_forces::<V>.in_set(ForceStage::Contacts));
         }
     });
     app.add_with("contact.tangential", |app| {
-        // A behaviour's law may turn grains where the scene's own does not.
+        // A behaviour's law may rotate grains even if the scene's own law does not.
         if scene.energy_balance
             && app.is_plugin_added::<SpinPlugin<V>>()
             && !app.is_plugin_added::<SpinEnergyPlugin<V>>()
@@ -143,7 +143,7 @@ pub(crate) fn add_behaviours(app: &mut Assembly, behaviours: Vec<(String, Box<dy
     }
 }
 
-/// Adds the law's kernel.
+/// Adds the force kernel with the scene's law.
 struct AddContacts<'a, 'b> {
     app: &'a mut Assembly<'b>,
     centred: bool,
@@ -163,10 +163,10 @@ impl AddContacts<'_, '_> {
     }
 }
 
-/// What [`add_all`] calls to watch paths: the one thing that is different in the two spaces.
+/// Function that [`add_all`] calls to add the path check, the only part that differs between plane and solid space.
 pub(crate) type AddPaths = fn(&mut Assembly, &Loaded);
 
-/// Watches paths in the plane; asked for by the silo file or else by the scene's walls.
+/// Adds the check of grain paths in the plane. The key is the silo file, or else the scene's walls.
 pub(crate) fn planar_paths(app: &mut Assembly, loaded: &Loaded) {
     let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
     let (walls, surfaces) = (loaded.wall_discs(), loaded.surfaces());
@@ -182,7 +182,7 @@ pub(crate) fn planar_paths(app: &mut Assembly, loaded: &Loaded) {
     app.add(key, PathsPlugin { paths: Arc::new(outline), smallest_radius });
 }
 
-/// Watches paths in solid space.
+/// Adds the check of grain paths in solid space.
 pub(crate) fn solid_paths(app: &mut Assembly, loaded: &Loaded) {
     let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
     let walls = loaded.surfaces();

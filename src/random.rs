@@ -1,17 +1,18 @@
-//! Random numbers by name: the same scene, seed and question give the same answer, in whatever order it is asked.
+//! Named random number streams. A number depends on the scene, the seed, the stream's name and a counter only, not on
+//! the order of requests.
 //!
-//! A stream has a name, and its numbers are keyed by a counter (the grain's number, say) instead of being drawn in
-//! turn. ChaCha8 with the seed and the name as key and the counter as stream.
+//! The numbers of a stream are keyed by a counter (for example the grain's number) instead of being drawn in sequence.
+//! The generator is ChaCha8, with seed and name as the key, and the counter as the stream.
 
 use rand::{Rng, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-/// A named stream of the scene's seed.
+/// A named stream of random numbers of the scene's seed.
 #[derive(Clone, Debug)]
 pub struct Stream(ChaCha8Rng);
 
 impl Stream {
-    /// The stream `name` of `seed`. At most 24 bytes of the name count.
+    /// Returns the stream `name` of `seed`. Only the first 24 bytes of the name count.
     #[must_use]
     pub fn new(seed: u64, name: &str) -> Self {
         let mut key = [0; 32];
@@ -22,7 +23,7 @@ impl Stream {
         Self(ChaCha8Rng::from_seed(key))
     }
 
-    /// The `N` numbers of `counter`, each uniform in 0 <= u < 1 with 53 bits.
+    /// Returns the `N` numbers of `counter`, each uniform in 0 <= u < 1 with 53 bits.
     #[must_use]
     pub fn uniform<const N: usize>(&self, counter: u64) -> [f64; N] {
         let mut rng = self.0.clone();

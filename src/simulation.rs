@@ -37,21 +37,23 @@ pub struct Simulation {
     app: App,
 }
 
-/// Plugins of a caller's. Boxed, so that no crate which calls compiles the whole engine once more for its own closure.
+/// Plugins that a caller adds. Boxed, because a generic parameter would compile the whole engine again for each calling
+/// crate.
 pub(crate) type Additions<'a> = Box<dyn FnOnce(&mut Assembly<'_>) + 'a>;
 
 impl Simulation {
-    /// Builds the app that the scene asks for; nothing has run yet.
+    /// Builds the app that the scene needs; no step has run yet.
     ///
     /// # Errors
-    /// If a behaviour is unknown or its keys are wrong, systems of behaviours conflict or stand in no phase, or the environment asks for
-    /// [`instructions`](crate::instructions) that this machine lacks.
+    /// * A behaviour is unknown, or its keys are wrong.
+    /// * Systems of behaviours conflict or are in no phase.
+    /// * The environment selects [`instructions`](crate::instructions) that this machine lacks.
     pub fn new(loaded: &Loaded, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
         Self::with(loaded, registry, threads, Box::new(|_| {}))
     }
 
-    /// The same, with what a program adds on top: outputs, say, which look and write no physics. (What does is a
-    /// [`Behaviour`].)
+    /// Like [`Simulation::new`], with plugins of the calling program: outputs, for example, which read and do not
+    /// change physics. (Plugins that change physics are [`Behaviour`]s.)
     ///
     /// # Errors
     /// As [`Simulation::new`].
@@ -64,7 +66,7 @@ impl Simulation {
         Self::with(loaded, registry, threads, Box::new(|assembly| assembly.add_with("the program", more)))
     }
 
-    /// The same, with plugins that note which key asked for them.
+    /// Like [`Simulation::with_plugins`], for plugins that record the scene keys that requested them.
     pub(crate) fn with(
         loaded: &Loaded,
         registry: &Registry,
@@ -73,26 +75,26 @@ impl Simulation {
     ) -> Result<Self, Fault> {
         let mut app = Self::assemble(loaded, registry, threads, more)?;
         match loaded.scene.space {
-            Dimension::Plane => populate::<Plane>(app.world_mut(), loaded),
-            Dimension::Solid => populate::<Solid>(app.world_mut(), loaded),
+            Dimension::Plane => spawn_particles::<Plane>(app.world_mut(), loaded),
+            Dimension::Solid => spawn_particles::<Solid>(app.world_mut(), loaded),
         }
-        Self::ready_for_grains(app, loaded)
+        Self::complete_with_store(app, loaded)
     }
 
-    /// Whether [`Simulation::new`] would succeed, at the cost of no grain.
+    /// Checks whether [`Simulation::new`] would succeed, without spawning a grain.
     pub(crate) fn check(loaded: &Loaded, registry: &Registry) -> Result<(), Fault> {
         let app = Self::assemble(loaded, registry, NonZeroUsize::MIN, Box::new(|_| {}))?;
-        Self::ready_for_grains(app, loaded).map(|_| ())
+        Self::complete_with_store(app, loaded).map(|_| ())
     }
 
-    fn ready_for_grains(app: App, loaded: &Loaded) -> Result<Self, Fault> {
+    fn complete_with_store(app: App, loaded: &Loaded) -> Result<Self, Fault> {
         match loaded.scene.space {
-            Dimension::Plane => Self::ready(app, store::plan::<Plane>),
-            Dimension::Solid => Self::ready(app, store::plan::<Solid>),
+            Dimension::Plane => Self::complete(app, store::plan::<Plane>),
+            Dimension::Solid => Self::complete(app, store::plan::<Solid>),
         }
     }
 
-    /// The app without what is in the world.
+    /// Returns the app with all plugins, without particles and walls.
     fn assemble(
         loaded: &Loaded,
         registry: &Registry,
@@ -100,18 +102,18 @@ impl Simulation {
         more: Additions<'_>,
     ) -> Result<App, Fault> {
         let behaviours = registry.of_scene(loaded)?;
-        let mut app = empty(threads)?;
+        let mut app = app_with_resources(threads)?;
         let mut assembly = Assembly::new(&mut app);
         match loaded.scene.space {
-            Dimension::Plane => furnish::<Plane>(&mut assembly, loaded, behaviours, planar_paths),
-            Dimension::Solid => furnish::<Solid>(&mut assembly, loaded, behaviours, solid_paths),
+            Dimension::Plane => add_plugins::<Plane>(&mut assembly, loaded, behaviours, planar_paths),
+            Dimension::Solid => add_plugins::<Solid>(&mut assembly, loaded, behaviours, solid_paths),
         }
         more(&mut assembly);
         assembly.finish();
         Ok(app)
     }
 
-    /// Builds the app of a scene of the lattice gas; nothing has run yet.
+    /// Builds the app of a lattice gas scene; no step has run yet.
     ///
     /// # Errors
     /// As [`Simulation::new`].
@@ -119,7 +121,7 @@ impl Simulation {
         Self::of_lattice_with(loaded, registry, threads, Box::new(|_| {}))
     }
 
-    /// The same, with plugins of the caller's on top.
+    /// Like [`Simulation::of_lattice`], with plugins of the caller.
     pub(crate) fn of_lattice_with(
         loaded: &LoadedLattice,
         registry: &Registry,
@@ -127,20 +129,20 @@ impl Simulation {
         more: Additions<'_>,
     ) -> Result<Self, Fault> {
         let behaviours = registry.of_lattice(loaded)?;
-        let mut app = empty(threads)?;
+        let mut app = app_with_resources(threads)?;
         let mut assembly = Assembly::new(&mut app);
         lattice::plugins::add_all(&mut assembly, loaded);
         add_behaviours(&mut assembly, behaviours);
         more(&mut assembly);
         assembly.finish();
-        // No particle: components mirror nothing.
-        Self::ready(app, |_, _| Ok(()))
+        // There are no particles, so no component mirrors the store.
+        Self::complete(app, |_, _| Ok(()))
     }
 
-    /// Completes an app that has all its plugins; `plan` adds what depends on all of them.
-    fn ready(mut app: App, plan: fn(&mut Schedule, &mut World) -> Result<(), Fault>) -> Result<Self, Fault> {
+    /// Completes an app that has all its plugins. `plan` adds the systems that depend on all plugins.
+    fn complete(mut app: App, plan: fn(&mut Schedule, &mut World) -> Result<(), Fault>) -> Result<Self, Fault> {
         app.add_systems(Step, message_update_system.in_set(Part::End));
-        // Now, so that conflicting systems are an error of the input and not a panic later.
+        // Initialised here, so that conflicting systems are an input error and not a later panic.
         app.world_mut().schedule_scope(Step, |world, schedule| {
             let known: HashSet<_> = schedule.graph().systems.iter().map(|(system, ..)| system).collect();
             plan(schedule, world)?;
@@ -157,16 +159,19 @@ impl Simulation {
         Ok(Self { app })
     }
 
-    /// Runs step zero if it has not run, else one step. Returns the end once there is one, and then does nothing.
+    /// Runs step zero if it has not run, else one step. Returns the end of the run once there is one; from then on it
+    /// does nothing.
     ///
-    /// Many steps take less time by [`Simulation::run_steps`]: after each of these, all components are brought up to date.
+    /// For many steps, [`Simulation::run_steps`] is faster, because this function refreshes all components after each
+    /// step.
     pub fn step(&mut self) -> Option<End> {
         let end = self.advance_while(|_| false);
         self.refresh();
         end
     }
 
-    /// Steps to the end, or until `each`, which is shown the world after every step, says no. Components may be of earlier steps.
+    /// Steps until the run ends or `each` returns false. `each` receives the world after every step, with components
+    /// that may be out of date.
     fn advance_while(&mut self, mut each: impl FnMut(&World) -> bool + Send) -> Option<End> {
         Threads::run(self.app.world_mut(), |world| {
             loop {
@@ -178,52 +183,52 @@ impl Simulation {
         })
     }
 
-    /// Steps to the end; `each` is shown the world after every step. Components may be of earlier steps.
+    /// Steps until the run ends. `each` receives the world after every step, with components that may be out of date.
     pub(crate) fn advance_to_end(&mut self, mut each: impl FnMut(&World) + Send) -> End {
         loop {
-            let goes_on = |world: &World| {
+            let continues = |world: &World| {
                 each(world);
                 true
             };
-            if let Some(end) = self.advance_while(goes_on) {
+            if let Some(end) = self.advance_while(continues) {
                 return end;
             }
         }
     }
 
-    /// Brings components up to date.
+    /// Refreshes all components.
     fn refresh(&mut self) {
         store::refresh_world(self.app.world_mut());
     }
 
-    /// Steps to the end.
+    /// Steps until the run ends.
     pub fn run(&mut self) -> End {
         let end = self.advance_to_end(|_| {});
         self.refresh();
         end
     }
 
-    /// Steps until the clock shows `steps` steps, or to the end.
+    /// Steps until the clock shows `steps` steps, or the run ends.
     pub fn run_steps(&mut self, steps: u64) -> Option<End> {
-        let goes_on = |world: &World| {
+        let continues = |world: &World| {
             let clock = world.resource::<Clock>();
             clock.is_step_zero() || clock.steps < steps
         };
-        if !goes_on(self.world()) {
+        if !continues(self.world()) {
             return self.world().resource::<Outcome>().end().cloned();
         }
-        let end = self.advance_while(goes_on);
+        let end = self.advance_while(continues);
         self.refresh();
         end
     }
 
-    /// Everything there is.
+    /// The world of the app.
     #[must_use]
     pub fn world(&self) -> &World {
         self.app.world()
     }
 
-    /// Everything there is, to be changed; what is changed between steps counts from the next step on.
+    /// The world of the app, to be changed. Changes between steps count from the next step on.
     pub fn world_mut(&mut self) -> &mut World {
         let world = self.app.world_mut();
         store::publish_to_world(world);
@@ -231,7 +236,8 @@ impl Simulation {
     }
 }
 
-/// Runs step zero if it has not run, else one step. Gives the end once there is one, and then does nothing.
+/// Runs step zero if it has not run, else one step. Returns the end of the run once there is one; from then on it does
+/// nothing.
 fn advance(world: &mut World) -> Option<End> {
     if world.resource::<Outcome>().end().is_none() {
         store::collect_from_world(world);
@@ -243,8 +249,8 @@ fn advance(world: &mut World) -> Option<End> {
     world.resource::<Outcome>().end().cloned()
 }
 
-/// An app with what every run has.
-fn empty(threads: NonZeroUsize) -> Result<App, Fault> {
+/// Returns an app with the resources of every run.
+fn app_with_resources(threads: NonZeroUsize) -> Result<App, Fault> {
     let threads = Threads::new(threads).map_err(|error| {
         Fault::new("call::threads", format!("could not start the threads: {error}"))
             .help("ask for fewer with --threads")
@@ -254,12 +260,12 @@ fn empty(threads: NonZeroUsize) -> Result<App, Fault> {
         .insert_resource(Instructions::of_environment()?)
         .init_resource::<Outcome>()
         .init_resource::<Pending>()
-        // Several systems may end a run; whichever says so first in the step's fixed order is heard.
+        // Several systems may end a run. The first one in the fixed order of the step takes effect.
         .allow_ambiguous_resource::<Outcome>();
     Ok(app)
 }
 
-fn furnish<V: Space>(
+fn add_plugins<V: Space>(
     assembly: &mut Assembly,
     loaded: &Loaded,
     behaviours: Vec<(String, Box<dyn Behaviour>)>,
@@ -271,7 +277,7 @@ fn furnish<V: Space>(
     add_all::<V>(assembly, loaded, behaviours, paths);
 }
 
-fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
+fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded) {
     let mut discs = 0;
     let mut next_id = || {
         discs += 1;
@@ -279,7 +285,7 @@ fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
     };
     let at_rest = V::ZERO;
     let silo = loaded.scene.silo.as_ref().map_or(Species(0), |silo| Species(silo.species));
-    // Whoever starts outside a periodic box stands for the image inside.
+    // A particle that starts outside a periodic box is replaced by its image inside.
     let periodic = Periodic::<V>::new(&loaded.scene.periodic);
     let in_box = |x: V| periodic.map_or(x, |periodic| periodic.wrapped(x));
     let centre = |disc: &Disc| in_box(V::narrow(disc.centre.spread()));
@@ -315,7 +321,7 @@ fn populate<V: Space>(world: &mut World, loaded: &Loaded) {
     };
     let mut newcomers: Vec<_> = loaded.grains.iter().map(newcomer).collect();
     sort_newcomers(&mut newcomers);
-    // All at once: tables are made for as many.
+    // Spawned in one batch, so that tables are allocated once.
     match world.resource::<ParticleStore<V>>().inertia {
         None => world.spawn_batch(newcomers.into_iter().map(|(grain, _)| grain)).for_each(drop),
         Some(law) => {

@@ -1,19 +1,21 @@
-//! Rotation: spin w (rad/s), torque T (N m) and moment of inertia I (kg m^2) of grains, in scenes with friction.
+//! Components of rotation, in scenes with friction: spin w (rad/s), torque T (N m) and moment of inertia I (kg m^2) of
+//! grains.
 //!
-//! I = 2/5 m R^2 for a sphere, 1/2 m R^2 for a disc. A behaviour that changes a grain's mass or radius sets its [`Inertia`] as well. Wall
-//! grains do not spin; a grain that a behaviour fixes keeps the spin that it has. How spins change: [`crate::integrate`].
+//! I = 2/5 m R^2 for a sphere, 1/2 m R^2 for a disc. A behaviour that changes a grain's mass or radius must set its
+//! [`Inertia`] as well. Wall grains do not spin. A grain that a behaviour fixes keeps its spin. [`crate::integrate`]
+//! describes how spins change.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Dimension, Linear, Space};
 
-/// Angular velocity, rad/s; in the plane a number, positive counter-clockwise.
+/// Angular velocity, rad/s. In the plane it is a number, positive counter-clockwise.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[component(summary_tick)]
 pub struct Spin<W: Linear = f64>(pub W);
 
-/// Torque about the centre, N m, as of the last evaluation.
+/// Torque about the centre, N m, at the last evaluation.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
 #[component(summary_tick)]
 pub struct Torque<W: Linear = f64>(pub W);
@@ -23,7 +25,7 @@ pub struct Torque<W: Linear = f64>(pub W);
 #[component(immutable)]
 pub struct Inertia(pub f64);
 
-/// The scene's `inertia`.
+/// The scene's `inertia`: the rule for moments of inertia.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub enum InertiaLaw {
     /// I = 2/5 m R^2.
@@ -33,7 +35,7 @@ pub enum InertiaLaw {
 }
 
 impl InertiaLaw {
-    /// What a scene has that does not say: spheres in solid space, discs in the plane.
+    /// The default of a scene: discs in the plane, spheres in solid space.
     #[must_use]
     pub fn usual(dimension: Dimension) -> Self {
         match dimension {
@@ -51,7 +53,7 @@ impl InertiaLaw {
         }
     }
 
-    /// What a grain of this mass (kg), radius (m) and spin (rad/s) needs to turn.
+    /// Returns the components that a grain of this mass (kg), radius (m) and spin (rad/s) needs to rotate.
     pub(crate) fn turning<V: Space>(self, mass: f64, radius: f64, spin: V::Spin) -> TurningBundle<V> {
         (Spin(spin), Torque(V::Spin::ZERO), Inertia(self.factor() * mass * radius * radius))
     }

@@ -1,54 +1,56 @@
-//! One step of the simulation is one run of the schedule [`Step`], whose phases are public.
+//! One step of the simulation: one run of the schedule [`Step`], with public phases.
 //!
-//! The phases follow velocity Verlet, written as kick, drift, kick. A system that writes physics belongs to the
-//! phase whose job it shares; a system that only looks belongs to [`Phase::Observe`]. The first run of the
-//! schedule is *step zero*: time stands still, [`Phase::Drift`] and [`Phase::Kick`] do not run, and what remains
-//! evaluates the forces, so the accelerations, of the initial state and observes it.
+//! The phases follow velocity Verlet, written as kick, drift, kick. A system that changes physics belongs to the phase
+//! with the same purpose. A system that only reads belongs to [`Phase::Observe`].
+//!
+//! The first run of the schedule is *step zero*. Time does not advance, and [`Phase::Drift`] and [`Phase::Kick`] do not
+//! run. The other phases evaluate the forces (and so the accelerations) of the initial state and observe it.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
 
-/// The schedule that a simulation runs once a step.
+/// The schedule that a simulation runs once per step.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Step;
 
-/// What happens in a step, in this order.
+/// The phases of a step, in their order.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Phase {
-    /// Grains enter; the columns are renumbered when the population changed.
+    /// Grains enter. Slots are assigned anew if the population changed.
     Spawn,
-    /// x(t+dt) and v(t+dt/2); the clock moves on. Not in step zero.
+    /// Computes x(t+dt) and v(t+dt/2); the clock advances. Not in step zero.
     Drift,
-    /// Cells and neighbour lists, rebuilt when needed.
+    /// Rebuilds cells and neighbour lists when needed.
     Neighbours,
-    /// Forces at x(t+dt), v(t+dt/2): see [`ForceStage`].
+    /// Evaluates forces at x(t+dt), v(t+dt/2): see [`ForceStage`].
     Forces,
-    /// a(t+dt), v(t+dt). Not in step zero. Where no system looks at velocities it may be put off (`store/deferred_kick.rs`).
+    /// Computes a(t+dt), v(t+dt). Not in step zero. It may be deferred if no system reads velocities
+    /// (`store/deferred_kick.rs`).
     Kick,
-    /// Rest detector, door controller.
+    /// Runs the rest detector and the door controller.
     Control,
-    /// Grains that left are counted and removed.
+    /// Counts and removes grains that left.
     Cull,
-    /// Measurements and pictures. They read; they never write physics.
+    /// Measures and draws pictures. Systems of this phase read, and never change physics.
     Observe,
 }
 
-/// What surrounds the systems of a [`Phase`]: a chain of engine, refresh, the phase itself, and write-back. In [`Phase::Spawn`]
-/// the engine, which deals out slots, comes last as well.
+/// Parts of a step around the systems of a [`Phase`]. In each phase the order is engine, refresh, the phase itself,
+/// write-back. After [`Phase::Spawn`] come renumbering and sort.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Part {
-    /// The passes over the packed store that are the phase's job.
+    /// The passes over the particle store that do the phase's work.
     Engine(Phase),
-    /// Components that systems of the phase read are copied from the store.
+    /// Copies the components that systems of the phase read from the store.
     Refresh(Phase),
-    /// Components that systems of the phase have written are copied into the store.
+    /// Copies the components that systems of the phase have written to the store.
     WriteBack(Phase),
-    /// After [`Phase::Spawn`]: slots are dealt out.
+    /// After [`Phase::Spawn`]: assigns slots.
     Renumber,
-    /// After that: rows of tables are brought into the order of slots.
+    /// After `Renumber`: sorts table rows into the order of slots.
     Sort,
-    /// After all phases: messages age.
+    /// After all phases: old messages are removed.
     End,
 }
 
@@ -66,24 +68,26 @@ impl Phase {
     ];
 }
 
-/// The stages of [`Phase::Forces`], in this order, which is also the order of summation in each grain.
+/// The stages of [`Phase::Forces`], in their order, which is also the order of summation for each grain.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ForceStage {
-    /// Weight; then contacts between grains, and between grains and wall grains; then contacts with flat walls, in the scene's order.
+    /// Weight; then contacts between grains, and between grains and wall grains; then contacts with flat walls, in the
+    /// scene's order.
     Contacts,
-    /// Weight, of what has no contacts: that of grains is what their sums begin with.
+    /// Weight of particles without contacts. For grains the weight is the first term of the contact sums instead.
     Gravity,
-    /// Here a behaviour adds its own force to `Force`. Systems of one stage run in the order of registration only
-    /// if they say so (`.chain()`, `.after(...)`); two that write `Force` and do not are refused as ambiguous.
+    /// Behaviours add their own forces to `Force` here. Systems of one stage run in the order of registration only if
+    /// they declare it (`.chain()`, `.after(...)`). Two systems that write `Force` without a declared order are refused
+    /// as ambiguous.
     Added,
 }
 
-/// Simulated time. `time` is always `steps * dt`, so it does not gather round-off.
+/// Simulated time. `time` is always `steps * dt`, so it does not accumulate round-off.
 #[derive(Resource, Clone, Copy, Debug)]
 pub struct Clock {
     /// The time step, s.
     pub dt: f64,
-    /// Steps done.
+    /// Number of completed steps.
     pub steps: u64,
     started: bool,
 }
@@ -102,7 +106,7 @@ impl Clock {
         self.steps as f64 * self.dt
     }
 
-    /// Whether a moment, in s, has come: to within a thousandth of a step, so that 0.05 s is step 50 of 1 ms.
+    /// Whether a moment (s) has come, to within a thousandth of a step: 0.05 s is step 50 of 1 ms.
     #[must_use]
     pub fn has_reached(&self, moment: f64) -> bool {
         self.time() >= moment - 1e-3 * self.dt
@@ -114,13 +118,13 @@ impl Clock {
         !self.started
     }
 
-    /// Ends step zero; called by the runner after the first run.
+    /// Ends step zero. The simulation calls it after the first run.
     pub(crate) fn start(&mut self) {
         self.started = true;
     }
 }
 
-/// Run condition: time moves in this run of the schedule.
+/// Run condition: time advances in this run of the schedule.
 #[must_use]
 pub fn time_moves(clock: Res<Clock>) -> bool {
     !clock.is_step_zero()
@@ -132,7 +136,7 @@ pub fn is_step_zero(clock: Res<Clock>) -> bool {
     clock.is_step_zero()
 }
 
-/// A schedule on one thread, in which two systems whose order matters must have one.
+/// Returns a single-threaded schedule that refuses two conflicting systems without a declared order.
 pub(crate) fn serial(label: impl ScheduleLabel) -> Schedule {
     let mut schedule = Schedule::new(label);
     schedule.set_executor(SingleThreadedExecutor::new());
@@ -147,17 +151,17 @@ fn advance(mut clock: ResMut<Clock>) {
     clock.steps += 1;
 }
 
-/// The schedule, its phases and the clock.
+/// Adds the schedule, its phases and the clock.
 pub struct StepPlugin {
     /// The time step, s.
     pub dt: f64,
 }
 
-/// Systems that need the time of the end of the step run after this one.
+/// The set that advances the clock. Systems that need the time of the step's end run after it.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ClockAdvanced;
 
-/// Systems that act on x(t+dt) within [`Phase::Drift`] run after this set.
+/// The set after which positions are x(t+dt). Systems of [`Phase::Drift`] that use them run after it.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Drifted;
 
@@ -174,7 +178,7 @@ impl Plugin for StepPlugin {
                 });
                 last = Some(phase);
             }
-            // Components are copied in step zero too: run conditions of systems are evaluated then as well.
+            // Components are synced in step zero too, because run conditions are evaluated even then.
             for phase in [Phase::Drift, Phase::Kick] {
                 schedule.configure_sets((Part::Engine(phase).run_if(time_moves), phase.run_if(time_moves)));
             }

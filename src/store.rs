@@ -1,14 +1,21 @@
-//! The packed particle store, [`ParticleStore`]: the state that the passes of a step read and write, in the order of [`Slot`]s.
+//! The packed particle store, [`ParticleStore`]: the state that the passes of a step read and write, in the order of
+//! [`Slot`]s.
 //!
-//! Every particle is an entity, and its components show what the store holds. During a step the store owns the numbers. Components
-//! follow where a system of the schedule reads them, and what a system writes to them is taken over (`store/sync.rs`); where no
-//! system uses a component, nothing is copied. The order of slots makes every sum that runs over particles, contacts first of
-//! all, independent of table order, thread count and neighbour search: the determinism of a run rests on it.
+//! Every particle is an entity, and some of its components mirror numbers of the store. During a step the store owns
+//! these numbers. Before a phase whose systems read a mirrored component, the component is copied from the store. After
+//! the phase, values that systems wrote are copied back (`store/component_sync.rs`). If no system uses a component,
+//! nothing is copied.
 //!
-//! Slots go row by row through space, in large packings beam by beam (within a cell, by id), so that neighbours in space are neighbours
-//! in memory; what is fixed comes last. They are dealt out anew after the phase [`Spawn`](crate::step::Phase::Spawn) when a particle
-//! entered, left, was fixed or freed, or got another radius, mass, species or inertia; and every [`SORT_CHECK_INTERVAL`] steps, if more than a
-//! tenth of the grains have left that order. That depends on nothing but the state.
+//! Every sum over particles, and above all over contacts, runs in the order of slots. The sums do not depend on table
+//! order, thread count or neighbour search. This makes a run deterministic.
+//!
+//! Slots run row by row through space, and in large packings beam by beam; within a cell they are sorted by id.
+//! Neighbours in space are therefore mostly neighbours in memory. Fixed particles come last.
+//!
+//! Slots are assigned anew after the phase [`Spawn`](crate::step::Phase::Spawn) in two cases, both of which depend on
+//! the state alone:
+//! * A particle entered, left, was fixed or freed, or got another radius, mass, species or moment of inertia.
+//! * Every [`SORT_CHECK_INTERVAL`] steps, if more than a tenth of the grains have left that order.
 
 mod accumulator;
 mod component_sync;
@@ -52,31 +59,34 @@ use crate::periodic::Periodic;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::spin::InertiaLaw;
 
-/// What every contact asks of a particle, side by side in memory, and in this order: they are read by fours.
+/// The numbers of a particle that every contact reads, side by side in memory. The kernel loads them in groups of four,
+/// in this order.
 #[derive(Clone, Copy, Debug)]
 #[repr(C)]
 pub struct Body<V: Space = Plane> {
     /// Centre, m.
     pub position: V,
-    /// v(t+dt/2) while forces are evaluated, v(t) from the end of [`Phase::Kick`](crate::step::Phase::Kick) on, or once a system
-    /// looks (`store/deferred_kick.rs`), m/s.
+    /// Velocity, m/s: v(t+dt/2) while forces are evaluated, v(t) after [`Phase::Kick`](crate::step::Phase::Kick). If
+    /// the kick is deferred, it becomes v(t) only when a system reads velocities (`store/deferred_kick.rs`).
     pub velocity: V,
     /// Radius, m.
     pub radius: f64,
-    /// Inverse mass as contacts see it, 1/kg: 0 for what is fixed.
+    /// Inverse mass as contacts see it, 1/kg: 0 for fixed particles.
     pub inverse_mass: f64,
 }
 
-/// What acts on particles: sums over their contacts. What a scene does not ask for is empty.
+/// Forces and torques on particles, summed over their contacts. Sums that the scene does not need are empty.
 #[derive(Clone, Debug)]
 pub struct Loads<V: Space = Plane> {
-    /// Forces of contacts, walls and weight together, N; of dashpots along normals and, where grains spin, across them.
+    /// Total: forces of contacts, walls and weight, N. Dissipative part: dashpots along normals and, if grains spin,
+    /// across them.
     pub force: Accumulator<V>,
-    /// Torques of all contacts, N m, where grains spin; of tangential dashpots.
+    /// Total: torques of all contacts, N m, if grains spin. Dissipative part: tangential dashpots.
     pub torque: Accumulator<V::Spin>,
-    /// The part of the torques that dashpots of rolling resistance make, N m, where there is any and books of energy are kept.
+    /// The part of the torques that dashpots of rolling resistance make, N m. Empty without rolling resistance or
+    /// without the energy balance.
     pub rolling_drag: Vec<V::Spin>,
-    /// How many contacts each has had in this force pass; where the scheme looks ahead.
+    /// Number of contacts of each particle in this force pass. Empty unless the scheme predicts velocities.
     pub contacts: Vec<u32>,
 }
 
@@ -91,100 +101,103 @@ impl<V: Space> Default for Loads<V> {
     }
 }
 
-/// How a particle spins: only in scenes with spin. In this order: in solid space they are read by fours.
+/// Rotation of a particle; stored only in scenes with spin. In solid space the kernel loads these four numbers at once,
+/// in this order.
 #[derive(Clone, Copy, Debug, Default)]
 #[repr(C)]
 pub struct Rotation<V: Space = Plane> {
-    /// Angular velocity, rad/s, at the times of velocities.
+    /// Angular velocity, rad/s, at the same time as the velocity.
     pub spin: V::Spin,
-    /// 1/I, 1/(kg m^2); 0 for what does not spin.
+    /// 1/I, 1/(kg m^2); 0 for particles that do not spin.
     pub inverse_inertia: f64,
 }
 
-/// How forces change a velocity.
+/// The change of a velocity by the forces of a step's beginning.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct VelocityGain<V: Space = Plane> {
-    /// What it gains in half a step by the forces of its beginning, m/s.
+    /// Gain in half a step, m/s.
     pub velocity: V,
-    /// 1 for what had at most one contact then, else 0.
+    /// 1 if the particle had at most one contact at the step's beginning, else 0.
     pub only_contact: f64,
 }
 
-/// How torques change a spin.
+/// The change of a spin by the torques of a step's beginning.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SpinGain<V: Space = Plane> {
-    /// What it gains in half a step by the torques of its beginning, rad/s.
+    /// Gain in half a step, rad/s.
     pub spin: V::Spin,
-    /// 1/I, 1/(kg m^2); 0 for what is fixed.
+    /// 1/I, 1/(kg m^2); 0 for fixed particles.
     pub inverse_inertia: f64,
 }
 
-/// The packed state, one entry a particle, in the order of slots. SI units.
+/// The packed state, one entry per particle, in the order of slots. SI units.
 #[derive(Resource)]
 pub struct ParticleStore<V: Space = Plane> {
-    /// Names.
+    /// Particle ids.
     pub id: Vec<GrainId>,
-    /// The entity of each; [`Entity::PLACEHOLDER`] if it has left since slots were dealt out.
+    /// The entity of each particle; [`Entity::PLACEHOLDER`] if the particle has left since the last renumbering.
     pub entity: Vec<Entity>,
-    /// The slot that each had before slots were dealt out anew; that of nobody if it had none.
+    /// The slot of each particle before the last renumbering; the default slot if it had none.
     pub(crate) former: Vec<Slot>,
-    /// Who had another radius in that one, or was fixed and is free, or the reverse; in ascending order.
+    /// Slots of particles that were fixed or freed, or got another radius, at the last renumbering; in ascending order.
     pub(crate) altered: Vec<Slot>,
-    /// What moments of inertia follow from, where grains spin.
+    /// The scene's rule for moments of inertia; `None` if grains do not spin.
     pub(crate) inertia: Option<InertiaLaw>,
-    /// The rows of particles that have left since slots were dealt out.
+    /// Rows of particles that have left since the last renumbering.
     pub(crate) vacated: Vec<usize>,
-    /// The components that do not show what the store holds.
+    /// Mirrored components that are older than the store.
     pub(crate) stale: MirrorSet,
-    /// Potential energy that periodic sides have given to particles in this step's drift, J.
+    /// Potential energy gained in this step's drift by particles that crossed a periodic side, J.
     pub(crate) lifted: f64,
     /// Whether a system or a command has written a velocity, a spin, a force or a torque that is not finite.
     pub(crate) is_suspect: bool,
-    /// What every contact asks for.
+    /// The numbers that every contact reads.
     pub body: Vec<Body<V>>,
-    /// Masses, kg; 0 for what has none.
+    /// Masses, kg; 0 for particles without mass.
     pub mass: Vec<f64>,
-    /// Kinds.
+    /// Species.
     pub species: Vec<Species>,
-    /// What acts on them.
+    /// Sums of forces and torques.
     pub loads: Loads<V>,
-    /// Spins; empty where nothing spins.
+    /// Rotations; empty if nothing spins.
     pub rotation: Vec<Rotation<V>>,
-    /// What velocities gain by the forces of the step's beginning; empty unless the scheme looks ahead.
+    /// Velocity gains by the forces of the step's beginning; empty unless the scheme predicts velocities.
     pub gain: Vec<VelocityGain<V>>,
-    /// The same of spins.
+    /// Spin gains by the torques of the step's beginning; empty unless the scheme predicts velocities.
     pub spin_gain: Vec<SpinGain<V>>,
-    /// For how long velocities are still to be kicked by the forces of a step when these are known, s: half a step, or 0.
+    /// Duration of the second kick, s: half a step if a kick with this step's forces is still to come, else 0.
     pub(crate) half_step: f64,
-    /// The forces that systems have added in this step, N; empty where none does.
+    /// Forces that systems have added in this step, N; empty if no system adds one.
     pub(crate) added: Vec<V>,
-    /// Their power at the end of the step, W.
+    /// Power of the added forces at the end of the step, W.
     pub(crate) added_power: Option<f64>,
-    /// For how long the scheme looks ahead, s: half a step, or 0.
+    /// How far ahead the scheme predicts velocities, s: half a step, or 0.
     pub lookahead: f64,
-    /// The largest gap that two can close in that time, m.
+    /// The largest gap that two particles can close in the time `lookahead`, m.
     pub margin: f64,
-    /// The sides through which the scene repeats itself, if it does.
+    /// The periodic sides of the scene, if it has any.
     pub periodic: Option<Periodic<V>>,
-    /// Whether a pass of its own, not the drift, sets back particles that have gone through them, for it books what that lifts.
+    /// Whether a separate pass wraps particles into the periodic box, and not the drift. That pass records the energy
+    /// that wrapping adds.
     pub(crate) sets_back_later: bool,
-    /// At least this share of the sum of the radii of any two is the smaller one.
+    /// r_min/(r_min + r_max): for any pair, the smaller radius is at least this share of the sum of both radii.
     pub smallest_share: f64,
-    /// How many are not fixed: they come first.
+    /// Number of particles that are not fixed: they have the first slots.
     pub movable_end: usize,
-    /// Counts the renumberings; whoever caches indices compares it.
+    /// Number of renumberings so far. Code that caches slots compares it to detect a renumbering.
     pub generation: u64,
-    /// The sum over the steps of the longest move of any particle in a step, m: how far anyone can have gone. Not a number
-    /// once somebody's position is not.
+    /// Sum over the steps of the longest move of any particle in a step, m: an upper bound of the distance that any
+    /// particle has moved. NaN once a position is NaN.
     pub travel: f64,
-    /// Whether books of energy are kept.
+    /// Whether the run keeps the energy balance.
     pub tracks_energy: bool,
-    /// What the kick has summed in passing over all that is not fixed, component by component, by strides in the order of slots:
-    /// the power of the drag, W, where books of energy are kept, else velocities, m/s, so that it shows if one is not a number.
+    /// Sum over all free particles that the kick has formed, component by component, chunk by chunk in the order of
+    /// slots. With the energy balance it is the power of the drag, W. Otherwise it is the sum of velocities, m/s, which
+    /// shows whether any is not finite.
     pub(crate) kick_sum: Option<V>,
-    /// The same of the torques of tangential dashpots, or of spins.
+    /// Like `kick_sum`, of rotation: the power of tangential dashpots, W, or the sum of spins, rad/s.
     pub(crate) spin_kick_sum: Option<V::Spin>,
-    /// What the order of slots goes by.
+    /// The spatial order of slots.
     pub(crate) order: SpatialOrder,
 }
 
@@ -234,20 +247,20 @@ impl<V: Space> ParticleStore<V> {
         self.id.len()
     }
 
-    /// Whether there is no particle.
+    /// Whether the store has no particle.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
     }
 
-    /// Whether entry `i` is not moved by forces.
+    /// Whether forces do not move the particle in slot `i`.
     #[must_use]
     #[inline]
     pub fn is_fixed(&self, i: usize) -> bool {
         i >= self.movable_end
     }
 
-    /// The entries in ascending order of id.
+    /// All slots, in ascending order of particle id.
     #[must_use]
     pub fn by_id(&self) -> Vec<usize> {
         let mut entries: Vec<_> = (0..self.len()).collect();
@@ -255,34 +268,34 @@ impl<V: Space> ParticleStore<V> {
         entries
     }
 
-    /// How far particles can have moved.
+    /// The distance that particles can have moved.
     #[inline]
     pub(crate) fn travel_meter(&self) -> TravelMeter {
         TravelMeter { generation: self.generation, travel: self.travel }
     }
 
-    /// The vector from `b` to `a`, m: in a periodic scene the shortest one.
+    /// The vector from `b` to `a`, m: in a periodic scene, the shortest one.
     #[inline]
     #[must_use]
     pub fn separation(&self, a: V, b: V) -> V {
         self.periodic.map_or(a - b, |periodic| periodic.shortest(a - b))
     }
 
-    /// Kinetic energy of translation of entry `i`, J; nothing for what is fixed.
+    /// Kinetic energy of translation of the particle in slot `i`, J; zero for fixed particles.
     #[must_use]
     #[inline]
     pub fn kinetic_energy(&self, i: usize) -> f64 {
         if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.body[i].velocity.length_squared() }
     }
 
-    /// The spin of entry `i`, rad/s; zero where nothing spins.
+    /// Spin of the particle in slot `i`, rad/s; zero if nothing spins.
     #[must_use]
     #[inline]
     pub fn spin(&self, i: usize) -> V::Spin {
         self.rotation.get(i).map_or(V::Spin::ZERO, |rotation| rotation.spin)
     }
 
-    /// Kinetic energy of rotation of entry `i`, J; nothing for what is fixed or does not spin.
+    /// Kinetic energy of rotation of the particle in slot `i`, J; zero for particles that are fixed or do not spin.
     #[must_use]
     #[inline]
     pub fn rotational_energy(&self, i: usize) -> f64 {
@@ -296,8 +309,9 @@ impl<V: Space> ParticleStore<V> {
 }
 
 impl Dimension {
-    /// That of a world: for what does not know the type of its space. A [`Behaviour`](crate::behaviour::Behaviour) asks it in `build`, with
-    /// `app.world()`. The lattice gas lives in the plane.
+    /// The dimension of a world, for code that is not generic over the space. A
+    /// [`Behaviour`](crate::behaviour::Behaviour) calls it in `build`, with `app.world()`. The lattice gas has the
+    /// plane.
     #[must_use]
     pub fn of_world(world: &World) -> Self {
         if world.contains_resource::<ParticleStore<Solid>>() { Self::Solid } else { Self::Plane }

@@ -1,11 +1,15 @@
-//! The order of rows in the ECS tables: that of slots, so that passes over components and columns go along both.
+//! Keeps the rows of ECS tables in the order of slots, so that passes over components and over the store run through
+//! memory in the same order.
 //!
-//! The ECS keeps rows in the order in which entities came. Many grains of the start enter in the order of the slots that
-//! they will get. When slots are dealt out anew and more than a tenth of the rows would be read out of order, and every
-//! [`SORT_CHECK_INTERVAL`] steps if any would, the tables are sorted in place: a grain that leaves its table ([`OutOfTable`] is added to it) leaves its row to the last one, and when it
-//! comes back (it is taken away again) it becomes the last one itself. So any row is exchanged with the last, and a cycle of
-//! k rows takes k + 1 exchanges. No second table is filled, whose memory the ECS would keep. Nothing that is computed hangs
-//! on the order of rows.
+//! The ECS keeps rows in the order in which entities were spawned. When many grains enter at the start, they are
+//! spawned in the order of their future slots. Tables are sorted in place in two cases:
+//! * After a renumbering, if more than a tenth of the rows are out of order.
+//! * Every [`SORT_CHECK_INTERVAL`] steps, if any row is out of order.
+//!
+//! A sort exchanges rows through the last row. A grain that gets the component [`OutOfTable`] leaves its table, and the
+//! last row moves into its place. When the component is removed again, the grain becomes the last row. In this way any
+//! row can be exchanged with the last one. A cycle of k rows takes k + 1 exchanges. No second table is filled, so the
+//! ECS does not keep memory for one. No result of the simulation depends on the order of rows.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -15,21 +19,21 @@ use crate::space::Space;
 use crate::step::{Clock, Part, Step};
 use crate::store::{DENSE, Plan, SORT_CHECK_INTERVAL, SpatialOrder, has_renumbered, sort_check_is_due};
 
-/// On a grain that is out of its table.
+/// Marks a grain that is temporarily out of its table.
 #[derive(Component, Clone, Copy, Debug)]
 struct OutOfTable;
 
-/// Below this number it is not worth the trouble.
-const WORTHWHILE: usize = 512;
+/// The smallest number of grains that is sorted; sorting fewer saves too little.
+const MIN_SORTED: usize = 512;
 
 fn sort_rows(world: &mut World, rows: &mut QueryState<(Entity, &Slot), Without<Fixed>>) {
-    let (mut all, mut out_of_table) = (0, 0);
+    let (mut all, mut out_of_order) = (0, 0);
     for (_, slots) in rows.contiguous_iter(world).expect(DENSE) {
         all += slots.len();
-        out_of_table += slots.windows(2).filter(|pair| pair[1].index() < pair[0].index()).count();
+        out_of_order += slots.windows(2).filter(|pair| pair[1].index() < pair[0].index()).count();
     }
     let tolerated = if world.resource::<Clock>().steps.is_multiple_of(SORT_CHECK_INTERVAL) { 0 } else { all / 10 };
-    if all < WORTHWHILE || out_of_table <= tolerated {
+    if all < MIN_SORTED || out_of_order <= tolerated {
         return;
     }
     let tables = rows.contiguous_iter(world).expect(DENSE);
@@ -39,7 +43,7 @@ fn sort_rows(world: &mut World, rows: &mut QueryState<(Entity, &Slot), Without<F
     }
 }
 
-/// The row that each one belongs to.
+/// Returns the target row of each entity.
 fn ranks(slots: &[Slot]) -> Vec<u32> {
     let mut order: Vec<u32> = (0..).zip(slots).map(|(row, _)| row).collect();
     order.sort_unstable_by_key(|&row| slots[row as usize].index());
@@ -50,7 +54,7 @@ fn ranks(slots: &[Slot]) -> Vec<u32> {
     ranks
 }
 
-/// Brings the entities of a table, row by row, to the rows `ranks`.
+/// Moves the entities of a table, given by row, to the rows `ranks`.
 fn arrange(world: &mut World, mut grains: Vec<Entity>, mut ranks: Vec<u32>) {
     let Some(last) = grains.len().checked_sub(1) else { return };
     let mut exchange = |row: usize, ranks: &mut [u32]| {
@@ -59,7 +63,7 @@ fn arrange(world: &mut World, mut grains: Vec<Entity>, mut ranks: Vec<u32>) {
         ranks.swap(row, last);
     };
     for row in 0..last {
-        // Whoever is last goes where it belongs, until one comes back that belongs there.
+        // The last entity goes to its target row, until the entity in the last row belongs there.
         while ranks[last] as usize != last {
             exchange(ranks[last] as usize, &mut ranks);
         }
@@ -72,9 +76,9 @@ fn arrange(world: &mut World, mut grains: Vec<Entity>, mut ranks: Vec<u32>) {
     }
 }
 
-/// Brings grains that will be spawned into order: many into that of the slots that they will get; few stay as they come.
+/// Sorts grains before they are spawned into the order of their future slots. Few grains are left as they are.
 pub(crate) fn sort_newcomers<V: Space, T>(newcomers: &mut [(GrainBundle<V>, T)]) {
-    if newcomers.len() < WORTHWHILE {
+    if newcomers.len() < MIN_SORTED {
         return;
     }
     let grains = || newcomers.iter().map(|(grain, _)| &grain.particle);
@@ -83,12 +87,12 @@ pub(crate) fn sort_newcomers<V: Space, T>(newcomers: &mut [(GrainBundle<V>, T)])
     newcomers.sort_by_cached_key(|(grain, _)| (order.place(grain.particle.position.0), grain.particle.id));
 }
 
-/// Whether components of grains are copied in many steps.
+/// Whether systems copy components of grains in many steps.
 fn are_mirrored(plan: Option<Res<Plan>>) -> bool {
     plan.is_some_and(|plan| plan.mirrors_grains())
 }
 
-/// Keeps rows in the order of slots.
+/// Keeps table rows in the order of slots.
 pub struct TableSortPlugin;
 
 impl Plugin for TableSortPlugin {
@@ -111,7 +115,7 @@ mod tests {
     #[test]
     fn a_table_is_sorted_in_place() {
         for size in [0u32, 1, 2, 3, 10, 1009] {
-            // Multiples of a number without common divisor: all of them, in cycles of several lengths.
+            // Multiples of a number without a common divisor give every row once, in cycles of several lengths.
             let ranks: Vec<u32> = (0..size).map(|row| row * 7 % size).collect();
             let mut world = World::new();
             let grains: Vec<_> = ranks.iter().map(|&rank| world.spawn((Rank(rank), Other)).id()).collect();

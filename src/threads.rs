@@ -1,10 +1,11 @@
-//! How many threads share the force pass ([`crate::contact::kernel`]), those over the rows of many grains
-//! ([`crate::columns`]), the search for neighbours and the lattice's passes. One needs no pool; on several the bits are the same.
+//! The threads that share the force pass ([`crate::contact::kernel`]), passes over the particle store
+//! ([`crate::store`]), the neighbour search and the passes of the lattice gas. One thread needs no pool. Results are
+//! the same to the last bit for any number of threads.
 //!
-//! A step is a few passes of some ten or a hundred microseconds each, with a little in between that one thread does. To wake
-//! a thread that sleeps takes as long as a pass, and 0.1 to 0.5 ms in a virtual machine. So whoever has helped stays awake, looks
-//! for more to do, and goes to sleep after 2 ms without; whoever waits for helpers stays awake too. Meanwhile each lets others
-//! have its core if they want it.
+//! A step is a few passes of 10 to 100 microseconds each, with a little single-threaded work in between. Waking a
+//! sleeping thread takes as long as a pass; in a virtual machine it takes 0.1 to 0.5 ms. A helper thread therefore
+//! stays awake after a pass, polls for more work, and sleeps after 2 ms without any. A thread that needs results of
+//! helpers polls too. Polling threads yield their core to other threads.
 
 use std::cell::Cell;
 use std::num::NonZeroUsize;
@@ -16,76 +17,77 @@ use std::time::{Duration, Instant};
 use bevy_ecs::prelude::*;
 use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder, Yield};
 
-/// For how long a thread that has nothing to do looks for something. The parts of a step that one thread does take less, but
-/// for a renewed list of many grains, or a row of measurements.
-const PATIENCE: Duration = Duration::from_millis(2);
+/// How long a thread without work polls before it sleeps. The single-threaded parts of a step take less time, except a
+/// rebuilt list of many grains or a row of measurements.
+const POLL_TIME: Duration = Duration::from_millis(2);
 
 /// The threads of a run.
 #[derive(Resource)]
-pub struct Threads(Option<Team>);
+pub struct Threads(Option<Pool>);
 
-/// Several of them.
+/// A pool of several threads.
 #[derive(Clone)]
-struct Team {
+struct Pool {
     pool: Arc<ThreadPool>,
-    /// Whether some of them may be asleep.
-    sleeps: Arc<AtomicBool>,
+    /// Whether some threads may be asleep.
+    may_sleep: Arc<AtomicBool>,
 }
 
 impl Threads {
-    /// `count` threads.
+    /// Creates `count` threads.
     ///
     /// # Errors
-    /// If the system refuses to start them.
+    /// If the operating system cannot start them.
     pub fn new(count: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
         if count.get() == 1 {
             return Ok(Self::one());
         }
         let pool = Arc::new(ThreadPoolBuilder::new().num_threads(count.get()).build()?);
-        Ok(Self(Some(Team { pool, sleeps: Arc::new(AtomicBool::new(true)) })))
+        Ok(Self(Some(Pool { pool, may_sleep: Arc::new(AtomicBool::new(true)) })))
     }
 
-    /// One thread.
+    /// Creates a single thread.
     #[must_use]
     pub fn one() -> Self {
         Self(None)
     }
 
-    /// How many threads there are.
+    /// Number of threads.
     #[must_use]
     pub fn count(&self) -> usize {
-        self.0.as_ref().map_or(1, |team| team.pool.current_num_threads())
+        self.0.as_ref().map_or(1, |shared_pool| shared_pool.pool.current_num_threads())
     }
 
-    /// Does all jobs, side by side if there are several threads; gives what came of them, in order.
+    /// Runs all jobs, in parallel if there are several threads. Returns their results in the order of jobs.
     pub(crate) fn share<R: Send>(&self, jobs: impl IntoIterator<Item: FnOnce() -> R + Send>) -> Vec<R> {
         match &self.0 {
             None => jobs.into_iter().map(|job| job()).collect(),
-            Some(team) => team.share(jobs.into_iter().collect()),
+            Some(shared_pool) => shared_pool.share(jobs.into_iter().collect()),
         }
     }
 
-    /// Runs `work` on one of them, so that passes within it share with the others what they do, instead of waking all and waiting.
+    /// Runs `work` on a thread of the pool. Passes inside it then share their jobs with the other threads directly,
+    /// without waking the whole pool.
     pub(crate) fn run<R: Send>(world: &mut World, work: impl FnOnce(&mut World) -> R + Send) -> R {
         match world.resource::<Self>().0.clone() {
             None => work(world),
-            Some(team) => team.pool.install(|| work(world)),
+            Some(shared_pool) => shared_pool.pool.install(|| work(world)),
         }
     }
 }
 
-impl Team {
+impl Pool {
     fn share<R: Send, J: FnOnce() -> R + Send>(&self, jobs: Vec<J>) -> Vec<R> {
         self.wake();
         let mut results: Vec<Option<R>> = jobs.iter().map(|_| None).collect();
-        let left = AtomicUsize::new(jobs.len());
+        let open_jobs = AtomicUsize::new(jobs.len());
         self.pool.in_place_scope(|scope| {
             let mut own = None;
             for (job, result) in jobs.into_iter().zip(&mut results) {
-                let ended = Ended(&left);
+                let job_end = JobEnd(&open_jobs);
                 let work = move || {
                     *result = Some(job());
-                    drop(ended);
+                    drop(job_end);
                 };
                 match own {
                     None => own = Some(work),
@@ -95,15 +97,15 @@ impl Team {
             if let Some(work) = own {
                 work();
             }
-            while left.load(Ordering::Acquire) > 0 {
-                self.look_for_work();
+            while open_jobs.load(Ordering::Acquire) > 0 {
+                self.run_pending_job();
             }
         });
-        results.into_iter().map(|result| result.expect("a job that panics takes the scope with it")).collect()
+        results.into_iter().map(|result| result.expect("the scope propagates a panic of a job")).collect()
     }
 
-    /// Does something that waits to be done, or lets others have the core. Tells which.
-    fn look_for_work(&self) -> bool {
+    /// Runs a pending job, or else yields the core. Returns whether it ran a job.
+    fn run_pending_job(&self) -> bool {
         let has_worked = self.pool.yield_now() == Some(Yield::Executed);
         if !has_worked {
             thread::yield_now();
@@ -111,42 +113,42 @@ impl Team {
         has_worked
     }
 
-    /// Wakes those who sleep.
+    /// Wakes the sleeping threads.
     fn wake(&self) {
-        if self.sleeps.swap(false, Ordering::Relaxed) {
-            let (leader, team) = (self.pool.current_thread_index(), self.clone());
+        if self.may_sleep.swap(false, Ordering::Relaxed) {
+            let (own_index, shared_pool) = (self.pool.current_thread_index(), self.clone());
             self.pool.spawn_broadcast(move |helper| {
-                if Some(helper.index()) != leader {
-                    team.stay_awake();
+                if Some(helper.index()) != own_index {
+                    shared_pool.poll_for_jobs();
                 }
             });
         }
     }
 
-    /// Helps until there has been nothing to do for a while.
-    fn stay_awake(&self) {
+    /// Runs jobs until there have been none for a while.
+    fn poll_for_jobs(&self) {
         thread_local! {
-            static IS_AWAKE: Cell<bool> = const { Cell::new(false) };
+            static IS_POLLING: Cell<bool> = const { Cell::new(false) };
         }
-        // Who is asked while it helps has no need to be asked.
-        if IS_AWAKE.replace(true) {
+        // A thread may receive this request while it is already polling.
+        if IS_POLLING.replace(true) {
             return;
         }
         let mut last = Instant::now();
-        while last.elapsed() < PATIENCE {
-            if self.look_for_work() {
+        while last.elapsed() < POLL_TIME {
+            if self.run_pending_job() {
                 last = Instant::now();
             }
         }
-        IS_AWAKE.set(false);
-        self.sleeps.store(true, Ordering::Relaxed);
+        IS_POLLING.set(false);
+        self.may_sleep.store(true, Ordering::Relaxed);
     }
 }
 
-/// Says at the end of a job, however it ends, that there is one less.
-struct Ended<'a>(&'a AtomicUsize);
+/// Decrements the count of open jobs when a job ends, even by a panic.
+struct JobEnd<'a>(&'a AtomicUsize);
 
-impl Drop for Ended<'_> {
+impl Drop for JobEnd<'_> {
     fn drop(&mut self) {
         self.0.fetch_sub(1, Ordering::Release);
     }
@@ -182,19 +184,19 @@ mod tests {
     #[test]
     fn helpers_go_to_sleep_and_wake_again() {
         let threads = threads(2);
-        let sleeps = || threads.0.as_ref().unwrap().sleeps.load(Ordering::Relaxed);
+        let may_sleep = || threads.0.as_ref().unwrap().may_sleep.load(Ordering::Relaxed);
         for _ in 0..3 {
-            assert!(sleeps());
+            assert!(may_sleep());
             assert_eq!(threads.share((0..4).map(|number| move || number)), [0, 1, 2, 3]);
-            while !sleeps() {
+            while !may_sleep() {
                 thread::yield_now();
             }
         }
     }
 
     #[test]
-    #[should_panic(expected = "not today")]
-    fn a_job_that_panics_is_heard() {
-        threads(2).share((0..4).map(|number| move || assert!(number != 3, "not today")));
+    #[should_panic(expected = "job failed")]
+    fn a_panic_in_a_job_propagates() {
+        threads(2).share((0..4).map(|number| move || assert!(number != 3, "job failed")));
     }
 }

@@ -1,12 +1,12 @@
-//! The space that grains live in: the plane or solid space, as a type parameter.
+//! The space of a scene, plane or solid, as a type parameter.
 //!
-//! A space *is* the type of its vectors: [`Plane`] is a vector of two components, x to the right and y up; [`Solid`]
-//! one of three, x to the right, y into the depth and z up. Everything that moves is generic over [`Space`], compiled
-//! once for each, so that a planar scene stores and computes nothing of z. Generic types default to the plane:
-//! `Position` means `Position<Plane>`, and a system of a planar behaviour sees no generics.
+//! A space *is* the type of its vectors. [`Plane`] is a vector of two components, x to the right and y up. [`Solid`] is
+//! a vector of three, x to the right, y into the depth and z up. All moving things are generic over [`Space`] and
+//! compiled once for each, so that a planar scene stores and computes no z. Generic types default to the plane:
+//! `Position` means `Position<Plane>`, and systems of a planar behaviour need no generics.
 //!
-//! A spin (angular velocity, torque) has one component in the plane, counted positive counter-clockwise, and three in
-//! solid space. SI units; double precision, for the overlaps that carry a bed are 1e-4 of its size.
+//! A spin (angular velocity, torque) has one component in the plane, positive counter-clockwise, and three in solid
+//! space. Units are SI. Numbers are in double precision, because the overlaps that carry a bed are 1e-4 of its size.
 
 mod plane;
 mod solid;
@@ -23,16 +23,17 @@ pub type Plane = glam::DVec2;
 /// Solid space: (x, y, z), z is up.
 pub type Solid = glam::DVec3;
 
-/// A vector of the plane, in SI units: what planar behaviours call their vectors.
+/// A vector of the plane, in SI units: the name for planar behaviours.
 pub type Vector = Plane;
 
-/// The square of a distance, m^2, below which two points are one: far below any length, far above what numbers can hold.
+/// The squared distance, m^2, below which two points count as coincident: far below any length, far above the smallest
+/// double.
 pub(crate) const COINCIDENT: f64 = 1e-200;
 
-/// How far two such points are taken to be apart, m: so little that no overlap notices it.
+/// The assumed distance of two coincident points, m: too small to change an overlap.
 pub(crate) const PARTED: f64 = 1e-90;
 
-/// The scene's `space`: which of the two a scene lives in.
+/// The scene's `space`.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Dimension {
     /// Two dimensions, discs.
@@ -53,7 +54,7 @@ impl Dimension {
     }
 }
 
-/// What vectors and spins have in common: sums, multiples, a scalar product.
+/// Operations that vectors and spins have in common: sums, multiples, a scalar product.
 pub trait Linear:
     Copy
     + Debug
@@ -70,16 +71,16 @@ pub trait Linear:
     + Mul<f64, Output = Self>
     + Sum
 {
-    /// Nothing.
+    /// Zero.
     const ZERO: Self;
     /// Number of components.
     const COUNT: usize;
 
-    /// One component.
+    /// Returns one component.
     #[must_use]
     fn component(self, axis: usize) -> f64;
 
-    /// What has these components.
+    /// Builds a value from its components.
     #[must_use]
     fn from_components(component: impl FnMut(usize) -> f64) -> Self;
 
@@ -87,7 +88,8 @@ pub trait Linear:
     #[must_use]
     fn dot(self, other: Self) -> f64;
 
-    /// The products of components: their sum is the scalar product. Many of them are summed faster than scalar products are.
+    /// The component-wise product; the sum of its components is the scalar product. Summing many of these products is
+    /// faster than summing scalar products.
     #[inline]
     #[must_use]
     fn times(self, other: Self) -> Self {
@@ -101,11 +103,11 @@ pub trait Linear:
         (0..Self::COUNT).map(|axis| self.component(axis)).sum()
     }
 
-    /// The components, padded with zeros; a planar spin is along z.
+    /// Returns the components padded with zeros to three. A planar spin is along z.
     #[must_use]
     fn spread(self) -> Solid;
 
-    /// Whether every component is finite.
+    /// Whether all components are finite.
     #[must_use]
     fn is_finite(self) -> bool;
 
@@ -124,33 +126,33 @@ pub trait Linear:
     }
 }
 
-/// The plane or solid space, by the type of its vectors.
+/// The plane or solid space, as the type of its vectors.
 pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64> {
     /// Number of components.
     const COMPONENTS: usize;
-    /// Which it is.
+    /// The dimension.
     const DIMENSION: Dimension;
-    /// Angular velocities and torques.
+    /// The type of angular velocities and torques.
     type Spin: Linear;
-    /// A cell of a grid, apart from its number along x.
+    /// A row of grid cells along x: the cell numbers along the other axes.
     type Row: Copy + Debug + PartialEq + Send + Sync + 'static;
 
-    /// The first components of a padded vector.
+    /// Returns the first components of a padded vector.
     #[must_use]
     fn narrow(padded: Solid) -> Self;
 
-    /// The spin of a padded vector: in the plane, its component along z.
+    /// Returns the spin of a padded vector: in the plane, its z component.
     #[must_use]
     fn narrow_spin(padded: Solid) -> Self::Spin;
 
-    /// One component: 0 is x.
+    /// Returns one component: 0 is x.
     #[inline]
     #[must_use]
     fn axis(self, axis: usize) -> f64 {
         self[axis]
     }
 
-    /// The same vector with another component.
+    /// Returns the vector with one component replaced.
     #[inline]
     #[must_use]
     fn with_axis(mut self, axis: usize, value: f64) -> Self {
@@ -165,42 +167,42 @@ pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64
         self.axis(Self::COMPONENTS - 1)
     }
 
-    /// Where it is drawn: the plane itself; of solid space x and z, seen along y.
+    /// The position in a drawing: in the plane, the vector itself; in solid space x and z, seen along y.
     #[must_use]
     fn on_paper(self) -> Plane;
 
-    /// How far behind the paper it is.
+    /// The distance behind the drawing plane.
     #[must_use]
     fn depth(self) -> f64;
 
-    /// self x other: a torque from an arm and a force.
+    /// Returns self x other: a torque from an arm and a force.
     #[must_use]
     fn cross(self, other: Self) -> Self::Spin;
 
-    /// spin x self: the velocity of a point at self.
+    /// Returns spin x self: the velocity of a point at self.
     #[must_use]
     fn turned_by(self, spin: Self::Spin) -> Self;
 
-    /// A unit vector that depends on `number` only.
+    /// Returns a unit vector that depends on `number` only.
     #[must_use]
     fn direction(number: u32) -> Self;
 
-    /// A unit vector at right angles to this one.
+    /// Returns a unit vector perpendicular to this one.
     #[must_use]
     fn any_perpendicular(self) -> Self;
 
-    /// The rows of cells from `-reach` to `reach` around nothing, in a fixed order.
+    /// The rows with entries from `-reach` to `reach`, around the zero row, in a fixed order.
     fn rows(reach: i64) -> impl Iterator<Item = Self::Row>;
 
-    /// The row that a function of the axis (1 for y) and the entry of `from` gives, entry by entry.
+    /// Maps a row entry by entry. `entry` receives the axis (1 for y) and the entry of `from`.
     #[must_use]
     fn row(from: Self::Row, entry: impl FnMut(usize, i64) -> i64) -> Self::Row;
 
-    /// A row of zeros.
+    /// The row of zeros.
     #[must_use]
     fn origin_row() -> Self::Row;
 
-    /// A number that scatters rows over a hash table.
+    /// Hashes a row for a hash table.
     #[must_use]
     fn scatter(row: Self::Row) -> u64;
 
@@ -211,14 +213,14 @@ pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64
         (self - other).length()
     }
 
-    /// Its square.
+    /// The squared distance to another point.
     #[inline]
     #[must_use]
     fn distance_squared(self, other: Self) -> f64 {
         (self - other).length_squared()
     }
 
-    /// The sum of the components without their signs: not less than the length, and without its root.
+    /// The sum of the absolute components: an upper bound of the length, without a square root.
     #[inline]
     #[must_use]
     fn extent(self) -> f64 {
@@ -231,7 +233,7 @@ pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64
         (0..Self::COMPONENTS).map(|axis| self.axis(axis)).collect()
     }
 
-    /// The unit vector along it; zero for zero.
+    /// The unit vector in this direction; zero for the zero vector.
     #[must_use]
     fn unit_or_zero(self) -> Self {
         let length = self.length();
@@ -268,12 +270,12 @@ impl Linear for f64 {
     }
 }
 
-/// Scatters the number of a line of cells over the bits of a hash.
+/// Spreads the number of a row over the bits of a hash.
 fn mix(line: i64) -> u64 {
     line.cast_unsigned().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32
 }
 
-/// Four numbers side by side, by place: instructions may work on all at once.
+/// Builds an array of four numbers from their indices, so that vector instructions may evaluate all four at once.
 #[inline(always)]
 pub(crate) fn quad(mut number: impl FnMut(usize) -> f64) -> [f64; 4] {
     [number(0), number(1), number(2), number(3)]

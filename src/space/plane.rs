@@ -1,4 +1,4 @@
-//! The plane: vectors of two components, spins of one.
+//! The plane: vectors of two components, spins of one component.
 
 use crate::space::{Dimension, Linear, Plane, Solid, Space, mix};
 

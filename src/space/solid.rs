@@ -64,7 +64,7 @@ impl Space for Solid {
     }
 
     fn direction(number: u32) -> Self {
-        // Angle and height of a point on the unit sphere, from the two halves of the number.
+        // Polar angle and height of a point on the unit sphere, from the two halves of the number.
         let height = 2.0 * f64::from(number >> 16) / 65_535.0 - 1.0;
         let around = Plane::from_angle(f64::from(number & 0xFFFF)) * (1.0 - height * height).max(0.0).sqrt();
         around.extend(height)

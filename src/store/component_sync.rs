@@ -1,11 +1,13 @@
-//! Synchronisation of components with the store: in the phases in which systems use them, and between steps.
+//! Component sync: copies mirrored components from and to the store, around the phases in which systems use them and
+//! between steps.
 //!
-//! Before the systems of a phase run, the components that they use are brought up to date, as far as they are stale; after them, what they
-//! wrote is taken over into the store. A phase whose systems use no component has neither. Change ticks tell which rows a system wrote:
-//! a system that writes past change detection (`bypass_change_detection`) says that its write does not count, and it is lost.
+//! Before the systems of a phase run, the stale components that they use are refreshed. After them, values that they
+//! wrote are written back to the store. A phase whose systems use no mirrored component has neither copy. Change ticks
+//! show which rows a system wrote. A write that bypasses change detection (`bypass_change_detection`) declares that it
+//! does not count, and it is lost.
 //!
-//! The world between steps is the caller's ([`publish_to_world`]): all components are up to date, and what is written then counts from the next
-//! step on ([`collect_from_world`]).
+//! Between steps the caller owns the world ([`publish_to_world`]): all components are up to date. Values that the
+//! caller writes count from the next step on ([`collect_from_world`]).
 
 use bevy_app::App;
 use bevy_ecs::change_detection::Tick;
@@ -21,18 +23,18 @@ use crate::store::mirror::{MirrorSet, Refresh, WriteBack};
 use crate::store::predictable_conditions::PredictableConditions;
 use crate::store::sync_plan::{ForeignObservers, Plan, ReadsMotion, ReadsPlaces};
 
-/// What systems of phase number `phase` use in this step: what they read, and what they may write.
-fn wanted(world: &mut World, phase: usize, observers: &mut ForeignObservers) -> (MirrorSet, MirrorSet) {
+/// Mirrored components that the systems of phase number `phase` read and may write in this step.
+fn used_components(world: &mut World, phase: usize, observers: &mut ForeignObservers) -> (MirrorSet, MirrorSet) {
     let plan = &mut world.resource_mut::<Plan>().phases[phase];
     let (needs, has_commands) = (std::mem::take(&mut plan.needs), plan.has_commands);
     let mut uses = (MirrorSet::NONE, MirrorSet::NONE);
     for need in &needs {
-        if PredictableConditions::open(world, &need.gates) {
+        if PredictableConditions::are_open(world, &need.gates) {
             uses = (uses.0.or(need.reads), uses.1.or(need.writes));
         }
     }
     world.resource_mut::<Plan>().phases[phase].needs = needs;
-    if has_commands && Plan::others_may_run(world, observers) { (MirrorSet::ALL, MirrorSet::ALL) } else { uses }
+    if has_commands && Plan::foreign_code_may_run(world, observers) { (MirrorSet::ALL, MirrorSet::ALL) } else { uses }
 }
 
 fn refresh<V: Space, const PHASE: usize>(
@@ -40,9 +42,9 @@ fn refresh<V: Space, const PHASE: usize>(
     state: &mut SystemState<Refresh<V>>,
     observers: &mut ForeignObservers,
 ) {
-    let (reads, writes) = wanted(world, PHASE, observers);
+    let (reads, writes) = used_components(world, PHASE, observers);
     if !reads.is_none() {
-        state.get_mut(world).expect("the store is there").refresh(reads);
+        state.get_mut(world).expect("the store plugin inserts the store").refresh(reads);
     }
     let since = world.increment_change_tick();
     let mut plan = world.resource_mut::<Plan>();
@@ -55,7 +57,7 @@ fn write_back<V: Space, const PHASE: usize>(world: &mut World, state: &mut Syste
         world.resource_mut::<ParticleStore<V>>().begin_added(writes.meets(MirrorSet::FORCE));
     }
     if !writes.is_none() {
-        state.get_mut(world).expect("the store is there").write_back(writes, since);
+        state.get_mut(world).expect("the store plugin inserts the store").write_back(writes, since);
     }
     if PHASE == FORCES {
         world.resource_mut::<ParticleStore<V>>().end_added();
@@ -65,15 +67,15 @@ fn write_back<V: Space, const PHASE: usize>(world: &mut World, state: &mut Syste
 const FORCES: usize = 3;
 
 impl<V: Space> ParticleStore<V> {
-    /// Nothing has been added to the forces of this step.
-    fn begin_added(&mut self, may_be: bool) {
+    /// Clears the forces that systems have added in this step. Allocates them if the phase may write `Force`.
+    fn begin_added(&mut self, may_write_force: bool) {
         self.added.clear();
-        if may_be {
+        if may_write_force {
             self.added.resize(self.len(), V::ZERO);
         }
     }
 
-    /// What systems have added to the forces acts with the velocities of the step's end, which the kick will make.
+    /// Evaluates the power of the added forces, W, with the velocities of the step's end (after the second kick).
     fn end_added(&mut self) {
         let rows = self.added.iter().zip(&self.body).enumerate().take(self.movable_end);
         let power = rows.map(|(i, (added, body))| {
@@ -83,14 +85,14 @@ impl<V: Space> ParticleStore<V> {
     }
 }
 
-/// Between steps.
+/// The systems that sync all components between steps.
 #[derive(Resource)]
 struct BetweenSteps {
     refresh: SystemId,
     write_back: SystemId,
-    watch: SystemId,
-    /// When the world was handed out to be changed.
-    handed_out: Option<Tick>,
+    extend: SystemId,
+    /// The change tick at which the caller got the world to change it.
+    published_at: Option<Tick>,
 }
 
 fn refresh_all<V: Space>(store: Refresh<V>) {
@@ -98,68 +100,68 @@ fn refresh_all<V: Space>(store: Refresh<V>) {
 }
 
 fn write_all_back<V: Space>(between: Res<BetweenSteps>, store: WriteBack<V>) {
-    if let Some(since) = between.handed_out {
+    if let Some(since) = between.published_at {
         store.write_back(MirrorSet::ALL, since);
     }
 }
 
-fn run(world: &mut World, system: SystemId) {
-    world.run_system(system).expect("it was registered with the resource, and needs nothing that may be missing");
+fn run_registered(world: &mut World, system: SystemId) {
+    world.run_system(system).expect("the system is registered, and its parameters always exist");
 }
 
-/// Brings all components up to date, and makes a kick that was put off.
+/// Refreshes all components, after applying a pending kick.
 pub(crate) fn refresh_world(world: &mut World) {
     apply_pending_kick(world);
     if let Some(&BetweenSteps { refresh, .. }) = world.get_resource() {
-        run(world, refresh);
+        run_registered(world, refresh);
     }
 }
 
-/// The same, for somebody who may change components.
+/// Like [`refresh_world`], for a caller that may change components: records from which tick on changes count.
 pub(crate) fn publish_to_world(world: &mut World) {
     refresh_world(world);
     let now = world.increment_change_tick();
     if let Some(mut between) = world.get_resource_mut::<BetweenSteps>() {
-        between.handed_out.get_or_insert(now);
+        between.published_at.get_or_insert(now);
     }
 }
 
-/// Takes over what was changed since the world was handed out.
+/// Writes back the components that the caller changed since [`publish_to_world`].
 pub(crate) fn collect_from_world(world: &mut World) {
-    let Some(&BetweenSteps { write_back, watch, handed_out: Some(_), .. }) = world.get_resource() else { return };
-    run(world, write_back);
-    run(world, watch);
-    world.resource_mut::<BetweenSteps>().handed_out = None;
+    let Some(&BetweenSteps { write_back, extend, published_at: Some(_), .. }) = world.get_resource() else { return };
+    run_registered(world, write_back);
+    run_registered(world, extend);
+    world.resource_mut::<BetweenSteps>().published_at = None;
 }
 
-/// Prepares synchronisation between steps.
+/// Registers the sync between steps.
 pub(super) fn add<V: Space>(app: &mut App) {
     let world = app.world_mut();
     let (refresh, write_back) = (world.register_system(refresh_all::<V>), world.register_system(write_all_back::<V>));
-    let watch = world.register_system(watch_commands::<V>);
-    world.insert_resource(BetweenSteps { refresh, write_back, watch, handed_out: None });
+    let extend = world.register_system(extend_schedule::<V>);
+    world.insert_resource(BetweenSteps { refresh, write_back, extend, published_at: None });
     world.init_resource::<ReadsPlaces>();
     world.init_resource::<ReadsMotion>();
     world.init_resource::<PredictableConditions>();
 }
 
-/// Plans the synchronisation in a step, and adds its systems where there is something to do, to a schedule that has all others.
+/// Derives the sync plan of a complete schedule, and adds refresh and write-back systems to the phases that need them.
 ///
 /// # Errors
-/// If a system stands in no phase.
+/// If a system is in no phase.
 pub(crate) fn plan<V: Space>(schedule: &mut Schedule, world: &mut World) -> Result<(), Fault> {
     schedule.graph_mut().initialize(world);
     let plan = Plan::of::<V>(schedule.graph(), world)?;
     world.insert_resource(plan);
-    // Observers and hooks of behaviours are there by now.
+    // Behaviours have added their observers and hooks by now.
     let mut observers = world.query_filtered();
-    Plan::watch(world, &mut observers);
-    add_copies::<V>(schedule, world);
+    Plan::check_for_foreign_code(world, &mut observers);
+    add_sync_systems::<V>(schedule, world);
     Ok(())
 }
 
-/// Adds the systems of the phases that need copies and do not have them.
-fn add_copies<V: Space>(schedule: &mut Schedule, world: &mut World) {
+/// Adds refresh and write-back to the phases that need them and do not have them yet.
+fn add_sync_systems<V: Space>(schedule: &mut Schedule, world: &mut World) {
     let plan = &mut *world.resource_mut::<Plan>();
     add_phase::<V, 0>(schedule, plan);
     add_phase::<V, 1>(schedule, plan);
@@ -172,7 +174,7 @@ fn add_copies<V: Space>(schedule: &mut Schedule, world: &mut World) {
 }
 
 fn add_phase<V: Space, const PHASE: usize>(schedule: &mut Schedule, plan: &mut Plan) {
-    if plan.wants_copies(PHASE) {
+    if plan.needs_sync(PHASE) {
         let phase = Phase::ALL[PHASE];
         schedule.add_systems((
             refresh::<V, PHASE>.in_set(Part::Refresh(phase)),
@@ -182,9 +184,9 @@ fn add_phase<V: Space, const PHASE: usize>(schedule: &mut Schedule, plan: &mut P
     }
 }
 
-/// Observers and hooks may have come between two steps.
-fn watch_commands<V: Space>(world: &mut World, observers: &mut ForeignObservers) {
-    if Plan::watch(world, observers) {
-        world.schedule_scope(Step, |world, schedule| add_copies::<V>(schedule, world));
+/// Extends the schedule if observers or hooks were added between two steps.
+fn extend_schedule<V: Space>(world: &mut World, observers: &mut ForeignObservers) {
+    if Plan::check_for_foreign_code(world, observers) {
+        world.schedule_scope(Step, |world, schedule| add_sync_systems::<V>(schedule, world));
     }
 }

@@ -1,4 +1,4 @@
-//! Access lists: in which phase a system stands, and which mirrored components it uses.
+//! Access lists: finds the phase of a system, and the mirrored components that it uses.
 
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::prelude::*;
@@ -16,19 +16,20 @@ use crate::store::ParticleStore;
 use crate::store::mirror::MirrorSet;
 use crate::store::sync_plan::{Need, PlainCommands, ReadsMotion, ReadsPlaces};
 
-fn in_no_phase(system: &str) -> Fault {
+fn no_phase_fault(system: &str) -> Fault {
     let phases: Vec<_> = Phase::ALL.iter().map(|phase| format!("{phase:?}")).collect();
-    Fault::new("behaviour::no_phase", format!("the system `{system}` stands in no phase of the step"))
+    Fault::new("behaviour::no_phase", format!("the system `{system}` is in no phase of the step"))
         .help(format!("add `.in_set(Phase::...)`; the phases are {}", phases.join(", ")))
 }
 
-fn in_the_engine(system: &str) -> Fault {
-    let message = format!("the system `{system}` uses components in a part of the step that works on the store");
+fn engine_fault(system: &str) -> Fault {
+    let message =
+        format!("the system `{system}` uses components in a part of the step that works on the particle store");
     Fault::new("behaviour::engine", message)
         .help("put it into a `Phase`; a system that adds a force belongs in `ForceStage::Added`")
 }
 
-/// All sets that a system is in.
+/// All sets that contain a system.
 pub(super) fn ancestors(graph: &ScheduleGraph, system: SystemKey) -> Vec<SystemSetKey> {
     let (mut sets, mut next) = (Vec::new(), vec![NodeId::System(system)]);
     while let Some(node) = next.pop() {
@@ -45,13 +46,13 @@ pub(super) fn ancestors(graph: &ScheduleGraph, system: SystemKey) -> Vec<SystemS
 }
 
 /// The sets of the phases and of the engine.
-pub(super) struct Places {
+pub(super) struct PhaseSets {
     phases: Vec<Option<SystemSetKey>>,
     engine: Vec<SystemSetKey>,
     plain: Option<SystemSetKey>,
 }
 
-impl Places {
+impl PhaseSets {
     pub(super) fn of(graph: &ScheduleGraph) -> Self {
         let key = |set: InternedSystemSet| graph.system_sets.get_key(set);
         let parts = |phase| [Part::Engine(phase), Part::Refresh(phase), Part::WriteBack(phase)];
@@ -63,7 +64,7 @@ impl Places {
         }
     }
 
-    /// The number of the phase that a system in these sets stands in.
+    /// The number of the phase that is among these sets.
     pub(super) fn phase(&self, sets: &[SystemSetKey]) -> Option<usize> {
         self.phases.iter().position(|phase| phase.is_some_and(|phase| sets.contains(&phase)))
     }
@@ -73,10 +74,10 @@ impl Places {
         self.plain.is_some_and(|plain| sets.contains(&plain))
     }
 
-    /// Checks a system that stands in no phase.
+    /// Checks a system that is in no phase.
     ///
     /// # Errors
-    /// If it stands in no part of the engine either, or does and uses components.
+    /// If the system is in no part of the engine either, or is in one and uses components.
     pub(super) fn check_engine(
         &self,
         sets: &[SystemSetKey],
@@ -85,25 +86,26 @@ impl Places {
         system: &str,
     ) -> Result<(), Fault> {
         if !self.engine.iter().any(|part| sets.contains(part)) {
-            return Err(in_no_phase(system));
+            return Err(no_phase_fault(system));
         }
         let shared = access.filter(|access| !access.is_exclusive());
         match reader.need(shared.into_iter(), Vec::new()) {
-            Some(need) if !need.reads.is_none() => Err(in_the_engine(system)),
+            Some(need) if !need.reads.is_none() => Err(engine_fault(system)),
             _ => Ok(()),
         }
     }
 }
 
-/// Numbers of grains that a kick which is put off leaves half a step old.
+/// Numbers of grains that are half a step old while a kick is pending.
 const MOTION: MirrorSet = MirrorSet::VELOCITY.or(MirrorSet::SPIN).and(MirrorSet::FREE);
 
-/// Numbers that must not change before a kick that was put off and its books are done.
-const DUE: MirrorSet = MirrorSet::ALL.without(MirrorSet::POSITION);
+/// Numbers that must not change while a kick and its energy balance are pending.
+const NEEDED_BY_PENDING_KICK: MirrorSet = MirrorSet::ALL.without(MirrorSet::POSITION);
 
-/// What tells which components an access list contains.
+/// Finds the mirrored components that an access list contains.
 pub(super) struct AccessReader {
-    /// Reading and writing each component of free and of fixed particles.
+    /// Per mirrored component, of free and of fixed particles: the component, an access that conflicts with any use,
+    /// and an access that conflicts with writes.
     probes: Vec<(MirrorSet, FilteredAccess, FilteredAccess)>,
     store: FilteredAccess,
     places: FilteredAccess,
@@ -128,7 +130,7 @@ impl AccessReader {
                 writes.and_with(fixed);
             }
             let mut reads = writes.clone();
-            // A write meets all that read or write, a read all that write.
+            // Write access conflicts with every reader and writer; read access conflicts with writers only.
             writes.add_write(component);
             reads.add_read(component);
             (kind.and(among), writes, reads)
@@ -151,23 +153,25 @@ impl AccessReader {
         }
     }
 
-    /// What systems or conditions with this access need, if anything.
+    /// The needs of systems or conditions with this access; `None` if they use neither mirrored components nor
+    /// velocities.
     pub(super) fn need<'a>(&self, all: impl Iterator<Item = &'a SystemAccess>, gates: Vec<usize>) -> Option<Need> {
-        let mut need = Need { reads: MirrorSet::NONE, writes: MirrorSet::NONE, looks_at_motion: false, gates };
+        let mut need = Need { reads: MirrorSet::NONE, writes: MirrorSet::NONE, reads_motion: false, gates };
         for access in all {
-            let meets = |probe: &FilteredAccess| !access.get_conflicts_single(probe).is_empty();
+            let conflicts_with = |probe: &FilteredAccess| !access.get_conflicts_single(probe).is_empty();
             for (mirrors, uses, writes) in &self.probes {
-                if meets(uses) {
+                if conflicts_with(uses) {
                     need.reads.add(*mirrors);
                 }
-                if meets(writes) {
+                if conflicts_with(writes) {
                     need.writes.add(*mirrors);
                 }
             }
-            // Who reads the store without saying what for looks at everything.
-            need.looks_at_motion |= meets(&self.motion) || (meets(&self.store) && !meets(&self.places));
+            // A system that reads the store without a marker resource is assumed to read everything.
+            need.reads_motion |=
+                conflicts_with(&self.motion) || (conflicts_with(&self.store) && !conflicts_with(&self.places));
         }
-        need.looks_at_motion |= need.reads.meets(MOTION) || need.writes.meets(DUE);
-        (need.looks_at_motion || !need.reads.is_none()).then_some(need)
+        need.reads_motion |= need.reads.meets(MOTION) || need.writes.meets(NEEDED_BY_PENDING_KICK);
+        (need.reads_motion || !need.reads.is_none()).then_some(need)
     }
 }

@@ -1,16 +1,19 @@
-//! The deferred kick: the second kick of a step is put off until a system looks at velocities, or else until the next drift.
+//! The deferred kick: the second kick of a step is deferred until a system reads velocities, or else until the next
+//! drift.
 //!
-//! Velocity Verlet ends a step with half a kick and begins the next one with another, by the same forces. Where no system looks at
-//! velocities in between, both are made in one pass with the drift: a third less is read and written in a step (`docs/explanation/speed.md`). No bit
-//! of the motion depends on it.
+//! Velocity Verlet ends a step with half a kick and begins the next step with another half, both by the same forces. If
+//! no system reads velocities in between, one pass applies both kicks and the drift. This saves a third of the memory
+//! traffic of a step (`docs/explanation/speed.md`). The motion is the same to the last bit.
 //!
-//! So from the force pass on, velocities and spins in the store may be half a step old, and the books of energy a step. The plan of
-//! synchronisation tells in which steps a system looks at velocities; the engine's own systems tell it by [`reads_velocities_when`]. In all
-//! other places the kick is made at once ([`apply_pending_kick`]): before slots are dealt out anew, at the end of a run, and before the world is handed
-//! to a caller.
+//! From the force pass on, velocities and spins in the store may therefore be half a step old, and the energy balance
+//! one step old. The sync plan finds the steps in which a system reads velocities. The engine's own systems declare
+//! this with [`reads_velocities_when`].
 //!
-//! Limit: a value that is not finite, and shows in the books, is found a step late where the kick was put off. The step in which it arose is
-//! named.
+//! A pending kick is applied at once ([`apply_pending_kick`]) before a renumbering, at the end of a run, and before the
+//! world is passed to a caller.
+//!
+//! Limit: with a deferred kick, a value that is not finite and shows only in the energy balance is found one step late.
+//! The error names the step in which it arose.
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
@@ -23,11 +26,13 @@ use crate::store::SpinsDrifted;
 use crate::store::renumbering::KicksApplied;
 use crate::store::sync_plan::{ForeignObservers, Plan};
 
-/// Second kicks, and all systems that work on the velocities that follow. In step zero, without kicks, it begins the books.
+/// The schedule of second kicks and of all systems that use the resulting velocities. In step zero there are no kicks,
+/// and it starts the energy balance.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct DeferredKick;
 
-/// Systems that work on the velocities of the last step's end stand here, in [`Phase::Drift`], if its second kick was made with the drift.
+/// Systems that use the velocities of the last step's end. They are in [`Phase::Drift`] and run if the drift has
+/// applied the second kick.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct AfterDeferredKick;
 
@@ -35,24 +40,26 @@ pub(crate) struct AfterDeferredKick;
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct SecondKicks;
 
-/// The set of [`Phase::Observe`] after which velocities are those of the last step's end in the last step of a run.
+/// The set of [`Phase::Observe`] that applies a pending kick in the last step of a run. After it, velocities belong to
+/// the step's end.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct KickAppliedAtEnd;
 
-/// The second kick of the last step.
+/// State of the second kick of the last step.
 #[derive(Resource, Default)]
 pub(crate) struct PendingKick {
-    /// Whether the drift makes it if it is owed.
+    /// Whether the drift applies a pending kick.
     pub(crate) may_be_deferred: bool,
-    /// Whether that of the last complete step has not been made.
+    /// Whether the second kick of the last complete step is still to be applied.
     pub(crate) is_pending: bool,
 }
 
-/// When the engine's own systems look at velocities between the kick and the next drift.
+/// Conditions under which the engine's own systems read velocities between the kick and the next drift.
 #[derive(Resource, Default)]
 struct VelocityReaders(Vec<BoxedCondition>);
 
-/// An engine's system looks at velocities, or at the books, at the end of steps in which this condition holds when the second kick is due.
+/// Declares that a system of the engine reads velocities or the energy balance at the end of some steps. These are the
+/// steps in which `condition` holds when the second kick is due.
 pub(crate) fn reads_velocities_when<M>(app: &mut App, condition: impl SystemCondition<M>) {
     let world = app.world_mut();
     let mut condition = IntoSystem::into_system(condition);
@@ -60,35 +67,35 @@ pub(crate) fn reads_velocities_when<M>(app: &mut App, condition: impl SystemCond
     world.get_resource_or_init::<VelocityReaders>().0.push(Box::new(condition));
 }
 
-/// Makes the second kick, if it is owed.
+/// Applies the second kick, if it is pending.
 pub(crate) fn apply_pending_kick(world: &mut World) {
     if world.get_resource_mut::<PendingKick>().is_some_and(|mut kick| std::mem::take(&mut kick.is_pending)) {
         world.run_schedule(DeferredKick);
     }
 }
 
-/// Whether an engine's system will look.
-fn engine_looks(world: &mut World) -> bool {
-    // Not with `resource_scope`, which moves an entity.
-    let mut lookers = std::mem::take(&mut world.resource_mut::<VelocityReaders>().0);
-    // A condition that cannot be evaluated holds.
-    let looks = lookers.iter_mut().any(|looker| looker.run_readonly((), world).unwrap_or(true));
-    world.resource_mut::<VelocityReaders>().0 = lookers;
-    looks
+/// Whether a system of the engine will read velocities in this step.
+fn engine_reads_velocities(world: &mut World) -> bool {
+    // `resource_scope` would move an entity.
+    let mut conditions = std::mem::take(&mut world.resource_mut::<VelocityReaders>().0);
+    // A condition that cannot be evaluated counts as true.
+    let is_read = conditions.iter_mut().any(|condition| condition.run_readonly((), world).unwrap_or(true));
+    world.resource_mut::<VelocityReaders>().0 = conditions;
+    is_read
 }
 
-/// Makes the second kick, or puts it off if no system will look.
+/// Applies the second kick, or defers it if no system will read velocities.
 fn kick_or_defer(world: &mut World, observers: &mut ForeignObservers) {
-    let may_wait = world.resource::<PendingKick>().may_be_deferred;
-    let is_wanted = !may_wait || engine_looks(world) || Plan::motion_is_looked_at(world, observers);
+    let may_be_deferred = world.resource::<PendingKick>().may_be_deferred;
+    let is_wanted = !may_be_deferred || engine_reads_velocities(world) || Plan::motion_will_be_read(world, observers);
     world.resource_mut::<PendingKick>().is_pending = !is_wanted;
     if is_wanted {
         world.run_schedule(DeferredKick);
     }
 }
 
-/// Begins the books.
-fn begin(world: &mut World) {
+/// Starts the energy balance, in step zero.
+fn start_energy_balance(world: &mut World) {
     world.run_schedule(DeferredKick);
 }
 
@@ -100,32 +107,32 @@ fn has_ended(outcome: Res<Outcome>) -> bool {
     outcome.end().is_some()
 }
 
-/// In the last step all systems look. A system of its own, so that each in the schedule has its own type, by which a stopwatch tells them
-/// apart.
+/// Applies a pending kick in the last step, in which systems of all kinds read velocities. It is a separate system so
+/// that every system of the schedule has its own type, by which profilers tell systems apart.
 fn apply_pending_kick_at_end(world: &mut World) {
     apply_pending_kick(world);
 }
 
-/// Adds second kicks. The drift makes one that is owed.
+/// Adds second kicks. The drift applies a pending one.
 pub(crate) fn add_second_kick(app: &mut App, kicks: ScheduleConfigs<ScheduleSystem>) {
     app.world_mut().resource_mut::<PendingKick>().may_be_deferred = true;
     app.add_systems(DeferredKick, kicks.in_set(SecondKicks).run_if(time_moves));
 }
 
-/// Adds systems that work on the velocities of a step's end.
+/// Adds systems that use the velocities of a step's end.
 pub(crate) fn after_kicks(app: &mut App, systems: impl Fn() -> ScheduleConfigs<ScheduleSystem>) {
     app.add_systems(DeferredKick, systems().after(SecondKicks));
     app.add_systems(Step, systems().in_set(AfterDeferredKick));
 }
 
-/// Lets second kicks be put off.
+/// Adds the schedule and the systems that defer kicks.
 pub(super) fn add(app: &mut App) {
     app.add_schedule(serial(DeferredKick)).init_resource::<PendingKick>();
     app.world_mut().init_resource::<VelocityReaders>();
     app.edit_schedule(Step, |schedule| {
-        let late =
+        let late_systems =
             AfterDeferredKick.in_set(Part::Engine(Phase::Drift)).after(Drifted).after(SpinsDrifted).run_if(is_pending);
-        schedule.configure_sets(late);
+        schedule.configure_sets(late_systems);
         schedule.configure_sets(KickAppliedAtEnd.in_set(Part::Engine(Phase::Observe)));
         let control = (BalanceStarted, EngineBalance, EngineChecks).chain().in_set(Part::Engine(Phase::Control));
         schedule.configure_sets(control);
@@ -134,21 +141,21 @@ pub(super) fn add(app: &mut App) {
         Step,
         (
             kick_or_defer.in_set(Part::Engine(Phase::Kick)),
-            begin.in_set(BalanceStarted).run_if(is_step_zero),
+            start_energy_balance.in_set(BalanceStarted).run_if(is_step_zero),
             apply_pending_kick_at_end.in_set(KickAppliedAtEnd).run_if(has_ended),
         ),
     );
     app.add_systems(super::Renumber, apply_pending_kick.in_set(KicksApplied));
 }
 
-/// The books begin in this set of [`Phase::Control`] of step zero.
+/// The set of [`Phase::Control`] that starts the energy balance in step zero.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 struct BalanceStarted;
 
-/// Books of [`Phase::Control`] that do not go by velocities of the step's end.
+/// Parts of the energy balance in [`Phase::Control`] that do not depend on the velocities of the step's end.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct EngineBalance;
 
-/// Checks of [`Phase::Control`], after all books.
+/// Checks of [`Phase::Control`], after the energy balance.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct EngineChecks;

@@ -1,7 +1,8 @@
-//! Mirrored components: how a component shows what the store holds, and how the store takes over what a system wrote.
+//! Mirrored components: copies a component from the store (refresh), and a value that a system wrote to the store
+//! (write-back).
 //!
-//! [`Position`], [`Velocity`], [`Force`], [`Spin`] and [`Torque`] of a particle are copies of numbers in the store. A copy is *stale* once
-//! the store has moved on without it ([`ParticleStore::stale`]).
+//! [`Position`], [`Velocity`], [`Force`], [`Spin`] and [`Torque`] of a particle are copies of numbers in the store. A
+//! copy is *stale* if the store has changed since ([`ParticleStore::stale`]).
 
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::component::Mutable;
@@ -14,27 +15,27 @@ use crate::space::{Linear, Space};
 use crate::spin::{Spin, Torque};
 use crate::store::{DENSE, LongestMove, ParticleStore};
 
-/// Some of the mirrored components, of particles that are free, that are fixed, or of both.
+/// A set of mirrored components, kept separately for free and fixed particles.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct MirrorSet(u16);
 
-/// Kinds of mirrored components.
+/// Number of mirrored components.
 const KINDS: u16 = 5;
 
 impl MirrorSet {
     pub(crate) const NONE: Self = Self(0);
-    pub(crate) const POSITION: Self = Self::of_both(0);
-    pub(crate) const VELOCITY: Self = Self::of_both(1);
-    pub(crate) const FORCE: Self = Self::of_both(2);
-    pub(crate) const SPIN: Self = Self::of_both(3);
-    pub(crate) const TORQUE: Self = Self::of_both(4);
+    pub(crate) const POSITION: Self = Self::free_and_fixed(0);
+    pub(crate) const VELOCITY: Self = Self::free_and_fixed(1);
+    pub(crate) const FORCE: Self = Self::free_and_fixed(2);
+    pub(crate) const SPIN: Self = Self::free_and_fixed(3);
+    pub(crate) const TORQUE: Self = Self::free_and_fixed(4);
     pub(crate) const ALL: Self = Self((1 << (2 * KINDS)) - 1);
-    /// All components of particles that are free.
+    /// All components of free particles.
     pub(crate) const FREE: Self = Self((1 << KINDS) - 1);
-    /// All components of particles that are fixed.
+    /// All components of fixed particles.
     pub(crate) const FIXED: Self = Self(Self::ALL.0 & !Self::FREE.0);
 
-    const fn of_both(kind: u16) -> Self {
+    const fn free_and_fixed(kind: u16) -> Self {
         Self(1 << kind | 1 << (kind + KINDS))
     }
 
@@ -54,7 +55,7 @@ impl MirrorSet {
         self.0 == 0
     }
 
-    /// Whether any of these is among the others.
+    /// Whether the two sets have a common element.
     pub(crate) const fn meets(self, other: Self) -> bool {
         self.0 & other.0 != 0
     }
@@ -68,21 +69,21 @@ impl MirrorSet {
 trait Mirror<V: Space>: Component<Mutability = Mutable> + Copy {
     const KIND: MirrorSet;
 
-    /// The value in row `i`, if the scene has such numbers.
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self>;
+    /// Returns the value of row `i`, or `None` if the scene has no such numbers.
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self>;
 
-    /// Takes a value over into row `i`.
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, longest: &mut LongestMove);
+    /// Writes the value to row `i`.
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, longest: &mut LongestMove);
 }
 
 impl<V: Space> Mirror<V> for Position<V> {
     const KIND: MirrorSet = MirrorSet::POSITION;
 
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self> {
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self> {
         store.body.get(i).map(|body| Self(body.position))
     }
 
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, longest: &mut LongestMove) {
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, longest: &mut LongestMove) {
         store.put(i, self.0, longest);
     }
 }
@@ -90,11 +91,11 @@ impl<V: Space> Mirror<V> for Position<V> {
 impl<V: Space> Mirror<V> for Velocity<V> {
     const KIND: MirrorSet = MirrorSet::VELOCITY;
 
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self> {
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self> {
         store.body.get(i).map(|body| Self(body.velocity))
     }
 
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
         store.body[i].velocity = self.0;
         store.is_suspect |= !self.0.is_finite();
     }
@@ -103,11 +104,11 @@ impl<V: Space> Mirror<V> for Velocity<V> {
 impl<V: Space> Mirror<V> for Force<V> {
     const KIND: MirrorSet = MirrorSet::FORCE;
 
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self> {
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self> {
         store.loads.force.get(i).map(Self)
     }
 
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
         if let Some(added) = store.added.get_mut(i) {
             *added += self.0 - store.loads.force.of(i);
         }
@@ -119,11 +120,11 @@ impl<V: Space> Mirror<V> for Force<V> {
 impl<V: Space> Mirror<V> for Spin<V::Spin> {
     const KIND: MirrorSet = MirrorSet::SPIN;
 
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self> {
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self> {
         store.rotation.get(i).map(|rotation| Self(rotation.spin))
     }
 
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
         if let Some(rotation) = store.rotation.get_mut(i) {
             rotation.spin = self.0;
             store.is_suspect |= !self.0.is_finite();
@@ -134,103 +135,110 @@ impl<V: Space> Mirror<V> for Spin<V::Spin> {
 impl<V: Space> Mirror<V> for Torque<V::Spin> {
     const KIND: MirrorSet = MirrorSet::TORQUE;
 
-    fn shown(store: &ParticleStore<V>, i: usize) -> Option<Self> {
+    fn from_store(store: &ParticleStore<V>, i: usize) -> Option<Self> {
         store.loads.torque.get(i).map(Self)
     }
 
-    fn take_over(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
+    fn write_to(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
         store.loads.torque.set(i, self.0);
         store.is_suspect |= !self.0.is_finite();
     }
 }
 
-type Shown<'w, 's, C> = (
+type RefreshQueries<'w, 's, C> = (
     Query<'w, 's, (&'static Slot, &'static mut C), Without<Fixed>>,
     Query<'w, 's, (&'static Slot, &'static mut C), With<Fixed>>,
 );
 
-/// The store and all mirrored components, to bring components up to date.
+/// System parameter for the refresh: the store and all mirrored components.
 #[derive(SystemParam)]
 pub(super) struct Refresh<'w, 's, V: Space> {
     store: ResMut<'w, ParticleStore<V>>,
-    positions: Shown<'w, 's, Position<V>>,
-    velocities: Shown<'w, 's, Velocity<V>>,
-    forces: Shown<'w, 's, Force<V>>,
-    spins: Shown<'w, 's, Spin<<V as Space>::Spin>>,
-    torques: Shown<'w, 's, Torque<<V as Space>::Spin>>,
+    positions: RefreshQueries<'w, 's, Position<V>>,
+    velocities: RefreshQueries<'w, 's, Velocity<V>>,
+    forces: RefreshQueries<'w, 's, Force<V>>,
+    spins: RefreshQueries<'w, 's, Spin<<V as Space>::Spin>>,
+    torques: RefreshQueries<'w, 's, Torque<<V as Space>::Spin>>,
 }
 
 impl<V: Space> Refresh<'_, '_, V> {
-    /// Brings those of `wanted` up to date that are stale.
+    /// Refreshes the stale components among `wanted`.
     pub(super) fn refresh(mut self, wanted: MirrorSet) {
         let due = wanted.and(self.store.stale);
         let stale = self.store.stale.without(due);
         let store = self.store.bypass_change_detection();
         store.stale = stale;
-        show_both(store, due, &mut self.positions);
-        show_both(store, due, &mut self.velocities);
-        show_both(store, due, &mut self.forces);
-        show_both(store, due, &mut self.spins);
-        show_both(store, due, &mut self.torques);
+        refresh_component(store, due, &mut self.positions);
+        refresh_component(store, due, &mut self.velocities);
+        refresh_component(store, due, &mut self.forces);
+        refresh_component(store, due, &mut self.spins);
+        refresh_component(store, due, &mut self.torques);
     }
 }
 
-fn show_both<V: Space, C: Mirror<V>>(store: &ParticleStore<V>, due: MirrorSet, (free, fixed): &mut Shown<'_, '_, C>) {
+fn refresh_component<V: Space, C: Mirror<V>>(
+    store: &ParticleStore<V>,
+    due: MirrorSet,
+    (free, fixed): &mut RefreshQueries<'_, '_, C>,
+) {
     let due = due.and(C::KIND);
     if due.meets(MirrorSet::FREE) {
-        show(store, free);
+        refresh_rows(store, free);
     }
     if due.meets(MirrorSet::FIXED) {
-        show(store, fixed);
+        refresh_rows(store, fixed);
     }
 }
 
-/// Past change ticks, so that `Changed` tells what systems wrote.
-fn show<V: Space, C: Mirror<V>, F: ArchetypeFilter>(store: &ParticleStore<V>, rows: &mut Query<(&Slot, &mut C), F>) {
+/// Copies the store to the components without setting change ticks, so that `Changed` shows only writes of systems.
+fn refresh_rows<V: Space, C: Mirror<V>, F: ArchetypeFilter>(
+    store: &ParticleStore<V>,
+    rows: &mut Query<(&Slot, &mut C), F>,
+) {
     for (slots, mut values) in rows.contiguous_iter_mut().expect(DENSE) {
         for (slot, value) in slots.iter().zip(values.bypass_change_detection()) {
-            if let Some(now) = C::shown(store, slot.index()) {
+            if let Some(now) = C::from_store(store, slot.index()) {
                 *value = now;
             }
         }
     }
 }
 
-type Written<'w, 's, C> = Query<'w, 's, (&'static Slot, Ref<'static, C>)>;
+type WrittenQuery<'w, 's, C> = Query<'w, 's, (&'static Slot, Ref<'static, C>)>;
 
-/// The store and all mirrored components, to take over what systems wrote.
+/// System parameter for the write-back: the store and all mirrored components.
 #[derive(SystemParam)]
 pub(super) struct WriteBack<'w, 's, V: Space> {
     store: ResMut<'w, ParticleStore<V>>,
-    positions: Written<'w, 's, Position<V>>,
-    velocities: Written<'w, 's, Velocity<V>>,
-    forces: Written<'w, 's, Force<V>>,
-    spins: Written<'w, 's, Spin<<V as Space>::Spin>>,
-    torques: Written<'w, 's, Torque<<V as Space>::Spin>>,
+    positions: WrittenQuery<'w, 's, Position<V>>,
+    velocities: WrittenQuery<'w, 's, Velocity<V>>,
+    forces: WrittenQuery<'w, 's, Force<V>>,
+    spins: WrittenQuery<'w, 's, Spin<<V as Space>::Spin>>,
+    torques: WrittenQuery<'w, 's, Torque<<V as Space>::Spin>>,
 }
 
 impl<V: Space> WriteBack<'_, '_, V> {
-    /// Takes over those of `written` that systems wrote after the tick `since`.
+    /// Writes back the components in `written` that systems wrote after the tick `since`.
     pub(super) fn write_back(mut self, written: MirrorSet, since: Tick) {
         let mut longest = LongestMove::default();
         let store = &mut *self.store;
-        take_over(store, written, since, &self.positions, &mut longest);
-        take_over(store, written, since, &self.velocities, &mut longest);
-        take_over(store, written, since, &self.forces, &mut longest);
-        take_over(store, written, since, &self.spins, &mut longest);
-        take_over(store, written, since, &self.torques, &mut longest);
+        write_back_component(store, written, since, &self.positions, &mut longest);
+        write_back_component(store, written, since, &self.velocities, &mut longest);
+        write_back_component(store, written, since, &self.forces, &mut longest);
+        write_back_component(store, written, since, &self.spins, &mut longest);
+        write_back_component(store, written, since, &self.torques, &mut longest);
         store.travel += longest.length();
-        // A write past change detection is not taken over: the component shows what the store does not hold.
+        // A write that bypassed change detection was not written back, so the component may differ from the store.
         store.stale.add(written);
     }
 }
 
-/// Of free and fixed particles alike, for a system may fix a particle in the phase in which it writes to it.
-fn take_over<V: Space, C: Mirror<V>>(
+/// Writes back free and fixed particles alike: a system may fix a particle in the phase in which it writes to it.
+fn write_back_component<V: Space, C: Mirror<V>>(
     store: &mut ParticleStore<V>,
     written: MirrorSet,
     since: Tick,
-    rows: &Written<C>,
+    rows: &WrittenQuery<C>,
     longest: &mut LongestMove,
 ) {
     if !written.meets(C::KIND) {
@@ -243,9 +251,9 @@ fn take_over<V: Space, C: Mirror<V>>(
         }
         let now = ticks.this_run();
         for (slot, (value, changed)) in slots.iter().zip(values.iter().zip(ticks.changed())) {
-            // A particle that has no slot yet is read when it gets one.
+            // A particle without a slot is read when it gets one.
             if changed.is_newer_than(since, now) && slot.index() < store.len() {
-                value.take_over(store, slot.index(), longest);
+                value.write_to(store, slot.index(), longest);
             }
         }
     }

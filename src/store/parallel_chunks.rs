@@ -1,7 +1,6 @@
-//! Walking along two columns, on all threads.
+//! Passes over two columns on all threads, in chunks of [`CHUNK`] entries.
 //!
-//! [`CHUNK`] entries at a time. What is summed on the way is summed over each stride by itself, so that the number of threads
-//! leaves no trace.
+//! Each chunk has its own partial sum. The sums therefore do not depend on the number of threads.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
@@ -9,13 +8,13 @@ use bevy_ecs::system::SystemParam;
 use crate::instructions::Instructions;
 use crate::threads::Threads;
 
-/// How many entries a thread takes at a time.
+/// Entries per chunk.
 pub(crate) const CHUNK: usize = 1024;
 
-/// From how many strides on threads share them: with fewer there is little to save.
-const WORTHWHILE: usize = 8;
+/// The smallest number of chunks that is shared among threads. With fewer chunks, sharing saves too little.
+const MIN_SHARED_CHUNKS: usize = 8;
 
-/// Who walks.
+/// System parameter of a chunked pass: the threads and the instruction set.
 #[derive(SystemParam)]
 pub(crate) struct ChunkedPass<'w> {
     threads: Res<'w, Threads>,
@@ -23,7 +22,8 @@ pub(crate) struct ChunkedPass<'w> {
 }
 
 impl ChunkedPass<'_> {
-    /// Calls `each` with the entries of both columns, and with what it sums up. Gives the sums of the strides, in order.
+    /// Calls `each` with the entries of both columns and the partial sum of the chunk. Returns the partial sums, in the
+    /// order of chunks.
     pub(crate) fn in_chunks<A: Sync, B: Send, T: Default + Send>(
         &self,
         read: &[A],
@@ -47,7 +47,7 @@ impl ChunkedPass<'_> {
             read.chunks(CHUNK).zip(written.chunks_mut(CHUNK)).map(chunk).collect()
         };
         let (chunks, threads) = (written.len().div_ceil(CHUNK), self.threads.count());
-        if threads == 1 || chunks < WORTHWHILE {
+        if threads == 1 || chunks < MIN_SHARED_CHUNKS {
             return in_chunks(read, written);
         }
         let share = chunks.div_ceil(threads) * CHUNK;
@@ -65,28 +65,28 @@ mod tests {
 
     use super::*;
 
-    /// Walks on so many threads.
-    fn with<T>(threads: usize, walk: impl FnOnce(ChunkedPass<'_>) -> T) -> T {
+    /// Runs `pass` with this number of threads.
+    fn with_threads<T>(threads: usize, pass: impl FnOnce(ChunkedPass<'_>) -> T) -> T {
         let mut world = World::new();
         world.insert_resource(Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap());
         world.init_resource::<Instructions>();
-        walk(SystemState::<ChunkedPass>::new(&mut world).get(&world).unwrap())
+        pass(SystemState::<ChunkedPass>::new(&mut world).get(&world).unwrap())
     }
 
     #[test]
-    fn sums_are_those_of_strides_on_any_number_of_threads() {
-        let count = u32::try_from(WORTHWHILE * CHUNK + 100).unwrap();
+    fn sums_are_chunk_sums_on_any_number_of_threads() {
+        let count = u32::try_from(MIN_SHARED_CHUNKS * CHUNK + 100).unwrap();
         let column: Vec<_> = (0..count).map(|number| 1.0 / f64::from(number + 1)).collect();
-        let by_strides: Vec<f64> = column.chunks(CHUNK).map(|chunk| chunk.iter().sum()).collect();
+        let by_chunks: Vec<f64> = column.chunks(CHUNK).map(|chunk| chunk.iter().sum()).collect();
         for threads in [1, 2, 3] {
             let mut written = vec![1.0; column.len()];
-            let sums = with(threads, |chunked| {
+            let sums = with_threads(threads, |chunked| {
                 chunked.in_chunks(&column, &mut written, |a, b, sum: &mut f64| {
                     *b += a;
                     *sum += a;
                 })
             });
-            assert_eq!(sums, by_strides);
+            assert_eq!(sums, by_chunks);
             assert!(written.iter().zip(&column).all(|(b, a)| *b == 1.0 + a));
         }
     }

@@ -1,4 +1,4 @@
-//! Small passes over the store, and the plugin that sets it up.
+//! Small passes over the store, and the plugin that sets the store up.
 
 use std::marker::PhantomData;
 
@@ -10,27 +10,28 @@ use crate::instructions::Instructions;
 use crate::space::Space;
 use crate::store::{MirrorSet, ParticleStore, component_sync, deferred_kick, population, renumbering};
 
-/// Why contiguous iteration cannot fail: every component of a particle's columns is stored in tables.
+/// Why contiguous iteration cannot fail: all particle components are stored in tables.
 pub(crate) const DENSE: &str = "table components are contiguous";
 
-/// The longest of many ways: the bits of its square. Those of numbers that are not negative are ordered as the numbers are, and
-/// what is no number comes after all of them, where a maximum of numbers would forget it.
+/// The largest length of several displacements, as the bits of its square. For non-negative numbers, bits and numbers
+/// have the same order. NaN bits are larger than all of them, so that a NaN survives; a maximum of numbers would
+/// discard it.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct LongestMove(u64);
 
 impl LongestMove {
-    /// Takes another one into account, m.
+    /// Includes the displacement `displacement`, m.
     #[inline]
-    pub(crate) fn raise<V: Space>(&mut self, way: V) {
-        self.0 = self.0.max(way.length_squared().to_bits());
+    pub(crate) fn raise<V: Space>(&mut self, displacement: V) {
+        self.0 = self.0.max(displacement.length_squared().to_bits());
     }
 
-    /// The longer of two.
+    /// Returns the larger of two.
     pub(crate) fn or(self, other: Self) -> Self {
         Self(self.0.max(other.0))
     }
 
-    /// Its length, m; not a number if one of them had none.
+    /// Returns the length, m; NaN if a displacement was not finite.
     pub(crate) fn length(self) -> f64 {
         let squared = f64::from_bits(self.0);
         if squared.is_finite() { squared.sqrt() } else { f64::NAN }
@@ -38,11 +39,11 @@ impl LongestMove {
 }
 
 impl<V: Space> ParticleStore<V> {
-    /// Sets the position of row `i`, m, to that in the box which `x` stands for, and takes the way there into account.
+    /// Sets the position of row `i`, m, to the image of `x` in the box, and includes the displacement in `longest`.
     #[inline]
     pub(crate) fn put(&mut self, i: usize, x: V, longest: &mut LongestMove) {
-        let way = x - self.body[i].position;
-        longest.raise(self.periodic.map_or(way, |periodic| periodic.shortest(way)));
+        let displacement = x - self.body[i].position;
+        longest.raise(self.periodic.map_or(displacement, |periodic| periodic.shortest(displacement)));
         self.body[i].position = x;
         if let Some(periodic) = &self.periodic
             && !periodic.contains(x)
@@ -53,7 +54,7 @@ impl<V: Space> ParticleStore<V> {
     }
 }
 
-/// Begins the sums of forces with the weight, where no contact pass does.
+/// Initialises the force sums with the weight, in scenes without a contact pass.
 pub(crate) fn clear_forces<V: Space>(gravity: Res<Gravity<V>>, mut store: ResMut<ParticleStore<V>>) {
     store.stale.add(MirrorSet::FORCE);
     let ParticleStore { loads, mass, tracks_energy, .. } = &mut *store;
@@ -63,24 +64,24 @@ pub(crate) fn clear_forces<V: Space>(gravity: Res<Gravity<V>>, mut store: ResMut
     }
 }
 
-/// Spins are w(t+dt/2) after this set of [`Phase::Drift`](crate::step::Phase::Drift).
+/// The set of [`Phase::Drift`](crate::step::Phase::Drift) after which spins are w(t+dt/2).
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct SpinsDrifted;
 
-/// The columns know what a scheme that looks ahead needs after this set, before the neighbour search.
+/// The set after which the store holds the velocity predictions of the scheme. It runs before the neighbour search.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct VelocitiesPredicted;
 
-/// Velocities are v(t+dt) after this set, which kicks.
+/// The set that applies the second kick; after it, velocities are v(t+dt).
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Kicked;
 
-/// The store, the hooks that tell it who enters and leaves, and the synchronisation with components.
+/// Adds the store, the component hooks that record entering and leaving particles, and component sync.
 pub struct StorePlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for StorePlugin<V> {
     fn build(&self, app: &mut App) {
-        // Those who walk along the columns need the instructions.
+        // Chunked passes over the store need the instructions.
         app.init_resource::<ParticleStore<V>>().init_resource::<Instructions>();
         population::add::<V>(app.world_mut());
         renumbering::add::<V>(app);
@@ -94,11 +95,11 @@ mod tests {
     use super::*;
     use crate::space::Vector;
 
-    /// Of ways along x, m.
-    fn longest(ways: &[f64]) -> f64 {
+    /// The largest of these displacements along x, m.
+    fn longest(displacements: &[f64]) -> f64 {
         let mut longest = LongestMove::default();
-        for &way in ways {
-            longest.raise(Vector::new(way, 0.0));
+        for &displacement in displacements {
+            longest.raise(Vector::new(displacement, 0.0));
         }
         let [one, other] = [longest, LongestMove::default()];
         assert_eq!(one.or(other).length().to_bits(), other.or(one).length().to_bits());
@@ -106,10 +107,10 @@ mod tests {
     }
 
     #[test]
-    fn the_longest_way_is_found_and_what_is_no_number_is_not_forgotten() {
+    fn the_longest_move_is_found_and_nan_is_kept() {
         assert_eq!((longest(&[]), longest(&[1.0, -3.0, 2.0])), (0.0, 3.0));
-        for odd in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-            assert!(longest(&[odd, 1.0]).is_nan() && longest(&[1.0, odd]).is_nan(), "{odd}");
+        for not_finite in [f64::NAN, -f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
+            assert!(longest(&[not_finite, 1.0]).is_nan() && longest(&[1.0, not_finite]).is_nan(), "{not_finite}");
         }
     }
 }

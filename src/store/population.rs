@@ -1,10 +1,12 @@
-//! The population: which entities entered, left, or changed what the store keeps of them for good, since slots were dealt out.
+//! The population: entities that entered, left, or changed a permanent property since the last renumbering.
 //!
-//! Component hooks note it at once, whoever acts: commands, systems with the world, observers. `GrainId` marks a particle;
-//! `Radius`, `Mass`, `Species`, `Inertia` and `Fixed` change by insertion only. Their hooks ask for a renumbering, which reads
-//! the entities noted here and no others. A particle that leaves is struck out of the store at once: its row stays, without
-//! an entity, until the renumbering ([`ParticleStore::is_present`]). A mirrored component that is inserted on a particle of the store
-//! is written through.
+//! Component hooks record each change at once, whether a command, an observer or a system with the world makes it.
+//! `GrainId` marks a particle. `Radius`, `Mass`, `Species`, `Inertia` and `Fixed` change by insertion only. Their hooks
+//! request a renumbering, which reads only the entities recorded here.
+//!
+//! When a particle leaves, its row loses its entity at once, and the row remains until the renumbering
+//! ([`ParticleStore::is_present`]). A mirrored component that is inserted on a particle of the store is written to the
+//! store at once.
 
 use bevy_ecs::component::Mutable;
 use bevy_ecs::lifecycle::HookContext;
@@ -18,22 +20,22 @@ use crate::store::deferred_kick::PendingKick;
 use crate::store::mirror::MirrorSet;
 use crate::store::{LongestMove, ParticleStore};
 
-/// What has changed since slots were dealt out.
+/// Changes since the last renumbering.
 #[derive(Resource, Default)]
 pub(crate) struct Population {
-    /// Entities that entered, or have another radius, mass, species or moment of inertia, or were fixed or freed.
+    /// Entities that entered, were fixed or freed, or got another radius, mass, species or moment of inertia.
     touched: Vec<Entity>,
     /// Whether the order of slots is out of date, or a particle has left.
     is_out_of_date: bool,
 }
 
 impl Population {
-    /// Asks for a renumbering.
+    /// Requests a renumbering.
     pub(crate) fn renumber(&mut self) {
         self.is_out_of_date = true;
     }
 
-    /// Whether slots have to be dealt out anew.
+    /// Whether a renumbering is due.
     pub(crate) fn is_due(&self) -> bool {
         self.is_out_of_date || !self.touched.is_empty()
     }
@@ -43,7 +45,7 @@ impl Population {
         !self.touched.is_empty()
     }
 
-    /// The entities to be read anew, each once; and a new start.
+    /// Returns the entities to read again, without duplicates, and clears the record.
     pub(super) fn take(&mut self) -> Vec<Entity> {
         self.is_out_of_date = false;
         let mut touched = std::mem::take(&mut self.touched);
@@ -59,17 +61,17 @@ impl Population {
     }
 }
 
-/// The row of an entity, if the store has one.
+/// The row of an entity, or `None` if the store has no row for it.
 fn row_of<V: Space>(world: &DeferredWorld, entity: Entity) -> Option<usize> {
     world.get_resource::<ParticleStore<V>>()?.row_of(entity, *world.get::<Slot>(entity)?)
 }
 
-fn entered(mut world: DeferredWorld, context: HookContext) {
+fn on_enter(mut world: DeferredWorld, context: HookContext) {
     Population::touch(&mut world, context.entity);
 }
 
-/// A particle leaves: its row belongs to no entity any more.
-fn left<V: Space>(mut world: DeferredWorld, context: HookContext) {
+/// A particle leaves: its row loses its entity.
+fn on_leave<V: Space>(mut world: DeferredWorld, context: HookContext) {
     if let Some(row) = row_of::<V>(&world, context.entity) {
         world.resource_mut::<ParticleStore<V>>().vacate(row);
         if let Some(mut population) = world.get_resource_mut::<Population>() {
@@ -78,133 +80,135 @@ fn left<V: Space>(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// What the store keeps for good of a particle was inserted or removed. Of one that enters all is read anyway.
-fn altered(mut world: DeferredWorld, context: HookContext) {
+/// Records an entity with a permanent property inserted or removed. An entering particle has no slot and is skipped,
+/// because all its components are read anyway.
+fn on_alter(mut world: DeferredWorld, context: HookContext) {
     if world.get::<Slot>(context.entity).is_some_and(|slot| *slot != Slot::default()) {
         Population::touch(&mut world, context.entity);
     }
 }
 
-/// A particle was fixed or freed: what is stale is counted apart for both.
-fn fixed_or_freed<V: Space>(mut world: DeferredWorld, context: HookContext) {
+/// A particle was fixed or freed. Staleness is kept separately for free and fixed particles, so all components become
+/// stale.
+fn on_fix_or_free<V: Space>(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut store) = world.get_resource_mut::<ParticleStore<V>>() {
         store.stale = MirrorSet::ALL;
     }
-    altered(world, context);
+    on_alter(world, context);
 }
 
-/// Writes an inserted component through to the store, if the particle is there.
-fn inserted<V: Space, T: Component<Mutability = Mutable> + Copy>(
+/// Writes an inserted component to the store, if the particle has a row.
+fn on_mirror_insert<V: Space, T: Component<Mutability = Mutable> + Copy>(
     mut world: DeferredWorld,
     context: HookContext,
-    write: fn(&mut ParticleStore<V>, usize, T, Owed),
+    write: fn(&mut ParticleStore<V>, usize, T, KickPending),
 ) {
     if let Some(row) = row_of::<V>(&world, context.entity)
         && let Some(value) = world.get::<T>(context.entity).copied()
     {
         let is_pending = world.get_resource::<PendingKick>().is_some_and(|kick| kick.is_pending);
-        write(&mut world.resource_mut::<ParticleStore<V>>(), row, value, Owed(is_pending));
+        write(&mut world.resource_mut::<ParticleStore<V>>(), row, value, KickPending(is_pending));
     }
 }
 
-/// Whether a second kick is owed: then the store holds velocities and spins from before it.
+/// Whether a second kick is pending. If it is, the store holds velocities and spins from before this kick.
 #[derive(Clone, Copy)]
-struct Owed(bool);
+struct KickPending(bool);
 
 impl<V: Space> ParticleStore<V> {
-    /// The row of `entity`, which has this slot, if it has a row.
+    /// The row of `entity`, which has this slot; `None` if it has no row.
     #[inline]
     pub(super) fn row_of(&self, entity: Entity, slot: Slot) -> Option<usize> {
         (self.entity.get(slot.index()) == Some(&entity)).then_some(slot.index())
     }
 
-    /// Strikes out the particle of a row.
+    /// Removes the entity from a row.
     fn vacate(&mut self, row: usize) {
         self.entity[row] = Entity::PLACEHOLDER;
         self.vacated.push(row);
     }
 
-    /// Whether the particle of row `i` is still there: one that left keeps its row until slots are dealt out anew.
+    /// Whether the particle of row `i` still exists. A particle that left keeps its row until the next renumbering.
     #[must_use]
     #[inline]
     pub fn is_present(&self, i: usize) -> bool {
         self.vacated.is_empty() || self.entity[i] != Entity::PLACEHOLDER
     }
 
-    /// The rows of particles that left since slots were dealt out, in the order of their leaving.
+    /// The rows of particles that left since the last renumbering, in the order in which they left.
     #[must_use]
     pub fn vacated(&self) -> &[usize] {
         &self.vacated
     }
 
-    fn write_position(&mut self, row: usize, Position(x): Position<V>, _: Owed) {
+    fn write_position(&mut self, row: usize, Position(x): Position<V>, _: KickPending) {
         let mut longest = LongestMove::default();
         self.put(row, x, &mut longest);
         self.travel += longest.length();
     }
 
-    /// What the owed kick will add to the velocity of a row, m/s.
-    fn owed_kick(&self, row: usize, force: V, Owed(is_pending): Owed) -> V {
+    /// The velocity change by the pending kick, m/s.
+    fn pending_kick_gain(&self, row: usize, force: V, KickPending(is_pending): KickPending) -> V {
         let time = if is_pending { self.half_step } else { 0.0 };
         force * (time * self.body[row].inverse_mass)
     }
 
-    /// What it will add to the spin, rad/s.
-    fn owed_spin(&self, row: usize, torque: V::Spin, Owed(is_pending): Owed) -> V::Spin {
+    /// The spin change by the pending kick, rad/s.
+    fn pending_spin_gain(&self, row: usize, torque: V::Spin, KickPending(is_pending): KickPending) -> V::Spin {
         let time = if is_pending { self.half_step } else { 0.0 };
         torque * (time * self.rotation[row].inverse_inertia)
     }
 
-    fn write_velocity(&mut self, row: usize, Velocity(v): Velocity<V>, owed: Owed) {
-        self.body[row].velocity = v - self.owed_kick(row, self.loads.force.of(row), owed);
+    fn write_velocity(&mut self, row: usize, Velocity(v): Velocity<V>, pending: KickPending) {
+        self.body[row].velocity = v - self.pending_kick_gain(row, self.loads.force.of(row), pending);
         self.is_suspect |= !v.is_finite();
     }
 
-    fn write_force(&mut self, row: usize, Force(force): Force<V>, owed: Owed) {
+    fn write_force(&mut self, row: usize, Force(force): Force<V>, pending: KickPending) {
         let change = self.loads.force.of(row) - force;
-        let kept = self.owed_kick(row, change, owed);
-        self.body[row].velocity += kept;
+        let correction = self.pending_kick_gain(row, change, pending);
+        self.body[row].velocity += correction;
         self.loads.force.set(row, force);
         self.is_suspect |= !force.is_finite();
     }
 
-    fn write_spin(&mut self, row: usize, Spin(spin): Spin<V::Spin>, owed: Owed) {
+    fn write_spin(&mut self, row: usize, Spin(spin): Spin<V::Spin>, pending: KickPending) {
         if row < self.rotation.len() {
-            self.rotation[row].spin = spin - self.owed_spin(row, self.loads.torque.of(row), owed);
+            self.rotation[row].spin = spin - self.pending_spin_gain(row, self.loads.torque.of(row), pending);
         }
     }
 
-    fn write_torque(&mut self, row: usize, Torque(torque): Torque<V::Spin>, owed: Owed) {
+    fn write_torque(&mut self, row: usize, Torque(torque): Torque<V::Spin>, pending: KickPending) {
         if row < self.rotation.len() {
-            let kept = self.owed_spin(row, self.loads.torque.of(row) - torque, owed);
-            self.rotation[row].spin += kept;
+            let correction = self.pending_spin_gain(row, self.loads.torque.of(row) - torque, pending);
+            self.rotation[row].spin += correction;
             self.loads.torque.set(row, torque);
         }
     }
 }
 
-/// Registers the hooks, before the first particle is spawned.
+/// Registers the hooks. This must happen before the first particle is spawned.
 pub(super) fn add<V: Space>(world: &mut World) {
     world.init_resource::<Population>();
-    world.register_component_hooks::<GrainId>().on_insert(entered).on_remove(left::<V>);
-    world.register_component_hooks::<Radius>().on_insert(altered);
-    world.register_component_hooks::<Mass>().on_insert(altered).on_remove(altered);
-    world.register_component_hooks::<Species>().on_insert(altered).on_remove(altered);
-    world.register_component_hooks::<Inertia>().on_insert(altered);
-    world.register_component_hooks::<Fixed>().on_insert(fixed_or_freed::<V>).on_remove(fixed_or_freed::<V>);
+    world.register_component_hooks::<GrainId>().on_insert(on_enter).on_remove(on_leave::<V>);
+    world.register_component_hooks::<Radius>().on_insert(on_alter);
+    world.register_component_hooks::<Mass>().on_insert(on_alter).on_remove(on_alter);
+    world.register_component_hooks::<Species>().on_insert(on_alter).on_remove(on_alter);
+    world.register_component_hooks::<Inertia>().on_insert(on_alter);
+    world.register_component_hooks::<Fixed>().on_insert(on_fix_or_free::<V>).on_remove(on_fix_or_free::<V>);
     world
         .register_component_hooks::<Position<V>>()
-        .on_insert(|world, context| inserted::<V, _>(world, context, ParticleStore::write_position));
+        .on_insert(|world, context| on_mirror_insert::<V, _>(world, context, ParticleStore::write_position));
     world
         .register_component_hooks::<Velocity<V>>()
-        .on_insert(|world, context| inserted::<V, _>(world, context, ParticleStore::write_velocity));
+        .on_insert(|world, context| on_mirror_insert::<V, _>(world, context, ParticleStore::write_velocity));
     world
         .register_component_hooks::<Force<V>>()
-        .on_insert(|world, context| inserted::<V, _>(world, context, ParticleStore::write_force));
+        .on_insert(|world, context| on_mirror_insert::<V, _>(world, context, ParticleStore::write_force));
     world
         .register_component_hooks::<Spin<V::Spin>>()
-        .on_insert(|world, context| inserted::<V, _>(world, context, ParticleStore::write_spin));
+        .on_insert(|world, context| on_mirror_insert::<V, _>(world, context, ParticleStore::write_spin));
     world
         .register_component_hooks::<Torque<V::Spin>>()
-        .on_insert(|world, context| inserted::<V, _>(world, context, ParticleStore::write_torque));
+        .on_insert(|world, context| on_mirror_insert::<V, _>(world, context, ParticleStore::write_torque));
 }

@@ -1,9 +1,11 @@
-//! Gates: run conditions whose answer is known before the systems that they gate run.
+//! Predictable conditions (gates): run conditions with a result that is known before the systems that they gate run.
 //!
-//! A component is brought up to date for the systems that read it. Where all of them are gated, it need not be brought up to date in steps
-//! in which no gate opens; and the second kick of a step can be put off if no gate of a system that reads velocities will open. The
-//! condition of the schedule itself is not evaluated for that, for a condition may have a state: whoever registers a gate says how to
-//! know its answer.
+//! A component is refreshed for the systems that read it. If all of these systems are gated, a step in which no gate
+//! opens needs no refresh. The second kick of a step can be deferred if no gate of a system that reads velocities will
+//! open.
+//!
+//! The condition in the schedule itself is not evaluated for these predictions, because a condition may have state. The
+//! code that registers a gate supplies conditions that predict its result.
 
 use std::any::TypeId;
 
@@ -11,13 +13,13 @@ use bevy_app::App;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{BoxedCondition, SystemCondition};
 
-/// A run condition whose answer is known beforehand.
+/// A run condition with a result that is known in advance.
 struct PredictableCondition {
     /// The type of the condition.
     condition: TypeId,
-    /// Its answer, known from the engine's part of the phase on.
+    /// Gives its result; valid from the engine's part of the phase on.
     opens: BoxedCondition,
-    /// Its answer in this step, known from the kick on.
+    /// Predicts its result in this step; valid from the kick on.
     will_open: BoxedCondition,
 }
 
@@ -31,8 +33,8 @@ fn boxed<M>(world: &mut World, condition: impl SystemCondition<M>) -> BoxedCondi
     Box::new(condition)
 }
 
-/// Registers `condition`: its answer is that of `opens` when its phase begins, and that of `will_open` when the kick is due. Both depend
-/// on the world alone.
+/// Registers `condition` as a gate. A copy of it is evaluated when the phase begins; `will_open` predicts it when the
+/// kick is due. The results must depend on the world alone.
 pub(crate) fn register_predictable<M, N>(
     app: &mut App,
     condition: impl SystemCondition<M> + Clone,
@@ -48,37 +50,37 @@ pub(crate) fn register_predictable<M, N>(
 }
 
 impl PredictableConditions {
-    /// The number of the gate that a condition of this type is.
+    /// The number of the gate with a condition of this type.
     pub(super) fn of(&self, condition: TypeId) -> Option<usize> {
         self.0.iter().position(|gate| gate.condition == condition)
     }
 
     /// Whether all of these gates are open in the present phase.
-    pub(super) fn open(world: &mut World, gates: &[usize]) -> bool {
+    pub(super) fn are_open(world: &mut World, gates: &[usize]) -> bool {
         if gates.is_empty() {
             return true;
         }
         let mut all = Self::take(world);
-        let is_open = gates.iter().all(|&gate| answer(&mut all[gate].opens, world));
+        let is_open = gates.iter().all(|&gate| evaluate(&mut all[gate].opens, world));
         world.resource_mut::<Self>().0 = all;
         is_open
     }
 
-    /// Whether all gates of any of these sets will be open, as far as the kick can tell.
+    /// Whether, in any of these sets, all gates will open, as predicted at the kick.
     pub(super) fn any_will_open(world: &mut World, sets: &[Vec<usize>]) -> bool {
         let mut all = Self::take(world);
-        let will_open = sets.iter().any(|gates| gates.iter().all(|&gate| answer(&mut all[gate].will_open, world)));
+        let will_open = sets.iter().any(|gates| gates.iter().all(|&gate| evaluate(&mut all[gate].will_open, world)));
         world.resource_mut::<Self>().0 = all;
         will_open
     }
 
-    /// Not with `resource_scope`, which moves an entity.
+    /// `resource_scope` would move an entity.
     fn take(world: &mut World) -> Vec<PredictableCondition> {
         std::mem::take(&mut world.resource_mut::<Self>().0)
     }
 }
 
-/// A gate that cannot say is open.
-fn answer(condition: &mut BoxedCondition, world: &World) -> bool {
+/// Evaluates a condition. A condition that cannot be evaluated counts as true.
+fn evaluate(condition: &mut BoxedCondition, world: &World) -> bool {
     condition.run_readonly((), world).unwrap_or(true)
 }

@@ -1,7 +1,8 @@
-//! Dealing out slots: which particle has which, in which order, and what the store then holds.
+//! Assigns slots to particles, in spatial order, and moves the rows of the store to them.
 //!
-//! The store owns the state of the particles that it knows: their rows move to the new slots. Components are read of entities that
-//! entered (all of them), and of those that the [population](super::population) has noted as altered (what changes by insertion).
+//! The store owns the state of the particles that it has rows for; these rows move to the new slots. Components are
+//! read only from entities that the [population](super::population) recorded: all components of entering particles, and
+//! permanent properties of altered ones.
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::query::QueryData;
@@ -28,13 +29,13 @@ pub(crate) struct EntityRow<V: Space> {
     turning: Option<(&'static Spin<V::Spin>, &'static Torque<V::Spin>, &'static Inertia)>,
 }
 
-/// The properties of a particle that change by insertion alone, as the store holds them.
+/// Properties of a particle that change by insertion alone, as the store holds them.
 #[derive(Clone, Copy, Debug)]
 struct Properties {
     id: GrainId,
     radius: f64,
     mass: f64,
-    /// 1/m as contacts see it, 1/kg: 0 for what is fixed.
+    /// 1/m as contacts see it, 1/kg: 0 for fixed particles.
     inverse_mass: f64,
     inverse_inertia: f64,
     species: Species,
@@ -53,13 +54,13 @@ impl Properties {
         }
     }
 
-    /// Whether no force moves it.
+    /// Whether forces never move the particle.
     fn never_moves(&self) -> bool {
         self.inverse_mass == 0.0
     }
 }
 
-/// An entity that enters, and all that its slot follows from.
+/// An entering entity, with the data that determine its slot.
 struct Entering<V: Space> {
     entity: Entity,
     id: GrainId,
@@ -78,14 +79,15 @@ impl<V: Space> Entering<V> {
     }
 }
 
-/// The place of a particle in the order of slots.
+/// Sort key of a particle: whether it is fixed, then place, then id.
 type Key = (bool, Place, GrainId);
 
-/// A particle that will have a slot: its key, and its former row, or its number among those that enter plus the former rows.
+/// A particle that gets a slot: its key and its number. Numbers below the row count are former rows; higher ones are
+/// the row count plus an index into the entering particles.
 type Entrant = (Key, u32);
 
 impl<V: Space> ParticleStore<V> {
-    /// Deals out slots to all particles; `touched` are the entities that entered or were altered.
+    /// Assigns slots to all particles. `touched` lists the entities that entered or were altered.
     pub(super) fn reorder(
         &mut self,
         touched: Vec<Entity>,
@@ -106,10 +108,10 @@ impl<V: Space> ParticleStore<V> {
             |&(_, number): &Entrant| entering.get((number as usize).checked_sub(rows)?).map(|new| new.entity);
         let newcomers = entrants.iter().zip(0u32..).filter_map(|(entrant, slot)| Some((newcomer(entrant)?, slot)));
         let newcomers: Vec<_> = newcomers.collect();
-        // Memory is at its highest here when all grains of a scene enter at once.
+        // Memory use is highest here when all grains of a scene enter at once.
         drop((entrants, entering));
         self.make_room();
-        self.settle_altered(&altered);
+        self.apply_altered(&altered);
         for (entity, slot) in newcomers {
             if let Ok(row) = particles.get(entity) {
                 self.fill(slot as usize, &row);
@@ -129,7 +131,7 @@ impl<V: Space> ParticleStore<V> {
         self.generation += 1;
     }
 
-    /// Reads the entities that entered, and the properties of those that were altered, by row.
+    /// Reads the entities that entered, and the properties of altered ones, keyed by row.
     fn read(
         &self,
         touched: Vec<Entity>,
@@ -138,7 +140,7 @@ impl<V: Space> ParticleStore<V> {
     ) -> (Vec<Entering<V>>, FxHashMap<usize, Properties>) {
         let (mut entering, mut altered) = (Vec::new(), FxHashMap::default());
         for entity in touched {
-            // An entity that is gone already, or no particle, has no row.
+            // An entity that is already gone, or is no particle, has no row.
             let (Ok(row), Ok(slot)) = (particles.get(entity), slots.get(entity)) else { continue };
             match self.row_of(entity, *slot) {
                 Some(i) => {
@@ -150,7 +152,7 @@ impl<V: Space> ParticleStore<V> {
         (entering, altered)
     }
 
-    /// The order of slots for all that forces move.
+    /// Derives the spatial order from all particles that forces move.
     fn next_order(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> SpatialOrder {
         let known = || {
             (0..self.len()).filter(|&i| self.is_present(i)).filter_map(|i| match altered.get(&i) {
@@ -166,7 +168,7 @@ impl<V: Space> ParticleStore<V> {
         SpatialOrder::of(known().chain(new()).map(|(position, _)| position), 2.0 * largest)
     }
 
-    /// All particles, in the order of their slots to be.
+    /// Returns all particles, in the order of their new slots.
     fn entrants(&self, entering: &[Entering<V>], altered: &FxHashMap<usize, Properties>) -> Vec<Entrant> {
         let known = (0u32..).zip(0..self.len()).filter(|&(_, i)| self.is_present(i)).map(|(number, i)| {
             let never_moves = altered.get(&i).map_or(self.is_fixed(i), Properties::never_moves);
@@ -182,13 +184,13 @@ impl<V: Space> ParticleStore<V> {
         entrants
     }
 
-    /// Moves the rows of the particles that the store knows to their new slots, and makes room for the others.
+    /// Moves the rows of known particles to their new slots, and adds blank rows for the others.
     fn make_room(&mut self) {
         let Self { former, tracks_energy, inertia, loads, .. } = self;
         let (size, kept) = (former.len(), &former[..]);
-        let nothing = Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 };
+        let blank = Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 };
         rearrange(&mut self.entity, size, kept, Entity::PLACEHOLDER);
-        rearrange(&mut self.body, size, kept, nothing);
+        rearrange(&mut self.body, size, kept, blank);
         rearrange(&mut self.mass, size, kept, 0.0);
         rearrange(&mut self.species, size, kept, Species::default());
         loads.force.rearrange(size, kept, *tracks_energy);
@@ -201,9 +203,9 @@ impl<V: Space> ParticleStore<V> {
         }
     }
 
-    /// Writes the properties of altered particles, given by former row, and notes those that lists must not go on with: of another
-    /// radius, or fixed or freed.
-    fn settle_altered(&mut self, altered: &FxHashMap<usize, Properties>) {
+    /// Writes the properties of altered particles, given by former row. Records in `altered` the particles that
+    /// neighbour lists must not carry over: particles that were fixed or freed, or got another radius.
+    fn apply_altered(&mut self, altered: &FxHashMap<usize, Properties>) {
         self.altered.clear();
         if altered.is_empty() {
             return;
@@ -229,7 +231,7 @@ impl<V: Space> ParticleStore<V> {
         }
     }
 
-    /// Fills in row `i` for a particle that enters.
+    /// Fills row `i` for an entering particle.
     fn fill(&mut self, i: usize, entering: &EntityRowItem<'_, '_, V>) {
         self.entity[i] = entering.entity;
         (self.body[i].position, self.body[i].velocity) = (entering.position.0, entering.velocity.0);
@@ -242,7 +244,7 @@ impl<V: Space> ParticleStore<V> {
     }
 }
 
-/// Makes a column as long as this: what was of the slots that the first ones had, and blanks for others.
+/// Resizes a column to `size`. The first entries take the values of their former slots; the others are blank.
 fn rearrange<T: Copy>(column: &mut Vec<T>, size: usize, former: &[Slot], blank: T) {
     let before = |i: usize| column.get(former.get(i)?.index()).copied();
     *column = (0..size).map(|i| before(i).unwrap_or(blank)).collect();
@@ -274,16 +276,16 @@ mod tests {
     }
 
     #[test]
-    fn slots_follow_what_enters_leaves_and_is_altered() {
+    fn slots_follow_entering_leaving_and_altered_particles() {
         let mut world = World::new();
         world.init_resource::<ParticleStore>();
         population::add::<Plane>(&mut world);
         world.init_resource::<Renumberings>();
         let [gone, grown, held, same] = [0, 1, 2, 3].map(|number| world.spawn(grain(number)).id());
         world.run_system_once(renumber::<Plane>).unwrap();
-        let nobody = Slot::default();
+        let no_slot = Slot::default();
         assert_eq!(world.resource::<ParticleStore>().entity, [gone, grown, held, same]);
-        assert_eq!(world.resource::<ParticleStore>().former, [nobody; 4]);
+        assert_eq!(world.resource::<ParticleStore>().former, [no_slot; 4]);
         assert!(!world.resource::<population::Population>().is_due());
         world.despawn(gone);
         let store = world.resource::<ParticleStore>();
@@ -294,9 +296,9 @@ mod tests {
         world.run_system_once(renumber::<Plane>).unwrap();
         let store = world.resource::<ParticleStore>();
         assert_eq!((&store.entity[..], store.movable_end), (&[grown, same, new, held][..], 3));
-        assert_eq!(store.former, [Slot::new(1), Slot::new(3), nobody, Slot::new(2)]);
+        assert_eq!(store.former, [Slot::new(1), Slot::new(3), no_slot, Slot::new(2)]);
         let same_before: Vec<_> = (0..4).map(|i| store.same_before(i)).collect();
-        assert_eq!(same_before, [nobody, Slot::new(3), nobody, nobody]);
+        assert_eq!(same_before, [no_slot, Slot::new(3), no_slot, no_slot]);
         assert!(store.body[0].radius > 0.15 && store.is_fixed(3) && store.vacated().is_empty());
     }
 }

@@ -1,24 +1,26 @@
-//! The order of slots in space: row by row, so that neighbours in space are mostly neighbours in memory, whatever the
-//! order in which grains entered.
+//! The spatial order of slots: row by row, so that neighbours in space are mostly neighbours in memory, in whatever
+//! order grains entered.
 //!
-//! Positions are put on a grid whose cells are as wide as the largest grain. Cells are ordered along the axis on which the
-//! grains reach farthest, slice by slice. A force pass then reads two or three rows side by side, each from its beginning to
-//! its end, which processors foresee. Ranges of slots, the shares of threads, meet in one cross-section, or at the side of a beam.
+//! Positions are put on a grid with cells as wide as the largest grain. Cells are ordered along the axis of the largest
+//! extent, slice by slice. A force pass then reads two or three rows side by side, each from beginning to end, which
+//! hardware prefetchers predict. The slot ranges of two threads meet in one cross-section, or at the side of a beam.
 //!
-//! Two slices are at work at a time, and what is known of their grains should stay at hand: where slices are large, the axis on which
-//! grains reach second farthest is cut into beams of [`SLICE`] grains a slice or so, one after the other. At least [`NARROWEST`]
-//! cells wide, so that few grains are at the side of one, where they are needed again.
+//! A force pass works on two slices at a time, and the data of their grains should stay in the cache. If slices are
+//! large, the axis of the second largest extent is therefore cut into beams, one after the other. A beam has about
+//! [`GRAINS_PER_SLICE`] grains per slice and is at least [`MIN_BEAM_WIDTH`] cells wide, so that few grains are at its
+//! side. Grains at a side are loaded again for the next beam.
 
 use crate::space::Space;
 
-/// How many cells of a slice are at hand without trouble: at some 200 B a grain, all that a step asks for, two slices at work and the next one
-/// take 230 kB, a quarter of a second cache of 1 MB.
-const SLICE: f64 = 384.0;
+/// Grains of a slice that fit easily into the cache, about one per cell. A step needs about 200 B per grain, so two
+/// active slices and the next one take 230 kB: a quarter of a second-level cache of 1 MB.
+const GRAINS_PER_SLICE: f64 = 384.0;
 
-/// Fewest cells that a beam is wide.
-const NARROWEST: f64 = 8.0;
+/// Smallest width of a beam, in cells.
+const MIN_BEAM_WIDTH: f64 = 8.0;
 
-/// The cells, which axis comes first, and how many cells wide beams are along the second one, if there are any.
+/// The cell size (m), the axes by descending extent, and the width of beams along the second axis in cells, if there
+/// are beams.
 #[derive(Clone, Copy, Debug)]
 pub struct SpatialOrder {
     cell: f64,
@@ -32,11 +34,11 @@ impl Default for SpatialOrder {
     }
 }
 
-/// Number of the beam, and of the cell along each axis, the first one first.
+/// Number of the beam, and of the cell along each axis by descending extent.
 pub type Place = [i32; 4];
 
 impl SpatialOrder {
-    /// For grains at `positions` (m), the widest of which has this diameter (m).
+    /// The order for grains at `positions` (m) with this largest diameter (m).
     #[inline]
     pub fn of<V: Space>(positions: impl Iterator<Item = V>, diameter: f64) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
@@ -47,24 +49,25 @@ impl SpatialOrder {
             }
         }
         let mut axes = [0, 1, 2];
-        // Axes that a planar scene does not have reach nowhere: infinitely little.
+        // Axes that a planar scene does not have get the extent minus infinity, so they come last.
         axes.sort_by(|&a, &b| (high[b] - low[b]).total_cmp(&(high[a] - low[a])));
         let cell = diameter.max(f64::MIN_POSITIVE);
         let [_, wide, deep] = axes.map(|axis| ((high[axis] - low[axis]) / cell).max(1.0));
-        let width = (SLICE / deep).max(NARROWEST);
-        #[expect(clippy::cast_possible_truncation, reason = "at least NARROWEST, at most SLICE")]
+        let width = (GRAINS_PER_SLICE / deep).max(MIN_BEAM_WIDTH);
+        #[expect(clippy::cast_possible_truncation, reason = "at least MIN_BEAM_WIDTH, at most GRAINS_PER_SLICE")]
         let beam = (wide > 2.0 * width).then_some(width as i32);
         Self { cell, axes, beam }
     }
 
-    /// Where there are beams, how many entries ahead the partners of a grain are: two slices' worth.
+    /// With beams: the distance, in slots, between a grain and its contact partners in the next slice, which is two
+    /// slices. Without beams: `None`.
     #[must_use]
     pub fn ahead(&self) -> Option<usize> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small whole number")]
-        self.beam.map(|_| 2 * SLICE as usize)
+        self.beam.map(|_| 2 * GRAINS_PER_SLICE as usize)
     }
 
-    /// Where `x` (m) comes.
+    /// The place of `x` (m) in the order.
     #[must_use]
     #[inline]
     pub fn place<V: Space>(&self, x: V) -> Place {
@@ -94,19 +97,19 @@ mod tests {
 
     #[test]
     fn large_slices_are_cut_into_beams() {
-        // 100 x 60 x 40 cells: beams of 384/40 cells, so nine.
+        // 100 x 60 x 40 cells: beams are 384/40 = 9 cells wide (truncated).
         let grains = [Solid::ZERO, Solid::new(40.0, 100.0, 60.0)];
         let order = SpatialOrder::of(grains.into_iter(), 1.0);
         assert_eq!(order.place(Solid::new(3.5, 70.5, 17.5)), [1, 70, 17, 3]);
         assert_eq!(order.place(Solid::new(3.5, 70.5, 18.5)), [2, 70, 18, 3]);
         assert_eq!(order.ahead(), Some(768));
-        // However deep they are.
+        // Beams keep the smallest width, however deep the slices are.
         let order = SpatialOrder::of([Solid::ZERO, Solid::new(900.0, 900.0, 1000.0)].into_iter(), 1.0);
         assert_eq!(order.place(Solid::new(8.5, 1.5, 3.5))[0], 1);
     }
 
     #[test]
-    fn nothing_is_too_far_or_too_few() {
+    fn extreme_positions_and_empty_input_have_a_place() {
         let order = SpatialOrder::of(std::iter::empty::<Plane>(), 0.0);
         assert!(order.place(Plane::new(1e300, f64::NAN)).contains(&i32::MAX));
     }
