@@ -1,9 +1,10 @@
 //! A scene of the user's over steps and seeds: what its own observables make of them.
 //!
-//! There is no closed form for a silo, and its motion is chaotic: two runs that differ by a rounding differ by a grain's width
-//! a second later. What a step can change is the statistics, and these have noise: each rung of a ladder of steps is run with
-//! several seeds, [`observe`] takes the observables of each run, and [`verdict`] holds their means against those of the finest
-//! rung. A scene in which the seed changes nothing is run once a rung, and every difference is the step's.
+//! There is no closed form for a silo, and its motion is chaotic: two runs that differ by a rounding differ by a
+//! grain's width a second later. What a step can change is the statistics, and these have noise: each rung of a ladder
+//! of steps is run with several seeds, [`observe`] takes the observables of each run, and [`verdict`] holds their means
+//! against those of the finest rung. A scene in which the seed changes nothing is run once a rung, and every difference
+//! is the step's.
 
 pub mod observe;
 pub mod report;

@@ -1,7 +1,8 @@
 //! What the ladder of a scene tells, and which step it recommends.
 //!
-//! Recommended is the coarsest step from which on no observable differs from the finest by more than both the noise and the
-//! wanted error. The energy balance is shown and judged by itself, and takes no part: it says how well the books are kept.
+//! Recommended is the coarsest step from which on no observable differs from the finest by more than both the noise and
+//! the wanted error. The energy balance is shown and judged by itself, and takes no part: it says how well the books
+//! are kept.
 
 use std::fmt::Write as _;
 
@@ -160,7 +161,8 @@ impl Study {
         OBSERVABLES.iter().map(|(name, _)| *name).filter(judged).partition(|name| shows(name))
     }
 
-    /// The observable of a step whose noise leaves most room, how much, relatively, and how many seeds would see the error.
+    /// The observable of a step whose noise leaves most room, how much, relatively, and how many seeds would see the
+    /// error.
     fn noisiest(&self, n: usize) -> Option<(&'static str, f64, f64)> {
         let finest = self.steps.iter().rfind(|step| step.is_usable())?;
         let of = |figure: &Figure| {

@@ -1,9 +1,9 @@
 //! Means over seeds, and whether one can be told from another.
 //!
-//! With n seeds a mean has the standard error se = s/sqrt(n), s the sample's standard deviation. Two means differ beyond the
-//! noise where |a - b| > t sqrt(se_a^2 + se_b^2), with t of Student's distribution for 2 (n - 1) degrees of freedom such that
-//! one comparison in a hundred of equals is marked by chance. Seeds of different steps count as independent: after the first
-//! few collisions they are.
+//! With n seeds a mean has the standard error se = s/sqrt(n), s the sample's standard deviation. Two means differ
+//! beyond the noise where |a - b| > t sqrt(se_a^2 + se_b^2), with t of Student's distribution for 2 (n - 1) degrees of
+//! freedom such that one comparison in a hundred of equals is marked by chance. Seeds of different steps count as
+//! independent: after the first few collisions they are.
 
 use serde::Serialize;
 
