@@ -1,8 +1,8 @@
 //! Independent reference solution: discs, contact laws and integration, implemented a second time for the plane.
 //!
 //! This module uses no contact, integration scheme or neighbour search of the simulator, so it cannot share their
-//! errors. Symbols: overlap delta, normal n from j to i, v_n = v_ij.n, tangent t = z x n, slip velocity v_s = v_ij.t -
-//! (R_i w_i + R_j w_j). The forces are
+//! errors. Symbols: overlap delta, normal n from j to i, v_n = v_ij.n, tangent t = z x n, slip velocity
+//! v_s = v_ij.t - (R_i w_i + R_j w_j). The forces are
 //!
 //! * [`Law::Full`]: F = k delta n - b v_ij (the assignment's law);
 //! * [`Law::Linear`], normal: F_n = k delta - c v_n with c = 2 zeta sqrt(k m_eff) for a restitution e. F_n is cut at 0
