@@ -1,10 +1,10 @@
-//! A scene of the user's over steps and seeds: what its own observables make of them.
+//! Effect of the time step on the observables of a user's scene, over a ladder of steps and several seeds.
 //!
-//! There is no closed form for a silo, and its motion is chaotic: two runs that differ by a rounding differ by a
-//! grain's width a second later. What a step can change is the statistics, and these have noise: each rung of a ladder
-//! of steps is run with several seeds, [`observe`] takes the observables of each run, and [`verdict`] holds their means
-//! against those of the finest rung. A scene in which the seed changes nothing is run once a rung, and every difference
-//! is the step's.
+//! A silo has no closed form, and its motion is chaotic: two runs that differ by a rounding error differ by a grain's
+//! width one second later. The step can therefore only change statistics, and statistics have noise. Each step of the
+//! ladder runs with several seeds. [`observe`] takes the observables of each run, and [`verdict`] compares their means
+//! with the means at the finest step. If the seed has no effect, the scene runs once per step and every difference is
+//! due to the step.
 
 pub mod observe;
 pub mod report;

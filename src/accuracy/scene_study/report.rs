@@ -1,8 +1,8 @@
-//! What the ladder of a scene tells, and which step it recommends.
+//! Results of a scene study, and the recommended step.
 //!
-//! Recommended is the coarsest step from which on no observable differs from the finest by more than both the noise and
-//! the wanted error. The energy balance is shown and judged by itself, and takes no part: it says how well the books
-//! are kept.
+//! The recommended step is the coarsest step such that, at this and all finer steps, no observable differs from its
+//! value at the finest step by more than both the noise and the target error. The error of the energy balance is shown
+//! but does not affect the recommendation, because it measures the quality of the energy balance itself.
 
 use std::fmt::Write as _;
 
@@ -163,8 +163,8 @@ impl Study {
         OBSERVABLES.iter().map(|(name, _)| *name).filter(judged).partition(|name| is_affected(name))
     }
 
-    /// The observable of a step whose noise leaves most room, how much, relatively, and how many seeds would see the
-    /// error.
+    /// Returns the observable with the largest relative noise at step number `n`, that noise, and the number of seeds
+    /// that would resolve the target error.
     fn noisiest(&self, n: usize) -> Option<(&'static str, f64, f64)> {
         let finest = self.steps.iter().rfind(|step| step.is_usable())?;
         let relative_noise = |figure: &Figure| {

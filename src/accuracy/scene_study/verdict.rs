@@ -1,9 +1,10 @@
-//! Means over seeds, and whether one can be told from another.
+//! Means over seeds, and the statistical test whether two means differ.
 //!
-//! With n seeds a mean has the standard error se = s/sqrt(n), s the sample's standard deviation. Two means differ
-//! beyond the noise where |a - b| > t sqrt(se_a^2 + se_b^2), with t of Student's distribution for 2 (n - 1) degrees of
-//! freedom such that one comparison in a hundred of equals is marked by chance. Seeds of different steps count as
-//! independent: after the first few collisions they are.
+//! With n seeds a mean has the standard error se = s/sqrt(n), where s is the standard deviation of the sample. Two
+//! means a and b differ by more than the noise if |a - b| > t sqrt(se_a^2 + se_b^2). Here t is from Student's
+//! distribution with 2 (n - 1) degrees of freedom, such that equal means appear to differ in one of a hundred
+//! comparisons. Runs at different steps count as independent even with the same seed, because they are so after the
+//! first few collisions.
 
 use serde::Serialize;
 
@@ -91,7 +92,7 @@ impl Standing {
     }
 }
 
-/// Returns the two-sided 99 % quantile of Student's t distribution with `freedom` degrees of freedom.
+/// Returns the value that |t| exceeds with probability 0.01, for Student's t with `freedom` degrees of freedom.
 fn student_quantile(freedom: usize) -> f64 {
     const TABLE: [f64; 14] = [63.66, 9.92, 5.84, 4.60, 4.03, 3.71, 3.50, 3.36, 3.25, 3.17, 3.11, 3.05, 3.01, 2.98];
     match freedom {
