@@ -130,8 +130,8 @@ fn check_comparable(first: &World, second: &World) -> Result<(), Fault> {
     if a.dt.to_bits() != b.dt.to_bits() {
         let message = format!("one scene has a time step of {:?} s, the other of {:?} s", a.dt, b.dt);
         return Err(Fault::new("divergence::step", message).help(
-            "states are compared at equal steps: give both scenes the same `step`; `siloflow accuracy SCENE` measures the \
-             error of a step",
+            "states are compared at equal steps: give both scenes the same `step`; `siloflow accuracy SCENE` measures \
+             the error of a step",
         ));
     }
     if (a.steps, a.is_step_zero()) != (b.steps, b.is_step_zero()) {

@@ -5,10 +5,10 @@
 //! | `run` | | name of the run; the reference is first |
 //! | `field_rms` | mean downward speeds | disagreement of the velocity [fields](crate::compare::field) |
 //! | `field_correlation` | | correlation of the fields; empty if one of them is uniform |
-//! | `common_cells`, `only_reference`, `only_run` | cells | cells that both fields, only the reference, or only this run has |
+//! | `common_cells`, `only_reference`, `only_run` | cells | cells of both fields, only the reference, only this run |
 //! | `mean_speed` | m/`time_unit` | mean downward speed over the common cells |
 //! | `discharge_difference` | fraction | disagreement of the [discharge](crate::compare::discharge) |
-//! | `unit_time` | `time_unit` | time from the opening until half (or the largest fraction that all runs reach) is out |
+//! | `unit_time` | `time_unit` | time from the opening until half (or the largest fraction of all runs) is out |
 //! | `time_unit` | | `s` or `step` |
 //! | `wall_s`, `wall_ratio` | s | wall-clock time of the steps, and its ratio to that of the reference |
 
