@@ -20,7 +20,7 @@ impl Rows {
     /// Creates the file at `path` with its header.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the file cannot be written.
     pub fn create(path: &Path, header: &str) -> std::io::Result<Self> {
         let mut rows = Self { path: path.to_owned(), file: BufWriter::new(File::create(path)?) };
         writeln!(rows.file, "{header}")?;
