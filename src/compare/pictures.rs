@@ -20,7 +20,7 @@ const PANEL: f64 = 320.0;
 /// Draws the vertical velocity over its mean for every run, with equal length scale and equal colour scale.
 fn fields(runs: &[Run], report: &Report) -> String {
     let side = runs.first().map_or(1.0, |run| run.field.side);
-    let corner = |[row, column]: [i64; 2]| side * Vector::new(whole(column), whole(row));
+    let corner = |[row, column]: [i64; 2]| side * Vector::new(to_f64(column), to_f64(row));
     let (low, high) = bounds(runs, report.looks, side);
     let step = Vector::new(1.15 * (high.x - low.x), 0.0);
     let all = f64::from(u32::try_from(runs.len()).unwrap_or(1)) * step;
@@ -58,7 +58,7 @@ fn fields(runs: &[Run], report: &Report) -> String {
 /// Returns the lower left and upper right corner of the box around all cells and wall grains, m.
 fn bounds(runs: &[Run], looks: f64, side: f64) -> (Vector, Vector) {
     let cells = runs.iter().flat_map(|run| run.field.seen(looks)).map(|([row, column], _)| {
-        let corner = side * Vector::new(whole(column), whole(row));
+        let corner = side * Vector::new(to_f64(column), to_f64(row));
         (corner, corner + Vector::splat(side))
     });
     let discs = runs.iter().flat_map(|run| &run.walls);
@@ -67,7 +67,7 @@ fn bounds(runs: &[Run], looks: f64, side: f64) -> (Vector, Vector) {
 }
 
 #[expect(clippy::cast_precision_loss, reason = "cells are far below 2^53")]
-fn whole(number: i64) -> f64 {
+fn to_f64(number: i64) -> f64 {
     number as f64
 }
 

@@ -10,7 +10,7 @@
 //! | `discharge_difference` | fraction | disagreement of the [discharge](crate::compare::discharge) |
 //! | `unit_time` | `time_unit` | time from the opening until half (or the largest fraction of all runs) is out |
 //! | `time_unit` | | `s` or `step` |
-//! | `wall_s`, `wall_ratio` | s | wall-clock time of the steps, and its ratio to that of the reference |
+//! | `wall_s`, `wall_ratio` | s | wall-clock time of the steps, and its ratio to the reference's time |
 
 use std::fmt::Write as _;
 
@@ -41,7 +41,7 @@ pub struct Row {
     pub time_unit: &'static str,
     /// Wall-clock time of the steps, s.
     pub wall_s: f64,
-    /// Wall-clock time over that of the reference.
+    /// Wall-clock time over the reference's wall-clock time.
     pub wall_ratio: f64,
 }
 

@@ -11,8 +11,8 @@
 //! | `vx_m_per_s`, ... | m/s | mean velocity |
 //! | `temperature_m2_per_s2` | m^2/s^2 | granular temperature |
 //!
-//! `centres.csv` has `time_s`, `species`, `count`, `mass_kg`, and the centre `x_m`, ... and its velocity `vx_m_per_s`,
-//! ... Along a periodic axis the centre is the mean of the wrapped positions, which has little meaning.
+//! `centres.csv` has `time_s`, `species`, `count`, `mass_kg`, the centre (`x_m`, ...) and its velocity (`vx_m_per_s`,
+//! ...). Along a periodic axis the centre is the mean of the wrapped positions, which has little meaning.
 
 use std::fmt::Write as _;
 use std::path::Path;

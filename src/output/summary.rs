@@ -29,10 +29,10 @@ use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
 use crate::writers::peak::peak_memory;
 
-/// The whole summary.
+/// Content of `summary.json`.
 #[derive(Debug, Serialize)]
 pub struct Summary {
-    /// [`SUMMARY_FORMAT`].
+    /// Version of the format, [`SUMMARY_FORMAT`].
     pub format: u32,
     /// Name of the scene.
     pub scene: String,

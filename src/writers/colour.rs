@@ -1,6 +1,6 @@
 //! Colours: categories for species, and the perceptually uniform map viridis for numbers.
 
-/// Red, green, blue.
+/// A colour as red, green and blue, each from 0 to 255.
 pub type Rgb = [u8; 3];
 
 /// Colour of walls and wall grains.

@@ -14,7 +14,7 @@ pub struct Picture {
     pub low: Vector,
     /// Upper right corner of the view, m.
     pub high: Vector,
-    /// Width, px.
+    /// Width of the picture, px.
     pub width: f64,
     /// Lines of the header.
     pub header: Vec<String>,

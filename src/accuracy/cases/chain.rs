@@ -14,7 +14,7 @@ const E: f64 = 0.5;
 const V: f64 = 1.0;
 
 pub(super) fn cases() -> [Case; 2] {
-    // The contact duration is that of the two lightest grains.
+    // The contact duration is the one of a contact between the two lightest grains.
     let hit = chain("chain", "chain of three, e = 0.5", [0.12, 0.09, 0.16], 0.09 * 0.12 / 0.21, 6.0);
     let squeezed = chain(
         "squeezed",

@@ -64,8 +64,8 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     let end = simulation.advance_to_end(|world| cost.particle_steps += movable_grains(world) as u64);
     cost.wall_s = start.elapsed().as_secs_f64();
     // The mean height is meaningful only if no grain has left, because grains outside fall without a limit.
-    let is_whole = simulation.world().resource::<Ledger>().out() == 0;
-    let height = mean_height(simulation.world()).filter(|_| is_whole);
+    let no_grain_is_out = simulation.world().resource::<Ledger>().out() == 0;
+    let height = mean_height(simulation.world()).filter(|_| no_grain_is_out);
     let summary = Summary::of(simulation.world_mut(), loaded, &end, cost);
     let energy = &summary.energy;
     let dissipated = energy.flows.map(|flows| flows.dissipated);
@@ -73,7 +73,7 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     let turnover = dissipated.unwrap_or(0.0).max(energy.kinetic + energy.rotational + energy.elastic);
     // The kinetic energy at the end; left out if it is no more than the residual motion of a bed at rest.
     let kinetic = energy.kinetic + energy.rotational;
-    let kinetic = dissipated.filter(|dissipated| is_whole && kinetic > 1e-3 * dissipated).map(|_| kinetic);
+    let kinetic = dissipated.filter(|dissipated| no_grain_is_out && kinetic > 1e-3 * dissipated).map(|_| kinetic);
     let failure = if summary.is_done() {
         None
     } else {

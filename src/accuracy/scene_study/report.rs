@@ -1,8 +1,8 @@
 //! Results of a scene study, and the recommended step.
 //!
-//! The recommended step is the coarsest step such that, at this and all finer steps, no observable differs from its
-//! value at the finest step by more than both the noise and the target error. The error of the energy balance is shown
-//! but does not affect the recommendation, because it measures the quality of the energy balance itself.
+//! The recommended step is the coarsest step with this property: at this and all finer steps, no observable differs
+//! from its value at the finest step by more than both the noise and the target error. The error of the energy balance
+//! is shown but does not affect the recommendation, because it measures the quality of the energy balance itself.
 
 use std::fmt::Write as _;
 

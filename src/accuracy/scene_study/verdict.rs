@@ -58,7 +58,7 @@ impl Mean {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Standing {
-    /// The mean is the one at the finest step.
+    /// The mean is itself at the finest step.
     Finest,
     /// The sum of difference and noise is within the target error.
     Within,
