@@ -152,7 +152,7 @@ impl FrameRenderer {
             format!("inside {}, out {}, lost {} grains", ledger.inside(), ledger.out(), ledger.lost()),
         ];
         if let Some(full) = self.pictures.network {
-            lines.push(format!("bond as wide as the smallest radius: {} N; sliding: orange", full.get()));
+            lines.push(format!("bond as wide as a radius: {} N; sliding: orange", full.get()));
         }
         lines
     }
