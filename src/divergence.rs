@@ -1,11 +1,12 @@
-//! Where two runs part: the first step after which the state of one differs from that of the other by a bit.
+//! Divergence of two runs: the first step after which their states differ by a bit.
 //!
-//! Two simulations are stepped together. After every step all quantities of all particles, or the states of all sites of a lattice
-//! gas, are compared bit by bit, so that the report names the step, the grain and the quantity; two unequal hashes name none of them.
+//! Two simulations advance together. After every step all quantities of all particles, or the states of all sites of a
+//! lattice gas, are compared bit by bit. The report names the step, the grain and the quantity, which a comparison of
+//! hashes cannot do.
 //!
-//! Of the quantities that differ after that step, the report names the one that a step computes first, because those after it follow from
-//! it: whether the grain is there, its radius and mass, then position, force, torque, velocity and spin. Of the grains in which this
-//! quantity differs, it names the one with the smallest id.
+//! If several quantities differ after that step, the report names the quantity that a step computes first, because the
+//! others follow from it. The order is: presence of the grain, radius, mass, position, force, torque, velocity, spin.
+//! If this quantity differs in several grains, the report names the grain with the smallest id.
 //!
 //! ```
 //! # use std::num::NonZeroUsize;
@@ -26,11 +27,11 @@
 //! # Ok::<(), siloflow::fault::Fault>(())
 //! ```
 //!
-//! A test that holds runs to be the same compares their hashes, and has [`where_they_part`] in the message of its assertion.
+//! A test that requires equal runs compares their hashes and calls [`where_they_part`] in the message of its assertion.
 //!
-//! Limits: the memories of contacts and the plans of spawner and door are not compared; a difference in them shows in the step in which it
-//! first moves a grain. Forces on wall grains are not compared either, for nothing follows from them. A quantity that only one of
-//! the runs has (spin and torque, without friction in the other) is left out.
+//! Limits: the contact history and the states of spawner and door are not compared. A difference in them is found at
+//! the step in which it first moves a grain. Forces on wall grains are not compared, because they have no effect. A
+//! quantity that only one of the runs has is ignored (for example spin and torque, if the other run has no friction).
 
 mod report;
 mod state;
@@ -46,27 +47,29 @@ use crate::simulation::Simulation;
 use crate::space::Dimension;
 use crate::step::Clock;
 
-/// Two runs that are stepped together.
+/// Two runs that advance together.
 pub struct Pair([Simulation; 2]);
 
 impl Pair {
-    /// Two runs whose states can be compared.
+    /// Pairs two runs.
     ///
     /// # Errors
-    /// If they are of different methods or spaces, if their steps differ, or if the sites of their lattices do.
+    /// If the runs have different methods, spaces, time steps, step counts or lattice sites.
     pub fn new(first: Simulation, second: Simulation) -> Result<Self, Fault> {
-        comparable(first.world(), second.world())?;
+        check_comparable(first.world(), second.world())?;
         Ok(Self([first, second]))
     }
 
-    /// The two, the first one first.
+    /// Returns the two runs in the order of [`Pair::new`].
     #[must_use]
     pub fn runs(&self) -> &[Simulation; 2] {
         &self.0
     }
 
-    /// The first difference from the state as it is to that of step `steps`, or to the end of both runs. `each` is shown the world of the
-    /// first run after every step.
+    /// Steps both runs and returns their first difference; `None` if there is none.
+    ///
+    /// The comparison covers the present state and the states up to step `steps` or the end of both runs. `each` is
+    /// called with the world of the first run after every step.
     pub fn first_divergence(&mut self, steps: u64, mut each: impl FnMut(&World)) -> Option<Divergence> {
         loop {
             if let Some(divergence) = self.divergence() {
@@ -74,7 +77,7 @@ impl Pair {
             }
             let world = self.0[0].world();
             let clock = world.resource::<Clock>();
-            // The other run has ended too, or the two would differ.
+            // The other run has ended too: otherwise `divergence` would have reported different ends.
             if world.resource::<Outcome>().end().is_some() || !clock.is_step_zero() && clock.steps >= steps {
                 return None;
             }
@@ -85,7 +88,7 @@ impl Pair {
         }
     }
 
-    /// The difference of the two states as they are.
+    /// Returns the difference of the present states.
     #[must_use]
     pub fn divergence(&self) -> Option<Divergence> {
         let worlds = self.0.each_ref().map(Simulation::world);
@@ -103,7 +106,7 @@ fn is_gas(world: &World) -> bool {
     world.contains_resource::<Gas>() && world.contains_resource::<Sites>()
 }
 
-/// Where two runs part, up to step `steps`, in words: for the message of a test that expects them to be the same.
+/// Describes the first difference of two runs up to step `steps`, for the message of a test that expects equal runs.
 #[must_use]
 pub fn where_they_part(first: Simulation, second: Simulation, steps: u64) -> String {
     match Pair::new(first, second).map(|mut pair| pair.first_divergence(steps, |_| {})) {
@@ -113,11 +116,11 @@ pub fn where_they_part(first: Simulation, second: Simulation, steps: u64) -> Str
     }
 }
 
-/// Refuses two worlds whose states have nothing in common that could be compared.
-fn comparable(first: &World, second: &World) -> Result<(), Fault> {
+/// Returns an error if the states of two worlds cannot be compared.
+fn check_comparable(first: &World, second: &World) -> Result<(), Fault> {
     if is_gas(first) != is_gas(second) {
         return Err(Fault::new("divergence::method", "one is a scene of grains, the other of the lattice gas")
-            .help("`siloflow compare` holds the flow patterns of different models against each other"));
+            .help("`siloflow compare` compares the flow patterns of different models"));
     }
     if Dimension::of_world(first) != Dimension::of_world(second) {
         return Err(Fault::new("divergence::space", "one scene is in the plane, the other in solid space")
@@ -127,13 +130,13 @@ fn comparable(first: &World, second: &World) -> Result<(), Fault> {
     if a.dt.to_bits() != b.dt.to_bits() {
         let message = format!("one scene has a time step of {:?} s, the other of {:?} s", a.dt, b.dt);
         return Err(Fault::new("divergence::step", message).help(
-            "states are compared at equal steps: give both scenes the same `step`; `siloflow accuracy SCENE` tells the error \
-             that a step makes",
+            "states are compared at equal steps: give both scenes the same `step`; `siloflow accuracy SCENE` measures \
+             the error of a step",
         ));
     }
     if (a.steps, a.is_step_zero()) != (b.steps, b.is_step_zero()) {
         let message = format!("one run has done {} steps, the other {}", a.steps, b.steps);
-        return Err(Fault::new("divergence::clock", message).help("bring both to the same step first"));
+        return Err(Fault::new("divergence::clock", message).help("advance both runs to the same step first"));
     }
     if !state::have_same_sites([first, second]) {
         return Err(Fault::new("divergence::sites", "the silos have different sites")

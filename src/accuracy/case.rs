@@ -1,4 +1,4 @@
-//! What a case is: a system with a known answer, and how far off a state is.
+//! Test cases: systems with a known solution, and the error of a state against it.
 
 use glam::DVec2;
 
@@ -6,85 +6,89 @@ use super::reference::closed::flight;
 use super::reference::path::Path;
 use super::reference::{Disc, Law, State, System};
 
-/// Where the right answer comes from.
+/// Source of a case's exact solution.
 #[derive(Clone, Copy, Debug)]
 pub enum Truth {
-    /// A closed form of the state after a time (s) from the system's start; nothing touches before the first step is over.
+    /// Closed form of the state at a time (s) after the system's start. No discs touch during the first step.
     Closed(fn(&System, f64) -> State),
-    /// The independent integration.
+    /// Integration by the independent [reference](super::reference).
     Integrated,
-    /// Energy is kept; motion is chaotic and has no answer of its own.
+    /// Conservation of energy; the motion is chaotic and has no reference solution.
     Energy,
 }
 
-/// What counts as error.
+/// Definition of a case's error.
 #[derive(Clone, Copy, Debug)]
 pub enum Measure {
-    /// Rms over discs of the error of the velocity, that of the rim, R w, included, over this speed, m/s.
+    /// Rms velocity error over discs, including the error of the rim speed R w, divided by this speed (m/s).
     Velocity(f64),
-    /// Error of the relative velocity of the first two discs over this speed, m/s: for a head-on bounce, that of e.
+    /// Error of the relative velocity of the first two discs, divided by this speed (m/s). For a head-on bounce it is
+    /// the error of the restitution e.
     Parting(f64),
-    /// Rms over discs of the error of the place over this length, m.
+    /// Rms position error over discs, divided by this length (m).
     Place(f64),
-    /// Change of the energy, over the energy.
+    /// Relative change of the energy.
     Energy,
 }
 
-/// A case. Copies of its system stand side by side in one scene, so each begins at another moment of a step.
+/// A test case. Copies of its system stand side by side in one scene; each copy begins at a different phase of a step.
 #[derive(Clone, Debug)]
 pub struct Case {
-    /// On the command line.
+    /// Name on the command line.
     pub name: &'static str,
-    /// For people.
+    /// Title in tables and figures.
     pub title: &'static str,
-    /// The systems: copies of one at different phases of a step, or different ones.
+    /// The systems. A single system is copied to [`PHASES`] phases of a step; several systems run once each.
     pub systems: Vec<System>,
-    /// t_c, s.
+    /// Contact duration t_c, s.
     pub contact_duration: f64,
-    /// When the error is looked at, s; a step later at most.
+    /// Time at which the error is evaluated, s. The evaluation is late by less than one step.
     pub end: f64,
-    /// Where the answer comes from.
+    /// Source of the exact solution.
     pub truth: Truth,
-    /// What counts.
+    /// Definition of the error.
     pub measure: Measure,
-    /// The finest t_c/dt at which it is run by default.
+    /// Finest t_c/dt of the ladder of steps.
     pub finest: f64,
 }
 
-/// Phases of the step at which copies of a case begin.
+/// Number of phases of a step at which copies of a system begin.
 pub const PHASES: u32 = 40;
 
 impl Case {
-    /// How many copies of each system run.
+    /// Returns the number of copies of each system.
     #[must_use]
     pub fn phases(&self) -> u32 {
         if self.systems.len() == 1 { PHASES } else { 1 }
     }
 
-    /// Steps of `dt` until the end.
+    /// Returns the number of steps of `dt` (s) until the end.
     #[must_use]
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a small positive number")]
     pub fn steps(&self, dt: f64) -> u64 {
         (self.end / dt).ceil() as u64
     }
 
-    /// By how much the copies start later than the system, s.
-    fn starts(&self, dt: f64) -> Vec<f64> {
+    /// Returns the delay of each copy against the system's start, s.
+    fn start_delays(&self, dt: f64) -> Vec<f64> {
         let phases = self.phases();
         (0..phases).map(|phase| f64::from(phase) / f64::from(phases) * dt).collect()
     }
 
-    /// Where each copy begins and where it should end, for each of `steps` (s), and how far off the reference says it is at
-    /// most: the difference from itself at twice the step, as [`Case::error`] has it.
+    /// Returns the start state and the exact end state of each copy for each of `steps` (s), and an estimate of the
+    /// reference's own error.
+    ///
+    /// The estimate is the largest difference, by [`Case::error`], between the reference and the reference at twice its
+    /// step.
     #[must_use]
     pub fn answers(&self, steps: &[f64]) -> (Vec<Vec<Answer>>, f64) {
         let mut answers = vec![Vec::new(); steps.len()];
         let mut error = 0.0f64;
         for system in &self.systems {
-            // Every moment that is asked for, (step, copy, whether it is the end).
+            // Moments at which the solution is needed: (time, step, copy, whether it is the end).
             let mut moments = Vec::new();
             for (number, &dt) in steps.iter().enumerate() {
-                for (copy, start) in self.starts(dt).into_iter().enumerate() {
+                for (copy, start) in self.start_delays(dt).into_iter().enumerate() {
                     #[expect(clippy::cast_precision_loss, reason = "a small number")]
                     let end = start + self.steps(dt) as f64 * dt;
                     moments.extend([(start, number, copy, false), (end, number, copy, true)]);
@@ -120,10 +124,10 @@ impl Case {
     }
 
     fn closed(&self, system: &System, t: f64, form: fn(&System, f64) -> State) -> State {
-        if t < 0.5 * self.end { flown(system, t) } else { form(system, t) }
+        if t < 0.5 * self.end { state_in_flight(system, t) } else { form(system, t) }
     }
 
-    /// How far `state` is from `answer`.
+    /// Returns the error of `state` against the solution `answer`.
     #[must_use]
     pub fn error(&self, system: &System, state: &State, answer: &State) -> f64 {
         #[expect(clippy::cast_precision_loss, reason = "a small number")]
@@ -149,30 +153,30 @@ impl Case {
     }
 }
 
-/// One copy: where it begins and where it should end.
+/// One copy of a system with its start and its solution.
 #[derive(Clone, Debug)]
 pub struct Answer {
-    /// Whose.
+    /// The copied system.
     pub system: System,
-    /// At the first moment of the run.
+    /// State at the start of the run.
     pub start: State,
-    /// At its end.
+    /// Exact state at the end of the run.
     pub end: State,
 }
 
-/// The state after `t` if nothing touches.
-fn flown(system: &System, t: f64) -> State {
+/// Returns the state after a time `t` (s) without contacts.
+fn state_in_flight(system: &System, t: f64) -> State {
     let (x, v) = system.discs.iter().map(|disc| flight(disc.x, disc.v, system.gravity, t)).unzip();
     State { x, v, w: vec![0.0; system.discs.len()] }
 }
 
-/// A disc at (x, y) with velocity v.
+/// Returns a disc at the position `x` (m) with the velocity `v` (m/s).
 #[must_use]
 pub fn disc(radius: f64, mass: f64, x: DVec2, v: DVec2) -> Disc {
     Disc { radius, mass, x, v }
 }
 
-/// The linear law without friction.
+/// Returns the linear law without friction.
 #[must_use]
 pub fn linear(k: f64, e: f64, attracts: bool) -> Law {
     Law::Linear { k, e, attracts, friction: None }

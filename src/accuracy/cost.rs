@@ -1,8 +1,9 @@
-//! What a step costs: nanoseconds a particle-step of each scheme, in the bed.
+//! Cost of a step: nanoseconds per particle-step of each scheme, measured in the bed.
 //!
-//! A case of two grains would measure the app around them; 400 discs in a bed are what a scene is like. Schemes take turns, so
-//! that a machine that slows down slows all of them, and the median of the rounds counts. Figures are of one thread and of
-//! this machine now; they belong to a report, never to a test.
+//! The bed of 400 discs is representative of a scene; with two grains, the overhead of the app would dominate. The
+//! schemes run in turn, so that a machine that slows down slows all of them, and the result is the median over rounds.
+//! The numbers hold for one thread and for the machine at the time of the measurement. They belong in a report, not in
+//! a test.
 
 use std::num::NonZeroUsize;
 use std::time::Instant;
@@ -12,16 +13,16 @@ use super::{SCHEMES, trial};
 use crate::behaviour::Registry;
 use crate::simulation::Simulation;
 
-/// t_c/dt while it is timed.
-const STEPS_A_CONTACT: f64 = 20.4;
-/// Steps of a round.
+/// t_c/dt of the timed runs.
+const STEPS_PER_CONTACT: f64 = 20.4;
+/// Timed steps per round.
 const STEPS: u64 = 1500;
 
-/// Nanoseconds a particle-step of each of [`SCHEMES`]; `None` where the bed refuses it.
+/// Returns nanoseconds per particle-step of each of [`SCHEMES`]; `None` if the scene of the bed refuses the scheme.
 #[must_use]
 pub fn measure(rounds: usize) -> Vec<Option<f64>> {
     let case = bed();
-    let dt = case.contact_duration / STEPS_A_CONTACT;
+    let dt = case.contact_duration / STEPS_PER_CONTACT;
     let system = &case.systems[0];
     let answer = super::case::Answer { system: system.clone(), start: system.start(), end: system.start() };
     let mut times = vec![Vec::new(); SCHEMES.len()];
@@ -31,16 +32,19 @@ pub fn measure(rounds: usize) -> Vec<Option<f64>> {
             let simulation =
                 loaded.and_then(|loaded| Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN));
             if let Ok(mut simulation) = simulation {
-                times.push(round(&mut simulation) / f64::from(u32::try_from(system.discs.len()).unwrap_or(u32::MAX)));
+                times.push(
+                    nanoseconds_per_step(&mut simulation)
+                        / f64::from(u32::try_from(system.discs.len()).unwrap_or(u32::MAX)),
+                );
             }
         }
     }
     times.iter_mut().map(|times| median(times)).collect()
 }
 
-/// Nanoseconds a step.
+/// Times one round and returns nanoseconds per step.
 #[expect(clippy::cast_precision_loss, reason = "small numbers")]
-fn round(simulation: &mut Simulation) -> f64 {
+fn nanoseconds_per_step(simulation: &mut Simulation) -> f64 {
     simulation.run_steps(10);
     let before = simulation.world().resource::<crate::step::Clock>().steps;
     let start = Instant::now();
@@ -50,7 +54,7 @@ fn round(simulation: &mut Simulation) -> f64 {
     1e9 * seconds / steps.max(1) as f64
 }
 
-/// The middle one; `None` of nothing.
+/// Returns the median (the upper one of an even count); `None` if `values` is empty.
 #[must_use]
 pub fn median(values: &mut [f64]) -> Option<f64> {
     values.sort_unstable_by(f64::total_cmp);

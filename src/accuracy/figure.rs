@@ -1,20 +1,20 @@
-//! The work-precision figures: error against cost, the Pareto front ringed.
+//! Work-precision figures: error against cost; the Pareto-optimal points have rings.
 //!
-//! One has a panel a case, against force evaluations per contact duration, which are the same on every machine; the other
-//! has the bed and the mean of the bounces against measured nanoseconds.
+//! One figure has a panel per case and shows the error against force evaluations per contact duration, which do not
+//! depend on the machine. The other figure shows the bed and the mean of the bounces against measured nanoseconds.
 
 use super::report::{Entry, Report, SUMMARY};
 use super::work_precision::{geometric_mean, pareto};
 use crate::writers::plot::{Axis, Curve, Panel, colour, sheet};
 
-/// Panels side by side.
+/// Panels per row.
 const PER_ROW: usize = 4;
-/// Errors are drawn down to here: what is below is round-off.
+/// Smallest drawn error. Smaller errors are round-off and are drawn at this value.
 const LEAST: f64 = 1e-13;
-/// ... and up to here: what is above is none.
+/// Largest drawn error. Larger errors are left out.
 const MOST: f64 = 10.0;
 
-/// Every case against force evaluations, as SVG.
+/// Returns the errors of all cases against force evaluations, as SVG.
 #[must_use]
 pub fn work_precision(report: &Report) -> String {
     let mut panels = Vec::new();
@@ -24,12 +24,12 @@ pub fn work_precision(report: &Report) -> String {
             entry.rows.iter().filter_map(point).collect()
         };
         let curves = group.iter().map(|entry| (entry.scheme.clone(), evaluations(entry))).collect();
-        panels.push(panel(report, group[0].title, "force evaluations a contact", curves));
+        panels.push(panel(report, group[0].title, "force evaluations per contact", curves));
     }
     sheet(&panels, PER_ROW)
 }
 
-/// The bed and the mean of the bounces against measured time, as SVG; none if neither was run.
+/// Returns the bed's error and the mean error of the bounces against measured time, as SVG; `None` if neither was run.
 #[must_use]
 pub fn in_time(report: &Report) -> Option<String> {
     let mut panels = Vec::new();
@@ -46,7 +46,7 @@ pub fn in_time(report: &Report) -> Option<String> {
     }
     let curves = report.schemes.iter().map(|figures| {
         let scheme = &figures.scheme;
-        (scheme.clone(), in_time(mean_bounce(report, scheme), scheme))
+        (scheme.clone(), in_time(mean_bounce_errors(report, scheme), scheme))
     });
     let curves: Vec<_> = curves.filter(|(_, points)| !points.is_empty()).collect();
     if !curves.is_empty() {
@@ -55,18 +55,18 @@ pub fn in_time(report: &Report) -> Option<String> {
     (!panels.is_empty()).then(|| sheet(&panels, PER_ROW))
 }
 
-const TIME: &str = "ns for a grain and a contact";
+const TIME: &str = "ns per grain and contact";
 
-/// (t_c/dt, geometric mean of the errors) over the bounces of the summary.
-fn mean_bounce(report: &Report, scheme: &str) -> Vec<(f64, f64)> {
-    let of = |case: &str| report.entries.iter().find(|entry| entry.case == case && entry.scheme == scheme);
-    let entries: Option<Vec<_>> = SUMMARY.0.iter().map(|case| of(case)).collect();
+/// Returns (t_c/dt, geometric mean of the errors) over the bounces of the summary.
+fn mean_bounce_errors(report: &Report, scheme: &str) -> Vec<(f64, f64)> {
+    let entry = |case: &str| report.entries.iter().find(|entry| entry.case == case && entry.scheme == scheme);
+    let entries: Option<Vec<_>> = SUMMARY.0.iter().map(|case| entry(case)).collect();
     let Some(entries) = entries else { return Vec::new() };
-    let at = |n: usize| {
+    let mean_at_rung = |n: usize| {
         let errors: Option<Vec<f64>> = entries.iter().map(|entry| entry.rows.get(n)?.error).collect();
         Some((entries[0].rows[n].steps_per_contact, geometric_mean(&errors?)?))
     };
-    (0..entries[0].rows.len()).filter_map(at).collect()
+    (0..entries[0].rows.len()).filter_map(mean_at_rung).collect()
 }
 
 fn panel<'a>(
@@ -90,6 +90,6 @@ fn panel<'a>(
     let rings = all.iter().zip(pareto(&all)).filter(|(_, is_on_it)| *is_on_it).map(|(point, _)| *point);
     let rings = rings.filter(|point| point.1 > LEAST).collect();
     let x = Axis::logarithmic(label, all.iter().map(|point| point.0));
-    let y = Axis::logarithmic("rms error; ringed: nothing is as cheap and better", all.iter().map(|point| point.1));
+    let y = Axis::logarithmic("rms error; ringed: Pareto-optimal", all.iter().map(|point| point.1));
     Panel { title, x, y, curves, rings }
 }

@@ -1,4 +1,4 @@
-//! The ladder of steps, and a case run up it by every scheme.
+//! The ladder of time steps, and the errors of a case along it.
 
 use std::f64::consts::PI;
 
@@ -6,59 +6,59 @@ use super::case::{Answer, Case};
 use super::work_precision::{order, order_of_all};
 use super::{SCHEMES, Scheme, trial};
 
-/// Whole numbers of the ladder; a rung has pi/8 steps a contact more, so that no rung divides t_c.
+/// Whole numbers of steps per contact. Each rung adds pi/8, so that no step of the ladder divides t_c.
 pub const WHOLE: [f64; 8] = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
-/// Those of a short one.
+/// Whole numbers of steps per contact in the short ladder.
 pub const SHORT: [f64; 4] = [10.0, 20.0, 50.0, 100.0];
 
-/// The rungs of a case, t_c/dt, ascending.
+/// Returns the rungs of a case as t_c/dt, ascending; `quick` selects the short ladder.
 #[must_use]
 pub fn rungs(case: &Case, quick: bool) -> Vec<f64> {
     let whole = if quick { &SHORT[..] } else { &WHOLE[..] };
     whole.iter().filter(|&&n| n <= case.finest).map(|n| n + PI / 8.0).collect()
 }
 
-/// What came of one rung.
+/// Result of one step of the ladder.
 #[derive(Clone, Debug)]
 pub struct Rung {
     /// t_c/dt.
     pub steps: f64,
-    /// Rms error; infinite where the run broke down, `None` where the step was refused.
+    /// Rms error. It is infinite if the run broke down and `None` if the scene check refused the step.
     pub error: Option<f64>,
-    /// The order from the rung before.
+    /// Order of convergence between the next coarser rung and this one.
     pub order: Option<f64>,
-    /// Why there is no error.
+    /// Reason of the refusal.
     pub refusal: Option<String>,
 }
 
-/// A case by one scheme.
+/// Results of one case with one scheme.
 #[derive(Clone, Debug)]
 pub struct Climb {
     /// Name of the case.
     pub case: &'static str,
-    /// For people.
+    /// Title in tables and figures.
     pub title: &'static str,
-    /// Number of the scheme in [`SCHEMES`].
+    /// Index of the scheme in [`SCHEMES`].
     pub scheme: usize,
-    /// Its rungs; none where the scheme is not for this case.
+    /// Results by step, coarse to fine; empty if the scheme cannot run this case.
     pub rungs: Vec<Rung>,
-    /// Why the scheme is not for this case.
+    /// Reason why the scheme cannot run this case.
     pub refusal: Option<String>,
-    /// Order of the whole ladder.
+    /// Order of convergence over the whole ladder.
     pub order: Option<f64>,
-    /// By how much the reference differs from itself at twice its step.
+    /// Difference between the reference and the reference at twice its step.
     pub reference_error: f64,
 }
 
 impl Climb {
-    /// (t_c/dt, error), ascending.
+    /// Returns (t_c/dt, error), ascending in t_c/dt.
     #[must_use]
     pub fn points(&self) -> Vec<(f64, f64)> {
         self.rungs.iter().filter_map(|rung| Some((rung.steps, rung.error?))).collect()
     }
 }
 
-/// A case with the answers for each of its rungs.
+/// A case with the exact solutions for each of its steps.
 pub struct Prepared {
     /// The case.
     pub case: Case,
@@ -67,7 +67,7 @@ pub struct Prepared {
     reference_error: f64,
 }
 
-/// Finds the answers.
+/// Computes the exact solutions of a case for each step of its ladder; `quick` selects the short ladder.
 #[must_use]
 pub fn prepare(case: Case, quick: bool) -> Prepared {
     let rungs = rungs(&case, quick);
@@ -77,7 +77,9 @@ pub fn prepare(case: Case, quick: bool) -> Prepared {
 }
 
 impl Prepared {
-    /// Runs the case by one scheme. A scheme whose finest step is refused is not for this case.
+    /// Runs the case with the scheme of this index in [`SCHEMES`].
+    ///
+    /// If the scene check refuses the finest step, the scheme cannot run this case.
     #[must_use]
     pub fn climb(&self, scheme: usize) -> Climb {
         let Case { name, title, .. } = self.case;
@@ -90,7 +92,7 @@ impl Prepared {
             order: None,
             reference_error: self.reference_error,
         };
-        // From the finest on, which tells whether to go on at all.
+        // The finest step runs first: if it is refused, the coarser ones need not run.
         for (&steps, answers) in self.rungs.iter().zip(&self.answers).rev() {
             let (error, refusal) = self.rung(&SCHEMES[scheme], steps, answers);
             if refusal.is_some() && climb.rungs.is_empty() {
@@ -117,7 +119,7 @@ impl Prepared {
     }
 }
 
-/// Root of the mean of squares; infinite if one of them is no number.
+/// Returns the root mean square; infinite if an error is NaN.
 #[must_use]
 pub fn rms(errors: &[f64]) -> f64 {
     #[expect(clippy::cast_precision_loss, reason = "a small number")]

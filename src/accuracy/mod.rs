@@ -1,13 +1,16 @@
-//! Speed against error: how wrong a scheme is at a step, and what less error would cost.
+//! Speed against error: the error of each integration scheme as a function of the time step, and the cost of less
+//! error.
 //!
-//! * [`cases`]: small systems with a known answer, run by [`trial`] through the product's own app over a [`ladder`] of steps
-//!   and all schemes, and held against [`mod@reference`], which shares nothing with the product.
-//! * [`work_precision`]: orders, the step that a wanted error needs, Pareto fronts. [`report`] and [`figure`] show them.
-//! * [`scene_study`]: the same question for a scene of the user's, which has no closed form: its own observables over steps
-//!   and seeds.
+//! * [`cases`]: small systems with a known solution. [`trial`] runs them in the simulator's own app, over a [`ladder`]
+//!   of steps and with all schemes. Errors are measured against [`mod@reference`], which shares no code with the
+//!   simulator.
+//! * [`work_precision`]: orders of convergence, the step that a target error needs, Pareto fronts. [`report`] and
+//!   [`figure`] present the results.
+//! * [`scene_study`]: the effect of the step in a user's scene, which has no closed form. It compares the scene's
+//!   observables over steps and seeds.
 //!
-//! Steps are counted per contact duration, t_c/dt, and are incommensurate with it; errors are root mean squares over
-//! contacts that begin at many moments of a step, because at one moment, or at a whole t_c/dt, errors may cancel.
+//! Steps are counted per contact duration t_c, as t_c/dt, and never divide t_c. Errors are root mean squares over
+//! contacts that begin at many phases of a step. With a single phase, or a whole number t_c/dt, errors may cancel.
 
 pub mod case;
 pub mod cases;
@@ -22,16 +25,16 @@ pub mod work_precision;
 
 use crate::integrate::Integrator;
 
-/// A scheme that is compared.
+/// An integration scheme of the comparison.
 #[derive(Clone, Copy, Debug)]
 pub struct Scheme {
-    /// As the scene's `integrator` has it.
+    /// Value of the scene key `integrator`.
     pub integrator: Integrator,
-    /// Evaluations of the forces a step.
+    /// Force evaluations per step.
     pub evaluations: f64,
 }
 
-/// All schemes, the plain one first: others are measured by it.
+/// All schemes. The first (plain Verlet) is the baseline of the comparison.
 pub const SCHEMES: &[Scheme] = &[
     Scheme { integrator: Integrator::Verlet, evaluations: 1.0 },
     Scheme { integrator: Integrator::Centred, evaluations: 1.0 },
@@ -40,7 +43,7 @@ pub const SCHEMES: &[Scheme] = &[
 ];
 
 impl Scheme {
-    /// Its name in a scene.
+    /// Returns the scheme's name as written in a scene.
     #[must_use]
     pub fn name(&self) -> String {
         format!("{:?}", self.integrator)

@@ -1,4 +1,4 @@
-//! The results as a table, CSV and JSON.
+//! Results of the accuracy study as a table, Markdown, CSV and JSON.
 
 use std::fmt::Write as _;
 
@@ -8,12 +8,12 @@ use super::SCHEMES;
 use super::ladder::Climb;
 use super::work_precision::{Needed, geometric_mean, needed, pareto};
 
-/// Errors whose cost is told.
+/// Target errors whose cost is reported.
 pub const TARGETS: [f64; 3] = [1e-2, 1e-3, 1e-4];
-/// The cases of the one summary figure, and its error.
+/// Cases and target error of the summary number of a scheme.
 pub const SUMMARY: ([&str; 3], f64) = (["bounce-0.9", "bounce-0.5", "bounce-0.2"], 1e-3);
 
-/// One rung of one case by one scheme.
+/// Result of one case with one scheme and one step.
 #[derive(Clone, Debug, Serialize)]
 pub struct Row {
     /// Name of the case.
@@ -22,82 +22,86 @@ pub struct Row {
     pub scheme: String,
     /// t_c/dt.
     pub steps_per_contact: f64,
-    /// Force evaluations a contact duration.
+    /// Force evaluations per contact duration.
     pub evaluations_per_contact: f64,
-    /// Rms error; `null` where it is no number or the step was refused.
+    /// Rms error; `null` if it is not finite or if the step was refused.
     pub error: Option<f64>,
-    /// Order from the rung before.
+    /// Order of convergence between the next coarser step and this one.
     pub order: Option<f64>,
-    /// Whether nothing is as cheap (in evaluations) and better.
+    /// Whether the row is Pareto-optimal in evaluations and error.
     pub pareto: bool,
     /// `refused: ...` or `broke down`.
     pub note: Option<String>,
 }
 
 impl Row {
-    /// What a table says for an error.
+    /// Returns the text that a table shows instead of the error.
     fn short_note(&self) -> String {
         let is_broken = self.note.as_deref() == Some("broke down");
         (if is_broken { "broke down" } else { "refused" }).to_owned()
     }
 }
 
-/// The cost of one wanted error.
+/// The cost of one target error.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Price {
-    /// The error.
+    /// The target error.
     pub error: f64,
-    /// t_c/dt.
+    /// The t_c/dt that the target error needs.
     pub steps_per_contact: Needed,
-    /// Time for a grain and a contact duration, ns.
+    /// Computing time per grain and contact duration, ns.
     pub ns_per_grain_and_contact: Option<f64>,
 }
 
-/// A case by one scheme.
+/// Results of one case with one scheme.
 #[derive(Clone, Debug, Serialize)]
 pub struct Entry {
     /// Name of the case.
     pub case: &'static str,
-    /// For people.
+    /// Title in tables and figures.
     pub title: &'static str,
     /// Name of the scheme.
     pub scheme: String,
-    /// Why it does not run this case.
+    /// Reason why the scheme cannot run this case.
     pub not_for_this_case: Option<String>,
-    /// Order over the ladder from t_c/20 on.
+    /// Order of convergence over the steps finer than t_c/20.
     pub order: Option<f64>,
-    /// By how much the reference differs from itself at twice its step; 0 for closed forms.
+    /// Difference between the reference and the reference at twice its step; 0 for closed forms.
     pub reference_error: f64,
-    /// What errors cost.
+    /// Costs of the target errors.
     pub prices: Vec<Price>,
-    /// The ladder.
+    /// Results by step, coarse to fine.
     pub rows: Vec<Row>,
 }
 
-/// What a scheme came to.
+/// Summary of one scheme.
 #[derive(Clone, Debug, Serialize)]
 pub struct SchemeFigures {
-    /// Its name.
+    /// Name of the scheme.
     pub scheme: String,
-    /// Measured in the bed on this machine.
+    /// Computing time per particle-step, ns, measured in the bed on this machine.
     pub ns_per_particle_step: Option<f64>,
-    /// For an error of 1e-3 in restitution, the step over the plain scheme's, geometric mean over e = 0.9, 0.5, 0.2.
+    /// Step for an error of 1e-3 in restitution, divided by the step that plain Verlet needs.
+    ///
+    /// It is the geometric mean over e = 0.9, 0.5, 0.2.
     pub step_over_plain_at_1e_3: Option<f64>,
 }
 
-/// Everything.
+/// The full results.
 #[derive(Clone, Debug, Serialize)]
 pub struct Report {
-    /// Version of this contract.
+    /// Version of the JSON format.
     pub format: u32,
-    /// By scheme.
+    /// Summaries by scheme.
     pub schemes: Vec<SchemeFigures>,
-    /// By case and scheme.
+    /// Results by case and scheme.
     pub entries: Vec<Entry>,
 }
 
 impl Report {
-    /// Of these climbs, sorted by case and scheme, and this cost of each scheme, ns a particle-step.
+    /// Builds the report.
+    ///
+    /// `climbs` must be sorted by case and scheme. `cost` has nanoseconds per particle-step of each scheme.
     #[must_use]
     pub fn new(climbs: &[Climb], cost: &[Option<f64>]) -> Self {
         let mut entries: Vec<_> = climbs.iter().map(|climb| entry(climb, cost[climb.scheme])).collect();
@@ -110,7 +114,7 @@ impl Report {
         Self { format: 1, schemes: schemes.collect(), entries }
     }
 
-    /// Comma-separated, a row a rung.
+    /// Returns the report as CSV, with a row per case, scheme and step.
     #[must_use]
     pub fn csv(&self) -> String {
         let mut text =
@@ -122,20 +126,20 @@ impl Report {
             let (error, order) = (number(row.error), number(row.order));
             let note = note.as_deref().unwrap_or_default().replace([',', '\n', '"'], ";");
             let reference = entry.reference_error;
-            // Writing to a string cannot fail, here and below.
+            // Writing to a string cannot fail.
             let _ = writeln!(text, "{case},{scheme},{n},{cost},{error},{order},{pareto},{reference:e},{note}");
         }
         text
     }
 
-    /// As Markdown, for documents: a table, and what the schemes cost.
+    /// Returns the report as Markdown: a table of the cases and a table of the schemes' costs.
     #[must_use]
     pub fn markdown(&self) -> String {
         let mut text = "| case | scheme | order | error at t_c/10 | /20 | /50 | /100 | t_c/dt for 1e-2 | 1e-3 | 1e-4 |\n|---|---|---|---|---|---|---|---|---|---|\n"
             .to_owned();
         for entry in &self.entries {
             let (title, scheme) = (entry.title, &entry.scheme);
-            // Writing to a string cannot fail, here and below.
+            // Writing to a string cannot fail.
             if let Some(why) = &entry.not_for_this_case {
                 let _ = writeln!(text, "| {title} | `{scheme}` | not for this case: {why} | | | | | | | |");
                 continue;
@@ -149,7 +153,7 @@ impl Report {
             let order = entry.order.map_or("-".to_owned(), |order| format!("{order:.2}"));
             let _ = writeln!(text, "| {title} | `{scheme}` | {order} | {errors} | {} |", steps.join(" | "));
         }
-        text += "\n| scheme | ns a particle-step in the bed | step for 1e-3 over plain's, mean of e = 0.9, 0.5, 0.2 |\n|---|---|---|\n";
+        text += "\n| scheme | ns per particle-step in the bed | step for 1e-3 over plain Verlet's, mean of e = 0.9, 0.5, 0.2 |\n|---|---|---|\n";
         for figures in &self.schemes {
             let cost = figures.ns_per_particle_step.map_or("refused".to_owned(), |ns| format!("{ns:.1}"));
             let ratio = figures.step_over_plain_at_1e_3.map_or("not reached".to_owned(), |ratio| format!("{ratio:.2}"));
@@ -158,7 +162,7 @@ impl Report {
         text
     }
 
-    /// For people.
+    /// Returns the report as a plain-text table.
     #[must_use]
     pub fn table(&self) -> String {
         let mut text = String::new();
@@ -178,13 +182,13 @@ impl Report {
             }
             text += &line(entry);
         }
-        text += "\nfor each error: the t_c/dt that it needs, and nanoseconds for a grain and a contact duration; - is not reached\n\n";
+        text += "\nfor each target error: the t_c/dt that it needs, and nanoseconds per grain and contact duration; -: not reached\n\n";
         for scheme in &self.schemes {
             let cost =
-                scheme.ns_per_particle_step.map_or("refused".to_owned(), |ns| format!("{ns:.1} ns a particle-step"));
+                scheme.ns_per_particle_step.map_or("refused".to_owned(), |ns| format!("{ns:.1} ns per particle-step"));
             let ratio = scheme.step_over_plain_at_1e_3;
-            let ratio =
-                ratio.map_or("1e-3 not reached or not run".to_owned(), |ratio| format!("{ratio:.2} times plain's"));
+            let ratio = ratio
+                .map_or("1e-3 not reached or not run".to_owned(), |ratio| format!("{ratio:.2} times plain Verlet's"));
             let _ = writeln!(
                 text,
                 "{:<16} {cost} in the bed; step for 1e-3, mean of e = 0.9, 0.5, 0.2: {ratio}",
@@ -232,7 +236,7 @@ fn entry(climb: &Climb, cost: Option<f64>) -> Entry {
     }
 }
 
-/// Marks, case by case, the rows that nothing beats.
+/// Marks the Pareto-optimal rows of each case.
 fn mark_front(entries: &mut [Entry]) {
     for group in entries.chunk_by_mut(|a, b| a.case == b.case) {
         let mut rows: Vec<&mut Row> = group.iter_mut().flat_map(|entry| &mut entry.rows).collect();
@@ -242,7 +246,8 @@ fn mark_front(entries: &mut [Entry]) {
     }
 }
 
-/// See [`SchemeFigures`]; `None` unless all of its cases reach the error by both schemes.
+/// Returns [`SchemeFigures::step_over_plain_at_1e_3`]; `None` unless both schemes reach the target error in all cases
+/// of [`SUMMARY`].
 fn step_over_plain(climbs: &[Climb], scheme: usize) -> Option<f64> {
     let (cases, target) = SUMMARY;
     let steps = |scheme: usize, case: &str| {

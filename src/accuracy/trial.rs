@@ -1,4 +1,4 @@
-//! One trial: a case at one step by one scheme, as a scene in the product's own app.
+//! One trial: a case with one step and one scheme, run as a scene in the simulator's own app.
 
 use std::fmt::Write as _;
 use std::num::NonZeroUsize;
@@ -21,19 +21,20 @@ use crate::simulation::Simulation;
 use crate::space::Solid;
 use crate::spin::Spin;
 
-/// The scene of these copies: its text, and its grains.
+/// Builds the scene that holds these copies: its text and its grains. `dt` is the step and `until` the end, both in s.
 ///
 /// # Errors
-/// If the scene is refused.
+/// If a check of the scene refuses it.
 pub fn scene(name: &str, answers: &[Answer], scheme: &Scheme, dt: f64, until: f64) -> Result<Loaded, Fault> {
-    let Some(first) = answers.first() else { return Err(Fault::new("accuracy::empty", "a case without a system")) };
-    let text = keys(&first.system, scheme, dt, until);
+    let Some(first) = answers.first() else { return Err(Fault::new("accuracy::empty", "the case has no system")) };
+    let text = scene_text(&first.system, scheme, dt, until);
     let mut loaded = load::from_text(&format!("{name}.ron"), name, Path::new(""), text, &[])?;
     let width = spacing(answers);
     for (copy, answer) in answers.iter().enumerate() {
         for (i, disc) in answer.system.discs.iter().enumerate() {
             let number = u32::try_from(copy * answer.system.discs.len() + i + 1).unwrap_or(u32::MAX);
-            let id = GrainId::grain(number).ok_or_else(|| Fault::new("accuracy::size", "a case of too many grains"))?;
+            let id =
+                GrainId::grain(number).ok_or_else(|| Fault::new("accuracy::size", "the case has too many grains"))?;
             let position = (answer.start.x[i] + offset(width, copy)).extend(0.0);
             let (velocity, spin) = (answer.start.v[i].extend(0.0), Solid::Z * answer.start.w[i]);
             let row =
@@ -41,17 +42,18 @@ pub fn scene(name: &str, answers: &[Answer], scheme: &Scheme, dt: f64, until: f6
             loaded.grains.push(row);
         }
     }
-    // The rules once more, now that the grains are there.
+    // Checked again because loading checked a scene without grains.
     rules::check(&loaded)?;
     Ok(loaded)
 }
 
-/// The error of each copy; infinite where the run did not reach its end.
+/// Runs all copies with the step `dt` (s) and returns the error of each copy; infinite if its run did not reach the
+/// end.
 ///
 /// # Errors
-/// If the scene is refused.
+/// If a check of the scene refuses it.
 pub fn errors(case: &Case, answers: &[Answer], scheme: &Scheme, dt: f64) -> Result<Vec<f64>, Fault> {
-    // Copies of one system share a scene; different systems have one each.
+    // Copies of one system share a scene; different systems have a scene each.
     let size = case.phases() as usize;
     let mut errors = Vec::with_capacity(answers.len());
     for answers in answers.chunks(size) {
@@ -68,7 +70,7 @@ pub fn errors(case: &Case, answers: &[Answer], scheme: &Scheme, dt: f64) -> Resu
     Ok(errors)
 }
 
-/// Copies stand side by side along x, far enough apart never to meet.
+/// Returns the distance between neighbouring copies along x (m), large enough that copies never touch.
 fn spacing(answers: &[Answer]) -> f64 {
     let Some(first) = answers.first() else { return 0.0 };
     let ends = |state: &State| {
@@ -76,7 +78,7 @@ fn spacing(answers: &[Answer]) -> f64 {
         (0..state.x.len()).map(x).fold((f64::INFINITY, f64::NEG_INFINITY), |a, b| (a.0.min(b.0), a.1.max(b.1)))
     };
     let (before, after) = (ends(&first.start), ends(&first.end));
-    // Thrice the ground that one needs: a wrong scheme may throw its grains farther.
+    // Three times the width of a copy's exact motion, because an inaccurate scheme may throw grains farther.
     3.0 * (before.1.max(after.1) - before.0.min(after.0))
 }
 
@@ -85,7 +87,7 @@ fn offset(width: f64, copy: usize) -> DVec2 {
     DVec2::new(width * copy as f64, 0.0)
 }
 
-/// The state of each copy, in its own place.
+/// Returns the state of each copy in the coordinates of its system.
 fn states(simulation: &mut Simulation, answers: &[Answer]) -> Vec<State> {
     let width = spacing(answers);
     let world = simulation.world_mut();
@@ -93,7 +95,7 @@ fn states(simulation: &mut Simulation, answers: &[Answer]) -> Vec<State> {
     let mut rows: Vec<_> = query.iter(world).map(|(id, x, v, w)| (*id, x.0, v.0, w.map_or(0.0, |w| w.0))).collect();
     rows.sort_unstable_by_key(|row| row.0);
     let mut rows = rows.into_iter();
-    let of_copy = |copy: usize| {
+    let state_of_copy = |copy: usize| {
         let own: Vec<_> = rows.by_ref().take(answers[copy].system.discs.len()).collect();
         State {
             x: own.iter().map(|row| row.1 - offset(width, copy)).collect(),
@@ -101,11 +103,11 @@ fn states(simulation: &mut Simulation, answers: &[Answer]) -> Vec<State> {
             w: own.iter().map(|row| row.3).collect(),
         }
     };
-    (0..answers.len()).map(of_copy).collect()
+    (0..answers.len()).map(state_of_copy).collect()
 }
 
-/// The scene's text, without its grains.
-fn keys(system: &System, scheme: &Scheme, dt: f64, until: f64) -> String {
+/// Returns the scene's text, without grains.
+fn scene_text(system: &System, scheme: &Scheme, dt: f64, until: f64) -> String {
     let vector = |v: DVec2| format!("({:?}, {:?})", v.x, v.y);
     let contact = match system.law {
         Law::Full { k, b } => format!("Assignment(k: {k:?}, b: {b:?})"),

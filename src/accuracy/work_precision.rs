@@ -1,23 +1,24 @@
-//! What can be read off errors at several costs: orders, the cost of a wanted error, who is on the Pareto front.
+//! Orders of convergence, the cost of a target error, and Pareto fronts, computed from errors at several costs.
 //!
-//! Between two neighbouring points of a ladder an error is taken for a power of the cost, error = A n^-p.
+//! Between two neighbouring points of a ladder the error is assumed to be a power of the cost, error = A n^-p.
 
 use std::fmt;
 
 use serde::Serialize;
 
-/// Errors below this are rounding, and have no order: thousands of steps, each rounding a place tens of metres from the
-/// origin.
+/// Errors below this are round-off and have no order. They stem from thousands of steps, each of which rounds a
+/// position tens of metres from the origin.
 pub const ROUND_OFF: f64 = 1e-10;
 
-/// The order p between two costs n with these errors; `None` where an error is round-off or none at all.
+/// Returns the order p between two points (cost n, error); `None` if an error is round-off or not finite.
 #[must_use]
 pub fn order(coarse: (f64, f64), fine: (f64, f64)) -> Option<f64> {
     let counts = |error: f64| error.is_finite() && error > ROUND_OFF;
     (counts(coarse.1) && counts(fine.1)).then(|| (coarse.1 / fine.1).ln() / (fine.0 / coarse.0).ln())
 }
 
-/// The order of a ladder: the least-squares slope of ln(error) against ln(n) from n = 20 on, where the leading term rules.
+/// Returns the order of a ladder: minus the least-squares slope of ln(error) against ln(n) over n > 20, where the
+/// leading error term dominates.
 #[must_use]
 pub fn order_of_all(points: &[(f64, f64)]) -> Option<f64> {
     let counts = |&&(n, error): &&(f64, f64)| n > 20.0 && error.is_finite() && error > ROUND_OFF;
@@ -36,20 +37,20 @@ pub fn order_of_all(points: &[(f64, f64)]) -> Option<f64> {
     Some(-above / below)
 }
 
-/// The cost of a wanted error.
+/// The cost of a target error.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Needed {
-    /// This many steps a contact.
+    /// Steps per contact, interpolated.
     Steps(f64),
-    /// The coarsest of the ladder is good enough already.
+    /// All steps of the ladder are good enough; the number is t_c/dt of the coarsest.
     AtMost(f64),
-    /// The finest is not.
+    /// The finest step of the ladder is not good enough.
     NotReached,
 }
 
 impl Needed {
-    /// The number of steps, if there is one.
+    /// Returns the number of steps per contact; `None` if the error is not reached.
     #[must_use]
     pub fn steps(self) -> Option<f64> {
         match self {
@@ -69,7 +70,8 @@ impl fmt::Display for Needed {
     }
 }
 
-/// The cost from which on the error stays at or below `target`; `points` ascend in cost.
+/// Returns the lowest cost above which the error stays at or below `target`; `points` are (cost, error) with ascending
+/// cost.
 #[must_use]
 pub fn needed(points: &[(f64, f64)], target: f64) -> Needed {
     let Some(last) = points.iter().rposition(|&(_, error)| error.is_nan() || error > target) else {
@@ -77,19 +79,21 @@ pub fn needed(points: &[(f64, f64)], target: f64) -> Needed {
     };
     let Some(&(n1, e1)) = points.get(last + 1) else { return Needed::NotReached };
     let (n0, e0) = points[last];
-    // An error of nothing at all, or beyond all bounds, has no power law through it.
+    // There is no power law through a zero or an infinite error.
     let share = if e0.is_finite() && e1 > 0.0 { (e0 / target).ln() / (e0 / e1).ln() } else { 1.0 };
     Needed::Steps(n0 * (n1 / n0).powf(share))
 }
 
-/// Which of these (cost, error) are on the Pareto front: nothing else is as cheap or cheaper and better.
+/// Returns for each (cost, error) whether it is Pareto-optimal.
+///
+/// A point is Pareto-optimal if its error is finite and no other point is at least as good in both and better in one.
 #[must_use]
 pub fn pareto(points: &[(f64, f64)]) -> Vec<bool> {
     let beats = |a: (f64, f64), b: (f64, f64)| a.0 <= b.0 && a.1 <= b.1 && (a.0 < b.0 || a.1 < b.1);
     points.iter().map(|&point| point.1.is_finite() && !points.iter().any(|&other| beats(other, point))).collect()
 }
 
-/// The geometric mean; `None` of nothing.
+/// Returns the geometric mean; `None` if `values` is empty.
 #[must_use]
 pub fn geometric_mean(values: &[f64]) -> Option<f64> {
     #[expect(clippy::cast_precision_loss, reason = "a small number")]
@@ -101,24 +105,24 @@ pub fn geometric_mean(values: &[f64]) -> Option<f64> {
 mod tests {
     use super::*;
 
-    /// error = 3 n^-2.
-    fn square() -> Vec<(f64, f64)> {
+    /// Returns points with error = 3 n^-2.
+    fn second_order() -> Vec<(f64, f64)> {
         [10.0, 20.0, 50.0, 100.0, 200.0].map(|n: f64| (n, 3.0 / (n * n))).to_vec()
     }
 
     #[test]
-    fn a_power_law_has_its_order_and_its_cost() {
-        // Sums of a few logarithms: round-off.
-        assert!((order_of_all(&square()).unwrap() - 2.0).abs() < 1e-12);
-        assert!((order(square()[0], square()[1]).unwrap() - 2.0).abs() < 1e-12);
-        let Needed::Steps(n) = needed(&square(), 1e-3) else { panic!("not reached") };
+    fn order_and_cost_of_a_power_law_are_exact() {
+        // The tolerance is the round-off of sums of a few logarithms.
+        assert!((order_of_all(&second_order()).unwrap() - 2.0).abs() < 1e-12);
+        assert!((order(second_order()[0], second_order()[1]).unwrap() - 2.0).abs() < 1e-12);
+        let Needed::Steps(n) = needed(&second_order(), 1e-3) else { panic!("not reached") };
         assert!((n - 3000.0f64.sqrt()).abs() < 1e-10, "{n}");
-        assert_eq!(needed(&square(), 1e-5), Needed::NotReached);
-        assert_eq!(needed(&square(), 0.5), Needed::AtMost(10.0));
+        assert_eq!(needed(&second_order(), 1e-5), Needed::NotReached);
+        assert_eq!(needed(&second_order(), 0.5), Needed::AtMost(10.0));
     }
 
     #[test]
-    fn what_goes_wrong_at_a_finer_step_counts() {
+    fn needed_cost_lies_above_every_failed_step() {
         let odd = [(10.0, 1e-4), (20.0, f64::INFINITY), (50.0, 1e-5)];
         assert_eq!(needed(&odd, 1e-3), Needed::Steps(50.0));
         assert_eq!(needed(&[], 1e-3), Needed::NotReached);
@@ -126,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn the_front_has_what_nobody_beats() {
+    fn pareto_front_has_exactly_the_undominated_points() {
         let points = [(1.0, 0.5), (2.0, 0.1), (2.0, 0.2), (3.0, 0.1), (4.0, f64::INFINITY), (5.0, 0.01)];
         assert_eq!(pareto(&points), [true, true, false, false, false, true]);
         assert!((geometric_mean(&[1.0, 4.0]).unwrap() - 2.0).abs() < 1e-15);

@@ -1,14 +1,14 @@
-//! Fields of vertical velocity, each in units of its own mean downward speed, and how far two of them disagree.
+//! Fields of vertical velocity, each in units of its own mean downward speed, and the disagreement of two fields.
 //!
-//! Over the cells that both fields have, with the reference's count of grains a sample as weight w, and d = -v_y:
+//! All sums run over the cells that both fields have. The weight w of a cell is the reference's number of grains per
+//! sample, and d = -v_y is the downward speed.
 //!
-//! * mean D = sum w d/sum w, of each field; u = d/D is its pattern;
-//! * disagreement: sqrt(sum w (u - u_ref)^2/sum w), 0 for the same pattern, in units of the mean speed;
-//! * correlation (Pearson's, with the same weights): what is left if the contrast of the patterns does not count either.
+//! * Mean downward speed of each field: D = sum w d/sum w. The pattern of a field is u = d/D.
+//! * Disagreement: sqrt(sum w (u - u_ref)^2/sum w), in units of the mean speed. It is 0 for equal patterns.
+//! * Correlation: Pearson's, with the same weights. It ignores the contrast of the patterns as well.
 //!
-//! A field has a cell if it saw at least a given number of grains in it, over all its samples: the mean of n of them is
-//! known to their spread over sqrt(n). Limit: how different the cells are that only one of the fields has is not told, but
-//! how many there are.
+//! A field has a cell if it counted at least a given number of grains in it over all samples. The mean over n grains
+//! has an uncertainty of their spread over sqrt(n). Limit: cells that only one field has are counted but not compared.
 
 use std::collections::BTreeMap;
 
@@ -16,78 +16,79 @@ use thiserror::Error;
 
 use crate::measure::flow::FlowMeans;
 
-/// One cell.
+/// One cell of a field.
 #[derive(Clone, Copy, Debug)]
 pub struct Cell {
-    /// Grains that were seen in it.
+    /// Number of grains counted in the cell, over all samples.
     pub looks: f64,
-    /// Grains a sample.
+    /// Mean number of grains per sample.
     pub count: f64,
     /// Mean downward speed, m/s or m/step.
     pub down: f64,
 }
 
-/// A field in cells.
+/// A field of vertical velocity on square cells.
 #[derive(Clone, Debug)]
 pub struct Field {
     /// Side of the cells, m.
     pub side: f64,
-    /// By row, then column: the middle of cell [j, i] is at ((i + 1/2), (j + 1/2)) sides.
+    /// Cells by [row, column]. The middle of cell [j, i] is at x = (i + 1/2) sides and y = (j + 1/2) sides.
     pub cells: BTreeMap<[i64; 2], Cell>,
 }
 
-/// Why two fields cannot be compared.
+/// Reason why two fields cannot be compared.
 #[derive(Clone, Copy, Debug, Error, PartialEq)]
 pub enum Trouble {
-    /// Other cells.
+    /// The cells have different sides.
     #[error("their cells have sides of {0} and {1} m")]
     OtherCells(f64, f64),
-    /// No cell that both saw enough grains in.
+    /// No cell has enough grains in both fields.
     #[error("their fields have no cell in common")]
     NothingInCommon,
-    /// A mean that is no unit.
-    #[error("a field does not flow down on the average")]
+    /// A mean downward speed is not positive, so it cannot be a unit.
+    #[error("a field does not flow down on average")]
     NotDown,
 }
 
-/// How two fields compare.
+/// Comparison of a field with the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Figures {
-    /// Rms difference of the patterns.
+    /// Rms difference of the patterns, in mean downward speeds.
     pub rms: f64,
-    /// Pearson's; `None` if a pattern is the same everywhere.
+    /// Pearson's correlation of the patterns; `None` if a pattern is uniform.
     pub correlation: Option<f64>,
-    /// Cells that both have.
+    /// Number of cells that both fields have.
     pub common: usize,
-    /// Cells that only the reference has.
+    /// Number of cells that only the reference has.
     pub only_reference: usize,
-    /// Cells that only the other one has.
+    /// Number of cells that only the compared field has.
     pub only_run: usize,
-    /// Mean downward speed over the common cells, m/s or m/step: the reference's.
+    /// Mean downward speed of the reference over the common cells, m/s or m/step.
     pub mean_reference: f64,
-    /// The other one's.
+    /// Mean downward speed of the compared field over the common cells, m/s or m/step.
     pub mean_run: f64,
 }
 
-/// The side of the cells: the smallest distance of neighbouring middles, to the nine decimals of files.
+/// Returns the side of the cells (m): the smallest distance of neighbouring middles, rounded to the nine decimals of
+/// files.
 fn side(means: &[FlowMeans]) -> Option<f64> {
     let smallest = |mut places: Vec<f64>| {
         places.sort_by(f64::total_cmp);
         places.windows(2).map(|pair| pair[1] - pair[0]).filter(|&gap| gap > 0.0).fold(f64::INFINITY, f64::min)
     };
-    let [x, y] = [|m: &FlowMeans| m.x, |m: &FlowMeans| m.y].map(|of| smallest(means.iter().map(of).collect()));
+    let [x, y] = [|m: &FlowMeans| m.x, |m: &FlowMeans| m.y].map(|axis| smallest(means.iter().map(axis).collect()));
     Some((x.min(y) * 1e9).round() / 1e9).filter(|side| side.is_finite())
 }
 
 impl Field {
-    /// The field with these means; `None` if they are too few to tell the side of their cells, or not in cells at all.
+    /// Returns the field with these means; `None` if they do not lie on a grid or are too few to determine its side.
     #[must_use]
     #[expect(clippy::cast_precision_loss, clippy::cast_possible_truncation, reason = "small whole numbers")]
     pub fn new(means: &[FlowMeans]) -> Option<Self> {
         let side = side(means)?;
         let number = |middle: f64| {
             let number = middle / side - 0.5;
-            // Files hold nine decimals.
+            // Files have nine decimals, so middles are rounded.
             ((number - number.round()).abs() < 1e-3).then_some(number.round() as i64)
         };
         let cells = means.iter().map(|mean| {
@@ -97,29 +98,30 @@ impl Field {
         Some(Self { side, cells: cells.collect::<Option<_>>()? })
     }
 
-    /// The cells in which at least `looks` grains were seen.
+    /// Iterates over the cells in which at least `looks` grains were counted.
     pub fn seen(&self, looks: f64) -> impl Iterator<Item = ([i64; 2], Cell)> {
         self.cells.iter().filter(move |(_, cell)| cell.looks >= looks).map(|(&key, &cell)| (key, cell))
     }
 
-    /// This field against `reference`, over cells in which both saw at least `looks` grains.
+    /// Compares this field with `reference`, over cells in which both counted at least `looks` grains.
     ///
     /// # Errors
-    /// If they have no such cell, or one of them does not flow down.
+    /// If the sides of the cells differ, if there is no common cell, or if a field does not flow down on average.
     pub fn against(&self, reference: &Self, looks: f64) -> Result<Figures, Trouble> {
         if (self.side - reference.side).abs() > 1e-6 * reference.side {
             return Err(Trouble::OtherCells(reference.side, self.side));
         }
-        let sees = |cell: &Cell| cell.looks >= looks;
-        let partner = |key| self.cells.get(&key).copied().filter(sees);
-        // (weight, reference, other)
+        let has_enough = |cell: &Cell| cell.looks >= looks;
+        let partner = |key| self.cells.get(&key).copied().filter(has_enough);
+        // (weight, downward speed of the reference, downward speed of this field)
         let common: Vec<_> =
             reference.seen(looks).filter_map(|(key, cell)| Some((cell.count, cell.down, partner(key)?.down))).collect();
         if common.is_empty() {
             return Err(Trouble::NothingInCommon);
         }
         let weights: f64 = common.iter().map(|cell| cell.0).sum();
-        let mean = |of: &dyn Fn(f64, f64) -> f64| common.iter().map(|&(w, a, b)| w * of(a, b)).sum::<f64>() / weights;
+        let mean =
+            |value: &dyn Fn(f64, f64) -> f64| common.iter().map(|&(w, a, b)| w * value(a, b)).sum::<f64>() / weights;
         let (mean_reference, mean_run) = (mean(&|a, _| a), mean(&|_, b| b));
         if !(mean_reference > 0.0 && mean_run > 0.0) {
             return Err(Trouble::NotDown);
@@ -128,7 +130,7 @@ impl Field {
         let spreads = mean(&|a, _| u_ref(a).powi(2)).sqrt() * mean(&|_, b| u(b).powi(2)).sqrt();
         Ok(Figures {
             rms: mean(&|a, b| (u(b) - u_ref(a)).powi(2)).sqrt(),
-            // Below that only rounding is spread.
+            // A smaller spread is round-off.
             correlation: (spreads > 1e-24).then(|| mean(&|a, b| u_ref(a) * u(b)) / spreads),
             common: common.len(),
             only_reference: reference.seen(looks).count() - common.len(),
@@ -143,7 +145,7 @@ impl Field {
 mod tests {
     use super::*;
 
-    /// Cells in a row, one a metre, each with (grains a sample, downward speed); ten samples.
+    /// Returns a field of cells of 1 m in a row, each with (grains per sample, downward speed), after ten samples.
     fn field(cells: &[(f64, f64)]) -> Field {
         let means = (0u8..).zip(cells).map(|(i, &(count, down))| FlowMeans {
             x: f64::from(i) + 0.5,
@@ -157,8 +159,8 @@ mod tests {
     }
 
     #[test]
-    fn a_known_perturbation_has_its_rms_exactly() {
-        // Weights 1 and 3: +0.375 in a quarter of them, -0.125 in the rest leave the mean as it was.
+    fn rms_of_a_known_perturbation_is_exact() {
+        // The weights are 1 and 3: +0.375 in a quarter of the weight and -0.125 in the rest do not change the mean.
         let reference = field(&[(1.0, 1.0), (3.0, 1.0), (1.0, 1.0), (3.0, 1.0)]);
         let other = field(&[(5.0, 1.375), (5.0, 0.875), (5.0, 1.375), (5.0, 0.875)]);
         let figures = other.against(&reference, 1.0).unwrap();
@@ -168,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn the_opposite_contrast_has_the_opposite_correlation() {
+    fn opposite_contrast_has_correlation_minus_one() {
         let reference = field(&[(1.0, 0.5), (1.0, 1.0), (1.0, 1.5)]);
         let opposite = field(&[(1.0, 3.0), (1.0, 2.0), (1.0, 1.0)]);
         let figures = opposite.against(&reference, 1.0).unwrap();
@@ -177,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn cells_that_saw_too_few_count_for_neither() {
+    fn cells_with_too_few_grains_are_ignored() {
         let reference = field(&[(1.0, 1.0), (1.0, 2.0), (0.1, 90.0), (1.0, 3.0)]);
         let other = field(&[(1.0, 1.0), (1.0, 2.0), (1.0, 1.0)]);
         let figures = other.against(&reference, 5.0).unwrap();
@@ -187,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn fields_that_are_no_match_say_why() {
+    fn incomparable_fields_are_refused_with_the_reason() {
         let reference = field(&[(1.0, 1.0), (1.0, 1.0)]);
         assert_eq!(field(&[(1.0, -1.0), (1.0, 0.5)]).against(&reference, 1.0), Err(Trouble::NotDown));
         let coarse = Field { side: 2.0, cells: reference.cells.clone() };

@@ -1,13 +1,13 @@
-//! Comparison of flow patterns: runs of any model against a reference, by what they have in common.
+//! Comparison of flow patterns: runs of any model against a reference run.
 //!
-//! Models differ in their speeds and clocks: grains fall in metres a second, a lattice gas in metres a step. So each run is
-//! measured in units of its own:
+//! Models differ in speeds and clocks: grains move in metres per second, a lattice gas in metres per step. Each run is
+//! therefore scaled by units of its own:
 //!
 //! * the [field] of vertical velocity by its mean downward speed;
-//! * the [discharge] by the time until half is out.
+//! * the [discharge] by the time until half of the grains are out.
 //!
-//! What is left is the pattern. Its cost is the wall-clock time of the run's steps. Two runs of one scene with different
-//! seeds tell the floor: what chance alone makes of the figures.
+//! After scaling, only the patterns differ. The cost of a run is the wall-clock time of its steps. Two runs of one
+//! scene with different seeds show the differences that are due to chance alone.
 
 pub mod discharge;
 pub mod field;
@@ -22,29 +22,31 @@ use crate::fault::Fault;
 use crate::space::Vector;
 use crate::walls::silo_file::Disc;
 
-/// What a run directory says about its flow.
+/// The flow of a run, as read from its run directory.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// What it is called in tables and pictures.
+    /// Name in tables and pictures.
     pub name: String,
     /// Mean velocities in cells.
     pub field: Field,
-    /// Share of the grains that are out, against the time since the door opened.
+    /// Fraction of the grains that are out, as a function of the time since the door opened.
     pub discharge: Curve,
-    /// Unit of its time, `s` or `step`.
+    /// Unit of time, `s` or `step`.
     pub time_unit: &'static str,
-    /// Wall-clock time of its steps, s.
+    /// Wall-clock time of the steps, s.
     pub wall_s: f64,
-    /// Its wall grains, for pictures.
+    /// Wall grains, for pictures.
     pub walls: Vec<Disc>,
-    /// The edges of its silo, for pictures, m.
+    /// Edges of the silo as pairs of ends (m), for pictures.
     pub lines: Vec<(Vector, Vector)>,
 }
 
-/// Compares each of `others` with the reference, over cells in which both saw at least `looks` grains.
+/// Compares each run with the reference, over cells in which both counted at least `looks` grains.
+///
+/// The first row of the report compares the reference with itself.
 ///
 /// # Errors
-/// If two fields have no cells in common or do not flow down, or if nothing comes out.
+/// If two fields cannot be compared, or if no grain leaves in one of the runs.
 pub fn compare(reference: &Run, others: &[Run], looks: f64) -> Result<Report, Fault> {
     let all = || std::iter::once(reference).chain(others);
     if let Some(dry) = all().find(|run| run.discharge.largest() <= 0.0) {
@@ -56,7 +58,7 @@ pub fn compare(reference: &Run, others: &[Run], looks: f64) -> Result<Report, Fa
 }
 
 fn no_discharge(run: &Run) -> Fault {
-    Fault::new("compare::discharge", format!("{}: nothing comes out after the door opened", run.name))
+    Fault::new("compare::discharge", format!("{}: no grain leaves after the door opens", run.name))
         .help("compare runs whose silo discharges; does the scene open its door?")
 }
 
@@ -70,8 +72,8 @@ fn row(reference: &Run, run: &Run, looks: f64, unit_share: f64) -> Result<Row, F
     })?;
     let unit =
         |run: &Run| run.discharge.time_of(unit_share).filter(|&time| time > 0.0).ok_or_else(|| no_discharge(run));
-    let (unit_time, of_reference) = (unit(run)?, unit(reference)?);
-    let discharge = run.discharge.in_units(unit_time).largest_difference(&reference.discharge.in_units(of_reference));
+    let (unit_time, reference_unit) = (unit(run)?, unit(reference)?);
+    let discharge = run.discharge.in_units(unit_time).largest_difference(&reference.discharge.in_units(reference_unit));
     Ok(Row {
         run: run.name.clone(),
         field_rms: fields.rms,
@@ -94,7 +96,7 @@ pub(crate) mod tests {
     use super::*;
     use crate::measure::flow::FlowField;
 
-    /// A flow that falls with speed `down(x, y)` over 4 x 4 cells and empties as 1 - exp(-t/`time`).
+    /// Returns a run with the downward speed `down(x, y)` over 4 x 4 cells and the discharge 1 - exp(-t/`time`).
     pub(crate) fn run(name: &str, time: f64, down: impl Fn(f64, f64) -> f64) -> Run {
         let mut field = FlowField::new(0.5);
         for k in 0..16u8 {
@@ -115,14 +117,14 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn a_run_compared_with_itself_agrees_and_scales_do_not_count() {
+    fn equal_patterns_agree_for_any_scale_of_speed_and_time() {
         let pattern = |x: f64, y: f64| 1.0 + x + 0.3 * y * y;
         let reference = run("reference", 2.0, pattern);
         let others = [run("same", 2.0, pattern), run("faster", 0.25, |x, y| 8.0 * pattern(x, y))];
         let report = compare(&reference, &others, 1.0).unwrap();
         assert_eq!((report.rows.len(), report.unit_share), (3, 0.5));
         for row in &report.rows {
-            // Powers of two scale without rounding, but for the exponential's argument.
+            // Scaling by powers of two rounds only in the argument of the exponential.
             assert!(row.field_rms < 1e-15 && row.discharge_difference < 1e-15, "{row:?}");
             assert!((row.field_correlation.unwrap() - 1.0).abs() < 1e-15, "{row:?}");
         }
@@ -131,7 +133,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn what_one_run_never_reaches_is_no_unit() {
+    fn unit_of_time_is_a_fraction_that_all_runs_reach() {
         let reference = run("reference", 1.0, |_, _| 1.0);
         let mut slow = run("slow", 1.0, |_, _| 1.0);
         slow.discharge = Curve::new([(0.0, 0.0), (1.0, 0.2)]);

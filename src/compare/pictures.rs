@@ -8,7 +8,7 @@ use crate::writers::colour::{WALL, viridis};
 use crate::writers::plot::{Axis, Curve, colour, figure};
 use crate::writers::svg::{Legend, Picture};
 
-/// The pictures, by name: SVG documents.
+/// Returns the pictures of a comparison as pairs of name and SVG document.
 #[must_use]
 pub fn all(runs: &[Run], report: &Report) -> [(&'static str, String); 3] {
     [("fields", fields(runs, report)), ("discharge", discharge(runs, report)), ("cost", cost(report))]
@@ -17,28 +17,28 @@ pub fn all(runs: &[Run], report: &Report) -> [(&'static str, String); 3] {
 /// Width of a run's panel, px.
 const PANEL: f64 = 320.0;
 
-/// Vertical velocity over its mean in every run, at one scale, on one map.
+/// Draws the vertical velocity over its mean for every run, with equal length scale and equal colour scale.
 fn fields(runs: &[Run], report: &Report) -> String {
     let side = runs.first().map_or(1.0, |run| run.field.side);
-    let corner = |[row, column]: [i64; 2]| side * Vector::new(whole(column), whole(row));
+    let corner = |[row, column]: [i64; 2]| side * Vector::new(to_f64(column), to_f64(row));
     let (low, high) = bounds(runs, report.looks, side);
     let step = Vector::new(1.15 * (high.x - low.x), 0.0);
     let all = f64::from(u32::try_from(runs.len()).unwrap_or(1)) * step;
-    // Room for the names above and the scale bar below, whose size follows from the whole width.
+    // The names above and the scale bar below have sizes in proportion to the total width.
     let (margin, above, below) =
         (0.07 * (high.x - low.x), Vector::new(0.0, 0.08 * all.x), Vector::new(0.0, 0.09 * all.x));
     let top = top(runs, report);
     let mut picture = Picture {
         low: low - below - Vector::new(margin, 0.0),
         high: Vector::new(low.x - margin + all.x, high.y) + above,
-        // Header and legend stand side by side.
+        // Header and legend are side by side, so the width is at least two panels.
         width: (PANEL * all.x / step.x).max(2.0 * PANEL),
         header: vec![format!("cells of {side} m; yellow: {top} and more")],
         legend: Legend::Scale { from: 0.0, to: top, title: "downward speed/its mean".to_owned(), map: viridis },
         ..Picture::default()
     };
     let mut offset = Vector::ZERO;
-    // In two rows, by turns: names may be wider than their panels.
+    // Names alternate between two heights, because they may be wider than their panels.
     let rows = [0.2, 0.65].into_iter().cycle();
     for ((run, row), height) in runs.iter().zip(&report.rows).zip(rows) {
         let square = |(key, cell): ([i64; 2], Cell)| {
@@ -55,10 +55,10 @@ fn fields(runs: &[Run], report: &Report) -> String {
     picture.to_svg()
 }
 
-/// Lower left and upper right corner of all cells and wall grains, m.
+/// Returns the lower left and upper right corner of the box around all cells and wall grains, m.
 fn bounds(runs: &[Run], looks: f64, side: f64) -> (Vector, Vector) {
     let cells = runs.iter().flat_map(|run| run.field.seen(looks)).map(|([row, column], _)| {
-        let corner = side * Vector::new(whole(column), whole(row));
+        let corner = side * Vector::new(to_f64(column), to_f64(row));
         (corner, corner + Vector::splat(side))
     });
     let discs = runs.iter().flat_map(|run| &run.walls);
@@ -67,11 +67,12 @@ fn bounds(runs: &[Run], looks: f64, side: f64) -> (Vector, Vector) {
 }
 
 #[expect(clippy::cast_precision_loss, reason = "cells are far below 2^53")]
-fn whole(number: i64) -> f64 {
+fn to_f64(number: i64) -> f64 {
     number as f64
 }
 
-/// The upper end of the map: a round number, above what 95 % of the reference's grains have.
+/// Returns the upper end of the colour scale: a round number above the relative speed of 95 % of the reference's
+/// grains.
 fn top(runs: &[Run], report: &Report) -> f64 {
     let Some((run, row)) = runs.iter().zip(&report.rows).next() else { return 1.0 };
     let mut cells: Vec<_> = run.field.seen(report.looks).map(|(_, cell)| (cell.down, cell.count)).collect();
@@ -103,10 +104,10 @@ fn discharge(runs: &[Run], report: &Report) -> String {
     let last = curves.iter().filter_map(|curve| curve.points.last()).map(|point| point.0).fold(1.0, f64::max);
     let title = format!("Discharge; unit of time: until {} is out", (1000.0 * report.unit_share).round() / 1000.0);
     let x = Axis::linear("time since the door opened, in units of the run's own", 0.0, last);
-    figure(&[(&title, x, Axis::linear("share of the grains that are out", 0.0, 1.0), curves)])
+    figure(&[(&title, x, Axis::linear("fraction of the grains that are out", 0.0, 1.0), curves)])
 }
 
-/// What agrees to the last bit has no logarithm: it is drawn here.
+/// Smallest cost (s) and disagreement of the cost figure. Zero has no logarithm and is drawn at this value.
 const LEAST: f64 = 1e-6;
 
 fn cost(report: &Report) -> String {
@@ -144,17 +145,17 @@ mod tests {
             assert!(png::encode(&svg).is_ok() && svg.contains("first") && svg.contains("third"), "{name}: {svg}");
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}: {svg}");
         }
-        // 16 cells a run, one dot a run other than the reference and one for its name.
+        // There are 16 cells per run. Each run except the reference has a dot and a dot in the legend.
         let [(_, fields), _, (_, cost)] = all(&runs, &report);
         assert_eq!(fields.matches('Z').count(), 16 * 3);
         assert_eq!(cost.matches("<circle").count(), 4);
     }
 
     #[test]
-    fn the_map_ends_above_most_grains_at_a_round_number() {
+    fn colour_scale_ends_at_a_round_number_above_most_grains() {
         let runs = [run("a", 1.0, |x, _| if x < 0.5 { 1.0 } else { 3.0 })];
         let report = compare(&runs[0], &[], 1.0).unwrap();
-        // Mean 2.5: 3 is 1.2 of it.
+        // The mean is 2.5, so the largest relative speed is 3/2.5 = 1.2.
         assert!((top(&runs, &report) - 1.5).abs() < 1e-15);
     }
 }

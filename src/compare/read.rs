@@ -1,10 +1,11 @@
-//! Reads what a comparison needs from a run directory, of grains or of a lattice gas:
+//! Reads the data of a comparison from a run directory of grains or of a lattice gas.
 //!
-//! * `summary.json`: `grains.released` or `particles.entered`, `performance.wall_s` (s), and when the door opened, `door_open_time_s` (s) or
-//!   `door_open_step`; one that is `null` or not there has been open since the start;
-//! * `series.csv`: `out` against `time_s` or `step`;
-//! * `flow.csv`: `x_m`, `y_m`, `samples`, `count`, and `vx`, `vy` in `_m_per_s` or `_m_per_step`;
-//! * `scene.ron`: the wall grains, to be drawn, if there are any.
+//! * `summary.json`: `grains.released` or `particles.entered`, `performance.wall_s` (s), and the time at which the door
+//!   opened, `door_open_time_s` (s) or `door_open_step`. If the latter is `null` or absent, the silo was open from the
+//!   start.
+//! * `series.csv`: `out` as a function of `time_s` or `step`.
+//! * `flow.csv`: `x_m`, `y_m`, `samples`, `count`, and `vx`, `vy` in `_m_per_s` or `_m_per_step`.
+//! * `scene.ron`: wall grains, for pictures; optional.
 
 use std::fs;
 use std::path::Path;
@@ -21,22 +22,21 @@ use crate::scene::load::{self, AnyScene};
 use crate::space::Vector;
 use crate::walls::silo_file::Disc;
 
-/// What to do about a directory without a field.
+/// Help text for a directory without a velocity field.
 const NO_FLOW: &str = "give its scene the key `flow`, for example `flow: (cell: 0.05, sample: 0.02)`, m and s (of a lattice gas `sample: 5.0`, steps), \
      and run it again";
 
-/// The run in `directory`, to be called `name`.
+/// Reads the run in `directory` and gives it the name `name`.
 ///
 /// # Errors
-/// If a file is missing or not what it should be; the fault says which and what to do.
+/// If a file is missing or malformed. The fault names the file and suggests a remedy.
 pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
     if !directory.is_dir() {
         return Err(Fault::new("compare::no_run", format!("there is no run directory {}", directory.display()))
             .help("give run directories such as out/silo2d, or scenes (.ron) to be run first"));
     }
     let summary = summary(&directory.join("summary.json"))?;
-    let series =
-        Table::read(&directory.join("series.csv"), "is the directory that of a run? `siloflow run` makes one")?;
+    let series = Table::read(&directory.join("series.csv"), "is it a run directory? `siloflow run` makes one")?;
     let (time_unit, times) = match series.column("time_s")? {
         Some(times) => ("s", times),
         None => ("step", series.needed("step")?),
@@ -52,7 +52,7 @@ pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
     };
     let opened = number(&["door_open_time_s"]).or(number(&["door_open_step"])).unwrap_or(0.0);
     let released = number(&["grains", "released"]).or(number(&["particles", "entered"]));
-    // Pictures do without what cannot be read.
+    // If the scene cannot be read, pictures show no walls.
     let (walls, lines) = load::any(&directory.join("scene.ron"), &[]).map(|scene| outlines(&scene)).unwrap_or_default();
     Ok(Run {
         name: name.to_owned(),
@@ -65,7 +65,7 @@ pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
     })
 }
 
-/// Wall grains and edges of a scene's silo.
+/// Returns the wall grains and the edges (m) of a scene's silo.
 fn outlines(scene: &AnyScene) -> (Vec<Disc>, Vec<(Vector, Vector)>) {
     match scene {
         AnyScene::Grains(loaded) => (loaded.wall_discs(), Vec::new()),
@@ -96,37 +96,37 @@ fn field(path: &Path) -> Result<Field, Fault> {
         .map(|n| FlowMeans { x: x[n], y: y[n], samples: samples[n] as u64, count: count[n], vx: vx[n], vy: vy[n] })
         .collect();
     Field::new(&means).ok_or_else(|| {
-        Fault::new("compare::no_flow", format!("{} holds no field: {} rows", path.display(), means.len())).help(
-            "samples are taken while the share of the grains that are out is from `flow.from` to `flow.to`: did the run \
-             get there?",
+        Fault::new("compare::no_flow", format!("{} has no velocity field: {} rows", path.display(), means.len())).help(
+            "samples are taken while the fraction of grains that are out is from `flow.from` to `flow.to`: did the run \
+             reach `flow.from`?",
         )
     })
 }
 
-/// A CSV file, by column.
+/// A CSV file with access by column.
 struct Table {
-    shown: String,
+    path: String,
     header: StringRecord,
     rows: Vec<StringRecord>,
 }
 
 impl Table {
     fn read(path: &Path, help: &str) -> Result<Self, Fault> {
-        let shown = path.display().to_string();
+        let path_text = path.display().to_string();
         let text = fs::read_to_string(path).map_err(|error| {
-            Fault::new("compare::unreadable", format!("could not read {shown}: {error}")).help(help)
+            Fault::new("compare::unreadable", format!("could not read {path_text}: {error}")).help(help)
         })?;
         let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
         let broken = |error: csv::Error| {
-            Fault::new("compare::unreadable", format!("{shown}: {error}"))
-                .help("every row has as many columns as the first")
+            Fault::new("compare::unreadable", format!("{path_text}: {error}"))
+                .help("all rows must have as many columns as the first")
         };
         let header = reader.headers().map_err(broken)?.clone();
         let rows = reader.records().collect::<Result<_, _>>().map_err(broken)?;
-        Ok(Self { shown, header, rows })
+        Ok(Self { path: path_text, header, rows })
     }
 
-    /// The numbers of a column, if there is one of this name.
+    /// Returns the numbers of the column `name`; `None` if there is no column with this name.
     fn column(&self, name: &str) -> Result<Option<Vec<f64>>, Fault> {
         let Some(place) = self.header.iter().position(|found| found == name) else { return Ok(None) };
         let numbers = self.rows.iter().map(|row| {
@@ -134,16 +134,17 @@ impl Table {
             text.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| {
                 let line = row.position().map_or(0, csv::Position::line);
                 let message =
-                    format!("{}, line {line}, column {name}: expected a finite number, got `{text}`", self.shown);
+                    format!("{}, line {line}, column {name}: expected a finite number, got `{text}`", self.path);
                 Fault::new("compare::unreadable", message).help("run the scene again")
             })
         });
         numbers.collect::<Result<_, _>>().map(Some)
     }
 
+    /// Returns the numbers of the column `name`; a missing column is an error.
     fn needed(&self, name: &str) -> Result<Vec<f64>, Fault> {
         self.column(name)?.ok_or_else(|| {
-            Fault::new("compare::unreadable", format!("{} has no column {name}", self.shown))
+            Fault::new("compare::unreadable", format!("{} has no column {name}", self.path))
                 .help("run the scene again with this version")
         })
     }
@@ -170,7 +171,7 @@ mod tests {
     );
 
     #[test]
-    fn a_lattice_s_directory_is_read_in_steps() {
+    fn run_directory_of_a_lattice_gas_is_read_in_steps() {
         let run = run(directory(&[SUMMARY, SERIES, FLOW]).path(), "lattice").unwrap();
         assert_eq!((run.time_unit, run.wall_s), ("step", 0.5));
         assert_eq!(run.discharge.points(), [(0.0, 0.0), (2.0, 0.5), (4.0, 1.0)]);
@@ -179,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_or_broken_is_named() {
+    fn missing_or_malformed_files_are_named() {
         let code = |files: &[(&str, &str)]| run(directory(files).path(), "run").unwrap_err();
         assert_eq!(code(&[SERIES, FLOW]).code(), "compare::no_summary");
         let fault = code(&[SUMMARY, SERIES]);

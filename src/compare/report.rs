@@ -1,39 +1,39 @@
-//! What a comparison found: as a table for people, as `compare.csv`, as JSON.
+//! Results of a comparison as a plain-text table, as `compare.csv` and as JSON.
 //!
 //! | column of `compare.csv` | unit | meaning |
 //! |---|---|---|
-//! | `run` | | the reference first |
+//! | `run` | | name of the run; the reference is first |
 //! | `field_rms` | mean downward speeds | disagreement of the velocity [fields](crate::compare::field) |
-//! | `field_correlation` | | of the fields; empty if one of them is the same everywhere |
-//! | `common_cells`, `only_reference`, `only_run` | cells | that both, or only one of the fields has |
+//! | `field_correlation` | | correlation of the fields; empty if one of them is uniform |
+//! | `common_cells`, `only_reference`, `only_run` | cells | cells of both fields, only the reference, only this run |
 //! | `mean_speed` | m/`time_unit` | mean downward speed over the common cells |
-//! | `discharge_difference` | share | disagreement of the [discharge](crate::compare::discharge) |
-//! | `unit_time` | `time_unit` | from the opening until half (or the largest share that all runs reach) is out |
+//! | `discharge_difference` | fraction | disagreement of the [discharge](crate::compare::discharge) |
+//! | `unit_time` | `time_unit` | time from the opening until half (or the largest fraction of all runs) is out |
 //! | `time_unit` | | `s` or `step` |
-//! | `wall_s`, `wall_ratio` | s | wall-clock time of the steps, and over the reference's |
+//! | `wall_s`, `wall_ratio` | s | wall-clock time of the steps, and its ratio to the reference's time |
 
 use std::fmt::Write as _;
 
 use serde::Serialize;
 
-/// One run against the reference.
+/// Comparison of one run with the reference.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {
-    /// Its name.
+    /// Name of the run.
     pub run: String,
     /// Rms difference of the patterns of velocity, in mean downward speeds.
     pub field_rms: f64,
-    /// Correlation of the fields.
+    /// Correlation of the fields; `None` if one of them is uniform.
     pub field_correlation: Option<f64>,
-    /// Cells that both fields have.
+    /// Number of cells that both fields have.
     pub common_cells: usize,
-    /// Cells that only the reference has.
+    /// Number of cells that only the reference has.
     pub only_reference: usize,
-    /// Cells that only this run has.
+    /// Number of cells that only this run has.
     pub only_run: usize,
     /// Mean downward speed over the common cells, m/s or m/step.
     pub mean_speed: f64,
-    /// Largest difference of the shares that are out.
+    /// Largest difference of the fractions that are out.
     pub discharge_difference: f64,
     /// Unit of time of the discharge, s or steps.
     pub unit_time: f64,
@@ -41,23 +41,23 @@ pub struct Row {
     pub time_unit: &'static str,
     /// Wall-clock time of the steps, s.
     pub wall_s: f64,
-    /// Over the reference's.
+    /// Wall-clock time over the reference's wall-clock time.
     pub wall_ratio: f64,
 }
 
-/// A comparison.
+/// Results of a comparison.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Report {
-    /// The share whose time is the unit of the discharge.
+    /// Fraction of the grains that defines the unit of time: the time until this fraction is out.
     pub unit_share: f64,
-    /// Grains that a cell must have seen to count.
+    /// Smallest number of grains that a cell must have counted to be compared.
     pub looks: f64,
-    /// The reference, then the others.
+    /// Rows of the reference and then of the other runs.
     pub rows: Vec<Row>,
 }
 
 impl Report {
-    /// The content of `compare.csv`.
+    /// Returns the content of `compare.csv`.
     #[must_use]
     pub fn csv(&self) -> String {
         let mut text = "run,field_rms,field_correlation,common_cells,only_reference,only_run,mean_speed,\
@@ -89,7 +89,7 @@ impl Report {
         text
     }
 
-    /// For people: a line a run, columns aligned, units in their heads.
+    /// Returns a plain-text table with a line per run and aligned columns.
     #[must_use]
     pub fn table(&self) -> String {
         let half = format!("{} % out after", (1000.0 * self.unit_share).round() / 10.0);
@@ -143,7 +143,7 @@ mod tests {
     use crate::compare::{compare, tests::run};
 
     #[test]
-    fn rows_and_lines_hold_every_run() {
+    fn csv_and_table_have_a_line_per_run() {
         let reference = run("a", 1.0, |x, _| 1.0 + x);
         let report = compare(&reference, &[run("b, c", 2.0, |_, y| 1.0 + y)], 1.0).unwrap();
         let csv = report.csv();

@@ -1,4 +1,4 @@
-//! The report on the step in which two runs part, in words and for programs.
+//! The report on the first difference of two runs, as text and as JSON.
 
 use std::fmt;
 
@@ -11,9 +11,9 @@ use crate::space::Linear;
 /// The first difference of two runs.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Divergence {
-    /// The step after which it is there.
+    /// Step after which the difference exists.
     pub step: u64,
-    /// Simulated time then, s.
+    /// Simulated time after this step, s.
     pub time_s: f64,
     /// The difference.
     #[serde(flatten)]
@@ -24,39 +24,41 @@ pub struct Divergence {
 #[derive(Clone, Debug, PartialEq, Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum Difference {
-    /// A quantity of a particle.
+    /// A quantity of a particle differs.
     Particle {
-        /// Which particle.
+        /// The particle.
         #[serde(serialize_with = "as_text")]
         particle: GrainId,
-        /// Which quantity.
+        /// The quantity.
         quantity: Quantity,
-        /// Its value in the first run and in the second; of [`Quantity::Presence`] the position, `None` in the run that lacks it.
+        /// Values in the first and in the second run.
+        ///
+        /// For [`Quantity::Presence`] the value is the position, or `None` in the run without the particle.
         values: [Option<Value>; 2],
-        /// How many particles differ, in any quantity.
+        /// Number of particles that differ in any quantity.
         particles: usize,
     },
-    /// The state of a site of a lattice gas.
+    /// The state of a site of a lattice gas differs.
     Site {
-        /// Where it is, m.
+        /// Position of the site, m.
         place: Value,
-        /// Its state in the first run and in the second: bit i for a particle with velocity i.
+        /// States in the first and in the second run. Bit i is set for a particle with velocity i.
         values: [u16; 2],
-        /// How many sites differ.
+        /// Number of sites that differ.
         sites: usize,
     },
-    /// How the runs ended: states are the same, but one run has ended and the other has not, or not so.
+    /// The states are equal, but only one run has ended, or the runs ended differently.
     End {
-        /// How the first run ended and how the second, if it did.
+        /// Ends of the first and of the second run; `None` if a run has not ended.
         ends: [Option<End>; 2],
     },
 }
 
-/// A quantity of a particle, in the order in which a step computes them.
+/// A quantity of a particle. The variants are in the order in which a step computes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Quantity {
-    /// Whether the particle is there.
+    /// Whether the particle exists.
     Presence,
     /// Radius, m.
     Radius,
@@ -75,13 +77,13 @@ pub enum Quantity {
 }
 
 impl Quantity {
-    /// Its name.
+    /// Returns the name of the quantity.
     #[must_use]
     pub fn name(self) -> &'static str {
         self.name_and_unit().0
     }
 
-    /// Its unit.
+    /// Returns the unit of the quantity.
     #[must_use]
     pub fn unit(self) -> &'static str {
         self.name_and_unit().1
@@ -101,7 +103,7 @@ impl Quantity {
     }
 }
 
-/// A number or a vector, which is equal to another if all bits are.
+/// A number or a vector. Two values are equal if all bits are equal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Value {
     bits: [u64; 3],
@@ -109,14 +111,14 @@ pub struct Value {
 }
 
 impl Value {
-    /// That of a vector, a spin or a number.
+    /// Returns the value of a vector, a spin or a number.
     #[must_use]
     pub fn of<L: Linear>(vector: L) -> Self {
         let bits = |axis| if axis < L::COUNT { vector.component(axis).to_bits() } else { 0 };
         Self { bits: std::array::from_fn(bits), count: L::COUNT }
     }
 
-    /// Its components.
+    /// Iterates over the components.
     pub fn components(&self) -> impl Iterator<Item = f64> {
         self.bits[..self.count].iter().map(|bits| f64::from_bits(*bits))
     }
@@ -124,7 +126,7 @@ impl Value {
 
 impl fmt::Display for Value {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // As many digits as tell a number from its neighbours.
+        // `Debug` prints enough digits to distinguish a number from its neighbours.
         let numbers: Vec<_> = self.components().map(|number| format!("{number:?}")).collect();
         if self.count == 1 { f.write_str(&numbers[0]) } else { write!(f, "({})", numbers.join(", ")) }
     }
@@ -136,7 +138,7 @@ impl Serialize for Value {
     }
 }
 
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "that is how serde hands it over")]
+#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn as_text<S: Serializer>(particle: &GrainId, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.collect_str(particle)
 }
@@ -147,8 +149,8 @@ impl fmt::Display for Divergence {
         write!(f, "step {step}, t = {time_s} s: ")?;
         match difference {
             Difference::Particle { particle, quantity: Quantity::Presence, values, particles } => {
-                writeln!(f, "{particle} is in one run only (position, m)")?;
-                both(f, values.map(|value| value.map_or("not there".to_owned(), |value| value.to_string())))?;
+                writeln!(f, "{particle} exists in one run only (position, m)")?;
+                both(f, values.map(|value| value.map_or("absent".to_owned(), |value| value.to_string())))?;
                 count(f, *particles, "particle")
             }
             Difference::Particle { particle, quantity, values, particles } => {

@@ -1,4 +1,4 @@
-//! The states of two runs, and the first thing in which they differ.
+//! The states of two runs, and their first difference.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use crate::particle::{Force, GrainId, Mass, Position, Radius, Velocity};
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::spin::{Spin, Torque};
 
-/// The quantities of a particle, in the order of a step.
+/// The quantities of a particle, in the order in which a step computes them.
 const QUANTITIES: [Quantity; 7] = [
     Quantity::Radius,
     Quantity::Mass,
@@ -22,19 +22,19 @@ const QUANTITIES: [Quantity; 7] = [
     Quantity::Spin,
 ];
 
-/// Where the position stands among them.
+/// Index of the position in [`QUANTITIES`].
 const POSITION: usize = 2;
 
-/// The values of [`QUANTITIES`] of a particle; `None` for a quantity that it does not have.
+/// Values of the [`QUANTITIES`] of a particle; `None` for a quantity that it does not have.
 type Values = [Option<Value>; QUANTITIES.len()];
 
-/// The difference of two worlds of grains.
+/// Returns the first difference of two worlds of grains.
 pub(super) fn of_grains(worlds: [&World; 2]) -> Option<Difference> {
     let [first, second] = worlds.map(|world| match Dimension::of_world(world) {
         Dimension::Plane => particles::<Plane>(world),
         Dimension::Solid => particles::<Solid>(world),
     });
-    // Rows in the same order hold the same particles: most pairs of runs need no more than this.
+    // If all rows are equal, there is no difference. For most steps of most pairs this check is sufficient.
     if first == second {
         return None;
     }
@@ -53,7 +53,7 @@ pub(super) fn of_grains(worlds: [&World; 2]) -> Option<Difference> {
     earliest.map(|(quantity, particle, values)| Difference::Particle { particle, quantity, values, particles })
 }
 
-/// The first quantity of a particle in which two runs differ, of those that both have.
+/// Returns the first quantity of a particle in which two runs differ, among the quantities that both have.
 fn of_particle(first: Option<&Values>, second: Option<&Values>) -> Option<(Quantity, [Option<Value>; 2])> {
     let (Some(a), Some(b)) = (first, second) else {
         return Some((Quantity::Presence, [first, second].map(|values| values.and_then(|values| values[POSITION]))));
@@ -62,7 +62,7 @@ fn of_particle(first: Option<&Values>, second: Option<&Values>) -> Option<(Quant
     (0..QUANTITIES.len()).find(differs).map(|i| (QUANTITIES[i], [a[i], b[i]]))
 }
 
-/// All particles, wall grains as well, in the order of their rows.
+/// Returns all particles, including wall grains, in the order of the table rows.
 fn particles<V: Space>(world: &World) -> Vec<(GrainId, Values)> {
     let Some(mut rows) = world.try_query_filtered::<EntityRef, With<GrainId>>() else { return Vec::new() };
     let row = |particle: EntityRef| {
@@ -82,7 +82,7 @@ fn particles<V: Space>(world: &World) -> Vec<(GrainId, Values)> {
     rows.iter(world).filter_map(row).collect()
 }
 
-/// Whether two worlds hold the same sites of a lattice gas, or none.
+/// Returns whether two worlds have the same lattice sites; `true` unless both have a lattice.
 pub(super) fn have_same_sites(worlds: [&World; 2]) -> bool {
     let [first, second] = worlds.map(|world| world.get_resource::<Sites>());
     match (first, second) {
@@ -96,7 +96,7 @@ pub(super) fn have_same_sites(worlds: [&World; 2]) -> bool {
     }
 }
 
-/// The difference of two lattice gases on the same sites.
+/// Returns the first difference of two lattice gases on the same sites.
 pub(super) fn of_gas(worlds: [&World; 2]) -> Option<Difference> {
     let [first, second] = worlds.map(|world| world.resource::<Gas>().states());
     if first == second {

@@ -1,18 +1,18 @@
 //! `flow.csv`: the [field of mean velocity](crate::measure::flow) of a planar scene, over the middle of its discharge.
 //!
-//! A sample is taken every `flow.sample` seconds while the share of all released grains that are out is from `flow.from` to
-//! `flow.to`. Grains that are out or lost do not count, fixed ones neither. The file is written at the end of the run; a
-//! run whose discharge never gets to `flow.from` leaves a header alone.
+//! A sample is taken every `flow.sample` seconds while the fraction of released grains that are out is from `flow.from`
+//! to `flow.to`. Grains that are out or lost and fixed particles are not counted. The rows are written at the end of
+//! the run. If the discharge never reaches `flow.from`, the file has only its header.
 //!
 //! | column | unit | meaning |
 //! |---|---|---|
 //! | `x_m`, `y_m` | m | middle of the cell |
-//! | `samples` | | of the field: the same in all rows |
-//! | `count` | | grains a sample |
+//! | `samples` | | number of samples of the field, equal in all rows |
+//! | `count` | | mean number of grains per sample |
 //! | `vx_m_per_s`, `vy_m_per_s` | m/s | mean velocity: momentum over mass |
 //!
-//! Rows are ordered by y, then x. Why a window of the discharge and not of time: runs, and models, that flow at different
-//! speeds are then compared at the same filling.
+//! Rows are sorted by y, then x. The window is in terms of the discharge and not of time, so that runs and models that
+//! flow at different speeds are compared at equal filling.
 
 use std::path::Path;
 
@@ -55,7 +55,7 @@ fn sample(
     }
 }
 
-/// Takes the field.
+/// Measures and writes the field of mean velocity.
 pub struct FlowPlugin {
     config: Flow,
     sampler: Parcel<FlowSampler>,
@@ -65,7 +65,7 @@ impl FlowPlugin {
     /// Creates the file at `path` with its header.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the file cannot be written.
     pub fn create(config: Flow, path: &Path) -> std::io::Result<Self> {
         let (field, file) = (FlowField::new(config.cell.get()), Rows::create(path, HEADER)?);
         Ok(Self { config, sampler: Parcel::new(FlowSampler { config, field, file }) })

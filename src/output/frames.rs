@@ -1,11 +1,13 @@
-//! Snapshots: `frames/NNNNN.svg` every `pictures.interval` seconds and at the end, and PNGs beside them if asked.
+//! Pictures of a run: `frames/NNNNN.svg` every `pictures.interval` seconds and at the end, and PNGs if the scene wants
+//! them.
 //!
-//! Wall grains are red and door grains green, as the assignment wants them; grains are coloured by species, speed,
-//! or pressure, the sum of a grain's elastic contact forces over its circumference, in solid space over its surface. A
-//! speed or pressure scale is fixed by the scene, so that pictures of a run can be compared. With `network`, a bond
-//! between the centres shows each contact, as wide as its normal force is large, and orange where it slides.
+//! Wall grains are red and door grains green, as the assignment requires. Grains are coloured by species, speed or
+//! pressure. The pressure of a grain is the sum of its elastic contact forces (N) over its circumference, or in solid
+//! space over its surface. The scene fixes the scale of speed or pressure, so that pictures of a run can be compared.
+//! With `network`, each contact is drawn as a bond between the centres. The width of a bond is proportional to the
+//! normal force, and bonds of sliding contacts are orange.
 //!
-//! Solid space is drawn orthographically along y, x to the right and z up, what is far away first.
+//! Solid space is drawn as an orthographic projection along y, with x to the right and z up, from back to front.
 
 use std::f64::consts::PI;
 use std::marker::PhantomData;
@@ -31,16 +33,16 @@ use crate::writers::colour::{self, Rgb};
 use crate::writers::frame_writer::FrameWriter;
 use crate::writers::svg::{Legend, Picture};
 
-/// Where pictures go, and what is the same in all of them.
+/// Settings that all pictures of a run share.
 #[derive(Resource, Clone)]
 pub struct FrameRenderer {
-    /// What the scene says.
+    /// Section `pictures` of the scene.
     pub pictures: Pictures,
-    /// The directory.
+    /// Directory of the pictures.
     pub directory: PathBuf,
     /// Lower left and upper right corner of the view, m.
     pub view: (Vector, Vector),
-    /// The scene's title.
+    /// Title of the scene.
     pub title: String,
     /// Names of the species.
     pub species: Vec<String>,
@@ -50,31 +52,31 @@ pub struct FrameRenderer {
 
 type Bodies<'w, 's> = Query<'w, 's, (&'static Slot, &'static Radius, Option<&'static Species>, Has<Door>, Has<Grain>)>;
 
-/// Contacts that stick, and that slide.
+/// Bond colours of sticking and of sliding contacts.
 const BONDS: [Rgb; 2] = [[0x22, 0x22, 0x22], [0xff, 0x7f, 0x0e]];
 
-fn take<V: Space>(
+fn draw_frame<V: Space>(
     (clock, ledger, survey_param): (Res<Clock>, Res<Ledger>, SurveyParam<V>),
-    (walls, studio): (Res<Surfaces<V>>, Res<FrameRenderer>),
+    (walls, renderer): (Res<Surfaces<V>>, Res<FrameRenderer>),
     bodies: Bodies,
     mut frame_writer: ResMut<FrameWriter>,
     mut outcome: ResMut<Outcome>,
 ) {
     let survey = survey_param.survey();
-    let pressures = match studio.pictures.colour {
+    let pressures = match renderer.pictures.colour {
         Colour::Pressure(_) => pressures(&survey),
         _ => Vec::new(),
     };
-    // A particle that has no slot yet is not seen.
-    let seen = bodies.iter().filter_map(|(slot, radius, species, is_door, is_grain)| {
+    // A particle that has no slot yet is not drawn.
+    let visible = bodies.iter().filter_map(|(slot, radius, species, is_door, is_grain)| {
         let Body { position: x, velocity: v, .. } = *survey.store.body.get(slot.index())?;
         Some((slot.index(), x, v, radius.0, species.copied().unwrap_or_default(), is_door, is_grain))
     });
-    let mut rows: Vec<_> = seen.collect();
-    // From far to near; what is equally far, in the order of the ids.
+    let mut rows: Vec<_> = visible.collect();
+    // Sorted from back to front, and at equal depth by slot.
     rows.sort_unstable_by(|a, b| b.1.depth().total_cmp(&a.1.depth()).then(a.0.cmp(&b.0)));
     let discs = rows.into_iter().map(|(slot, x, v, radius, species, is_door, is_grain)| {
-        let colour: Rgb = match studio.pictures.colour {
+        let colour: Rgb = match renderer.pictures.colour {
             _ if is_door => colour::DOOR,
             _ if !is_grain => colour::WALL,
             Colour::Species => colour::species(species.0),
@@ -84,19 +86,19 @@ fn take<V: Space>(
         (x.on_paper(), radius, colour)
     });
     let picture = Picture {
-        low: studio.view.0,
-        high: studio.view.1,
-        width: studio.pictures.width.get(),
-        header: studio.header(clock.time(), &ledger),
-        legend: studio.legend(V::DIMENSION),
+        low: renderer.view.0,
+        high: renderer.view.1,
+        width: renderer.pictures.width.get(),
+        header: renderer.header(clock.time(), &ledger),
+        legend: renderer.legend(V::DIMENSION),
         discs: discs.collect(),
         outlined: V::DIMENSION == Dimension::Solid,
-        bonds: studio.bonds(&survey, clock.dt),
+        bonds: renderer.bonds(&survey, clock.dt),
         lines: walls
             .0
             .iter()
             .filter(|wall| wall.is_present)
-            .flat_map(|wall| studio.lines(&wall.surface))
+            .flat_map(|wall| renderer.lines(&wall.surface))
             .map(|(a, b)| (a, b, colour::WALL))
             .collect(),
         ..Picture::default()
@@ -104,7 +106,7 @@ fn take<V: Space>(
     frame_writer.add(picture, &mut outcome);
 }
 
-/// Sum of the elastic contact forces over circumference or surface, for each entry of the columns, N/m or N/m^2.
+/// Returns the sum of the elastic contact forces over circumference (N/m) or surface (N/m^2) for each slot.
 fn pressures<V: Space>(survey: &Survey<V>) -> Vec<f64> {
     let mut sums = vec![0.0; survey.store.len()];
     survey.contacts(|i, partner, pair, memory| {
@@ -122,11 +124,11 @@ fn pressures<V: Space>(survey: &Survey<V>) -> Vec<f64> {
 }
 
 impl FrameRenderer {
-    /// The studio of a scene, if it wants pictures.
+    /// Returns the renderer of a scene; `None` if the scene wants no pictures.
     #[must_use]
     pub fn of(loaded: &Loaded, directory: PathBuf) -> Option<Self> {
         let pictures = loaded.scene.pictures.clone()?;
-        let view = pictures.view.map_or_else(|| everything(loaded), |(low, high)| (low.get(), high.get()));
+        let view = pictures.view.map_or_else(|| full_view(loaded), |(low, high)| (low.get(), high.get()));
         let title = if loaded.scene.title.is_empty() { loaded.source.name.clone() } else { loaded.scene.title.clone() };
         let species = match loaded.scene.spawner.as_ref().map(|spawner| &spawner.radius) {
             Some(RadiusLaw::Fixed(radius)) => vec![format!("R = {} m", radius.get())],
@@ -141,7 +143,7 @@ impl FrameRenderer {
     }
 
     fn header(&self, time: f64, ledger: &Ledger) -> Vec<String> {
-        // As many decimals as tell one picture from the next.
+        // Enough decimals to distinguish the times of successive pictures.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
         let decimals = (1.0 - self.pictures.interval.get().log10().floor()).clamp(2.0, 9.0) as usize;
         let mut lines = vec![
@@ -150,13 +152,15 @@ impl FrameRenderer {
             format!("inside {}, out {}, lost {} grains", ledger.inside(), ledger.out(), ledger.lost()),
         ];
         if let Some(full) = self.pictures.network {
-            lines.push(format!("a bond as wide as a radius: {} N; sliding: orange", full.get()));
+            lines.push(format!("bond as wide as a radius: {} N; sliding: orange", full.get()));
         }
         lines
     }
 
-    /// Contact forces as bonds, if the scene wants them. A bond is drawn from the grain, so of one through a periodic side
-    /// half is seen on each side.
+    /// Returns contact forces as bonds, if the scene wants them.
+    ///
+    /// A bond starts at the grain and ends at the nearest image of its partner, so a bond through a periodic side
+    /// extends beyond that side.
     fn bonds<V: Space>(&self, survey: &Survey<V>, dt: f64) -> Vec<(Vector, Vector, f64, Rgb)> {
         let Some(full) = self.pictures.network else { return Vec::new() };
         let contacts = survey.view(dt).into_iter().filter(|contact| contact.normal_force > 0.0);
@@ -190,7 +194,10 @@ impl FrameRenderer {
         }
     }
 
-    /// A wall as lines: an edge-on half-plane spans the view, one that is seen from the front or slantwise is left out.
+    /// Returns a wall as lines.
+    ///
+    /// A half-plane parallel to the direction of projection is drawn as a line through the whole view. Other
+    /// half-planes are left out.
     fn lines<V: Space>(&self, wall: &Surface<V>) -> Vec<(Vector, Vector)> {
         match *wall {
             Surface::Segment { from, to } => vec![(from.on_paper(), to.on_paper())],
@@ -210,7 +217,7 @@ impl FrameRenderer {
     }
 }
 
-/// The points that a flat wall is known by, in turn.
+/// Returns the corners of a flat wall in order; for a half-plane, its point.
 fn corners<V: Space>(wall: &Surface<V>) -> Vec<V> {
     match *wall {
         Surface::Segment { from, to } => vec![from, to],
@@ -221,15 +228,15 @@ fn corners<V: Space>(wall: &Surface<V>) -> Vec<V> {
     }
 }
 
-/// A view of all walls, of where grains start, and down to the cull line, m.
-fn everything(loaded: &Loaded) -> (Vector, Vector) {
+/// Returns the corners of a view (m) that contains all walls, the initial grains, the spawner and the cull line.
+fn full_view(loaded: &Loaded) -> (Vector, Vector) {
     match loaded.scene.space {
-        Dimension::Plane => everything_in::<Plane>(loaded),
-        Dimension::Solid => everything_in::<Solid>(loaded),
+        Dimension::Plane => full_view_in::<Plane>(loaded),
+        Dimension::Solid => full_view_in::<Solid>(loaded),
     }
 }
 
-fn everything_in<V: Space>(loaded: &Loaded) -> (Vector, Vector) {
+fn full_view_in<V: Space>(loaded: &Loaded) -> (Vector, Vector) {
     let disc = |centre: Vector, radius: f64| [centre - Vector::splat(radius), centre + Vector::splat(radius)];
     let paper = |x: Solid| V::narrow(x).on_paper();
     let mut corners: Vec<Vector> = Vec::new();
@@ -246,14 +253,14 @@ fn everything_in<V: Space>(loaded: &Loaded) -> (Vector, Vector) {
     }
     let low = corners.iter().copied().reduce(Vector::min).unwrap_or(Vector::ZERO);
     let high = corners.iter().copied().reduce(Vector::max).unwrap_or(Vector::ONE);
-    // A view is at least half as wide as it is high, so that the labels have room.
+    // The view is at least half as wide as it is high, so that the header fits.
     let size = high - low;
     let margin = Vector::splat(0.04 * size.max_element().max(1e-6));
     let widen = Vector::new((0.25 * size.y - 0.5 * size.x).max(0.0), 0.0);
     (low - margin - widen, high + margin + widen)
 }
 
-/// Takes snapshots.
+/// Draws the pictures of a run.
 pub struct FramesPlugin<V: Space>(pub FrameRenderer, pub PhantomData<V>);
 
 impl<V: Space> Plugin for FramesPlugin<V> {
@@ -261,6 +268,6 @@ impl<V: Space> Plugin for FramesPlugin<V> {
         observe_every::<Pictures>(app, self.0.pictures.interval.get());
         app.insert_resource(self.0.clone())
             .insert_resource(FrameWriter::new(self.0.directory.clone(), self.0.pictures.png))
-            .add_systems(Step, take::<V>.in_set(ObserveStage::Write).run_if(due::<Pictures>));
+            .add_systems(Step, draw_frame::<V>.in_set(ObserveStage::Write).run_if(due::<Pictures>));
     }
 }

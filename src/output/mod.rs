@@ -1,4 +1,4 @@
-//! What a run leaves behind: rows, pictures, the final state and the summary, in one run directory.
+//! Output of a run in its run directory: CSV rows, pictures, the final state and the summary.
 
 pub mod flow;
 pub mod frames;

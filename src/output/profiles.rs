@@ -1,18 +1,18 @@
-//! `profiles.csv`: the means of the scene's [`profiles`](crate::measure::profile), and `centres.csv`: the centre of mass of
-//! each species, a row every `series.interval` seconds.
+//! `profiles.csv`: means of the scene's [`profiles`](crate::measure::profile). `centres.csv`: the centre of mass of
+//! each species, every `series.interval` seconds.
 //!
 //! | column of `profiles.csv` | unit | meaning |
 //! |---|---|---|
-//! | `profile` | | its number in the scene, from 1 |
-//! | `from_s`, `to_s`, `samples` | s | first and last sample of the means, and how many there are |
+//! | `profile` | | number of the profile in the scene, from 1 |
+//! | `from_s`, `to_s`, `samples` | s | times of the first and last sample of the means, and number of samples |
 //! | `place_m` | m | middle of the bin along the axis |
-//! | `species` | | its number, or `all` |
-//! | `count`, `packing_fraction` | | a sample |
+//! | `species` | | number of the species, or `all` |
+//! | `count`, `packing_fraction` | | mean number of grains and packing fraction per sample |
 //! | `vx_m_per_s`, ... | m/s | mean velocity |
 //! | `temperature_m2_per_s2` | m^2/s^2 | granular temperature |
 //!
-//! `centres.csv` has `time_s`, `species`, `count`, `mass_kg`, and the centre `x_m`, ... and its velocity `vx_m_per_s`, ...
-//! Along a periodic axis the centre is that of the positions in the box and says little.
+//! `centres.csv` has `time_s`, `species`, `count`, `mass_kg`, the centre (`x_m`, ...) and its velocity (`vx_m_per_s`,
+//! ...). Along a periodic axis the centre is the mean of the wrapped positions, which has little meaning.
 
 use std::fmt::Write as _;
 use std::path::Path;
@@ -32,14 +32,19 @@ use crate::store::register_predictable;
 use crate::values::{NonNegative, Positive};
 use crate::writers::rows::{Parcel, Rows, numbers};
 
-/// The profiles of one species or of all, side by side with when they were begun.
+/// A profile that is being averaged, of one species or of all.
 #[derive(Clone)]
 struct Running<V: Space> {
+    /// Number of the profile in the scene, from 1.
     number: usize,
+    /// The species; `None` for all grains.
     species: Option<Species>,
     sampler: Sampler<V>,
-    looks: u64,
+    /// Number of samples since the start of the run.
+    samples_taken: u64,
+    /// Time of the first sample of the present average, s.
     from: f64,
+    /// Time of the last sample, s.
     to: f64,
 }
 
@@ -52,9 +57,11 @@ struct Profiles<V: Space> {
 #[derive(Resource)]
 struct Centres {
     file: Rows,
+    /// Largest species of the scene.
     species: u8,
 }
 
+/// Returns the column names of a vector.
 fn axes<V: Space>(prefix: &str, suffix: &str) -> String {
     let names = ["x", "y", "z"].into_iter().take(V::COMPONENTS).map(|axis| format!("{prefix}{axis}{suffix}"));
     names.collect::<Vec<_>>().join(",")
@@ -68,43 +75,43 @@ fn sample<V: Space>(
 ) {
     let (now, ends) = (clock.time(), outcome.end().is_some());
     let Profiles { file, running } = &mut *profiles;
-    for one in running {
-        if one.is_time(&clock) {
-            one.looks += 1;
-            if one.sampler.samples == 0 {
-                one.from = now;
+    for profile in running {
+        if profile.is_due(&clock) {
+            profile.samples_taken += 1;
+            if profile.sampler.samples == 0 {
+                profile.from = now;
             }
-            one.to = now;
-            one.sampler.add(motion.store(), one.species);
+            profile.to = now;
+            profile.sampler.add(motion.store(), profile.species);
         }
-        if one.sampler.samples > 0 && (ends || one.is_full(&clock)) {
-            file.append(format_args!("{}", one.rows()), &mut outcome);
+        if profile.sampler.samples > 0 && (ends || profile.is_full(&clock)) {
+            file.append(format_args!("{}", profile.take_rows()), &mut outcome);
         }
     }
 }
 
-/// Run condition: a sample is due, means are complete, or the run ends.
+/// Run condition: a sample is due, an average is complete, or the run ends.
 fn has_work<V: Space>(clock: Res<Clock>, profiles: Res<Profiles<V>>, outcome: Res<Outcome>) -> bool {
     let mut running = profiles.running.iter();
-    outcome.end().is_some() || running.any(|one| one.is_time(&clock) || one.is_full(&clock))
+    outcome.end().is_some() || running.any(|profile| profile.is_due(&clock) || profile.is_full(&clock))
 }
 
 impl<V: Space> Running<V> {
     #[expect(clippy::cast_precision_loss, reason = "2^53 samples are out of reach")]
-    fn is_time(&self, clock: &Clock) -> bool {
+    fn is_due(&self, clock: &Clock) -> bool {
         let Profile { sample, from, .. } = self.sampler.profile;
-        clock.has_reached(from.map_or(0.0, NonNegative::get) + self.looks as f64 * sample.get())
+        clock.has_reached(from.map_or(0.0, NonNegative::get) + self.samples_taken as f64 * sample.get())
     }
 
-    /// Whether samples of the whole time of averaging have been taken.
+    /// Returns whether the samples cover the whole averaging time.
     fn is_full(&self, clock: &Clock) -> bool {
         let Profile { sample, average, .. } = self.sampler.profile;
         let is_over = |average: Positive| clock.has_reached(self.from + average.get() - sample.get());
         self.sampler.samples > 0 && average.is_some_and(is_over)
     }
 
-    /// The rows of the means, and a new start.
-    fn rows(&mut self) -> String {
+    /// Returns the means as CSV rows and begins a new average.
+    fn take_rows(&mut self) -> String {
         let species = self.species.map_or_else(|| "all".to_owned(), |species| species.0.to_string());
         let (number, from, to, samples) = (self.number, self.from, self.to, self.sampler.samples);
         let mut text = String::new();
@@ -145,14 +152,17 @@ fn write_centres<V: Space>(
     }
 }
 
-/// Takes profiles and centres of mass.
+/// Measures and writes profiles and centres of mass.
 pub struct ProfilesPlugin<V: Space>(Parcel<(Profiles<V>, Centres)>);
 
 impl<V: Space> ProfilesPlugin<V> {
-    /// Creates the files. `profiles` come with the section (m^2 or m) of each; `species` is the largest in the scene.
+    /// Creates the files with their headers.
+    ///
+    /// `profiles` has each profile with the cross-section of the sampled region (m^2, or m in the plane). `species` is
+    /// the largest species of the scene.
     ///
     /// # Errors
-    /// If they cannot be written.
+    /// If a file cannot be written.
     pub fn create(
         profiles: &[(Profile, f64)],
         species: u8,
@@ -172,7 +182,7 @@ impl<V: Space> ProfilesPlugin<V> {
                 number,
                 species,
                 sampler: sampler.clone(),
-                looks: 0,
+                samples_taken: 0,
                 from: 0.0,
                 to: 0.0,
             })

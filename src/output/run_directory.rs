@@ -1,9 +1,11 @@
-//! The run directory: everything that a run leaves behind, and everything that is needed to repeat it.
+//! The run directory: all output of a run, and all input that is needed to repeat it.
 //!
-//! `scene.ron` (as resolved, with `--set` applied) and copies of the files that it names, `series.csv`, `walls.csv`,
-//! `profiles.csv`, `centres.csv` and `flow.csv` where there is something to write, `frames/`, `state.csv` and
-//! `summary.json`. A directory that holds an earlier run is cleared of it first; one that holds anything else is refused.
-//! Copies have names of their own, `input-...`, which no result has.
+//! * Input: `scene.ron`, with `--set` applied, and copies of the files that it names. The names of copies begin with
+//!   `input-`, so that they cannot collide with results.
+//! * Output: `series.csv`, `frames/`, `state.csv` and `summary.json`, and where the scene measures them `walls.csv`,
+//!   `profiles.csv`, `centres.csv` and `flow.csv`.
+//!
+//! Files of an earlier run in the directory are removed first. A directory with any other content is refused.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -29,22 +31,23 @@ const FLOW: &str = "flow.csv";
 const OWN_FILES: [&str; 10] =
     [SCENE, SERIES, WALLS, PROFILES, CENTRES, FLOW, "state.csv", "summary.json", "input-silo.dat", "input-grains.csv"];
 
-/// The name of the copy of the file that a key of the scene names.
+/// Returns the name of the copy of the input file that the scene key `key` names.
 fn copy_name(key: &str) -> &'static str {
     if key == "silo.file" { "input-silo.dat" } else { "input-grains.csv" }
 }
 
-/// Where the scene of a run directory is.
+/// Returns the path of the scene in a run directory.
 #[must_use]
 pub fn scene_of(run: &Path) -> PathBuf {
     run.join(SCENE)
 }
 
 impl RunDirectory {
-    /// Makes the directory ready for a run of a scene and writes `scene.ron` and the files that it names.
+    /// Creates or clears the directory for a run of a scene, and writes `scene.ron` and copies of the files that it
+    /// names.
     ///
     /// # Errors
-    /// If it holds something else than a run, or cannot be written.
+    /// If the directory is not empty and has no earlier run, or if it cannot be written.
     pub fn prepare(path: &Path, source: &Source) -> Result<Self, Fault> {
         let directory = Self(path.to_owned());
         let fault = |error: io::Error| {
@@ -64,23 +67,23 @@ impl RunDirectory {
             text = places::set(&text, key, &format!("{:?}", copy_name(key)))?;
         }
         fs::create_dir_all(directory.frames()).map_err(fault)?;
-        directory.renew(&source.files).map_err(fault)?;
+        directory.replace_earlier_run(&source.files).map_err(fault)?;
         fs::write(directory.0.join(SCENE), text).map_err(fault)?;
         Ok(directory)
     }
 
-    /// Exchanges what an earlier run left for copies of these files, which may be its own.
-    fn renew(&self, files: &[(&'static str, PathBuf)]) -> io::Result<()> {
-        let whole = |key: &str| self.0.join(copy_name(key));
-        let part = |key: &str| whole(key).with_extension("part");
+    /// Replaces the files of an earlier run with copies of `files`, which may belong to the earlier run.
+    fn replace_earlier_run(&self, files: &[(&'static str, PathBuf)]) -> io::Result<()> {
+        let complete = |key: &str| self.0.join(copy_name(key));
+        let part = |key: &str| complete(key).with_extension("part");
         for (key, from) in files {
             io::copy(&mut File::open(from)?, &mut File::create(part(key))?)?;
         }
         self.clear()?;
-        files.iter().try_for_each(|(key, _)| fs::rename(part(key), whole(key)))
+        files.iter().try_for_each(|(key, _)| fs::rename(part(key), complete(key)))
     }
 
-    /// Removes what an earlier run left.
+    /// Removes the files of an earlier run.
     fn clear(&self) -> io::Result<()> {
         let ignore_missing = |result: io::Result<()>| match result {
             Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
@@ -100,52 +103,52 @@ impl RunDirectory {
         Ok(())
     }
 
-    /// Where it is.
+    /// Returns the path of the directory.
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.0
     }
 
-    /// Where snapshots go.
+    /// Returns the path of the directory of pictures.
     #[must_use]
     pub fn frames(&self) -> PathBuf {
         self.0.join(FRAMES)
     }
 
-    /// Where the rows go.
+    /// Returns the path of `series.csv`.
     #[must_use]
     pub fn series(&self) -> PathBuf {
         self.0.join(SERIES)
     }
 
-    /// Where the forces on flat walls go.
+    /// Returns the path of `walls.csv`.
     #[must_use]
     pub fn walls(&self) -> PathBuf {
         self.0.join(WALLS)
     }
 
-    /// Where profiles go.
+    /// Returns the path of `profiles.csv`.
     #[must_use]
     pub fn profiles(&self) -> PathBuf {
         self.0.join(PROFILES)
     }
 
-    /// Where the centres of mass go.
+    /// Returns the path of `centres.csv`.
     #[must_use]
     pub fn centres(&self) -> PathBuf {
         self.0.join(CENTRES)
     }
 
-    /// Where the field of mean velocity goes.
+    /// Returns the path of `flow.csv`.
     #[must_use]
     pub fn flow(&self) -> PathBuf {
         self.0.join(FLOW)
     }
 
-    /// Writes the final state, as `write_state` puts it, and the summary.
+    /// Writes `state.csv` by calling `write_state`, and `summary.json`.
     ///
     /// # Errors
-    /// If they cannot be written.
+    /// If a file cannot be written.
     pub fn finish(
         &self,
         write_state: impl FnOnce(&mut dyn Write) -> io::Result<()>,
@@ -155,9 +158,9 @@ impl RunDirectory {
         write_state(&mut state)?;
         state.flush()?;
         let json = serde_json::to_string_pretty(summary).map_err(io::Error::other)?;
-        // Under its name only when it is whole.
-        let (half, whole) = (self.0.join("summary.json.part"), self.0.join("summary.json"));
-        fs::write(&half, json + "\n")?;
-        fs::rename(half, whole)
+        // The summary gets its final name only when it is complete.
+        let (part, complete) = (self.0.join("summary.json.part"), self.0.join("summary.json"));
+        fs::write(&part, json + "\n")?;
+        fs::rename(part, complete)
     }
 }

@@ -1,17 +1,19 @@
-//! `series.csv`: one row every `series.interval` seconds, and one at the end. Each row is flushed, so that a run that
-//! dies leaves all of them.
+//! `series.csv`: a row every `series.interval` seconds, and a row at the end of the run. Each row is flushed at once,
+//! so that it survives a crash of the run.
 //!
 //! | column | unit | meaning |
 //! |---|---|---|
 //! | `time_s` | s | simulated time |
-//! | `released`, `inside`, `out`, `lost`, `culled` | grains | the ledger |
-//! | `outflow_per_s` | 1/s | grains out since the row before, over the time since then |
-//! | `kinetic_j`, `rotational_j`, `potential_j`, `elastic_j` | J | energies now; potential is 0 at the origin |
-//! | `released_j`, `wall_work_j`, `lifted_j`, `added_work_j`, `dissipated_j`, `removed_j` | J | flows since the start, where books are kept |
-//! | `balance_error_j` | J | energies now less what the flows leave, where books are kept |
-//! | `largest_speed_m_per_s` | m/s | of all grains |
-//! | `largest_overlap_ratio` | | now, over the smaller radius of the pair |
-//! | `coordination` | | contacts a grain |
+//! | `released`, `inside`, `out`, `lost`, `culled` | grains | grain accounting |
+//! | `outflow_per_s` | 1/s | grains out since the previous row, divided by the time since then |
+//! | `kinetic_j`, `rotational_j`, `potential_j`, `elastic_j` | J | present energies; potential is 0 at the origin |
+//! | `released_j`, `wall_work_j`, `lifted_j`, `added_work_j`, `dissipated_j`, `removed_j` | J | [`EnergyFlows`] |
+//! | `balance_error_j` | J | present energy less the energy that the flows predict |
+//! | `largest_speed_m_per_s` | m/s | largest speed of a grain |
+//! | `largest_overlap_ratio` | | largest present overlap over the smaller radius of the pair |
+//! | `coordination` | | coordination number: contacts per grain |
+//!
+//! The columns of the flows and of the balance error exist only if the scene tracks the energy balance.
 
 use std::path::Path;
 
@@ -30,20 +32,21 @@ use crate::step::{Clock, Step};
 use crate::survey::SurveyParam;
 use crate::writers::rows::{Parcel, Rows};
 
-/// The names of all columns, and among them, or not, those of the books.
+/// Returns the header of the file; `tracks_energy` adds the columns of the energy balance.
 fn header(tracks_energy: bool) -> String {
-    let books = if tracks_energy { BOOKS } else { "" };
+    let balance = if tracks_energy { BALANCE_COLUMNS } else { "" };
     format!(
-        "time_s,released,inside,out,lost,culled,outflow_per_s,kinetic_j,rotational_j,potential_j,elastic_j{books},\
+        "time_s,released,inside,out,lost,culled,outflow_per_s,kinetic_j,rotational_j,potential_j,elastic_j{balance},\
          largest_speed_m_per_s,largest_overlap_ratio,coordination"
     )
 }
 
-const BOOKS: &str = ",released_j,wall_work_j,lifted_j,added_work_j,dissipated_j,removed_j,balance_error_j";
+const BALANCE_COLUMNS: &str = ",released_j,wall_work_j,lifted_j,added_work_j,dissipated_j,removed_j,balance_error_j";
 
 #[derive(Resource)]
 struct SeriesFile {
     rows: Rows,
+    /// Time (s) and number of grains out at the previous row.
     last: Option<(f64, u32)>,
 }
 
@@ -59,13 +62,13 @@ fn write_row<V: Space>(
         Some((before, out_before)) if time > before => f64::from(out - out_before) / (time - before),
         _ => 0.0,
     };
-    let books = flows.map_or_else(String::new, |flows| {
+    let balance = flows.map_or_else(String::new, |flows| {
         let EnergyFlows { released, wall_work, lifted, added_work, dissipated, removed } = *flows;
         let error = now.energy() - flows.expected();
         format!(",{released:e},{wall_work:e},{lifted:e},{added_work:e},{dissipated:e},{removed:e},{error:e}")
     });
     let row = format_args!(
-        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e}{books},{:e},{:e},{:.6}\n",
+        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e}{balance},{:e},{:e},{:.6}\n",
         ledger.released,
         ledger.inside(),
         ledger.lost(),
@@ -89,10 +92,10 @@ pub struct SeriesPlugin<V: Space> {
 }
 
 impl<V: Space> SeriesPlugin<V> {
-    /// Creates the file at `path` with its header; `tracks_energy` tells whether books of energy are kept.
+    /// Creates the file at `path` with its header. `tracks_energy` must be set if the scene tracks the energy balance.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the file cannot be written.
     pub fn create(config: Series, tracks_energy: bool, path: &Path) -> std::io::Result<Self> {
         let file = Parcel::new(SeriesFile { rows: Rows::create(path, &header(tracks_energy))?, last: None });
         Ok(Self { config, file, space: std::marker::PhantomData })

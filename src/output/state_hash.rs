@@ -1,9 +1,13 @@
-//! `state_hash`: one number for the state of a run, to compare runs to the last bit.
+//! `state_hash`: a hash of the state of a run, for bitwise comparison of runs.
 //!
-//! FNV-1a, 64 bits, over the grains (not the walls) in ascending order of id; for each, in this order, the id as 4
-//! bytes and then, as the 8 bytes of the double, x, y, v_x, v_y, radius and mass (in solid space x, y, z, v_x, v_y, v_z,
-//! radius, mass), and where grains spin the spin (one component in the plane, three in space), all little-endian.
-//! Positions and velocities are those of the last full step.
+//! The hash is 64-bit FNV-1a over the grains (not the walls) in ascending order of id. For each grain it covers the
+//! following values in this order, all little-endian:
+//!
+//! * the id, 4 bytes;
+//! * x, y, v_x, v_y, radius and mass (in solid space x, y, z, v_x, v_y, v_z, radius, mass), 8 bytes each;
+//! * the spin, if grains spin (one component in the plane, three in solid space), 8 bytes each.
+//!
+//! Positions and velocities are the values after the last full step.
 
 use std::convert::Infallible;
 
@@ -13,7 +17,7 @@ use crate::grains::grain_snapshot;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::writers::fnv::Fnv;
 
-/// The hash of a world's grains.
+/// Returns the hash of a world's grains.
 pub fn of_world(world: &mut World) -> u64 {
     match Dimension::of_world(world) {
         Dimension::Plane => of::<Plane>(world),

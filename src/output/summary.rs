@@ -1,7 +1,8 @@
-//! `summary.json`: what became of a run, as a contract for scripts.
+//! `summary.json`: the results of a run in a stable format for scripts.
 //!
-//! `format` is raised when a key changes its meaning or goes; keys may be added. Times are simulated seconds unless
-//! they say `wall`; energies are in J; `null` stands for what did not happen.
+//! `format` increases when a key changes its meaning or is removed; adding keys does not change it. Times are in
+//! simulated seconds unless the key says `wall`. Energies are in J. `null` marks an event that did not happen or a
+//! quantity that the scene does not measure.
 
 use bevy_ecs::prelude::*;
 use serde::Serialize;
@@ -28,115 +29,118 @@ use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
 use crate::writers::peak::peak_memory;
 
-/// The whole summary.
+/// Content of `summary.json`.
 #[derive(Debug, Serialize)]
 pub struct Summary {
-    /// [`SUMMARY_FORMAT`].
+    /// Version of the format, [`SUMMARY_FORMAT`].
     pub format: u32,
     /// Name of the scene.
     pub scene: String,
-    /// `empty`, `at_rest`, `time_reached`: done; `grains_lost`, `failed`: not.
+    /// `empty`, `at_rest` or `time_reached` if the run succeeded; `grains_lost` or `failed` if not.
     pub status: &'static str,
-    /// Why it failed.
+    /// Reason of a failure.
     pub failure: Option<String>,
-    /// Steps done.
+    /// Number of completed steps.
     pub steps: u64,
     /// Simulated time, s.
     pub time_s: f64,
-    /// The ledger.
+    /// Grain accounting.
     pub grains: Grains,
-    /// When the bed came to rest, s.
+    /// Time at which the bed came to rest, s.
     pub rest_time_s: Option<f64>,
-    /// When the door began to open, s.
+    /// Time at which the door began to open, s.
     pub door_open_time_s: Option<f64>,
-    /// When nobody was left inside, s.
+    /// Time at which the last grain left the inside, s.
     pub empty_time_s: Option<f64>,
     /// Largest overlap of the whole run, over the smaller radius of the pair.
     pub max_overlap_ratio: f64,
-    /// Mean number of contacts of a grain at the end, with grains and walls alike.
+    /// Coordination number at the end: mean number of contacts of a grain with grains and walls.
     pub coordination: f64,
     /// The bed at rest, if the scene measures it.
     pub bed: Option<BedFigures>,
-    /// The flow through the orifice.
+    /// Flow through the orifice.
     pub discharge: Option<Discharge>,
-    /// Releases that had to wait.
+    /// Delayed releases.
     pub releases: Option<ReleaseDelays>,
-    /// The energy balance, J.
+    /// Energy balance, J.
     pub energy: Energy,
-    /// What it cost.
+    /// Cost of the run.
     pub performance: Performance,
-    /// The state of the grains at the end, as 16 hexadecimal digits.
+    /// Hash of the final state of the grains, as 16 hexadecimal digits.
     pub state_hash: String,
-    /// Every lost grain.
+    /// Records of all lost grains.
     pub losses: Vec<LossRecord>,
 }
 
-/// The ledger: released = inside + out + lost.
+/// Grain accounting: released = inside + out + lost.
 #[derive(Debug, Serialize)]
 pub struct Grains {
-    /// Entered.
+    /// Grains that entered.
     pub released: u32,
-    /// Neither out nor lost.
+    /// Grains that are neither out nor lost.
     pub inside: u32,
-    /// Went through the orifice.
+    /// Grains that left through the orifice.
     pub out: u32,
-    /// Left in any other way.
+    /// Grains that left in any other way.
     pub lost: u32,
 }
 
-/// The energy balance, J: kinetic + rotational + potential + elastic = released + `wall_work` + lifted + `added_work` - dissipated - removed
-/// + `balance_error`.
+/// The energy balance, J.
+///
+/// kinetic + rotational + potential + elastic
+/// = released + `wall_work` + lifted + `added_work` - dissipated - removed + `balance_error`.
 #[derive(Debug, Serialize)]
 pub struct Energy {
-    /// Of translation, at the end.
+    /// Kinetic energy of translation at the end.
     pub kinetic: f64,
-    /// Of rotation, at the end.
+    /// Kinetic energy of rotation at the end.
     pub rotational: f64,
-    /// At the end; 0 at the origin.
+    /// Potential energy at the end; 0 at the origin.
     pub potential: f64,
-    /// At the end.
+    /// Elastic energy at the end.
     pub elastic: f64,
-    /// The flows of the whole run; none of these keys where no books are kept.
+    /// Energy flows of the whole run. Their keys are absent if the scene does not track the energy balance.
     #[serde(flatten)]
     pub flows: Option<EnergyFlows>,
-    /// What of `dissipated` went by friction and by rolling resistance, where grains spin.
+    /// Parts of `dissipated` due to friction and rolling resistance, if grains spin.
     pub channels: Option<Channels>,
-    /// The difference of the two sides, where books are kept.
+    /// Difference of the two sides, if the scene tracks the energy balance.
     pub balance_error: Option<f64>,
 }
 
-/// What a run cost.
+/// Cost of a run.
 #[derive(Debug, Serialize)]
 pub struct Performance {
     /// Wall-clock time of the steps, s.
     pub wall_s: f64,
-    /// Sum over the steps of the movable grains in the world.
+    /// Sum over all steps of the number of movable grains.
     pub particle_steps: u64,
-    /// Their quotient.
+    /// `particle_steps` over `wall_s`, 1/s.
     pub particle_steps_per_s: f64,
-    /// The largest resident set of the program up to the end of the last step, set-up included, bytes; `null` where the system
-    /// does not tell.
+    /// Largest resident set of the program up to the end of the last step, bytes.
+    ///
+    /// It includes set-up and is `null` if the operating system does not report it.
     pub peak_memory_bytes: Option<u64>,
-    /// How often cells were filled or the list was renewed.
+    /// Number of times that the cell grid was filled or the neighbour list was rebuilt.
     pub neighbour_rebuilds: u64,
-    /// Threads of the force pass.
+    /// Number of threads of the force pass.
     pub threads: usize,
-    /// The scheme.
+    /// Integration scheme.
     pub integrator: Integrator,
-    /// The law.
+    /// Contact law.
     pub contact_law: Contact,
 }
 
-/// What the runner has counted and timed.
+/// Counts and times that the caller of the simulation measures.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Cost {
     /// Wall-clock time of the steps, s.
     pub wall_s: f64,
-    /// Sum over the steps of the movable grains in the world.
+    /// Sum over all steps of the number of movable grains.
     pub particle_steps: u64,
 }
 
-/// Movable grains of a world, for [`Cost::particle_steps`].
+/// Returns the number of movable grains of a world, for [`Cost::particle_steps`].
 #[must_use]
 pub fn movable_grains(world: &World) -> usize {
     match Dimension::of_world(world) {
@@ -146,7 +150,7 @@ pub fn movable_grains(world: &World) -> usize {
 }
 
 impl Summary {
-    /// The summary of a run that came to `end`.
+    /// Returns the summary of a run that ended with `end`.
     pub fn of(world: &mut World, loaded: &Loaded, end: &End, cost: Cost) -> Self {
         let totals = totals::of_world(world);
         let state_hash = format!("{:016x}", state_hash::of_world(world));
@@ -158,7 +162,7 @@ impl Summary {
             _ => None,
         };
         let status = if ledger.lost() > 0 && failure.is_none() { "grains_lost" } else { end.word() };
-        #[expect(clippy::cast_precision_loss, reason = "a figure for people")]
+        #[expect(clippy::cast_precision_loss, reason = "a rounded result suffices")]
         let speed = cost.particle_steps as f64 / cost.wall_s.max(f64::MIN_POSITIVE);
         Self {
             format: SUMMARY_FORMAT,
@@ -205,7 +209,7 @@ impl Summary {
         }
     }
 
-    /// Whether the run did what it was asked to.
+    /// Returns whether the run succeeded: it did not fail and lost no grain.
     #[must_use]
     pub fn is_done(&self) -> bool {
         self.failure.is_none() && self.grains.lost == 0

@@ -1,12 +1,12 @@
-//! `walls.csv`: the force of the grains on each flat wall, a row for each wall every `series.interval` seconds.
+//! `walls.csv`: the force of the grains on each flat wall, one row per wall every `series.interval` seconds.
 //!
 //! | column | unit | meaning |
 //! |---|---|---|
 //! | `time_s` | s | simulated time |
-//! | `wall` | | its number among the scene's `walls`, from 1, discs not counted |
-//! | `fx_n`, `fy_n`, `fz_n` | N | force *on the wall*: a floor under gravity has one that points down; z in solid space only |
+//! | `wall` | | number of the wall among the scene's `walls`, from 1, not counting discs |
+//! | `fx_n`, `fy_n`, `fz_n` | N | force *on the wall*: on a floor under gravity it points down; z in solid space only |
 //!
-//! The force is that of the step, not an average over the interval.
+//! The force is the instantaneous force of the step, not an average over the interval.
 
 use std::path::Path;
 
@@ -36,14 +36,14 @@ fn write_rows<V: Space>(
     }
 }
 
-/// Writes `walls.csv`, with the rows of [`SeriesPlugin`](crate::output::series::SeriesPlugin).
+/// Writes `walls.csv`, at the times of the rows of [`SeriesPlugin`](crate::output::series::SeriesPlugin).
 pub struct WallForcesPlugin<V: Space>(Parcel<WallsFile>, std::marker::PhantomData<V>);
 
 impl<V: Space> WallForcesPlugin<V> {
     /// Creates the file at `path` with its header.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the file cannot be written.
     pub fn create(path: &Path) -> std::io::Result<Self> {
         let is_solid = V::DIMENSION == Dimension::Solid;
         let header = if is_solid { "time_s,wall,fx_n,fy_n,fz_n" } else { "time_s,wall,fx_n,fy_n" };

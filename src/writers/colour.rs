@@ -1,18 +1,18 @@
-//! Colours: categories for species, and viridis, a perceptually uniform map, for numbers.
+//! Colours: categories for species, and the perceptually uniform map viridis for numbers.
 
-/// Red, green, blue.
+/// A colour as red, green and blue, each from 0 to 255.
 pub type Rgb = [u8; 3];
 
-/// Fixed wall grains.
+/// Colour of walls and wall grains.
 pub const WALL: Rgb = [0xd0, 0x2b, 0x2b];
-/// Door grains.
+/// Colour of door grains.
 pub const DOOR: Rgb = [0x1f, 0x9d, 0x3a];
 
-/// Species, in order; they differ for colour-blind readers too (Okabe and Ito, without red and green).
+/// Colours of species, distinguishable with colour blindness (Okabe and Ito, without red and green).
 const SPECIES: [Rgb; 5] =
     [[0x00, 0x72, 0xb2], [0xe6, 0x9f, 0x00], [0xcc, 0x79, 0xa7], [0x56, 0xb4, 0xe9], [0xf0, 0xe4, 0x42]];
 
-/// The colour of a species; they repeat after five.
+/// Returns the colour of a species. Colours repeat after five species.
 #[must_use]
 pub fn species(number: u8) -> Rgb {
     SPECIES[usize::from(number) % SPECIES.len()]
@@ -33,7 +33,7 @@ const VIRIDIS: [Rgb; 11] = [
     [253, 231, 37],
 ];
 
-/// The colour of a share from 0 to 1; outside it is that of the nearer end, and so is anything undefined.
+/// Returns the viridis colour of a number from 0 to 1. Other numbers are clamped; NaN counts as 0.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to the table and to bytes")]
 pub fn viridis(share: f64) -> Rgb {
@@ -46,7 +46,7 @@ pub fn viridis(share: f64) -> Rgb {
     })
 }
 
-/// The grey of a share from 0, white, to 1, black; outside it is that of the nearer end, and so is anything undefined.
+/// Returns the grey of a number from 0 (white) to 1 (black). Other numbers are clamped; NaN counts as 0.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a byte")]
 pub fn grey(share: f64) -> Rgb {
@@ -54,7 +54,7 @@ pub fn grey(share: f64) -> Rgb {
     [(255.0 * (1.0 - share)).round() as u8; 3]
 }
 
-/// As SVG writes it.
+/// Returns a colour in the notation of SVG, `#rrggbb`.
 #[must_use]
 pub fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_map_meets_its_stops_and_its_ends() {
+    fn map_passes_through_its_table_and_is_clamped() {
         assert_eq!(viridis(0.0), VIRIDIS[0]);
         assert_eq!(viridis(0.5), VIRIDIS[5]);
         assert_eq!(viridis(7.0), VIRIDIS[10]);

@@ -1,8 +1,9 @@
-//! The pictures of a run, drawn and written by a thread of their own, in turn: steps do not wait for them.
+//! The frame writer: draws and writes the pictures of a run in order, on a separate drawing thread.
 //!
-//! What is handed over is a [`Picture`], a copy of what is seen; as text and pixels it takes longer than some steps. At
-//! most [`WAITING`] wait for the painter, then the run waits for him, so that memory stays bounded. A picture that could
-//! not be written is told with one of the next, or at the end of the run, which waits for the last one.
+//! The run sends each [`Picture`], a copy of the drawn shapes, to the drawing thread and continues. Drawing and
+//! encoding a picture takes longer than some steps. The queue holds at most [`WAITING`] pictures, so that memory is
+//! bounded; if it is full, the run blocks. An error of the drawing thread is reported when a later picture is added, or
+//! at the end of the run, which blocks until all pictures are written.
 
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
@@ -14,85 +15,91 @@ use crate::outcome::{Failure, Outcome};
 use crate::writers::png;
 use crate::writers::svg::Picture;
 
-/// How many pictures may wait.
+/// Largest number of queued pictures.
 pub const WAITING: usize = 4;
 
-/// Pictures by number, in a directory.
+/// Writes numbered pictures into a directory.
 #[derive(Resource, Debug)]
 pub struct FrameWriter {
     directory: PathBuf,
     png: bool,
-    taken: u32,
-    painter: Option<Painter>,
+    /// Number of pictures so far.
+    count: u32,
+    /// The drawing thread; it starts with the first picture.
+    drawing_thread: Option<DrawingThread>,
 }
 
-/// The thread, and the way to it.
+/// The drawing thread and its queue.
 #[derive(Debug)]
-struct Painter {
-    pictures: SyncSender<(PathBuf, Picture)>,
+struct DrawingThread {
+    queue: SyncSender<(PathBuf, Picture)>,
     thread: JoinHandle<Result<(), Failure>>,
 }
 
 impl FrameWriter {
-    /// An empty album, of PNGs too if wanted.
+    /// Returns a frame writer for `directory` that has written no picture; with `png` it also writes PNGs.
     #[must_use]
     pub fn new(directory: PathBuf, png: bool) -> Self {
-        Self { directory, png, taken: 0, painter: None }
+        Self { directory, png, count: 0, drawing_thread: None }
     }
 
-    /// Adds a picture, the last one if the run has come to its end; what could not be written ends the run.
+    /// Queues a picture. If the run has ended, this is the last picture and the call blocks until all are written.
+    ///
+    /// A picture that cannot be written makes the run fail.
     pub fn add(&mut self, picture: Picture, outcome: &mut Outcome) {
-        let added = self.hand_over(picture);
+        let added = self.send(picture);
         let result = if outcome.end().is_some() { added.and_then(|()| self.close()) } else { added };
         if let Err(failure) = result {
             outcome.fail(failure);
         }
     }
 
-    fn hand_over(&mut self, picture: Picture) -> Result<(), Failure> {
-        let path = self.directory.join(format!("{:05}.svg", self.taken));
-        self.taken += 1;
-        let painter = match self.painter.take() {
-            Some(painter) => painter,
-            None => Painter::start(self.png).map_err(|error| failed(&path, &error))?,
+    fn send(&mut self, picture: Picture) -> Result<(), Failure> {
+        let path = self.directory.join(format!("{:05}.svg", self.count));
+        self.count += 1;
+        let drawing_thread = match self.drawing_thread.take() {
+            Some(drawing_thread) => drawing_thread,
+            None => DrawingThread::start(self.png).map_err(|error| failed(&path, &error))?,
         };
-        // A painter who does not listen any more has failed.
-        let is_taken = painter.pictures.send((path, picture)).is_ok();
-        self.painter = Some(painter);
-        if is_taken { Ok(()) } else { self.close() }
+        // Sending fails only if the drawing thread has ended with an error, which `close` returns.
+        let is_sent = drawing_thread.queue.send((path, picture)).is_ok();
+        self.drawing_thread = Some(drawing_thread);
+        if is_sent { Ok(()) } else { self.close() }
     }
 
-    /// Waits until all is written.
+    /// Blocks until all pictures are written.
     ///
     /// # Errors
-    /// If one could not be.
+    /// If a picture could not be written.
     pub fn close(&mut self) -> Result<(), Failure> {
-        let Some(Painter { pictures, thread }) = self.painter.take() else { return Ok(()) };
-        drop(pictures);
+        let Some(DrawingThread { queue, thread }) = self.drawing_thread.take() else { return Ok(()) };
+        drop(queue);
         thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic))
     }
 }
 
 impl Drop for FrameWriter {
-    /// A run that has failed elsewhere has said so.
+    /// Blocks until all pictures are written. An error is ignored, because a run that drops the writer early has
+    /// already reported its failure.
     fn drop(&mut self) {
-        if let Some(Painter { pictures, thread }) = self.painter.take() {
-            drop(pictures);
+        if let Some(DrawingThread { queue, thread }) = self.drawing_thread.take() {
+            drop(queue);
             let _ = thread.join();
         }
     }
 }
 
-impl Painter {
+impl DrawingThread {
     fn start(png: bool) -> std::io::Result<Self> {
-        let (pictures, easel) = sync_channel(WAITING);
-        let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(move || paint(&easel, png))?;
-        Ok(Self { pictures, thread })
+        let (queue, pictures) = sync_channel(WAITING);
+        let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(move || draw_all(&pictures, png))?;
+        Ok(Self { queue, thread })
     }
 }
 
-fn paint(easel: &Receiver<(PathBuf, Picture)>, png: bool) -> Result<(), Failure> {
-    easel.iter().try_for_each(|(path, picture)| {
+/// Draws and writes pictures until the queue is closed.
+fn draw_all(pictures: &Receiver<(PathBuf, Picture)>, png: bool) -> Result<(), Failure> {
+    pictures.iter().try_for_each(|(path, picture)| {
         let svg = picture.to_svg();
         std::fs::write(&path, &svg).map_err(|error| failed(&path, &error))?;
         if png {
@@ -119,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_are_numbered_and_there_when_the_album_is_closed() {
+    fn pictures_are_numbered_and_complete_after_close() {
         let directory = tempfile::tempdir().unwrap();
         let (mut frame_writer, mut outcome) = (FrameWriter::new(directory.path().to_owned(), true), Outcome::default());
         (0..10).for_each(|_| frame_writer.add(picture(), &mut outcome));
@@ -130,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_written_ends_the_run() {
+    fn failed_write_ends_the_run() {
         let nowhere = tempfile::tempdir().unwrap().path().join("nowhere");
         let (mut frame_writer, mut outcome) = (FrameWriter::new(nowhere.clone(), false), Outcome::default());
         frame_writer.add(picture(), &mut outcome);

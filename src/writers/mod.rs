@@ -1,5 +1,5 @@
-//! Files of any content: rows of CSV that survive the death of a run, drawings as SVG and PNG, plots, and a thread that
-//! writes pictures while a run goes on. Nothing here knows a grain or a lattice.
+//! Writers for files of any content: CSV rows that survive a crash of the run, SVG and PNG drawings, plots, and a
+//! thread that writes pictures during a run. This module contains no physics.
 
 pub mod colour;
 pub mod fnv;
@@ -10,5 +10,5 @@ pub mod png;
 pub mod rows;
 pub mod svg;
 
-/// The version of the contract that `summary.json` keeps.
+/// Version of the format of `summary.json`.
 pub const SUMMARY_FORMAT: u32 = 1;

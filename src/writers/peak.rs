@@ -1,12 +1,13 @@
-//! The most memory that a run has held.
+//! Peak memory of the process.
 
-/// The largest resident set of this process so far, bytes: `VmHWM` of Linux; nothing where the system does not tell.
+/// Returns the largest resident set of this process so far, bytes (`VmHWM` of Linux); `None` on other systems.
 #[must_use]
 pub fn peak_memory() -> Option<u64> {
-    of_status(&std::fs::read_to_string("/proc/self/status").ok()?)
+    parse_status(&std::fs::read_to_string("/proc/self/status").ok()?)
 }
 
-fn of_status(status: &str) -> Option<u64> {
+/// Returns the peak in bytes from the text of `/proc/self/status`.
+fn parse_status(status: &str) -> Option<u64> {
     let value = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
     let kilobytes: u64 = value.trim().strip_suffix("kB")?.trim_end().parse().ok()?;
     Some(1024 * kilobytes)
@@ -17,9 +18,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_high_water_mark_is_read_and_nothing_else() {
-        assert_eq!(of_status("VmPeak:\t  999 kB\nVmHWM:\t  1234 kB\nVmRSS:\t 1 kB\n"), Some(1_263_616));
-        assert_eq!(of_status("VmPeak:\t  999 kB\n"), None);
-        assert_eq!(of_status("VmHWM:\t  much\n"), None);
+    fn only_the_peak_of_the_resident_set_is_read() {
+        assert_eq!(parse_status("VmPeak:\t  999 kB\nVmHWM:\t  1234 kB\nVmRSS:\t 1 kB\n"), Some(1_263_616));
+        assert_eq!(parse_status("VmPeak:\t  999 kB\n"), None);
+        assert_eq!(parse_status("VmHWM:\t  much\n"), None);
     }
 }

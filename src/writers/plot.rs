@@ -1,24 +1,24 @@
-//! Just enough of a plot: panels of two axes, linear or logarithmic, with lines, dots and their names; as SVG.
+//! Minimal plots as SVG: panels with two linear or logarithmic axes, curves as lines or dots, and a legend.
 
 use std::fmt::Write as _;
 
-/// One axis.
+/// An axis of a panel.
 #[derive(Clone, Debug)]
 pub struct Axis {
     /// Quantity and unit.
     pub label: &'static str,
-    /// The value at its lower or left end.
+    /// Value at the lower or left end.
     pub from: f64,
-    /// The value at its other end.
+    /// Value at the upper or right end.
     pub to: f64,
-    /// Whether equal ratios are equally long; then both ends are positive.
+    /// Whether the axis is logarithmic. Both ends must be positive then.
     pub is_log: bool,
-    /// Where numbers stand.
+    /// Values of the ticks.
     pub ticks: Vec<f64>,
 }
 
 impl Axis {
-    /// A linear axis with about five ticks at whole multiples of 1, 2 or 5 times a power of ten.
+    /// Returns a linear axis with about five ticks, at whole multiples of 1, 2 or 5 times a power of ten.
     #[must_use]
     pub fn linear(label: &'static str, from: f64, to: f64) -> Self {
         let rough = ((to - from) / 5.0).max(f64::MIN_POSITIVE);
@@ -29,7 +29,10 @@ impl Axis {
         Self { label, from, to, is_log: false, ticks: ticks.collect() }
     }
 
-    /// A logarithmic axis around positive `values`, with ticks at powers of ten, and at 2 and 5 times them if that leaves few.
+    /// Returns a logarithmic axis around the positive finite numbers of `values`.
+    ///
+    /// It extends a factor 2 beyond them and has ticks at powers of ten. An axis of less than three decades also has
+    /// ticks at 2 and 5 times powers of ten.
     #[must_use]
     pub fn logarithmic(label: &'static str, values: impl IntoIterator<Item = f64>) -> Self {
         let (low, high) = values
@@ -44,7 +47,8 @@ impl Axis {
         Self { label, from, to, is_log: true, ticks: ticks.filter(|&tick| (from..=to).contains(&tick)).collect() }
     }
 
-    fn share(&self, value: f64) -> f64 {
+    /// Returns the position of `value` along the axis, 0 at its lower end and 1 at its upper end.
+    fn fraction(&self, value: f64) -> f64 {
         if self.is_log {
             (value / self.from).ln() / (self.to / self.from).ln()
         } else {
@@ -53,41 +57,45 @@ impl Axis {
     }
 }
 
-/// One curve.
+/// A curve of a panel.
 #[derive(Clone, Debug)]
 pub struct Curve {
-    /// Its name in the legend.
+    /// Name in the legend.
     pub name: String,
-    /// As SVG writes it.
+    /// Colour in the notation of SVG.
     pub colour: &'static str,
-    /// Its points, in the units of the axes.
+    /// Points in the units of the axes.
     pub points: Vec<(f64, f64)>,
-    /// Whether a line joins them.
+    /// Whether a line joins the points.
     pub has_line: bool,
-    /// Whether each is a dot.
+    /// Whether each point is a dot.
     pub has_dots: bool,
 }
 
-/// The colour of curve `number`, black first; they differ for colour-blind readers too (Okabe and Ito) and repeat after seven.
+/// Returns the colour of curve `number`; the first is black.
+///
+/// Colours are distinguishable with colour blindness (Okabe and Ito) and repeat after seven curves.
 #[must_use]
 pub fn colour(number: usize) -> &'static str {
     const COLOURS: [&str; 7] = ["#222222", "#0072b2", "#d55e00", "#009e73", "#e69f00", "#cc79a7", "#56b4e9"];
     COLOURS[number % COLOURS.len()]
 }
 
+/// Width and height of a panel, px.
 const SIZE: (f64, f64) = (520.0, 400.0);
+/// Margins of a panel (left, top, right, bottom), px.
 const MARGIN: (f64, f64, f64, f64) = (72.0, 44.0, 16.0, 56.0);
 
 fn text(svg: &mut String, x: f64, y: f64, anchor: &str, turn: &str, words: &str) {
     let words = words.replace('&', "&amp;").replace('<', "&lt;");
-    // Writing to a string cannot fail, here and below.
+    // Writing to a string cannot fail; the same holds below.
     let _ = writeln!(
         svg,
         r##"<text x="{x:.1}" y="{y:.1}" font-size="13" font-family="sans-serif" text-anchor="{anchor}" fill="#222222"{turn}>{words}</text>"##
     );
 }
 
-/// A tick's number without the noise of binary fractions.
+/// Returns the label of a tick, without digits that come from binary rounding.
 fn number(value: f64, is_log: bool) -> String {
     if is_log && !(0.01..1e4).contains(&value) {
         format!("{value:.0e}")
@@ -96,7 +104,7 @@ fn number(value: f64, is_log: bool) -> String {
     }
 }
 
-/// One panel, `left` px from the left edge, with the names of its curves from `key` px down.
+/// Draws a panel whose left edge is at `left` px. The first line of the legend is at `key` px from the top.
 fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &[Curve], key: f64) {
     let (margin, top, margin_right, bottom) = MARGIN;
     let (width, height) = (SIZE.0 - margin - margin_right, SIZE.1 - top - bottom);
@@ -126,7 +134,7 @@ fn panel(svg: &mut String, left: f64, title: &str, x: &Axis, y: &Axis, curves: &
     }
 }
 
-/// A curve through places on paper, and its name beside `key`.
+/// Draws a curve through `points` (px), and its legend line at `key` (px).
 fn draw(svg: &mut String, curve: &Curve, points: &[(f64, f64)], key: (f64, f64)) {
     let (colour, (key_x, key_y)) = (curve.colour, key);
     if curve.has_line {
@@ -146,33 +154,33 @@ fn draw(svg: &mut String, curve: &Curve, points: &[(f64, f64)], key: (f64, f64))
 /// One panel of a sheet.
 #[derive(Clone, Debug)]
 pub struct Panel<'a> {
-    /// Above it.
+    /// Title above the panel.
     pub title: &'a str,
-    /// Across.
+    /// Horizontal axis.
     pub x: Axis,
-    /// Up.
+    /// Vertical axis.
     pub y: Axis,
-    /// What is drawn.
+    /// Curves.
     pub curves: Vec<Curve>,
-    /// Points that get a ring around them.
+    /// Points with a ring, in the units of the axes.
     pub rings: Vec<(f64, f64)>,
 }
 
-/// A figure of panels in rows of `per_row`, at least one.
+/// Returns an SVG figure of panels in rows of `per_row` (at least one).
 #[must_use]
 pub fn sheet(panels: &[Panel], per_row: usize) -> String {
     let per_row = per_row.max(1);
-    let share = |count: usize| f64::from(u16::try_from(count).unwrap_or(u16::MAX));
-    let (width, height) = (SIZE.0 * share(per_row.min(panels.len())), SIZE.1 * share(panels.len().div_ceil(per_row)));
+    let real = |count: usize| f64::from(u16::try_from(count).unwrap_or(u16::MAX));
+    let (width, height) = (SIZE.0 * real(per_row.min(panels.len())), SIZE.1 * real(panels.len().div_ceil(per_row)));
     let mut svg = format!(
         r##"<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}"><rect width="{width}" height="{height}" fill="#ffffff"/>
 "##
     );
     for (number, at) in panels.iter().enumerate() {
-        let (left, down) = (SIZE.0 * share(number % per_row), SIZE.1 * share(number / per_row));
+        let (left, down) = (SIZE.0 * real(number % per_row), SIZE.1 * real(number / per_row));
         let _ = writeln!(svg, r#"<g transform="translate(0 {down})">"#);
-        // A falling curve leaves the lower left free.
-        let rows = share(at.curves.len());
+        // The legend is at the lower left, which falling curves leave free.
+        let rows = real(at.curves.len());
         panel(&mut svg, left, at.title, &at.x, &at.y, &at.curves, SIZE.1 - MARGIN.3 - 18.0 * rows);
         for &(px, py) in &at.rings {
             let (px, py) = place(left, &at.x, &at.y, px, py);
@@ -183,14 +191,14 @@ pub fn sheet(panels: &[Panel], per_row: usize) -> String {
     svg + "</svg>\n"
 }
 
-/// Where a point lies in a panel that begins `left` px from the left edge.
+/// Returns the position (px) of the point (`px`, `py`) in a panel whose left edge is at `left` px.
 fn place(left: f64, x: &Axis, y: &Axis, px: f64, py: f64) -> (f64, f64) {
     let (margin, top, margin_right, bottom) = MARGIN;
     let (width, height) = (SIZE.0 - margin - margin_right, SIZE.1 - top - bottom);
-    (left + margin + x.share(px) * width, top + (1.0 - y.share(py)) * height)
+    (left + margin + x.fraction(px) * width, top + (1.0 - y.fraction(py)) * height)
 }
 
-/// A figure of panels side by side: (title, x, y, curves).
+/// Returns an SVG figure of panels side by side, each given as (title, x axis, y axis, curves).
 #[must_use]
 pub fn figure(panels: &[(&str, Axis, Axis, Vec<Curve>)]) -> String {
     let width = SIZE.0 * f64::from(u8::try_from(panels.len()).unwrap_or(1));
@@ -212,7 +220,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn axes_choose_round_ticks_within_their_ends() {
+    fn ticks_are_round_and_within_the_axis() {
         let ticks = |axis: &Axis| axis.ticks.iter().map(|&tick| number(tick, axis.is_log)).collect::<Vec<_>>();
         assert_eq!(ticks(&Axis::linear("", 0.0, 1.0)), ["0", "0.2", "0.4", "0.6", "0.8", "1"]);
         assert_eq!(ticks(&Axis::linear("", 0.0, 2.37)), ["0", "0.5", "1", "1.5", "2"]);
@@ -222,7 +230,7 @@ mod tests {
     }
 
     #[test]
-    fn points_lie_where_the_axes_say_and_names_are_escaped() {
+    fn points_are_placed_by_the_axes_and_names_are_escaped() {
         let curve = Curve {
             name: "a < b & c".to_owned(),
             colour: colour(0),
@@ -232,7 +240,7 @@ mod tests {
         };
         let y = Axis { label: "y", from: 1.0, to: 100.0, is_log: true, ticks: vec![] };
         let svg = figure(&[("", Axis::linear("x", 0.0, 1.0), y, vec![curve])]);
-        // The panel goes from 72 to 504 px and from 44 to 344 px: its middle.
+        // The panel extends from 72 to 504 px and from 44 to 344 px; the point is in its middle.
         assert!(svg.contains(r#"<circle cx="288.0" cy="194.0""#) && svg.contains("a &lt; b &amp; c"), "{svg}");
     }
 
@@ -241,7 +249,7 @@ mod tests {
         let axis = || Axis { label: "", from: 1.0, to: 100.0, is_log: true, ticks: vec![] };
         let panel = || Panel { title: "", x: axis(), y: axis(), curves: vec![], rings: vec![(10.0, 10.0)] };
         let svg = sheet(&[panel(), panel(), panel()], 2);
-        // Two panels wide and two high; the third is below the first, its ring in the middle of it.
+        // The sheet has two by two panels. The third is below the first and has a ring in its middle.
         assert!(svg.contains(r#"viewBox="0 0 1040 800""#), "{svg}");
         let third = svg.split_once("translate(0 400)").unwrap().1;
         assert!(third.contains(r#"<circle cx="288.0" cy="194.0" r="6.4" fill="none""#), "{svg}");

@@ -1,4 +1,4 @@
-//! SVG to PNG, with the font brought along: labels come out on a machine that has none.
+//! Conversion of SVG to PNG. The font is part of the program, so labels do not depend on fonts of the machine.
 
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, OnceLock};
@@ -22,7 +22,7 @@ fn options() -> &'static Options<'static> {
     })
 }
 
-/// The PNG of an SVG document, at the size it states.
+/// Returns an SVG document as PNG, with the width and height of the document.
 ///
 /// # Errors
 /// If it is not a valid SVG document, or too large to draw.
@@ -34,7 +34,7 @@ pub fn encode(svg: &str) -> Result<Vec<u8>, String> {
     compressed(pixels).map_err(|error| error.to_string())
 }
 
-/// The fast way: a few colours on white pack well enough.
+/// Encodes pixels as PNG with fast compression, which is sufficient for a few colours on white.
 fn compressed(pixels: Pixmap) -> Result<Vec<u8>, EncodingError> {
     let mut bytes = Vec::new();
     let mut encoder = Encoder::new(&mut bytes, pixels.width(), pixels.height());
@@ -55,18 +55,18 @@ fn compressed(pixels: Pixmap) -> Result<Vec<u8>, EncodingError> {
 /// # Errors
 /// If the file cannot be read, is not SVG, or the PNG cannot be written.
 pub fn render_file(path: &Path) -> Result<PathBuf, Fault> {
-    let shown = path.display();
+    let path_text = path.display();
     let svg = std::fs::read_to_string(path).map_err(|error| {
-        Fault::new("render::read", format!("could not read {shown}: {error}"))
+        Fault::new("render::read", format!("could not read {path_text}: {error}"))
             .help("give SVG files, or run directories")
     })?;
     let png = encode(&svg).map_err(|error| {
-        Fault::new("render::svg", format!("could not draw {shown}: {error}")).help("is it an SVG document?")
+        Fault::new("render::svg", format!("could not draw {path_text}: {error}")).help("is it an SVG document?")
     })?;
     let target = path.with_extension("png");
     std::fs::write(&target, png).map_err(|error| {
         Fault::new("render::write", format!("could not write {}: {error}", target.display()))
-            .help("is there space, and may you write there?")
+            .help("check free disk space and write permission")
     })?;
     Ok(target)
 }
@@ -82,14 +82,14 @@ mod tests {
     }
 
     #[test]
-    fn labels_come_out_without_fonts_of_the_machine() {
+    fn labels_are_drawn_without_fonts_of_the_machine() {
         let label = r#"<text x="2" y="15" font-size="14" font-family="sans-serif">t = 1.0 s</text>"#;
         assert!(dark_pixels(label) > 50, "{}", dark_pixels(label));
         assert_eq!(dark_pixels(""), 0);
     }
 
     #[test]
-    fn what_is_not_svg_is_an_error() {
+    fn invalid_svg_is_an_error() {
         assert!(encode("hello").is_err());
     }
 }

@@ -1,4 +1,4 @@
-//! A CSV file that grows by rows, each flushed, so that a run that dies leaves all of them.
+//! A CSV file that grows by rows. Every row is flushed at once, so that it survives a crash of the run.
 
 use std::fmt;
 use std::fs::File;
@@ -9,7 +9,7 @@ use std::sync::Mutex;
 use crate::outcome::{Failure, Outcome};
 use crate::space::Space;
 
-/// The file.
+/// An open CSV file.
 #[derive(Debug)]
 pub struct Rows {
     path: PathBuf,
@@ -20,7 +20,7 @@ impl Rows {
     /// Creates the file at `path` with its header.
     ///
     /// # Errors
-    /// If it cannot be written.
+    /// If the file cannot be written.
     pub fn create(path: &Path, header: &str) -> std::io::Result<Self> {
         let mut rows = Self { path: path.to_owned(), file: BufWriter::new(File::create(path)?) };
         writeln!(rows.file, "{header}")?;
@@ -28,7 +28,7 @@ impl Rows {
         Ok(rows)
     }
 
-    /// Adds rows, each with its line break; what goes wrong ends the run.
+    /// Adds rows, each with its line break. A write error makes the run fail.
     pub fn append(&mut self, rows: fmt::Arguments<'_>, outcome: &mut Outcome) {
         if let Err(error) = self.file.write_fmt(rows).and_then(|()| self.file.flush()) {
             outcome.fail(Failure::Output { path: self.path.display().to_string(), reason: error.to_string() });
@@ -36,12 +36,12 @@ impl Rows {
     }
 }
 
-/// The components of a vector as cells of a row.
+/// Returns the components of a vector as comma-separated cells of a row.
 pub(crate) fn numbers<V: Space>(v: V) -> String {
     v.components().iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",")
 }
 
-/// A file on its way into the world: a plugin is built by reference, and gives away what it brings.
+/// A value that a plugin moves into the world. A plugin is built through a shared reference, so the value needs a cell.
 #[derive(Debug)]
 pub(crate) struct Parcel<T>(Mutex<Option<T>>);
 
@@ -50,7 +50,7 @@ impl<T> Parcel<T> {
         Self(Mutex::new(Some(content)))
     }
 
-    /// The content, the first time.
+    /// Takes the value out; `None` after the first call.
     pub(crate) fn open(&self) -> Option<T> {
         self.0.lock().ok()?.take()
     }

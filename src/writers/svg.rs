@@ -1,63 +1,64 @@
-//! Draws a picture of discs and lines as SVG: metres to pixels with y up, a header with labels, a scale bar.
+//! Draws a picture of discs and lines as SVG, with y up, a header, a legend and a scale bar.
 //!
-//! All lengths on paper derive from the width in pixels, so a picture is the same at any size.
+//! All lengths in pixels are proportional to the width in pixels, so the picture looks the same at any size.
 
 use std::fmt::Write as _;
 
 use crate::space::Vector;
 use crate::writers::colour::{Rgb, hex};
 
-/// What to draw.
+/// A picture to be drawn.
 #[derive(Clone, Debug, Default)]
 pub struct Picture {
     /// Lower left corner of the view, m.
     pub low: Vector,
     /// Upper right corner of the view, m.
     pub high: Vector,
-    /// Width, px.
+    /// Width of the picture, px.
     pub width: f64,
     /// Lines of the header.
     pub header: Vec<String>,
-    /// The legend.
+    /// Legend.
     pub legend: Legend,
-    /// Discs: centre and radius in m, colour.
+    /// Discs as (centre in m, radius in m, colour).
     pub discs: Vec<(Vector, f64, Rgb)>,
-    /// Words over everything: the middle of their line in m.
+    /// Labels on top of all shapes, as (middle of the baseline in m, text).
     pub labels: Vec<(Vector, String)>,
-    /// Whether discs have an outline: where they hide each other, one sees them apart.
+    /// Whether discs have an outline, which separates discs that hide each other.
     pub outlined: bool,
-    /// Bonds over the discs: ends and width in m, colour.
+    /// Bonds on top of the discs, as (end in m, end in m, width in m, colour).
     pub bonds: Vec<(Vector, Vector, f64, Rgb)>,
-    /// Rectangles below all else: of each colour, lower left and upper right corners in m.
+    /// Rectangles below all other shapes: for each colour, pairs of lower left and upper right corner in m.
     pub cells: Vec<(Rgb, Vec<(Vector, Vector)>)>,
-    /// Lines: ends in m, colour.
+    /// Lines as (end in m, end in m, colour).
     pub lines: Vec<(Vector, Vector, Rgb)>,
 }
 
-/// What the colours mean.
+/// Explanation of the colours.
 #[derive(Clone, Debug, Default)]
 pub enum Legend {
-    /// Nothing to explain.
+    /// No legend.
     #[default]
     None,
-    /// Categories.
+    /// Categories, each with its name and colour.
     Classes(Vec<(String, Rgb)>),
-    /// A scale from the first number to the second, with quantity and unit.
+    /// A continuous scale.
     Scale {
-        /// The value at the lower end.
+        /// Value at the lower end.
         from: f64,
-        /// The value at the upper end.
+        /// Value at the upper end.
         to: f64,
         /// Quantity and unit.
         title: String,
-        /// The colour of a share of the scale.
+        /// Returns the colour of a position on the scale, from 0 at the lower end to 1 at the upper end.
         map: fn(f64) -> Rgb,
     },
 }
 
-/// Height of a line of text, and margins, as shares of the width.
+/// Font size over the width of the picture. Margins are multiples of the font size.
 const TEXT: f64 = 0.028;
 
+/// A picture in the course of drawing.
 struct Paper<'a> {
     picture: &'a Picture,
     scale: f64,
@@ -67,7 +68,7 @@ struct Paper<'a> {
 }
 
 impl Picture {
-    /// The SVG document.
+    /// Returns the picture as an SVG document.
     #[must_use]
     pub fn to_svg(&self) -> String {
         let size = self.high - self.low;
@@ -104,6 +105,7 @@ impl Paper<'_> {
         self.svg.push('\n');
     }
 
+    /// Returns the position in px of a point in m.
     fn at(&self, x: Vector) -> Vector {
         Vector::new((x.x - self.picture.low.x) * self.scale, self.top + (self.picture.high.y - x.y) * self.scale)
     }
@@ -116,7 +118,7 @@ impl Paper<'_> {
         self.put(format_args!(r##"<rect width="{width:.2}" height="{height:.2}" fill="#ffffff"/>"##));
     }
 
-    /// A line between two places (m), `width` px wide.
+    /// Draws a line between two points (m), `width` px wide.
     fn line(&mut self, from: Vector, to: Vector, width: f64, colour: Rgb) {
         let (a, b) = (self.at(from), self.at(to));
         let colour = hex(colour);
@@ -145,12 +147,12 @@ impl Paper<'_> {
         for &(from, to, width, colour) in &self.picture.bonds {
             self.line(from, to, width * self.scale, colour);
         }
-        // What reaches over the view is covered where the words stand: to clip it takes three times as long to draw.
+        // A white rectangle covers shapes that extend into the header. Clipping them would take three times as long.
         let (width, top) = (self.picture.width, self.top);
         self.put(format_args!(r##"<rect width="{width:.2}" height="{top:.2}" fill="#ffffff"/>"##));
     }
 
-    /// All rectangles of one colour are one path, without the seams that smoothing would leave between neighbours.
+    /// Draws all rectangles of one colour as one path, so that smoothing leaves no seams between neighbours.
     fn cells(&mut self) {
         for (colour, cells) in &self.picture.cells {
             let mut path = String::new();
@@ -213,7 +215,7 @@ impl Paper<'_> {
         }
     }
 
-    /// A bar of 1, 2 or 5 times a power of ten of a metre, at most a quarter of the width.
+    /// Draws a scale bar of 1, 2 or 5 times a power of ten metres, at most a quarter of the width.
     fn scale_bar(&mut self, text: f64) {
         let limit = 0.25 * self.picture.width / self.scale;
         let power = 10f64.powf(limit.log10().floor());
@@ -221,7 +223,7 @@ impl Paper<'_> {
         let (right, y) = (self.picture.width - text, self.height - 0.8 * text);
         let left = right - metres * self.scale;
         let width = 0.12 * text;
-        // On whatever the picture shows there, it stays legible.
+        // A light background keeps the bar legible on top of shapes.
         let (label, height) = ((right - left).max(3.5 * text) + text, 2.1 * text);
         let (x, top) = (0.5 * (left + right - label), y - 1.6 * text);
         self.put(format_args!(
@@ -234,7 +236,7 @@ impl Paper<'_> {
     }
 }
 
-/// A number of few digits without the noise of binary fractions.
+/// Returns a number as text, without digits that come from binary rounding.
 fn rounded(value: f64) -> String {
     if value == 0.0 || value >= 1e-3 { format!("{}", (value * 1e6).round() / 1e6) } else { format!("{value:e}") }
 }
@@ -257,9 +259,9 @@ mod tests {
     }
 
     #[test]
-    fn metres_become_pixels_with_y_up() {
+    fn metres_map_to_pixels_with_y_up() {
         let svg = picture(200.0).to_svg();
-        // Top: (1.35 + 0.7) lines of 5.6 px; the disc is 75 px below the top of a view of 100 px.
+        // The header has (1.35 + 0.7) lines of 5.6 px; the disc is 75 px below the top of a view of 100 px.
         assert!(svg.contains(r##"<circle cx="50.00" cy="86.48" r="10.00" fill="#ff0000"/>"##), "{svg}");
         assert!(svg.contains(r##"<path d="M0.0 111.5H50.0V61.5H0.0Z" fill="#0000ff""##), "{svg}");
         assert!(svg.contains(r#"<text x="100.00" y="61.48""#) && svg.contains(">half<"), "{svg}");

@@ -1,4 +1,4 @@
-//! A head-on bounce of two unlike grains: error of the restitution, against its closed form, with attraction and without.
+//! Head-on bounce of two unequal grains, with and without attraction: error of the restitution against its closed form.
 
 use glam::DVec2;
 
@@ -26,7 +26,7 @@ pub(super) fn cases() -> Vec<Case> {
 
 fn case(name: &'static str, title: &'static str, e: f64, attracts: bool) -> Case {
     let contact_duration = duration(K, e, attracts, MASSES[0] * MASSES[1] / (MASSES[0] + MASSES[1]));
-    // A start within the first step at t_c/5 does not touch.
+    // With this gap the grains do not touch within the first step, even if the step is t_c/5.
     let gap = 0.3 * V * contact_duration;
     let discs = vec![
         disc(0.04, MASSES[0], DVec2::ZERO, DVec2::ZERO),
@@ -38,14 +38,14 @@ fn case(name: &'static str, title: &'static str, e: f64, attracts: bool) -> Case
         systems: vec![System { gravity: DVec2::ZERO, law: linear(K, e, attracts), discs, floors: vec![] }],
         contact_duration,
         end: 4.0 * contact_duration,
-        truth: Truth::Closed(parted),
+        truth: Truth::Closed(state_after_bounce),
         measure: Measure::Parting(V),
         finest: 1000.0,
     }
 }
 
-/// Velocities after it; places do not count.
-fn parted(system: &System, _: f64) -> State {
+/// Returns the state after the bounce. Only its velocities are meaningful; the error ignores positions.
+fn state_after_bounce(system: &System, _: f64) -> State {
     let e = if let Law::Linear { e, .. } = system.law { e } else { 1.0 };
     let d = &system.discs;
     let v = after_bounce([d[0].mass, d[1].mass], [d[0].v, d[1].v], e);

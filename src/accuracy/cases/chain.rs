@@ -1,5 +1,7 @@
-//! Three grains in a row, two contacts at once: one hits two that nearly touch; two heavy ones squeeze a light one, which
-//! hardly moves between forces that are much larger than what is left of them.
+//! Three grains in a row with two simultaneous contacts.
+//!
+//! In `chain` a grain hits two grains that nearly touch. In `squeezed` two heavy grains squeeze a light one: the two
+//! forces on the light grain nearly cancel, so it hardly moves.
 
 use glam::DVec2;
 
@@ -12,7 +14,7 @@ const E: f64 = 0.5;
 const V: f64 = 1.0;
 
 pub(super) fn cases() -> [Case; 2] {
-    // Durations are those of the two lightest.
+    // The contact duration is the one of a contact between the two lightest grains.
     let hit = chain("chain", "chain of three, e = 0.5", [0.12, 0.09, 0.16], 0.09 * 0.12 / 0.21, 6.0);
     let squeezed = chain(
         "squeezed",
@@ -24,7 +26,8 @@ pub(super) fn cases() -> [Case; 2] {
     [hit, squeezed]
 }
 
-/// From below; the third comes down.
+/// Returns a chain of grains stacked upwards. The third grain moves down onto the other two; `end` is in contact
+/// durations.
 fn chain(name: &'static str, title: &'static str, masses: [f64; 3], reduced_mass: f64, end: f64) -> Case {
     let contact_duration = duration(K, E, false, reduced_mass);
     let (lead, gap) = (0.3 * V * contact_duration, 0.1 * V * contact_duration);

@@ -1,4 +1,4 @@
-//! Ten grains, one above the other, fall on a floor and settle, e = 0.5: looked at while they still move.
+//! Ten grains, one above the other, fall on a floor and settle, e = 0.5. The error is evaluated while they still move.
 
 use glam::DVec2;
 

@@ -1,4 +1,4 @@
-//! A thrown grain: the parabola.
+//! A thrown grain in free flight, against its parabola.
 
 use glam::DVec2;
 

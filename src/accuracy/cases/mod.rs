@@ -1,4 +1,4 @@
-//! The canonical cases, a file each.
+//! The standard test cases, one per file.
 
 mod bed;
 mod bounce;
@@ -13,16 +13,18 @@ mod stacked;
 pub use self::bed::bed;
 use super::case::Case;
 
-/// The next of a row of numbers between 0 and 1 that look random and are the same everywhere (a 64-bit congruential
-/// generator, Knuth's constants; the upper bits).
+/// Returns the next pseudo-random number in [0, 1) and advances `state`.
+///
+/// The sequence is the same on every machine: the upper 53 bits of a 64-bit linear congruential generator with Knuth's
+/// constants.
 fn draw(state: &mut u64) -> f64 {
     *state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
     #[expect(clippy::cast_precision_loss, reason = "53 bits")]
-    let share = (*state >> 11) as f64 / (1u64 << 53) as f64;
-    share
+    let fraction = (*state >> 11) as f64 / (1u64 << 53) as f64;
+    fraction
 }
 
-/// All of them, in the order in which they are shown.
+/// Returns all cases in the order of the report.
 #[must_use]
 pub fn all() -> Vec<Case> {
     let mut cases = vec![free_flight::case()];

@@ -1,5 +1,6 @@
-//! Oblique impacts, e = 0.5: of two smooth discs, and of one disc with friction on a floor that slides throughout or
-//! sticks first.
+//! Oblique impacts with e = 0.5: two smooth discs, and one disc with friction on a floor.
+//!
+//! The disc with friction slides throughout in one case and first sticks in the other.
 
 use glam::DVec2;
 
@@ -13,7 +14,8 @@ const M: f64 = 0.16;
 const R: f64 = 0.04;
 
 pub(super) fn cases() -> Vec<Case> {
-    // Sliding throughout needs v_t/v_n above mu (1 + 1/q) (1 + e) = 1.35.
+    // Sliding throughout needs v_t/v_n > mu (1 + 1/q) (1 + e) = 1.35, where q = 1/2 is the moment of inertia over m
+    // R^2.
     vec![
         smooth(),
         rough("oblique-slip", "oblique with friction, sliding", DVec2::new(3.0, -1.0)),
@@ -24,7 +26,7 @@ pub(super) fn cases() -> Vec<Case> {
 fn smooth() -> Case {
     let contact_duration = duration(K, E, false, 0.16 * 0.09 / 0.25);
     let v = DVec2::new(0.0, -1.0);
-    // The centres pass at half the sum of the radii.
+    // The lateral offset of the centres is half the sum of the radii.
     let (aside, lead) = (0.5 * 0.07, 0.3 * contact_duration);
     let up = (0.07f64.powi(2) - aside * aside).sqrt() + lead;
     let discs = vec![disc(R, M, DVec2::ZERO, DVec2::ZERO), disc(0.03, 0.09, DVec2::new(aside, up), v)];

@@ -1,4 +1,4 @@
-//! A disc set down on a rough floor with a speed: it slides until it rolls.
+//! A disc set down on a rough floor with a horizontal speed: it slides until it rolls.
 
 use glam::DVec2;
 
@@ -9,8 +9,8 @@ use super::super::reference::{Floor, Friction, Law, System};
 pub(super) fn case() -> Case {
     let (k, e, radius, mass, g, speed) = (1.0e6, 0.5, 0.05, 1.3, 9.81, 0.1);
     let contact_duration = duration(k, e, false, mass);
-    // It falls for half a contact, so that it presses the floor at once without bouncing far. It slides for about
-    // speed/(3 mu g), three contacts.
+    // The disc falls for half a contact duration, so that it presses on the floor at once without bouncing far. It
+    // slides for about speed/(3 mu g), which is three contact durations.
     let drop = 0.5 * g * (0.5 * contact_duration).powi(2);
     let law = Law::Linear { k, e, attracts: false, friction: Some(Friction { k: 0.29 * k, share: 0.5, mu: 0.3 }) };
     let floors = vec![Floor { point: DVec2::ZERO, normal: DVec2::Y }];

@@ -1,4 +1,4 @@
-//! Two grains squeezed between a floor and a lid, the lower one twice as heavy: contacts that ring and never open.
+//! Two grains squeezed between a floor and a lid, the lower one twice as heavy. The contacts oscillate and never open.
 
 use glam::DVec2;
 
@@ -20,7 +20,7 @@ pub(super) fn case() -> Case {
         contact_duration,
         end: 6.0 * contact_duration,
         truth: Truth::Integrated,
-        // It is let go some 0.02 of the length from where it will rest.
+        // The start is about 0.02 of the length away from the rest positions.
         measure: Measure::Place(0.02 * top),
         finest: 1000.0,
     }

@@ -1,19 +1,21 @@
-//! The other side of every comparison: grains, law and integration written out anew, in plain vectors of the plane.
+//! Independent reference solution: discs, contact laws and integration, implemented a second time for the plane.
 //!
-//! Nothing here uses the product's contacts, schemes or searches, so an error of theirs cannot hide here. The forces
-//! are, with overlap delta, normal n from j to i, v_n = v_ij.n and slip
-//! v_s = v_ij.t - (R_i w_i + R_j w_j), t = z x n,
+//! This module uses no contact, integration scheme or neighbour search of the simulator, so it cannot share their
+//! errors. Symbols: overlap delta, normal n from j to i, v_n = v_ij.n, tangent t = z x n, slip velocity
+//! v_s = v_ij.t - (R_i w_i + R_j w_j). The forces are
 //!
-//! * [`Law::Full`]: F = k delta n - b v_ij (the assignment's);
-//! * [`Law::Linear`]: F_n = k delta - c v_n with c = 2 zeta sqrt(k m_eff) for a restitution e, cut at 0 unless
-//!   attraction is allowed; friction F_t = -k_t S - c_t v_s with S' = v_s while it sticks, +-mu |F_n| while it slips. S
-//!   then follows the force, S = -(F_t + c_t v_s)/k_t, and friction sticks again when S' = v_s would pull it below the cap.
+//! * [`Law::Full`]: F = k delta n - b v_ij (the assignment's law);
+//! * [`Law::Linear`], normal: F_n = k delta - c v_n with c = 2 zeta sqrt(k m_eff) for a restitution e. F_n is cut at 0
+//!   unless attraction is allowed.
+//! * [`Law::Linear`], friction: F_t = -k_t S - c_t v_s with S' = v_s while the contact sticks, F_t = +-mu |F_n| while
+//!   it slips. During slip S follows the force, S = -(F_t + c_t v_s)/k_t. The contact sticks again when S' = v_s would
+//!   reduce the force below the cap.
 //!
-//! Each contact is in one of these modes (`contact`), in which its force is smooth; [`path`] integrates by the classical Runge
-//! and Kutta scheme of fourth order and ends a step where a mode ends. [`closed`] has the closed forms.
+//! Each contact is in a mode (`contact`) in which its force is smooth. [`path`] integrates with the classical
+//! fourth-order Runge-Kutta scheme and ends a step where a mode ends. [`closed`] has the closed forms.
 //!
-//! Limits: the plane; arms of friction are the radii; no rolling resistance; two switches of one contact within one step
-//! of the reference (a graze shorter than that) go unseen.
+//! Limits: plane only; the lever arms of friction are the radii; no rolling resistance. Two mode changes of one contact
+//! within one step of the reference (a contact shorter than that) are missed.
 
 pub mod closed;
 mod contact;
@@ -24,88 +26,88 @@ use glam::DVec2;
 /// Friction of [`Law::Linear`].
 #[derive(Clone, Copy, Debug)]
 pub struct Friction {
-    /// k_t, N/m.
+    /// Tangential stiffness k_t, N/m.
     pub k: f64,
-    /// c_t/c.
+    /// Tangential damping over normal damping, c_t/c.
     pub share: f64,
-    /// mu.
+    /// Friction coefficient mu.
     pub mu: f64,
 }
 
 /// The contact law.
 #[derive(Clone, Copy, Debug)]
 pub enum Law {
-    /// k delta n - b v_ij.
+    /// F = k delta n - b v_ij.
     Full {
-        /// N/m.
+        /// Stiffness, N/m.
         k: f64,
-        /// N s/m.
+        /// Damping, N s/m.
         b: f64,
     },
     /// A spring and a dashpot along the normal, and friction.
     Linear {
-        /// N/m.
+        /// Stiffness, N/m.
         k: f64,
         /// Restitution.
         e: f64,
-        /// Whether the normal force may pull.
+        /// Whether the normal force may be attractive.
         attracts: bool,
-        /// In the tangent.
+        /// Friction along the tangent, if any.
         friction: Option<Friction>,
     },
 }
 
-/// A disc.
+/// A disc and its initial motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Disc {
-    /// m.
+    /// Radius, m.
     pub radius: f64,
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
-    /// Where it starts, m.
+    /// Initial position, m.
     pub x: DVec2,
-    /// How it starts, m/s.
+    /// Initial velocity, m/s.
     pub v: DVec2,
 }
 
-/// A half-plane that grains stand on.
+/// A fixed half-plane that discs touch: a floor, a side wall or a lid.
 #[derive(Clone, Copy, Debug)]
 pub struct Floor {
-    /// A point of it, m.
+    /// A point on the surface, m.
     pub point: DVec2,
-    /// Towards the grains, of length 1.
+    /// Unit normal towards the discs.
     pub normal: DVec2,
 }
 
-/// Discs, floors, weight and a law. Discs start without spin.
+/// Discs, floors, gravity and a contact law. Discs start without spin.
 #[derive(Clone, Debug)]
 pub struct System {
-    /// m/s^2.
+    /// Acceleration of gravity, m/s^2.
     pub gravity: DVec2,
-    /// Between all.
+    /// Law of all contacts.
     pub law: Law,
-    /// What moves.
+    /// The moving discs.
     pub discs: Vec<Disc>,
-    /// What does not.
+    /// The fixed half-planes.
     pub floors: Vec<Floor>,
 }
 
-/// Moment of inertia over m R^2: of discs.
+/// Moment of inertia of a disc over m R^2.
 pub const INERTIA: f64 = 0.5;
 
-/// How the discs lie and move.
+/// Positions, velocities and spins of all discs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct State {
-    /// m.
+    /// Positions, m.
     pub x: Vec<DVec2>,
-    /// m/s.
+    /// Velocities, m/s.
     pub v: Vec<DVec2>,
-    /// rad/s.
+    /// Spins, rad/s.
     pub w: Vec<f64>,
 }
 
 impl System {
-    /// The state at time 0.
+    /// Returns the state at time 0.
     #[must_use]
     pub fn start(&self) -> State {
         State {
@@ -115,7 +117,7 @@ impl System {
         }
     }
 
-    /// Kinetic, gravitational and (of normal springs) elastic energy, J.
+    /// Returns the sum of kinetic, gravitational and elastic energy, J. Elastic energy counts normal springs only.
     #[must_use]
     pub fn energy(&self, state: &State) -> f64 {
         let (Law::Full { k, .. } | Law::Linear { k, .. }) = self.law;

@@ -1,41 +1,42 @@
-//! Integration of the reference: Runge and Kutta's classical scheme, with steps that end where a contact's mode ends.
+//! Integration of the reference: the classical Runge-Kutta scheme, with steps that end where a contact's mode ends.
 //!
-//! Within a step modes are frozen, so the right-hand side is smooth and the scheme keeps its fourth order. After a step
-//! each contact's alarms are looked at; where one rings, its moment is found by halving on Hermite's cubic through both ends
-//! of the step (x from x, v; v from v, a: O(h^4), as the scheme itself), the step is repeated up to the first of these
-//! moments, and that contact goes on in its next mode. Samples between the ends of a step are steps of their own, so they
-//! leave no trace in the path.
+//! Modes are frozen within a step, so the right-hand side is smooth and the scheme keeps its fourth order. After a step
+//! the event functions of each contact are evaluated. If one is positive, its zero is found by bisection on the cubic
+//! Hermite polynomial through both ends of the step (x from x, v; v from v, a; error O(h^4), like the scheme). The step
+//! is then repeated up to the first of these zeros, and that contact enters its next mode. Samples between the ends of
+//! a step are separate steps, so they do not change the path.
 
 use glam::DVec2;
 
 use super::contact::{Link, Meeting, Normal, Other, Side};
 use super::{INERTIA, State, System};
 
-/// A state with the contacts' springs; also its rate.
+/// A state with the tangential springs (m) of all contacts, or the rate of change of both.
 #[derive(Clone, Debug)]
 struct Flow {
     state: State,
     springs: Vec<f64>,
 }
 
-/// A motion being followed.
+/// The integrated motion of a system.
 pub struct Path<'a> {
     system: &'a System,
     step: f64,
     time: f64,
     flow: Flow,
     links: Vec<Link>,
-    /// Where discs were when pairs were last looked for, and how far they may go till then, m.
-    seen: Vec<DVec2>,
+    /// Positions of the discs at the last search for pairs, m.
+    searched_positions: Vec<DVec2>,
+    /// Largest gap of a pair that the search finds, m.
     margin: f64,
-    /// How many modes have ended.
+    /// Number of mode changes so far.
     pub switches: usize,
-    /// How many of them since time last moved.
-    standing: u32,
+    /// Number of mode changes since time last advanced.
+    switches_without_advance: u32,
 }
 
 impl<'a> Path<'a> {
-    /// From the system's start, with steps of at most `step`, s.
+    /// Begins at the system's start; steps are at most `step`, s.
     #[must_use]
     pub fn new(system: &'a System, step: f64) -> Self {
         let flow = Flow { state: system.start(), springs: Vec::new() };
@@ -46,45 +47,47 @@ impl<'a> Path<'a> {
             time: 0.0,
             flow,
             links: Vec::new(),
-            seen: Vec::new(),
+            searched_positions: Vec::new(),
             margin: 0.5 * smallest,
             switches: 0,
-            standing: 0,
+            switches_without_advance: 0,
         };
         path.find_pairs();
-        path.close_what_overlaps();
+        path.close_overlapping_pairs();
         path
     }
 
-    /// The states at these moments, ascending, s.
+    /// Integrates up to the last of `moments` (s, ascending) and returns the states at all of them.
     pub fn sample(&mut self, moments: &[f64]) -> Vec<State> {
         let mut samples = Vec::with_capacity(moments.len());
         while samples.len() < moments.len() {
-            let (mut ring, mut length, rate) = self.look_ahead();
-            self.standing = if length > 1e-9 * self.step { 0 } else { self.standing + 1 };
-            // Two modes that hand a contact to and fro are both right to round-off: go on in either.
-            if self.standing > 40 {
-                (ring, length) = (None, self.step);
+            let (mut event, mut length, rate) = self.next_event();
+            self.switches_without_advance =
+                if length > 1e-9 * self.step { 0 } else { self.switches_without_advance + 1 };
+            // If a contact alternates between two modes, both are correct up to round-off: continue in the present one.
+            if self.switches_without_advance > 40 {
+                (event, length) = (None, self.step);
             }
             while let Some(&moment) = moments.get(samples.len()).filter(|&&moment| moment <= self.time + length) {
                 samples.push(self.stepped(&rate, moment - self.time).state);
             }
             self.flow = self.stepped(&rate, length);
             self.time += length;
-            if let Some((number, which)) = ring {
+            if let Some((number, which)) = event {
                 let meeting = self.meeting(&self.links[number], &self.flow.state);
                 self.flow.springs[number] = self.links[number].switch(which, &meeting, self.flow.springs[number]);
                 self.switches += 1;
             }
-            if self.seen.iter().zip(&self.flow.state.x).any(|(seen, x)| seen.distance(*x) > 0.4 * self.margin) {
+            let mut positions = self.searched_positions.iter().zip(&self.flow.state.x);
+            if positions.any(|(searched, x)| searched.distance(*x) > 0.4 * self.margin) {
                 self.find_pairs();
             }
         }
         samples
     }
 
-    /// The first alarm within a step (contact, which), how long the modes last, and the rate now.
-    fn look_ahead(&self) -> (Option<(usize, usize)>, f64, Flow) {
+    /// Returns the first event within a step (contact, event function), the time until then (s), and the present rate.
+    fn next_event(&self) -> (Option<(usize, usize)>, f64, Flow) {
         let rate = self.rate(&self.flow);
         let end = self.stepped(&rate, self.step);
         let end_rate = self.rate(&end);
@@ -92,9 +95,9 @@ impl<'a> Path<'a> {
         for (number, link) in self.links.iter().enumerate() {
             let at = |t: f64| self.between(number, link, [&self.flow, &rate, &end, &end_rate], t);
             let short = 1e-3 * self.step;
-            let rings = link.alarms(&at, self.step, short);
-            for which in (0..3).filter(|&which| rings[which] > 0.0) {
-                let moment = halve(|t| link.alarms(&at, t, short)[which], self.step);
+            let events = link.alarms(&at, self.step, short);
+            for which in (0..3).filter(|&which| events[which] > 0.0) {
+                let moment = bisect(|t| link.alarms(&at, t, short)[which], self.step);
                 if moment < length || first.is_none() {
                     (first, length) = (Some((number, which)), moment);
                 }
@@ -103,7 +106,9 @@ impl<'a> Path<'a> {
         (first, length, rate)
     }
 
-    /// A contact at `t` after the beginning of a step, by Hermite's cubics through its ends.
+    /// Returns a contact's meeting and spring at the time `t` (s) after the beginning of a step.
+    ///
+    /// `ends` has the values and rates at both ends of the step, for cubic Hermite interpolation.
     fn between(&self, number: usize, link: &Link, ends: [&Flow; 4], t: f64) -> (Meeting, f64) {
         let [y0, f0, y1, f1] = ends;
         let (h, u) = (self.step, t / self.step);
@@ -113,19 +118,19 @@ impl<'a> Path<'a> {
             u * u * (3.0 - 2.0 * u),
             u * u * (u - 1.0) * h,
         ];
-        let vector = |of: &dyn Fn(&Flow) -> DVec2| -> DVec2 {
-            weights[0] * of(y0) + weights[1] * of(f0) + weights[2] * of(y1) + weights[3] * of(f1)
+        let interpolate = |value: &dyn Fn(&Flow) -> DVec2| -> DVec2 {
+            weights[0] * value(y0) + weights[1] * value(f0) + weights[2] * value(y1) + weights[3] * value(f1)
         };
         let side = |i: usize| Side {
-            x: vector(&|flow| flow.state.x[i]),
-            v: vector(&|flow| flow.state.v[i]),
-            w: vector(&|flow| DVec2::new(flow.state.w[i], 0.0)).x,
+            x: interpolate(&|flow| flow.state.x[i]),
+            v: interpolate(&|flow| flow.state.v[i]),
+            w: interpolate(&|flow| DVec2::new(flow.state.w[i], 0.0)).x,
         };
         let other = match link.other {
             Other::Disc(j) => side(j),
             Other::Floor(_) => STILL,
         };
-        let spring = vector(&|flow| DVec2::new(flow.springs[number], 0.0)).x;
+        let spring = interpolate(&|flow| DVec2::new(flow.springs[number], 0.0)).x;
         (link.meeting(self.system, side(link.i), other), spring)
     }
 
@@ -159,7 +164,8 @@ impl<'a> Path<'a> {
         Flow { state: State { x: flow.state.v.clone(), v: a, w: turns }, springs }
     }
 
-    /// One step of Runge and Kutta with frozen modes; `rate` is that at its beginning.
+    /// Returns the result of one Runge-Kutta step of length `h` (s) with frozen modes; `rate` is the rate at its
+    /// beginning.
     fn stepped(&self, rate: &Flow, h: f64) -> Flow {
         let r2 = self.rate(&self.flow.plus(&[(0.5 * h, rate)]));
         let r3 = self.rate(&self.flow.plus(&[(0.5 * h, &r2)]));
@@ -167,7 +173,8 @@ impl<'a> Path<'a> {
         self.flow.plus(&[(h / 6.0, rate), (h / 3.0, &r2), (h / 3.0, &r3), (h / 6.0, &r4)])
     }
 
-    /// Looks for all pairs that may touch before discs have moved on; contacts that last keep their modes and springs.
+    /// Finds all pairs that may touch before the next search. Pairs that were known before keep their modes and
+    /// springs.
     fn find_pairs(&mut self) {
         let discs = &self.system.discs;
         let x = &self.flow.state.x;
@@ -191,15 +198,16 @@ impl<'a> Path<'a> {
                 )
             };
             while old.next_if(|(link, _)| rank(link.i, link.other) < rank(i, other)).is_some() {}
-            let same = old.next_if(|(link, _)| (link.i, link.other) == (i, other));
-            let (link, spring) = same.unwrap_or_else(|| (Link::new(self.system, i, other), 0.0));
+            let known = old.next_if(|(link, _)| (link.i, link.other) == (i, other));
+            let (link, spring) = known.unwrap_or_else(|| (Link::new(self.system, i, other), 0.0));
             self.links.push(link);
             self.flow.springs.push(spring);
         }
-        self.seen.clone_from(x);
+        self.searched_positions.clone_from(x);
     }
 
-    fn close_what_overlaps(&mut self) {
+    /// Puts pairs that overlap at the start into the closed mode.
+    fn close_overlapping_pairs(&mut self) {
         for number in 0..self.links.len() {
             let meeting = self.meeting(&self.links[number], &self.flow.state);
             if meeting.overlap > 0.0 {
@@ -212,7 +220,7 @@ impl<'a> Path<'a> {
 const STILL: Side = Side { x: DVec2::ZERO, v: DVec2::ZERO, w: 0.0 };
 
 impl Flow {
-    /// The sum with multiples of rates.
+    /// Returns the sum of this state and multiples of rates.
     fn plus(&self, terms: &[(f64, &Self)]) -> Self {
         let mut sum = self.clone();
         for (factor, rate) in terms {
@@ -230,8 +238,10 @@ impl Flow {
     }
 }
 
-/// Where a value turns positive between 0 and `end`, where it is; 0 if it is from the start.
-fn halve(value: impl Fn(f64) -> f64, end: f64) -> f64 {
+/// Returns the argument between 0 and `end` at which `value` becomes positive; 0 if it is positive at 0.
+///
+/// `value(end)` must be positive.
+fn bisect(value: impl Fn(f64) -> f64, end: f64) -> f64 {
     if value(0.0) > 0.0 {
         return 0.0;
     }
@@ -276,7 +286,7 @@ mod tests {
     }
 
     #[test]
-    fn bounces_meet_the_closed_form() {
+    fn bounce_agrees_with_closed_form() {
         let reduced = M[0] * M[1] / (M[0] + M[1]);
         for attracts in [true, false] {
             for e in [1.0, 0.9, 0.5, 0.2] {
@@ -284,8 +294,9 @@ mod tests {
                 let system = pair(linear(e, attracts));
                 let state = last(&system, contact / 1000.0, 0.0005 + 3.0 * contact);
                 let exact = after_bounce(M, [system.discs[0].v, system.discs[1].v], e);
-                // Runge and Kutta err by (w h)^5/120 a step, over a contact by (w h)^4 w t/120: 3e-12 here for e = 1 and more
-                // with the faster decay of drag; the moments of touch and parting by (w h)^4/384 of a step. Ten of these.
+                // Runge-Kutta has an error of (w h)^5/120 per step, and of (w h)^4 w t/120 over a contact. This is
+                // 3e-12 here for e = 1, and more for stronger damping. The moments of touch and parting have an error
+                // of (w h)^4/384 of a step. The tolerance is ten times 3e-12.
                 let error = (state.v[0] - exact[0]).length().max((state.v[1] - exact[1]).length());
                 assert!(error < 3e-11, "e = {e}, attraction {attracts}: {error:e}");
             }
@@ -293,18 +304,19 @@ mod tests {
     }
 
     #[test]
-    fn a_slide_throughout_meets_its_closed_form() {
-        // The normal impulse is m (1 + e) v_n, friction's mu times that, and the disc's rim gets twice of it.
+    fn sliding_impact_agrees_with_closed_form() {
+        // The normal impulse is m (1 + e) v_n, and the friction impulse is mu times the normal impulse. The rim speed
+        // of the disc changes by twice the friction impulse over m.
         let system = rough(DVec2::new(3.0, -1.0));
         let contact = duration(K, 0.5, false, M[0]);
         let state = last(&system, contact / 1000.0, 0.0005 + 3.0 * contact);
-        let rubbed = 0.3 * 1.5;
-        assert!((state.v[0] - DVec2::new(3.0 - rubbed, 0.5)).length() < 3e-11, "{}", state.v[0]);
-        assert!((0.04 * state.w[0] + 2.0 * rubbed).abs() < 3e-11, "{}", state.w[0]);
+        let slowed = 0.3 * 1.5;
+        assert!((state.v[0] - DVec2::new(3.0 - slowed, 0.5)).length() < 3e-11, "{}", state.v[0]);
+        assert!((0.04 * state.w[0] + 2.0 * slowed).abs() < 3e-11, "{}", state.w[0]);
     }
 
     #[test]
-    fn flight_is_a_parabola_and_samples_leave_no_trace() {
+    fn flight_is_a_parabola_and_sampling_does_not_change_it() {
         let mut system = pair(linear(0.5, true));
         system.gravity = DVec2::new(1.0, -9.81);
         system.discs[0].x = DVec2::new(5.0, 5.0);
@@ -312,16 +324,17 @@ mod tests {
         let states = Path::new(&system, 1e-3).sample(&many);
         for (t, state) in many.iter().zip(&states) {
             let (x, v) = flight(system.discs[1].x, system.discs[1].v, system.gravity, *t);
-            // Some hundred roundings of numbers about 5.
+            // The tolerance is about a hundred roundings of numbers of size 5.
             assert!((state.x[1] - x).length() + (state.v[1] - v).length() < 1e-12);
         }
         assert_eq!(Path::new(&system, 1e-3).sample(&many[49..])[0], states[49]);
     }
 
     #[test]
-    fn it_is_of_fourth_order_through_touch_slip_stick_and_parting() {
-        // Halving the step divides the difference from a much finer run by 16; where in a step the switches fall scatters it,
-        // so an order of 3.4 is the least that three halvings together may show, and 3 what a missed kink would leave.
+    fn order_is_four_through_touch_slip_stick_and_parting() {
+        // Halving the step divides the difference from a much finer run by 16. The difference scatters with the
+        // position of the mode changes within a step, so three halvings together must show at least an order of 3.4. A
+        // missed kink would leave an order of 3.
         let smooth = pair(linear(0.2, false));
         for (name, system) in
             [("smooth", smooth), ("slip", rough(DVec2::new(3.0, -1.0))), ("stick", rough(DVec2::new(0.5, -1.0)))]
@@ -340,8 +353,9 @@ mod tests {
     }
 
     #[test]
-    fn friction_sticks_and_slips_in_its_turn() {
-        // Stick on touch, slip near the end where the normal force goes to zero, cut, open: five switches with the touch.
+    fn oblique_impact_passes_through_all_modes() {
+        // Touch, stick, slip near the end where the normal force goes to zero, cut, open: five mode changes with the
+        // touch.
         let system = rough(DVec2::new(0.2, -1.0));
         let mut path = Path::new(&system, 1e-5);
         let _ = path.sample(&[0.02]);
@@ -349,13 +363,13 @@ mod tests {
     }
 
     #[test]
-    fn an_undamped_trio_keeps_its_energy() {
+    fn three_undamped_discs_conserve_energy() {
         let mut system = pair(linear(1.0, true));
         system.discs.push(Disc { radius: 0.04, mass: 0.2, x: DVec2::new(0.05, -0.08), v: DVec2::new(-1.0, 1.0) });
         let before = system.energy(&system.start());
         let step = duration(K, 1.0, true, 0.05) / 1000.0;
         let state = last(&system, step, 0.03);
-        // Ten contacts or so, each as above.
+        // About ten contacts, each with the error of a bounce as above.
         assert!((system.energy(&state) / before - 1.0).abs() < 1e-10);
         assert!(damping_ratio(1.0, true) == 0.0);
     }

@@ -1,9 +1,10 @@
-//! A scene of the user's over steps and seeds: what its own observables make of them.
+//! Effect of the time step on the observables of a user's scene, over a ladder of steps and several seeds.
 //!
-//! There is no closed form for a silo, and its motion is chaotic: two runs that differ by a rounding differ by a grain's width
-//! a second later. What a step can change is the statistics, and these have noise: each rung of a ladder of steps is run with
-//! several seeds, [`observe`] takes the observables of each run, and [`verdict`] holds their means against those of the finest
-//! rung. A scene in which the seed changes nothing is run once a rung, and every difference is the step's.
+//! A silo has no closed form, and its motion is chaotic: two runs that differ by a rounding error differ by a grain's
+//! width one second later. The step can therefore only change statistics, and statistics have noise. Each step of the
+//! ladder runs with several seeds. [`observe`] takes the observables of each run, and [`verdict`] compares their means
+//! with the means at the finest step. If the seed has no effect, the scene runs once per step and every difference is
+//! due to the step.
 
 pub mod observe;
 pub mod report;
@@ -20,45 +21,45 @@ use crate::fault::Fault;
 use crate::scene::check;
 use crate::scene::load::{self, AnyScene, Loaded};
 
-/// Rungs, in the scene's own step, coarse to fine.
+/// Steps of the ladder in units of the scene's own step, coarse to fine.
 pub const FACTORS: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125];
-/// Those of a short ladder.
+/// Steps of the short ladder in units of the scene's own step, coarse to fine.
 pub const SHORT: [f64; 4] = [2.0, 1.0, 0.5, 0.25];
 
-/// What is asked.
+/// Input of a study.
 pub struct Question<'a> {
-    /// The scene's file.
+    /// Path of the scene file.
     pub scene: &'a Path,
-    /// Changes to it.
+    /// Changed keys of the scene and their values.
     pub settings: &'a [(String, String)],
-    /// How many seeds, from the scene's own on.
+    /// Number of seeds; they count up from the scene's own seed.
     pub seeds: u32,
-    /// The wanted relative error.
+    /// Target relative error.
     pub error: f64,
-    /// Whether the ladder is short.
+    /// Whether to run the short ladder.
     pub quick: bool,
-    /// What the program can do.
+    /// Behaviours that scenes may use.
     pub registry: &'a Registry,
 }
 
 /// One step of the ladder.
 pub struct Rung {
-    /// In the scene's own step.
+    /// Step in units of the scene's own step.
     pub factor: f64,
-    /// s.
+    /// Step, s.
     pub step: f64,
-    /// What each seed came to.
+    /// Result of each seed.
     pub runs: Vec<Observed>,
-    /// Why it was not run, or what was warned of.
+    /// Reason why the step was not run: the error or the warning of the scene check.
     pub refusal: Option<String>,
 }
 
 impl Question<'_> {
-    /// Runs the ladder; `tell` hears what is being done.
+    /// Runs the ladder and returns the study. `report_progress` receives a line of text before each step.
     ///
     /// # Errors
-    /// If the scene is at fault, or its own step and all finer ones are refused.
-    pub fn answer(&self, tell: &(dyn Fn(&str) + Sync)) -> Result<Study, Fault> {
+    /// If the scene is invalid, or if no step of the ladder runs to its end.
+    pub fn answer(&self, report_progress: &(dyn Fn(&str) + Sync)) -> Result<Study, Fault> {
         let own = self.load(None, None)?;
         let (step, first) = (own.step(), own.scene.seed);
         let factors = if self.quick { &SHORT[..] } else { &FACTORS[..] };
@@ -66,11 +67,11 @@ impl Question<'_> {
         let mut rungs: Vec<Rung> = Vec::new();
         for &factor in factors {
             let mut rung = Rung { factor, step: step * factor, runs: Vec::new(), refusal: None };
-            tell(&format!("step {:.3e} s, {} seeds", rung.step, seeds.len()));
+            report_progress(&format!("step {:.3e} s, {} seeds", rung.step, seeds.len()));
             rung.refusal = self.refusal(rung.step);
             if rung.refusal.is_none() {
                 rung.runs = self.run(rung.step, &seeds)?;
-                // The first rung that runs tells whether the seed matters at all.
+                // The first step that runs shows whether the seed has any effect.
                 let same = rung.runs.iter().all(|run| run.state_hash == rung.runs[0].state_hash);
                 if seeds.len() > 1 && same && rung.runs[0].failure.is_none() {
                     rung.runs.truncate(1);
@@ -82,7 +83,9 @@ impl Question<'_> {
         if rungs.iter().all(|rung| rung.runs.iter().all(|run| run.failure.is_some())) {
             let reason = rungs.iter().find_map(|rung| rung.refusal.clone().or(rung.runs.first()?.failure.clone()));
             let message = format!("no step of the ladder can be run: {}", reason.unwrap_or_default());
-            return Err(Fault::new("accuracy::no_rung", message).help("`siloflow check` tells more about the step"));
+            return Err(
+                Fault::new("accuracy::no_rung", message).help("`siloflow check` reports the limits of the step")
+            );
         }
         Ok(Study::new(&own.source.name, &rungs, self.seeds, seeds.len() > 1, self.error))
     }
@@ -95,12 +98,14 @@ impl Question<'_> {
             AnyScene::Grains(loaded) => Ok(*loaded),
             AnyScene::Lattice(loaded) => Err(loaded
                 .source
-                .fault("accuracy::lattice", "method", "a lattice gas has no time step to choose")
+                .fault("accuracy::lattice", "method", "the time step of a lattice gas cannot be chosen")
                 .help("give a scene of grains")),
         }
     }
 
-    /// Why a step cannot be used: the scene refuses it, or it is beyond the limit of a single contact.
+    /// Returns the reason why a step (s) cannot be used; `None` if it can.
+    ///
+    /// Either the scene check refuses the step, or the step exceeds the stability limit of a single contact.
     fn refusal(&self, step: f64) -> Option<String> {
         match self.load(Some(step), None) {
             Err(fault) => Some(fault.to_string()),
@@ -113,7 +118,7 @@ impl Question<'_> {
 
     fn run(&self, step: f64, seeds: &[u64]) -> Result<Vec<Observed>, Fault> {
         let one = |&seed: &u64| run(&self.load(Some(step), Some(seed))?, self.registry);
-        // In the caller's pool: as many side by side as it has threads.
+        // Runs in the caller's thread pool, with one run per thread at a time.
         seeds.par_iter().with_max_len(1).map(one).collect()
     }
 }

@@ -1,4 +1,4 @@
-//! One run of a scene, and what is observed of it.
+//! One run of a scene and its observables.
 
 use std::num::NonZeroUsize;
 use std::time::Instant;
@@ -15,12 +15,12 @@ use crate::simulation::Simulation;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::store::ParticleStore;
 
-/// How an observable is judged.
+/// Way in which an observable is judged.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// Against that of the finest step, relatively.
+    /// By its relative difference from the value at the finest step.
     Value,
-    /// An error by itself: 0 is right.
+    /// As an error by itself, with the exact value 0.
     Error,
 }
 
@@ -38,41 +38,42 @@ pub const OBSERVABLES: [(&str, Kind); 10] = [
     ("energy_balance_error", Kind::Error),
 ];
 
-/// What came of a run.
+/// Result of a run.
 #[derive(Clone, Debug)]
 pub struct Observed {
-    /// In the order of [`OBSERVABLES`]; `None` for what the scene does not have or what did not happen.
+    /// Values in the order of [`OBSERVABLES`]; `None` if the scene does not have the observable or its event did not
+    /// happen.
     pub values: [Option<f64>; OBSERVABLES.len()],
-    /// Why it failed.
+    /// Reason of a failure.
     pub failure: Option<String>,
-    /// Of the final state.
+    /// Hash of the final state.
     pub state_hash: String,
-    /// Wall-clock time of its steps, s.
+    /// Wall-clock time of the steps, s.
     pub wall_s: f64,
-    /// Nanoseconds a particle-step.
+    /// Computing time per particle-step, ns.
     pub ns_per_particle_step: f64,
 }
 
-/// Runs a scene to its end on one thread, without writing anything.
+/// Runs a scene to its end on one thread, without writing files.
 ///
 /// # Errors
-/// If the scene is refused.
+/// If a check of the scene refuses it.
 pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     let mut simulation = Simulation::new(loaded, registry, NonZeroUsize::MIN)?;
     let (mut cost, start) = (Cost::default(), Instant::now());
     let end = simulation.advance_to_end(|world| cost.particle_steps += movable_grains(world) as u64);
     cost.wall_s = start.elapsed().as_secs_f64();
-    // Of what stays inside: grains that have fallen out are on their way to nowhere.
-    let is_whole = simulation.world().resource::<Ledger>().out() == 0;
-    let height = mean_height(simulation.world()).filter(|_| is_whole);
+    // The mean height is meaningful only if no grain has left, because grains outside fall without a limit.
+    let no_grain_is_out = simulation.world().resource::<Ledger>().out() == 0;
+    let height = mean_height(simulation.world()).filter(|_| no_grain_is_out);
     let summary = Summary::of(simulation.world_mut(), loaded, &end, cost);
     let energy = &summary.energy;
     let dissipated = energy.flows.map(|flows| flows.dissipated);
-    // Over what went through the books: the lost, or what is there.
+    // The error of the energy balance is relative to the dissipated or the present energy, whichever is larger.
     let turnover = dissipated.unwrap_or(0.0).max(energy.kinetic + energy.rotational + energy.elastic);
-    // What still moves at the end, unless that is what a bed at rest is left with.
+    // The kinetic energy at the end; left out if it is no more than the residual motion of a bed at rest.
     let kinetic = energy.kinetic + energy.rotational;
-    let kinetic = dissipated.filter(|lost| is_whole && kinetic > 1e-3 * lost).map(|_| kinetic);
+    let kinetic = dissipated.filter(|dissipated| no_grain_is_out && kinetic > 1e-3 * dissipated).map(|_| kinetic);
     let failure = if summary.is_done() {
         None
     } else {
@@ -83,12 +84,12 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
             summary.rest_time_s,
             summary.empty_time_s,
             summary.discharge.map(|flow| flow.rate_per_s),
-            // Nothing in the window is not a packing.
-            summary.bed.map(|bed| bed.packing_fraction).filter(|&share| share > 0.0),
+            // An empty window has no packing fraction.
+            summary.bed.map(|bed| bed.packing_fraction).filter(|&fraction| fraction > 0.0),
             summary.bed.map(|bed| bed.fill_height_m),
             height,
             Some(summary.max_overlap_ratio).filter(|&ratio| ratio > 0.0),
-            dissipated.filter(|&lost| lost > 0.0),
+            dissipated.filter(|&dissipated| dissipated > 0.0),
             kinetic.filter(|&kinetic| kinetic > 0.0),
             energy.balance_error.map(|error| error.abs() / turnover).filter(|error| error.is_finite()),
         ],
@@ -99,7 +100,7 @@ pub fn run(loaded: &Loaded, registry: &Registry) -> Result<Observed, Fault> {
     })
 }
 
-/// Mean height of the grains at the end over that of the lowest, against gravity, m.
+/// Returns the mean height of the grains above the lowest grain, measured against gravity, m.
 fn mean_height(world: &World) -> Option<f64> {
     match Dimension::of_world(world) {
         Dimension::Plane => mean_height_in::<Plane>(world),
@@ -108,10 +109,10 @@ fn mean_height(world: &World) -> Option<f64> {
 }
 
 fn mean_height_in<V: Space>(world: &World) -> Option<f64> {
-    let (columns, gravity) = (world.resource::<ParticleStore<V>>(), world.resource::<Gravity<V>>().0);
+    let (store, gravity) = (world.resource::<ParticleStore<V>>(), world.resource::<Gravity<V>>().0);
     let up = gravity * (-1.0 / gravity.length_squared().sqrt());
-    let grains = (0..columns.movable_end).filter(|&i| !columns.is_fixed(i));
-    let heights: Vec<f64> = grains.map(|i| columns.body[i].position.dot(up)).collect();
+    let grains = (0..store.movable_end).filter(|&i| !store.is_fixed(i));
+    let heights: Vec<f64> = grains.map(|i| store.body[i].position.dot(up)).collect();
     let lowest = heights.iter().copied().reduce(f64::min)?;
     #[expect(clippy::cast_precision_loss, reason = "fewer than 2^32 grains")]
     let mean = heights.iter().sum::<f64>() / heights.len() as f64;

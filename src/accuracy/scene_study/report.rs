@@ -1,7 +1,8 @@
-//! What the ladder of a scene tells, and which step it recommends.
+//! Results of a scene study, and the recommended step.
 //!
-//! Recommended is the coarsest step from which on no observable differs from the finest by more than both the noise and the
-//! wanted error. The energy balance is shown and judged by itself, and takes no part: it says how well the books are kept.
+//! The recommended step is the coarsest step with this property: at this and all finer steps, no observable differs
+//! from its value at the finest step by more than both the noise and the target error. The error of the energy balance
+//! is shown but does not affect the recommendation, because it measures the quality of the energy balance itself.
 
 use std::fmt::Write as _;
 
@@ -15,40 +16,40 @@ use crate::accuracy::cost::median;
 /// An observable at one step.
 #[derive(Clone, Debug, Serialize)]
 pub struct Figure {
-    /// With its unit.
+    /// Name with unit.
     pub name: &'static str,
     /// Mean and standard error.
     #[serde(flatten)]
     pub mean: Mean,
-    /// Over the finest's, less 1; of what is an error by itself, `null`.
+    /// Relative difference from the mean at the finest step; `null` at the finest step and for [`Kind::Error`].
     pub difference: Option<f64>,
-    /// How it stands to the finest.
+    /// Comparison with the finest step; `null` for [`Kind::Error`].
     pub standing: Option<Standing>,
 }
 
-/// A step of the ladder.
+/// Results at one step of the ladder.
 #[derive(Clone, Debug, Serialize)]
 pub struct Step {
-    /// In the scene's own.
+    /// Step in units of the scene's own step.
     pub factor: f64,
-    /// s.
+    /// Step, s.
     pub step_s: f64,
-    /// Why it was not run.
+    /// Reason why the step was not run.
     pub refused: Option<String>,
-    /// How many of the runs failed, and why the first did.
+    /// Number of failed runs.
     pub failed: usize,
-    /// Why.
+    /// Reason of the first failure.
     pub failure: Option<String>,
     /// Median wall-clock time of a run, s.
     pub wall_s: Option<f64>,
-    /// Median nanoseconds a particle-step.
+    /// Median computing time per particle-step, ns.
     pub ns_per_particle_step: Option<f64>,
-    /// What was observed.
+    /// Observables of the runs that did not fail.
     pub observables: Vec<Figure>,
 }
 
 impl Step {
-    /// Whether all its runs ended well.
+    /// Returns whether the step was run and no run failed.
     fn is_usable(&self) -> bool {
         self.refused.is_none() && self.failed == 0 && self.wall_s.is_some()
     }
@@ -58,26 +59,28 @@ impl Step {
     }
 }
 
-/// The answer.
+/// The full results of a scene study.
 #[derive(Clone, Debug, Serialize)]
 pub struct Study {
-    /// Version of this contract.
+    /// Version of the JSON format.
     pub format: u32,
     /// Name of the scene.
     pub scene: String,
-    /// Seeds asked for.
+    /// Requested number of seeds.
     pub seeds: u32,
-    /// Whether the seed changes anything.
+    /// Whether the seed has any effect.
     pub seed_matters: bool,
-    /// The wanted error.
+    /// Target relative error.
     pub error: f64,
-    /// Coarse to fine.
+    /// Results by step, coarse to fine.
     pub steps: Vec<Step>,
-    /// Whether no step can be told from the finest in any observable.
+    /// Whether no step can be distinguished from the finest step in any observable.
     pub no_step_told_apart: bool,
-    /// The recommended step, s; `null` if only the finest will do, which then has nothing to be judged by.
+    /// Recommended step, s.
+    ///
+    /// It is `null` if only the finest step is acceptable, because no finer step exists against which to judge it.
     pub recommended_step_s: Option<f64>,
-    /// Why, in words.
+    /// Explanation of the recommendation.
     pub reason: String,
 }
 
@@ -112,33 +115,33 @@ impl Study {
     fn reason_for(&self, chosen: Option<usize>) -> String {
         let Some(chosen) = chosen else {
             return format!(
-                "every step but the finest that ran differs from it by more than {:e}: run finer steps, by a smaller `step` \
-                 in the scene",
+                "every step except the finest one differs from the finest one by more than {:e}: set a smaller `step` in \
+                 the scene",
                 self.error
             );
         };
         let step = &self.steps[chosen];
         let mut words = format!("step {:.3e} s, {} times the scene's own", step.step_s, step.factor);
         if chosen == 0 {
-            words += ", the coarsest that was tried";
+            words += ", the coarsest step of the ladder";
         }
         if !self.seed_matters && self.seeds > 1 {
-            words += "; the seed changes nothing here, so every difference is the step's";
+            words += "; the seed changes nothing here, so every difference is due to the step";
         } else if self.seeds == 1 {
-            words += "; with one seed chance cannot be told from the step: ask for more with --seeds";
+            words += "; one seed cannot separate chance from the effect of the step: use more seeds with --seeds";
         } else if self.no_step_told_apart {
-            words += "; no step can be told from another within the noise of the seeds: any stable step gives these statistics";
+            words += "; no step differs by more than the noise of the seeds: any stable step gives these statistics";
         } else {
-            let (shown, hidden) = self.told_apart();
-            let _ = write!(words, "; the step shows in {}", shown.join(", "));
-            if !hidden.is_empty() {
-                let _ = write!(words, "; any stable step gives the same {}, within the noise", hidden.join(", "));
+            let (affected, unaffected) = self.affected_and_unaffected();
+            let _ = write!(words, "; the step affects {}", affected.join(", "));
+            if !unaffected.is_empty() {
+                let _ = write!(words, "; any stable step gives the same {}, within the noise", unaffected.join(", "));
             }
         }
         if let Some((name, bound, runs)) = self.noisiest(chosen).filter(|(_, bound, _)| *bound > self.error) {
             let _ = write!(
                 words,
-                "; noise hides differences of {name} below {bound:.1e}: to see {:e} would take some {:.0} seeds",
+                "; noise hides differences of {name} below {bound:.1e}: to resolve {:e} needs about {:.0} seeds",
                 self.error,
                 runs.ceil()
             );
@@ -146,9 +149,9 @@ impl Study {
         words
     }
 
-    /// The observables in which a step shows, and those in which none does.
-    fn told_apart(&self) -> (Vec<&'static str>, Vec<&'static str>) {
-        let shows = |name: &str| {
+    /// Returns the observables that the step affects by more than the noise, and the other judged observables.
+    fn affected_and_unaffected(&self) -> (Vec<&'static str>, Vec<&'static str>) {
+        let is_affected = |name: &str| {
             let figures = self.steps.iter().filter(|step| step.is_usable()).flat_map(|step| &step.observables);
             let mut standings = figures.filter(|figure| figure.name == name).filter_map(|figure| figure.standing);
             standings.any(Standing::is_told_apart)
@@ -157,37 +160,38 @@ impl Study {
             let mut figures = self.steps.iter().filter(|step| step.is_usable()).flat_map(|step| &step.observables);
             figures.any(|figure| figure.name == *name && figure.standing.is_some())
         };
-        OBSERVABLES.iter().map(|(name, _)| *name).filter(judged).partition(|name| shows(name))
+        OBSERVABLES.iter().map(|(name, _)| *name).filter(judged).partition(|name| is_affected(name))
     }
 
-    /// The observable of a step whose noise leaves most room, how much, relatively, and how many seeds would see the error.
+    /// Returns the observable with the largest relative noise at step number `n`, that noise, and the number of seeds
+    /// that would resolve the target error.
     fn noisiest(&self, n: usize) -> Option<(&'static str, f64, f64)> {
         let finest = self.steps.iter().rfind(|step| step.is_usable())?;
-        let of = |figure: &Figure| {
+        let relative_noise = |figure: &Figure| {
             figure.standing?;
             let other = &finest.observables.iter().find(|other| other.name == figure.name)?.mean;
             let mean = &figure.mean;
             Some((figure.name, mean.noise(other) / other.mean.abs(), mean.runs_for(other, self.error)))
         };
-        self.steps[n].observables.iter().filter_map(of).max_by(|a, b| a.1.total_cmp(&b.1))
+        self.steps[n].observables.iter().filter_map(relative_noise).max_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// For people.
+    /// Returns the study as a plain-text table.
     #[must_use]
     pub fn table(&self) -> String {
-        let mut text = format!("{}: {} seeds, wanted error {:e}\n", self.scene, self.seeds, self.error);
+        let mut text = format!("{}: {} seeds, target error {:e}\n", self.scene, self.seeds, self.error);
         for step in &self.steps {
             let (factor, dt) = (step.factor, step.step_s);
-            // Writing to a string cannot fail, here and below.
+            // Writing to a string cannot fail.
             let _ = match (&step.refused, step.wall_s, step.ns_per_particle_step) {
-                (Some(why), ..) => writeln!(text, "\nstep {dt:.3e} s, {factor} of its own: refused: {why}"),
+                (Some(why), ..) => writeln!(text, "\nstep {dt:.3e} s, {factor} of the scene's: refused: {why}"),
                 (None, Some(wall), Some(ns)) => {
                     writeln!(
                         text,
-                        "\nstep {dt:.3e} s, {factor} of its own: {wall:.2} s a run, {ns:.1} ns a particle-step"
+                        "\nstep {dt:.3e} s, {factor} of the scene's: {wall:.2} s per run, {ns:.1} ns per particle-step"
                     )
                 }
-                _ => writeln!(text, "\nstep {dt:.3e} s, {factor} of its own"),
+                _ => writeln!(text, "\nstep {dt:.3e} s, {factor} of the scene's"),
             };
             if let Some(why) = &step.failure {
                 let _ = writeln!(text, "  {} failed: {why}", step.failed);
@@ -229,7 +233,7 @@ fn step(rung: &Rung) -> Step {
     }
 }
 
-/// Holds every observable against that of the finest usable step.
+/// Compares every observable with its value at the finest usable step, and sets the results in `steps`.
 fn judge(steps: &mut [Step], finest: usize, error: f64) {
     let reference = steps[finest].observables.clone();
     for (n, step) in steps.iter_mut().enumerate() {
