@@ -14,7 +14,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
 
 use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
-use crate::space::Space;
+use crate::space::{Linear, Space};
 use crate::spin::{Inertia, Spin, Torque};
 use crate::store::deferred_kick::PendingKick;
 use crate::store::mirror::MirrorSet;
@@ -168,6 +168,9 @@ impl<V: Space> ParticleStore<V> {
         let change = self.loads.force.of(row) - force;
         let correction = self.pending_kick_gain(row, change, pending);
         self.body[row].velocity += correction;
+        if let Some(added) = self.added.get_mut(row) {
+            *added -= change;
+        }
         self.loads.force.set(row, force);
         self.is_suspect |= !force.is_finite();
     }
@@ -175,6 +178,7 @@ impl<V: Space> ParticleStore<V> {
     fn write_spin(&mut self, row: usize, Spin(spin): Spin<V::Spin>, pending: KickPending) {
         if row < self.rotation.len() {
             self.rotation[row].spin = spin - self.pending_spin_gain(row, self.loads.torque.of(row), pending);
+            self.is_suspect |= !spin.is_finite();
         }
     }
 
@@ -183,6 +187,7 @@ impl<V: Space> ParticleStore<V> {
             let correction = self.pending_spin_gain(row, self.loads.torque.of(row) - torque, pending);
             self.rotation[row].spin += correction;
             self.loads.torque.set(row, torque);
+            self.is_suspect |= !torque.is_finite();
         }
     }
 }

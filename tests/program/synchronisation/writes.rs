@@ -173,3 +173,21 @@ fn a_system_that_cannot_be_synchronised_is_refused() {
     });
     assert_eq!(fault.code(), "behaviour::engine");
 }
+
+#[test]
+fn a_spin_that_is_not_finite_and_inserted_by_a_command_stops_the_run() {
+    let loaded = scene(FRICTION.0, FRICTION.1);
+    let insert = |clock: Res<Clock>, grains: Query<(Entity, &GrainId), With<Grain>>, mut commands: Commands| {
+        if clock.steps == 10 {
+            let (grain, _) = grains.iter().min_by_key(|(_, id)| **id).unwrap();
+            commands.entity(grain).insert(Spin(f64::NAN));
+        }
+    };
+    let mut run = with(&loaded, |app| {
+        app.add_systems(Step, insert.in_set(Phase::Control));
+    });
+    let Some(End::Failed(failure)) = run.run_steps(20) else {
+        panic!("the run goes on with a spin that is not finite")
+    };
+    assert!(failure.to_string().starts_with("step 10: the spin of "), "{failure}");
+}
