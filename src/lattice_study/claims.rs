@@ -1,8 +1,7 @@
 //! The paper's claims about its parameters, as orderings of observables, and what becomes of them.
 //!
-//! An ordering says that a quantity is larger by more than a factor in one variant than in another. It *holds* or
-//! *fails* by the means over the seeds; where they differ from it by less than two of their combined standard errors,
-//! it is *unclear*. What a claim that hangs on one statistic says, its neighbours need not: they are reported too. The
+//! An ordering says that a quantity is larger by more than a factor in one variant than in another. It *holds* or *fails* by
+//! the means over the seeds; where they differ from it by less than two of their combined standard errors, it is *unclear*. What a claim that hangs on one statistic says, its neighbours need not: they are reported too. The
 //! statements that one seed is enough for are the first of each claim; tests assert those that hold.
 
 use crate::lattice::observables::{QUANTITIES, Quantity};
@@ -260,8 +259,8 @@ pub fn shown(Mean { value, error }: Mean) -> String {
     if error > 0.0 { format!("{value:.decimals$} ± {error:.decimals$}") } else { format!("{value:.decimals$}") }
 }
 
-/// Standard deviation of a quantity over the base and all variants of one other parameter than g, each changed; of
-/// every seed by itself, and then the mean over the seeds.
+/// Standard deviation of a quantity over the base and all variants of one other parameter than g, each changed; of every
+/// seed by itself, and then the mean over the seeds.
 fn spread(results: &Results, silo: &str, symbol: &str, change: fn(Variant) -> Variant) -> Option<Mean> {
     let others = [BASE, p(0.8), p(0.0), q(0.8), q(0.0), b(0.8), b(0.0), k(0.8), k(0.0), h(0.8), h(0.0)];
     let quantity = quantity(symbol)?;

@@ -1,5 +1,4 @@
-//! One run of a study: the particles in blocks every ten steps from the opening of the door on, and densities for
-//! pictures.
+//! One run of a study: the particles in blocks every ten steps from the opening of the door on, and densities for pictures.
 
 use std::num::NonZeroUsize;
 

@@ -1,5 +1,4 @@
-//! What a study leaves: `claims.md`, `figures.csv`, a sheet of pictures for each silo, and the paper's first four
-//! figures.
+//! What a study leaves: `claims.md`, `figures.csv`, a sheet of pictures for each silo, and the paper's first four figures.
 
 use std::fmt::Write as _;
 

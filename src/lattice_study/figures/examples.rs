@@ -1,9 +1,9 @@
 //! Which collisions of four particles a figure shows, by a rule and not by hand.
 //!
-//! Of each class of states of four particles, the first one in ascending order (as numbers, bit i for velocity i) and
-//! the last one that has another sum V. A state counts only if there are outgoing states of the very same V both
-//! without a stopped particle and with one, so that all that is shown conserves number and momentum. Of the outgoing
-//! states five are kept, the first and then at even distances in the table.
+//! Of each class of states of four particles, the first one in ascending order (as numbers, bit i for velocity i) and the
+//! last one that has another sum V. A state counts only if there are outgoing states of the very same V both without a
+//! stopped particle and with one, so that all that is shown conserves number and momentum. Of the outgoing states five are
+//! kept, the first and then at even distances in the table.
 
 use crate::lattice::collisions::{Collisions, place};
 use crate::lattice::velocities::{MOVERS, in_bonds, momentum};

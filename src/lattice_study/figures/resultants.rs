@@ -1,7 +1,7 @@
 //! The resultants of collisions, and how one comes about (the paper's figure 2).
 //!
-//! The example is the first state of three movers, in ascending order, whose sum V points obliquely and for which there
-//! are outgoing states with V + v4 that share no velocity with it; of these the first.
+//! The example is the first state of three movers, in ascending order, whose sum V points obliquely and for which there are
+//! outgoing states with V + v4 that share no velocity with it; of these the first.
 
 use std::collections::BTreeMap;
 

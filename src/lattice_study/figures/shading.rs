@@ -1,8 +1,8 @@
 //! Cells as strokes of few greys and few characters.
 //!
-//! Each column of cells is painted with upright strokes one cell wide, lighter ones first: a stroke passes below all
-//! that is darker, so that one is enough where its grey comes back behind darker cells. Coordinates are whole numbers
-//! of cells, one relative to the next.
+//! Each column of cells is painted with upright strokes one cell wide, lighter ones first: a stroke passes below all that is
+//! darker, so that one is enough where its grey comes back behind darker cells. Coordinates are whole numbers of cells, one
+//! relative to the next.
 //!
 //! Limits. The cells of a panel are of one size and on one grid, as [`densities`](crate::lattice::pictures::densities)
 //! makes them; a density is shown to the nearest of 16 greys.
@@ -33,8 +33,7 @@ pub(super) fn shade(level: u8) -> Rgb {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Stroke(u8, i32, i32, i32);
 
-/// Paths in units of cells from the lower left corner of the first cell, by level, lightest first; white is not
-/// painted.
+/// Paths in units of cells from the lower left corner of the first cell, by level, lightest first; white is not painted.
 pub(super) fn paths(cells: &[Cell]) -> Vec<(u8, String)> {
     let mut paths = vec![String::new(); usize::from(LEVELS)];
     // Where each path ends.

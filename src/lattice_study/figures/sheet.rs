@@ -1,5 +1,5 @@
-//! A sheet of density pictures: a row a variant, a column a time, one scale and one grey for all (the paper's figures 5
-//! to 18).
+//! A sheet of density pictures: a row a variant, a column a time, one scale and one grey for all (the paper's figures 5 to
+//! 18).
 
 use std::fmt::Write as _;
 
@@ -49,8 +49,8 @@ impl Panel {
     }
 }
 
-/// The sheet: darker is denser, from 0 to 13 particles a site; `columns` are the heads of the columns, as `t = 100`.
-/// All panels have one scale and stand on the floor of their row.
+/// The sheet: darker is denser, from 0 to 13 particles a site; `columns` are the heads of the columns, as `t = 100`. All
+/// panels have one scale and stand on the floor of their row.
 #[must_use]
 pub fn sheet(rows: &[SheetRow], columns: &[String]) -> String {
     let layout = Layout::of(rows, columns);

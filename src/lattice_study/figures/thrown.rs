@@ -20,8 +20,8 @@ const LEGEND: f64 = 330.0;
 const PARABOLA: Rgb = [0xf2, 0xc1, 0x4e];
 const TRACE: Rgb = [0x8a; 3];
 
-/// Draws the traces of the first dozen of some thrown particles, the mean of all, the exact mean, and the parabola (a)
-/// as far as it is close to it.
+/// Draws the traces of the first dozen of some thrown particles, the mean of all, the exact mean, and the parabola (a) as far
+/// as it is close to it.
 #[must_use]
 pub fn thrown(flights: &Flights) -> String {
     let Flights { g, flights } = flights;

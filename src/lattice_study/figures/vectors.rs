@@ -12,8 +12,8 @@ const LATTICE: Lattice = Lattice { origin: Vector::new(320.0, 275.0), bond: 125.
 /// How far from the middle sites are drawn, bonds.
 const REACH: f64 = 2.1;
 
-/// The site in the middle, the vectors v1 to v12 to its nearest and second-nearest neighbours, to scale, and v0, a
-/// particle at rest.
+/// The site in the middle, the vectors v1 to v12 to its nearest and second-nearest neighbours, to scale, and v0, a particle
+/// at rest.
 #[must_use]
 pub fn vectors() -> String {
     let mut paper = Paper::new(WIDTH, HEIGHT);
