@@ -146,8 +146,8 @@ mod tests {
         assert_eq!(all.len(), 109);
         let by_count: Vec<usize> = (0..=12)
             .map(|m| {
-                let candidates = (0..4096).filter(|movers: &usize| movers.count_ones() == m);
-                candidates.map(|movers| momentum(to_state(movers))).collect::<HashSet<_>>().len()
+                let sets = (0..4096).filter(|movers: &usize| movers.count_ones() == m);
+                sets.map(|movers| momentum(to_state(movers))).collect::<HashSet<_>>().len()
             })
             .collect();
         assert_eq!(by_count, [1, 12, 37, 61, 85, 97, 97, 97, 85, 61, 37, 12, 1]);

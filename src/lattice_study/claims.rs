@@ -231,8 +231,8 @@ impl Statement {
             SpreadFalls(symbol) => {
                 let statement = format!("spread of {symbol} at g = 0.95 < at the base's g");
                 let spread = |change: fn(Variant) -> Variant| spread(results, silo, symbol, change);
-                compared(statement, spread(at_large_g), spread(|variant| variant), |at_large_g, base| {
-                    larger(base.value - at_large_g.value, at_large_g.error.hypot(base.error))
+                compared(statement, spread(at_large_g), spread(|variant| variant), |large_g, base| {
+                    larger(base.value - large_g.value, large_g.error.hypot(base.error))
                 })
             }
         }

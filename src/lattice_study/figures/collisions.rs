@@ -50,9 +50,9 @@ pub fn collisions() -> String {
 
 /// Returns the left side of a cell of a row, px. Cell 0 is the incoming state, 1 to 5 are elastic outgoing states, 6 to
 /// 10 have one particle stopped.
-fn left(draw_cell: u8) -> f64 {
-    let gaps = [0.0, GAP, 2.0 * GAP][usize::from(draw_cell > 0) + usize::from(draw_cell > 5)];
-    LEFT + f64::from(draw_cell) * CELL + gaps
+fn left(cell: u8) -> f64 {
+    let gaps = [0.0, GAP, 2.0 * GAP][usize::from(cell > 0) + usize::from(cell > 5)];
+    LEFT + f64::from(cell) * CELL + gaps
 }
 
 fn draw_row(paper: &mut Paper, top: f64, width: f64, example: &Example) {

@@ -77,9 +77,9 @@ impl Paper {
 
     /// Draws an arrow. The length of its head is 5 pen widths, but at most 0.7 of the length of the arrow.
     pub fn arrow(&mut self, from: Vector, to: Vector, pen: Pen) {
-        let polyline = to - from;
-        let length = polyline.length();
-        let ahead = if length > 0.0 { polyline / length } else { Vector::new(1.0, 0.0) };
+        let vector = to - from;
+        let length = vector.length();
+        let ahead = if length > 0.0 { vector / length } else { Vector::new(1.0, 0.0) };
         let head = (5.0 * pen.width).min(0.7 * length);
         let (base, aside) = (to - head * ahead, 0.4 * head * Vector::new(-ahead.y, ahead.x));
         // The line overlaps the head slightly, so that no gap is visible.
