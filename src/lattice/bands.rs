@@ -1,32 +1,32 @@
-//! A gas in bands of columns, which several threads may work on side by side.
+//! Splits the gas into bands of adjacent columns, which several threads process in parallel.
 //!
-//! One thread works on one band of all columns. No result depends on the bands: every decision reads draws of its own site
-//! and nothing that another site writes in the same pass.
+//! A single thread gets one band with all columns. Results do not depend on the bands: each decision uses the random
+//! numbers of its own site, and reads no value that another site writes in the same pass.
 
 use crate::lattice::gas::Gas;
 use crate::lattice::sites::{Run, Sites};
 use crate::threads::Threads;
 
-/// Bands for each thread: more than one, for columns are not equally full.
+/// Bands per thread. More than one, because columns hold different numbers of particles.
 const BANDS: usize = 4;
 
-/// Columns side by side.
+/// A band of adjacent columns. The slices cover the sites of the band only.
 pub(super) struct Band<'a> {
-    /// Runs of fluid sites in these columns.
+    /// Runs of fluid sites in the band, with indices into the whole lattice.
     pub runs: &'a [Run],
-    /// The site at which the band's parts of the lists begin.
+    /// Index of the band's first site in the whole lattice: element 0 of each slice.
     pub first: usize,
     pub states: &'a [u16],
     pub movers: &'a mut [u16],
     pub resting: &'a mut [u8],
     pub numbers: &'a mut [u8],
     pub held: &'a mut [u8],
-    /// Sites with stopped particles that want a place next to them, and how many, ascending.
+    /// Sites with stopped particles that need a rest place at a neighbour: (site, number of particles), ascending.
     pub spare: Vec<(usize, u8)>,
 }
 
-/// Stored sites of a band.
-fn length(sites: &Sites, threads: &Threads) -> usize {
+/// Returns the number of stored sites in a band; the last band may be shorter.
+fn band_length(sites: &Sites, threads: &Threads) -> usize {
     let columns = sites.kinds.len() / sites.stride;
     match threads.count() {
         1 => sites.kinds.len(),
@@ -34,22 +34,27 @@ fn length(sites: &Sites, threads: &Threads) -> usize {
     }
 }
 
-/// The runs in the band from site `first` on.
-fn runs(sites: &Sites, first: usize, length: usize) -> &[Run] {
+/// Returns the runs of the band that starts at site `first` and has `length` stored sites.
+fn runs(sites: &Sites, first: usize, band_length: usize) -> &[Run] {
     let begin = sites.runs.partition_point(|run| run.start < first);
-    let end = sites.runs.partition_point(|run| run.start < first + length);
+    let end = sites.runs.partition_point(|run| run.start < first + band_length);
     &sites.runs[begin..end]
 }
 
-/// Works on all bands of a gas; `spare` is that of all of them afterwards.
-pub(super) fn work(gas: &mut Gas, sites: &Sites, threads: &Threads, job: impl Fn(&mut Band<'_>) + Send + Sync) {
-    let length = length(sites, threads);
+/// Runs `job` on every band of a gas, then joins the `spare` lists of all bands in [`Gas::spare`].
+pub(super) fn for_each_band(
+    gas: &mut Gas,
+    sites: &Sites,
+    threads: &Threads,
+    job: impl Fn(&mut Band<'_>) + Send + Sync,
+) {
+    let band_length = band_length(sites, threads);
     let Gas { states, movers, resting, numbers, held, spare, .. } = gas;
-    let parts = states.chunks(length).zip(movers.chunks_mut(length)).zip(resting.chunks_mut(length));
-    let parts = parts.zip(numbers.chunks_mut(length).zip(held.chunks_mut(length)));
+    let parts = states.chunks(band_length).zip(movers.chunks_mut(band_length)).zip(resting.chunks_mut(band_length));
+    let parts = parts.zip(numbers.chunks_mut(band_length).zip(held.chunks_mut(band_length)));
     let bands = parts.enumerate().map(|(n, (((states, movers), resting), (numbers, held)))| {
-        let first = n * length;
-        Band { runs: runs(sites, first, length), first, states, movers, resting, numbers, held, spare: Vec::new() }
+        let first = n * band_length;
+        Band { runs: runs(sites, first, band_length), first, states, movers, resting, numbers, held, spare: Vec::new() }
     });
     let mut bands: Vec<Band> = bands.collect();
     threads.share(bands.iter_mut().map(|band| || job(band)));
@@ -59,15 +64,16 @@ pub(super) fn work(gas: &mut Gas, sites: &Sites, threads: &Threads, job: impl Fn
     }
 }
 
-/// Writes the states of all bands: the job gets a band's runs, its first site and its states.
-pub(super) fn write(
+/// Runs `job` on every band of `states`, with the band's runs, the index of its first site, and its states.
+pub(super) fn for_each_band_of_states(
     states: &mut [u16],
     sites: &Sites,
     threads: &Threads,
     job: impl Fn(&[Run], usize, &mut [u16]) + Send + Sync,
 ) {
-    let length = length(sites, threads);
+    let band_length = band_length(sites, threads);
     let job = &job;
-    let one = |(n, states): (usize, _)| move || job(runs(sites, n * length, length), n * length, states);
-    threads.share(states.chunks_mut(length).enumerate().map(one));
+    let band_job =
+        |(n, states): (usize, _)| move || job(runs(sites, n * band_length, band_length), n * band_length, states);
+    threads.share(states.chunks_mut(band_length).enumerate().map(band_job));
 }

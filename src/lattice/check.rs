@@ -1,19 +1,19 @@
-//! What can be told of a scene of the lattice gas before a run.
+//! Warnings about a lattice-gas scene that need no run.
 
 use crate::fault::Warning;
 use crate::lattice::door::DoorOpens;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::rest::Rest;
 
-/// Thickness of the layer over which the density falls off at the surface, m: one kick a site and step, with probability g,
-/// against at most 12 movers, so about 12/g sites. `None` without gravity.
+/// Returns the thickness of the layer over which the density falls to 0 at the surface, m. It is about 12/g sites,
+/// because a site gets one kick a step with probability g, against at most 12 movers. `None` if g = 0.
 #[must_use]
 pub fn diffuse_layer(loaded: &LoadedLattice) -> Option<f64> {
     let g = loaded.rules.g.get();
     (g > 0.0).then(|| 12.0 / g * loaded.rules.spacing.get())
 }
 
-/// What to expect of this scene that its author may not want.
+/// Returns warnings about effects of the scene that its author may not want.
 #[must_use]
 pub fn warnings(loaded: &LoadedLattice) -> Vec<Warning> {
     let (scene, rules) = (&loaded.scene, &loaded.rules);
@@ -36,9 +36,8 @@ pub fn warnings(loaded: &LoadedLattice) -> Vec<Warning> {
     if is_filled && rules.h.get() == 0.0 && rules.p.get() > 0.0 {
         warn(
             "check::stuck_particles",
-            "with h = 0 a particle that has stopped moves again only when another meets it: the silo will not run empty"
-                .to_owned(),
-            "give `h` a little above 0, or take it as a study of h",
+            "with h = 0 a stopped particle moves again only in a collision: the silo will not run empty".to_owned(),
+            "give a small `h` above 0, unless h = 0 is intended",
         );
     }
     if let Some(door) = scene.door {
@@ -47,24 +46,24 @@ pub fn warnings(loaded: &LoadedLattice) -> Vec<Warning> {
             warn(
                 "check::never_opens",
                 format!("the run ends at step {}, before the door opens", scene.until),
-                "raise `until`, let the door open, or lower `rest.hold`",
+                "raise `until`, lower `rest.hold`, or change `door.opens`",
             );
         }
         if door.opens == DoorOpens::AtRest && scene.rest.is_some_and(|rest| rest.stop) {
             warn(
                 "check::ends_at_rest",
-                "the run ends at rest, when the door opens: nothing will flow".to_owned(),
+                "the run ends at rest, in the step in which the door opens: nothing will flow".to_owned(),
                 "remove `rest.stop`, or the door",
             );
         }
     }
     if scene.pour.is_some_and(|pour| pour.chance.get() == 0.0) {
-        warn("check::no_pour", "nothing is ever poured: the chance is 0".to_owned(), "raise `pour.chance`");
+        warn("check::no_pour", "no particle is poured: `pour.chance` is 0".to_owned(), "raise `pour.chance`");
     }
     warnings
 }
 
-/// The earliest step in which the door may open.
+/// Returns the earliest step in which the door can open; `None` if it never opens.
 fn opens(when: DoorOpens, rest: Option<Rest>) -> Option<u64> {
     match when {
         DoorOpens::AtRest => rest.map(|rest| rest.hold),

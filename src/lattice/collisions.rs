@@ -1,8 +1,9 @@
-//! The collision table: which states of m movers have a wanted momentum, or come nearest to it.
+//! The collision table: lists the states of m movers with a given momentum, or with the momentum nearest to it.
 //!
-//! The 4096 sets of movers have 109 different sums V = (X, Y), 108 of them not zero. For every number of movers m and every
-//! V in reach of a collision, -8 <= X <= 8 and -14 <= Y <= 12, the table lists all sets of m movers whose sum is V; if there
-//! is none, all whose sum is nearest to it, by |V|^2 = (3 X^2 + Y^2)/4. A collision takes one of the list at random.
+//! The 4096 sets of movers have 109 different sums V = (X, Y), 108 of them nonzero. The table has an entry for each
+//! number of movers m and each V that a collision can reach, -8 <= X <= 8 and -14 <= Y <= 12. An entry lists all sets
+//! of m movers with the sum V. If no set has this sum, it lists all sets whose sum is nearest to V, measured by
+//! |V|^2 = (3 X^2 + Y^2)/4. A collision draws one set of the list at random.
 
 use std::sync::LazyLock;
 
@@ -13,25 +14,25 @@ const COLUMNS: u16 = 17;
 const ROWS: u16 = 27;
 const PLANE: usize = COLUMNS as usize * ROWS as usize;
 
-/// Place of a resultant in the table, and the number of movers that make it.
+/// Sum of the velocities of a state (as an index into the table), and the number of its movers.
 #[derive(Clone, Copy, Debug)]
 pub struct Sum {
-    /// Place of V within the part of the table for one number of movers.
+    /// Index of V within the part of the table for one number of movers: see [`place`].
     pub resultant: u16,
-    /// Movers.
+    /// Number of movers.
     pub count: u8,
 }
 
-/// States of one number of movers that have one sum, or come nearest to it.
+/// An entry of the table: the states with a given number of movers and a given sum, or with the nearest sum.
 #[derive(Clone, Copy, Debug)]
 pub struct Choice {
     first: u16,
     count: u8,
-    /// Whether they have the sum itself.
+    /// Whether the states have exactly the given sum.
     pub is_exact: bool,
 }
 
-/// The table.
+/// The collision table.
 #[derive(Debug)]
 pub struct Collisions {
     sums: Box<[Sum; 4096]>,
@@ -39,14 +40,17 @@ pub struct Collisions {
     states: Box<[u16]>,
 }
 
-/// What adding direction 4, straight down, does to the place of a resultant.
+/// Amount by which the index of a resultant decreases when direction 4, straight down, is added to the resultant.
 pub const DOWNWARDS: u16 = 2 * COLUMNS;
 
-/// The place of the resultant (X, Y).
+/// Returns the index of the resultant (X, Y).
+///
+/// # Panics
+/// In debug builds, if (X, Y) is outside the table.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within the table")]
 pub fn place((x, y): (i32, i32)) -> u16 {
-    debug_assert!((-8..=8).contains(&x) && (-14..=12).contains(&y), "({x}, {y}) is out of the table");
+    debug_assert!((-8..=8).contains(&x) && (-14..=12).contains(&y), "({x}, {y}) is outside the table");
     ((y + 14) * i32::from(COLUMNS) + x + 8) as u16
 }
 
@@ -59,13 +63,13 @@ impl Default for Collisions {
         let mut table = Self { sums: Box::new(sums), choices: Box::default(), states: Box::default() };
         let (mut choices, mut states) = (Vec::with_capacity(13 * PLANE), Vec::new());
         for count in 0..=12 {
-            let same: Vec<(u16, (i32, i32))> = (0..4096)
+            let candidates: Vec<(u16, (i32, i32))> = (0..4096)
                 .filter(|&movers: &usize| movers.count_ones() == count)
                 .map(|movers| (to_state(movers), momentum(to_state(movers))))
                 .collect();
             for row in 0..ROWS {
                 for column in 0..COLUMNS {
-                    choices.push(nearest(&same, to_resultant(row, column), &mut states));
+                    choices.push(nearest(&candidates, to_resultant(row, column), &mut states));
                 }
             }
         }
@@ -84,46 +88,46 @@ fn to_resultant(row: u16, column: u16) -> (i32, i32) {
     (i32::from(column) - 8, i32::from(row) - 14)
 }
 
-/// Appends all of `same` whose sum is nearest to V.
-fn nearest(same: &[(u16, (i32, i32))], (x, y): (i32, i32), states: &mut Vec<u16>) -> Choice {
+/// Appends to `states` all `candidates` (state, sum) whose sum is nearest to V = (x, y). Returns their entry.
+fn nearest(candidates: &[(u16, (i32, i32))], (x, y): (i32, i32), states: &mut Vec<u16>) -> Choice {
     let distance = |sum: (i32, i32)| 3 * (sum.0 - x).pow(2) + (sum.1 - y).pow(2);
-    let least = same.iter().map(|&(_, sum)| distance(sum)).min().unwrap_or(0);
+    let least = candidates.iter().map(|&(_, sum)| distance(sum)).min().unwrap_or(0);
     let first = u16::try_from(states.len()).unwrap_or(u16::MAX);
-    states.extend(same.iter().filter(|&&(_, sum)| distance(sum) == least).map(|&(state, _)| state));
+    states.extend(candidates.iter().filter(|&&(_, sum)| distance(sum) == least).map(|&(state, _)| state));
     let count = u8::try_from(states.len() - usize::from(first)).unwrap_or(u8::MAX);
     Choice { first, count, is_exact: least == 0 }
 }
 
 impl Collisions {
-    /// The table, made once and for all.
+    /// Returns the table, which is built on first use and shared by the whole program.
     #[must_use]
     pub fn shared() -> &'static Self {
         static TABLE: LazyLock<Collisions> = LazyLock::new(Collisions::default);
         &TABLE
     }
 
-    /// Sum and number of the movers of a state.
+    /// Returns the sum and the number of the movers of a state.
     #[inline]
     #[must_use]
     pub fn sum(&self, state: u16) -> Sum {
         self.sums[usize::from(state >> 1) & 0xFFF]
     }
 
-    /// The states of `count` movers for the resultant at a place.
+    /// Returns the entry for `count` movers and the resultant with index `resultant`.
     #[inline]
     #[must_use]
     pub fn choice(&self, count: u8, resultant: u16) -> Choice {
         self.choices[usize::from(count) * PLANE + usize::from(resultant)]
     }
 
-    /// One of the states, by a draw of 32 bits.
+    /// Returns one of the states of an entry; `draw` is a random number of 32 bits.
     #[inline]
     #[must_use]
     pub fn pick(&self, choice: Choice, draw: u32) -> u16 {
         self.states[usize::from(choice.first) + below(draw, choice.count.into()) as usize]
     }
 
-    /// All states of a choice.
+    /// Returns all states of an entry.
     #[must_use]
     pub fn states(&self, choice: Choice) -> &[u16] {
         &self.states[usize::from(choice.first)..][..usize::from(choice.count)]
@@ -137,13 +141,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn there_are_108_resultants_besides_zero() {
+    fn there_are_108_nonzero_resultants() {
         let all: HashSet<_> = (0..4096).map(|movers| momentum(to_state(movers))).collect();
         assert_eq!(all.len(), 109);
         let by_count: Vec<usize> = (0..=12)
             .map(|m| {
-                let same = (0..4096).filter(|movers: &usize| movers.count_ones() == m);
-                same.map(|movers| momentum(to_state(movers))).collect::<HashSet<_>>().len()
+                let sets = (0..4096).filter(|movers: &usize| movers.count_ones() == m);
+                sets.map(|movers| momentum(to_state(movers))).collect::<HashSet<_>>().len()
             })
             .collect();
         assert_eq!(by_count, [1, 12, 37, 61, 85, 97, 97, 97, 85, 61, 37, 12, 1]);
@@ -158,7 +162,7 @@ mod tests {
     }
 
     #[test]
-    fn every_choice_has_the_number_wanted_and_no_state_is_nearer() {
+    fn every_entry_lists_all_nearest_states_with_its_number_of_movers() {
         let table = Collisions::default();
         for m in 0..=12u8 {
             for (x, y) in (-8..=8).flat_map(|x| (-14..=12).map(move |y| (x, y))) {
@@ -179,7 +183,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fall_at_full_speed_takes_no_more_gravity() {
+    fn a_kick_does_not_change_a_mover_at_terminal_speed() {
         let table = Collisions::default();
         let Sum { resultant, count } = table.sum(1 << 9);
         assert_eq!(table.states(table.choice(count, resultant - DOWNWARDS)), [1 << 9]);

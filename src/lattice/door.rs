@@ -1,4 +1,4 @@
-//! The outlet: sites outside the outline that are wall until the door opens, and then a sink.
+//! The door: sites outside the outline that are walls until the door opens, and sinks afterwards.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -11,21 +11,21 @@ use crate::space::Vector;
 use crate::step::{Clock, Phase, Step};
 use crate::values::FiniteVector;
 
-/// The scene's `door`.
+/// The scene's key `door`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Door {
-    /// One end, on an edge of the outline, m.
+    /// First end of the door, on an edge of the outline, m.
     pub from: FiniteVector,
-    /// The other end, m.
+    /// Second end of the door, on the same edge, m.
     pub to: FiniteVector,
-    /// When it opens. Default `AtRest`.
+    /// When the door opens. Default `AtRest`.
     #[serde(default)]
     pub opens: DoorOpens,
 }
 
 impl Door {
-    /// Its ends, m.
+    /// Returns the two ends of the door, m.
     #[must_use]
     pub fn ends(self) -> (Vector, Vector) {
         (self.from.padded().truncate(), self.to.padded().truncate())
@@ -35,25 +35,25 @@ impl Door {
 /// When the door opens.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub enum DoorOpens {
-    /// When everything has entered and is at rest (`rest`).
+    /// When all particles have entered and the gas is at rest (scene key `rest`).
     #[default]
     AtRest,
-    /// At a step.
+    /// At the end of this step.
     At(u64),
     /// Never.
     Never,
 }
 
-/// The door's state.
+/// State of the door.
 #[derive(Resource, Debug)]
 pub struct DoorState {
     opens: DoorOpens,
-    /// The step at whose end it opened.
+    /// Step at the end of which the door opened; `None` while it is closed.
     pub open_step: Option<u64>,
 }
 
 impl DoorState {
-    /// Steps since it opened.
+    /// Returns the number of steps since the door opened; `None` while it is closed.
     #[must_use]
     pub fn steps_since(&self, clock: &Clock) -> Option<u64> {
         self.open_step.map(|opened| clock.steps - opened)
@@ -83,7 +83,7 @@ fn is_closed(state: Res<DoorState>) -> bool {
     state.open_step.is_none()
 }
 
-/// Opens the door as the scene says.
+/// Plugin that opens the door when the scene's `door.opens` says so.
 pub(super) struct DoorPlugin(pub Door);
 
 impl Plugin for DoorPlugin {

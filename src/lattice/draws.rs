@@ -1,42 +1,45 @@
-//! Random numbers of the lattice, keyed by site and step: no order of the sites and no number of threads matters.
+//! Random numbers of the lattice, keyed by site and step. They do not depend on the order of the sites or on the number
+//! of threads.
 //!
-//! Every decision of site s in step t, purpose f and sub-step j reads from a stream of its own:
+//! The decisions of site s in step t, for purpose f and sub-step j, use their own stream of words:
 //!
 //! ```text
 //! mix = the finaliser of splitmix64 (Steele, Lea, Flood, OOPSLA 2014)
-//! key = mix(seed ^ s 0xD1B54A32D192ED03 ^ (mix(8 t + f) + j 0x632BE59BD9B4E019)),   word(i) = mix(key + (i + 1) 0x9E3779B97F4A7C15)
+//! key = mix(seed ^ s 0xD1B54A32D192ED03 ^ (mix(8 t + f) + j 0x632BE59BD9B4E019))
+//! word(i) = mix(key + (i + 1) 0x9E3779B97F4A7C15)
 //! ```
 //!
-//! which is splitmix64 started at `key`. A draw is the lower or upper half of a word, and happens with chance c if it is
-//! less than c 2^32 (so that 0 never does and 1 always, and others to 2^-32).
+//! The words are the output of splitmix64 started at `key`. A draw is the lower or upper half of a word, 32 bits. An
+//! event with probability c happens if the draw is less than c 2^32. Probabilities 0 and 1 are exact. Others are
+//! rounded to multiples of 2^-32.
 
-/// What a stream is for.
+/// Purpose of a stream of random numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u8)]
 pub enum Purpose {
-    /// Particles that enter: the fill, and pouring.
+    /// Entering particles: filling and pouring.
     Enter = 0,
-    /// How many particles of a site stop.
+    /// Number of particles of a site that stop in a collision.
     Stop = 1,
-    /// Where the stopped ones that have no place go.
+    /// Neighbours that take the surplus stopped particles of a site.
     Scatter = 2,
-    /// What a collision gives.
+    /// Outgoing state of a collision.
     Collide = 3,
-    /// Which particles at rest move down.
+    /// Particles at rest that move down.
     Trickle = 4,
-    /// Random reflection.
+    /// Random reflection at walls.
     Reflect = 5,
-    /// Who stops at a wall.
+    /// Particles that stop at a rough wall.
     Rub = 6,
-    /// Where the ones that a wall has stopped go.
+    /// Neighbours that take the particles stopped by a wall.
     ScatterAtWall = 7,
 }
 
-/// The streams of one step, purpose and sub-step.
+/// The streams of all sites for one step, purpose and sub-step.
 #[derive(Clone, Copy, Debug)]
 pub struct Streams(u64);
 
-/// The stream of one site.
+/// The stream of one site: the key of its words.
 #[derive(Clone, Copy, Debug)]
 pub struct Draws(u64);
 
@@ -48,14 +51,14 @@ const fn mix(mut z: u64) -> u64 {
 }
 
 impl Streams {
-    /// The streams of a purpose in step `t`; `sub_step` tells several uses in one step apart.
+    /// Returns the streams for a purpose in step `t`. Different `sub_step`s give different streams within the step.
     #[must_use]
     pub fn new(seed: u64, t: u64, purpose: Purpose, sub_step: u64) -> Self {
         let moment = mix(t.wrapping_mul(8).wrapping_add(purpose as u64));
         Self(seed ^ moment.wrapping_add(sub_step.wrapping_mul(0x632B_E59B_D9B4_E019)))
     }
 
-    /// The stream of a site.
+    /// Returns the stream of a site.
     #[inline]
     #[must_use]
     pub fn of(self, site: usize) -> Draws {
@@ -64,14 +67,14 @@ impl Streams {
 }
 
 impl Draws {
-    /// The `i`-th word.
+    /// Returns word `i` of the stream, counted from 0.
     #[inline]
     #[must_use]
     pub fn word(self, i: u64) -> u64 {
         mix(self.0.wrapping_add((i + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15)))
     }
 
-    /// Its upper half.
+    /// Returns the upper half of word `i`.
     #[inline]
     #[must_use]
     pub fn high(self, i: u64) -> u32 {
@@ -79,41 +82,41 @@ impl Draws {
     }
 }
 
-/// The upper half of a word.
+/// Returns the upper half of a word.
 #[inline]
 #[must_use]
 pub fn high(word: u64) -> u32 {
     (word >> 32) as u32
 }
 
-/// The lower half of a word.
+/// Returns the lower half of a word.
 #[inline]
 #[must_use]
-#[expect(clippy::cast_possible_truncation, reason = "the lower half is wanted")]
+#[expect(clippy::cast_possible_truncation, reason = "keeps the lower half")]
 pub fn low(word: u64) -> u32 {
     word as u32
 }
 
-/// A whole number below `n`, by a draw.
+/// Returns a random integer from 0 to `n` - 1 for the draw `draw`.
 #[inline]
 #[must_use]
 pub fn below(draw: u32, n: u32) -> u32 {
     high(u64::from(draw) * u64::from(n))
 }
 
-/// A probability, to be asked.
+/// A probability, as a multiple of 2^-32.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Chance(u64);
 
 impl Chance {
-    /// The chance of a probability from 0 to 1.
+    /// Converts a probability, clamped to 0..=1.
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of 2^32")]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to 2^32")]
     pub fn of(probability: f64) -> Self {
         Self((probability.clamp(0.0, 1.0) * 2f64.powi(32)).round() as u64)
     }
 
-    /// Whether it happens, by a draw.
+    /// Whether the event happens for the draw `draw`.
     #[inline]
     #[must_use]
     pub fn happens(self, draw: u32) -> bool {
@@ -121,12 +124,12 @@ impl Chance {
     }
 }
 
-/// The largest n with r < a^n, for r uniform in 0..1: of which P(n >= j) = a^j.
+/// A geometric distribution: n is the largest integer with r < a^n for r uniform in 0..1, so that P(n >= j) = a^j.
 #[derive(Clone, Copy, Debug)]
 pub struct Geometric([Chance; 14]);
 
 impl Geometric {
-    /// For the base `a` from 0 to 1.
+    /// Creates the distribution with base `a`, from 0 to 1.
     #[must_use]
     pub fn new(a: f64) -> Self {
         let mut power = 1.0;
@@ -137,19 +140,19 @@ impl Geometric {
         }))
     }
 
-    /// n, at most `cap`, itself from 2 to 13, by a draw.
+    /// Returns n, limited to `cap`, for the draw `draw`; `cap` is from 2 to 13.
     #[inline]
     #[must_use]
     pub fn draw(&self, draw: u32, cap: u8) -> u8 {
-        debug_assert!(cap >= 2, "a collision of two or more");
-        // Two comparisons cost less than one branch that nothing can foresee; more are rare.
+        debug_assert!(cap >= 2, "a collision has at least two particles");
+        // Two comparisons cost less than one unpredictable branch. Larger n are rare.
         let n = u8::from(self.0[1].happens(draw)) + u8::from(self.0[2].happens(draw));
-        if self.0[3].happens(draw) { self.many(draw, cap) } else { n }
+        if self.0[3].happens(draw) { self.draw_at_least_three(draw, cap) } else { n }
     }
 
-    /// n of three or more, but for the cap.
+    /// Returns n if it is at least 3 without the cap.
     #[cold]
-    fn many(&self, draw: u32, cap: u8) -> u8 {
+    fn draw_at_least_three(&self, draw: u32, cap: u8) -> u8 {
         (0..cap).find(|&n| !self.0[usize::from(n) + 1].happens(draw)).unwrap_or(cap)
     }
 }
@@ -170,14 +173,14 @@ mod tests {
 
     #[test]
     fn streams_differ_by_seed_site_step_purpose_and_sub_step() {
-        let one = |seed, t, purpose, sub, site| Streams::new(seed, t, purpose, sub).of(site).word(0);
+        let first_word = |seed, t, purpose, sub, site| Streams::new(seed, t, purpose, sub).of(site).word(0);
         let all = [
-            one(1, 1, Purpose::Stop, 0, 1),
-            one(2, 1, Purpose::Stop, 0, 1),
-            one(1, 2, Purpose::Stop, 0, 1),
-            one(1, 1, Purpose::Scatter, 0, 1),
-            one(1, 1, Purpose::Stop, 1, 1),
-            one(1, 1, Purpose::Stop, 0, 2),
+            first_word(1, 1, Purpose::Stop, 0, 1),
+            first_word(2, 1, Purpose::Stop, 0, 1),
+            first_word(1, 2, Purpose::Stop, 0, 1),
+            first_word(1, 1, Purpose::Scatter, 0, 1),
+            first_word(1, 1, Purpose::Stop, 1, 1),
+            first_word(1, 1, Purpose::Stop, 0, 2),
         ];
         for (i, a) in all.iter().enumerate() {
             assert!(all[..i].iter().all(|b| b != a));
@@ -185,7 +188,7 @@ mod tests {
     }
 
     #[test]
-    fn chances_of_none_and_one_are_certain() {
+    fn probabilities_zero_and_one_are_exact() {
         assert!(!Chance::of(0.0).happens(0));
         assert!(Chance::of(1.0).happens(u32::MAX));
         assert_eq!([0.0, 1.0].map(|a| Geometric::new(a).draw(u32::MAX / 2, 5)), [0, 5]);
@@ -193,7 +196,7 @@ mod tests {
     }
 
     #[test]
-    fn the_geometric_law_has_its_tail() {
+    fn the_geometric_distribution_has_its_tail_probabilities() {
         let (law, streams, n) = (Geometric::new(0.4), Streams::new(5, 1, Purpose::Stop, 0), 100_000);
         let mut at_least = [0u32; 5];
         for site in 0..n {

@@ -1,5 +1,5 @@
-//! When a run of the lattice gas ends: it is empty, at rest (if the scene says so), so many steps after the door has opened,
-//! or time is up.
+//! Ends a run of the lattice gas: when the silo is empty, when the gas is at rest (if `rest.stop`), `discharge` steps
+//! after the door has opened, or after `until` steps.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -32,11 +32,11 @@ fn end_at_step(clock: Res<Clock>, until: Res<Until>, mut outcome: ResMut<Outcome
     }
 }
 
-/// Ends the run.
+/// Plugin that ends the run when the silo is empty, after the last step, or at rest.
 pub(super) struct EndingPlugin {
-    /// At the latest, steps.
+    /// Last step of the run.
     pub until: u64,
-    /// Whether rest ends it.
+    /// Whether the run ends when the gas is at rest.
     pub stop_at_rest: bool,
 }
 
@@ -64,7 +64,7 @@ fn end_after_opening(
     }
 }
 
-/// Ends the run so many steps after the door has opened.
+/// Plugin that ends the run this number of steps after the door has opened.
 pub(super) struct DischargePlugin(pub u64);
 
 impl Plugin for DischargePlugin {

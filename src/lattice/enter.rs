@@ -1,8 +1,8 @@
-//! How particles enter: all at once, poured in at the top, or one by one where a scene puts them.
+//! Adds particles to the silo: a random fill at the start, pouring at the top, or single particles at given places.
 //!
-//! *Fill*: each of a site's thirteen states is taken with probability `per_site`/13. *Pour*: at the beginning of each step
-//! every site of the top three rows without a particle on its way down gets one with probability `chance`, until there
-//! are `per_site` times as many particles as sites.
+//! *Fill*: each of a site's thirteen states is occupied with probability `per_site`/13. *Pour*: at the start of each
+//! step, each site of the top three rows that has no downward mover (direction 4) gets one with probability `chance`.
+//! Pouring ends when `per_site` times the number of sites have entered.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -19,21 +19,21 @@ use crate::space::Plane;
 use crate::step::{Clock, Phase, Step, time_moves};
 use crate::values::{FiniteVector, Positive, Share};
 
-/// The scene's `fill`.
+/// The scene's key `fill`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Fill {
-    /// Particles a site, in the mean, at most 13.
+    /// Mean number of particles per site, at most 13.
     pub per_site: Positive,
 }
 
-/// The scene's `pour`.
+/// The scene's key `pour`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Pour {
-    /// How many particles in all, in units of the number of sites, at most 13.
+    /// Total number of particles that enter, divided by the number of sites; at most 13.
     pub per_site: Positive,
-    /// Chance of one at a site of the top rows in a step. Default 0.5.
+    /// Probability that a free site of the top rows gets a particle in a step. Default 0.5.
     #[serde(default = "half")]
     pub chance: Share,
 }
@@ -42,20 +42,20 @@ fn half() -> Share {
     Share::try_from(0.5).expect("a share")
 }
 
-/// One of the scene's `particles`.
+/// A single particle of the start: an element of the scene's key `particles`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Thrown {
-    /// Where, m: at the nearest site.
+    /// Place, m; the particle starts at the nearest fluid site.
     pub at: FiniteVector,
-    /// Its velocity: 0 at rest, 1 to 12 a direction.
+    /// Velocity: 0 for rest, 1 to 12 for a direction of [`velocities`](crate::lattice::velocities).
     pub velocity: u8,
 }
 
-/// Rows of sites that are poured into.
+/// Number of rows at the top that particles are poured into.
 const POURED_ROWS: i32 = 3;
 
-/// Puts the particles of the start into the gas.
+/// Adds the particles of the start, from the scene's `particles` and `fill`, to the gas.
 pub(super) fn enter(loaded: &LoadedLattice, sites: &Sites, gas: &mut Gas) {
     for thrown in &loaded.scene.particles {
         if let Some(site) = sites.nearest(thrown.at.get::<Plane>()) {
@@ -73,22 +73,28 @@ pub(super) fn enter(loaded: &LoadedLattice, sites: &Sites, gas: &mut Gas) {
     }
 }
 
-/// The sites of the top rows and how many particles are to come.
+/// Sites of the top rows, the probability of a particle there, and the number of particles that enter in total.
 #[derive(Resource)]
-struct Hopper {
+struct PourSource {
     sites: Vec<usize>,
     chance: Chance,
     target: u64,
 }
 
-fn pour(clock: Res<Clock>, odds: Res<Odds>, hopper: Res<Hopper>, mut gas: ResMut<Gas>, mut pending: ResMut<Pending>) {
-    // The clock moves on later in the step.
+fn pour(
+    clock: Res<Clock>,
+    odds: Res<Odds>,
+    source: Res<PourSource>,
+    mut gas: ResMut<Gas>,
+    mut pending: ResMut<Pending>,
+) {
+    // Phase::Spawn comes before the clock advances to this step.
     let streams = Streams::new(odds.seed, clock.steps + 1, Purpose::Enter, 0);
     let is_free = |&site: &usize| gas.states()[site] & 1 << DOWN == 0;
-    let gets_one = |&site: &usize| hopper.chance.happens(streams.of(site).high(0));
-    let mut chosen: Vec<usize> = hopper.sites.iter().copied().filter(is_free).filter(gets_one).collect();
-    // The last of them go where another draw says, not where the store begins.
-    let left = usize::try_from(hopper.target.saturating_sub(gas.entered())).unwrap_or(usize::MAX);
+    let gets_one = |&site: &usize| source.chance.happens(streams.of(site).high(0));
+    let mut chosen: Vec<usize> = source.sites.iter().copied().filter(is_free).filter(gets_one).collect();
+    // The last particles go to random sites of the chosen ones, so that low site indices have no preference.
+    let left = usize::try_from(source.target.saturating_sub(gas.entered())).unwrap_or(usize::MAX);
     if chosen.len() > left {
         chosen.sort_by_key(|&site| streams.of(site).word(1));
         chosen.truncate(left);
@@ -96,22 +102,22 @@ fn pour(clock: Res<Clock>, odds: Res<Odds>, hopper: Res<Hopper>, mut gas: ResMut
     for site in chosen {
         gas.add(site, DOWN);
     }
-    pending.0 = u32::try_from(hopper.target.saturating_sub(gas.entered())).unwrap_or(u32::MAX);
+    pending.0 = u32::try_from(source.target.saturating_sub(gas.entered())).unwrap_or(u32::MAX);
 }
 
-fn is_not_full(pending: Res<Pending>) -> bool {
+fn particles_are_pending(pending: Res<Pending>) -> bool {
     pending.0 > 0
 }
 
-/// Pours.
+/// Plugin that pours particles in at the top.
 pub(super) struct PourPlugin {
-    hopper: (Vec<usize>, Chance, u64),
+    source: (Vec<usize>, Chance, u64),
 }
 
 impl PourPlugin {
-    /// For a silo.
+    /// Creates the plugin for a silo with these sites.
     pub fn new(config: &Pour, sites: &Sites) -> Self {
-        // A site's row is Y/2, rounded down, for a column of either parity.
+        // The row of a site is Y/2, rounded down, in columns of either parity.
         let row = |s: usize| sites.coordinates(s).1 / 2;
         let top = sites.fluid().map(row).max().unwrap_or(0);
         let poured = sites.fluid().filter(|&s| row(s) > top - POURED_ROWS).collect();
@@ -119,18 +125,18 @@ impl PourPlugin {
             clippy::cast_precision_loss,
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a count"
+            reason = "a particle count"
         )]
         let target = (config.per_site.get() * sites.fluid_count() as f64).round() as u64;
-        Self { hopper: (poured, Chance::of(config.chance.get()), target) }
+        Self { source: (poured, Chance::of(config.chance.get()), target) }
     }
 }
 
 impl Plugin for PourPlugin {
     fn build(&self, app: &mut App) {
-        let (sites, chance, target) = self.hopper.clone();
+        let (sites, chance, target) = self.source.clone();
         app.insert_resource(Pending(u32::try_from(target).unwrap_or(u32::MAX)))
-            .insert_resource(Hopper { sites, chance, target })
-            .add_systems(Step, pour.in_set(Phase::Spawn).run_if(is_not_full).run_if(time_moves));
+            .insert_resource(PourSource { sites, chance, target })
+            .add_systems(Step, pour.in_set(Phase::Spawn).run_if(particles_are_pending).run_if(time_moves));
     }
 }

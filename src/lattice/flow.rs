@@ -1,8 +1,9 @@
 //! `flow.csv` of a lattice gas: the [field of mean velocity](crate::measure::flow) over the middle of its discharge.
 //!
-//! As that of grains ([`output::flow`](crate::output::flow)): a sample every `flow.sample` steps while the share of all
-//! particles that are out is from `flow.from` to `flow.to`, cells of `flow.cell` m. Every particle counts alike. Velocities
-//! are in m a step: `vx_m_per_step`, `vy_m_per_step`.
+//! The file is like the `flow.csv` of grains ([`output::flow`](crate::output::flow)). The field has cells of
+//! `flow.cell` m. A sample is taken every `flow.sample` steps while the share of particles that are out is from
+//! `flow.from` to `flow.to`. All particles have equal weight. Velocities are in m per step: `vx_m_per_step`,
+//! `vy_m_per_step`.
 
 use std::path::Path;
 
@@ -44,7 +45,7 @@ fn sample((sites, gas): (Res<Sites>, Res<Gas>), mut sampler: ResMut<FlowSampler>
     }
 }
 
-/// Takes the field.
+/// Plugin that samples the field and writes `flow.csv` at the end of the run.
 pub(crate) struct FlowPlugin {
     config: Flow,
     sampler: Parcel<FlowSampler>,

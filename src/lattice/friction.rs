@@ -1,8 +1,8 @@
-//! Rough walls that stop particles (phase D, the paper's second method).
+//! Wall friction: rough walls stop particles (phase D, the paper's second method).
 //!
-//! Every mover that a rough wall blocks stops with probability b. One of the stopped takes the site's own place at rest, if
-//! it is free; the others look for one next to it ([`scatter`](crate::lattice::scatter)), where sites are as crowded as they
-//! have movers. Who finds none goes on and is reflected.
+//! Each mover that a rough wall blocks stops with probability b. One of the stopped particles takes the site's own rest
+//! place if it is free. The others need a rest place at a neighbour ([`scatter`](crate::lattice::scatter)), which
+//! prefers neighbours with few movers. A particle that finds no place keeps moving and is reflected.
 
 use crate::lattice::draws::{Draws, Purpose, Streams, below};
 use crate::lattice::gas::Gas;
@@ -11,17 +11,17 @@ use crate::lattice::scatter::{Rounds, scatter};
 use crate::lattice::sites::{Edge, Sites};
 use crate::lattice::velocities::{directions, nth};
 
-/// Words of a stream from which it is drawn who has found a place.
+/// First word of a stream that selects the particles that have found a place.
 const PLACED: u64 = 13;
 
-/// Movers of a site that a wall has stopped and that want a place elsewhere.
+/// Movers of a site that a wall has stopped and that need a rest place at a neighbour.
 struct Stopped {
     site: usize,
     movers: u16,
     placed: u64,
 }
 
-/// Stops particles at rough walls.
+/// Stops particles at rough walls in step `t`.
 pub(super) fn rub(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Rub, 0);
     let mut stopped: Vec<Stopped> = Vec::new();
@@ -44,14 +44,15 @@ pub(super) fn rub(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
     });
     for Stopped { site, movers: mut left, placed } in stopped {
         for i in 0..placed {
-            let gone = nth(left, below(streams.of(site).high(PLACED + i), left.count_ones()));
-            left &= !(1 << gone);
-            movers[site] &= !(1 << gone);
+            let removed = nth(left, below(streams.of(site).high(PLACED + i), left.count_ones()));
+            left &= !(1 << removed);
+            movers[site] &= !(1 << removed);
         }
     }
 }
 
-/// The movers of a site that the wall stops, but for the one that rests there.
+/// Draws the movers of a site that the wall stops, and puts one of them into the site's own rest place if it is free.
+/// Returns the other stopped movers, as a state.
 fn stopped_at(edge: &Edge, gas: &mut Gas, odds: &Odds, draws: Draws) -> u16 {
     let hits = gas.movers[edge.site] & edge.rough;
     let mut stopped =

@@ -1,36 +1,37 @@
-//! The gas: a state for each site, and what the phases of a step hand on to each other.
+//! The gas: the state of each site, and the intermediate results that the phases of a step pass to each other.
 //!
-//! Between steps only [`Gas::states`] counts. Within a step, collisions leave outgoing movers in `movers` and particles at
-//! rest in `resting`, walls and gravity change them, and propagation makes the next states of them.
+//! Between steps only [`Gas::states`] is meaningful. Within a step, the collision phases write outgoing movers to
+//! `movers` and particles at rest to `resting`. Wall friction and gravity change them. Propagation combines them into
+//! the next states.
 
 use bevy_ecs::prelude::*;
 
 use crate::lattice::sites::{Kind, Sites};
 
-/// The particles.
+/// All particles of the lattice. The lists have an element for each stored site.
 #[derive(Resource, Clone, Debug)]
 pub struct Gas {
-    /// Of each site, bit i for a particle with velocity i; 0 where nothing can be.
+    /// State of each site: bit i is set if there is a particle with velocity i. 0 at walls and sinks.
     pub(super) states: Vec<u16>,
-    /// Of each site, outgoing movers; none at walls.
+    /// Outgoing movers of each site, as a state; 0 at walls and sinks.
     pub(super) movers: Vec<u16>,
-    /// Of each site, whether the place at rest is taken: 1, at walls [`CLOSED`].
+    /// Rest place of each site: 0 free, 1 taken, [`CLOSED`] at walls and sinks.
     pub(super) resting: Vec<u8>,
-    /// Of each site, particles before the collision.
+    /// Number of particles of each site before the collision.
     pub(super) numbers: Vec<u8>,
-    /// Of each site, particles that the collision has stopped, there or next to it.
+    /// Number of particles of each site that the collision has stopped, in the site's own rest place or at a neighbour.
     pub(super) held: Vec<u8>,
-    /// Sites with stopped particles that want a place next to them, and how many.
+    /// Stopped particles that need a rest place at a neighbour: (site, number of particles).
     pub(super) spare: Vec<(usize, u8)>,
     entered: u64,
     out: u64,
 }
 
-/// Of `resting`, where no particle can rest.
+/// Value of [`Gas::resting`] at sites where no particle can rest.
 pub(super) const CLOSED: u8 = 2;
 
 impl Gas {
-    /// An empty gas.
+    /// Creates a gas without particles.
     #[must_use]
     pub fn new(sites: &Sites) -> Self {
         let count = sites.kinds.len();
@@ -47,13 +48,14 @@ impl Gas {
         }
     }
 
-    /// The states by site: bit i for a particle with velocity i.
+    /// Returns the state of each stored site: bit i is set if there is a particle with velocity i.
     #[must_use]
     pub fn states(&self) -> &[u16] {
         &self.states
     }
 
-    /// Adds a particle with velocity `direction` at a fluid site, unless there is one already; tells whether it did.
+    /// Adds a particle with velocity `direction` at a site and returns true. Returns false if the site already has a
+    /// particle with this velocity or is not a fluid site.
     pub fn add(&mut self, site: usize, direction: usize) -> bool {
         let is_free = self.resting[site] != CLOSED && self.states[site] & 1 << direction == 0;
         if is_free {
@@ -63,31 +65,32 @@ impl Gas {
         is_free
     }
 
-    /// Particles that have entered.
+    /// Returns the number of particles that have entered.
     #[must_use]
     pub fn entered(&self) -> u64 {
         self.entered
     }
 
-    /// Particles that have gone out.
+    /// Returns the number of particles that have left through the door.
     #[must_use]
     pub fn out(&self) -> u64 {
         self.out
     }
 
-    /// Particles that should be inside.
+    /// Returns the number of particles inside by the balance: entered minus out.
     #[must_use]
     pub fn inside(&self) -> u64 {
         self.entered - self.out
     }
 
-    /// Particles that are inside, counted.
+    /// Counts the particles inside, from the states. It differs from [`Gas::inside`] only if a particle was lost.
     #[must_use]
     pub fn count(&self) -> u64 {
         self.states.iter().map(|state| u64::from(state.count_ones())).sum()
     }
 
-    pub(super) fn let_out(&mut self, count: u32) {
+    /// Counts particles that have arrived in a sink.
+    pub(super) fn add_out(&mut self, count: u32) {
         self.out += u64::from(count);
     }
 }

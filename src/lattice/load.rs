@@ -1,4 +1,4 @@
-//! A scene of the lattice gas, loaded and checked.
+//! Loads and checks a scene of the lattice gas.
 
 use std::path::Path;
 
@@ -16,29 +16,29 @@ use crate::values::FiniteVector;
 /// A scene of the lattice gas that is ready to run.
 #[derive(Debug)]
 pub struct LoadedLattice {
-    /// What the file says, with `--set` applied.
+    /// The keys of the scene file, with `--set` applied.
     pub scene: LatticeScene,
-    /// Its text.
+    /// The text of the scene file.
     pub source: Source,
-    /// The rules.
+    /// The parameters of the automaton, from the scene's `method`.
     pub rules: Rules,
-    /// The sites of the silo, its door closed.
+    /// The sites of the silo with its door closed.
     pub sites: Sites,
 }
 
 impl LoadedLattice {
-    /// Loads the scene at `path`, each of `settings` (key path, value as RON) applied to its text first.
+    /// Loads the scene at `path`. Each of `settings` (key path, value as RON) first replaces a value in its text.
     ///
     /// # Errors
-    /// If the file cannot be read, is not what it should be, or a rule is broken.
+    /// If the file cannot be read, is not a valid lattice-gas scene, or breaks a rule between keys.
     pub fn read(path: &Path, settings: &[(String, String)]) -> Result<Self, Fault> {
         Self::new(Source::read(path)?, settings)
     }
 
-    /// The same for a text.
+    /// Like [`LoadedLattice::read`], but loads the scene from a text in memory.
     ///
     /// # Errors
-    /// As [`LoadedLattice::read`].
+    /// If the text is not a valid lattice-gas scene or breaks a rule between keys.
     pub fn new(mut source: Source, settings: &[(String, String)]) -> Result<Self, Fault> {
         let scene: LatticeScene = source.parse(settings)?;
         let Method::LatticeGas(rules) = scene.method else {
@@ -54,19 +54,20 @@ impl LoadedLattice {
         Ok(loaded)
     }
 
-    /// A fault that points at the value of `key`.
+    /// Creates a fault that points at the value of `key`.
     pub(super) fn fault(&self, code: &'static str, key: &str, message: impl Into<String>, help: &str) -> Fault {
         self.source.fault(code, key, message).help(help)
     }
 
-    /// The silo.
+    /// Returns the outline of the silo.
     #[must_use]
     pub fn outline(&self) -> Polygon {
         polygon(&self.scene.outline)
     }
 }
 
-/// The polygon of some corners; one that repeats the one before it, or the first at the end, is no corner of its own.
+/// Returns the polygon with these corners. A corner equal to the previous one is dropped, as is a last corner equal to
+/// the first.
 pub(super) fn polygon(corners: &[FiniteVector]) -> Polygon {
     let mut corners: Vec<Vector> = corners.iter().map(|corner| corner.padded().truncate()).collect();
     corners.dedup();

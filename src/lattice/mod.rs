@@ -1,21 +1,24 @@
-//! The lattice gas: silo flow by cellular automaton.
+//! The lattice gas: simulates silo flow with a cellular automaton.
 //!
-//! Particles sit on a triangular lattice, at most thirteen at a site: one at rest and one on its way in each of twelve
-//! directions ([`velocities`]). In a step they enter ([`enter`]), collide (`stop`, `scatter`, `collide`), rub at walls
-//! (`friction`), trickle down (`trickle`) and move on (`propagate`). Six probabilities rule them ([`rules`]). After J.
-//! Kozicki and J. Tejchman, Simulations of flow patterns in silos with a cellular automaton, part 2, TASK Quarterly 9(1),
-//! 2005; where the paper leaves something open, the module that decides says so.
+//! Particles occupy the sites of a triangular lattice. A site holds at most thirteen particles: one at rest and one
+//! moving in each of twelve directions ([`velocities`]). In each step particles enter ([`enter`]), collide (`stop`,
+//! `scatter`, `collide`), stop at rough walls (`friction`), move down from rest (`trickle`) and propagate to other
+//! sites (`propagate`). Six probabilities are the parameters of these rules ([`rules`]).
 //!
-//! Lengths are in m by the scene's `spacing`. Times are in steps: a step is no time of nature, and only shares of a
-//! discharge compare with it.
+//! Source: J. Kozicki and J. Tejchman, Simulations of flow patterns in silos with a cellular automaton, part 2, TASK
+//! Quarterly 9(1), 2005. Where the paper leaves a rule open, the header of the module with the rule states the choice.
 //!
-//! Limits. Energy is not conserved, only number and, without p, q, k, g, h and b, momentum. The densest state is 12 movers and
-//! one at rest; one downward kick a site and step against at most twelve movers makes the upper layer of a bed about 12/g
-//! sites thick: all gas at g = 0.05, a sharp surface at g = 0.95. With h = 0, and nearly so with p = 0.8, single particles
-//! stay at rest above the bed.
+//! Lengths are in m; the scene's `spacing` sets the scale. Times are in steps. A step has no physical duration, so only
+//! the progress of a discharge can be compared with other models.
 //!
-//! The lattice is one resource and not an entity a particle: [`Gas`](gas::Gas) and [`Sites`](sites::Sites) are what a
-//! behaviour works on, in the phases of every [`Step`](crate::step::Step).
+//! Limits. The number of particles is conserved; energy is not. Momentum is conserved only if p, q, k, g, h and b are
+//! all 0. The densest state of a site is 12 movers and one particle at rest. A site gets at most one downward kick a
+//! step, against at most 12 movers, so the upper layer of a bed is about 12/g sites thick: the bed is all gas at
+//! g = 0.05 and has a sharp surface at g = 0.95. With h = 0, and nearly so with p = 0.8, single particles stay at rest
+//! above the bed.
+//!
+//! The lattice is one ECS resource; its particles are not entities. A behaviour works on [`Gas`](gas::Gas) and
+//! [`Sites`](sites::Sites), in the phases of each [`Step`](crate::step::Step).
 
 pub mod check;
 pub mod collisions;

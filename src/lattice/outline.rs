@@ -1,54 +1,54 @@
-//! The outline of a silo and its inserts: polygons, of which a point is inside or outside, and nearest edges.
+//! Polygons for the outline of a silo and its inserts: point-in-polygon test and nearest edge.
 
 use crate::space::Vector;
 
-/// A closed polygon, its corners in either sense, m.
+/// A closed polygon: its corners in order, clockwise or anticlockwise, m.
 #[derive(Clone, Debug)]
 pub struct Polygon(pub Vec<Vector>);
 
 impl Polygon {
-    /// The edges, from corner to corner.
+    /// Returns the edges (from, to), in the order of the corners.
     pub fn edges(&self) -> impl Iterator<Item = (Vector, Vector)> {
         let next = self.0.iter().skip(1).chain(self.0.first());
         self.0.iter().copied().zip(next.copied())
     }
 
-    /// Whether a point is inside, or within `tolerance` (m) of the boundary.
+    /// Whether the point `x` is inside, or within `tolerance` (m) of the boundary.
     #[must_use]
     pub fn holds(&self, x: Vector, tolerance: f64) -> bool {
         let is_on_edge = self.edges().any(|edge| distance(x, edge) <= tolerance);
-        // Every crossing of the ray to the right changes sides.
+        // A point is inside if a ray to its right crosses the boundary an odd number of times.
         let crosses = |(a, b): (Vector, Vector)| {
             (a.y > x.y) != (b.y > x.y) && x.x < a.x + (x.y - a.y) / (b.y - a.y) * (b.x - a.x)
         };
         is_on_edge || self.edges().filter(|&edge| crosses(edge)).count() % 2 == 1
     }
 
-    /// Lower left and upper right corner of what it spans, m.
+    /// Returns the lower left and the upper right corner of the bounding box, m.
     #[must_use]
     pub fn bounds(&self) -> (Vector, Vector) {
         let infinity = Vector::splat(f64::INFINITY);
         self.0.iter().fold((infinity, -infinity), |(low, high), &x| (low.min(x), high.max(x)))
     }
 
-    /// Whether two edges that are no neighbours cross or touch.
+    /// Whether two edges that do not share a corner cross or touch.
     #[must_use]
     pub fn crosses_itself(&self) -> bool {
         let edges: Vec<_> = self.edges().collect();
         let are_neighbours = |i: usize, j: usize| i + 1 == j || (i == 0 && j + 1 == edges.len());
         let pairs = (0..edges.len()).flat_map(|i| (i + 1..edges.len()).map(move |j| (i, j)));
-        pairs.into_iter().any(|(i, j)| !are_neighbours(i, j) && meet(edges[i], edges[j]))
+        pairs.into_iter().any(|(i, j)| !are_neighbours(i, j) && have_common_point(edges[i], edges[j]))
     }
 
-    /// The area, m^2.
+    /// Returns the area, m^2.
     #[must_use]
     pub fn area(&self) -> f64 {
         0.5 * self.edges().map(|(a, b)| a.perp_dot(b)).sum::<f64>().abs()
     }
 }
 
-/// Whether two segments have a point in common.
-fn meet((a, b): (Vector, Vector), (c, d): (Vector, Vector)) -> bool {
+/// Whether two line segments have a point in common.
+fn have_common_point((a, b): (Vector, Vector), (c, d): (Vector, Vector)) -> bool {
     let side = |from: Vector, to: Vector, x: Vector| (to - from).perp_dot(x - from);
     let are_apart = |p: f64, q: f64| p * q < 0.0;
     let touches = |x: Vector, edge| distance(x, edge) == 0.0;
@@ -57,7 +57,7 @@ fn meet((a, b): (Vector, Vector), (c, d): (Vector, Vector)) -> bool {
         || [c, d].into_iter().any(|x| touches(x, (a, b)))
 }
 
-/// The distance of a point from a segment of some length, m.
+/// Returns the distance of a point from a line segment, m. The segment must not have zero length.
 #[must_use]
 pub fn distance(x: Vector, (a, b): (Vector, Vector)) -> f64 {
     let along = b - a;
@@ -65,7 +65,7 @@ pub fn distance(x: Vector, (a, b): (Vector, Vector)) -> f64 {
     x.distance(a + share * along)
 }
 
-/// The angle of the nearest of some edges from the horizontal, degrees; 0 without edges.
+/// Returns the angle between the edge nearest to `x` and the horizontal, degrees; 0 if there are no edges.
 #[must_use]
 pub fn nearest_tangent(x: Vector, edges: &[(Vector, Vector)]) -> f64 {
     let nearest = edges.iter().min_by(|&&a, &&b| distance(x, a).total_cmp(&distance(x, b)));
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn inside_is_inside_and_the_boundary_belongs_to_it() {
+    fn a_polygon_holds_its_inside_and_its_boundary() {
         for (x, y, expected) in [
             (0.0, 1.0, true),
             (1.9, 1.0, true),
@@ -104,7 +104,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearest_edge_tells_the_tangent() {
+    fn the_tangent_is_the_angle_of_the_nearest_edge() {
         let edges: Vec<_> = hopper().edges().collect();
         assert!((nearest_tangent(Vector::new(1.8, 1.0), &edges) - 45.0).abs() < 1e-12);
         assert!(nearest_tangent(Vector::new(0.0, 0.2), &edges).abs() < 1e-12);

@@ -1,7 +1,8 @@
-//! Snapshots of a lattice gas: density as grey levels, black where every state of every site is taken.
+//! Pictures of a lattice gas: density as grey levels, from white (no particles) to black (13 particles per site).
 //!
-//! The sites are counted in cells of so many columns and rows; the grey of a cell is the mean number of particles a site
-//! over 13. `frames/NNNNN.svg` every `pictures.interval` steps and at the end, and PNGs beside them if asked.
+//! A picture consists of cells of several columns and rows of sites (`pictures.cell`). The grey level of a cell is its
+//! mean number of particles per site divided by 13. The files are `frames/NNNNN.svg`, every `pictures.interval` steps
+//! and at the end, with PNGs beside them if `pictures.png` is set.
 
 use std::num::{NonZeroU16, NonZeroU32};
 use std::path::PathBuf;
@@ -24,21 +25,21 @@ use crate::writers::colour::{self, Rgb};
 use crate::writers::frame_writer::FrameWriter;
 use crate::writers::svg::{Legend, Picture};
 
-/// The scene's `pictures`.
+/// The scene's key `pictures`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Pictures {
     /// Steps between pictures.
     pub interval: NonZeroU32,
-    /// Width, px.
+    /// Width of a picture, px.
     pub width: Positive,
-    /// Columns and rows of sites in a cell.
+    /// Numbers of columns and rows of sites in a cell.
     pub cell: (NonZeroU16, NonZeroU16),
     /// Whether PNGs are written beside the SVGs.
     pub png: bool,
 }
 
-/// Columns and rows of sites in a cell, if the scene does not say.
+/// Default numbers of columns and rows of sites in a cell: 2 and 2.
 pub const CELL: (NonZeroU16, NonZeroU16) = (NonZeroU16::MIN.saturating_add(1), NonZeroU16::MIN.saturating_add(1));
 
 impl Default for Pictures {
@@ -52,8 +53,7 @@ impl Default for Pictures {
     }
 }
 
-/// The mean numbers of particles a site in cells of so many columns and rows, with each cell's corners, m, and the number of
-/// its fluid sites.
+/// Returns the cells of a picture that have fluid sites, each of this many columns and rows of sites.
 #[must_use]
 pub fn densities(sites: &Sites, gas: &Gas, (columns, rows): (NonZeroU16, NonZeroU16)) -> Vec<Cell> {
     let (columns, rows) = (usize::from(columns.get()), usize::from(rows.get()));
@@ -63,7 +63,7 @@ pub fn densities(sites: &Sites, gas: &Gas, (columns, rows): (NonZeroU16, NonZero
         let cell = &mut sums[s / sites.stride / columns * high + s % sites.stride / rows];
         *cell = (cell.0 + gas.states()[s].count_ones(), cell.1 + 1);
     }
-    // A site is the middle of its share of the picture.
+    // Each site covers a rectangle of one pitch, with the site in its middle.
     let pitch = sites.spacing * Vector::new(in_bonds((1, 0)).0, 1.0);
     let corner = sites.position(0) - 0.5 * pitch;
     #[expect(clippy::cast_precision_loss, reason = "small numbers")]
@@ -84,17 +84,17 @@ pub struct Cell {
     pub low: Vector,
     /// Upper right corner, m.
     pub high: Vector,
-    /// Particles a site.
+    /// Mean number of particles per fluid site.
     pub density: f64,
 }
 
-/// The grey of a density in particles a site, 0 white, 13 black.
+/// Returns the grey level of a density in particles per site: 0 is white, 13 is black.
 #[must_use]
 pub fn grey(density: f64) -> Rgb {
     colour::grey(density / 13.0)
 }
 
-/// Cells by colour, as a picture takes them.
+/// Groups the cells by colour, as (colour, corners of the cells), in the form of [`Picture::cells`].
 #[must_use]
 pub fn shaded(cells: &[Cell]) -> Vec<(Rgb, Vec<(Vector, Vector)>)> {
     let mut by_grey: Vec<Vec<(Vector, Vector)>> = vec![Vec::new(); 256];
@@ -104,49 +104,50 @@ pub fn shaded(cells: &[Cell]) -> Vec<(Rgb, Vec<(Vector, Vector)>)> {
     (0..=u8::MAX).zip(by_grey).filter(|(_, cells)| !cells.is_empty()).map(|(g, cells)| ([g; 3], cells)).collect()
 }
 
+/// Settings of all pictures of a run.
 #[derive(Resource, Clone)]
-struct Studio {
+struct PictureSettings {
     pictures: Pictures,
     title: String,
     view: (Vector, Vector),
     door: Option<(Vector, Vector)>,
 }
 
-fn take(
+fn write_picture(
     clock: Res<Clock>,
     (sites, gas, door): (Res<Sites>, Res<Gas>, Option<Res<DoorState>>),
-    studio: Res<Studio>,
+    settings: Res<PictureSettings>,
     mut frame_writer: ResMut<FrameWriter>,
     mut outcome: ResMut<Outcome>,
 ) {
     let opened = door.as_ref().and_then(|door| door.steps_since(&clock));
     let since = opened.map_or_else(String::new, |steps| format!(", {steps} since the door opened"));
     let picture = Picture {
-        low: studio.view.0,
-        high: studio.view.1,
-        width: studio.pictures.width.get(),
+        low: settings.view.0,
+        high: settings.view.1,
+        width: settings.pictures.width.get(),
         header: vec![
-            studio.title.clone(),
+            settings.title.clone(),
             format!("step {}{since}", clock.steps),
             format!("inside {}, out {} particles", gas.inside(), gas.out()),
         ],
         legend: Legend::Scale { from: 0.0, to: 13.0, title: "particles a site".to_owned(), map: colour::grey },
-        cells: shaded(&densities(&sites, &gas, studio.pictures.cell)),
+        cells: shaded(&densities(&sites, &gas, settings.pictures.cell)),
         lines: sites.lines().iter().map(|&(from, to)| (from, to, colour::WALL)).collect(),
         ..Picture::default()
     };
-    let closed = studio.door.filter(|_| opened.is_none());
+    let closed = settings.door.filter(|_| opened.is_none());
     let doors =
-        studio.door.iter().map(|&(from, to)| (from, to, if closed.is_some() { colour::DOOR } else { [255; 3] }));
+        settings.door.iter().map(|&(from, to)| (from, to, if closed.is_some() { colour::DOOR } else { [255; 3] }));
     let picture = Picture { lines: picture.lines.iter().copied().chain(doors).collect(), ..picture };
     frame_writer.add(picture, &mut outcome);
 }
 
-/// Takes snapshots.
-pub(crate) struct PicturesPlugin(Studio, PathBuf);
+/// Plugin that writes the pictures.
+pub(crate) struct PicturesPlugin(PictureSettings, PathBuf);
 
 impl PicturesPlugin {
-    /// For a scene, if it wants pictures.
+    /// Creates the plugin for a scene; `None` if the scene has no pictures. The pictures are written to `directory`.
     pub fn of(loaded: &LoadedLattice, directory: PathBuf) -> Option<Self> {
         let pictures = loaded.scene.pictures.clone()?;
         let title = if loaded.scene.title.is_empty() { &loaded.source.name } else { &loaded.scene.title };
@@ -154,7 +155,7 @@ impl PicturesPlugin {
         let margin = Vector::splat(0.04 * (high - low).max_element());
         let door = loaded.scene.door.map(|door| (door.from.get(), door.to.get()));
         let view = (low - margin, high + margin);
-        Some(Self(Studio { pictures, title: title.clone(), view, door }, directory))
+        Some(Self(PictureSettings { pictures, title: title.clone(), view, door }, directory))
     }
 }
 
@@ -163,6 +164,6 @@ impl Plugin for PicturesPlugin {
         observe_every::<Pictures>(app, f64::from(self.0.pictures.interval.get()));
         app.insert_resource(self.0.clone())
             .insert_resource(FrameWriter::new(self.1.clone(), self.0.pictures.png))
-            .add_systems(Step, take.in_set(ObserveStage::Write).run_if(due::<Pictures>));
+            .add_systems(Step, write_picture.in_set(ObserveStage::Write).run_if(due::<Pictures>));
     }
 }

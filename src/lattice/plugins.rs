@@ -1,4 +1,4 @@
-//! Which plugins a scene of the lattice gas needs, and where the parts of a step stand in its phases.
+//! Selects the plugins that a lattice-gas scene needs, and assigns the parts of the automaton to the phases of a step.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -12,7 +12,7 @@ use crate::lattice::enter::{PourPlugin, enter};
 use crate::lattice::friction::rub;
 use crate::lattice::gas::Gas;
 use crate::lattice::load::LoadedLattice;
-use crate::lattice::propagate::{Mirror, propagate};
+use crate::lattice::propagate::{ReflectionRule, propagate};
 use crate::lattice::rest::RestPlugin;
 use crate::lattice::rules::{Odds, Walls};
 use crate::lattice::scatter::place;
@@ -28,13 +28,13 @@ use crate::threads::Threads;
 #[derive(Resource)]
 struct Table(&'static Collisions);
 
-/// Adds what the scene asks for.
+/// Adds the plugins and resources that the scene needs, each with the scene key that requests it.
 pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice) {
     let scene = &loaded.scene;
     let sites = &loaded.sites;
     let mut gas = Gas::new(sites);
     enter(loaded, sites, &mut gas);
-    // The automaton counts its time in steps.
+    // Time is counted in steps of the automaton.
     app.add("step", StepPlugin { dt: 1.0 })
         .add("always", ObservePlugin)
         .add("always", LatticeMessages)
@@ -47,7 +47,7 @@ pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice) {
         app.add("method.h", TricklePlugin);
     }
     let is_random = rules.b.get() > 0.0 && rules.walls == Walls::Scatter;
-    app.add("method", PropagationPlugin(if is_random { Mirror::Random } else { Mirror::Specular }));
+    app.add("method", PropagationPlugin(if is_random { ReflectionRule::Random } else { ReflectionRule::Specular }));
     if let Some(pour) = &scene.pour {
         app.add("pour", PourPlugin::new(pour, sites));
     }
@@ -75,7 +75,8 @@ impl Plugin for LatticeMessages {
     }
 }
 
-/// Systems between the collisions of a step and its propagation find the outgoing particles in these phases.
+/// Plugin for collisions. Between collisions and propagation, systems find the outgoing particles in [`Gas::movers`]
+/// and [`Gas::resting`].
 struct CollisionsPlugin;
 
 fn stop_some(
@@ -90,7 +91,7 @@ fn place_stopped(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas:
     place(&sites, &mut gas, &odds, clock.steps);
 }
 
-fn collide_others(
+fn collide_movers(
     (clock, threads): (Res<Clock>, Res<Threads>),
     (sites, table, odds): (Res<Sites>, Res<Table>, Res<Odds>),
     mut gas: ResMut<Gas>,
@@ -100,7 +101,7 @@ fn collide_others(
 
 impl Plugin for CollisionsPlugin {
     fn build(&self, app: &mut App) {
-        let collisions = (stop_some, place_stopped, collide_others).chain();
+        let collisions = (stop_some, place_stopped, collide_movers).chain();
         app.add_systems(Step, collisions.in_set(ForceStage::Contacts).run_if(time_moves));
     }
 }
@@ -113,7 +114,7 @@ fn stop_at_walls(clock: Res<Clock>, sites: Res<Sites>, odds: Res<Odds>, mut gas:
 
 impl Plugin for FrictionPlugin {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, stop_at_walls.in_set(ForceStage::Contacts).after(collide_others).run_if(time_moves));
+        app.add_systems(Step, stop_at_walls.in_set(ForceStage::Contacts).after(collide_movers).run_if(time_moves));
     }
 }
 
@@ -129,14 +130,14 @@ impl Plugin for TricklePlugin {
     }
 }
 
-struct PropagationPlugin(Mirror);
+struct PropagationPlugin(ReflectionRule);
 
 fn move_on(
     (clock, threads): (Res<Clock>, Res<Threads>),
-    (sites, mirror, odds): (Res<Sites>, Res<Mirror>, Res<Odds>),
+    (sites, reflection_rule, odds): (Res<Sites>, Res<ReflectionRule>, Res<Odds>),
     mut gas: ResMut<Gas>,
 ) {
-    propagate(&sites, &mut gas, &threads, &odds, *mirror, clock.steps);
+    propagate(&sites, &mut gas, &threads, &odds, *reflection_rule, clock.steps);
 }
 
 impl Plugin for PropagationPlugin {

@@ -1,7 +1,8 @@
-//! Propagation (phase F): every mover goes on to the site that its velocity points at.
+//! Propagation (phase F): each mover goes to the site that its velocity points to.
 //!
-//! A blocked mover stays and turns round ([`reflection`](crate::lattice::reflection)); one that arrives in a sink is out.
-//! Each site gathers what comes from its twelve neighbours, so a column of sites is twelve shifted columns, masked.
+//! A blocked mover stays at its site with a reflected velocity ([`reflection`](crate::lattice::reflection)). A mover
+//! that arrives in a sink is out. Each site gathers the movers from its twelve neighbours. A column of sites is
+//! therefore the union of twelve shifted columns, each masked to one direction.
 
 use bevy_ecs::prelude::*;
 
@@ -13,34 +14,42 @@ use crate::lattice::sites::{Edge, Kind, Run, Sites};
 use crate::lattice::velocities::{OPPOSITE, directions, nth, turned_round};
 use crate::threads::Threads;
 
-/// How walls reflect.
+/// How walls reflect movers.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Mirror {
-    /// Like mirrors.
+pub(super) enum ReflectionRule {
+    /// Specular reflection.
     Specular,
-    /// At rough walls, into random directions.
+    /// Rough walls reflect into random directions, other walls specularly.
     Random,
 }
 
-/// Moves the movers.
-pub(super) fn propagate(sites: &Sites, gas: &mut Gas, threads: &Threads, odds: &Odds, mirror: Mirror, t: u64) {
+/// Moves the movers of step `t` and writes the next states.
+pub(super) fn propagate(
+    sites: &Sites,
+    gas: &mut Gas,
+    threads: &Threads,
+    odds: &Odds,
+    reflection_rule: ReflectionRule,
+    t: u64,
+) {
     let streams = Streams::new(odds.seed, t, Purpose::Reflect, 0);
-    let turned: Vec<u16> = sites.edges.iter().map(|edge| turn(edge, &mut gas.movers, mirror, streams)).collect();
+    let reflected: Vec<u16> =
+        sites.edges.iter().map(|edge| reflect_blocked(edge, &mut gas.movers, reflection_rule, streams)).collect();
     let Gas { states, movers, resting, .. } = gas;
-    bands::write(states, sites, threads, |runs, first, states| {
+    bands::for_each_band_of_states(states, sites, threads, |runs, first, states| {
         for run in runs {
             let states = &mut states[run.start - first..][..run.len];
             gather(run, states, &resting[run.start..], movers, sites);
         }
     });
-    for (edge, turned) in sites.edges.iter().zip(turned) {
-        gas.states[edge.site] |= turned;
+    for (edge, reflected) in sites.edges.iter().zip(reflected) {
+        gas.states[edge.site] |= reflected;
     }
-    let drained = drain(sites, gas);
-    gas.let_out(drained);
+    let arrived = count_arrivals_in_sinks(sites, gas);
+    gas.add_out(arrived);
 }
 
-/// What comes to a run of sites from its neighbours, and who rests there.
+/// Writes the next states of a run of sites: the particles at rest and the movers that arrive from the neighbours.
 fn gather(run: &Run, states: &mut [u16], resting: &[u8], movers: &[u16], sites: &Sites) {
     for (state, &resting) in states.iter_mut().zip(resting) {
         *state = u16::from(resting);
@@ -53,29 +62,29 @@ fn gather(run: &Run, states: &mut [u16], resting: &[u8], movers: &[u16], sites: 
     }
 }
 
-/// Takes the blocked movers of a site out and returns them as they are reflected.
-fn turn(edge: &Edge, movers: &mut [u16], mirror: Mirror, streams: Streams) -> u16 {
+/// Removes the blocked movers of a site and returns their reflected directions, as a state.
+fn reflect_blocked(edge: &Edge, movers: &mut [u16], reflection_rule: ReflectionRule, streams: Streams) -> u16 {
     let blocked = movers[edge.site] & edge.blocked;
     if blocked == 0 {
         return 0;
     }
     movers[edge.site] &= !edge.blocked;
-    if mirror == Mirror::Specular || edge.rough == 0 {
-        return directions(blocked).fold(0, |turned, d| turned | 1 << edge.reflection[d]);
+    if reflection_rule == ReflectionRule::Specular || edge.rough == 0 {
+        return directions(blocked).fold(0, |reflected, d| reflected | 1 << edge.reflection[d]);
     }
     let draws = streams.of(edge.site);
     let mut left = turned_round(edge.blocked);
-    let mut turned = 0;
+    let mut reflected = 0;
     for d in directions(blocked) {
         let to = 1 << nth(left, below(draws.high(d as u64), left.count_ones()));
         left &= !to;
-        turned |= to;
+        reflected |= to;
     }
-    turned
+    reflected
 }
 
-/// Movers that arrive in sinks.
-fn drain(sites: &Sites, gas: &Gas) -> u32 {
+/// Returns the number of movers that arrive in sinks.
+fn count_arrivals_in_sinks(sites: &Sites, gas: &Gas) -> u32 {
     let open = sites.doorway.iter().filter(|&&s| sites.kinds[s] == Kind::Sink);
     open.map(|&s| {
         let arrives = |d: usize| u32::from(gas.movers[sites.neighbour(s, OPPOSITE[d])] & 1 << d != 0);

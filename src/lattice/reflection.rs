@@ -1,53 +1,58 @@
-//! Where a wall sends the movers that it blocks.
+//! Reflection: the directions into which a wall reflects the movers that it blocks.
 //!
-//! At a site with blocked directions B nothing arrives from outside in the directions opposite to B, and there are as many
-//! of those as of B: any one-to-one map of B onto them lets no two particles meet in one state. Of all such maps this is the
-//! one with the least sum of squared angles between where a mover goes and where a mirror along the wall would send it, and
-//! 1500 square degrees more for each mover that changes between speed 1 and sqrt 3. At straight walls whose inclination is a
-//! multiple of 30 degrees the lattice maps onto itself and the sum is zero: exact specular reflection. Elsewhere it is the
-//! nearest that the lattice has.
+//! Let B be the blocked directions of a site. No mover arrives in the directions opposite to B, and B has as many
+//! directions as its opposites. A one-to-one map from B onto its opposites therefore never puts two particles into one
+//! state. Of all these maps, the reflection is the one with the smallest total cost. The cost of a mover is the square
+//! of the angle between its new direction and its exact specular reflection about the wall. A mover that changes
+//! between speed 1 and sqrt 3 costs 1500 square degrees more.
+//!
+//! The lattice maps onto itself at straight walls with an inclination that is a multiple of 30 degrees. The cost is
+//! then zero and the reflection exactly specular. Elsewhere the map is the best approximation that the lattice allows.
 
 use std::collections::HashMap;
 
 use crate::lattice::velocities::{angle, directions, turned_round};
 
-/// For each blocked direction the one that it is reflected into; 0 for others.
+/// The reflected direction of each blocked direction; 0 for directions that are not blocked.
 pub type Reflection = [u8; 13];
 
-/// Square degrees that a change of speed costs.
+/// Cost of a change of speed, square degrees.
 const CHANGE_OF_SPEED: f64 = 1500.0;
 
-/// Makes reflections, each only once.
+/// Computes reflections, and caches them by blocked directions and wall angle.
 #[derive(Default)]
 pub struct MirrorSet(HashMap<(u16, u64), Reflection>);
 
 impl MirrorSet {
-    /// The reflection at a site with these blocked directions and a wall at this angle from the horizontal, degrees.
+    /// Returns the reflection at a site with the blocked directions `blocked` (a state), near a wall at the angle
+    /// `tangent` to the horizontal, degrees.
     pub fn reflection(&mut self, blocked: u16, tangent: f64) -> Reflection {
         *self.0.entry((blocked, tangent.to_bits())).or_insert_with(|| reflection(blocked, tangent))
     }
 }
 
-/// Square of the angle between direction `to` and the mirror image of `from`, and the cost of a change of speed.
+/// Returns the cost of reflecting `from` into `to`, square degrees: the squared angle between `to` and the specular
+/// reflection of `from`, plus the cost of a change of speed.
 fn cost(from: usize, to: usize, tangent: f64) -> f64 {
     let off = (angle(to) - (2.0 * tangent - angle(from))).rem_euclid(360.0);
     let off = off.min(360.0 - off);
     off * off + if (from <= 6) == (to <= 6) { 0.0 } else { CHANGE_OF_SPEED }
 }
 
-/// The cheapest assignment, by dynamic programming over the sets of directions already given away.
+/// Returns the cheapest one-to-one map, by dynamic programming over the sets of targets that are already assigned.
 fn reflection(blocked: u16, tangent: f64) -> Reflection {
     let from: Vec<usize> = directions(blocked).collect();
     let to: Vec<usize> = directions(turned_round(blocked)).collect();
-    // Of every set of targets, what the first movers as many as its members cost at least, and who took the last one.
+    // For each set of n targets: the least cost of assigning them to the first n movers, and the target of the last
+    // one.
     let mut best = vec![(f64::INFINITY, 0); 1 << to.len()];
     best[0].0 = 0.0;
     for set in 0..best.len() {
-        let given = set.count_ones() as usize;
+        let assigned = set.count_ones() as usize;
         for n in (0..to.len()).filter(|n| set & 1 << n == 0) {
-            let total = best[set].0 + cost(from[given], to[n], tangent);
+            let total = best[set].0 + cost(from[assigned], to[n], tangent);
             let with = &mut best[set | 1 << n];
-            // What is cheaper by rounding only is not cheaper.
+            // The margin ignores differences that are only rounding errors.
             if total < with.0 - 1e-6 {
                 *with = (total, n);
             }
@@ -72,8 +77,8 @@ mod tests {
     }
 
     #[test]
-    fn straight_walls_reflect_like_mirrors() {
-        // Walls at 90, 0 and 60 degrees, all directions beyond them, and where a mirror sends each.
+    fn straight_walls_reflect_specularly() {
+        // For walls at 90, 0 and 60 degrees: each blocked direction and its specular reflection.
         let walls = [
             (90.0, vec![(2, 6), (3, 5), (7, 12), (8, 11), (9, 10)]),
             (0.0, vec![(3, 2), (4, 1), (5, 6), (9, 7), (10, 12)]),
@@ -89,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn every_reflection_is_one_to_one_onto_the_ways_back() {
+    fn every_reflection_maps_one_to_one_onto_the_opposite_directions() {
         for blocked in (0..4096u16).map(|movers| movers << 1).filter(|b| b.count_ones() <= 8) {
             let reflection = reflection(blocked, 37.0);
             let taken = directions(blocked).fold(0u16, |taken, d| taken | 1 << reflection[d]);
@@ -98,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn no_assignment_of_five_is_cheaper() {
+    fn no_permutation_of_five_targets_is_cheaper() {
         let (blocked, tangent) = (set(&[2, 3, 8, 9, 4]), 71.0);
         let (from, to): (Vec<_>, Vec<_>) = (directions(blocked).collect(), directions(turned_round(blocked)).collect());
         let found = reflection(blocked, tangent);

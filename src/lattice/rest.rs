@@ -1,8 +1,9 @@
-//! When the gas is at rest: so many steps after the last particle has entered and, if the scene wants it, when the mean
-//! height of all particles has changed by less than `drift` since as many steps.
+//! Detects rest: `hold` steps have passed since the last particle entered. If the scene sets `drift`, the mean height
+//! of all particles must also have changed by less than `drift` over these `hold` steps; otherwise the next `hold`
+//! steps are checked.
 //!
-//! Particles of a lattice gas never stop moving, so rest is a matter of time or of the mean. Slow variants (p, q or k of
-//! 0.8) still settle after thousands of steps.
+//! Particles of a lattice gas never stop moving, so rest is defined by a time or by a mean value. Slow variants (p, q
+//! or k of 0.8) are still settling after thousands of steps.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -16,29 +17,29 @@ use crate::messages::CameToRest;
 use crate::step::{Clock, Phase, Step};
 use crate::values::Positive;
 
-/// The scene's `rest`.
+/// The scene's key `rest`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rest {
-    /// Steps.
+    /// Number of steps after which rest is checked.
     pub hold: u64,
-    /// Largest change of the mean height in `hold` steps, m. Default: any.
+    /// Upper limit for the change of the mean height in `hold` steps, m. Default: no limit.
     pub drift: Option<Positive>,
-    /// Whether rest ends the run. Default false.
+    /// Whether the run ends at rest. Default false.
     #[serde(default)]
     pub stop: bool,
 }
 
-/// The rest detector's state.
+/// State of the rest detector.
 #[derive(Resource, Debug)]
 pub struct RestDetector {
     config: Rest,
     since: Option<(u64, f64)>,
-    /// In which step rest was found.
+    /// Step in which rest was detected; `None` before.
     pub rest_step: Option<u64>,
 }
 
-/// Systems of [`Phase::Control`] that act on rest run after this set.
+/// Set of the rest detector. Systems of [`Phase::Control`] that react to rest run after this set.
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub(super) struct RestDetection;
 
@@ -69,7 +70,7 @@ fn everything_has_entered(pending: Res<Pending>, detector: Res<RestDetector>) ->
     pending.0 == 0 && detector.rest_step.is_none()
 }
 
-/// Finds rest, once.
+/// Plugin that detects rest, once per run.
 pub(super) struct RestPlugin(pub Rest);
 
 impl Plugin for RestPlugin {

@@ -1,4 +1,4 @@
-//! The six parameters of the automaton, all probabilities, and what follows from them.
+//! The six parameters of the automaton, all of them probabilities, and the distributions for drawing from them.
 
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -10,58 +10,59 @@ use crate::values::{Positive, Share};
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Rules {
-    /// Distance of nearest neighbours, m.
+    /// Distance between nearest neighbours, m.
     pub spacing: Positive,
-    /// Collision: n of the particles of a site stop with a probability of p^n or more.
+    /// Stopping in collisions: at least n particles of a site stop with probability p^n.
     pub p: Share,
-    /// Collision: l particles do not count in the momentum with a probability of q^l or more.
+    /// Momentum loss in collisions: at least l particles are left out of the momentum with probability q^l.
     pub q: Share,
-    /// Wall friction.
+    /// Wall friction: probability that a mover stops when a rough wall blocks it.
     pub b: Share,
-    /// Internal friction: the momentum becomes that of random, nearly horizontal directions.
+    /// Internal friction: probability that the momentum of a collision is replaced by the sum of random, nearly
+    /// horizontal directions.
     pub k: Share,
-    /// Gravity: a collision gains one downward velocity.
+    /// Gravity: probability that one downward velocity is added to the momentum of a collision or of a lone mover.
     pub g: Share,
-    /// Gravity of particles at rest: one moves down.
+    /// Gravity of particles at rest: probability that a particle at rest tries to move down.
     pub h: Share,
-    /// What rough walls do. Default `Stop`.
+    /// Effect of rough walls. Default `Stop`.
     #[serde(default)]
     pub walls: Walls,
 }
 
-/// What rough walls, those with b > 0, do.
+/// Effect of walls if b > 0 (rough walls).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Walls {
-    /// They stop each particle with probability b (the paper's second method).
+    /// Walls stop each mover that they block with probability b (the paper's second method).
     #[default]
     Stop,
-    /// They reflect into random directions (the paper's first method), whatever b is.
+    /// Walls reflect movers into random directions (the paper's first method). Any b > 0 has this effect.
     Scatter,
 }
 
-/// The rules, ready to be asked.
+/// The distributions that the automaton draws from.
 #[derive(Resource, Clone, Copy, Debug)]
 pub struct Odds {
-    /// Of the number of particles that stop.
+    /// Number of particles that stop in a collision (p).
     pub stop: Geometric,
-    /// Whether collisions are elastic: p = 0.
+    /// Whether p = 0.
     pub is_elastic: bool,
-    /// Of the number that do not count in the momentum.
+    /// Number of particles that are left out of the momentum of a collision (q).
     pub forget: Geometric,
-    /// b.
+    /// Wall friction (b).
     pub rub: Chance,
-    /// k.
+    /// Internal friction (k).
     pub level: Chance,
-    /// g.
+    /// Gravity of movers (g).
     pub fall: Chance,
-    /// h.
+    /// Gravity of particles at rest (h).
     pub trickle: Chance,
-    /// Seed of all draws.
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 
 impl Odds {
-    /// Those of some rules.
+    /// Creates the distributions for these parameters.
     #[must_use]
     pub fn new(rules: &Rules, seed: u64) -> Self {
         Self {

@@ -1,10 +1,11 @@
-//! Stopped particles look for a place at rest next to their site (phase B).
+//! Scatters surplus stopped particles into rest places of neighbouring sites (phase B).
 //!
-//! Two rounds of proposing and accepting. A donor with e particles left proposes to the first e of its nearest neighbours
-//! whose place at rest is free, those with the fewest particles first, equal ones in random order. A neighbour that got
-//! proposals takes one of them at random. What finds no place goes on moving.
+//! There are two rounds of proposals and acceptance. A donor is a site with e surplus particles. It sorts its nearest
+//! neighbours with a free rest place by their number of particles, with ties in random order, and proposes to the first
+//! e. A neighbour with several proposals accepts a random one. Particles that find no place keep moving.
 //!
-//! Every decision depends on what was there before the round and on draws of its own site: not on the order of the sites.
+//! Decisions depend only on the state before the round and on the random numbers of one site. The order of the sites
+//! does not matter.
 
 use crate::lattice::draws::{Draws, Purpose, Streams, below};
 use crate::lattice::gas::Gas;
@@ -14,32 +15,32 @@ use crate::lattice::velocities::nth;
 
 const ROUNDS: u64 = 2;
 
-/// The streams of the rounds.
+/// Parameters of the random streams that the rounds use.
 pub(super) struct Rounds {
-    /// Seed of the draws.
+    /// Seed of the random numbers.
     pub seed: u64,
-    /// The step.
+    /// Step.
     pub t: u64,
-    /// What they are for.
+    /// Purpose of the streams.
     pub purpose: Purpose,
 }
 
-/// Finds places for those that a collision has stopped.
+/// Finds rest places at neighbours for surplus particles that collisions have stopped.
 pub(super) fn place(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
     let Gas { resting, numbers, held, spare, .. } = gas;
     let rounds = Rounds { seed: odds.seed, t, purpose: Purpose::Scatter };
     scatter(sites, spare, resting, &rounds, |s| numbers[s], |donor| held[donor] += 1);
 }
 
-/// What one donor, by its place on the list, asks in one round.
+/// A proposal of a donor (by its index in the list of donors) to the site `to`, which is its neighbour in `direction`.
 struct Proposal {
     place: usize,
     to: usize,
     direction: usize,
 }
 
-/// Gives places in `resting` to the particles of `spare` (site, how many) and tells `taken` the donor of each. `number` is how
-/// crowded a site is.
+/// Assigns rest places in `resting` to the surplus particles `spare` (donor site, number of particles). Calls `taken`
+/// with the donor of each particle that gets a place. `number` returns the number of particles of a site.
 pub(super) fn scatter(
     sites: &Sites,
     spare: &mut [(usize, u8)],
@@ -56,13 +57,13 @@ pub(super) fn scatter(
             let to = propose(sites, donor, left, resting, &number, streams(0).of(donor));
             proposals.extend(to.map(|(to, direction)| Proposal { place, to, direction }));
         }
-        // One neighbour's proposals side by side, in ascending order of direction.
+        // Groups the proposals by neighbour, in ascending order of direction.
         proposals.sort_unstable_by_key(|p| (p.to, p.direction));
         let accept = streams(1);
-        for asked in proposals.chunk_by(|a, b| a.to == b.to) {
-            let chosen = asked.iter().fold(0, |set, p| set | 1 << p.direction);
-            let direction = nth(chosen, below(accept.of(asked[0].to).high(0), chosen.count_ones()));
-            let Some(winner) = asked.iter().find(|p| p.direction == direction) else { continue };
+        for rivals in proposals.chunk_by(|a, b| a.to == b.to) {
+            let chosen = rivals.iter().fold(0, |set, p| set | 1 << p.direction);
+            let direction = nth(chosen, below(accept.of(rivals[0].to).high(0), chosen.count_ones()));
+            let Some(winner) = rivals.iter().find(|p| p.direction == direction) else { continue };
             resting[winner.to] = 1;
             let (donor, left) = &mut spare[winner.place];
             *left -= 1;
@@ -71,7 +72,7 @@ pub(super) fn scatter(
     }
 }
 
-/// The sites to which one donor proposes for `left` particles, and in which directions they are.
+/// Returns the sites to which a donor with `left` surplus particles proposes, each with its direction from the donor.
 fn propose(
     sites: &Sites,
     donor: usize,

@@ -1,4 +1,4 @@
-//! A scene of the lattice gas: the keys of its file. Lengths are in m, times in steps of the automaton.
+//! The scene file of the lattice gas: its keys. Lengths are in m, times in steps of the automaton.
 
 use std::collections::BTreeMap;
 
@@ -14,57 +14,57 @@ use crate::lattice::series::Series;
 use crate::measure::flow::Flow;
 use crate::values::FiniteVector;
 
-/// What a scene is simulated by.
+/// The simulation method of a scene.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub enum Method {
-    /// Discrete elements: the keys of [`Scene`](crate::scene::Scene).
+    /// Discrete elements; the scene has the keys of [`Scene`](crate::scene::Scene).
     #[default]
     Grains,
-    /// The cellular automaton: the keys of [`LatticeScene`].
+    /// The cellular automaton; the scene has the keys of [`LatticeScene`].
     LatticeGas(Rules),
 }
 
-/// A scene of the lattice gas, as its file says it.
+/// The keys of a lattice-gas scene file.
 #[derive(Debug, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct LatticeScene {
-    /// Shown in pictures.
+    /// Title in the pictures.
     #[serde(default)]
     pub title: String,
     /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
-    /// The lattice gas and its parameters.
+    /// The method `LatticeGas` and its parameters.
     pub method: Method,
-    /// Corners of the silo, in turn, m. Its highest points are the lid.
+    /// Corners of the silo, in order along the boundary, m. The highest part of the outline is the lid.
     pub outline: Vec<FiniteVector>,
-    /// Corners of what stands in it, m.
+    /// Corners of each obstacle in the silo, in order along its boundary, m.
     #[serde(default)]
     pub inserts: Vec<Vec<FiniteVector>>,
-    /// The outlet.
+    /// The door in the outline.
     pub door: Option<Door>,
-    /// Fills the silo at once.
+    /// Random fill of the silo at the start.
     pub fill: Option<Fill>,
-    /// Pours particles in at the top.
+    /// Particles poured in at the top.
     pub pour: Option<Pour>,
-    /// Single particles of the start.
+    /// Single particles at the start.
     #[serde(default)]
     pub particles: Vec<Thrown>,
-    /// Detects rest.
+    /// The rest detector.
     pub rest: Option<Rest>,
-    /// When the run ends at the latest, steps.
+    /// Last step of the run.
     pub until: u64,
-    /// When it ends after the outlet has opened, steps.
+    /// Number of steps after the door has opened at which the run ends.
     pub discharge: Option<u64>,
-    /// A field of mean velocity over the middle of the discharge, in `flow.csv`.
+    /// The field of mean velocity over the middle of the discharge, in `flow.csv`.
     pub flow: Option<Flow>,
     /// The rows of `series.csv`.
     #[serde(default)]
     pub series: Series,
-    /// The snapshots; `None` for none.
+    /// The pictures; `None` writes no pictures.
     #[serde(default = "default_pictures")]
     pub pictures: Option<Pictures>,
-    /// Behaviours that a program registered, each with its own keys.
+    /// Behaviours registered by the program that runs the scene, by name, each with its own keys.
     #[serde(default)]
     pub behaviours: BTreeMap<String, Box<RawValue>>,
 }

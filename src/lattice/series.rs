@@ -3,13 +3,13 @@
 //! | column | unit | meaning |
 //! |---|---|---|
 //! | `step` | | step of the automaton |
-//! | `entered`, `inside`, `out` | particles | the ledger |
-//! | `outflow_per_step` | 1/step | particles out since the row before, over the steps since then |
-//! | `x_m`, `y_m` | m | centre of all particles inside; of one thrown particle, its trace |
-//! | `vx_m_per_step`, `vy_m_per_step` | m/step | their mean velocity |
-//! | `at_rest` | | share of them that rest |
+//! | `entered`, `inside`, `out` | particles | numbers of particles that have entered, are inside, have left |
+//! | `outflow_per_step` | 1/step | particles that left since the previous row, divided by the steps since that row |
+//! | `x_m`, `y_m` | m | mean position of all particles inside; the trace, if there is one particle |
+//! | `vx_m_per_step`, `vy_m_per_step` | m/step | mean velocity of all particles inside |
+//! | `at_rest` | | share of the particles inside that are at rest |
 //!
-//! For each row all particles are counted: if one were missing, the run would fail.
+//! All particles are counted for each row. The run fails if the count differs from entered minus out.
 
 use std::num::NonZeroU32;
 use std::path::Path;
@@ -27,7 +27,7 @@ use crate::space::Vector;
 use crate::step::{Clock, Step};
 use crate::writers::rows::{Parcel, Rows};
 
-/// The scene's `series`.
+/// The scene's key `series`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Series {
@@ -41,20 +41,20 @@ impl Default for Series {
     }
 }
 
-/// Where the particles are and how they move, in the mean.
+/// Mean values over all particles inside.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Means {
-    /// Particles, counted.
+    /// Number of particles, counted from the states.
     pub count: u64,
-    /// Centre, m; zero without particles.
+    /// Mean position, m; zero if there are no particles.
     pub centre: Vector,
-    /// Mean velocity, m a step.
+    /// Mean velocity, m per step.
     pub velocity: Vector,
-    /// Share that rests.
+    /// Share of the particles that are at rest.
     pub at_rest: f64,
 }
 
-/// The means over all particles.
+/// Computes the mean values over all particles inside.
 #[must_use]
 #[expect(clippy::cast_precision_loss, reason = "fewer than 2^53 particles")]
 pub fn means(sites: &Sites, gas: &Gas) -> Means {
@@ -114,7 +114,7 @@ fn write_row(
     );
 }
 
-/// Writes `series.csv`.
+/// Plugin that writes `series.csv`.
 pub(crate) struct SeriesPlugin {
     config: Series,
     file: Parcel<SeriesFile>,

@@ -1,14 +1,18 @@
-//! The sites of the lattice: which hold material, which are wall, which ways are blocked.
+//! The sites of the lattice: fluid, wall and sink sites, and the blocked directions of each site.
 //!
-//! Site (column c, row r) is stored at s = c stride + r, with X = c and Y = 2 r + (c mod 2), and stands at
-//! x = x0 + X sqrt(3)/2 a, y = y0 + Y/2 a, a the spacing. The columns are set symmetrically into the width of the outline and
-//! the lowest site of even columns stands at its lowest point. A site is fluid if it is inside the outline or on it, and
-//! not inside or on an insert. Around all is a margin of wall, so that no step leads out of the store.
+//! Site (column c, row r) is stored at index s = c stride + r. Its integer coordinates are X = c and Y = 2 r + (c mod
+//! 2). Its position is x = x0 + X sqrt(3)/2 a, y = y0 + Y/2 a, with the spacing a. The columns are centred in the width
+//! of the outline. The lowest fluid row of even columns is at the height of the outline's lowest point.
 //!
-//! A direction is blocked if it ends at a wall, or, for the second-nearest neighbours, if both sites beside the bond are wall.
-//! That is the same seen from both ends. The doorway are the wall sites outside the outline, less than 3 spacings below the
-//! door; they become sinks when the door opens. Friction acts wherever a wall blocks, except at sites that touch the lid: one
-//! of whose blocked directions leads above the highest site.
+//! A site is fluid if it is inside or on the outline and not inside or on an insert. A margin of wall sites surrounds
+//! the lattice, so that no step leads to an index out of range.
+//!
+//! A direction is blocked if it ends at a wall site. A direction to a second-nearest neighbour is also blocked if both
+//! sites beside the bond are walls. Blocking is symmetric: a bond is blocked from both ends or from neither.
+//!
+//! The doorway consists of the sites outside the outline that are at most 3 spacings from the door. They become sinks
+//! when the door opens. Friction acts at all blocked directions, except at sites that touch the lid. A site touches the
+//! lid if one of its blocked directions leads above the highest fluid site.
 
 use bevy_ecs::prelude::*;
 
@@ -17,63 +21,65 @@ use crate::lattice::reflection::{MirrorSet, Reflection};
 use crate::lattice::velocities::{FLANKS, STEPS, directions, in_bonds};
 use crate::space::Vector;
 
-/// What a site is.
+/// The kind of a site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
-    /// It holds particles.
+    /// Holds particles.
     Fluid,
-    /// It holds none.
+    /// Holds no particles.
     Wall,
-    /// What arrives there is out.
+    /// Removes each particle that arrives.
     Sink,
 }
 
-/// Wall around the sites: even, so that columns keep their parity, and as wide as the doorway and a step from there.
+/// Width of the wall margin on each side, in columns and rows. Even, so that columns keep their parity. Wide enough for
+/// the doorway and one step from it.
 const MARGIN: usize = 6;
 
-/// How far below the door the doorway reaches, in spacings: no step is longer than 1.5 at right angles to a level door.
+/// Depth of the doorway, spacings. No step crosses it: at right angles to a horizontal door, a step is at most 1.5
+/// long.
 const DOORWAY: f64 = 3.0;
 
-/// A run of fluid sites, one above the other.
+/// A run: consecutive fluid sites of a column.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Run {
-    /// The lowest one.
+    /// Index of the lowest site.
     pub start: usize,
-    /// How many.
+    /// Number of sites.
     pub len: usize,
-    /// Their column, modulo 2.
+    /// Column number modulo 2.
     pub parity: usize,
 }
 
-/// A fluid site at a wall.
+/// A fluid site with blocked directions.
 #[derive(Clone, Copy, Debug)]
 pub struct Edge {
-    /// Which.
+    /// Index of the site.
     pub site: usize,
     /// Blocked directions, as a state.
     pub blocked: u16,
-    /// Those at which friction acts.
+    /// Blocked directions at which friction acts, as a state.
     pub rough: u16,
-    /// Where blocked movers go.
+    /// Reflected direction of each blocked direction.
     pub reflection: Reflection,
 }
 
-/// The sites.
+/// All sites of the lattice.
 #[derive(Resource, Clone, Debug)]
 pub struct Sites {
-    /// Distance of nearest neighbours, m.
+    /// Distance between nearest neighbours, m.
     pub spacing: f64,
-    /// Length of a stored column.
+    /// Number of stored sites in a column.
     pub stride: usize,
-    /// What each site is.
+    /// Kind of each stored site.
     pub kinds: Vec<Kind>,
-    /// Fluid sites in ascending order.
+    /// Runs of fluid sites, in ascending order.
     pub runs: Vec<Run>,
-    /// Blocked directions of each fluid site, as a state.
+    /// Blocked directions of each stored site, as a state; 0 unless the site is fluid.
     pub blocked: Vec<u16>,
-    /// Fluid sites at walls, in ascending order.
+    /// Fluid sites with blocked directions, in ascending order.
     pub edges: Vec<Edge>,
-    /// Wall sites that the door closes off; sinks once it is open.
+    /// Sites of the doorway: walls while the door is closed, sinks once it is open.
     pub doorway: Vec<usize>,
     offsets: [[isize; 13]; 2],
     origin: Vector,
@@ -81,7 +87,8 @@ pub struct Sites {
 }
 
 impl Sites {
-    /// The sites of a silo: outline, inserts, door (from, to), in m, and spacing.
+    /// Creates the sites of a silo with its door closed. The outline, the inserts, the ends of the door and the spacing
+    /// are in m.
     #[must_use]
     pub fn new(outline: &Polygon, inserts: &[Polygon], door: Option<(Vector, Vector)>, spacing: f64) -> Self {
         let (low, high) = outline.bounds();
@@ -122,15 +129,19 @@ impl Sites {
         sites
     }
 
-    /// How many sites are stored for so many columns and rows.
+    /// Returns the number of stored sites for this many columns and rows of the silo.
     #[must_use]
     pub fn stored(columns: usize, rows: usize) -> usize {
         columns.saturating_add(2 * MARGIN).saturating_mul(rows.saturating_add(2 * MARGIN))
     }
 
-    /// How many columns and rows an outline holds.
+    /// Returns the numbers of columns and rows that fit into the bounding box of an outline.
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates; compared with a limit")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "saturates; the caller compares it with a limit"
+    )]
     pub fn extent(outline: &Polygon, spacing: f64) -> (usize, usize) {
         let (low, high) = outline.bounds();
         let fitting = |length: f64, step: f64| ((length / step + 1e-6).floor() as usize).saturating_add(1);
@@ -149,7 +160,7 @@ impl Sites {
         }
     }
 
-    /// What is blocked, and how it is reflected.
+    /// Finds the blocked directions of all fluid sites, and their reflections.
     fn find_edges(&mut self) {
         let top = self.runs.iter().map(|run| self.coordinates(run.start + run.len - 1).1).max().unwrap_or(0);
         let mut mirrors = MirrorSet::default();
@@ -157,8 +168,8 @@ impl Sites {
         let runs = std::mem::take(&mut self.runs);
         for s in runs.iter().flat_map(|run| run.start..run.start + run.len) {
             let is_wall = |d: usize| self.kinds[self.neighbour(s, d)] == Kind::Wall;
-            let is_squeezed = |d: usize| d >= 7 && is_wall(FLANKS[d - 7].0) && is_wall(FLANKS[d - 7].1);
-            let blocked = (1..=12).filter(|&d| is_wall(d) || is_squeezed(d)).fold(0, |set, d| set | 1 << d);
+            let is_between_walls = |d: usize| d >= 7 && is_wall(FLANKS[d - 7].0) && is_wall(FLANKS[d - 7].1);
+            let blocked = (1..=12).filter(|&d| is_wall(d) || is_between_walls(d)).fold(0, |set, d| set | 1 << d);
             self.blocked[s] = blocked;
             if blocked != 0 {
                 let touches_lid = directions(blocked).any(|d| self.coordinates(s).1 + STEPS[d].1 > top);
@@ -169,7 +180,7 @@ impl Sites {
         self.runs = runs;
     }
 
-    /// Opens the door: the doorway becomes a sink.
+    /// Opens the door: the sites of the doorway become sinks.
     pub fn open(&mut self) {
         for &s in &self.doorway {
             self.kinds[s] = Kind::Sink;
@@ -177,69 +188,69 @@ impl Sites {
         self.find_edges();
     }
 
-    /// All fluid sites, ascending.
+    /// Returns the indices of all fluid sites, ascending.
     pub fn fluid(&self) -> impl Iterator<Item = usize> {
         self.runs.iter().flat_map(|run| run.start..run.start + run.len)
     }
 
-    /// How many fluid sites there are.
+    /// Returns the number of fluid sites.
     #[must_use]
     pub fn fluid_count(&self) -> usize {
         self.runs.iter().map(|run| run.len).sum()
     }
 
-    /// Integer coordinates (X, Y) of a site.
+    /// Returns the integer coordinates (X, Y) of a site.
     #[must_use]
-    #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a store of at most 2^31 sites")]
+    #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 2^31 stored sites")]
     pub fn coordinates(&self, site: usize) -> (i32, i32) {
         let (column, row) = (site / self.stride, site % self.stride);
         (column as i32, (2 * row + column % 2) as i32)
     }
 
-    /// The place of a site, m.
+    /// Returns the position of a site, m.
     #[must_use]
     pub fn position(&self, site: usize) -> Vector {
         let (x, y) = in_bonds(self.coordinates(site));
         self.origin + self.spacing * Vector::new(x, y)
     }
 
-    /// The fluid site nearest to a place (m), if there is one.
+    /// Returns the fluid site nearest to a position (m); `None` if there are no fluid sites.
     #[must_use]
     pub fn nearest(&self, x: Vector) -> Option<usize> {
         let distance = |s: usize| self.position(s).distance_squared(x);
         self.fluid().min_by(|&a, &b| distance(a).total_cmp(&distance(b)))
     }
 
-    /// The site one step in a direction from a fluid site.
+    /// Returns the site that one step in a direction leads to from a fluid site.
     #[inline]
     #[must_use]
     pub fn neighbour(&self, site: usize, direction: usize) -> usize {
         site.wrapping_add_signed(self.offset(site / self.stride % 2, direction))
     }
 
-    /// What a step adds to the index of a site in a column of this parity.
+    /// Returns the difference of index that a step in a direction makes, for sites in columns of this parity.
     #[inline]
     #[must_use]
     pub fn offset(&self, parity: usize, direction: usize) -> isize {
         self.offsets[parity][direction]
     }
 
-    /// The outline's and inserts' edges, m.
+    /// Returns the edges of the outline and of the inserts, m.
     #[must_use]
     pub fn lines(&self) -> &[(Vector, Vector)] {
         &self.lines
     }
 }
 
-/// What a step (dX, dY) adds to the index of a site in a column of this parity.
-#[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "a store of at most 2^31 sites")]
+/// Returns the difference of index that a step (dX, dY) makes, for sites in columns of this parity.
+#[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "at most 2^31 stored sites")]
 fn offset((dx, dy): (i32, i32), parity: usize, stride: usize) -> isize {
     let parity = parity as i32;
     let rows = (dy + parity - (parity + dx).rem_euclid(2)) / 2;
     (dx * stride as i32 + rows) as isize
 }
 
-/// Whether a place outside the outline is in front of the door and not farther than [`DOORWAY`].
+/// Whether a position outside the outline is opposite the door and at most [`DOORWAY`] spacings from it.
 fn is_in_doorway(x: Vector, (from, to): (Vector, Vector), spacing: f64, tolerance: f64) -> bool {
     let along = to - from;
     let place = (x - from).dot(along) / along.length();
@@ -272,13 +283,13 @@ mod tests {
     }
 
     #[test]
-    fn the_two_silos_have_their_35_000_sites() {
+    fn the_two_silos_of_the_study_have_their_numbers_of_sites() {
         assert_eq!(flat_bottomed().fluid_count(), 35_000);
         assert_eq!(hopper().fluid_count(), 35_047);
     }
 
     #[test]
-    fn blocked_ways_are_blocked_from_both_ends() {
+    fn blocked_bonds_are_blocked_from_both_ends() {
         for mut sites in [flat_bottomed(), hopper()] {
             for _ in 0..2 {
                 for s in sites.fluid() {
@@ -298,7 +309,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_lead_where_they_say() {
+    fn neighbours_are_one_step_away() {
         let sites = hopper();
         for s in sites.fluid().step_by(97) {
             for (d, &step) in STEPS.iter().enumerate() {
@@ -313,7 +324,7 @@ mod tests {
     #[test]
     fn the_doorway_is_three_rows_as_wide_as_the_door() {
         let sites = flat_bottomed();
-        // Columns stand at odd multiples of sqrt(3)/4 = 0.433 spacings: 24 of them within 10 spacings of the middle.
+        // Columns are at odd multiples of sqrt(3)/4 = 0.433 spacings: 24 of them are within 10 spacings of the middle.
         assert_eq!(sites.doorway.len(), 3 * 24);
         for &s in &sites.doorway {
             let x = sites.position(s);
@@ -322,7 +333,7 @@ mod tests {
     }
 
     #[test]
-    fn walls_of_the_two_silos_are_mirrors() {
+    fn straight_walls_of_the_two_silos_reflect_specularly() {
         for sites in [flat_bottomed(), hopper()] {
             let lines: Vec<_> = sites.lines().to_vec();
             let far_from_corners = |x: Vector| lines.iter().all(|line| x.distance(line.0) > 4.0 * A);

@@ -1,10 +1,12 @@
-//! How many particles of a site stop in a collision (phase A).
+//! Draws how many particles of each site stop in a collision (phase A).
 //!
-//! A site with N >= 2 particles, one of them moving, stops n of them, with P(n >= j) = p^j, j <= N. One stays in the site's own
-//! place at rest, n - 1 want a place at rest next to it ([`scatter`](crate::lattice::scatter)). Of 13 particles one has to
-//! rest. A lone particle does not collide: it moves on, or stays at rest.
+//! A site with N >= 2 particles, of which at least one moves, stops n of them, with P(n >= j) = p^j for j <= N. One
+//! stopped particle takes the site's own rest place. The other n - 1 need a rest place at a neighbour
+//! ([`scatter`](crate::lattice::scatter)). With 13 particles, n is at least 1, because a site holds at most 12 movers.
+//! A lone particle does not collide: it keeps moving or stays at rest.
 //!
-//! With p = 0 momentum is to be exact: a particle at rest then stays there if no state of N movers has the momentum.
+//! With p = 0 momentum has to be exact. A particle at rest therefore stays at rest if no state of N movers has the
+//! momentum of the site.
 
 use crate::lattice::bands::{self, Band};
 use crate::lattice::collisions::Collisions;
@@ -14,10 +16,10 @@ use crate::lattice::rules::Odds;
 use crate::lattice::sites::Sites;
 use crate::threads::Threads;
 
-/// Decides on every site; the sites with more than one stopped particle are in `spare` afterwards.
+/// Draws the stopped particles of every site. [`Gas::spare`] then lists the sites with more than one stopped particle.
 pub(super) fn stop(sites: &Sites, gas: &mut Gas, threads: &Threads, table: &Collisions, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Stop, 0);
-    bands::work(gas, sites, threads, |band| stop_in(band, table, odds, streams));
+    bands::for_each_band(gas, sites, threads, |band| stop_in(band, table, odds, streams));
 }
 
 fn stop_in(band: &mut Band<'_>, table: &Collisions, odds: &Odds, streams: Streams) {
@@ -47,7 +49,7 @@ fn stop_in(band: &mut Band<'_>, table: &Collisions, odds: &Odds, streams: Stream
     }
 }
 
-/// Whether some state of so many movers has the momentum of `state`.
+/// Whether a state of `number` movers has exactly the momentum of `state`.
 fn is_attainable(table: &Collisions, state: u16, number: u8) -> bool {
     number <= 12 && table.choice(number, table.sum(state).resultant).is_exact
 }

@@ -1,6 +1,7 @@
-//! `summary.json` of a lattice gas: what became of a run, as a contract for scripts.
+//! `summary.json` of a lattice gas: the results of a run, in a stable format for scripts.
 //!
-//! `format` is raised when a key changes its meaning or goes; keys may be added. `null` stands for what did not happen.
+//! `format` increases when a key is removed or changes its meaning. Keys may be added without a new format. A value is
+//! `null` if its event did not happen.
 
 use std::io::{self, Write};
 
@@ -21,68 +22,68 @@ use crate::writers::SUMMARY_FORMAT;
 use crate::writers::fnv::Fnv;
 use crate::writers::peak::peak_memory;
 
-/// The whole summary.
+/// The content of `summary.json`.
 #[derive(Debug, Serialize)]
 pub struct Summary {
-    /// [`SUMMARY_FORMAT`].
+    /// Version of the format, [`SUMMARY_FORMAT`].
     pub format: u32,
     /// Name of the scene.
     pub scene: String,
-    /// `LatticeGas`.
+    /// Method of the scene: `LatticeGas`.
     pub method: &'static str,
-    /// `empty`, `at_rest`, `time_reached`: done; `failed`: not.
+    /// End of the run: `empty`, `at_rest`, `time_reached` for a regular end, `failed` for a failure.
     pub status: &'static str,
-    /// Why it failed.
+    /// Cause of a failure.
     pub failure: Option<String>,
-    /// Steps done.
+    /// Number of completed steps.
     pub steps: u64,
-    /// Fluid sites.
+    /// Number of fluid sites.
     pub sites: usize,
-    /// The ledger.
+    /// Numbers of particles.
     pub particles: Particles,
-    /// The step at whose end the gas was found at rest.
+    /// Step at the end of which rest was detected.
     pub rest_step: Option<u64>,
-    /// The step at whose end the door opened.
+    /// Step at the end of which the door opened.
     pub door_open_step: Option<u64>,
-    /// The step at whose end nobody was left inside.
+    /// Step at the end of which the silo was empty.
     pub empty_step: Option<u64>,
-    /// What it cost.
+    /// Cost of the run.
     pub performance: Performance,
-    /// The state of the gas at the end, as 16 hexadecimal digits.
+    /// Hash of the final state ([`state_hash`]), as 16 hexadecimal digits.
     pub state_hash: String,
 }
 
-/// The ledger: entered = inside + out.
+/// Numbers of particles: entered = inside + out.
 #[derive(Debug, Serialize)]
 pub struct Particles {
-    /// Entered.
+    /// Particles that entered.
     pub entered: u64,
-    /// Not out.
+    /// Particles that are inside at the end.
     pub inside: u64,
-    /// Went through the outlet.
+    /// Particles that left through the door.
     pub out: u64,
 }
 
-/// What a run cost.
+/// Cost of a run, and its parameters.
 #[derive(Debug, Serialize)]
 pub struct Performance {
     /// Wall-clock time of the steps, s.
     pub wall_s: f64,
-    /// Steps times fluid sites.
+    /// Number of steps times number of fluid sites.
     pub site_updates: u64,
-    /// Their quotient.
+    /// Site updates per second of wall-clock time, 1/s.
     pub site_updates_per_s: f64,
-    /// The largest resident set of the program up to the end of the last step, set-up included, bytes; `null` where the system
-    /// does not tell.
+    /// Largest resident set of the program up to the end of the last step, including set-up, bytes. `null` if the
+    /// system does not report it.
     pub peak_memory_bytes: Option<u64>,
-    /// Threads.
+    /// Number of threads.
     pub threads: usize,
-    /// The rules.
+    /// Parameters of the automaton.
     pub rules: Rules,
 }
 
-/// The hash of the gas: FNV-1a, 64 bits, over the states of the fluid sites, in the order of the store, 2 bytes each,
-/// little-endian.
+/// Returns a hash of the states of all fluid sites: FNV-1a, 64 bits, over 2 little-endian bytes per site, in the order
+/// of the site index.
 #[must_use]
 pub fn state_hash(sites: &Sites, gas: &Gas) -> u64 {
     let mut hash = Fnv::default();
@@ -90,10 +91,11 @@ pub fn state_hash(sites: &Sites, gas: &Gas) -> u64 {
     hash.value()
 }
 
-/// `state.csv`: the sites with particles, their places (m) and their states, bit i for a particle with velocity i.
+/// Writes `state.csv`: position (m) and state of each site with particles. Bit i of a state is set if there is a
+/// particle with velocity i.
 ///
 /// # Errors
-/// If it cannot be written.
+/// If the file cannot be written.
 pub fn write_state(sites: &Sites, gas: &Gas, file: &mut dyn Write) -> io::Result<()> {
     writeln!(file, "x_m,y_m,state")?;
     for s in sites.fluid().filter(|&s| gas.states()[s] != 0) {
@@ -104,7 +106,7 @@ pub fn write_state(sites: &Sites, gas: &Gas, file: &mut dyn Write) -> io::Result
 }
 
 impl Summary {
-    /// The summary of a run that came to `end` in `wall_s` seconds of the clock on the wall.
+    /// Creates the summary of a run that ended with `end` after `wall_s` seconds of wall-clock time.
     #[must_use]
     pub fn of(world: &World, loaded: &LoadedLattice, end: &End, wall_s: f64) -> Self {
         let (sites, gas, clock) = (world.resource::<Sites>(), world.resource::<Gas>(), world.resource::<Clock>());
@@ -113,7 +115,7 @@ impl Summary {
             _ => None,
         };
         let site_updates = clock.steps * sites.fluid_count() as u64;
-        #[expect(clippy::cast_precision_loss, reason = "a figure for people")]
+        #[expect(clippy::cast_precision_loss, reason = "a speed needs few digits")]
         let speed = site_updates as f64 / wall_s.max(f64::MIN_POSITIVE);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a number of steps")]
         let empty_step = world.resource::<EmptyTime>().0.map(|time| time as u64);

@@ -1,8 +1,8 @@
 //! Gravity of particles at rest (phase E).
 //!
-//! A particle at rest, with probability h, moves down to the place at rest of a neighbour: one at random of the directions
-//! that lead down, are not blocked, and end at a free place or at a sink. A site that several want takes one of them at
-//! random, a sink takes all; who is refused stays.
+//! With probability h, a particle at rest proposes to move down into the rest place of another site. Its direction is
+//! random among the downward directions that are not blocked and end at a free rest place or a sink. A site with
+//! several proposals accepts a random one. A sink accepts all. A refused particle stays.
 
 use crate::lattice::draws::{Purpose, Streams, below};
 use crate::lattice::gas::Gas;
@@ -10,13 +10,14 @@ use crate::lattice::rules::Odds;
 use crate::lattice::sites::{Kind, Sites};
 use crate::lattice::velocities::{DESCENDING, directions, nth};
 
+/// A proposed move of a particle at rest.
 struct Move {
     from: usize,
     to: usize,
     direction: usize,
 }
 
-/// Lets particles at rest trickle down.
+/// Moves particles at rest down in step `t`.
 pub(super) fn trickle(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Trickle, 0);
     let mut moves = Vec::new();
@@ -41,7 +42,7 @@ pub(super) fn trickle(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
             for one in rivals {
                 gas.resting[one.from] = 0;
             }
-            gas.let_out(u32::try_from(rivals.len()).unwrap_or(u32::MAX));
+            gas.add_out(u32::try_from(rivals.len()).unwrap_or(u32::MAX));
         } else {
             let winner = below(accept.of(to).high(0), u32::try_from(rivals.len()).unwrap_or(u32::MAX));
             gas.resting[rivals[winner as usize].from] = 0;
@@ -50,7 +51,8 @@ pub(super) fn trickle(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
     }
 }
 
-/// The places in a run of fluid sites where a particle rests, eight sites at a look.
+/// Calls `then` with the index of each site of a run that has a particle at rest. Tests eight sites at a time; the
+/// elements of `resting` are 0 or 1.
 fn for_each_resting(resting: &[u8], mut then: impl FnMut(usize)) {
     let (eights, others) = resting.as_chunks::<8>();
     for (n, eight) in eights.iter().enumerate() {
@@ -64,7 +66,7 @@ fn for_each_resting(resting: &[u8], mut then: impl FnMut(usize)) {
     (first..).zip(others).filter(|(_, resting)| **resting == 1).for_each(|(place, _)| then(place));
 }
 
-/// The directions in which a particle at rest may go.
+/// Returns the directions in which a particle at rest can move down, as a state.
 fn ways_down(sites: &Sites, gas: &Gas, site: usize) -> u16 {
     let is_free = |&d: &usize| {
         let to = sites.neighbour(site, d);

@@ -1,4 +1,4 @@
-//! Rules across the keys of a scene of the lattice gas: what one number's range cannot say.
+//! Rules between the keys of a lattice-gas scene, beyond the range of each single value.
 
 use std::collections::HashSet;
 
@@ -12,10 +12,10 @@ use crate::lattice::scene::LatticeScene;
 use crate::lattice::sites::Sites;
 use crate::source::Source;
 
-/// Stored sites of the largest lattice: 3 GB or so.
+/// Largest number of stored sites, about 3 GB.
 const MOST_SITES: usize = 200_000_000;
 
-/// Checks what the sites are made of.
+/// Checks the polygons, the door and the number of sites, before the sites are created.
 ///
 /// # Errors
 /// The first rule that is broken, pointing at the key.
@@ -25,9 +25,12 @@ pub(super) fn shapes(scene: &LatticeScene, rules: &Rules, source: &Source) -> Re
         let is_planar = corners.iter().all(|corner| corner.count() == 2);
         let polygon = polygon(corners);
         let (message, help) = if !is_planar || polygon.0.len() < 3 {
-            ("expected a polygon of at least three corners (x, y)", "give the corners in turn, in m")
+            (
+                "expected a polygon of at least three corners (x, y)",
+                "give the corners in order along the boundary, in m",
+            )
         } else if polygon.crosses_itself() || polygon.area() == 0.0 {
-            ("the edges of the polygon cross or touch each other", "give the corners in turn, along the boundary")
+            ("the edges of the polygon cross or touch each other", "give the corners in order along the boundary")
         } else {
             continue;
         };
@@ -36,18 +39,18 @@ pub(super) fn shapes(scene: &LatticeScene, rules: &Rules, source: &Source) -> Re
     if let Some(door) = scene.door
         && (door.from.count() != 2 || door.to.count() != 2 || door.from == door.to)
     {
-        let message = "the door goes from one place (x, y) to another";
-        return Err(source.fault("scene::degenerate_wall", "door", message).help("give two different places, in m"));
+        let message = "expected two different points (x, y) as the ends of the door";
+        return Err(source.fault("scene::degenerate_wall", "door", message).help("give `from` and `to`, in m"));
     }
     let (columns, rows) = Sites::extent(&polygon(&scene.outline), rules.spacing.get());
     if Sites::stored(columns, rows) > MOST_SITES {
-        let message = format!("{columns} columns of {rows} sites, and a margin, are more than {MOST_SITES} sites");
+        let message = format!("{columns} columns of {rows} sites, with a margin, are more than {MOST_SITES} sites");
         return Err(source.fault("scene::out_of_range", "method.spacing", message).help("give a larger spacing, in m"));
     }
     Ok(())
 }
 
-/// Checks a scene whose sites have been found.
+/// Checks a scene after its sites have been created.
 ///
 /// # Errors
 /// The first rule that is broken, pointing at the key.
@@ -58,7 +61,7 @@ pub(super) fn check(loaded: &LoadedLattice) -> Result<(), Fault> {
         return Err(loaded.fault("scene::empty_box", "outline", message, help));
     }
     if loaded.scene.until == 0 {
-        let message = "a run has at least one step";
+        let message = "a run needs at least one step";
         return Err(loaded.fault("scene::out_of_range", "until", message, "give the number of the last step"));
     }
     door(loaded)?;
@@ -70,12 +73,12 @@ fn door(loaded: &LoadedLattice) -> Result<(), Fault> {
     let scene = &loaded.scene;
     let Some(door) = scene.door else {
         if scene.discharge.is_some() {
-            let message = "a run ends so many steps after the door has opened, but there is no door";
+            let message = "`discharge` counts steps from the opening of the door, but there is no door";
             return Err(loaded.fault("scene::no_door", "discharge", message, "add `door`, or remove `discharge`"));
         }
         return Ok(());
     };
-    // Corners are given to a few digits.
+    // The tolerance allows for coordinates that the scene gives with a few digits only.
     let (ends, near) = (door.ends(), 0.5 * loaded.rules.spacing.get());
     let is_on = |edge| distance(ends.0, edge) <= near && distance(ends.1, edge) <= near;
     if !loaded.outline().edges().any(is_on) || loaded.sites.doorway.is_empty() {
@@ -84,17 +87,18 @@ fn door(loaded: &LoadedLattice) -> Result<(), Fault> {
             "scene::no_door",
             "door",
             message,
-            "give two places on one edge of the outline, in m",
+            "give two points on one edge of the outline, in m",
         ));
     }
     if door.opens == DoorOpens::AtRest && scene.rest.is_none() {
-        let message = "the door opens at rest, but nothing detects rest";
+        let message = "the door opens at rest, but the scene has no `rest`";
         return Err(loaded.fault("scene::missing_key", "rest", message, "add `rest: (hold: 800)`, in steps"));
     }
     Ok(())
 }
 
-/// The site of a particle of the start: the nearest one, not more than a spacing away.
+/// Returns the start site of a single particle: the nearest fluid site. `None` if it is more than a spacing away, or
+/// the particle's place is not two-dimensional.
 fn site_of(loaded: &LoadedLattice, thrown: &Thrown) -> Option<usize> {
     let at = thrown.at.padded().truncate();
     let site = loaded.sites.nearest(at).filter(|_| thrown.at.count() == 2)?;
@@ -116,11 +120,11 @@ fn particles(loaded: &LoadedLattice) -> Result<(), Fault> {
                 "scene::outside",
                 &key,
                 message,
-                "give (x, y) in m, inside the outline, in no insert",
+                "give (x, y) in m, inside the outline and outside all inserts",
             ));
         };
         if !taken.insert((site, thrown.velocity)) {
-            let message = "there is a particle with this velocity at this site already";
+            let message = "another particle of the scene has this site and this velocity";
             return Err(loaded.fault(
                 "scene::two_at_one_place",
                 &key,
@@ -138,7 +142,7 @@ fn particles(loaded: &LoadedLattice) -> Result<(), Fault> {
         }
     }
     if scene.fill.is_none() && scene.pour.is_none() && scene.particles.is_empty() {
-        let message = "nothing enters: there are no particles";
+        let message = "the scene has no particles";
         return Err(loaded.fault(
             "scene::missing_key",
             "fill",
@@ -168,10 +172,15 @@ fn outputs(loaded: &LoadedLattice) -> Result<(), Fault> {
     }
     if flow.cell.get() < spacing {
         let message = format!("cells of {} m are smaller than the spacing of the sites, {spacing} m", flow.cell.get());
-        return Err(loaded.fault("scene::out_of_range", "flow.cell", message, "give cells of several sites, in m"));
+        return Err(loaded.fault(
+            "scene::out_of_range",
+            "flow.cell",
+            message,
+            "give cells as large as several sites, in m",
+        ));
     }
     if flow.from.get() > 0.0 && loaded.scene.door.is_none() {
-        let message = "no particle will ever be out: there is no door";
+        let message = "no particle can leave: there is no door";
         return Err(loaded.fault("scene::no_door", "flow", message, "add `door`, or write `from: 0.0`"));
     }
     Ok(())

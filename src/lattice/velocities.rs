@@ -1,55 +1,62 @@
-//! The thirteen states of a particle: at rest, or on its way to one of twelve neighbours.
+//! The thirteen velocities of a particle: rest, and one for each of twelve neighbours.
 //!
-//! The lattice is triangular with one bond upright. A site has integer coordinates (X, Y) of equal parity and stands at
-//! x = X sqrt(3)/2, y = Y/2 in units of the bond. Direction 0 is rest; 1 to 6 lead to the nearest neighbours (speed 1),
-//! clockwise from straight up; 7 to 12 to the second-nearest (speed sqrt 3), clockwise, 7 between 1 and 2. So 4 is straight
-//! down, {3, 4, 5, 9, 10} are the directions that lead down, {2, 3, 5, 6, 8, 11} those within 30 degrees of the horizontal
-//! and 7 points obliquely up. (Kozicki and Tejchman, TASK Quarterly 9(1), 2005, figure 1, whose numbering this meets.)
+//! The lattice is triangular, with one bond direction vertical. A site has integer coordinates (X, Y) of equal parity.
+//! Its position is x = X sqrt(3)/2, y = Y/2, in units of the bond length.
 //!
-//! A *state* has bit i for a particle with velocity i; the *movers* of a state are its bits 1 to 12.
+//! | direction | neighbours | speed | order |
+//! |---|---|---|---|
+//! | 0 | rest | 0 | |
+//! | 1 to 6 | nearest | 1 | clockwise from straight up |
+//! | 7 to 12 | second-nearest | sqrt 3 | clockwise; 7 is between 1 and 2 |
+//!
+//! Direction 4 is straight down and 7 points obliquely up. {3, 4, 5, 9, 10} are the downward directions. {2, 3, 5, 6,
+//! 8, 11} are the directions within 30 degrees of the horizontal. The numbering agrees with Kozicki and Tejchman, TASK
+//! Quarterly 9(1), 2005, figure 1.
+//!
+//! Bit i of a *state* is set if there is a particle with velocity i. The *movers* of a state are its bits 1 to 12.
 
 /// Steps (dX, dY) of directions 0 to 12.
 pub const STEPS: [(i32, i32); 13] =
     [(0, 0), (0, 2), (1, 1), (1, -1), (0, -2), (-1, -1), (-1, 1), (1, 3), (2, 0), (1, -3), (-1, -3), (-2, 0), (-1, 3)];
 
-/// The direction that leads back.
+/// The opposite of each direction.
 pub const OPPOSITE: [usize; 13] = [0, 4, 5, 6, 1, 2, 3, 10, 11, 12, 7, 8, 9];
 
-/// The nearest neighbours between which a bond to a second-nearest one, 7 to 12, passes.
+/// For each of directions 7 to 12: the two nearest neighbours (as directions) that its bond passes between.
 pub const FLANKS: [(usize, usize); 6] = [(1, 2), (2, 3), (3, 4), (4, 5), (5, 6), (6, 1)];
 
-/// The direction of gravity.
+/// Direction of gravity.
 pub const DOWN: usize = 4;
 
-/// Directions that lead down, as a state.
+/// Downward directions, as a state.
 pub const DESCENDING: u16 = 1 << 3 | 1 << 4 | 1 << 5 | 1 << 9 | 1 << 10;
 
 /// Directions within 30 degrees of the horizontal, as a state.
 pub const LEVEL: u16 = 1 << 2 | 1 << 3 | 1 << 5 | 1 << 6 | 1 << 8 | 1 << 11;
 
-/// All movers of a state.
+/// The bits of all movers of a state.
 pub const MOVERS: u16 = 0x1FFE;
 
-/// Displacement or velocity (dX, dY) in units of the bond.
+/// Converts a displacement or velocity (dX, dY) to (x, y) in bond lengths.
 #[must_use]
 pub fn in_bonds((dx, dy): (i32, i32)) -> (f64, f64) {
     (f64::from(dx) * 0.75f64.sqrt(), f64::from(dy) * 0.5)
 }
 
-/// The angle of a direction from the horizontal, degrees, in (-180, 180].
+/// Returns the angle of a direction from the horizontal, degrees, in (-180, 180].
 #[must_use]
 pub fn angle(direction: usize) -> f64 {
     let (x, y) = in_bonds(STEPS[direction]);
     y.atan2(x).to_degrees()
 }
 
-/// The sum (X, Y) of the velocities of a state.
+/// Returns the sum (X, Y) of the velocities of a state.
 #[must_use]
 pub fn momentum(state: u16) -> (i32, i32) {
     directions(state).fold((0, 0), |(x, y), d| (x + STEPS[d].0, y + STEPS[d].1))
 }
 
-/// The set bits of a state, ascending.
+/// Returns the set bits of a state, ascending.
 pub fn directions(mut state: u16) -> impl Iterator<Item = usize> {
     std::iter::from_fn(move || {
         (state != 0).then(|| {
@@ -60,10 +67,10 @@ pub fn directions(mut state: u16) -> impl Iterator<Item = usize> {
     })
 }
 
-/// Of each set of seven bits, its size, and the places of its members in ascending order.
-const MEMBERS: [(u8, [u8; 7]); 128] = members();
+/// For each set of seven bits: the number of set bits, and their positions in ascending order.
+const SET_BITS: [(u8, [u8; 7]); 128] = set_bits();
 
-const fn members() -> [(u8, [u8; 7]); 128] {
+const fn set_bits() -> [(u8, [u8; 7]); 128] {
     let mut all = [(0, [0; 7]); 128];
     let mut set = 0;
     while set < 128 {
@@ -80,19 +87,20 @@ const fn members() -> [(u8, [u8; 7]); 128] {
     all
 }
 
-/// The `n`-th set bit of a state, from 0, counted from the lowest; the state has more than `n`. Without a branch, for
-/// nothing can foresee which way it would go.
+/// Returns the position of the `n`-th set bit of a state, counted from 0 at the lowest. The state must have more than
+/// `n` set bits.
+// Uses no branch, because its outcome would be unpredictable.
 #[inline]
 #[must_use]
 pub fn nth(state: u16, n: u32) -> usize {
     let (low, high) = (usize::from(state & 0x7F), usize::from(state >> 7 & 0x7F));
-    let below = u32::from(MEMBERS[low].0);
+    let below = u32::from(SET_BITS[low].0);
     let is_high = n >= below;
     let (set, n) = if is_high { (high, n - below) } else { (low, n) };
-    usize::from(MEMBERS[set].1[n as usize % 7]) + 7 * usize::from(is_high)
+    usize::from(SET_BITS[set].1[n as usize % 7]) + 7 * usize::from(is_high)
 }
 
-/// The same directions turned round.
+/// Returns the opposites of all directions of a state, as a state.
 #[must_use]
 pub fn turned_round(state: u16) -> u16 {
     directions(state).fold(0, |turned, d| turned | 1 << OPPOSITE[d])
@@ -118,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn named_sets_are_what_they_say() {
+    fn named_sets_contain_the_right_directions() {
         assert_eq!(
             directions(DESCENDING).collect::<Vec<_>>(),
             (1..=12).filter(|&d| STEPS[d].1 < 0).collect::<Vec<_>>()
@@ -127,12 +135,12 @@ mod tests {
         assert_eq!(directions(LEVEL).collect::<Vec<_>>(), (1..=12).filter(is_level).collect::<Vec<_>>());
         for (d, (a, b)) in (7..).zip(FLANKS) {
             let between = (STEPS[a].0 + STEPS[b].0, STEPS[a].1 + STEPS[b].1);
-            assert_eq!(STEPS[d], between, "the way of {d} passes between {a} and {b}");
+            assert_eq!(STEPS[d], between, "the bond of {d} passes between {a} and {b}");
         }
     }
 
     #[test]
-    fn bits_are_found_in_order() {
+    fn nth_finds_the_set_bits_in_ascending_order() {
         for state in 0..1 << 13 {
             for (n, bit) in (0..).zip(directions(state)) {
                 assert_eq!(nth(state, n), bit, "{state:#b}");

@@ -1,31 +1,35 @@
-//! The paper's claims about its parameters, as orderings of observables, and what becomes of them.
+//! The paper's claims about its parameters, expressed as statements about observables, and the test of these
+//! statements.
 //!
-//! An ordering says that a quantity is larger by more than a factor in one variant than in another. It *holds* or *fails* by
-//! the means over the seeds; where they differ from it by less than two of their combined standard errors, it is *unclear*. What a claim that hangs on one statistic says, its neighbours need not: they are reported too. The
-//! statements that one seed is enough for are the first of each claim; tests assert those that hold.
+//! An ordering states that a quantity in one variant is larger than a factor times the quantity in another variant. It
+//! is evaluated with the means over the seeds. An ordering *holds* or *fails* if the difference is at least two
+//! combined standard errors, and is *unclear* otherwise.
+//!
+//! A claim can depend on the choice of the observable, so related observables are reported too. The first statements of
+//! each claim are firm: a single seed is enough to decide them. Tests assert the firm statements that hold.
 
 use crate::lattice::observables::{QUANTITIES, Quantity};
 use crate::lattice::rules::Walls;
 use crate::lattice_study::plan::Variant;
 use crate::lattice_study::results::{Mean, Results};
 
-/// What has become of a statement.
+/// The result of testing a statement.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It is so.
+    /// The statement is true.
     Holds,
-    /// It is not so.
+    /// The statement is false.
     Fails,
-    /// The difference is within two combined standard errors.
+    /// The difference is less than two combined standard errors.
     Unclear,
-    /// Two figures that should be the same differ by less than two combined standard errors.
+    /// Two values that should be equal differ by less than two combined standard errors.
     NoDifference,
-    /// The study did not run what it needs, or has nothing to measure.
+    /// The study did not run the variants of the statement, or the quantity is undefined in them.
     NotMeasured,
 }
 
 impl Verdict {
-    /// In a word.
+    /// Returns the verdict in words, as Markdown.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -38,25 +42,27 @@ impl Verdict {
     }
 }
 
-/// A statement on one silo.
+/// A statement about the results of one silo.
 #[derive(Clone, Copy, Debug)]
 pub enum Statement {
-    /// A quantity in the first variant is more than so many times that in the second.
+    /// A quantity (by its symbol) in the first variant is larger than a factor times the quantity in the second
+    /// variant.
     Larger(&'static str, Variant, Variant, f64),
-    /// The spread of a quantity over the variants of all other parameters is smaller at g = 0.95 than at the base's g.
+    /// The spread of a quantity over the variants of all parameters except g is smaller at g = 0.95 than at g of the
+    /// base case.
     SpreadFalls(&'static str),
-    /// A quantity is the same in both variants, within two combined standard errors.
+    /// A quantity has equal values in both variants, within two combined standard errors.
     Same(&'static str, Variant, Variant),
 }
 
-/// A claim of the paper, and the statements that it is taken for.
+/// A claim of the paper, and the statements that represent it.
 #[derive(Clone, Copy, Debug)]
 pub struct Claim {
-    /// In the paper's sense.
+    /// The claim in words.
     pub text: &'static str,
-    /// How many of the statements, from the first, one seed is enough for.
+    /// Number of firm statements, at the start of `statements`: a single seed is enough to decide them.
     pub firm: usize,
-    /// What it is taken for.
+    /// The statements that represent the claim.
     pub statements: &'static [Statement],
 }
 
@@ -80,17 +86,18 @@ const fn g(g: f64) -> Variant {
 const fn h(h: f64) -> Variant {
     Variant { h: Some(h), ..BASE }
 }
-/// The same with sharp surfaces.
-const fn heavy(variant: Variant) -> Variant {
+/// Returns the variant with g = 0.95, which gives a sharp surface.
+const fn at_large_g(variant: Variant) -> Variant {
     Variant { g: Some(0.95), ..variant }
 }
-const fn scattering(variant: Variant) -> Variant {
+/// Returns the variant with walls that scatter (the paper's first method).
+const fn with_scattering_walls(variant: Variant) -> Variant {
     Variant { walls: Some(Walls::Scatter), ..variant }
 }
 
 use Statement::{Larger, Same, SpreadFalls};
 
-/// The claims.
+/// All claims.
 pub const CLAIMS: &[Claim] = &[
     Claim {
         text: "the outflow rises with g",
@@ -146,9 +153,9 @@ pub const CLAIMS: &[Claim] = &[
         text: "the surface is flatter at small p, q and h",
         firm: 2,
         statements: &[
-            Larger("incl", heavy(p(0.8)), heavy(p(0.0)), 1.3),
-            Larger("incl", heavy(q(0.8)), heavy(q(0.0)), 1.0),
-            Larger("incl", heavy(h(0.8)), heavy(h(0.0)), 1.0),
+            Larger("incl", at_large_g(p(0.8)), at_large_g(p(0.0)), 1.3),
+            Larger("incl", at_large_g(q(0.8)), at_large_g(q(0.0)), 1.0),
+            Larger("incl", at_large_g(h(0.8)), at_large_g(h(0.0)), 1.0),
             Larger("incl", p(0.8), p(0.0), 1.0),
             Larger("incl", q(0.8), q(0.0), 1.0),
             Larger("incl", h(0.8), h(0.0), 1.0),
@@ -175,32 +182,32 @@ pub const CLAIMS: &[Claim] = &[
         text: "walls that scatter (the first method) do not change the flow in a silo",
         firm: 0,
         statements: &[
-            Same("Q", scattering(b(0.8)), b(0.0)),
-            Same("hz", scattering(b(0.8)), b(0.0)),
-            Same("cs", scattering(b(0.8)), b(0.0)),
+            Same("Q", with_scattering_walls(b(0.8)), b(0.0)),
+            Same("hz", with_scattering_walls(b(0.8)), b(0.0)),
+            Same("cs", with_scattering_walls(b(0.8)), b(0.0)),
         ],
     },
 ];
 
-/// What was found of a statement in a silo.
+/// The result of a statement for one silo.
 #[derive(Clone, Debug)]
 pub struct Finding {
     /// The statement, in symbols.
     pub statement: String,
-    /// The figures behind it.
+    /// The values that are compared.
     pub figures: String,
-    /// What has become of it.
+    /// The verdict.
     pub verdict: Verdict,
 }
 
-/// A quantity by its symbol.
+/// Returns the quantity with a symbol; `None` if there is none.
 #[must_use]
 pub fn quantity(symbol: &str) -> Option<&'static Quantity> {
     QUANTITIES.iter().find(|quantity| quantity.symbol == symbol)
 }
 
 impl Statement {
-    /// Compares it with the results of a silo.
+    /// Tests the statement with the results of a silo.
     #[must_use]
     pub fn judge(&self, results: &Results, silo: &str) -> Finding {
         let mean = |symbol: &str, of: &Variant| results.mean(silo, of, quantity(symbol)?);
@@ -224,15 +231,15 @@ impl Statement {
             SpreadFalls(symbol) => {
                 let statement = format!("spread of {symbol} at g = 0.95 < at the base's g");
                 let spread = |change: fn(Variant) -> Variant| spread(results, silo, symbol, change);
-                compared(statement, spread(heavy), spread(|variant| variant), |heavy, base| {
-                    larger(base.value - heavy.value, heavy.error.hypot(base.error))
+                compared(statement, spread(at_large_g), spread(|variant| variant), |large_g, base| {
+                    larger(base.value - large_g.value, large_g.error.hypot(base.error))
                 })
             }
         }
     }
 }
 
-/// Whether a difference is larger than zero, for its standard error.
+/// Tests whether a difference with the standard error `error` is larger than zero.
 fn larger(difference: f64, error: f64) -> Verdict {
     if difference.abs() < 2.0 * error {
         Verdict::Unclear
@@ -243,6 +250,7 @@ fn larger(difference: f64, error: f64) -> Verdict {
     }
 }
 
+/// Returns the finding for two values, or [`Verdict::NotMeasured`] if one of them is missing.
 fn compared(statement: String, a: Option<Mean>, b: Option<Mean>, judge: impl Fn(Mean, Mean) -> Verdict) -> Finding {
     match a.zip(b) {
         Some((a, b)) => Finding { statement, figures: format!("{}; {}", shown(a), shown(b)), verdict: judge(a, b) },
@@ -250,7 +258,7 @@ fn compared(statement: String, a: Option<Mean>, b: Option<Mean>, judge: impl Fn(
     }
 }
 
-/// A mean and, if it has one, its standard error with as many digits as say something.
+/// Formats a mean and its standard error (if not 0) with as many decimals as the error makes meaningful.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
 pub fn shown(Mean { value, error }: Mean) -> String {
@@ -259,16 +267,17 @@ pub fn shown(Mean { value, error }: Mean) -> String {
     if error > 0.0 { format!("{value:.decimals$} ± {error:.decimals$}") } else { format!("{value:.decimals$}") }
 }
 
-/// Standard deviation of a quantity over the base and all variants of one other parameter than g, each changed; of every
-/// seed by itself, and then the mean over the seeds.
+/// Returns the spread of a quantity: its standard deviation over the base case and all variants that differ from it in
+/// one parameter other than g. `change` is applied to all of these variants. The spread is computed for each seed, then
+/// averaged over the seeds.
 fn spread(results: &Results, silo: &str, symbol: &str, change: fn(Variant) -> Variant) -> Option<Mean> {
-    let others = [BASE, p(0.8), p(0.0), q(0.8), q(0.0), b(0.8), b(0.0), k(0.8), k(0.0), h(0.8), h(0.0)];
+    let variants = [BASE, p(0.8), p(0.0), q(0.8), q(0.0), b(0.8), b(0.0), k(0.8), k(0.0), h(0.8), h(0.0)];
     let quantity = quantity(symbol)?;
-    let by_variant: Vec<Vec<f64>> = others.iter().map(|&one| results.values(silo, &change(one), quantity)).collect();
+    let by_variant: Vec<Vec<f64>> = variants.iter().map(|&one| results.values(silo, &change(one), quantity)).collect();
     let seeds = by_variant.iter().map(Vec::len).min()?;
     let spread_of = |seed: usize| {
         let values: Vec<f64> = by_variant.iter().map(|values| values[seed]).collect();
-        // The standard deviation is that of the mean times the root of their number.
+        // The standard deviation is the standard error of the mean times the square root of the number of values, 11.
         Mean::of(&values).map(|mean| mean.error * 11f64.sqrt())
     };
     Mean::of(&(0..seeds).filter_map(spread_of).collect::<Vec<_>>())

@@ -1,9 +1,10 @@
-//! The study: both silos, all variants of the parameters, several seeds; figures, sheets of pictures, and what becomes of the
-//! paper's claims.
+//! The lattice-gas study: runs both silos with all variants of the parameters and several seeds, and tests the paper's
+//! claims.
 //!
-//! A study file names scenes, seeds and variants ([`plan`]). Every replica is a run of its own ([`replica`]) on one thread, as
-//! many side by side as there are threads; the result does not depend on their number. Observables are averaged over the
-//! seeds ([`results`]), the claims are compared with them ([`claims`]), and all is written ([`report`]).
+//! A study file names scenes, seeds and variants ([`plan`]). A replica is one run, on a single thread ([`replica`]). As
+//! many replicas run in parallel as there are threads; the results do not depend on the number of threads. Observables
+//! are averaged over the seeds ([`results`]) and the claims are tested with the averages ([`claims`]). The output
+//! consists of tables, sheets of pictures and figures ([`report`], [`figures`]).
 
 pub mod claims;
 pub mod figures;

@@ -1,4 +1,5 @@
-//! One run of a study: the particles in blocks every ten steps from the opening of the door on, and densities for pictures.
+//! A replica: one run of a study. From the opening of the door on, it counts the particles in blocks every ten steps.
+//! It also keeps densities for the pictures.
 
 use std::num::NonZeroUsize;
 
@@ -17,30 +18,31 @@ use crate::space::Vector;
 use crate::step::Clock;
 
 /// Steps between frames.
-const FRAME: u64 = 10;
+const FRAME_INTERVAL: u64 = 10;
 
-/// What a run has shown.
+/// The results of one run.
 #[derive(Clone, Debug)]
 pub struct Replica {
-    /// What was run.
+    /// The case that was run.
     pub case: Case,
-    /// What it comes to.
+    /// The observables of the discharge.
     pub observables: Observables,
-    /// Densities at the times of the pictures, as far as it came: step and cells.
+    /// Densities at the times of the pictures: (steps since the door opened, cells). Times after the end of the run are
+    /// missing.
     pub pictures: Vec<(u64, Vec<Cell>)>,
     /// Edges of the silo, m.
     pub lines: Vec<(Vector, Vector)>,
-    /// Site updates.
+    /// Number of site updates: steps times fluid sites.
     pub updates: u64,
 }
 
-/// How sites fall into blocks.
-struct Counting {
+/// Assignment of fluid sites to blocks: `block_of` holds (site, index of its block).
+struct BlockCounter {
     blocks: Blocks,
     block_of: Vec<(usize, usize)>,
 }
 
-impl Counting {
+impl BlockCounter {
     fn new(sites: &Sites, outlet: Vector) -> Self {
         let place = |s: usize| (s / sites.stride, s % sites.stride);
         let first_column = sites.fluid().map(|s| place(s).0).min().unwrap_or(0);
@@ -53,10 +55,11 @@ impl Counting {
         for &(_, block) in &block_of {
             counts[block] += 1;
         }
-        // The middle of columns 0 to 4, and of the sites of rows 0 to 3 in columns of either parity.
+        // The centre of a block, from its first site: columns 0 to 4 have their middle at 2. The sites of rows 0 to 3
+        // span 0 to 3.5 in height over columns of both parities, with the middle at 1.75.
         let corner = (sites.position(first_column * sites.stride + first_row) - outlet) / sites.spacing;
         let half_a_row = 0.5 * f64::from(u8::from(first_column % 2 == 1));
-        #[expect(clippy::cast_precision_loss, reason = "numbers of blocks")]
+        #[expect(clippy::cast_precision_loss, reason = "small numbers of blocks")]
         let along = |n: usize, first: f64, block: usize, step: f64, middle: f64| {
             (0..n).map(|i| first + step * ((i * block) as f64 + middle)).collect()
         };
@@ -78,12 +81,12 @@ impl Replica {
     /// Runs a case.
     ///
     /// # Errors
-    /// If its scene is not what it should be, or the run fails.
+    /// If the scene of the case is not valid, or the run fails.
     pub fn run(case: Case, pictures: &[u64]) -> Result<Self, Fault> {
         let loaded = case.load()?;
         let outlet = loaded.scene.door.map_or(Vector::ZERO, |door| door.from.get::<Vector>().midpoint(door.to.get()));
         let mut simulation = Simulation::of_lattice(&loaded, &Registry::default(), NonZeroUsize::MIN)?;
-        let counting = Counting::new(simulation.world().resource(), outlet);
+        let counter = BlockCounter::new(simulation.world().resource(), outlet);
         let mut frames = Vec::new();
         let mut shown = Vec::new();
         loop {
@@ -91,8 +94,8 @@ impl Replica {
             let (sites, gas) = (simulation.world().resource::<Sites>(), simulation.world().resource::<Gas>());
             let (clock, door) = (simulation.world().resource::<Clock>(), simulation.world().resource::<DoorState>());
             if let Some(since) = door.steps_since(clock) {
-                if since.is_multiple_of(FRAME) {
-                    frames.push(counting.frame(gas, since));
+                if since.is_multiple_of(FRAME_INTERVAL) {
+                    frames.push(counter.frame(gas, since));
                 }
                 if pictures.contains(&since) {
                     shown.push((since, densities(sites, gas, CELL)));
@@ -103,7 +106,7 @@ impl Replica {
                     let message = format!("{}, {}, seed {}: {failure}", case.silo, case.variant, case.seed);
                     return Err(Fault::new("study::failed", message).help("run the scene alone to see more"));
                 }
-                Some(_) => return Self::of(case, counting, frames, shown, &simulation),
+                Some(_) => return Self::of(case, counter, frames, shown, &simulation),
                 None => {}
             }
         }
@@ -111,7 +114,7 @@ impl Replica {
 
     fn of(
         case: Case,
-        counting: Counting,
+        counter: BlockCounter,
         mut frames: Vec<Frame>,
         pictures: Vec<(u64, Vec<Cell>)>,
         simulation: &Simulation,
@@ -121,7 +124,7 @@ impl Replica {
             return Err(Fault::new("study::closed", message).help("raise `until` in the scene"));
         }
         let start = frames.remove(0);
-        let history = History { blocks: counting.blocks, start, frames };
+        let history = History { blocks: counter.blocks, start, frames };
         let (sites, clock) = (simulation.world().resource::<Sites>(), simulation.world().resource::<Clock>());
         Ok(Self {
             case,
@@ -139,15 +142,15 @@ mod tests {
     use crate::lattice::outline::Polygon;
 
     #[test]
-    fn blocks_stand_where_their_sites_do() {
+    fn block_centres_are_the_centres_of_their_sites() {
         let corners = [(-6.0, 0.0), (6.0, 0.0), (6.0, 19.5), (-6.0, 19.5)].map(|(x, y)| Vector::new(x, y));
         let sites = Sites::new(&Polygon(corners.to_vec()), &[], None, 1.0);
-        let counting = Counting::new(&sites, Vector::ZERO);
-        let Blocks { x, y, sites: counts, columns, rows } = &counting.blocks;
+        let counter = BlockCounter::new(&sites, Vector::ZERO);
+        let Blocks { x, y, sites: counts, columns, rows } = &counter.blocks;
         assert_eq!((*columns, *rows), (3, 5));
         for (block, &count) in counts.iter().enumerate() {
-            let mine = counting.block_of.iter().filter(|(_, b)| *b == block).map(|&(s, _)| sites.position(s));
-            let (low, high) = mine.fold((Vector::INFINITY, -Vector::INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+            let positions = counter.block_of.iter().filter(|(_, b)| *b == block).map(|&(s, _)| sites.position(s));
+            let (low, high) = positions.fold((Vector::INFINITY, -Vector::INFINITY), |(l, h), x| (l.min(x), h.max(x)));
             let middle = 0.5 * (low + high);
             if count == 20 {
                 assert!((middle - Vector::new(x[block / rows], y[block % rows])).length() < 1e-12, "{block}");

@@ -1,4 +1,5 @@
-//! What a study leaves: `claims.md`, `figures.csv`, a sheet of pictures for each silo, and the paper's first four figures.
+//! The output of a study: `claims.md`, `figures.csv`, sheets of pictures for each silo, and the paper's first four
+//! figures.
 
 use std::fmt::Write as _;
 
@@ -8,16 +9,16 @@ use crate::lattice_study::figures::{self, Flights, Panel, SheetRow, sheet};
 use crate::lattice_study::plan::{Plan, Variant};
 use crate::lattice_study::results::{Mean, Results};
 
-/// The tables: name and content.
+/// Returns the tables: (file name, content).
 #[must_use]
 pub fn tables(plan: &Plan, results: &Results, flights: &Flights) -> [(&'static str, String); 2] {
     [("claims.md", claims(plan, results, flights)), ("figures.csv", values(results))]
 }
 
-/// Rows of a sheet: the base case and the paper's twelve variants.
+/// Largest number of rows of a sheet: the base case and the paper's twelve variants.
 const ROWS: usize = 13;
 
-/// The pictures, as SVG: name and content.
+/// Returns the pictures: (name without extension, SVG document).
 #[must_use]
 pub fn pictures(plan: &Plan, results: &Results, flights: &Flights) -> Vec<(String, String)> {
     let mut all = vec![
@@ -35,20 +36,20 @@ pub fn pictures(plan: &Plan, results: &Results, flights: &Flights) -> Vec<(Strin
     all
 }
 
-/// A row of pictures for each variant, of its first seed.
+/// Returns a row of pictures for each variant, from its first seed.
 fn rows(plan: &Plan, results: &Results, silo: &str) -> Vec<SheetRow> {
     let of = |variant: &Variant| results.0.iter().find(|one| one.case.silo == silo && one.case.variant == *variant);
     let row = |variant: &Variant| {
         let one = of(variant)?;
         let shown = |step: &u64| one.pictures.iter().find(|(when, _)| when == step).map(|(_, cells)| cells.clone());
-        // A run that ended before has an empty panel.
+        // The panel is empty if the run ended before this step.
         let panel = |step: &u64| Panel { cells: shown(step).unwrap_or_default(), lines: one.lines.clone() };
         Some(SheetRow { name: variant.to_string(), panels: plan.pictures.iter().map(panel).collect() })
     };
     plan.variants.iter().filter_map(row).collect()
 }
 
-/// Every observable of every replica.
+/// Returns the content of `figures.csv`: all observables of all replicas.
 #[must_use]
 pub fn values(results: &Results) -> String {
     let symbols: Vec<_> = QUANTITIES.iter().map(|quantity| quantity.symbol).collect();
@@ -65,7 +66,8 @@ pub fn values(results: &Results) -> String {
     text
 }
 
-/// The table of claims, in Markdown. Writing to a string cannot fail.
+/// Returns the content of `claims.md`: the findings for all claims, in Markdown.
+// Writing to a string cannot fail.
 #[must_use]
 pub fn claims(plan: &Plan, results: &Results, flights: &Flights) -> String {
     let silos: Vec<&String> = plan.silos.keys().collect();
@@ -74,7 +76,7 @@ pub fn claims(plan: &Plan, results: &Results, flights: &Flights) -> String {
         plan.seeds.len()
     );
     for claim in CLAIMS {
-        let _ = writeln!(text, "\n## {}\n\n| statement | {} |", claim.text, with_figures(&silos));
+        let _ = writeln!(text, "\n## {}\n\n| statement | {} |", claim.text, silo_headers(&silos));
         let _ = writeln!(text, "|---|{}", "---|---|".repeat(silos.len()));
         for statement in claim.statements {
             let found: Vec<_> = silos.iter().map(|silo| statement.judge(results, silo)).collect();
@@ -82,18 +84,19 @@ pub fn claims(plan: &Plan, results: &Results, flights: &Flights) -> String {
             let _ = writeln!(text, "| {} | {} |", found[0].statement, cells.join(" | "));
         }
     }
-    side_by_side(plan, &silos, results, &mut text);
+    zone_shapes(plan, &silos, results, &mut text);
     thrown_particles(flights, &mut text);
     quantities(&mut text);
     text
 }
 
-fn with_figures(silos: &[&String]) -> String {
+/// Returns the header cells of the silos: two columns each, the first with the silo's name.
+fn silo_headers(silos: &[&String]) -> String {
     silos.iter().map(|silo| format!("{silo} | ")).collect::<Vec<_>>().join(" | ")
 }
 
-/// Shapes of the zones in all silos, which the paper calls similar.
-fn side_by_side(plan: &Plan, silos: &[&String], results: &Results, text: &mut String) {
+/// Appends the shapes of the zones in all silos. The paper calls them similar.
+fn zone_shapes(plan: &Plan, silos: &[&String], results: &Results, text: &mut String) {
     let names: Vec<&str> = silos.iter().map(|silo| silo.as_str()).collect();
     text.push_str("\n## Dilatant zones have similar shapes in both silos (side by side, no verdict)\n\n");
     let _ = writeln!(text, "| variant | {} |\n|---|{}", names.join(" | "), "---|".repeat(silos.len()));
@@ -109,7 +112,7 @@ fn side_by_side(plan: &Plan, silos: &[&String], results: &Results, text: &mut St
     }
 }
 
-/// The mean height of thrown particles beside that of the Markov chain that the rules make of them.
+/// Appends the mean height of thrown particles and the exact mean of the Markov chain that the rules define.
 fn thrown_particles(flights: &Flights, text: &mut String) {
     let _ = writeln!(
         text,
@@ -128,7 +131,7 @@ fn thrown_particles(flights: &Flights, text: &mut String) {
     }
 }
 
-/// What the symbols mean.
+/// Appends the meaning of the symbols.
 fn quantities(text: &mut String) {
     text.push_str("\n## Symbols\n\n| symbol | quantity | unit |\n|---|---|---|\n");
     for quantity in &QUANTITIES {

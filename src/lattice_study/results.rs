@@ -9,12 +9,12 @@ use crate::lattice_study::replica::Replica;
 pub struct Mean {
     /// The mean.
     pub value: f64,
-    /// Its standard error.
+    /// The standard error of the mean.
     pub error: f64,
 }
 
 impl Mean {
-    /// Of some values; `None` if there are none.
+    /// Computes the mean of some values; `None` if there are no values.
     #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "a few seeds")]
     pub fn of(values: &[f64]) -> Option<Self> {
@@ -31,14 +31,14 @@ impl Mean {
 pub struct Results(pub Vec<Replica>);
 
 impl Results {
-    /// The values of a quantity in the replicas of a variant that have it.
+    /// Returns the values of a quantity in the replicas of a variant, leaving out replicas in which it is undefined.
     #[must_use]
     pub fn values(&self, silo: &str, variant: &Variant, quantity: &Quantity) -> Vec<f64> {
-        let mine = self.0.iter().filter(|one| one.case.silo == silo && one.case.variant == *variant);
-        mine.filter_map(|one| (quantity.value)(&one.observables)).collect()
+        let replicas = self.0.iter().filter(|one| one.case.silo == silo && one.case.variant == *variant);
+        replicas.filter_map(|one| (quantity.value)(&one.observables)).collect()
     }
 
-    /// Their mean.
+    /// Returns the mean of [`Results::values`]; `None` if there are no values.
     #[must_use]
     pub fn mean(&self, silo: &str, variant: &Variant, quantity: &Quantity) -> Option<Mean> {
         Mean::of(&self.values(silo, variant, quantity))
@@ -50,8 +50,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_standard_error_is_that_of_the_mean() {
-        // Variance of 1, 2, 3, 4 with n - 1: 5/3; of the mean 5/12.
+    fn the_error_is_the_standard_error_of_the_mean() {
+        // The variance of 1, 2, 3, 4 with n - 1 is 5/3, the variance of their mean 5/12.
         let mean = Mean::of(&[1.0, 2.0, 3.0, 4.0]).unwrap();
         assert!((mean.value - 2.5).abs() < 1e-15 && (mean.error - (5.0f64 / 12.0).sqrt()).abs() < 1e-15);
         assert_eq!(Mean::of(&[7.0]), Some(Mean { value: 7.0, error: 0.0 }));

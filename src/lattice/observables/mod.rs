@@ -1,22 +1,23 @@
-//! Observables of a silo that a lattice gas fills and leaves: what a discharge is reduced to.
+//! Observables of a discharge: numbers that characterise how a lattice gas leaves a silo.
 //!
-//! The sites of the silo are counted in blocks of 5 columns x 4 rows. The *density* phi of a block is its particles
-//! over its fluid sites, 0 to 13; phi0 is the density just before the outlet opens. Blocks with fewer than 8 fluid
-//! sites (corners that a wall cuts off) are dropped everywhere: they have no density and no neighbours.
+//! The sites of the silo are grouped into blocks of 5 columns x 4 rows. The *density* phi of a block is its number of
+//! particles divided by its number of fluid sites, 0 to 13. phi0 is the density just before the outlet opens. Blocks
+//! with fewer than 8 fluid sites (corners that a wall cuts off) are ignored: they have no density and are no
+//! neighbours.
 //!
 //! Conventions of all observables:
 //!
 //! * Lengths are in lattice spacings, angles in degrees, times in steps since the outlet opened.
-//! * A block belongs to a range of x or y if its middle does. Every mean over blocks counts each block once, however
-//!   many sites it has.
-//! * An average over 100..300 steps takes the figure of every frame with 100 <= step <= 300, and the mean of those
-//!   frames that have it; a history that does not reach from 100 to 300 has no such average.
-//! * The result is `None` where there is nothing to measure, never NaN.
-//! * Distances such as |x| < 20 belong to the standard silo, 120 wide with an outlet of 20. They are not scaled: a silo
-//!   that has no blocks there has no such figure.
+//! * A block belongs to a range of x or y if its centre is in the range. A mean over blocks gives all blocks equal
+//!   weight, independent of their number of sites.
+//! * An average over 100..300 steps evaluates a quantity in each frame with 100 <= step <= 300, and is the mean over
+//!   the frames in which the quantity is defined. It is `None` for a history that does not cover 100 to 300.
+//! * A result is `None` if there is nothing to measure, and never NaN.
+//! * Distances such as |x| < 20 are chosen for the standard silo, 120 wide with an outlet of 20. They are not scaled.
+//!   If a silo has no blocks in such a range, the result is `None`.
 //!
-//! Frames are expected in ascending order of time, one every 10 steps; others change what "5 frames" and "the last
-//! five" mean, not whether the functions work.
+//! Frames are expected in ascending order of time, one every 10 steps. With other frames the functions work, but "5
+//! frames" and "the last five frames" cover other times.
 
 pub mod density;
 pub mod dilation;
@@ -37,7 +38,7 @@ pub use surface::{dip, inclination, surface_heights};
 pub use uniformity::{centre_to_side_ratio, overall_variation, row_variation};
 pub use zone::{central_share, dilatant_zone, zone_aspect_ratio, zone_height, zone_width};
 
-/// Columns and rows of sites in a block.
+/// Numbers of columns and rows of sites in a block.
 pub const BLOCK: (usize, usize) = (5, 4);
 
 /// Width of a block, spacings: 5 columns, each sqrt(3)/2 apart.
@@ -46,73 +47,73 @@ pub const BLOCK_WIDTH: f64 = 4.330_127_018_922_193;
 /// Height of a block, spacings: 4 rows.
 pub const BLOCK_HEIGHT: f64 = 4.0;
 
-/// Fewest fluid sites of a block that counts.
+/// Least number of fluid sites of a valid block.
 pub const FEWEST_SITES: u32 = 8;
 
-/// First and last step of the averages of developed flow.
+/// First and last step of averages over the developed flow.
 pub const FLOW_WINDOW: (u64, u64) = (100, 300);
 
-/// A short mean takes the frames up to this many steps before and after: 5 of them, one every 10 steps.
+/// Half the time span of a short mean, steps. With a frame every 10 steps it covers 5 frames.
 const SHORT_MEAN_REACH: u64 = 20;
 
-/// Fewest frames in a short mean.
+/// Least number of frames in a short mean.
 const SHORT_MEAN_FRAMES: usize = 5;
 
-/// The blocks that a silo's sites are counted in: `columns` x `rows` blocks of 5 columns x 4 rows of sites, block (i,
-/// j) at index i * `rows` + j, j upwards.
+/// The blocks of a silo: `columns` x `rows` blocks of 5 columns x 4 rows of sites. Block (i, j) has index
+/// i * `rows` + j, with j upwards.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Blocks {
-    /// Block columns.
+    /// Number of block columns.
     pub columns: usize,
-    /// Block rows.
+    /// Number of block rows.
     pub rows: usize,
-    /// Fluid sites in each block.
+    /// Number of fluid sites in each block.
     pub sites: Vec<u32>,
-    /// Middle of each block column, from the middle of the outlet, spacings.
+    /// x of the centre of each block column, from the middle of the outlet, spacings.
     pub x: Vec<f64>,
-    /// Middle of each block row above the outlet, spacings.
+    /// y of the centre of each block row, above the outlet, spacings.
     pub y: Vec<f64>,
 }
 
-/// The particles in each block at one time.
+/// Numbers of particles at one time.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Frame {
     /// Steps since the outlet opened.
     pub step: u64,
-    /// Particles out so far.
+    /// Number of particles that have left so far.
     pub out: u64,
-    /// Particles in each block.
+    /// Number of particles in each block.
     pub counts: Vec<u32>,
 }
 
-/// A discharge: blocks, the last frame before opening, then a frame every 10 steps after opening.
+/// The frames of a discharge: one just before the outlet opens, then one every 10 steps.
 #[derive(Clone, Debug, PartialEq)]
 pub struct History {
-    /// What the particles are counted in.
+    /// The blocks of the silo.
     pub blocks: Blocks,
-    /// The last frame before the outlet opens, step 0.
+    /// The frame just before the outlet opens, step 0.
     pub start: Frame,
-    /// The frames after, in ascending order of time.
+    /// The frames after the outlet has opened, in ascending order of time.
     pub frames: Vec<Frame>,
 }
 
-/// A block that counts.
+/// A valid block: a block with at least [`FEWEST_SITES`] fluid sites.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Block {
-    /// Where its figures are in a list of all blocks.
+    /// Index of the block in lists of all blocks.
     pub index: usize,
-    /// Its block column.
+    /// Block column, from the left.
     pub column: usize,
-    /// Its block row, from the lowest.
+    /// Block row, from the lowest.
     pub row: usize,
-    /// Its middle, from the middle of the outlet, spacings.
+    /// x of the centre, from the middle of the outlet, spacings.
     pub x: f64,
-    /// Its middle above the outlet, spacings.
+    /// y of the centre, above the outlet, spacings.
     pub y: f64,
 }
 
 impl Blocks {
-    /// A block, if there is one that counts.
+    /// Returns the block at a column and row; `None` if there is no valid block.
     #[must_use]
     pub fn block(&self, column: usize, row: usize) -> Option<Block> {
         if column >= self.columns || row >= self.rows {
@@ -123,23 +124,23 @@ impl Blocks {
         (self.sites[index] >= FEWEST_SITES).then_some(block)
     }
 
-    /// The blocks of a column that count, upwards.
+    /// Returns the valid blocks of a column, upwards.
     #[must_use]
     pub fn column(&self, column: usize) -> impl DoubleEndedIterator<Item = Block> + '_ {
         (0..self.rows).filter_map(move |row| self.block(column, row))
     }
 
-    /// The blocks of a row that count, from left to right.
+    /// Returns the valid blocks of a row, from left to right.
     pub fn row(&self, row: usize) -> impl Iterator<Item = Block> + '_ {
         (0..self.columns).filter_map(move |column| self.block(column, row))
     }
 
-    /// All blocks that count.
+    /// Returns all valid blocks.
     pub fn counted(&self) -> impl Iterator<Item = Block> + '_ {
         (0..self.columns).flat_map(|column| self.column(column))
     }
 
-    /// phi of every block at one time, particles per site; 0 in a block that is dropped.
+    /// Returns phi of every block in a frame, particles per site; 0 for blocks that are not valid.
     #[must_use]
     pub fn density(&self, frame: &Frame) -> Vec<f64> {
         let density = |(&count, &sites): (&u32, &u32)| {
@@ -150,15 +151,15 @@ impl Blocks {
 }
 
 impl History {
-    /// phi0 of every block: the density just before the outlet opens.
+    /// Returns phi0 of every block, the density just before the outlet opens, particles per site.
     #[must_use]
     pub fn onset(&self) -> Vec<f64> {
         self.blocks.density(&self.start)
     }
 
-    /// phi of every block in the mean of the frames from 20 steps before to 20 steps after `step`: five frames, one
-    /// every 10 steps. `None` if there are fewer, as at the beginning and the end of a discharge: the start is none of
-    /// them.
+    /// Returns the mean of phi of every block over the frames from 20 steps before to 20 steps after `step`. With a
+    /// frame every 10 steps these are five frames. `None` if there are fewer, as near the beginning and the end of a
+    /// discharge. The frame `start` is not used.
     #[must_use]
     pub fn short_mean(&self, step: u64) -> Option<Vec<f64>> {
         let near = self.frames.iter().filter(|frame| frame.step.abs_diff(step) <= SHORT_MEAN_REACH);
@@ -169,7 +170,8 @@ impl History {
         (0..self.blocks.sites.len()).map(|index| mean(densities.iter().map(|density| density[index]))).collect()
     }
 
-    /// The mean over the frames of the flow window ([`FLOW_WINDOW`]) of a figure of their densities.
+    /// Returns the mean of `figure` over the frames of the flow window ([`FLOW_WINDOW`]). `figure` gets the densities
+    /// of all blocks.
     fn flow_mean(&self, figure: impl Fn(&[f64]) -> Option<f64>) -> Option<f64> {
         let (first, last) = FLOW_WINDOW;
         let reaches = self.times().any(|step| step <= first) && self.times().any(|step| step >= last);
@@ -182,7 +184,7 @@ impl History {
     }
 }
 
-/// The mean; `None` if there are no values, or it is not finite.
+/// Returns the mean of the values; `None` if there are no values or the mean is not finite.
 fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), value| (sum + value, count + 1.0));
     finite(sum / count)
@@ -204,12 +206,12 @@ mod tests {
 
     #[test]
     fn a_block_is_five_columns_wide() {
-        // The literal and the root are rounded once each.
+        // The tolerance covers one rounding of the literal and one of the square root.
         close(Some(BLOCK_WIDTH), 5.0 * 3f64.sqrt() / 2.0, 4.0 * f64::EPSILON);
     }
 
     #[test]
-    fn blocks_of_few_sites_are_dropped() {
+    fn blocks_of_few_sites_are_ignored() {
         let mut blocks = Silo { columns: 3, rows: 2, sites: 20 }.blocks();
         (blocks.sites[2], blocks.sites[3]) = (7, 8);
         assert!(blocks.block(1, 0).is_none() && blocks.block(3, 0).is_none() && blocks.block(0, 2).is_none());
@@ -221,7 +223,7 @@ mod tests {
 
     #[test]
     fn a_short_mean_takes_five_frames() {
-        // n in the n-th frame, up to 12: the mean of five is the middle one.
+        // The density is n modulo 13 in the n-th frame. The mean of frames 6 to 10 is the density of the middle one.
         let history =
             Silo::STANDARD.history(|_, _| 13.0, |step, _, _| f64::from(u32::try_from(step / 10).unwrap()) % 13.0);
         close(history.short_mean(80).map(|density| density[0]), 8.0, 0.0);
@@ -232,7 +234,7 @@ mod tests {
 
     #[test]
     fn flow_is_averaged_from_100_to_300() {
-        // 1 within the window, far more outside it.
+        // The density is 1 within the window and 9 outside it.
         let density = |step, _, _| if (100..=300).contains(&step) { 1.0 } else { 9.0 };
         let mut history = Silo::STANDARD.history(|_, _| 9.0, density);
         close(history.flow_mean(|density| Some(density[0])), 1.0, 0.0);

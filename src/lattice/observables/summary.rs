@@ -1,4 +1,4 @@
-//! All observables of a discharge, and what to call them in a report.
+//! All observables of a discharge, with their symbols, names and units for reports.
 
 use super::History;
 use super::density::{bottom_density, onset_density};
@@ -8,47 +8,47 @@ use super::surface::{dip, inclination};
 use super::uniformity::{centre_to_side_ratio, overall_variation, row_variation};
 use super::zone::{central_share, zone_aspect_ratio, zone_height, zone_width};
 
-/// Step at which the height of the dilatant zone is measured: it rises, and has not reached the surface.
+/// Step at which the height of the rising dilatant zone is measured. The zone has not reached the surface yet.
 pub const RISING: u64 = 80;
 
 /// Step at which the shape of the dilatant zone is measured.
 pub const DEVELOPED: u64 = 200;
 
-/// All observables of a discharge; `None` where it has nothing to measure.
+/// All observables of a discharge. A value is `None` if the discharge has nothing to measure.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Observables {
-    /// Q, particles per step.
+    /// Outflow rate Q ([`outflow_rate`]), particles per step.
     pub outflow_rate: Option<f64>,
-    /// rho0, particles per site.
+    /// Onset density rho0 ([`onset_density`]), particles per site.
     pub onset_density: Option<f64>,
-    /// rhob, particles per site.
+    /// Bottom density rhob ([`bottom_density`]), particles per site.
     pub bottom_density: Option<f64>,
-    /// incl, degrees.
+    /// Inclination of the surface, incl ([`inclination`]), degrees.
     pub inclination: Option<f64>,
-    /// dip, spacings.
+    /// Dip of the surface ([`dip`]), spacings.
     pub dip: Option<f64>,
-    /// zh at step 80, spacings.
+    /// Zone height zh at step 80 ([`zone_height`]), spacings.
     pub rising_zone_height: Option<f64>,
-    /// zh at step 200, spacings.
+    /// Zone height zh at step 200 ([`zone_height`]), spacings.
     pub zone_height: Option<f64>,
-    /// zw at step 200, spacings.
+    /// Zone width zw at step 200 ([`zone_width`]), spacings.
     pub zone_width: Option<f64>,
-    /// za at step 200.
+    /// Zone aspect ratio za at step 200 ([`zone_aspect_ratio`]).
     pub zone_aspect_ratio: Option<f64>,
-    /// zc at step 200.
+    /// Central share zc of the zone at step 200 ([`central_share`]).
     pub central_share: Option<f64>,
-    /// hz at step 80, spacings.
+    /// Threshold-free zone height hz at step 80 ([`threshold_free_height`]), spacings.
     pub threshold_free_height: Option<f64>,
-    /// cs.
+    /// Centre-to-side density ratio cs ([`centre_to_side_ratio`]).
     pub centre_to_side_ratio: Option<f64>,
-    /// cvr.
+    /// Density variation within rows, cvr ([`row_variation`]).
     pub row_variation: Option<f64>,
-    /// cvg.
+    /// Density variation of the whole silo, cvg ([`overall_variation`]).
     pub overall_variation: Option<f64>,
 }
 
 impl Observables {
-    /// Measures a discharge.
+    /// Computes all observables of a discharge.
     #[must_use]
     pub fn of(history: &History) -> Self {
         Self {
@@ -70,16 +70,16 @@ impl Observables {
     }
 }
 
-/// An observable in a report.
+/// Description of an observable for reports.
 #[derive(Clone, Copy, Debug)]
 pub struct Quantity {
-    /// Its symbol; zh80 is zh at step 80.
+    /// Symbol; zh80 is zh at step 80.
     pub symbol: &'static str,
-    /// What it is.
+    /// Name.
     pub name: &'static str,
-    /// Its unit; "1" for a pure number.
+    /// Unit; "1" for a dimensionless number.
     pub unit: &'static str,
-    /// Its value.
+    /// Returns the value of the observable.
     pub value: fn(&Observables) -> Option<f64>,
 }
 
@@ -92,7 +92,7 @@ const fn quantity(
     Quantity { symbol, name, unit, value }
 }
 
-/// All observables, in the order of [`Observables`].
+/// Descriptions of all observables, in the order of [`Observables`].
 pub const QUANTITIES: [Quantity; 14] = [
     quantity("Q", "outflow rate", "particles/step", |all| all.outflow_rate),
     quantity("rho0", "onset density", "particles/site", |all| all.onset_density),
@@ -117,7 +117,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_observable_is_measured_at_its_time() {
+    fn every_observable_is_measured_at_its_step() {
         let density = |step, x: f64, y| {
             let top = if step <= 100 { 40.0 } else { 100.0 };
             if x.abs() < 20.0 && y < top { 7.0 } else { 10.0 }
@@ -160,19 +160,19 @@ mod tests {
     }
 
     #[test]
-    fn nothing_gives_nothing() {
+    fn an_empty_history_has_no_observables() {
         let blocks = Blocks { columns: 0, rows: 0, sites: vec![], x: vec![], y: vec![] };
         let start = Frame { step: 0, out: 0, counts: vec![] };
         let history = History { blocks, start, frames: vec![] };
         assert_eq!(Observables::of(&history), Observables::default());
-        // Only what is measured before opening.
+        // Without frames, only the densities before opening are defined.
         let mut silo = Silo::STANDARD.history(|_, _| 10.0, |_, _, _| 10.0);
         silo.frames.clear();
         let densities = Observables { onset_density: Some(10.0), bottom_density: Some(10.0), ..Observables::default() };
         assert_eq!(Observables::of(&silo), densities);
     }
 
-    /// Numbers below `end` that look random (a linear congruential generator, its upper half).
+    /// Pseudo-random test histories: a linear congruential generator, of which the upper half of the state is used.
     struct Numbers(u64);
 
     impl Numbers {
@@ -203,7 +203,7 @@ mod tests {
             let start = Frame { step: 0, ..self.frame(columns * rows) };
             let mut frames: Vec<_> = (0..self.below(60)).map(|_| self.frame(columns * rows)).collect();
             if self.below(2) == 0 {
-                // As they should be.
+                // Regular frames, one every 10 steps.
                 (1..).zip(&mut frames).for_each(|(number, frame)| frame.step = 10 * number);
             }
             History { blocks: Blocks { columns, rows, sites, x, y }, start, frames }
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn no_discharge_makes_it_panic_or_give_what_is_not_a_number() {
+    fn random_histories_give_finite_values_or_none() {
         let mut numbers = Numbers(1);
         let mut found = [0; QUANTITIES.len()];
         for _ in 0..2000 {
@@ -222,7 +222,7 @@ mod tests {
                 *found += usize::from(value.is_some());
             }
         }
-        // Otherwise nothing has been tried.
+        // Each observable must be defined for some of the random histories, or the test would check nothing.
         assert!(found.iter().all(|&found| found > 20), "{found:?}");
     }
 }

@@ -1,21 +1,21 @@
-//! The surface of the bed: how high it stands, how steep it is, how deep it dips over the outlet.
+//! The surface of the bed: its height, its inclination, and its dip over the outlet.
 //!
-//! In every block column the *surface* y_s is where the density falls through rho0/2: from the middle of the highest
-//! block with phi > rho0/2 to the middle of the block above, linearly. Under the lid there is no block above; the
-//! surface is then put at the upper edge of the highest block. A column without such a block has no surface. A sharp
-//! surface is found within 6 - 4 sqrt(2) = 0.34 spacings (see the tests), one that is diffuse over several blocks
-//! better.
+//! The *surface* y_s of a block column is the height at which the density falls through rho0/2. It is interpolated
+//! linearly between the centre of the highest block with phi > rho0/2 and the centre of the block above. If there is no
+//! block above (under the lid), the surface is the upper edge of the highest block. A column without a block of
+//! phi > rho0/2 has no surface. The error is at most 6 - 4 sqrt(2) = 0.34 spacings for a sharp surface (see the tests),
+//! and smaller for a surface that is diffuse over several blocks.
 //!
-//! Inclination and dip are means over the frames in which 15 to 25 % of the particles have left the silo; if no frame
-//! does, because the run ends before or the outflow steps over it, over the last five frames.
+//! Inclination and dip are means over the frames in which 15 to 25 % of the particles have left the silo. If there is
+//! no frame in this range, because the run ends before it or the outflow skips it, the last five frames are used.
 
 use super::density::onset_density;
 use super::{BLOCK_HEIGHT, Blocks, Frame, History, finite, mean, real};
 
-/// Shares of the particles out between which the surface is measured.
+/// Range of the share of particles out, in which the surface is measured.
 const DISCHARGED: (f64, f64) = (0.15, 0.25);
 
-/// How many frames stand in where none is in that range.
+/// Number of frames that are used if no frame is in the range [`DISCHARGED`].
 const LAST_FRAMES: usize = 5;
 
 /// |x| of the columns next to the walls, spacings: the outer quarter of the standard silo, half-width 60.
@@ -24,11 +24,12 @@ const NEAR_WALL: f64 = 45.0;
 /// |x| of the columns over the outlet, spacings: the inner quarter of the standard silo, half-width 60.
 const OVER_OUTLET: f64 = 15.0;
 
-/// Least sum of squared deviations of |x| that gives a slope, spacings^2: two columns at the same distance left and
-/// right of the outlet may lie a site column apart, which is no base for one.
+/// Least sum of squared deviations of |x| for which a slope is computed, spacings^2. Two columns left and right of the
+/// outlet, at nominally equal distance, can differ in |x| by a site column. Such a small spread gives no useful slope.
 const LEAST_SPREAD: f64 = 1.0;
 
-/// y_s of every block column, spacings above the outlet: where `density` falls through `threshold`.
+/// Returns y_s of every block column, spacings above the outlet: the height at which `density` falls through
+/// `threshold`.
 #[must_use]
 pub fn surface_heights(blocks: &Blocks, density: &[f64], threshold: f64) -> Vec<Option<f64>> {
     (0..blocks.columns).map(|column| column_surface(blocks, density, threshold, column)).collect()
@@ -43,23 +44,23 @@ fn column_surface(blocks: &Blocks, density: &[f64], threshold: f64, column: usiz
     finite(highest.y + (inside - threshold) / (inside - outside) * (above.y - highest.y))
 }
 
-/// Mean of y_s over the columns, spacings: the height of the bed that other figures refer to.
+/// Returns the mean of y_s over the columns, spacings: the height of the bed, used by other observables.
 pub(super) fn surface_level(blocks: &Blocks, density: &[f64], threshold: f64) -> Option<f64> {
     mean(surface_heights(blocks, density, threshold).into_iter().flatten())
 }
 
-/// Inclination incl of the surface, degrees to the horizontal: atan of the slope of y_s against |x|, positive where the
-/// surface rises towards the walls. The slope is that of least squares over the columns of a frame, the mean over the
-/// frames; frames with a surface at fewer than two distances from the middle are left out.
+/// Returns the inclination incl of the surface, degrees from the horizontal: the atan of the slope of y_s against |x|.
+/// It is positive if the surface rises towards the walls. The slope is a least-squares fit over the columns of a frame,
+/// averaged over the frames. Frames with a surface at fewer than two distances from the middle are left out.
 #[must_use]
 pub fn inclination(history: &History) -> Option<f64> {
     let slope = surface_mean(history, slope)?;
     finite(slope.atan().to_degrees())
 }
 
-/// Dip of the surface over the outlet, spacings: the mean of y_s over the columns with |x| > 45 less that over the
-/// columns with |x| < 15, in the mean over the same frames as the inclination. Frames without a surface in either are
-/// left out.
+/// Returns the dip of the surface over the outlet, spacings: the mean of y_s over the columns with |x| > 45 minus its
+/// mean over the columns with |x| < 15. The dip is averaged over the same frames as the inclination. Frames without a
+/// surface in one of the two ranges are left out.
 #[must_use]
 pub fn dip(history: &History) -> Option<f64> {
     surface_mean(history, |points| {
@@ -69,7 +70,7 @@ pub fn dip(history: &History) -> Option<f64> {
     })
 }
 
-/// The mean over the frames to measure of a figure of the points (|x|, y_s).
+/// Returns the mean of `figure` over the frames to measure. `figure` gets the points (|x|, y_s) of a frame.
 fn surface_mean(history: &History, figure: impl Fn(&[(f64, f64)]) -> Option<f64>) -> Option<f64> {
     let threshold = 0.5 * onset_density(history)?;
     let points = |frame: &Frame| -> Vec<(f64, f64)> {
@@ -91,7 +92,7 @@ fn frames_to_measure(history: &History) -> Vec<&Frame> {
     inside
 }
 
-/// Slope of the least-squares line.
+/// Returns the slope of the least-squares line through the points.
 fn slope(points: &[(f64, f64)]) -> Option<f64> {
     let middle = mean(points.iter().map(|(x, _)| *x))?;
     let spread: f64 = points.iter().map(|(x, _)| (x - middle).powi(2)).sum();
@@ -105,18 +106,18 @@ mod tests {
     use super::super::synthetic::{Silo, close};
     use super::*;
 
-    /// Share of the block at height y that lies below `surface`.
+    /// Returns the share of the block at height y that is below `surface`.
     fn filled(surface: f64, y: f64) -> f64 {
         ((surface - y) / BLOCK_HEIGHT + 0.5).clamp(0.0, 1.0)
     }
 
-    /// The start has density 10 everywhere, so that the threshold is 5; the later frames have a V-shaped surface.
+    /// Returns a history with a V-shaped surface. The start has density 10 everywhere, so that the threshold is 5.
     fn vee(slope: f64, density: impl Fn(f64, f64) -> f64) -> History {
         Silo::FINE.history(|_, _| 10.0, |_, x, y| density(80.0 + slope * (x.abs() - 30.0), y))
     }
 
-    /// How much the least-squares slope may err for heights that err by 1: sum|d|/sum d^2, d = |x| less its mean. The
-    /// inclination, in radians, errs by no more, as atan is nowhere steeper than at 0.
+    /// Returns the largest error of the least-squares slope for heights with errors up to 1: sum|d|/sum d^2, with d =
+    /// |x| minus its mean. The error of the inclination, in radians, is not larger, because atan has slope 1 at most.
     fn lever(blocks: &Blocks) -> f64 {
         let middle = mean(blocks.x.iter().map(|x| x.abs())).unwrap();
         let deviations = || blocks.x.iter().map(|x| (x.abs() - middle).abs());
@@ -125,24 +126,25 @@ mod tests {
 
     #[test]
     fn a_diffuse_surface_is_interpolated_exactly() {
-        // The density falls from 10 to 0 over 24 spacings around the surface, linearly across the blocks on both sides
-        // of it. It is rounded to a millionth, within 5e-7, which the gradient 10/24 makes 1.2e-6 of height at each end
-        // of the interpolation, so no more between them. 1e-7 is for the heights' own rounding, and to spare.
+        // The density falls linearly from 10 to 0 over 24 spacings around the surface. It is rounded to a millionth,
+        // with errors up to 5e-7. With the gradient 10/24 this is an error of 1.2e-6 in height at both ends of the
+        // interpolation, and not more between them. The remaining 1e-7 covers the rounding of the heights.
         let error = 1.3e-6;
         for slope in [-0.5, -0.1, 0.0, 0.3, 0.7] {
             let history = vee(slope, |surface, y| (5.0 + (surface - y) * 10.0 / 24.0).clamp(0.0, 10.0));
             close(inclination(&history), slope.atan().to_degrees(), (error * lever(&history.blocks)).to_degrees());
-            // The middles of the columns beyond 45 are at 10.5 to 13.5 block widths, those within 15 at 0.5 to 2.5.
+            // The columns with |x| > 45 have centres at 10.5 to 13.5 block widths, the columns with |x| < 15 at 0.5 to
+            // 2.5.
             close(dip(&history), slope * 10.5 * BLOCK_WIDTH, 2.0 * error);
         }
     }
 
     #[test]
     fn a_sharp_surface_is_found_within_a_tenth_of_a_block() {
-        // The block that the surface cuts is filled to f. If f > 1/2 the surface is put at 4 (f - 1/2)/f above its
-        // middle and is at 4 f - 2: it errs by 6 - 2/f - 4 f, at most 6 - 4 sqrt(2) for f = 1/sqrt(2). If f <= 1/2 it
-        // is put at 2/(1 - f) - 4 and errs by as much to the other side, with 1 - f for f. Densities rounded to a
-        // millionth add less than 1e-5.
+        // Let the block at the surface be filled to the share f; heights are relative to its centre. The true surface
+        // is at 4 f - 2. If f > 1/2, the measured surface is at 4 (f - 1/2)/f. The error is 6 - 2/f - 4 f, at most 6 -
+        // 4 sqrt(2) for f = 1/sqrt(2). If f <= 1/2, the measured surface is at 2/(1 - f) - 4. The error then has the
+        // opposite sign and the same size as for 1 - f. Rounding of densities to a millionth adds less than 1e-5.
         let error = 6.0 - 4.0 * 2f64.sqrt() + 1e-5;
         for slope in [-0.6, 0.0, 0.25, 0.577, 0.8] {
             let history = vee(slope, |surface, y| 10.0 * filled(surface, y));
@@ -159,7 +161,8 @@ mod tests {
 
     #[test]
     fn the_surface_is_at_half_the_onset_density() {
-        // Onset density 10. On the outside it changes from 5.5 to 4.5 at 80, inside from 10 to 0.
+        // The onset density is 10. At height 80 the density changes from 5.5 to 4.5 outside |x| = 30, from 10 to 0
+        // inside.
         let outside = |y| if y < 80.0 { 5.5 } else { 4.5 };
         let inside = |y| if y < 80.0 { 10.0 } else { 0.0 };
         let density = |_, x: f64, y| if x.abs() > 30.0 { outside(y) } else { inside(y) };
@@ -176,8 +179,8 @@ mod tests {
     }
 
     #[test]
-    fn frames_of_a_fifth_discharged_are_measured() {
-        // Out at step t: t/10 % of all. From 15 to 25 % the slope is 0.5, afterwards 0.2, before 0.
+    fn frames_with_15_to_25_percent_discharged_are_measured() {
+        // At step t, t/10 % of the particles are out. The slope is 0 below 15 %, 0.5 up to 25 %, and 0.2 above.
         let slope = |step| -> f64 {
             match step {
                 ..150 => 0.0,
@@ -189,11 +192,11 @@ mod tests {
             |step, x: f64, y: f64| (5.0 + (80.0 + slope(step) * (x.abs() - 30.0) - y) * 10.0 / 24.0).clamp(0.0, 10.0);
         let mut history = Silo::FINE.history(|_, _| 10.0, density);
         let total: u64 = history.start.counts.iter().map(|&count| u64::from(count)).sum();
-        // A tenth was out before.
+        // A tenth was out before the outlet opened, and must not count.
         history.start.out = total / 10;
         history.frames.iter_mut().for_each(|frame| frame.out = total / 10 + total / 1000 * frame.step);
         close(inclination(&history), 0.5f64.atan().to_degrees(), 1e-5);
-        // Frames that step over the range: the last five, from 260 on.
+        // No frame is in the range: the last five frames, from step 260 on, are used.
         history.frames.retain(|frame| !(150..=250).contains(&frame.step));
         close(inclination(&history), 0.2f64.atan().to_degrees(), 1e-5);
         history.frames.truncate(4);
@@ -201,10 +204,10 @@ mod tests {
     }
 
     #[test]
-    fn one_distance_gives_no_slope() {
+    fn columns_at_one_distance_give_no_slope() {
         let narrow = Silo { columns: 2, rows: 10, sites: 20 }.history(|_, _| 10.0, |_, _, _| 10.0);
         assert!(inclination(&narrow).is_none() && dip(&narrow).is_none());
-        // Nor do two that differ by a site column, whose surfaces are at 10 and at 40.
+        // Two distances that differ by a site column give no slope either; the surfaces are at 10 and at 40.
         let mut uneven = Silo { columns: 2, rows: 10, sites: 20 }
             .history(|_, _| 10.0, |_, x, y| if x < 0.0 || y < 10.0 { 10.0 } else { 0.0 });
         uneven.blocks.x = vec![-2.6, 1.7];

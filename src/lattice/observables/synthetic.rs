@@ -1,4 +1,4 @@
-//! Made-up discharges whose figures are known, for the tests.
+//! Synthetic discharges with known observables, for tests.
 
 use super::{BLOCK_HEIGHT, BLOCK_WIDTH, Blocks, Frame, History};
 
@@ -7,15 +7,15 @@ use super::{BLOCK_HEIGHT, BLOCK_WIDTH, Blocks, Frame, History};
 pub struct Silo {
     pub columns: u32,
     pub rows: u32,
-    /// Fluid sites in a block: densities are rounded to a multiple of 1/sites.
+    /// Number of fluid sites in a block. Densities are rounded to a multiple of 1/sites.
     pub sites: u32,
 }
 
 impl Silo {
-    /// 121 wide, 160 high, whole blocks.
+    /// A silo 121 spacings wide and 160 high, of whole blocks.
     pub const STANDARD: Self = Self { columns: 28, rows: 40, sites: 20 };
 
-    /// The same, with densities rounded to a millionth.
+    /// Like [`Self::STANDARD`], but with densities rounded to a millionth.
     pub const FINE: Self = Self { sites: 1_000_000, ..Self::STANDARD };
 
     pub fn blocks(self) -> Blocks {
@@ -29,7 +29,8 @@ impl Silo {
         }
     }
 
-    /// Opened at 0, frames every 10 steps to 300, nothing out; densities at (x, y), later ones at (step, x, y).
+    /// Returns a history with frames every 10 steps to 300, in which no particle leaves. `start` gives the density at
+    /// (x, y) before opening, `later` the density at (step, x, y) afterwards.
     pub fn history(self, start: impl Fn(f64, f64) -> f64, later: impl Fn(u64, f64, f64) -> f64) -> History {
         let blocks = self.blocks();
         let start = frame(&blocks, 0, start);
@@ -38,11 +39,11 @@ impl Silo {
     }
 }
 
-/// A frame with the given density at (x, y), rounded to whole particles.
+/// Returns a frame with the given density at (x, y), rounded to whole particles.
 #[expect(
     clippy::cast_possible_truncation,
     clippy::cast_sign_loss,
-    reason = "a few million at most, rounded on purpose"
+    reason = "at most a few million; rounding is intended"
 )]
 pub fn frame(blocks: &Blocks, step: u64, density: impl Fn(f64, f64) -> f64) -> Frame {
     let places = blocks.x.iter().flat_map(|&x| blocks.y.iter().map(move |&y| (x, y)));
@@ -50,8 +51,8 @@ pub fn frame(blocks: &Blocks, step: u64, density: impl Fn(f64, f64) -> f64) -> F
     Frame { step, out: 0, counts: places.zip(&blocks.sites).map(count).collect() }
 }
 
-/// Makes it a mass-flow silo: hopper walls at 60 degrees to the horizontal from the ends of an outlet of 20. Blocks
-/// whose middle is outside keep no site.
+/// Turns the silo into a mass-flow silo: hopper walls at 60 degrees to the horizontal start at the ends of an outlet of
+/// 20. Blocks with their centre outside the hopper get no sites.
 pub fn add_hopper(history: &mut History) {
     let Blocks { rows, sites, x, y, .. } = &mut history.blocks;
     for (i, x) in x.iter().enumerate() {
@@ -63,7 +64,7 @@ pub fn add_hopper(history: &mut History) {
     }
 }
 
-/// Fails unless there is a value within `tolerance` of what is expected.
+/// Panics unless `value` is within `tolerance` of `expected`.
 #[track_caller]
 pub fn close(value: Option<f64>, expected: f64, tolerance: f64) {
     assert!(value.is_some_and(|value| (value - expected).abs() <= tolerance), "{value:?}, expected {expected}");

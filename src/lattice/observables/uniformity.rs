@@ -1,58 +1,58 @@
-//! How evenly the density is spread while the silo flows, averaged over 100 to 300 steps.
+//! Uniformity of the density during flow, averaged over 100 to 300 steps.
 //!
-//! phi is the density of a block in one frame, with its noise from frame to frame: these figures are formed in each
-//! frame and then averaged. y_s is the height of the surface in that frame, mean over the columns (so one level for all
-//! of them), with the threshold rho0/2.
+//! Each observable is computed per frame and then averaged, so it includes the noise from frame to frame. phi is the
+//! density of a block in one frame. y_s is the surface height in this frame for the threshold rho0/2, as a mean over
+//! the columns: one level for all columns.
 
 use super::density::onset_density;
 use super::surface::surface_level;
 use super::{Block, Blocks, History, finite, mean};
 
-/// |x| of the centre, spacings: about the outlet of the standard silo, half-width 60.
-const CENTRE: f64 = 12.0;
+/// Largest |x| of the centre, spacings: about the outlet of the standard silo, half-width 60.
+const CENTRE_WITHIN: f64 = 12.0;
 
-/// |x| of the sides, spacings: the outer third of the standard silo, half-width 60.
-const SIDES: f64 = 40.0;
+/// Least |x| of the sides, spacings: the outer third of the standard silo, half-width 60.
+const SIDES_BEYOND: f64 = 40.0;
 
-/// Height from which centre and sides are compared, spacings: above the outlet's own rarefaction.
+/// Least height at which centre and sides are compared, spacings: above the rarefaction at the outlet.
 const ABOVE_OUTLET: f64 = 12.0;
 
 /// Share of y_s up to which centre and sides are compared.
-const COMPARED: f64 = 0.6;
+const COMPARED_BELOW: f64 = 0.6;
 
-/// Share of y_s up to which rows are looked at.
-const ROWS: f64 = 0.75;
+/// Share of y_s up to which rows contribute to the variation within rows.
+const VARIATION_BELOW: f64 = 0.75;
 
-/// Ratio cs of the density in the centre, |x| < 12, to that at the sides, |x| > 40, both for 12 < y < 0.6 y_s: 1 for
-/// horizontal layering, less for a core that flows ahead.
+/// Returns the ratio cs of the density in the centre, |x| < 12, to the density at the sides, |x| > 40, both for
+/// 12 < y < 0.6 y_s. It is 1 for horizontal layering and smaller if a core flows faster.
 ///
-/// Each density is the mean over the rows of its row means, and only rows that have blocks in both count. In a
-/// rectangular silo that is the mean over the blocks. In a hopper, whose low rows have no sides, the plain mean would
-/// compare the bottom's density with that further up and not give 1 for horizontal layers.
+/// Each density is the mean over rows of its row means. Only rows with blocks in both ranges are used. In a rectangular
+/// silo this is the mean over the blocks. In a hopper the low rows have no sides. There, a plain mean over blocks would
+/// compare densities at different heights, and differ from 1 for horizontal layers.
 #[must_use]
 pub fn centre_to_side_ratio(history: &History) -> Option<f64> {
     let threshold = 0.5 * onset_density(history)?;
     let blocks = &history.blocks;
     history.flow_mean(|density| {
-        let top = COMPARED * surface_level(blocks, density, threshold)?;
+        let top = COMPARED_BELOW * surface_level(blocks, density, threshold)?;
         let rows = (0..blocks.rows).filter(|&row| ABOVE_OUTLET < blocks.y[row] && blocks.y[row] < top);
         let pairs = rows.filter_map(|row| {
-            let centre = row_mean(blocks, density, row, |block| block.x.abs() < CENTRE)?;
-            Some((centre, row_mean(blocks, density, row, |block| block.x.abs() > SIDES)?))
+            let centre = row_mean(blocks, density, row, |block| block.x.abs() < CENTRE_WITHIN)?;
+            Some((centre, row_mean(blocks, density, row, |block| block.x.abs() > SIDES_BEYOND)?))
         });
         let (centre, sides) = pairs.fold((0.0, 0.0), |sum, pair| (sum.0 + pair.0, sum.1 + pair.1));
         finite(centre / sides)
     })
 }
 
-/// Variation cvr within rows: the root of the mean square of phi less the mean of its row, over the mean of phi, for
-/// y < 0.75 y_s. Horizontal layers have none.
+/// Returns the variation within rows, cvr: the root mean square of phi minus its row mean, divided by the mean of phi,
+/// for y < 0.75 y_s. It is 0 for horizontal layers.
 #[must_use]
 pub fn row_variation(history: &History) -> Option<f64> {
     let threshold = 0.5 * onset_density(history)?;
     let blocks = &history.blocks;
     history.flow_mean(|density| {
-        let top = ROWS * surface_level(blocks, density, threshold)?;
+        let top = VARIATION_BELOW * surface_level(blocks, density, threshold)?;
         let rows = (0..blocks.rows).filter(|&row| blocks.y[row] < top);
         let rows = rows.filter_map(|row| Some((row, row_mean(blocks, density, row, |_| true)?)));
         let deviations =
@@ -62,8 +62,8 @@ pub fn row_variation(history: &History) -> Option<f64> {
     })
 }
 
-/// Variation cvg of the whole silo: the standard deviation of phi over its mean, over all blocks, those above the
-/// surface too.
+/// Returns the variation of the whole silo, cvg: the standard deviation of phi divided by its mean. It covers all
+/// blocks, including blocks above the surface.
 #[must_use]
 pub fn overall_variation(history: &History) -> Option<f64> {
     history.flow_mean(|density| {
@@ -73,7 +73,7 @@ pub fn overall_variation(history: &History) -> Option<f64> {
     })
 }
 
-/// Mean density of a row's blocks that are wanted.
+/// Returns the mean density of the blocks of a row for which `is_wanted` holds.
 fn row_mean(blocks: &Blocks, density: &[f64], row: usize, is_wanted: impl Fn(&Block) -> bool) -> Option<f64> {
     mean(blocks.row(row).filter(is_wanted).map(|block| density[block.index]))
 }
@@ -83,18 +83,18 @@ mod tests {
     use super::super::synthetic::{Silo, add_hopper, close};
     use super::*;
 
-    // Sums of up to 1120 densities, rounded to 1e-16 of the sum at each addition.
+    // Rounding errors of sums of up to 1120 densities, with a relative error of 1e-16 in each addition.
     const ROUNDING: f64 = 1120.0 * f64::EPSILON;
 
     #[test]
-    fn horizontal_layers_are_even() {
-        // Density falls upwards by a 20th a block, exactly as counts of 20 sites can have it.
+    fn horizontal_layers_have_no_variation_within_rows() {
+        // The density falls linearly with height, in multiples of 1/20, which blocks of 20 sites represent exactly.
         let layers = |_, _, y: f64| 12.0 - y / 20.0;
         let mut history = Silo::STANDARD.history(|_, _| 10.0, layers);
         close(centre_to_side_ratio(&history), 1.0, ROUNDING);
         close(row_variation(&history), 0.0, ROUNDING);
         assert!(overall_variation(&history).unwrap() > 0.1);
-        // In the hopper too, where the low rows have no sides: the surface stands at 140, sides from 53 to 84.
+        // The same in a hopper, where the low rows have no sides. The surface is at 140, so sides are from 53 to 84.
         add_hopper(&mut history);
         close(centre_to_side_ratio(&history), 1.0, ROUNDING);
         close(row_variation(&history), 0.0, ROUNDING);
@@ -109,10 +109,10 @@ mod tests {
     }
 
     #[test]
-    fn a_loose_core_has_its_ratio() {
-        // Compared are rows from 14 to below 0.6 160 = 96: 8 in their centre in the mean over 3 columns, and over rows,
-        // since what the first and the last have more is missing in one between; 10 at the sides in the mean over 5
-        // columns. Elsewhere other values.
+    fn a_loose_core_gives_its_density_ratio() {
+        // The rows from 14 to below 0.6 160 = 96 are compared. The mean density in the centre is 8 over columns and
+        // rows: the excess of the first and the last row cancels the deficit of a row between them. The mean at the
+        // sides is 10 over 5 columns. Other places have other densities, which must not contribute.
         let row = |y: f64| match y {
             ..12.0 | 96.0.. => 3.0,
             ..16.0 | 92.0.. => 2.0,
@@ -131,7 +131,7 @@ mod tests {
 
     #[test]
     fn centre_and_sides_are_compared_below_the_sunken_surface() {
-        // At 80, where full and empty blocks meet, so that the rows to 48 are compared.
+        // The surface is at 80, between full and empty blocks, so the rows below 48 are compared.
         let density = |_, x: f64, y: f64| match y {
             ..48.0 if x.abs() < 12.0 => 8.0,
             ..80.0 => 10.0,
@@ -141,20 +141,20 @@ mod tests {
     }
 
     #[test]
-    fn variation_within_rows_is_that_of_the_columns() {
-        // 10 + d on the left, 10 - d on the right. 30 rows lie below 0.75 160 = 120: in 29 of them, below 116, d is 2,
-        // in the last and above it is 3.
+    fn variation_within_rows_is_the_deviation_from_row_means() {
+        // The density is 10 + d on the left, 10 - d on the right. 30 rows are below 0.75 160 = 120. In 29 of them,
+        // below 116, d is 2. In the last one and above, d is 3.
         let density = |_, x: f64, y: f64| 10.0 - x.signum() * if y < 116.0 { 2.0 } else { 3.0 };
         let history = Silo::STANDARD.history(|_, _| 10.0, density);
         close(row_variation(&history), (29.0_f64 * 4.0 + 9.0).sqrt() / 30f64.sqrt() / 10.0, ROUNDING);
     }
 
     #[test]
-    fn half_a_silo_varies_by_its_mean() {
-        // 8 and 0 in equal parts: mean 4, deviation 4.
+    fn a_half_filled_silo_has_variation_one() {
+        // Equal parts have density 8 and 0: mean 4, standard deviation 4.
         let half = Silo::STANDARD.history(|_, _| 8.0, |_, _, y| if y < 80.0 { 8.0 } else { 0.0 });
         close(overall_variation(&half), 1.0, ROUNDING);
-        // Frames of 1 and of 0, averaged over 100, 110, ..., 300: 11 of 21.
+        // The variation is 1 in frames at multiples of 20 steps, else 0. These are 11 of the 21 frames from 100 to 300.
         let every_second = |step, _, y| {
             if y < 80.0 {
                 8.0

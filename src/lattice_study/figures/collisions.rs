@@ -14,11 +14,11 @@ const TOP: f64 = 44.0;
 const GAP: f64 = 18.0;
 const BOTTOM: f64 = 48.0;
 
-/// One bond in a cell, px: two of the longer steps fit in.
+/// Length of a bond in a cell, px. Two steps of length sqrt 3 fit into a cell.
 const BOND: f64 = 20.5;
 
-/// A row an example: the state that comes in, then some of the states that may leave, elastically and with one particle
-/// stopped, with the sum below each.
+/// Draws example collisions, one per row: the incoming state, then some possible outgoing states, elastic and with one
+/// particle stopped. The sum is below each state.
 #[must_use]
 pub fn collisions() -> String {
     let examples = examples(&Collisions::default());
@@ -35,7 +35,7 @@ pub fn collisions() -> String {
     }
     let mut top = TOP;
     for example in &examples {
-        row(&mut paper, top, width, example);
+        draw_row(&mut paper, top, width, example);
         top += ROW;
     }
     let notes = [
@@ -48,13 +48,14 @@ pub fn collisions() -> String {
     paper.finish()
 }
 
-/// Left side of the n-th cell of a row: 0 is the incoming state, 1 to 5 are elastic, 6 to 10 have one stopped.
+/// Returns the left side of a cell of a row, px. Cell 0 is the incoming state, 1 to 5 are elastic outgoing states, 6 to
+/// 10 have one particle stopped.
 fn left(cell: u8) -> f64 {
     let gaps = [0.0, GAP, 2.0 * GAP][usize::from(cell > 0) + usize::from(cell > 5)];
     LEFT + f64::from(cell) * CELL + gaps
 }
 
-fn row(paper: &mut Paper, top: f64, width: f64, example: &Example) {
+fn draw_row(paper: &mut Paper, top: f64, width: f64, example: &Example) {
     paper.line(Vector::new(LEFT, top), Vector::new(width - LEFT, top), Pen { width: 0.8, colour: FAINT });
     let shown = |shown: &[u16], count: usize| match shown.len() {
         1 if count == 1 => "the only state".to_owned(),
@@ -70,13 +71,13 @@ fn row(paper: &mut Paper, top: f64, width: f64, example: &Example) {
         paper.text(Vector::new(x, top + 16.0), 13.0, Anchor::Start, &head);
     }
     let states = (1..).zip(&example.elastic).chain((6..).zip(&example.stopped));
-    cell(paper, 0, top, example.incoming, incoming);
+    draw_cell(paper, 0, top, example.incoming, incoming);
     for (n, &state) in states {
-        cell(paper, n, top, state, outgoing);
+        draw_cell(paper, n, top, state, outgoing);
     }
 }
 
-fn cell(paper: &mut Paper, n: u8, top: f64, state: u16, draw: fn(&mut Paper, Lattice, u16)) {
+fn draw_cell(paper: &mut Paper, n: u8, top: f64, state: u16, draw: fn(&mut Paper, Lattice, u16)) {
     let middle = Vector::new(left(n) + 0.5 * CELL, top + 62.0);
     draw(paper, Lattice { origin: middle, bond: BOND }, state);
     let (x, y) = momentum(state);
@@ -92,7 +93,7 @@ mod tests {
         let svg = collisions();
         super::super::renders(&svg);
         let drawn: usize = examples(&Collisions::default()).iter().map(|e| 1 + e.elastic.len() + e.stopped.len()).sum();
-        // The note has one more pair of parentheses.
+        // The pattern leaves out the parentheses of the note, which are not at the start of a text.
         assert_eq!(svg.matches(">(").count(), drawn);
     }
 }

@@ -1,44 +1,45 @@
-//! Which collisions of four particles a figure shows, by a rule and not by hand.
+//! Selects example collisions of four particles for a figure, by a rule.
 //!
-//! Of each class of states of four particles, the first one in ascending order (as numbers, bit i for velocity i) and the
-//! last one that has another sum V. A state counts only if there are outgoing states of the very same V both without a
-//! stopped particle and with one, so that all that is shown conserves number and momentum. Of the outgoing states five are
-//! kept, the first and then at even distances in the table.
+//! The examples of a class of states are its first state in ascending order (as numbers, bit i for velocity i) and its
+//! last state with a different sum V. A state qualifies only if there are outgoing states with exactly the sum V, both
+//! without a stopped particle and with one. All examples therefore conserve number and momentum. Up to five outgoing
+//! states are kept: the first one, and others at equal distances in the table.
 
 use crate::lattice::collisions::{Collisions, place};
 use crate::lattice::velocities::{MOVERS, in_bonds, momentum};
 
-/// Outgoing states that are kept.
+/// Largest number of outgoing states that are kept.
 const MOST: usize = 5;
 
-/// A state of four particles and what its collision may give.
+/// A state of four particles, and possible outgoing states of its collision.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Example {
-    /// The class that it stands for.
+    /// Class of the incoming state.
     pub class: &'static str,
-    /// The state that comes in.
+    /// Incoming state.
     pub incoming: u16,
-    /// Outgoing states of four movers.
+    /// Some outgoing states of four movers.
     pub elastic: Vec<u16>,
-    /// How many there are of these.
+    /// Number of all outgoing states of four movers.
     pub elastic_count: usize,
-    /// Outgoing states of three movers and one at rest.
+    /// Some outgoing states of three movers and one particle at rest.
     pub stopped: Vec<u16>,
-    /// How many there are of these.
+    /// Number of all outgoing states of three movers and one particle at rest.
     pub stopped_count: usize,
 }
 
 type Test = fn(u16) -> bool;
 
-/// The classes: of four movers by the size of their sum, in bonds a step, and one of three movers and one at rest.
+/// The classes. States of four movers are classified by the size of their sum, in bonds per step. States of three
+/// movers and one particle at rest are one class.
 const CLASSES: [(&str, Test); 4] = [
-    ("V = 0", |state| moves(state) && size(state) < 0.1),
-    ("0 < |V| ≤ 1", |state| moves(state) && size(state) > 0.1 && size(state) < 1.1),
-    ("|V| ≥ 3", |state| moves(state) && size(state) > 2.9),
-    ("one at rest", |state| !moves(state)),
+    ("V = 0", |state| has_only_movers(state) && size(state) < 0.1),
+    ("0 < |V| ≤ 1", |state| has_only_movers(state) && size(state) > 0.1 && size(state) < 1.1),
+    ("|V| ≥ 3", |state| has_only_movers(state) && size(state) > 2.9),
+    ("one at rest", |state| !has_only_movers(state)),
 ];
 
-fn moves(state: u16) -> bool {
+fn has_only_movers(state: u16) -> bool {
     state & 1 == 0
 }
 
@@ -47,13 +48,13 @@ fn size(state: u16) -> f64 {
     x.hypot(y)
 }
 
-/// The examples, class by class.
+/// Returns the examples, class by class.
 #[must_use]
 pub fn examples(table: &Collisions) -> Vec<Example> {
-    CLASSES.iter().flat_map(|&(class, belongs)| of_class(table, class, belongs)).collect()
+    CLASSES.iter().flat_map(|&(class, belongs)| class_examples(table, class, belongs)).collect()
 }
 
-fn of_class(table: &Collisions, class: &'static str, belongs: Test) -> impl Iterator<Item = Example> {
+fn class_examples(table: &Collisions, class: &'static str, belongs: Test) -> impl Iterator<Item = Example> {
     let states = (0..1 << 13).filter(|state: &u16| state.count_ones() == 4 && belongs(*state));
     let mut all = states.filter_map(|state| example(table, class, state));
     let first = all.next();
@@ -61,7 +62,7 @@ fn of_class(table: &Collisions, class: &'static str, belongs: Test) -> impl Iter
     first.into_iter().chain(all.rfind(|other| Some(momentum(other.incoming)) != sum))
 }
 
-/// The example of a state, if both kinds of outgoing states have its sum.
+/// Returns the example of a state; `None` unless both kinds of outgoing states have exactly the sum of the state.
 fn example(table: &Collisions, class: &'static str, incoming: u16) -> Option<Example> {
     let resultant = place(momentum(incoming & MOVERS));
     let (elastic, stopped) = (table.choice(4, resultant), table.choice(3, resultant));
@@ -71,16 +72,16 @@ fn example(table: &Collisions, class: &'static str, incoming: u16) -> Option<Exa
         Example {
             class,
             incoming,
-            elastic: some(elastic).collect(),
+            elastic: evenly_spaced(elastic).collect(),
             elastic_count: elastic.len(),
-            stopped: some(stopped).map(|movers| movers | 1).collect(),
+            stopped: evenly_spaced(stopped).map(|movers| movers | 1).collect(),
             stopped_count: stopped.len(),
         }
     })
 }
 
-/// The first of these states, and then others at even distances.
-fn some(states: &[u16]) -> impl Iterator<Item = u16> {
+/// Returns at most [`MOST`] of the states: the first one, and others at equal distances.
+fn evenly_spaced(states: &[u16]) -> impl Iterator<Item = u16> {
     let count = states.len().min(MOST);
     (0..count).map(move |n| states[n * states.len() / count])
 }
@@ -90,9 +91,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_shown_conserves_number_and_momentum() {
+    fn examples_conserve_number_and_momentum() {
         let all = examples(&Collisions::default());
-        // With V = 0 there is no other sum.
+        // The class V = 0 has a single sum, and therefore one example.
         assert_eq!(all.len(), 2 * CLASSES.len() - 1);
         for example in all {
             assert!(!example.elastic.is_empty() && !example.stopped.is_empty());
@@ -107,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn classes_are_what_they_say() {
+    fn examples_belong_to_their_classes() {
         let all = examples(&Collisions::default());
         let sizes: Vec<f64> = all.iter().map(|example| size(example.incoming)).collect();
         assert!(sizes[0] < 1e-12);

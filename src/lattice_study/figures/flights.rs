@@ -1,8 +1,8 @@
-//! Flights of single particles thrown with direction 7 and h = 0, run by the automaton, and what they are in the mean.
+//! Flights of single particles thrown in direction 7 with h = 0, simulated by the automaton, and their exact mean.
 //!
-//! The vertical velocity of such a particle is 3, 1, -1 or -3 half spacings a step; each step takes it down by one with
-//! probability g, down to the last: a Markov chain. While no particle can have met the last, for three steps, the mean
-//! height is the parabola 1.5 t - g t (t + 1)/2.
+//! The vertical velocity of a thrown particle is 3, 1, -1 or -3 half spacings per step. In each step it changes to the
+//! next lower value with probability g; -3 is the terminal velocity. This is a Markov chain. In the first three steps
+//! no kick is lost at the terminal velocity, and the mean height is exactly the parabola 1.5 t - g t (t + 1)/2.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -16,16 +16,17 @@ use crate::simulation::Simulation;
 use crate::source::Source;
 use crate::space::Vector;
 
-/// Flights of many particles.
+/// Flights of several thrown particles.
 #[derive(Clone, Debug)]
 pub struct Flights {
-    /// Probability of gravity.
+    /// Probability of a kick by gravity in a step.
     pub g: f64,
+    /// Positions of each particle after 0 to [`STEPS`] steps, spacings from its start.
     pub(super) flights: Vec<Vec<Vector>>,
 }
 
 impl Flights {
-    /// Runs as many particles as there are seeds, from 0 on, thrown with direction 7.
+    /// Simulates one particle for each of the seeds 0 to `seeds` - 1, thrown in direction 7.
     ///
     /// # Errors
     /// If g is not a probability.
@@ -38,32 +39,38 @@ impl Flights {
         Ok(Self { g, flights })
     }
 
-    /// How many there are.
+    /// Returns the number of flights.
     #[must_use]
-    #[expect(clippy::len_without_is_empty, reason = "nobody asks")]
+    #[expect(clippy::len_without_is_empty, reason = "no caller needs is_empty")]
     pub fn len(&self) -> usize {
         self.flights.len()
     }
 
-    /// Their heights after so many steps, at most 40, spacings.
+    /// Returns the heights of all particles after `step` steps, spacings.
+    ///
+    /// # Panics
+    /// If `step` is larger than 40.
     #[must_use]
     pub fn heights(&self, step: usize) -> Vec<f64> {
         self.flights.iter().map(|flight| flight[step].y).collect()
     }
 
-    /// Their mean height by the Markov chain, and by the parabola, spacings.
+    /// Returns the mean height after `step` steps by the Markov chain and by the parabola, spacings.
+    ///
+    /// # Panics
+    /// If `step` is larger than 40.
     #[must_use]
     pub fn expected_heights(&self, step: usize) -> (f64, f64) {
         (expected(self.g)[step].y, parabola(self.g)[step].y)
     }
 }
 
-/// Steps of a flight.
+/// Number of steps of a flight.
 pub(super) const STEPS: u32 = 40;
 
-/// Places of a thrown particle after 0 to [`STEPS`] steps, spacings from where it started.
+/// Simulates a thrown particle. Returns its positions after 0 to [`STEPS`] steps, spacings from its start.
 pub(super) fn flight(seed: u64, g: f64) -> Result<Vec<Vector>, Fault> {
-    // Wide and high enough for any flight: 40 steps of at most sqrt(3)/2 and 3/2 spacings.
+    // The box is large enough for any flight: 40 steps of sqrt(3)/2 spacings in x, and at most 3/2 spacings in y.
     let text = format!(
         "(method: LatticeGas(spacing: 1.0, p: 0.0, q: 0.0, b: 0.0, k: 0.0, g: {g:?}, h: 0.0),
           seed: {seed}, until: {STEPS}, pictures: None,
@@ -82,27 +89,28 @@ pub(super) fn flight(seed: u64, g: f64) -> Result<Vec<Vector>, Fault> {
     Ok(places.into_iter().map(|place| place - start).collect())
 }
 
-/// Where the particle is.
+/// Returns the position of the particle, in units of the scene's spacing of 1 m.
 fn place(simulation: &Simulation) -> Result<Vector, Fault> {
     let (sites, gas) = (simulation.world().resource::<Sites>(), simulation.world().resource::<Gas>());
     let site = sites.fluid().find(|&s| gas.states()[s] != 0);
-    site.map(|s| sites.position(s)).ok_or_else(|| Fault::new("study::lost", "the thrown particle is nowhere inside"))
+    site.map(|s| sites.position(s)).ok_or_else(|| Fault::new("study::lost", "no particle is in the box"))
 }
 
-/// The mean of flights, step by step; empty if there are none.
+/// Returns the mean position of the flights at each step; empty if there are no flights.
 pub(super) fn mean(flights: &[Vec<Vector>]) -> Vec<Vector> {
     let Some(first) = flights.first() else { return Vec::new() };
     let count = flights.iter().fold(0.0, |count, _| count + 1.0);
     (0..first.len()).map(|t| flights.iter().map(|flight| flight[t]).sum::<Vector>() / count).collect()
 }
 
-/// The exact mean after 0 to [`STEPS`] steps.
+/// Returns the exact mean position after 0 to [`STEPS`] steps, by the Markov chain, spacings.
 pub(super) fn expected(g: f64) -> Vec<Vector> {
     let mut chance = [1.0, 0.0, 0.0, 0.0];
     let mut at = Vector::ZERO;
     let mut places = vec![at];
     for _ in 0..STEPS {
-        // Kicked from the velocity above, or not kicked; nothing is kicked from the last.
+        // A velocity is reached by a kick from the next higher one, or kept without a kick. A kick does not change the
+        // last.
         let kicked = chance.map(|chance| chance * g);
         let stays = chance.map(|chance| chance * (1.0 - g));
         chance = [stays[0], kicked[0] + stays[1], kicked[1] + stays[2], kicked[2] + chance[3]];
@@ -112,14 +120,14 @@ pub(super) fn expected(g: f64) -> Vec<Vector> {
     places
 }
 
-/// The parabola after 0 to [`STEPS`] steps.
+/// Returns the positions on the parabola after 0 to [`STEPS`] steps, spacings.
 pub(super) fn parabola(g: f64) -> Vec<Vector> {
     let at = |t: f64| Vector::new(0.75f64.sqrt() * t, 1.5 * t - g * t * (t + 1.0) / 2.0);
     (0..=STEPS).map(|t| at(f64::from(t))).collect()
 }
 
-/// The last step up to which the parabola is within `tolerance` spacings of the exact mean.
-pub(super) fn holds_until(g: f64, tolerance: f64) -> usize {
+/// Returns the last step up to which the parabola is within `tolerance` spacings of the exact mean.
+pub(super) fn parabola_holds_until(g: f64, tolerance: f64) -> usize {
     let off = expected(g).into_iter().zip(parabola(g)).map(|(exact, parabola)| exact.distance(parabola));
     off.take_while(|&off| off <= tolerance).count().saturating_sub(1)
 }
@@ -131,18 +139,18 @@ mod tests {
     #[test]
     fn the_parabola_is_exact_for_three_steps() {
         for g in [0.05, 0.2, 0.95] {
-            // Three sums of numbers of order 1.
-            assert_eq!(holds_until(g, 1e-12), 3, "{g}");
+            // The tolerance covers the rounding of three sums of numbers of order 1.
+            assert_eq!(parabola_holds_until(g, 1e-12), 3, "{g}");
         }
-        assert_eq!(holds_until(0.0, 1e-12), 40);
-        // As published, to three decimals.
+        assert_eq!(parabola_holds_until(0.0, 1e-12), 40);
+        // The reference value has three decimals.
         assert!((expected(0.05)[40].y - 20.996).abs() < 5.1e-4);
     }
 
     #[test]
-    fn certain_kicks_make_a_certain_flight() {
+    fn a_flight_with_g_1_is_the_exact_mean() {
         let (flown, exact) = (flight(7, 1.0).unwrap(), expected(1.0));
-        // Coordinates of up to 140, and some roundings.
+        // The tolerance covers a few roundings of coordinates of up to 140.
         assert!(flown.iter().zip(&exact).all(|(a, b)| a.distance(*b) < 1e-11));
         assert_eq!(mean(&[flown.clone(), flown.clone()]), flown);
     }

@@ -1,11 +1,11 @@
-//! The figures of the paper, drawn from the code's own tables and runs: each a function that returns an SVG document.
+//! The figures of the paper, drawn from the tables and runs of this program. Each function returns an SVG document.
 //!
-//! After J. Kozicki and J. Tejchman, Simulations of flow patterns in silos with a cellular automaton, part 2, TASK Quarterly
-//! 9(1), 2005: [`vectors`] is its figure 1, [`resultants`] figure 2, [`collisions`] figure 3, [`thrown`] figure 4, and
-//! [`sheet`] lays out density pictures as its figures 5 to 18 do.
+//! Source: J. Kozicki and J. Tejchman, Simulations of flow patterns in silos with a cellular automaton, part 2, TASK
+//! Quarterly 9(1), 2005. [`vectors`] is its figure 1, [`resultants`] figure 2, [`collisions`] figure 3 and [`thrown`]
+//! figure 4. [`sheet`] arranges density pictures as in its figures 5 to 18.
 //!
-//! Limits. They show what the paper's figures show and are no copies of them: which collisions the paper draws is its own
-//! choice, here a rule says which.
+//! Limits. The figures show the content of the paper's figures but do not copy them. The paper does not say how it
+//! chose its example collisions; here a rule selects them.
 
 mod collisions;
 mod examples;
@@ -26,6 +26,7 @@ pub use sheet::{Panel, SheetRow, sheet};
 pub use thrown::thrown;
 pub use vectors::vectors;
 
+/// Asserts that an SVG document renders to a non-empty picture.
 #[cfg(test)]
 fn renders(svg: &str) {
     let png = crate::writers::png::encode(svg).unwrap();

@@ -1,6 +1,6 @@
-//! What figures are drawn on: an SVG document in the making, white, in px with y down; and where a lattice is on it.
+//! Drawing primitives for figures: a white SVG document in px with y downwards, and the position of a lattice in it.
 //!
-//! Limits. A formula knows one thing, the subscript: `_` and the digits after it.
+//! Limits. Formulas support subscripts only: `_` and the digits after it.
 
 use std::fmt::Write as _;
 
@@ -8,23 +8,23 @@ use crate::lattice::velocities::in_bonds;
 use crate::space::Vector;
 use crate::writers::colour::{Rgb, hex};
 
-/// Text, outlines, what is at rest.
+/// Colour of text, outlines and particles at rest.
 pub(super) const INK: Rgb = [0x22; 3];
-/// What stands behind.
+/// Colour of the background lines.
 pub(super) const FAINT: Rgb = [0xc4; 3];
-/// Velocities to nearest neighbours (blue of Okabe and Ito).
+/// Colour of velocities to nearest neighbours (blue of Okabe and Ito).
 pub(super) const NEAREST: Rgb = [0x00, 0x72, 0xb2];
-/// Velocities to second-nearest neighbours (their vermilion).
+/// Colour of velocities to second-nearest neighbours (vermilion of Okabe and Ito).
 pub(super) const SECOND: Rgb = [0xd5, 0x5e, 0x00];
 
-/// How lines are drawn.
+/// Width (px) and colour of lines.
 #[derive(Clone, Copy)]
 pub(super) struct Pen {
     pub width: f64,
     pub colour: Rgb,
 }
 
-/// Which point of a text its place is.
+/// The point of a text that is put at the given position.
 #[derive(Clone, Copy)]
 pub(super) enum Anchor {
     Start,
@@ -32,11 +32,11 @@ pub(super) enum Anchor {
     End,
 }
 
-/// The document.
+/// An SVG document under construction.
 pub(super) struct Paper(String);
 
 impl Paper {
-    /// White paper.
+    /// Creates a white document of this size, px.
     pub fn new(width: f64, height: f64) -> Self {
         let mut paper = Self(String::new());
         paper.put(format_args!(
@@ -46,24 +46,25 @@ impl Paper {
         paper
     }
 
-    /// Appends one element. Writing to a string cannot fail.
+    /// Appends an SVG element.
+    // Writing to a string cannot fail.
     pub fn put(&mut self, element: std::fmt::Arguments<'_>) {
         let _ = self.0.write_fmt(element);
         self.0.push('\n');
     }
 
-    /// The whole document.
+    /// Returns the complete document.
     pub fn finish(mut self) -> String {
         self.0.push_str("</svg>\n");
         self.0
     }
 
     pub fn line(&mut self, from: Vector, to: Vector, pen: Pen) {
-        self.way(&[from, to], pen);
+        self.polyline(&[from, to], pen);
     }
 
-    /// A line through all these points.
-    pub fn way(&mut self, points: &[Vector], Pen { width, colour }: Pen) {
+    /// Draws a polyline through the points.
+    pub fn polyline(&mut self, points: &[Vector], Pen { width, colour }: Pen) {
         let mut path = String::new();
         for point in points {
             let _ = write!(path, "{}{:.1} {:.1}", if path.is_empty() { 'M' } else { 'L' }, point.x, point.y);
@@ -74,14 +75,14 @@ impl Paper {
         ));
     }
 
-    /// An arrow; its head is as large as its pen asks for, or as its length allows.
+    /// Draws an arrow. The length of its head is 5 pen widths, but at most 0.7 of the length of the arrow.
     pub fn arrow(&mut self, from: Vector, to: Vector, pen: Pen) {
-        let way = to - from;
-        let length = way.length();
-        let ahead = if length > 0.0 { way / length } else { Vector::new(1.0, 0.0) };
+        let vector = to - from;
+        let length = vector.length();
+        let ahead = if length > 0.0 { vector / length } else { Vector::new(1.0, 0.0) };
         let head = (5.0 * pen.width).min(0.7 * length);
         let (base, aside) = (to - head * ahead, 0.4 * head * Vector::new(-ahead.y, ahead.x));
-        // A little into the head, so that no seam shows.
+        // The line overlaps the head slightly, so that no gap is visible.
         self.line(from, base + 0.2 * head * ahead, pen);
         let (a, b) = (base + aside, base - aside);
         self.put(format_args!(
@@ -114,7 +115,7 @@ impl Paper {
         self.write(at, size, anchor, &text);
     }
 
-    /// A text with subscripts.
+    /// Draws a text with subscripts.
     pub fn formula(&mut self, at: Vector, size: f64, anchor: Anchor, text: &str) {
         let (down, small) = (0.22 * size, 0.75 * size);
         let mut parts = text.split('_');
@@ -146,7 +147,7 @@ fn escaped(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
-/// A lattice on paper: where its site (0, 0) is, and how long a bond, px.
+/// Position of a lattice in the document: its site (0, 0), and the length of a bond, px.
 #[derive(Clone, Copy)]
 pub(super) struct Lattice {
     pub origin: Vector,
@@ -154,7 +155,7 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    /// Where the site (X, Y) is, or the tip of a sum of velocities from the origin.
+    /// Returns the position of the site (X, Y), px. It is also the tip of the arrow for a sum of velocities (X, Y).
     pub fn at(self, site: (i32, i32)) -> Vector {
         let (x, y) = in_bonds(site);
         self.origin + self.bond * Vector::new(x, -y)

@@ -1,15 +1,15 @@
-//! A plot of places in spacings, both axes on one scale.
+//! A plot of positions in spacings, with equal scales on both axes.
 
 use super::paper::{Anchor, FAINT, Paper, Pen};
 use crate::space::Vector;
 
-/// Size, px, at most; one of the two is met.
+/// Largest width and height of the plot, px. The plot reaches one of them.
 const PLOT: Vector = Vector::new(640.0, 640.0);
 
-/// What is left free above it and to its left, px.
+/// Margin to the left of the plot and above it, px.
 const MARGIN: Vector = Vector::new(50.0, 20.0);
 
-/// Spacings to px.
+/// The mapping from spacings to px.
 pub(super) struct Plot {
     low: Vector,
     high: Vector,
@@ -17,30 +17,30 @@ pub(super) struct Plot {
 }
 
 impl Plot {
-    /// A plot that holds all these points, between multiples of 10.
+    /// Creates a plot that contains the origin and all these points. Its range ends at multiples of 10.
     pub fn of<'a>(points: impl Iterator<Item = &'a Vector>) -> Self {
         let (low, high) = points.fold((Vector::ZERO, Vector::ZERO), |(low, high), &x| (low.min(x), high.max(x)));
         let (low, high) = (10.0 * (low / 10.0).floor(), 10.0 * (high / 10.0).ceil());
         Self { low, high, scale: (PLOT / (high - low)).min_element() }
     }
 
-    /// Its lower right corner, px.
+    /// Returns the lower right corner of the plot, px.
     pub fn corner(&self) -> Vector {
         self.at(Vector::new(self.high.x, self.low.y))
     }
 
-    /// Where a point is, px.
+    /// Returns the position of a point in the document, px.
     pub fn at(&self, x: Vector) -> Vector {
         MARGIN + self.scale * Vector::new(x.x - self.low.x, self.high.y - x.y)
     }
 
-    /// A line through points.
-    pub fn way(&self, paper: &mut Paper, points: &[Vector], pen: Pen) {
+    /// Draws a polyline through the points.
+    pub fn polyline(&self, paper: &mut Paper, points: &[Vector], pen: Pen) {
         let points: Vec<Vector> = points.iter().map(|&x| self.at(x)).collect();
-        paper.way(&points, pen);
+        paper.polyline(&points, pen);
     }
 
-    /// Lines at all multiples of 10, with numbers.
+    /// Draws grid lines at all multiples of 10, with numbers.
     pub fn axes(&self, paper: &mut Paper) {
         let pen = Pen { width: 0.8, colour: FAINT };
         for x in tens(self.low.x, self.high.x) {
@@ -58,7 +58,7 @@ impl Plot {
     }
 }
 
-/// The multiples of 10 between two of them.
+/// Returns the multiples of 10 from `from` to `to`, both of which are multiples of 10.
 fn tens(from: f64, to: f64) -> impl Iterator<Item = f64> {
     std::iter::successors(Some(from), |x| Some(x + 10.0)).take_while(move |&x| x <= to)
 }

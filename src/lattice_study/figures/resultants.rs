@@ -1,7 +1,8 @@
-//! The resultants of collisions, and how one comes about (the paper's figure 2).
+//! The resultants of collisions, and an example collision (the paper's figure 2).
 //!
-//! The example is the first state of three movers, in ascending order, whose sum V points obliquely and for which there are
-//! outgoing states with V + v4 that share no velocity with it; of these the first.
+//! The example is the first state of three movers, in ascending order, whose sum V points obliquely upwards and that
+//! has an outgoing state with exactly the sum V + v4 and no velocity in common. The first of these outgoing states is
+//! shown.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +17,7 @@ const WIDTH: f64 = 900.0;
 const HEIGHT: f64 = 620.0;
 const PLANE: Lattice = Lattice { origin: Vector::new(300.0, 300.0), bond: 50.0 };
 
-/// The sums (X, Y) of all sets of movers, and how many sets have each.
+/// Returns the sums (X, Y) of all sets of movers, each with the number of sets that have this sum.
 #[must_use]
 pub fn sums() -> BTreeMap<(i32, i32), u32> {
     let mut sums = BTreeMap::new();
@@ -26,8 +27,8 @@ pub fn sums() -> BTreeMap<(i32, i32), u32> {
     sums
 }
 
-/// All sums of the 4096 sets of movers as points of the plane, coloured by how many sets have them, and beside them a
-/// collision: what comes in, V, V + v4, and what goes out.
+/// Draws the sums of all 4096 sets of movers as points of the plane, coloured by the number of sets. Beside them it
+/// draws a collision: the incoming state, V, V + v4, and an outgoing state.
 #[must_use]
 pub fn resultants() -> String {
     let mut paper = Paper::new(WIDTH, HEIGHT);
@@ -58,7 +59,7 @@ fn axes(paper: &mut Paper) {
     }
 }
 
-/// The scale of the colours, logarithmic.
+/// Draws the colour scale, which is logarithmic.
 fn legend(paper: &mut Paper, most: f64) {
     let (x, y, width) = (190.0, HEIGHT - 34.0, 220.0);
     paper.put(format_args!(r#"<linearGradient id="sets">"#));
@@ -75,8 +76,8 @@ fn legend(paper: &mut Paper, most: f64) {
     }
 }
 
-/// What comes in, and a state that goes out, with gravity between.
-fn chosen(table: &Collisions) -> Option<(u16, u16)> {
+/// Returns the incoming and the outgoing state of the example, which includes a kick by gravity.
+fn example_states(table: &Collisions) -> Option<(u16, u16)> {
     let states = (0..4096u16).map(|movers| movers << 1).filter(|state| state.count_ones() == 3);
     states.into_iter().find_map(|state| {
         let (x, y) = momentum(state);
@@ -87,7 +88,7 @@ fn chosen(table: &Collisions) -> Option<(u16, u16)> {
 }
 
 fn example(paper: &mut Paper) {
-    let Some((before, after)) = chosen(&Collisions::default()) else { return };
+    let Some((before, after)) = example_states(&Collisions::default()) else { return };
     let site = |y: f64| Lattice { origin: Vector::new(745.0, y), bond: 54.0 };
     let label = |paper: &mut Paper, y: f64, text: &str| {
         paper.formula(Vector::new(745.0, y), 15.0, Anchor::Middle, text);
@@ -101,7 +102,7 @@ fn example(paper: &mut Paper) {
     paper.line(Vector::new(600.0, 30.0), Vector::new(600.0, HEIGHT - 30.0), Pen { width: 0.8, colour: FAINT });
 }
 
-/// V, v4 from its tip, and their sum.
+/// Draws V, v4 at the tip of V, and their sum.
 fn triangle(paper: &mut Paper, at: Lattice, before: u16) {
     let (v, down) = (momentum(before), STEPS[DOWN]);
     let kicked = (v.0 + down.0, v.1 + down.1);
@@ -127,8 +128,8 @@ mod tests {
     }
 
     #[test]
-    fn the_example_takes_the_kick_exactly() {
-        let (before, after) = chosen(&Collisions::default()).unwrap();
+    fn the_example_gains_exactly_one_kick() {
+        let (before, after) = example_states(&Collisions::default()).unwrap();
         let (v, out) = (momentum(before), momentum(after));
         assert_eq!(out, (v.0, v.1 - 2));
         assert_eq!(before.count_ones(), after.count_ones());

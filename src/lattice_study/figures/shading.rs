@@ -1,42 +1,43 @@
-//! Cells as strokes of few greys and few characters.
+//! Draws density cells as a compact set of SVG strokes with few grey levels.
 //!
-//! Each column of cells is painted with upright strokes one cell wide, lighter ones first: a stroke passes below all that is
-//! darker, so that one is enough where its grey comes back behind darker cells. Coordinates are whole numbers of cells, one
-//! relative to the next.
+//! Each column of cells is painted with vertical strokes one cell wide, lighter strokes first. A lighter stroke
+//! continues below darker cells, so one stroke is enough if its grey appears on both sides of them. Coordinates are
+//! whole numbers of cells, each relative to the previous one.
 //!
-//! Limits. The cells of a panel are of one size and on one grid, as [`densities`](crate::lattice::pictures::densities)
-//! makes them; a density is shown to the nearest of 16 greys.
+//! Limits. All cells of a panel must have the size and grid that [`densities`](crate::lattice::pictures::densities)
+//! gives them. A density is rounded to one of 16 grey levels.
 
 use std::fmt::Write as _;
 
 use crate::lattice::pictures::{Cell, grey};
 use crate::writers::colour::Rgb;
 
-/// Greys.
+/// Number of grey levels.
 pub(super) const LEVELS: u8 = 16;
 
-/// Particles of a full site.
+/// Number of particles of a full site.
 const FULL: f64 = 13.0;
 
-/// The level of a density, 0 white and 15 black.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a float saturates, and is capped")]
+/// Returns the grey level of a density: 0 is white, 15 is black.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the cast saturates; the result is capped")]
 pub(super) fn level(density: f64) -> u8 {
     ((density / FULL * f64::from(LEVELS - 1)).round() as u8).min(LEVELS - 1)
 }
 
-/// The grey of a level.
+/// Returns the colour of a grey level.
 pub(super) fn shade(level: u8) -> Rgb {
     grey(FULL * f64::from(level) / f64::from(LEVELS - 1))
 }
 
-/// An upright stroke: grey, column, lowest row, first row above it.
+/// A vertical stroke: grey level, column, lowest row, first row above the stroke.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Stroke(u8, i32, i32, i32);
 
-/// Paths in units of cells from the lower left corner of the first cell, by level, lightest first; white is not painted.
+/// Returns an SVG path for each grey level except white, lightest first. The paths are in units of cells, from the
+/// lower left corner of the first cell.
 pub(super) fn paths(cells: &[Cell]) -> Vec<(u8, String)> {
     let mut paths = vec![String::new(); usize::from(LEVELS)];
-    // Where each path ends.
+    // End point of each path so far.
     let mut ends = [(0, 0); LEVELS as usize];
     for Stroke(level, column, from, to) in strokes(&grid(cells)) {
         let (path, end) = (&mut paths[usize::from(level)], &mut ends[usize::from(level)]);
@@ -49,7 +50,7 @@ pub(super) fn paths(cells: &[Cell]) -> Vec<(u8, String)> {
     (0..LEVELS).zip(paths).filter(|(_, path)| !path.is_empty()).collect()
 }
 
-/// Column, row and level of every cell, by column and row.
+/// Returns column, row and grey level of each cell, sorted by column and row.
 #[expect(clippy::cast_possible_truncation, reason = "numbers of cells")]
 fn grid(cells: &[Cell]) -> Vec<(i32, i32, u8)> {
     let Some(first) = cells.first() else { return Vec::new() };
@@ -60,11 +61,12 @@ fn grid(cells: &[Cell]) -> Vec<(i32, i32, u8)> {
     grid
 }
 
+/// Returns the strokes that paint the cells of a grid, if lighter strokes are painted first.
 fn strokes(grid: &[(i32, i32, u8)]) -> Vec<Stroke> {
     let (mut strokes, mut open): (Vec<Stroke>, Vec<Stroke>) = (Vec::new(), Vec::new());
     let mut last = None;
     for &(column, row, level) in grid {
-        // Across a gap no stroke goes on.
+        // A gap ends all strokes.
         let keep = if last == Some((column, row - 1)) { level } else { 0 };
         while let Some(stroke) = open.pop_if(|stroke| stroke.0 > keep) {
             strokes.push(stroke);
@@ -85,7 +87,7 @@ fn strokes(grid: &[(i32, i32, u8)]) -> Vec<Stroke> {
 mod tests {
     use super::*;
 
-    /// Levels of a column as its strokes paint it.
+    /// Paints a column of cells with its strokes. Returns the painted levels and the number of strokes.
     fn painted(levels: &[u8]) -> (Vec<u8>, usize) {
         let grid: Vec<_> = (0..).zip(levels).map(|(row, &level)| (0, row, level)).collect();
         let mut strokes = strokes(&grid);
@@ -98,7 +100,7 @@ mod tests {
     }
 
     #[test]
-    fn strokes_paint_what_the_cells_are() {
+    fn strokes_paint_the_levels_of_the_cells() {
         for (levels, count) in [
             (vec![3, 3, 3], 1),
             (vec![3, 5, 3, 9, 3], 3),

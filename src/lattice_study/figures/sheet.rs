@@ -1,5 +1,5 @@
-//! A sheet of density pictures: a row a variant, a column a time, one scale and one grey for all (the paper's figures 5 to
-//! 18).
+//! A sheet of density pictures: one row per variant, one column per time (the paper's figures 5 to 18). All pictures
+//! have the same length scale and the same grey scale.
 
 use std::fmt::Write as _;
 
@@ -12,30 +12,30 @@ use crate::writers::colour::hex;
 const WIDTH: f64 = 900.0;
 const MARGIN: f64 = 10.0;
 const GAP: f64 = 10.0;
-/// Legend and heads of the columns.
+/// Height of the legend and the column headings, px.
 const TOP: f64 = 66.0;
 const TEXT: f64 = 14.0;
 
-/// A variant.
+/// A row of a sheet: the pictures of a variant.
 #[derive(Clone, Debug)]
 pub struct SheetRow {
-    /// What it is, as `g = 0.95`.
+    /// Name of the variant, for example `g = 0.95`.
     pub name: String,
-    /// Its pictures, column by column.
+    /// Pictures of the variant, in the order of the columns.
     pub panels: Vec<Panel>,
 }
 
-/// A picture.
+/// A picture of a sheet.
 #[derive(Clone, Debug)]
 pub struct Panel {
-    /// Densities in cells of one size, on one grid.
+    /// Density cells, all of equal size and on one grid.
     pub cells: Vec<Cell>,
-    /// Outline of the silo, m.
+    /// Lines of the outline of the silo, m.
     pub lines: Vec<(Vector, Vector)>,
 }
 
 impl Panel {
-    /// Lower left and upper right corner, m; of an empty panel, of nothing.
+    /// Returns the lower left and the upper right corner, m; zero for an empty panel.
     fn bounds(&self) -> (Vector, Vector) {
         let cells = self.cells.iter().map(|cell| (cell.low, cell.high));
         let lines = self.lines.iter().map(|&(a, b)| (a.min(b), a.max(b)));
@@ -49,21 +49,21 @@ impl Panel {
     }
 }
 
-/// The sheet: darker is denser, from 0 to 13 particles a site; `columns` are the heads of the columns, as `t = 100`. All
-/// panels have one scale and stand on the floor of their row.
+/// Draws a sheet. Darker is denser, from 0 to 13 particles per site. `columns` are the column headings, for example
+/// `t = 100`. All panels have the same scale and are aligned at the bottom of their row.
 #[must_use]
 pub fn sheet(rows: &[SheetRow], columns: &[String]) -> String {
     let layout = Layout::of(rows, columns);
     let mut paper = Paper::new(WIDTH, TOP + rows.iter().map(|row| layout.height(row)).sum::<f64>());
     legend(&mut paper);
-    for (x, head) in layout.middles().zip(columns) {
+    for (x, head) in layout.column_middles().zip(columns) {
         paper.text(Vector::new(x, TOP - 8.0), TEXT, Anchor::Middle, head);
     }
     let mut top = TOP;
     for row in rows {
         let floor = top + layout.height(row);
         paper.text(Vector::new(MARGIN, 0.5 * (top + floor)), TEXT, Anchor::Start, &row.name);
-        for (x, panel) in layout.middles().zip(&row.panels) {
+        for (x, panel) in layout.column_middles().zip(&row.panels) {
             draw(&mut paper, panel, Vector::new(x, floor - 1.5 * GAP), layout.scale);
         }
         top = floor;
@@ -71,7 +71,7 @@ pub fn sheet(rows: &[SheetRow], columns: &[String]) -> String {
     paper.finish()
 }
 
-/// Where columns are, px, and the scale, px a m.
+/// Layout of a sheet: left end and width of the columns, px, and scale, px/m.
 struct Layout {
     left: f64,
     pitch: f64,
@@ -90,24 +90,24 @@ impl Layout {
         Self { left, pitch, scale }
     }
 
-    /// The middles of the columns.
-    fn middles(&self) -> impl Iterator<Item = f64> {
+    /// Returns x of the middle of each column, px.
+    fn column_middles(&self) -> impl Iterator<Item = f64> {
         std::iter::successors(Some(self.left + 0.5 * self.pitch), |x| Some(x + self.pitch))
     }
 
-    /// Height of a row.
+    /// Returns the height of a row, px.
     fn height(&self, row: &SheetRow) -> f64 {
         let highest = row.panels.iter().map(|panel| panel.size().y).fold(0.0, f64::max);
         (self.scale * highest).max(2.0 * TEXT) + 2.0 * GAP
     }
 }
 
-/// About how wide a text is, px.
+/// Estimates the width of a text, px.
 fn width(text: &str) -> f64 {
     text.chars().fold(0.0, |width, _| width + 0.53 * TEXT)
 }
 
-/// The greys, and what they mean.
+/// Draws the scale of the grey levels.
 fn legend(paper: &mut Paper) {
     let (swatch, y) = (12.0, 14.0);
     let x = WIDTH - MARGIN - swatch * f64::from(LEVELS) - 24.0;
@@ -124,13 +124,13 @@ fn legend(paper: &mut Paper) {
     paper.text(Vector::new(right + 6.0, y + 12.0), TEXT, Anchor::Start, "13");
 }
 
-/// A panel whose floor has its middle there.
+/// Draws a panel with the middle of its bottom edge at `floor`.
 fn draw(paper: &mut Paper, panel: &Panel, floor: Vector, scale: f64) {
     let (low, high) = panel.bounds();
     let foot = Vector::new(0.5 * (low.x + high.x), low.y);
     let at = |x: Vector| floor + scale * Vector::new(x.x - foot.x, foot.y - x.y);
     if let Some(first) = panel.cells.first() {
-        // A cell is one unit wide and high, and a stroke runs in the middle of its column.
+        // In units of cells, a stroke runs along the middle of its column.
         let unit = scale * (first.high - first.low);
         let corner = at(first.low) + Vector::new(0.5 * unit.x, 0.0);
         paper.put(format_args!(
@@ -165,7 +165,7 @@ mod tests {
     use crate::lattice::pictures::densities;
     use crate::lattice::sites::Sites;
 
-    /// The silo of the paper with each state taken by chance, about half of them: as uneven as a gas is.
+    /// A silo in which each state is occupied with probability 1/2, so that the density varies as much as in a gas.
     fn panel() -> Panel {
         let corners = [(-0.602, 0.0), (0.602, 0.0), (0.602, 2.865), (-0.602, 2.865)];
         let outline = Polygon(corners.iter().map(|&(x, y)| Vector::new(x, y)).collect());

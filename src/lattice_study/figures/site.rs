@@ -1,18 +1,18 @@
-//! A site and its particles: an arrow for every mover, as long as a step, a full dot for one at rest.
+//! Draws a site and its particles: an arrow of the length of a step for each mover, a full dot for a particle at rest.
 
 use super::paper::{FAINT, INK, Lattice, NEAREST, Paper, Pen, SECOND};
 use crate::lattice::velocities::{MOVERS, STEPS, directions};
 use crate::writers::colour::Rgb;
 
-/// What arrows leave free around the site, px.
+/// Gap between the site and the arrows, px.
 const GAP: f64 = 5.0;
 
-/// The pen of a velocity.
+/// Returns the pen for the arrow of a velocity.
 pub(super) fn pen(direction: usize) -> Pen {
     Pen { width: 1.6, colour: if direction <= 6 { NEAREST } else { SECOND } }
 }
 
-/// The particles that come to the site.
+/// Draws the particles that arrive at the site.
 pub(super) fn incoming(paper: &mut Paper, lattice: Lattice, state: u16) {
     middle(paper, lattice, state);
     for d in directions(state & MOVERS) {
@@ -22,7 +22,7 @@ pub(super) fn incoming(paper: &mut Paper, lattice: Lattice, state: u16) {
     }
 }
 
-/// The particles that leave the site.
+/// Draws the particles that leave the site.
 pub(super) fn outgoing(paper: &mut Paper, lattice: Lattice, state: u16) {
     middle(paper, lattice, state);
     for d in directions(state & MOVERS) {
@@ -32,6 +32,7 @@ pub(super) fn outgoing(paper: &mut Paper, lattice: Lattice, state: u16) {
     }
 }
 
+/// Draws the site: a full dot if it has a particle at rest, else a ring.
 fn middle(paper: &mut Paper, lattice: Lattice, state: u16) {
     if state & 1 == 1 {
         paper.dot(lattice.origin, 0.8 * GAP, INK);
@@ -40,7 +41,7 @@ fn middle(paper: &mut Paper, lattice: Lattice, state: u16) {
     }
 }
 
-/// Pen of a resultant.
+/// Returns the pen for the arrow of a resultant.
 pub(super) fn sum_pen(colour: Rgb) -> Pen {
     Pen { width: 2.4, colour }
 }

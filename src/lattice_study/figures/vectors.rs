@@ -1,4 +1,4 @@
-//! The velocities of a particle at a site (the paper's figure 1).
+//! The thirteen velocities of a particle at a site (the paper's figure 1).
 
 use super::paper::{Anchor, FAINT, INK, Lattice, Paper, Pen};
 use super::site::pen;
@@ -9,11 +9,11 @@ const WIDTH: f64 = 640.0;
 const HEIGHT: f64 = 640.0;
 const LATTICE: Lattice = Lattice { origin: Vector::new(320.0, 275.0), bond: 125.0 };
 
-/// How far from the middle sites are drawn, bonds.
+/// Distance from the centre up to which sites are drawn, bonds.
 const REACH: f64 = 2.1;
 
-/// The site in the middle, the vectors v1 to v12 to its nearest and second-nearest neighbours, to scale, and v0, a particle
-/// at rest.
+/// Draws a site with the vectors v1 to v12 to its nearest and second-nearest neighbours, to scale, and v0 for a
+/// particle at rest.
 #[must_use]
 pub fn vectors() -> String {
     let mut paper = Paper::new(WIDTH, HEIGHT);
@@ -25,13 +25,13 @@ pub fn vectors() -> String {
         name(&mut paper, tip + 21.0 * ahead, d);
     }
     paper.dot(LATTICE.origin, 8.0, INK);
-    // Between two arrows.
+    // The name of v0 is placed between two arrows.
     name(&mut paper, LATTICE.origin + 48.0 * Vector::from_angle((-15f64).to_radians()), 0);
     legend(&mut paper);
     paper.finish()
 }
 
-/// Sites as dots, with the bonds between nearest ones.
+/// Draws the sites as dots, with the bonds between nearest neighbours.
 fn lattice(paper: &mut Paper) {
     let shown = |site: &(i32, i32)| {
         let (x, y) = in_bonds(*site);
@@ -39,7 +39,7 @@ fn lattice(paper: &mut Paper) {
     };
     let sites: Vec<_> = (-3..=3).flat_map(|x| (-5..=5).map(move |y| (x, y))).filter(shown).collect();
     for &site in &sites {
-        // Three of the six directions: each bond once.
+        // Three of the six directions draw each bond once.
         for step in &STEPS[1..=3] {
             let other = (site.0 + step.0, site.1 + step.1);
             if shown(&other) {
@@ -79,10 +79,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn all_thirteen_are_named() {
+    fn all_thirteen_velocities_are_named() {
         let svg = vectors();
         super::super::renders(&svg);
-        // Those in the legend are not at the beginning of a text.
+        // The pattern leaves out the names in the legend, which are not at the start of a text.
         assert_eq!(svg.matches(">v<tspan").count(), 13);
     }
 }
