@@ -1,17 +1,17 @@
-//! Ten grains stacked on a floor that settle under their weight, from where they just touch.
+//! Ten grains stacked on a floor settle under their weight. At the start they just touch.
 
 use crate::discs::{Disc, Discs, GRAVITY, MASS, RADIUS, STIFFNESS, Scheme, Setting, damping};
 use crate::numbers::{Double, Numbers};
 use crate::table::{Measure, OFFSETS, rms, row};
 
 const GRAINS: u32 = 10;
-/// While it still swings (the slowest mode has a period of 0.05 s), and long after, s.
-const SWINGING: f64 = 0.1;
+/// A time while the column still oscillates (the slowest mode has a period of 0.05 s), and a time long after, s.
+const OSCILLATING: f64 = 0.1;
 const SETTLED: f64 = 15.0;
 
 #[derive(Clone, Copy)]
 enum Asked {
-    /// Rms distance from where f64 has the grains while they swing, over the lowest overlap.
+    /// Rms distance from the positions in f64 while the grains oscillate, over the lowest overlap.
     Path,
     /// Rms error of the overlaps at rest, each over its exact value: the weight above over k.
     Overlap,
@@ -20,7 +20,7 @@ enum Asked {
 }
 
 struct Column {
-    /// t_c/dt, at least.
+    /// Smallest t_c/dt.
     steps: f64,
     offset: f64,
     asked: Asked,
@@ -50,20 +50,20 @@ impl Column {
         column.discs()
     }
 
-    /// Heights above the floor, m.
+    /// Returns the heights above the floor, m.
     fn heights<N: Numbers>(&self, time: f64) -> Vec<f64> {
         self.after::<N>(time).iter().map(|disc| disc.x[1] - self.offset).collect()
     }
 
-    /// Rms distance between two columns over the lowest overlap at rest.
+    /// Returns the rms distance between two columns over the lowest overlap at rest.
     fn distance(a: &[f64], b: &[f64]) -> f64 {
         rms(a.iter().zip(b).map(|(a, b)| a - b)) / (f64::from(GRAINS) * MASS * GRAVITY / STIFFNESS)
     }
 
-    /// What the time step makes of the path.
-    fn of_the_step(&self) -> f64 {
+    /// Returns the error of the path due to the time step.
+    fn time_step_error(&self) -> f64 {
         let fine = Column { steps: 3000.0, ..*self };
-        Self::distance(&self.heights::<Double>(SWINGING), &fine.heights::<Double>(SWINGING))
+        Self::distance(&self.heights::<Double>(OSCILLATING), &fine.heights::<Double>(OSCILLATING))
     }
 }
 
@@ -72,7 +72,7 @@ impl Measure for Column {
         let figure = match self.asked {
             Asked::Path => {
                 let origin = Column { offset: 0.0, ..*self };
-                Self::distance(&self.heights::<N>(SWINGING), &origin.heights::<Double>(SWINGING))
+                Self::distance(&self.heights::<N>(OSCILLATING), &origin.heights::<Double>(OSCILLATING))
             }
             Asked::Overlap => {
                 let heights = self.heights::<N>(SETTLED);
@@ -90,10 +90,10 @@ impl Measure for Column {
 
 pub fn rows(say: &mut impl FnMut(String)) {
     for steps in [20.0, 100.0] {
-        let of_the_step = Column { steps, offset: 0.0, asked: Asked::Path }.of_the_step();
+        let time_step_error = Column { steps, offset: 0.0, asked: Asked::Path }.time_step_error();
         for offset in OFFSETS {
             let column = |asked| Column { steps, offset, asked };
-            say(row(&format!("column, t_c/{steps}: path"), offset, Some(of_the_step), &column(Asked::Path)));
+            say(row(&format!("column, t_c/{steps}: path"), offset, Some(time_step_error), &column(Asked::Path)));
             say(row(&format!("column, t_c/{steps}: overlaps at rest"), offset, None, &column(Asked::Overlap)));
             say(row(&format!("column, t_c/{steps}: speed left, m/s"), offset, None, &column(Asked::Speed)));
         }

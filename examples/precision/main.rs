@@ -1,12 +1,13 @@
-//! What f32 would cost in error, and gain in time: `docs/precision.md` has the figures.
+//! The error that f32 would cause, and the time that it would save. `docs/precision.md` has the results.
 //!
 //! ```text
 //! cargo run --release --example precision            # errors: ten minutes
 //! cargo run --release --example precision -- --time  # the pair-force loop in f64 and in f32
 //! ```
 //!
-//! A small discrete element method of its own, nothing of siloflow's, written once over the number types ([`numbers`]).
-#![expect(clippy::print_stdout, reason = "the table is what it is for")]
+//! A small, separate discrete element method that uses no code of siloflow. It is generic over the number types
+//! ([`numbers`]).
+#![expect(clippy::print_stdout, reason = "the program prints a table")]
 
 mod bed;
 mod bounce;
