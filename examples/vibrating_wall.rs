@@ -30,7 +30,7 @@ struct Home(Vector);
 #[derive(Resource)]
 struct Vibration(VibratingWall);
 
-/// Filter of wall grains. `With<Fixed>` separates them from the grains that the integrator moves in the same phase.
+/// Filter for wall grains. `With<Fixed>` makes the query disjoint from queries of grains that move in this phase.
 type WallGrain = With<Fixed>;
 
 fn remember_home(mut commands: Commands, new: Query<(Entity, &Position), (WallGrain, Without<Home>)>) {
@@ -62,10 +62,8 @@ impl Behaviour for VibratingWall {
     }
 
     fn build(self: Box<Self>, app: &mut App) {
-        app.insert_resource(Vibration(*self)).add_systems(
-            Step,
-            (remember_home.in_set(Phase::Spawn), vibrate.in_set(Phase::Drift).after(ClockAdvanced)),
-        );
+        app.insert_resource(Vibration(*self))
+            .add_systems(Step, (remember_home.in_set(Phase::Spawn), vibrate.in_set(Phase::Drift).after(ClockAdvanced)));
     }
 }
 

@@ -106,21 +106,21 @@ impl Measure for Bed<'_> {
     }
 }
 
-pub fn rows(print: &mut impl FnMut(String)) {
+pub fn rows(print_line: &mut impl FnMut(String)) {
     let settled = settled();
     let bed = |offset, quantity| Bed { settled: &settled, offset, quantity };
     let contacts = bed(0.0, Quantity::Force).set::<Double>(0.0).forces().len();
     let mean = bed(0.0, Quantity::Force).mean_force();
-    print(format!(
+    print_line(format!(
         "(the bed: {} grains, {contacts} contacts, mean force {mean:.2} N or {:.1} m g, mean overlap {:.1e} R)",
         settled.len(),
         mean / (MASS * GRAVITY),
         mean / STIFFNESS / RADIUS
     ));
     for offset in OFFSETS {
-        print(row("bed: pair force", offset, None, &bed(offset, Quantity::Force)));
-        print(row("bed: acceleration left, g", offset, None, &bed(offset, Quantity::Balance)));
-        print(row("bed after 5 s: speed, m/s", offset, None, &bed(offset, Quantity::Speed)));
-        print(row("bed after 5 s: moved, mean overlaps", offset, None, &bed(offset, Quantity::Drift)));
+        print_line(row("bed: pair force", offset, None, &bed(offset, Quantity::Force)));
+        print_line(row("bed: acceleration left, g", offset, None, &bed(offset, Quantity::Balance)));
+        print_line(row("bed after 5 s: speed, m/s", offset, None, &bed(offset, Quantity::Speed)));
+        print_line(row("bed after 5 s: moved, mean overlaps", offset, None, &bed(offset, Quantity::Drift)));
     }
 }

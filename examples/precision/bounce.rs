@@ -57,7 +57,7 @@ impl Measure for Bounce {
     }
 }
 
-pub fn rows(say: &mut impl FnMut(String)) {
+pub fn rows(print_line: &mut impl FnMut(String)) {
     for e in [0.9, 0.5, 0.2] {
         for n in [20.0, 50.0, 100.0, 200.0, 500.0, 1000.0] {
             let steps = n + std::f64::consts::PI / 8.0;
@@ -66,7 +66,7 @@ pub fn rows(say: &mut impl FnMut(String)) {
             let (of_plain, of_averaged) = (plain.error(), averaged.error());
             for offset in OFFSETS {
                 let case = format!("bounce, e = {e}, t_c/{n} (plain: {of_plain:.1e})");
-                say(row(&case, offset, Some(of_averaged), &Bounce { offset, ..averaged }));
+                print_line(row(&case, offset, Some(of_averaged), &Bounce { offset, ..averaged }));
             }
         }
     }

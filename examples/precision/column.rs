@@ -10,7 +10,7 @@ const OSCILLATING: f64 = 0.1;
 const SETTLED: f64 = 15.0;
 
 #[derive(Clone, Copy)]
-enum Asked {
+enum Quantity {
     /// Rms distance from the positions in f64 while the grains oscillate, over the lowest overlap.
     Path,
     /// Rms error of the overlaps at rest, each over its exact value: the weight above over k.
@@ -23,7 +23,7 @@ struct Column {
     /// Smallest t_c/dt.
     steps: f64,
     offset: f64,
-    asked: Asked,
+    quantity: Quantity,
 }
 
 impl Column {
@@ -69,12 +69,12 @@ impl Column {
 
 impl Measure for Column {
     fn of<N: Numbers>(&self) -> (f64, Option<f64>) {
-        let figure = match self.asked {
-            Asked::Path => {
+        let figure = match self.quantity {
+            Quantity::Path => {
                 let origin = Column { offset: 0.0, ..*self };
                 Self::distance(&self.heights::<N>(OSCILLATING), &origin.heights::<Double>(OSCILLATING))
             }
-            Asked::Overlap => {
+            Quantity::Overlap => {
                 let heights = self.heights::<N>(SETTLED);
                 let below = std::iter::once(-RADIUS).chain(heights.iter().copied());
                 rms(heights.iter().zip(below).zip(0..GRAINS).map(|((above, below), i)| {
@@ -82,20 +82,30 @@ impl Measure for Column {
                     (2.0 * RADIUS - (above - below)) / exact - 1.0
                 }))
             }
-            Asked::Speed => rms(self.after::<N>(SETTLED).iter().map(|disc| disc.v[1])),
+            Quantity::Speed => rms(self.after::<N>(SETTLED).iter().map(|disc| disc.v[1])),
         };
         (figure, None)
     }
 }
 
-pub fn rows(say: &mut impl FnMut(String)) {
+pub fn rows(print_line: &mut impl FnMut(String)) {
     for steps in [20.0, 100.0] {
-        let time_step_error = Column { steps, offset: 0.0, asked: Asked::Path }.time_step_error();
+        let time_step_error = Column { steps, offset: 0.0, quantity: Quantity::Path }.time_step_error();
         for offset in OFFSETS {
-            let column = |asked| Column { steps, offset, asked };
-            say(row(&format!("column, t_c/{steps}: path"), offset, Some(time_step_error), &column(Asked::Path)));
-            say(row(&format!("column, t_c/{steps}: overlaps at rest"), offset, None, &column(Asked::Overlap)));
-            say(row(&format!("column, t_c/{steps}: speed left, m/s"), offset, None, &column(Asked::Speed)));
+            let column = |quantity| Column { steps, offset, quantity };
+            print_line(row(
+                &format!("column, t_c/{steps}: path"),
+                offset,
+                Some(time_step_error),
+                &column(Quantity::Path),
+            ));
+            print_line(row(
+                &format!("column, t_c/{steps}: overlaps at rest"),
+                offset,
+                None,
+                &column(Quantity::Overlap),
+            ));
+            print_line(row(&format!("column, t_c/{steps}: speed left, m/s"), offset, None, &column(Quantity::Speed)));
         }
     }
 }

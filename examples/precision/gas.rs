@@ -88,11 +88,11 @@ impl Measure for Gas {
     }
 }
 
-pub fn rows(say: &mut impl FnMut(String)) {
+pub fn rows(print_line: &mut impl FnMut(String)) {
     for n in [20.0, 100.0] {
         let steps = n + std::f64::consts::PI / 8.0;
         for offset in OFFSETS {
-            say(row(&format!("gas, t_c/{n}: energy, relative"), offset, None, &Gas { steps, offset }));
+            print_line(row(&format!("gas, t_c/{n}: energy, relative"), offset, None, &Gas { steps, offset }));
         }
     }
 }

@@ -22,10 +22,10 @@ fn main() {
     if std::env::args().any(|argument| argument == "--time") {
         return timing::rows(&mut |line| println!("{line}"));
     }
-    let say = &mut |line| println!("{line}");
-    say(table::heading());
-    bounce::rows(say);
-    column::rows(say);
-    bed::rows(say);
-    gas::rows(say);
+    let print_line = &mut |line| println!("{line}");
+    print_line(table::heading());
+    bounce::rows(print_line);
+    column::rows(print_line);
+    bed::rows(print_line);
+    gas::rows(print_line);
 }

@@ -177,8 +177,8 @@ fn smallest_and_median(mut times: Vec<f64>) -> [f64; 2] {
     [times[0], times[times.len() / 2]]
 }
 
-pub fn rows(say: &mut impl FnMut(String)) {
-    say(format!(
+pub fn rows(print_line: &mut impl FnMut(String)) {
+    print_line(format!(
         "{:>8}  {:20}{:>8}{:>14}{:>8}{:>16}",
         "discs", "ns per pair", "f64", "f32 forces", "f32", "f64 over each"
     ));
@@ -203,12 +203,12 @@ pub fn rows(say: &mut impl FnMut(String)) {
             for (which, name) in ["least", "median"].into_iter().enumerate() {
                 let [a, b, c] = times.map(|time| time[which]);
                 let gain = format!("{:.2}, {:.2}", a / b, a / c);
-                say(format!("{:>8}  {kind:12}{name:8}{a:>8.2}{b:>14.2}{c:>8.2}{gain:>16}", store * rows));
+                print_line(format!("{:>8}  {kind:12}{name:8}{a:>8.2}{b:>14.2}{c:>8.2}{gain:>16}", store * rows));
             }
         }
     }
     let bytes = |body: usize, load: usize| body + load + 3 * size_of::<(u32, u32)>();
-    say(format!(
+    print_line(format!(
         "smallest number of bytes per grain that a pass loads (body, load, three pairs): f64 {}, f32 {}",
         bytes(size_of::<Body<f64>>(), size_of::<[f64; 2]>()),
         bytes(size_of::<Body<f32>>(), size_of::<[f32; 2]>())

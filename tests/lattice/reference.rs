@@ -379,7 +379,7 @@ impl Reference {
         work.extras[s] = stopped.saturating_sub(1);
     }
 
-    /// Phase B, and the same procedure in D: extra particles go to rest at nearest neighbours, lowest occupancy first.
+    /// Phase B; phase D uses it too. Extra particles go to rest at nearest neighbours, lowest occupancy first.
     fn scatter(&self, order: &[usize], phase: u64, occupancy: &[usize], work: &mut Work) {
         for round in 0..2 {
             let mut proposals = vec![0u16; self.kinds.len()];

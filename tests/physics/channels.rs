@@ -52,7 +52,7 @@ fn tangential_channel_differs_from_total_by_the_first_order_term_of_verlet() {
             let expected = C * dt * (SLIP * SLIP - after * after) / (2.0 * (2.0 - kappa * dt));
             assert!(total > 0.02, "too little slip: {total} J");
             let share = (channel - total) / expected;
-            // The normal turns by 2e-3 at most, which enters the total and the channel.
+            // The turning of the normal contributes 2e-3 at most, both to the total and to the channel.
             assert!((share - 1.0).abs() < 1e-2, "wall {wall}, dt {dt}, phase {phase}: {share}");
         }
     }

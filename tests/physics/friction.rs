@@ -92,8 +92,8 @@ fn non_rotating_grain_slides_above_its_friction_angle() {
 
 #[test]
 fn undamped_grain_released_on_a_slope_oscillates_about_its_rest_position() {
-    // The force rises to twice m g sin/k_t times k_t, so the grain sticks if tan < mu/2. The slope here is just below
-    // that.
+    // The displacement reaches at most twice m g sin/k_t, so the grain sticks if tan < mu/2. The slope here is just
+    // below that.
     for case in Case::both(0.49 * MU) {
         let w = (K_T / M).sqrt();
         let (dt, steps) = (0.05 / w, 2000);

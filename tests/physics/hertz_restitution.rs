@@ -86,8 +86,8 @@ fn damping_reduces_the_largest_overlap_as_the_closed_form_predicts() {
         for phase in 0..8 {
             let ([_, overlap, _], _) = measure_bounce(&ALUMINIUM_OXIDE, e, n, f64::from(phase) / 8.0);
             // The smaller effective mass changes w0 and zeta by at most half of `share`. It changes y by at most (1 +
-            // d(zeta/s acos zeta)/d(ln zeta))/2 of `share`, below 1 up to zeta = 0.5. The end error is the one of e.
-            // The second-order error is at most the one without damping.
+            // d(zeta/s acos zeta)/d(ln zeta))/2 of `share`, below 1 up to zeta = 0.5. The error of the contact's end is
+            // the one derived for e. The second-order error is at most its value without damping.
             let (share, (_, end)) = (zeta * 1.25 * DURATION / n, first_order(zeta, e, n));
             let tolerance = 0.8 * (share + end) + 1.353 / (n * n);
             assert!((overlap / exact - 1.0).abs() < tolerance, "e = {e}: {overlap} m, not {exact} m, {tolerance:e}");

@@ -103,8 +103,8 @@ fn stacked_pair_between_walls_converges_to_the_reference_solution() {
         for e in [1.0, 0.9, 0.7, 0.5] {
             let (coarse, fine) = (largest_error(scheme, space, e, 200), largest_error(scheme, space, e, 800));
             let w_dt = 2.0 * PI / 200.0;
-            // Verlet's phase error is (w dt)^2/24 of w t. Centred damping has an error of the same order, which grows
-            // for w t/(2 e) = 1/zeta only. In Verlet the damping acts at v(t - dt/2), which adds a force c a dt/2 in
+            // Verlet's phase error is (w dt)^2/24 of w t. Centred damping has an error of second order too, which
+            // matters up to w t = 1/zeta. In Verlet the damping acts at v(t - dt/2), which adds a force c a dt/2 in
             // resonance. It shifts an oscillation of amplitude A by dt/2 zeta w^2 t A exp(-zeta w t), at most A w dt/(2
             // e) = 0.18 A w dt. Damping that is not proportional to the stiffness couples the two modes, which adds a
             // third.

@@ -136,12 +136,12 @@ fn rolling(damping: Damping) -> Option<Rolling> {
 }
 
 #[test]
-fn the_assignment_s_law() {
+fn assignment_law_agrees() {
     assert_same(0, assignment());
 }
 
 #[test]
-fn linear_springs_and_dashpots() {
+fn linear_springs_and_dashpots_agree() {
     assert_same(1, linear(Damping::B(8.0), false));
     assert_same(2, linear(Damping::PerMass(120.0), true));
     assert_same(3, linear(Damping::Restitution(0.6), true));
@@ -149,20 +149,20 @@ fn linear_springs_and_dashpots() {
 }
 
 #[test]
-fn friction_by_dashpots() {
+fn friction_by_dashpots_agrees() {
     assert_same(5, with_friction(Damping::B(8.0), dashpot(Damping::PerMass(150.0)), None, false));
     assert_same(6, with_friction(Damping::Restitution(0.6), dashpot(Damping::B(9.0)), None, true));
     assert_same(7, with_friction(Damping::PerMass(80.0), dashpot(Damping::OfNormal(0.8)), None, true));
 }
 
 #[test]
-fn friction_by_springs() {
+fn friction_by_springs_agrees() {
     assert_same(8, with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), None, false));
     assert_same(9, with_friction(Damping::PerMass(100.0), spring(Damping::PerMass(50.0)), None, true));
 }
 
 #[test]
-fn rolling_resistance() {
+fn rolling_resistance_agrees() {
     assert_same(10, with_friction(Damping::B(8.0), spring(Damping::B(3.0)), rolling(Damping::PerMass(60.0)), false));
     assert_same(
         11,
@@ -171,7 +171,7 @@ fn rolling_resistance() {
 }
 
 #[test]
-fn hertz_and_mindlin() {
+fn hertz_and_mindlin_agree() {
     assert_same(12, hertz(0.6, false, None, None, false));
     assert_same(13, hertz(0.7, true, None, None, false));
     assert_same(14, hertz(0.6, true, Some(0.3), None, false));
@@ -181,7 +181,7 @@ fn hertz_and_mindlin() {
 }
 
 #[test]
-fn without_drag_the_centred_scheme_is_verlet_and_euler_is_euler() {
+fn undamped_centred_contacts_and_euler_schemes_agree() {
     for solid in [false, true] {
         for (scheme, law) in [
             (Scheme::Centred, linear(Damping::Restitution(1.0), true)),
@@ -205,7 +205,7 @@ fn assert_all_agree(scene: &Scene, options: &[RunOptions]) {
 }
 
 #[test]
-fn every_search_and_set_of_instructions_on_one_thread_and_two() {
+fn every_search_instruction_set_and_thread_count_agrees() {
     let law = with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), rolling(Damping::B(2.0)), true);
     let mut options = Vec::new();
     for search in SEARCHES {
@@ -225,7 +225,7 @@ fn every_search_and_set_of_instructions_on_one_thread_and_two() {
 
 /// The bed has more grains than one chunk, so several threads share them.
 #[test]
-fn many_grains_on_several_threads() {
+fn many_grains_on_several_threads_agree() {
     let law = with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), rolling(Damping::B(2.0)), false);
     let options = [2, 1, 3].map(|threads| RunOptions { threads, ..RunOptions::of(threads) });
     for (around, scheme) in [(Surroundings::Walls, Scheme::Centred), (Surroundings::Hole, Scheme::Verlet)] {

@@ -252,7 +252,7 @@ fn assert_energy_error_of_the_scheme(run: &Simulation, w0_dt: f64) {
 }
 
 #[test]
-fn grains_under_a_grain_a_hundred_times_larger() {
+fn energy_balance_of_grains_under_a_much_larger_one_closes() {
     let run = through("size-ratio", &[]);
     assert_eq!(run.world().resource::<Ledger>().inside(), 243);
     // Two small grains: the reduced mass is half their mass.
@@ -377,8 +377,8 @@ fn grain_that_crosses_a_wall_in_one_step_is_detected_in_that_step() {
 
 #[test]
 fn deep_overlap_with_a_wall_that_creates_energy_stops_the_run() {
-    // The grain starts a step later half a metre inside a half-plane, so the spring adds k delta^2/2 without a source.
-    // Schemes that can be stable refuse such a step.
+    // After one step the grain is half a metre inside a half-plane, and the spring adds k delta^2/2 without a source.
+    // Schemes that can be stable are refused at this step size.
     let settings = [
         ("walls", "[HalfPlane(point: (0.5, 0.0), normal: (-1.0, 0.0))]"),
         ("contact.k", "1.0e6"),

@@ -131,7 +131,7 @@ fn open_door_panel_does_not_block_a_release() {
 /// A crystal with slices so large that slots are assigned beam by beam. Spheres touch and slide across the sides of the
 /// beams and of the box.
 #[test]
-fn beams_change_no_bit() {
+fn assigning_slots_by_beams_changes_no_bit() {
     const SIDE: u32 = 30;
     let spacing = 0.0795;
     let place = |number: u32| spacing * (0.5 + f64::from(number));

@@ -230,7 +230,7 @@ impl Scene {
         }
     }
 
-    /// Returns all numbers of the laws with names, and those of the materials for Hertz's law.
+    /// Returns all numbers of the laws with names; for Hertz's law also the numbers of the materials.
     pub fn numbers(&mut self) -> Vec<(&'static str, &mut f64)> {
         let is_hertz = self.laws[0].is_hertz();
         let of_laws = self.laws.iter_mut().flat_map(Law::numbers);
