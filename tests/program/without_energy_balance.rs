@@ -19,7 +19,7 @@ use crate::{hash, load, scene, simulation};
 
 const WITHOUT: (&str, &str) = ("energy_books", "false");
 
-/// In this order: spawner and discharge; friction and rolling between moving walls and periodic sides, with Verlet and
+/// In this order: spawner and discharge; friction between moving walls and periodic sides, with Verlet and
 /// with centred contacts; contact history in solid space, with gravity along a periodic side; a bed in solid space.
 const SCENES: [(&str, &[(&str, &str)], u64); 5] = [
     ("silo1.ron", &[("spawner.count", "20"), ("door.opens", "At(2.5)")], 5_000),
