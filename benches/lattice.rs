@@ -1,7 +1,8 @@
 #![allow(missing_docs, reason = "criterion's macros")]
-//! Site updates a second of the lattice gas in its base case, 35,000 sites of the funnel-flow silo, the bed settled for 800
-//! steps: one replica on one thread; two replicas side by side on two; one replica on two threads. The time counts everything
-//! that a user's run does in a step, without series and pictures. Criterion prints elements, site updates, a second.
+//! Site updates per second of the lattice gas in its base case: 35,000 sites of the funnel-flow silo, with a bed that
+//! has settled for 800 steps. Cases: one replica on one thread, two replicas side by side on two threads, one replica
+//! on two threads. The time includes all work of a user's run in a step except series and pictures. Criterion prints
+//! site updates (elements) per second.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -25,12 +26,12 @@ fn settled(seed: &str, threads: usize) -> Simulation {
     simulation
 }
 
-fn go_on(simulation: &mut Simulation) {
+fn run_further(simulation: &mut Simulation) {
     let done = simulation.world().resource::<Clock>().steps;
     simulation.run_steps(done + STEPS);
 }
 
-/// A replica on a thread of its own, where it stays: it steps when it is told to.
+/// A replica on its own thread, which takes its steps on request.
 struct Replica {
     go: Sender<()>,
     done: Receiver<()>,
@@ -38,12 +39,12 @@ struct Replica {
 
 impl Replica {
     fn start(seed: &'static str) -> Self {
-        let ((go, wait), (tell, done)) = (channel(), channel());
+        let ((go, requests), (finished, done)) = (channel(), channel());
         std::thread::spawn(move || {
             let mut simulation = settled(seed, 1);
-            while wait.recv().is_ok() {
-                go_on(&mut simulation);
-                if tell.send(()).is_err() {
+            while requests.recv().is_ok() {
+                run_further(&mut simulation);
+                if finished.send(()).is_err() {
                     break;
                 }
             }
@@ -57,18 +58,18 @@ fn base_case(criterion: &mut Criterion) {
     let sites = one.world().resource::<Sites>().fluid_count() as u64;
     let mut group = criterion.benchmark_group("lattice gas, base case, 35000 sites");
     group.sample_size(40).throughput(Throughput::Elements(sites * STEPS));
-    group.bench_function("one replica", |bencher| bencher.iter(|| go_on(&mut one)));
+    group.bench_function("one replica", |bencher| bencher.iter(|| run_further(&mut one)));
     let mut on_two = settled("1", 2);
-    group.bench_function("one replica on two threads", |bencher| bencher.iter(|| go_on(&mut on_two)));
+    group.bench_function("one replica on two threads", |bencher| bencher.iter(|| run_further(&mut on_two)));
     let replicas = ["1", "2"].map(Replica::start);
     group.throughput(Throughput::Elements(2 * sites * STEPS));
     group.bench_function("two replicas on two threads", |bencher| {
         bencher.iter(|| {
             for replica in &replicas {
-                replica.go.send(()).expect("it waits");
+                replica.go.send(()).expect("the thread runs");
             }
             for replica in &replicas {
-                replica.done.recv().expect("it answers");
+                replica.done.recv().expect("the thread runs");
             }
         });
     });

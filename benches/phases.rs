@@ -1,12 +1,14 @@
 #![allow(missing_docs, reason = "criterion's macros")]
 #![allow(clippy::print_stdout, reason = "a benchmark prints")]
-//! Nanoseconds per particle-step of every phase, measured within whole steps, so that they add up to the whole.
+//! Nanoseconds per particle-step of every phase. Phases are measured within whole steps, so they add up to the whole
+//! step.
 //!
-//! For each bed, first a table of all systems: what each takes, what they take together, and what a whole step takes without
-//! the stopwatch; the rest is what the loop does between steps. Then criterion times every phase. What does not happen in
-//! every step is provoked in each: a list that has to be looked through, slots dealt out because a grain has changed, rows
-//! of tables sorted in step zero; and the outputs, a row and a picture a step. Beds are those of `crystal`: divide by
-//! criterion's elements.
+//! For each bed the program first prints a table of all systems: the time of each, their sum, and the time of a whole
+//! step without the stopwatch. The difference is overhead between steps. Then criterion times every phase.
+//!
+//! Work that does not occur in every step is provoked in each step: checking the neighbour list, renumbering because a
+//! grain has changed, and sorting table rows in step zero. Outputs are a row and a picture per step. The beds are the
+//! ones of `crystal`. Divide by criterion's elements.
 
 mod crystal;
 mod stopwatch;
@@ -25,9 +27,9 @@ use siloflow::scene::outputs::Series;
 use siloflow::store::ParticleStore;
 use stopwatch::{PARTS, Stopwatch};
 
-use self::crystal::{Crystal, R, go_on};
+use self::crystal::{Crystal, R, run_further};
 
-/// One layer of discs, all of which touch the floor.
+/// One layer of discs, which all touch the floor.
 const LAYER: Crystal = Crystal { is_solid: false, grains: 10_000, wide: 10_000, is_mixed: false };
 
 fn group<'a>(criterion: &'a mut Criterion, name: &str, grains: u32) -> BenchmarkGroup<'a, WallTime> {
@@ -41,18 +43,18 @@ fn watch(simulation: &mut Simulation) -> Mut<'_, Stopwatch> {
     simulation.world_mut().resource_mut::<Stopwatch>()
 }
 
-/// Prints what every system takes, ns a grain and step.
+/// Prints the time of every system in ns per grain and step.
 fn table(name: &str, bed: Crystal, simulation: &mut Simulation) {
     let steps = (4_000_000 / bed.grains).max(10);
     let share = |time: Duration| time.as_secs_f64() * 1e9 / f64::from(steps) / f64::from(bed.grains);
     let mut bare = bed.simulation();
     let begin = Instant::now();
-    go_on(&mut bare, u64::from(steps));
+    run_further(&mut bare, u64::from(steps));
     let whole = share(begin.elapsed());
     watch(simulation).reset();
-    go_on(simulation, u64::from(steps));
+    run_further(simulation, u64::from(steps));
     let coordination = totals::of_world(simulation.world()).coordination;
-    println!("\n{name}: {coordination:.2} contacts a grain, {steps} steps; ns a grain and step");
+    println!("\n{name}: {coordination:.2} contacts per grain, {steps} steps; ns per grain and step");
     let watch = watch(simulation);
     for (part, (phase, _)) in PARTS.iter().enumerate() {
         println!("{:>8.3}  {phase}", share(watch.part(part)));
@@ -60,10 +62,10 @@ fn table(name: &str, bed: Crystal, simulation: &mut Simulation) {
             println!("          {:>8.3}  {}", share(spent), entry.name);
         }
     }
-    println!("{:>8.3}  all of them; a whole step without the stopwatch {whole:.3}\n", share(watch.total()));
+    println!("{:>8.3}  all systems; a whole step without the stopwatch {whole:.3}\n", share(watch.total()));
 }
 
-/// What a stopwatch reads after so many steps, each begun by `before`.
+/// Returns the reading of a stopwatch after `steps` steps, with `before` called before each step.
 fn timed(
     simulation: &mut Simulation,
     steps: u64,
@@ -73,7 +75,7 @@ fn timed(
     watch(simulation).reset();
     for _ in 0..steps {
         before(simulation.world_mut());
-        go_on(simulation, 1);
+        run_further(simulation, 1);
     }
     read(&watch(simulation))
 }
@@ -101,29 +103,29 @@ fn phases(criterion: &mut Criterion) {
     }
 }
 
-/// Somebody can have gone so far that all who wait must look.
-fn startle(world: &mut World) {
+/// Increases the travelled distance so that every displacement trigger fires.
+fn fire_displacement_triggers(world: &mut World) {
     world.resource_mut::<ParticleStore>().travel += R;
 }
 
-/// A grain has changed, as if it had just come: slots are dealt out anew, and the list is made anew.
-fn touch(world: &mut World) {
+/// Changes a grain as if it had just entered, which causes renumbering and a new neighbour list.
+fn touch_grain(world: &mut World) {
     let grain = world.resource::<ParticleStore>().entity[0];
     let mass = *world.get::<Mass>(grain).expect("a grain has a mass");
     world.entity_mut(grain).insert(mass);
 }
 
-fn seldom(criterion: &mut Criterion) {
+fn rare_work(criterion: &mut Criterion) {
     let bed = Crystal::of(false, 10_000);
     let mut simulation = bed.simulation();
     stopwatch::put_into(&mut simulation);
-    let mut group = group(criterion, "what is seldom, discs, 10000", bed.grains);
+    let mut group = group(criterion, "rare work, discs, 10000", bed.grains);
     let provoked: [(&str, fn(&mut World), usize); 5] = [
-        ("the list looked through", startle, 2),
-        ("grains near walls looked for", startle, 4),
-        ("paths looked at", startle, 8),
-        ("slots dealt out", touch, 0),
-        ("the list renewed", touch, 2),
+        ("neighbour list checked", fire_displacement_triggers, 2),
+        ("grains near walls searched", fire_displacement_triggers, 4),
+        ("paths checked", fire_displacement_triggers, 8),
+        ("renumbering", touch_grain, 0),
+        ("neighbour list rebuilt", touch_grain, 2),
     ];
     for (name, before, part) in provoked {
         group.bench_function(name, |bencher| {
@@ -157,8 +159,8 @@ fn outputs(criterion: &mut Criterion) {
     ] {
         let loaded = bed.load(&[("pictures", pictures)]);
         let mut simulation = Simulation::with_plugins(&loaded, &Registry::default(), NonZeroUsize::MIN, |app| {
-            if let Some(studio) = FrameRenderer::of(&loaded, directory.path().to_owned()) {
-                app.add_plugins(FramesPlugin::<Plane>(studio, std::marker::PhantomData));
+            if let Some(renderer) = FrameRenderer::of(&loaded, directory.path().to_owned()) {
+                app.add_plugins(FramesPlugin::<Plane>(renderer, std::marker::PhantomData));
             } else {
                 let interval = Series { interval: 1.0e-4.try_into().expect("positive") };
                 app.add_plugins(SeriesPlugin::<Plane>::create(interval, true, &series).expect("a file can be written"));
@@ -177,5 +179,5 @@ fn outputs(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, phases, seldom, outputs);
+criterion_group!(benches, phases, rare_work, outputs);
 criterion_main!(benches);

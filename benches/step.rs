@@ -1,10 +1,12 @@
 #![allow(clippy::print_stdout, reason = "a benchmark prints")]
-//! Nanoseconds per particle-step: whole steps of beds of a thousand to a million grains, and what the neighbour list costs.
+//! Nanoseconds per particle-step: whole steps of beds of a thousand to a million grains, and the cost of the neighbour
+//! list.
 //!
-//! Beds are those of `crystal`, with twice and more the contacts of a settled bed: the coordination number is printed beside,
-//! and a settled bed is timed side by side with LAMMPS by docs/speed/side-by-side.py. The planar silo is `scenes/silo1.ron` with 500 grains at rest, for each search.
-//! Everything that a user's run does in a step is in it, but series and pictures. Divide the time by the throughput's
-//! elements: criterion prints elements (particle-steps) a second.
+//! The beds are the ones of `crystal`, with at least twice the contacts of a settled bed. The coordination number is
+//! printed with each result. docs/speed/side-by-side.py times a settled bed side by side with LAMMPS. The planar silo
+//! is `scenes/silo1.ron` with 500 grains at rest, once for each neighbour search. The time includes all work of a
+//! user's run in a step except series and pictures. Criterion prints elements (particle-steps) per second; divide the
+//! time by the number of elements.
 
 mod crystal;
 
@@ -18,9 +20,9 @@ use siloflow::prelude::*;
 use siloflow::store::ParticleStore;
 use siloflow::threads::Threads;
 
-use self::crystal::{Crystal, R, go_on};
+use self::crystal::{Crystal, R, run_further};
 
-/// 500 grains at rest in the silo, its door closed.
+/// Returns the silo with 500 grains at rest and its door closed.
 fn silo(neighbours: &str) -> Simulation {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/silo1.ron");
     let settings = [
@@ -40,14 +42,14 @@ fn silo(neighbours: &str) -> Simulation {
     simulation
 }
 
-/// Times `steps` steps a time.
+/// Times runs of `steps` steps.
 fn measure(criterion: &mut Criterion, group: &str, name: &str, steps: u64, mut simulation: Simulation) {
     let totals = totals::of_world(simulation.world_mut());
-    println!("{group}/{name}: {} grains, {:.2} contacts a grain", totals.grains, totals.coordination);
+    println!("{group}/{name}: {} grains, {:.2} contacts per grain", totals.grains, totals.coordination);
     let mut group = criterion.benchmark_group(group);
     group.throughput(Throughput::Elements(totals.grains as u64 * steps)).sample_size(10);
     group.bench_function(name, |bencher| {
-        bencher.iter(|| go_on(&mut simulation, steps));
+        bencher.iter(|| run_further(&mut simulation, steps));
     });
     group.finish();
 }
@@ -64,7 +66,7 @@ fn whole_steps(criterion: &mut Criterion) {
     }
 }
 
-/// Making the list, for a bed of 10,000 grains.
+/// Times the construction of the neighbour list of a bed of 10,000 grains.
 fn neighbour_lists(criterion: &mut Criterion) {
     let simulation = Crystal::of(false, 10_000).simulation();
     let store = simulation.world().resource::<ParticleStore>();

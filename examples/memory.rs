@@ -1,14 +1,16 @@
-//! How fast this machine's memory is: bandwidth of one core by the size of what is read, and the wait of a chain of reads.
+//! Measures the memory speed of this machine: bandwidth of one core as a function of array size, and latency of
+//! dependent reads.
 //!
-//! `cargo run --release --example memory`; docs/explanation/speed.md sets the figures beside what a step moves.
+//! `cargo run --release --example memory`. docs/explanation/speed.md compares the results with the memory traffic of a step.
 
 #![allow(clippy::print_stdout, reason = "a program that prints")]
-#![allow(clippy::cast_precision_loss, reason = "figures for people")]
+#![allow(clippy::cast_precision_loss, reason = "printed results")]
 
 use std::hint::black_box;
 use std::time::Instant;
 
-/// GB/s of reading an array of `doubles` numbers, and of adding another one to it (24 B each), over a GiB or so.
+/// Returns GB/s of reading an array of `doubles` numbers, and of adding another array to it (24 B each), over about a
+/// GiB.
 fn bandwidth(doubles: usize) -> [f64; 2] {
     let (mut a, b) = (vec![1.0f64; doubles], vec![2.0f64; doubles]);
     let rounds = (1 << 27) / doubles;
@@ -33,8 +35,9 @@ fn bandwidth(doubles: usize) -> [f64; 2] {
     [read, rate(24, start)]
 }
 
-/// ns a read, each telling where the next one is, all over `lines` lines of 64 B in no order.
-fn wait(lines: usize) -> f64 {
+/// Returns the latency of a read, ns: each read gives the place of the next one, over `lines` lines of 64 B in random
+/// order.
+fn latency(lines: usize) -> f64 {
     let (mut order, mut state): (Vec<usize>, _) = ((0..lines).collect(), 12_345u64);
     for i in (1..lines).rev() {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
@@ -54,9 +57,9 @@ fn wait(lines: usize) -> f64 {
 }
 
 fn main() {
-    println!("{:>9}  {:>12}  {:>12}  {:>14}", "kB", "read, GB/s", "a += b, GB/s", "wait, ns a read");
+    println!("{:>9}  {:>12}  {:>12}  {:>14}", "kB", "read, GB/s", "a += b, GB/s", "latency, ns");
     for kilobytes in [64, 256, 700, 1400, 4000, 8000, 24_000, 130_000] {
         let [read, add] = bandwidth(kilobytes * 1024 / 8);
-        println!("{kilobytes:>9}  {read:>12.1}  {add:>12.1}  {:>14.1}", wait(kilobytes * 1024 / 64));
+        println!("{kilobytes:>9}  {read:>12.1}  {add:>12.1}  {:>14.1}", latency(kilobytes * 1024 / 64));
     }
 }

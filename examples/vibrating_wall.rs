@@ -1,7 +1,7 @@
-//! A behaviour of one's own, in one file: the silo's wall vibrates sideways.
+//! A behaviour in one file: the wall of a silo vibrates sideways.
 //!
-//! x(t) = x_0 + A sin(2 pi f t) for every wall grain, with A in m and f in Hz. The wall's velocity is set too, so that
-//! drag sees it and its work is booked. Run it with
+//! x(t) = x_0 + A sin(2 pi f t) for every wall grain, with A in m and f in Hz. The velocity of the wall is set too, so
+//! that damping uses it and its work is counted. Run it with
 //!
 //! ```text
 //! cargo run --release --example vibrating_wall -- run examples/vibrating_wall.ron
@@ -23,14 +23,14 @@ pub struct VibratingWall {
     frequency: f64,
 }
 
-/// Where a wall grain is when the wall does not vibrate, m.
+/// Position of a wall grain without vibration, m.
 #[derive(Component)]
 struct Home(Vector);
 
 #[derive(Resource)]
 struct Vibration(VibratingWall);
 
-/// Wall grains; `With<Fixed>` keeps this apart from the grains that the integrator moves in the same phase.
+/// Filter for wall grains. `With<Fixed>` makes the query disjoint from queries of grains that move in this phase.
 type WallGrain = With<Fixed>;
 
 fn remember_home(mut commands: Commands, new: Query<(Entity, &Position), (WallGrain, Without<Home>)>) {
@@ -67,8 +67,8 @@ impl Behaviour for VibratingWall {
     }
 }
 
-/// The program `siloflow`, with this behaviour.
-#[allow(dead_code, reason = "the test suite takes this file in as a module")]
+/// Runs the program `siloflow` with this behaviour.
+#[allow(dead_code, reason = "the test suite includes this file as a module")]
 fn main() -> ExitCode {
     siloflow::cli::main_with(Registry::default().register::<VibratingWall>("vibrating_wall"))
 }

@@ -1,7 +1,8 @@
-//! Crystals under weight, made at once: what benchmarks run on.
+//! Crystals under their own weight, created directly: the beds that the benchmarks step.
 //!
-//! Discs on a hexagonal lattice, frictionless; spheres on a face-centred one, with friction and its memory; neighbours
-//! overlap by a thousandth of a diameter. They have 6 and 12 contacts a grain, twice and more what a settled bed has.
+//! Discs are on a hexagonal lattice, without friction. Spheres are on a face-centred cubic lattice, with friction and
+//! contact history. Neighbours overlap by a thousandth of a diameter. The beds have 6 and 12 contacts per grain, at
+//! least twice the number in a settled bed.
 
 use std::fmt::Write as _;
 use std::num::NonZeroUsize;
@@ -13,35 +14,35 @@ pub const R: f64 = 0.04;
 /// Distance of neighbours, m.
 const PITCH: f64 = 2.0 * R * 0.999;
 
-/// A crystal in a periodic box that fits, on a floor.
+/// A crystal on a floor, in a periodic box of matching width.
 #[derive(Clone, Copy, Debug)]
 pub struct Crystal {
     /// Spheres with friction, or discs without.
     pub is_solid: bool,
-    /// About how many.
+    /// Approximate number of grains.
     pub grains: u32,
-    /// How many of them lie on the floor side by side; of spheres, the root of that.
+    /// Number of grains side by side on the floor; for spheres along each of x and y.
     pub wide: u32,
-    /// Whether grains come in no order, or row by row.
+    /// Whether the grains are in scrambled order instead of row by row.
     pub is_mixed: bool,
 }
 
 impl Crystal {
-    /// As high as it is wide.
+    /// Returns a crystal as high as it is wide.
     pub fn of(is_solid: bool, grains: u32) -> Self {
         let power = if is_solid { 3 } else { 2 };
         let wide = (1u32..10_000).find(|side| side.pow(power) >= grains).expect("there is such a side");
         Self { is_solid, grains, wide, is_mixed: false }
     }
 
-    /// Rows of a grains file.
+    /// Returns the rows of the grains file.
     fn rows(self) -> String {
         let half = PITCH * 0.5;
         let deep = if self.is_solid { self.wide } else { 1 };
         let layers = self.grains.div_ceil(self.wide * deep);
         let mut places = Vec::new();
         for layer in 0..layers {
-            // Spheres: square layers, each in the hollows of the one below.
+            // Spheres: square layers, each in the hollows of the layer below.
             let shift = f64::from(layer % 2) * half;
             let up = R + f64::from(layer) * PITCH * if self.is_solid { 0.5f64.sqrt() } else { 0.75f64.sqrt() };
             for row in 0..deep {
@@ -54,7 +55,7 @@ impl Crystal {
         }
         let mut rows = String::from("id,radius,mass,x,y,vx,vy,z,vz\n");
         for id in 0..places.len() {
-            // A prime that divides no number of places here: every place has its turn.
+            // A prime that divides none of the numbers of places used here, so each place occurs once.
             let place = if self.is_mixed { id * 7919 % places.len() } else { id };
             let (x, y, z) = places[place];
             writeln!(rows, "{id},{R},0.16,{x},{y},0,0,{z},0").expect("a string can be written to");
@@ -62,7 +63,7 @@ impl Crystal {
         rows
     }
 
-    /// Its scene, with `settings` (key, value) applied.
+    /// Loads the scene of the crystal, with `settings` (key, value) applied.
     pub fn load(self, settings: &[(&str, &str)]) -> Loaded {
         let width = f64::from(self.wide) * PITCH;
         let scene = if self.is_solid {
@@ -89,13 +90,13 @@ impl Crystal {
         load::load(&path, &settings).expect("the scene is valid")
     }
 
-    /// Its simulation, before its first step.
+    /// Returns the simulation before its first step.
     pub fn fresh(self) -> Simulation {
         Simulation::new(&self.load(&[]), &Registry::default(), NonZeroUsize::MIN)
             .expect("the scene needs no behaviours")
     }
 
-    /// Its simulation, after a few steps.
+    /// Returns the simulation after a few steps.
     pub fn simulation(self) -> Simulation {
         let mut simulation = self.fresh();
         simulation.run_steps(5);
@@ -103,8 +104,8 @@ impl Crystal {
     }
 }
 
-/// So many steps more.
-pub fn go_on(simulation: &mut Simulation, steps: u64) {
+/// Runs `steps` further steps.
+pub fn run_further(simulation: &mut Simulation, steps: u64) {
     let done = simulation.world().resource::<Clock>().steps;
     simulation.run_steps(done + steps);
 }

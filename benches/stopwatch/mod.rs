@@ -1,7 +1,8 @@
-//! A stopwatch for the systems of a step: which of them takes how long, within whole steps of a running simulation.
+//! A stopwatch for the systems of a step: measures the time of each system within whole steps of a running simulation.
 //!
-//! A small system that reads the clock is put behind every system of the schedule [`Step`], in the order in which they run
-//! anyhow; what a system's run conditions cost counts as its own. A reading costs some 50 ns, a step has about thirty.
+//! Behind every system of the schedule [`Step`] it inserts a small system that reads the clock, in the existing order
+//! of execution. The cost of run conditions counts for their system. A reading costs about 50 ns, and a step has about
+//! thirty.
 
 use std::time::{Duration, Instant};
 
@@ -10,7 +11,7 @@ use bevy_ecs::schedule::SystemKey;
 use siloflow::prelude::*;
 use siloflow::step;
 
-/// The parts of a step that are told apart.
+/// Parts of a step that are distinguished.
 pub const PARTS: [(&str, Part); 10] = [
     ("grains enter, slots", Part::Phase(Phase::Spawn)),
     ("drift", Part::Phase(Phase::Drift)),
@@ -18,7 +19,7 @@ pub const PARTS: [(&str, Part); 10] = [
     ("contacts", Part::Stage(ForceStage::Contacts)),
     ("components of forces", Part::Sync(Phase::Forces)),
     ("kick", Part::Phase(Phase::Kick)),
-    ("energy books, finite values", Part::Phase(Phase::Control)),
+    ("energy balance, finite values", Part::Phase(Phase::Control)),
     ("paths, culling, ledger, end, watchdog", Part::Phase(Phase::Cull)),
     ("outputs", Part::Phase(Phase::Observe)),
     ("forces added", Part::Stage(ForceStage::Added)),
@@ -27,7 +28,7 @@ pub const PARTS: [(&str, Part); 10] = [
 /// A phase or one stage of the forces.
 #[derive(Clone, Copy, Debug)]
 pub enum Part {
-    /// A phase with all that belongs to it.
+    /// A phase with all its systems.
     Phase(Phase),
     /// The copying of components before and after a phase.
     Sync(Phase),
@@ -42,12 +43,12 @@ pub struct Entry {
     pub part: Option<usize>,
 }
 
-/// The readings.
+/// Accumulated times of all systems.
 #[derive(Resource)]
 pub struct Stopwatch {
-    /// In the order in which they run.
+    /// Systems in their order of execution.
     pub systems: Vec<Entry>,
-    /// Of each, since the last call of [`reset`](Self::reset).
+    /// Time of each system since the last call of [`reset`](Self::reset).
     pub spent: Vec<Duration>,
     last: Instant,
 }
@@ -58,17 +59,17 @@ impl Stopwatch {
         self.spent[system] += now - std::mem::replace(&mut self.last, now);
     }
 
-    /// Begins anew.
+    /// Sets all times to zero.
     pub fn reset(&mut self) {
         self.spent.fill(Duration::ZERO);
     }
 
-    /// Time in all systems.
+    /// Returns the time in all systems.
     pub fn total(&self) -> Duration {
         self.spent.iter().sum()
     }
 
-    /// Time in a part, by its number in [`PARTS`].
+    /// Returns the time in a part, given by its number in [`PARTS`].
     pub fn part(&self, part: usize) -> Duration {
         self.systems
             .iter()
@@ -78,7 +79,7 @@ impl Stopwatch {
             .sum()
     }
 
-    /// Time in systems of this name.
+    /// Returns the time in systems with this name.
     pub fn system(&self, name: &str) -> Duration {
         self.systems.iter().zip(&self.spent).filter(|(entry, _)| entry.name == name).map(|(_, &spent)| spent).sum()
     }
@@ -88,7 +89,7 @@ fn start(mut watch: ResMut<Stopwatch>) {
     watch.last = Instant::now();
 }
 
-/// Puts a stopwatch into a simulation.
+/// Inserts a stopwatch into a simulation.
 pub fn put_into(simulation: &mut Simulation) {
     simulation.world_mut().schedule_scope(Step, |world, schedule| {
         let part = |key: SystemKey| {
@@ -109,7 +110,7 @@ pub fn put_into(simulation: &mut Simulation) {
             })
         };
         let systems = schedule.systems().expect("the schedule has been initialised");
-        // Points where commands are applied are the ECS's own, and count with the system after them.
+        // The ECS inserts systems that apply commands. Their time counts for the next system.
         let named = systems.filter(|(_, system)| !system.name().to_string().contains("apply_deferred"));
         let (entries, sets): (Vec<_>, Vec<_>) = named
             .map(|(key, system)| {

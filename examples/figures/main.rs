@@ -1,8 +1,8 @@
-//! Draws the figures of the documentation, from runs made here and now, or from a table (`scaling`):
+//! Draws the figures of the documentation, from new runs or from a table (`scaling`):
 //!
 //! ```text
 //! cargo run --release --example figures              # writes docs/figures/{free-fall,step-error,scaling}.{svg,png}
-//! cargo run --release --example figures -- scaling   # one of them
+//! cargo run --release --example figures -- scaling   # this figure only
 //! ```
 
 mod scaling;
@@ -47,7 +47,7 @@ fn positions(simulation: &mut Simulation) -> Vec<(Vector, Vector)> {
     rows.into_iter().map(|(_, x, v)| (x, v)).collect()
 }
 
-/// The path of a thrown grain for 1 s.
+/// Returns the path of a thrown grain during 1 s.
 fn path(integrator: &str, steps: u32) -> Vec<(f64, f64)> {
     let keys = format!(
         "gravity: (0.0, -{G}), contact: Linear(k: 1.0, damping: B(0.0)), integrator: {integrator}, step: Fixed({:?}), until: 2.0",
@@ -97,16 +97,16 @@ fn free_fall() -> String {
     let y = Axis { label: "y, m", from: -3.5, to: 2.0, is_log: false, ticks: vec![-3.0, -2.0, -1.0, 0.0, 1.0] };
     let dt = Axis { label: "time step, s", from: 2e-4, to: 0.2, is_log: true, ticks: vec![1e-3, 1e-2, 1e-1] };
     let error = Axis {
-        label: "error of the place at t = 1 s, m",
+        label: "position error at t = 1 s, m",
         from: 1e-16,
         to: 1e4,
         is_log: true,
         ticks: vec![1e-15, 1e-12, 1e-9, 1e-6, 1e-3, 1.0],
     };
-    figure(&[("A grain thrown at 3 and 2 m/s", x, y, paths), ("The same, against the time step", dt, error, second)])
+    figure(&[("A grain thrown at 3 and 2 m/s", x, y, paths), ("Error against the time step", dt, error, second)])
 }
 
-/// Rms error of the restitution of a bounce over 40 phases, with `n` steps a contact.
+/// Returns the rms error of the restitution of a bounce over 40 phases, with `n` steps per contact.
 fn bounce_error(e: f64, n: f64) -> f64 {
     const PHASES: u32 = 40;
     let (k, m) = (1.0e5, 0.08f64);
@@ -139,7 +139,7 @@ fn step_error() -> String {
         Curve { name: format!("e = {e}: order {order:.2}"), colour, points, has_line: true, has_dots: true }
     });
     let x = Axis {
-        label: "cost: steps a contact, t_c/dt",
+        label: "cost: steps per contact, t_c/dt",
         from: 4.0,
         to: 1500.0,
         is_log: true,

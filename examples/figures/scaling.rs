@@ -1,4 +1,4 @@
-//! Time and memory against size, from the table that docs/speed/scaling.py writes.
+//! Draws time and memory against size, from the table that docs/speed/scaling.py writes.
 
 use std::error::Error;
 use std::path::Path;
@@ -8,7 +8,7 @@ use siloflow::writers::plot::{Axis, Curve, Panel, colour, sheet};
 /// Size, ns, bytes.
 type Row = (f64, f64, f64);
 
-/// The size to which the others are compared, and by how much more may be taken: time, memory.
+/// The size to which larger ones are compared, and the allowed factors of time and memory.
 const BASE: f64 = 1e5;
 const BOUNDS: (f64, f64) = (2.5, 1.2);
 
@@ -28,14 +28,14 @@ fn rows(table: &str, method: &str) -> Result<Vec<Row>, Box<dyn Error>> {
     Ok(rows)
 }
 
-/// The dots of one method, and from the base on what they may take, `bound` times what the base takes.
+/// Returns the dots of one method, and a line from the base on at `bound` times the value of the base.
 fn curves(name: &str, number: usize, points: Vec<(f64, f64)>, bound: f64) -> Vec<Curve> {
     let colour = colour(number);
     let largest = points.iter().map(|point| point.0).fold(BASE, f64::max);
-    // Beds have not exactly as many grains as they are called after.
+    // The actual number of grains of a bed differs slightly from its nominal number.
     let base = points.iter().find(|point| (point.0 / BASE - 1.0).abs() < 0.1).map(|point| bound * point.1);
     let line = base.map(|limit| Curve {
-        name: format!("{bound} times that of 1e5"),
+        name: format!("{bound} times the value at 1e5"),
         colour,
         points: vec![(BASE, limit), (largest, limit)],
         has_line: true,
@@ -45,7 +45,7 @@ fn curves(name: &str, number: usize, points: Vec<(f64, f64)>, bound: f64) -> Vec
     std::iter::once(dots).chain(line).collect()
 }
 
-/// The figure.
+/// Draws the figure.
 pub fn figure() -> Result<String, Box<dyn Error>> {
     let table = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/speed/scaling.csv"))?;
     let (grains, sites) = (rows(&table, "grains")?, rows(&table, "lattice")?);
@@ -55,7 +55,7 @@ pub fn figure() -> Result<String, Box<dyn Error>> {
         all.extend(curves("sites of the lattice gas", 2, points(&sites), bound));
         let within = |axis: fn(&(f64, f64)) -> f64| all.iter().flat_map(move |curve| curve.points.iter().map(axis));
         let mut y = Axis::logarithmic(label, within(|point| point.1));
-        // Room for the names of the curves below.
+        // Space for the names of the curves at the bottom.
         y.from /= 10.0;
         Panel {
             title,
@@ -65,7 +65,7 @@ pub fn figure() -> Result<String, Box<dyn Error>> {
             rings: Vec::new(),
         }
     };
-    let time = panel("One core: time of a step", "ns a particle-step, a site-step", |row| row.1, BOUNDS.0);
-    let memory = panel("Largest memory of the run", "bytes a grain, a site", |row| row.2, BOUNDS.1);
+    let time = panel("One core: time of a step", "ns per particle-step or site-step", |row| row.1, BOUNDS.0);
+    let memory = panel("Largest memory of the run", "bytes per grain or site", |row| row.2, BOUNDS.1);
     Ok(sheet(&[time, memory], 2))
 }

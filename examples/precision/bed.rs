@@ -1,4 +1,5 @@
-//! A dense bed at rest, 43 columns by 12 rows between periodic sides, radii spread by 1 %, pressed sideways by 0.07 %.
+//! A dense bed at rest: 43 columns by 12 rows between periodic sides, radii spread by 1 %, compressed sideways by 0.07
+//! %.
 
 use crate::discs::{Disc, Discs, GRAVITY, MASS, RADIUS, STIFFNESS, Scheme, Setting, damping};
 use crate::gas::uniform;
@@ -7,28 +8,28 @@ use crate::table::{Measure, OFFSETS, rms, row};
 
 const COLUMNS: u32 = 43;
 const ROWS: u32 = 12;
-/// Length of a period, m: 43 diameters less 0.07 %, a whole number of 1/64 m.
+/// Length of a period, m: 43 diameters less 0.07 %, a multiple of 1/64 m.
 const SIDE: f64 = 3.4375;
-/// Time to settle, and then to be watched, s.
+/// Time to settle, and time of observation after that, s.
 const SETTLING: f64 = 12.0;
-const WATCHED: f64 = 5.0;
+const OBSERVED: f64 = 5.0;
 
 #[derive(Clone, Copy)]
-enum Asked {
-    /// Rms error of the elastic pair forces over their mean, the places being those at rest in f64.
+enum Quantity {
+    /// Rms error of the elastic pair forces over their mean, at the rest positions of f64.
     Force,
-    /// Rms acceleration at rest over g: zero if forces and places were exact.
+    /// Rms acceleration at rest over g: zero for exact forces and positions.
     Balance,
-    /// After 5 s more: rms speed, m/s.
+    /// Rms speed after 5 s more, m/s.
     Speed,
-    /// ... and rms distance from the places at rest over the mean overlap.
-    Creep,
+    /// Rms distance from the rest positions after 5 s more, over the mean overlap.
+    Drift,
 }
 
 struct Bed<'a> {
     settled: &'a [Disc],
     offset: f64,
-    asked: Asked,
+    quantity: Quantity,
 }
 
 fn setting(offset: f64) -> Setting {
@@ -49,7 +50,7 @@ fn steps(time: f64) -> u64 {
     (time / setting(0.0).dt).ceil() as u64
 }
 
-/// The bed at rest, by f64 at the origin.
+/// Returns the bed at rest, computed with f64 at the origin.
 fn settled() -> Vec<Disc> {
     let pitch = SIDE / f64::from(COLUMNS);
     let disc = |i: u32| {
@@ -71,7 +72,7 @@ impl Bed<'_> {
         Discs::new(setting(offset), &self.settled.iter().map(moved).collect::<Vec<_>>())
     }
 
-    /// Mean elastic force, N.
+    /// Returns the mean elastic force, N.
     fn mean_force(&self) -> f64 {
         let forces = self.set::<Double>(0.0).forces();
         forces.iter().map(|pair| pair.1).sum::<f64>() / f64::from(u32::try_from(forces.len()).unwrap_or(1))
@@ -81,19 +82,19 @@ impl Bed<'_> {
 impl Measure for Bed<'_> {
     fn of<N: Numbers>(&self) -> (f64, Option<f64>) {
         let mut bed = self.set::<N>(self.offset);
-        let figure = match self.asked {
-            Asked::Force => {
+        let figure = match self.quantity {
+            Quantity::Force => {
                 let (exact, here) = (self.set::<Double>(0.0).forces(), bed.forces());
                 let force = |pair| here.iter().find(|other| other.0 == pair).map_or(0.0, |other| other.1);
                 rms(exact.iter().map(|&(pair, exact)| force(pair) - exact)) / self.mean_force()
             }
-            Asked::Balance => rms(bed.accelerations().concat()) / GRAVITY,
-            Asked::Speed => {
-                bed.run(steps(WATCHED));
+            Quantity::Balance => rms(bed.accelerations().concat()) / GRAVITY,
+            Quantity::Speed => {
+                bed.run(steps(OBSERVED));
                 rms(bed.discs().iter().flat_map(|disc| disc.v))
             }
-            Asked::Creep => {
-                bed.run(steps(WATCHED));
+            Quantity::Drift => {
+                bed.run(steps(OBSERVED));
                 let distance = |(now, then): (&Disc, &Disc)| {
                     let x = now.x[0] - self.offset - then.x[0];
                     [x - SIDE * (x / SIDE).round(), now.x[1] - self.offset - then.x[1]]
@@ -105,21 +106,21 @@ impl Measure for Bed<'_> {
     }
 }
 
-pub fn rows(say: &mut impl FnMut(String)) {
+pub fn rows(print_line: &mut impl FnMut(String)) {
     let settled = settled();
-    let bed = |offset, asked| Bed { settled: &settled, offset, asked };
-    let contacts = bed(0.0, Asked::Force).set::<Double>(0.0).forces().len();
-    let mean = bed(0.0, Asked::Force).mean_force();
-    say(format!(
+    let bed = |offset, quantity| Bed { settled: &settled, offset, quantity };
+    let contacts = bed(0.0, Quantity::Force).set::<Double>(0.0).forces().len();
+    let mean = bed(0.0, Quantity::Force).mean_force();
+    print_line(format!(
         "(the bed: {} grains, {contacts} contacts, mean force {mean:.2} N or {:.1} m g, mean overlap {:.1e} R)",
         settled.len(),
         mean / (MASS * GRAVITY),
         mean / STIFFNESS / RADIUS
     ));
     for offset in OFFSETS {
-        say(row("bed: pair force", offset, None, &bed(offset, Asked::Force)));
-        say(row("bed: acceleration left, g", offset, None, &bed(offset, Asked::Balance)));
-        say(row("bed after 5 s: speed, m/s", offset, None, &bed(offset, Asked::Speed)));
-        say(row("bed after 5 s: moved, mean overlaps", offset, None, &bed(offset, Asked::Creep)));
+        print_line(row("bed: pair force", offset, None, &bed(offset, Quantity::Force)));
+        print_line(row("bed: acceleration left, g", offset, None, &bed(offset, Quantity::Balance)));
+        print_line(row("bed after 5 s: speed, m/s", offset, None, &bed(offset, Quantity::Speed)));
+        print_line(row("bed after 5 s: moved, mean overlaps", offset, None, &bed(offset, Quantity::Drift)));
     }
 }

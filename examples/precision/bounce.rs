@@ -1,4 +1,4 @@
-//! Two grains that meet head-on at 1 m/s: how far the restitution is off.
+//! Head-on collision of two grains at 1 m/s: the error of the restitution.
 
 use crate::discs::{Disc, Discs, RADIUS, Scheme, Setting, damping};
 use crate::numbers::{Double, Numbers};
@@ -15,7 +15,7 @@ struct Bounce {
 }
 
 impl Bounce {
-    /// Restitution for each phase of a step at which the contact begins.
+    /// Returns the restitution for each phase of a step at which the contact begins.
     fn all<N: Numbers>(&self) -> Vec<f64> {
         (0..PHASES).map(|phase| self.one::<N>((f64::from(phase) + 0.5) / f64::from(PHASES))).collect()
     }
@@ -32,7 +32,7 @@ impl Bounce {
             scheme: self.scheme,
             dt,
         };
-        // Closed within the second step, at 1 m/s.
+        // The gap closes within the second step, at 1 m/s.
         let apart = RADIUS + 0.5 * dt * (1.0 + phase);
         let disc =
             |side: f64| Disc { x: [self.offset + side * apart, self.offset], v: [-0.5 * side, 0.0], radius: RADIUS };
@@ -43,21 +43,21 @@ impl Bounce {
         after[1].v[0] - after[0].v[0]
     }
 
-    /// Rms error against the closed form.
+    /// Returns the rms error against the closed form.
     fn error(&self) -> f64 {
         rms(self.all::<Double>().into_iter().map(|restitution| restitution - self.e))
     }
 }
 
 impl Measure for Bounce {
-    /// Rms difference from f64 at the origin, phase by phase.
+    /// Returns the rms difference from f64 at the origin, phase by phase.
     fn of<N: Numbers>(&self) -> (f64, Option<f64>) {
         let origin = Bounce { offset: 0.0, ..*self };
         (rms(self.all::<N>().into_iter().zip(origin.all::<Double>()).map(|(here, there)| here - there)), None)
     }
 }
 
-pub fn rows(say: &mut impl FnMut(String)) {
+pub fn rows(print_line: &mut impl FnMut(String)) {
     for e in [0.9, 0.5, 0.2] {
         for n in [20.0, 50.0, 100.0, 200.0, 500.0, 1000.0] {
             let steps = n + std::f64::consts::PI / 8.0;
@@ -66,7 +66,7 @@ pub fn rows(say: &mut impl FnMut(String)) {
             let (of_plain, of_averaged) = (plain.error(), averaged.error());
             for offset in OFFSETS {
                 let case = format!("bounce, e = {e}, t_c/{n} (plain: {of_plain:.1e})");
-                say(row(&case, offset, Some(of_averaged), &Bounce { offset, ..averaged }));
+                print_line(row(&case, offset, Some(of_averaged), &Bounce { offset, ..averaged }));
             }
         }
     }

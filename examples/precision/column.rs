@@ -1,17 +1,17 @@
-//! Ten grains stacked on a floor that settle under their weight, from where they just touch.
+//! Ten grains stacked on a floor settle under their weight. At the start they just touch.
 
 use crate::discs::{Disc, Discs, GRAVITY, MASS, RADIUS, STIFFNESS, Scheme, Setting, damping};
 use crate::numbers::{Double, Numbers};
 use crate::table::{Measure, OFFSETS, rms, row};
 
 const GRAINS: u32 = 10;
-/// While it still swings (the slowest mode has a period of 0.05 s), and long after, s.
-const SWINGING: f64 = 0.1;
+/// A time while the column still oscillates (the slowest mode has a period of 0.05 s), and a time long after, s.
+const OSCILLATING: f64 = 0.1;
 const SETTLED: f64 = 15.0;
 
 #[derive(Clone, Copy)]
-enum Asked {
-    /// Rms distance from where f64 has the grains while they swing, over the lowest overlap.
+enum Quantity {
+    /// Rms distance from the positions in f64 while the grains oscillate, over the lowest overlap.
     Path,
     /// Rms error of the overlaps at rest, each over its exact value: the weight above over k.
     Overlap,
@@ -20,10 +20,10 @@ enum Asked {
 }
 
 struct Column {
-    /// t_c/dt, at least.
+    /// Smallest t_c/dt.
     steps: f64,
     offset: f64,
-    asked: Asked,
+    quantity: Quantity,
 }
 
 impl Column {
@@ -50,31 +50,31 @@ impl Column {
         column.discs()
     }
 
-    /// Heights above the floor, m.
+    /// Returns the heights above the floor, m.
     fn heights<N: Numbers>(&self, time: f64) -> Vec<f64> {
         self.after::<N>(time).iter().map(|disc| disc.x[1] - self.offset).collect()
     }
 
-    /// Rms distance between two columns over the lowest overlap at rest.
+    /// Returns the rms distance between two columns over the lowest overlap at rest.
     fn distance(a: &[f64], b: &[f64]) -> f64 {
         rms(a.iter().zip(b).map(|(a, b)| a - b)) / (f64::from(GRAINS) * MASS * GRAVITY / STIFFNESS)
     }
 
-    /// What the time step makes of the path.
-    fn of_the_step(&self) -> f64 {
+    /// Returns the error of the path due to the time step.
+    fn time_step_error(&self) -> f64 {
         let fine = Column { steps: 3000.0, ..*self };
-        Self::distance(&self.heights::<Double>(SWINGING), &fine.heights::<Double>(SWINGING))
+        Self::distance(&self.heights::<Double>(OSCILLATING), &fine.heights::<Double>(OSCILLATING))
     }
 }
 
 impl Measure for Column {
     fn of<N: Numbers>(&self) -> (f64, Option<f64>) {
-        let figure = match self.asked {
-            Asked::Path => {
+        let figure = match self.quantity {
+            Quantity::Path => {
                 let origin = Column { offset: 0.0, ..*self };
-                Self::distance(&self.heights::<N>(SWINGING), &origin.heights::<Double>(SWINGING))
+                Self::distance(&self.heights::<N>(OSCILLATING), &origin.heights::<Double>(OSCILLATING))
             }
-            Asked::Overlap => {
+            Quantity::Overlap => {
                 let heights = self.heights::<N>(SETTLED);
                 let below = std::iter::once(-RADIUS).chain(heights.iter().copied());
                 rms(heights.iter().zip(below).zip(0..GRAINS).map(|((above, below), i)| {
@@ -82,20 +82,30 @@ impl Measure for Column {
                     (2.0 * RADIUS - (above - below)) / exact - 1.0
                 }))
             }
-            Asked::Speed => rms(self.after::<N>(SETTLED).iter().map(|disc| disc.v[1])),
+            Quantity::Speed => rms(self.after::<N>(SETTLED).iter().map(|disc| disc.v[1])),
         };
         (figure, None)
     }
 }
 
-pub fn rows(say: &mut impl FnMut(String)) {
+pub fn rows(print_line: &mut impl FnMut(String)) {
     for steps in [20.0, 100.0] {
-        let of_the_step = Column { steps, offset: 0.0, asked: Asked::Path }.of_the_step();
+        let time_step_error = Column { steps, offset: 0.0, quantity: Quantity::Path }.time_step_error();
         for offset in OFFSETS {
-            let column = |asked| Column { steps, offset, asked };
-            say(row(&format!("column, t_c/{steps}: path"), offset, Some(of_the_step), &column(Asked::Path)));
-            say(row(&format!("column, t_c/{steps}: overlaps at rest"), offset, None, &column(Asked::Overlap)));
-            say(row(&format!("column, t_c/{steps}: speed left, m/s"), offset, None, &column(Asked::Speed)));
+            let column = |quantity| Column { steps, offset, quantity };
+            print_line(row(
+                &format!("column, t_c/{steps}: path"),
+                offset,
+                Some(time_step_error),
+                &column(Quantity::Path),
+            ));
+            print_line(row(
+                &format!("column, t_c/{steps}: overlaps at rest"),
+                offset,
+                None,
+                &column(Quantity::Overlap),
+            ));
+            print_line(row(&format!("column, t_c/{steps}: speed left, m/s"), offset, None, &column(Quantity::Speed)));
         }
     }
 }

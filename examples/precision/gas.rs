@@ -1,11 +1,11 @@
-//! An undamped gas of 400 discs in a periodic box: the energy that 1e5 steps make or lose.
+//! An undamped gas of 400 discs in a periodic box: the change of energy in 1e5 steps.
 
 use crate::discs::{Disc, Discs, MASS, RADIUS, STIFFNESS, Scheme, Setting, damping};
 use crate::numbers::Numbers;
 use crate::table::{Measure, OFFSETS, row};
 
 const ROWS: u32 = 20;
-/// Side of the box, m: packing 0.6, and a whole number of 1/64 m.
+/// Side of the box, m: packing fraction 0.6, and a multiple of 1/64 m.
 const SIDE: f64 = 1.828_125;
 const STEPS: u64 = 100_000;
 
@@ -17,7 +17,7 @@ struct Gas {
     offset: f64,
 }
 
-/// The `n`th number of a stream, uniform in -1..1 (splitmix64).
+/// Returns the `n`th number of a stream, uniform in -1..1 (splitmix64).
 pub fn uniform(seed: u64, n: u64) -> f64 {
     let mut z = (seed << 32 | n).wrapping_add(1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ z >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
@@ -43,7 +43,7 @@ fn energy(discs: &[Disc]) -> f64 {
 }
 
 impl Gas {
-    /// Relative change of the energy.
+    /// Returns the relative change of the energy.
     fn change<N: Numbers>(&self, seed: u64) -> f64 {
         let setting = Setting {
             drag: 0.0,
@@ -56,7 +56,7 @@ impl Gas {
         };
         let pitch = SIDE / f64::from(ROWS);
         let disc = |i: u32| {
-            // 0.7 m/s rms each way.
+            // 0.7 m/s rms in each direction.
             let v = |n: u32| 0.7 * 3.0f64.sqrt() * uniform(seed, u64::from(n));
             let at = |n: u32| self.offset + pitch * (f64::from(n) + 0.5);
             Disc { x: [at(i % ROWS), at(i / ROWS)], v: [v(2 * i), v(2 * i + 1)], radius: RADIUS }
@@ -88,11 +88,11 @@ impl Measure for Gas {
     }
 }
 
-pub fn rows(say: &mut impl FnMut(String)) {
+pub fn rows(print_line: &mut impl FnMut(String)) {
     for n in [20.0, 100.0] {
         let steps = n + std::f64::consts::PI / 8.0;
         for offset in OFFSETS {
-            say(row(&format!("gas, t_c/{n}: energy, relative"), offset, None, &Gas { steps, offset }));
+            print_line(row(&format!("gas, t_c/{n}: energy, relative"), offset, None, &Gas { steps, offset }));
         }
     }
 }

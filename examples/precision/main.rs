@@ -1,12 +1,13 @@
-//! What f32 would cost in error, and gain in time: `docs/explanation/precision.md` has the figures.
+//! The error that f32 would cause, and the time that it would save. `docs/explanation/precision.md` has the results.
 //!
 //! ```text
 //! cargo run --release --example precision            # errors: ten minutes
 //! cargo run --release --example precision -- --time  # the pair-force loop in f64 and in f32
 //! ```
 //!
-//! A small discrete element method of its own, nothing of siloflow's, written once over the number types ([`numbers`]).
-#![expect(clippy::print_stdout, reason = "the table is what it is for")]
+//! A small, separate discrete element method that uses no code of siloflow. It is generic over the number types
+//! ([`numbers`]).
+#![expect(clippy::print_stdout, reason = "the program prints a table")]
 
 mod bed;
 mod bounce;
@@ -21,10 +22,10 @@ fn main() {
     if std::env::args().any(|argument| argument == "--time") {
         return timing::rows(&mut |line| println!("{line}"));
     }
-    let say = &mut |line| println!("{line}");
-    say(table::heading());
-    bounce::rows(say);
-    column::rows(say);
-    bed::rows(say);
-    gas::rows(say);
+    let print_line = &mut |line| println!("{line}");
+    print_line(table::heading());
+    bounce::rows(print_line);
+    column::rows(print_line);
+    bed::rows(print_line);
+    gas::rows(print_line);
 }

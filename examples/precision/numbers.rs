@@ -1,4 +1,4 @@
-//! The number types that a discrete element method may be built on.
+//! Number types for a discrete element method.
 
 use std::ops::{Add, AddAssign, Div, Mul, Sub, SubAssign};
 
@@ -41,7 +41,7 @@ impl Real for f64 {
 impl Real for f32 {
     const ZERO: Self = 0.0;
     const ONE: Self = 1.0;
-    #[expect(clippy::cast_possible_truncation, reason = "to round is what is studied here")]
+    #[expect(clippy::cast_possible_truncation, reason = "the rounding is the subject of this study")]
     fn of(x: f64) -> Self {
         x as f32
     }
@@ -56,7 +56,7 @@ impl Real for f32 {
     }
 }
 
-/// The nearest image of a separation.
+/// Returns the nearest image of a separation.
 fn nearest<T: Real>(d: T, period: T) -> T {
     let half = T::of(0.5) * period;
     if d > half {
@@ -68,17 +68,17 @@ fn nearest<T: Real>(d: T, period: T) -> T {
     }
 }
 
-/// One coordinate of a place, m.
+/// One coordinate of a position, m.
 pub trait Place: Copy {
-    /// What it moves by.
+    /// Type of displacements.
     type Motion: Real;
 
     fn at(x: f64) -> Self;
     fn metres(self) -> f64;
     fn moved(self, by: Self::Motion) -> Self;
-    /// Moved by a period of the box.
+    /// Returns the coordinate moved by a period of the box.
     fn shifted(self, by: f64) -> Self;
-    /// From `other` to here, to the nearest image, rounded to `F` at the end.
+    /// Returns the distance from `other` to this coordinate, to the nearest image, rounded to `F` at the end.
     fn apart<F: Real>(self, other: Self, period: f64) -> F;
 }
 
@@ -102,10 +102,10 @@ impl<T: Real> Place for T {
     }
 }
 
-/// Side of a cell, m: a power of two, so that a change of cell rounds nothing.
+/// Side of a cell, m: a power of two, so that a change of cell causes no rounding.
 const CELL: f64 = 0.125;
 
-/// The centre of a cell and an offset of at most [`CELL`]/2 from there.
+/// The centre of a cell, and an offset of at most [`CELL`]/2 from it.
 impl Place for (f64, f32) {
     type Motion = f32;
 
@@ -132,18 +132,18 @@ impl Place for (f64, f32) {
     }
 }
 
-/// Which numbers hold what.
+/// The number types of a simulation.
 pub trait Numbers {
     const NAME: &'static str;
-    /// One coordinate of a place.
+    /// One coordinate of a position.
     type Place: Place<Motion = Self::Motion>;
     /// Velocities, accelerations, sums of forces and the time step.
     type Motion: Real;
-    /// A pair's separation, closing velocity and force.
+    /// Separation, closing velocity and force of a pair.
     type Force: Real;
 }
 
-/// All in f64.
+/// All numbers in f64.
 pub struct Double;
 
 impl Numbers for Double {
@@ -153,7 +153,8 @@ impl Numbers for Double {
     type Force = f64;
 }
 
-/// Separations and relative velocities are taken in f64 and rounded, pair forces worked out in f32, summed in f64.
+/// Separations and relative velocities are computed in f64 and rounded. Pair forces are computed in f32 and summed in
+/// f64.
 pub struct SingleForces;
 
 impl Numbers for SingleForces {
@@ -163,7 +164,7 @@ impl Numbers for SingleForces {
     type Force = f32;
 }
 
-/// All in f32, places as offsets from the centres of cells, which are kept in f64.
+/// All numbers in f32. Positions are offsets from the centres of cells, and the centres are f64.
 pub struct Anchored;
 
 impl Numbers for Anchored {
@@ -173,7 +174,7 @@ impl Numbers for Anchored {
     type Force = f32;
 }
 
-/// All in f32.
+/// All numbers in f32.
 pub struct Single;
 
 impl Numbers for Single {

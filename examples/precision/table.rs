@@ -1,23 +1,23 @@
-//! One row for each case: what the four kinds of numbers make of it.
+//! Prints one row per case: the results with the four sets of number types.
 
 use crate::numbers::{Anchored, Double, Numbers, Single, SingleForces};
 
-/// Distances from the origin at which every case is set, m.
+/// Distances from the origin at which every case is run, m.
 pub const OFFSETS: [f64; 4] = [0.0, 1.0, 1.0e3, 1.0e6];
 
-/// Something measured with each kind of numbers.
+/// A quantity measured with each set of number types.
 pub trait Measure {
-    /// The figure, and its standard error where it is a mean.
+    /// Returns the value, and its standard error if it is a mean.
     fn of<N: Numbers>(&self) -> (f64, Option<f64>);
 }
 
 pub fn heading() -> String {
     let names = [Double::NAME, SingleForces::NAME, Anchored::NAME, Single::NAME];
     let store = names.map(|name| format!("{name:>18}")).concat();
-    format!("{:44}{:>8}{:>12}{store}", "case", "offset", "of the step")
+    format!("{:44}{:>8}{:>12}{store}", "case", "offset", "time step")
 }
 
-/// `step` is the error that the time step makes, where the case has one.
+/// Returns a row. `step` is the error due to the time step, if the case has one.
 pub fn row(case: &str, offset: f64, step: Option<f64>, measure: &impl Measure) -> String {
     let figures =
         [measure.of::<Double>(), measure.of::<SingleForces>(), measure.of::<Anchored>(), measure.of::<Single>()];
@@ -34,7 +34,7 @@ fn text((value, error): (f64, Option<f64>)) -> String {
     }
 }
 
-/// Root mean square.
+/// Returns the root mean square.
 pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     let (sum, count) = values.into_iter().fold((0.0, 0.0), |(sum, count), x| (sum + x * x, count + 1.0));
     (sum / f64::max(count, 1.0)).sqrt()

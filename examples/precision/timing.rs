@@ -1,8 +1,11 @@
 //! The pair-force loop over a bed as dense as a settled one, in f64 and in f32.
 //!
-//! Hexagonal, compressed by 0.1 %, three pairs listed a grain, in spatial order. *One by one*: fetch both, work out, add to both.
-//! *In lanes*: fetch the differences of 256 pairs, work them all out in a loop that the compiler turns into SIMD, add one by one
-//! in the list's order. *Arithmetic*: that middle loop alone, which is what no storage scheme can beat.
+//! The bed is hexagonal, compressed by 0.1 %, with three listed pairs per grain, in spatial order.
+//!
+//! * *One by one*: load both grains, compute the force, add it to both.
+//! * *In lanes*: load the differences of 256 pairs, compute all forces in a loop that the compiler vectorises (SIMD),
+//!   add them one by one in the order of the list.
+//! * *Arithmetic*: the middle loop alone, a lower bound for every storage scheme.
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -11,7 +14,7 @@ use crate::discs::{MASS, RADIUS, STIFFNESS, damping};
 use crate::gas::uniform;
 use crate::numbers::Real;
 
-/// What a contact needs to know of a grain.
+/// Data of a grain that a contact needs.
 #[derive(Clone, Copy)]
 struct Body<S> {
     x: [S; 2],
@@ -20,14 +23,14 @@ struct Body<S> {
     inverse_mass: S,
 }
 
-/// Pairs worked out together.
+/// Number of pairs computed together.
 const LANES: usize = 256;
-/// Pairs worked out in one timing, at least: about a millisecond, so that some timings see a core of their own.
+/// Smallest number of pairs per timing: about a millisecond, so that some timings run without other load on the core.
 const PAIRS: usize = 200_000;
-/// Timings of each kind of numbers, one after the other in turn.
+/// Number of timings of each set of number types; the sets take turns.
 const TIMINGS: usize = 201;
 
-/// Differences of up to [`LANES`] pairs, and their forces. `F`: what the arithmetic is done in.
+/// Differences of up to [`LANES`] pairs, and their forces. `F` is the number type of the arithmetic.
 struct Chunk<F> {
     d: [[F; LANES]; 2],
     v: [[F; LANES]; 2],
@@ -36,7 +39,7 @@ struct Chunk<F> {
     force: [[F; LANES]; 2],
 }
 
-/// Force on the first of a pair: k delta - 2 beta m_eff v_n along the normal, if they touch.
+/// Returns the force on the first grain of a pair: k delta - 2 beta m_eff v_n along the normal, if they touch.
 #[inline(always)]
 #[expect(clippy::inline_always, reason = "the body of the loops that are timed")]
 fn law<F: Real>(d: [F; 2], v: [F; 2], reach: F, reduced: F, stiffness: F, rate: F) -> [F; 2] {
@@ -94,7 +97,7 @@ impl<S: Real, F: Real> Bed<S, F> {
         }
     }
 
-    /// Differences of a pair: separation, relative velocity, sum of the radii, reduced mass.
+    /// Returns the differences of a pair: separation, relative velocity, sum of the radii, reduced mass.
     #[inline(always)]
     #[expect(clippy::inline_always, reason = "as above")]
     fn differences(a: &Body<S>, b: &Body<S>) -> ([F; 2], [F; 2], F, F) {
@@ -133,7 +136,7 @@ impl<S: Real, F: Real> Bed<S, F> {
                 [chunk.v[0][lane], chunk.v[1][lane]] = v;
                 (chunk.reach[lane], chunk.reduced[lane]) = (reach, reduced);
             }
-            work_out(chunk, self.stiffness, self.rate);
+            compute_forces(chunk, self.stiffness, self.rate);
             for (lane, &pair) in pairs.iter().enumerate() {
                 Self::add(&mut self.loads, pair, [chunk.force[0][lane], chunk.force[1][lane]]);
             }
@@ -142,11 +145,11 @@ impl<S: Real, F: Real> Bed<S, F> {
 
     fn arithmetic(&mut self) {
         for _ in self.pairs.chunks(LANES) {
-            work_out(black_box(&mut *self.chunk), self.stiffness, self.rate);
+            compute_forces(black_box(&mut *self.chunk), self.stiffness, self.rate);
         }
     }
 
-    /// ns a pair.
+    /// Returns the time, ns per pair.
     fn time(&mut self, work: fn(&mut Self)) -> f64 {
         let passes = PAIRS.div_ceil(self.pairs.len());
         let start = Instant::now();
@@ -160,7 +163,7 @@ impl<S: Real, F: Real> Bed<S, F> {
 }
 
 #[inline(never)]
-fn work_out<F: Real>(chunk: &mut Chunk<F>, stiffness: F, rate: F) {
+fn compute_forces<F: Real>(chunk: &mut Chunk<F>, stiffness: F, rate: F) {
     for lane in 0..LANES {
         let (d, v) = ([chunk.d[0][lane], chunk.d[1][lane]], [chunk.v[0][lane], chunk.v[1][lane]]);
         let force = law(d, v, chunk.reach[lane], chunk.reduced[lane], stiffness, rate);
@@ -168,16 +171,16 @@ fn work_out<F: Real>(chunk: &mut Chunk<F>, stiffness: F, rate: F) {
     }
 }
 
-/// The least and the median.
-fn least_and_median(mut times: Vec<f64>) -> [f64; 2] {
+/// Returns the smallest value and the median.
+fn smallest_and_median(mut times: Vec<f64>) -> [f64; 2] {
     times.sort_by(f64::total_cmp);
     [times[0], times[times.len() / 2]]
 }
 
-pub fn rows(say: &mut impl FnMut(String)) {
-    say(format!(
+pub fn rows(print_line: &mut impl FnMut(String)) {
+    print_line(format!(
         "{:>8}  {:20}{:>8}{:>14}{:>8}{:>16}",
-        "discs", "ns a pair", "f64", "f32 forces", "f32", "f64 over each"
+        "discs", "ns per pair", "f64", "f32 forces", "f32", "f64 over each"
     ));
     for (store, rows) in [(100, 100), (400, 250)] {
         let (mut double, mut mixed, mut single) =
@@ -196,17 +199,17 @@ pub fn rows(say: &mut impl FnMut(String)) {
                 times[1].push(b);
                 times[2].push(c);
             }
-            let times = times.map(least_and_median);
+            let times = times.map(smallest_and_median);
             for (which, name) in ["least", "median"].into_iter().enumerate() {
                 let [a, b, c] = times.map(|time| time[which]);
                 let gain = format!("{:.2}, {:.2}", a / b, a / c);
-                say(format!("{:>8}  {kind:12}{name:8}{a:>8.2}{b:>14.2}{c:>8.2}{gain:>16}", store * rows));
+                print_line(format!("{:>8}  {kind:12}{name:8}{a:>8.2}{b:>14.2}{c:>8.2}{gain:>16}", store * rows));
             }
         }
     }
     let bytes = |body: usize, load: usize| body + load + 3 * size_of::<(u32, u32)>();
-    say(format!(
-        "bytes a grain that a pass fetches at least (body, load, three pairs): f64 {}, f32 {}",
+    print_line(format!(
+        "smallest number of bytes per grain that a pass loads (body, load, three pairs): f64 {}, f32 {}",
         bytes(size_of::<Body<f64>>(), size_of::<[f64; 2]>()),
         bytes(size_of::<Body<f32>>(), size_of::<[f32; 2]>())
     ));

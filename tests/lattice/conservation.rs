@@ -1,4 +1,4 @@
-//! Every particle is accounted for.
+//! Conservation: every particle is accounted for.
 
 use crate::{parts, simulation, small_silo};
 
@@ -23,7 +23,7 @@ fn every_particle_is_inside_or_out() {
 }
 
 #[test]
-fn pouring_reaches_its_number_and_no_more() {
+fn pouring_adds_exactly_its_number_of_particles() {
     let loaded = small_silo(BASE, 1_000_000, "pour: (per_site: 3.0, chance: 0.7),");
     let mut simulation = simulation(&loaded, 1);
     simulation.run_steps(600);
@@ -32,7 +32,7 @@ fn pouring_reaches_its_number_and_no_more() {
 }
 
 #[test]
-fn a_particle_at_rest_without_h_stays() {
+fn particle_at_rest_stays_if_h_is_zero() {
     let particles = "particles: [(at: (13.0, 20.0), velocity: 0)],";
     let loaded = small_silo("p: 0.2, q: 0.2, b: 0.5, k: 0.5, g: 0.9, h: 0.0", 0, particles);
     let mut simulation = simulation(&loaded, 1);

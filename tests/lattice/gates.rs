@@ -1,5 +1,5 @@
-//! The paper's claims, where one seed resolves them, in both silos. The whole study with its standard errors is `siloflow
-//! study`, its table docs/explanation/lattice-gas.md; claims that fail stand there as failing, and are not asserted here.
+//! The claims of the paper that one seed can decide, in both silos. `siloflow study` runs the whole study with standard
+//! errors, and docs/explanation/lattice-gas.md has its table. The table marks claims that fail; these are not asserted here.
 
 use std::path::Path;
 
@@ -9,12 +9,12 @@ use siloflow::lattice_study::plan::Plan;
 use siloflow::lattice_study::replica::Replica;
 use siloflow::lattice_study::results::Results;
 
-/// What does not come out of these rules, by one seed as by four: of hz in the mass-flow silo only the order holds, with a
-/// factor of 1.09, not 1.1.
+/// Claims that fail with these rules, with one seed as with four. In the mass-flow silo only the order of hz holds,
+/// with a factor of 1.09 instead of 1.1.
 const FAILS: [(&str, &str); 1] = [("mass flow", "hz(p = 0) > 1.100 hz(p = 0.8)")];
 
 #[test]
-fn what_one_seed_resolves() {
+fn claims_decided_by_one_seed_have_their_expected_verdict() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/studies/lattice-gas.ron");
     let (plan, cases) = Plan::read(&path).unwrap();
     let first = plan.seeds[0];

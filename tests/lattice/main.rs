@@ -1,5 +1,5 @@
-//! The lattice gas: against a reference that follows the rules to the letter, conserved quantities, exact means, and the
-//! gates of the study.
+//! The lattice gas against a reference that implements the rules literally, conserved quantities, exact means, and the
+//! claims of the study.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -37,18 +37,18 @@ pub fn load(name: &str, settings: &[(&str, &str)]) -> LoadedLattice {
     LoadedLattice::read(&path, &settings).unwrap_or_else(|fault| panic!("{name}: {fault}"))
 }
 
-/// Builds a simulation of it.
+/// Builds a simulation of a loaded scene.
 pub fn simulation(loaded: &LoadedLattice, threads: usize) -> Simulation {
     Simulation::of_lattice(loaded, &Registry::default(), NonZeroUsize::new(threads).unwrap()).unwrap()
 }
 
-/// Sites and gas of a simulation.
+/// Returns sites and gas of a simulation.
 pub fn parts(simulation: &Simulation) -> (&Sites, &Gas) {
     (simulation.world().resource(), simulation.world().resource())
 }
 
-/// A silo of 900 sites or so with a slanted wall on one side, an insert and a wide outlet, which is open from step `opens` on;
-/// `keys` are more keys of the scene.
+/// Returns a silo of about 900 sites with a slanted wall on one side, an insert, and a wide outlet that opens at step
+/// `opens`. `keys` are further keys of the scene.
 pub fn small_silo(rules: &str, opens: u64, keys: &str) -> LoadedLattice {
     let text = format!(
         "(method: LatticeGas(spacing: 1.0, {rules}), seed: 11, until: 1000000, {keys}

@@ -1,19 +1,20 @@
 //! A slow, literal reference of the lattice-gas silo automaton.
 //!
-//! It is written straight from the rules (Kozicki and Tejchman's paper, what the headers of `siloflow::lattice` decide besides,
-//! and the draws that each decision reads), to be compared bit by bit with the fast implementation. Nothing is cached that could go stale, no
-//! pass reads what the same pass writes at another site, and particles are pushed to their goal, with an assertion
-//! that the place is free. The phases carry the letters of the specification.
+//! It is written directly from the rules: the paper of Kozicki and Tejchman, the decisions in the module headers of
+//! `siloflow::lattice`, and the random draws of each decision. It is compared bit by bit with the fast implementation.
+//! No value is cached that could become outdated. No pass reads a value that the same pass writes at another site.
+//! Particles are pushed to their goal, with an assertion that the place is free. The phases carry the letters of the
+//! specification.
 //!
-//! Conventions: a site is `s = column * stride + row`; direction 0 is rest, 1..=12 are the velocities; every mask has
+//! Conventions: a site is `s = column * stride + row`. Direction 0 is rest, 1..=12 are the velocities. Every mask has
 //! bit `i` for direction `i`, so a mask of movers has bit 0 clear.
 
 use std::collections::HashMap;
 
-/// A displacement or momentum in the integer coordinates (X, Y); the real one is (X sqrt(3)/2, Y/2), y upwards.
+/// A displacement or momentum in the integer coordinates (X, Y). The physical vector is (X sqrt(3)/2, Y/2), y upwards.
 pub type Vector = (isize, isize);
 
-/// The rest state, the six nearest bonds clockwise from up, the six second-nearest ones clockwise.
+/// The rest state, the six nearest bonds clockwise from up, the six second-nearest bonds clockwise.
 #[rustfmt::skip]
 pub(crate) const VELOCITIES: [Vector; 13] = [
     (0, 0),
@@ -29,7 +30,7 @@ const DOWNWARD: [usize; 5] = [3, 4, 5, 9, 10];
 /// The unit of gravity, v4.
 const GRAVITY: Vector = VELOCITIES[4];
 
-/// The six probabilities and the choice of wall friction: method 1 (random reflection) or 2 (stopping).
+/// The six probabilities, and the choice of wall friction: method 1 (random reflection) or 2 (stopping).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rules {
     pub p: f64,
@@ -41,7 +42,7 @@ pub struct Rules {
     pub random_reflection: bool,
 }
 
-/// What a site is.
+/// Kind of a site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     Fluid,
@@ -49,10 +50,10 @@ pub enum Kind {
     Sink,
 }
 
-/// For a blocked mover at a site (first argument) with a direction (second): the direction it is reflected into.
+/// Returns the direction into which a blocked mover is reflected, given its site and its direction.
 pub type Reflections = Box<dyn Fn(usize, usize) -> usize>;
 
-/// The opposite direction (1-4, 2-5, 3-6, 7-10, 8-11, 9-12).
+/// Returns the opposite direction (1-4, 2-5, 3-6, 7-10, 8-11, 9-12).
 pub(crate) fn opposite(d: usize) -> usize {
     match d {
         1..=3 | 7..=9 => d + 3,
@@ -61,12 +62,12 @@ pub(crate) fn opposite(d: usize) -> usize {
     }
 }
 
-/// The set bits of a mask, ascending.
+/// Returns the set bits of a mask, ascending.
 fn bits(mask: u16) -> impl Iterator<Item = usize> {
     (0..16).filter(move |&i| mask >> i & 1 == 1)
 }
 
-/// The number of set bits.
+/// Returns the number of set bits.
 fn count(mask: u16) -> usize {
     bits(mask).count()
 }
@@ -75,7 +76,7 @@ fn plus(u: Vector, v: Vector) -> Vector {
     (u.0 + v.0, u.1 + v.1)
 }
 
-/// The total momentum of a state or mask.
+/// Returns the total momentum of a state or mask.
 pub(crate) fn momentum(mask: u16) -> Vector {
     bits(mask).map(|i| VELOCITIES[i]).fold((0, 0), plus)
 }
@@ -89,7 +90,7 @@ fn mix(mut z: u64) -> u64 {
     z ^ (z >> 31)
 }
 
-/// The private random stream of a site in one sub-step of one phase of one time step.
+/// The random stream of a site in one sub-step of one phase of one time step.
 #[derive(Clone, Copy)]
 pub(crate) struct Stream {
     pub(crate) key: u64,
@@ -116,7 +117,8 @@ impl Stream {
         (self.word(i) >> 32) as u32
     }
 
-    /// `how_many` different members of `from`, one after another: pick `i` by the high half of word `first + i`.
+    /// Returns `how_many` different members of `from`, chosen one after another: pick `i` uses the high half of word
+    /// `first + i`.
     fn subset(self, from: u16, how_many: usize, first: usize) -> u16 {
         let mut left = from;
         for i in 0..how_many {
@@ -126,12 +128,13 @@ impl Stream {
     }
 }
 
-/// Whether something of the given chance happens. Both numbers are exact in an f64: this is the integer comparison.
+/// Whether an event with the given probability happens. Both numbers are exact in an f64: this is the integer
+/// comparison.
 pub(crate) fn happens(draw: u32, chance: f64) -> bool {
     f64::from(draw) < (chance * 4_294_967_296.0).round()
 }
 
-/// The largest n in 0..=cap with draw < a^n.
+/// Returns the largest n in 0..=cap with draw < a^n.
 fn geometric(draw: u32, a: f64, cap: usize) -> usize {
     let mut n = 0;
     let mut power = a;
@@ -142,17 +145,17 @@ fn geometric(draw: u32, a: f64, cap: usize) -> usize {
     n
 }
 
-/// A number in 0..n.
+/// Returns a number in 0..n.
 fn below(draw: u32, n: usize) -> usize {
     usize::try_from((u64::from(draw) * n as u64) >> 32).expect("less than n")
 }
 
-/// The `below(draw, count)`-th set bit of a mask that is not empty, counted from the lowest.
+/// Returns the `below(draw, count)`-th set bit of a mask that is not empty, counted from the lowest.
 fn pick(mask: u16, draw: u32) -> usize {
     bits(mask).nth(below(draw, count(mask))).expect("a pick from an empty mask")
 }
 
-/// The collision table: for m movers and momentum V all masks of m movers whose sum is nearest to V, ascending.
+/// The collision table: for m movers and momentum V, all masks of m movers with the sum nearest to V, ascending.
 pub(crate) struct Table(pub(crate) HashMap<(usize, Vector), Vec<u16>>);
 
 impl Table {
@@ -177,22 +180,22 @@ impl Table {
         momentum(self.0[&(m, v)][0]) == v
     }
 
-    /// One of the masks nearest to v, uniformly.
+    /// Returns one of the masks nearest to v, uniformly.
     fn draw(&self, m: usize, v: Vector, draw: u32) -> u16 {
         let list = &self.0[&(m, v)];
         list[below(draw, list.len())]
     }
 }
 
-/// What the phases of one step hand on to each other, per site.
+/// Values that the phases of one step pass to each other, per site.
 struct Work {
-    /// R: the place at rest is taken.
+    /// R: the place at rest is occupied.
     rest: Vec<bool>,
-    /// R as phase A left it.
+    /// R at the end of phase A.
     own: Vec<bool>,
-    /// E: stopped particles that want a place at rest in the neighbourhood.
+    /// E: number of stopped particles that need a place at rest in the neighbourhood.
     extras: Vec<usize>,
-    /// G: those of them that got one.
+    /// G: number of these particles that got a place.
     given: Vec<usize>,
     /// M: the moving particles.
     movers: Vec<u16>,
@@ -213,10 +216,10 @@ pub struct Reference {
 }
 
 impl Reference {
-    /// A lattice with particles. `kinds[s]` and `state[s]` are given per site; fluid sites have at least 3 columns and
-    /// rows of others around them. `lid_above` is the largest Y = 2 row + (column & 1) of any fluid site. `reflected`
-    /// is asked for every blocked mover; at each site it must be a bijection from the blocked directions to their
-    /// opposites, for the kinds as they are at the time of the step.
+    /// Creates a lattice with particles. `kinds[s]` and `state[s]` are given per site. Fluid sites have at least 3
+    /// columns and rows of other sites around them. `lid_above` is the largest Y = 2 row + (column & 1) of any fluid
+    /// site. `reflected` is called for every blocked mover. At each site it must be a bijection from the blocked
+    /// directions to their opposites, for the kinds at the time of the step.
     ///
     /// # Panics
     /// If the lengths differ, or a particle is outside the fluid.
@@ -238,8 +241,8 @@ impl Reference {
         Self { rules, seed, stride, lid_above, kinds, state, reflected, table, outflow: 0, steps: 0 }
     }
 
-    /// Changes the kind of a site without particles: the outlet opens where walls become sinks. The blocked directions
-    /// follow by themselves; call [`Self::set_reflections`] if the bijections change with them.
+    /// Changes the kind of a site without particles: the outlet opens where walls become sinks. Blocked directions
+    /// follow from the kinds. Call [`Self::set_reflections`] if the bijections change with them.
     ///
     /// # Panics
     /// If there are particles at the site.
@@ -248,36 +251,36 @@ impl Reference {
         self.kinds[site] = kind;
     }
 
-    /// Replaces the reflections, as is needed when the outlet opens.
+    /// Replaces the reflections, which is necessary when the outlet opens.
     pub fn set_reflections(&mut self, reflected: Reflections) {
         self.reflected = reflected;
     }
 
-    /// The particles of every site: bit 0 at rest, bit i with velocity i.
+    /// Returns the particles of every site: bit 0 at rest, bit i with velocity i.
     #[must_use]
     pub fn state(&self) -> &[u16] {
         &self.state
     }
 
-    /// How many particles have left through sinks.
+    /// Returns the number of particles that have left through sinks.
     #[must_use]
     pub fn outflow(&self) -> u64 {
         self.outflow
     }
 
-    /// How many particles there are.
+    /// Returns the number of particles.
     #[must_use]
     pub fn resident(&self) -> u64 {
         self.state.iter().map(|particles| u64::from(particles.count_ones())).sum()
     }
 
-    /// How many time steps are done.
+    /// Returns the number of time steps done.
     #[must_use]
     pub fn steps(&self) -> u64 {
         self.steps
     }
 
-    /// The site where direction d ends.
+    /// Returns the site at the end of direction d.
     pub(crate) fn neighbour(&self, site: usize, d: usize) -> usize {
         let (dx, dy) = VELOCITIES[d];
         let parity = (site / self.stride % 2).cast_signed();
@@ -285,8 +288,8 @@ impl Reference {
         site.checked_add_signed(dx * self.stride.cast_signed() + rows).expect("a bond leaves the lattice")
     }
 
-    /// The directions of a site that walls block: those that end at a wall, and those along a second-nearest bond
-    /// that passes between two walls.
+    /// Returns the directions of a site that walls block: directions that end at a wall, and second-nearest bonds that
+    /// pass between two walls.
     pub(crate) fn blocked(&self, site: usize) -> u16 {
         let is_wall = |d: usize| self.kinds[self.neighbour(site, d)] == Kind::Wall;
         let flanks = |d: usize| if d == 12 { (6, 1) } else { (d - 6, d - 5) };
@@ -294,7 +297,7 @@ impl Reference {
         (1..=12).filter(is_blocked).fold(0, |mask, d| mask | 1 << d)
     }
 
-    /// The blocked directions with friction: none at a site that touches the smooth lid.
+    /// Returns the blocked directions with friction: none at a site that touches the smooth lid.
     pub(crate) fn rough(&self, site: usize) -> u16 {
         let (column, row) = (site / self.stride, site % self.stride);
         let y = (2 * row + column % 2).cast_signed();
@@ -303,7 +306,7 @@ impl Reference {
         if touches_lid { 0 } else { blocked }
     }
 
-    /// The stream of a site in the step that is being done (the first one has number 1).
+    /// Returns the stream of a site in the current step (the first step has number 1).
     fn stream(&self, site: usize, phase: u64, sub_step: u64) -> Stream {
         Stream::new(self.seed, site, self.steps + 1, phase, sub_step)
     }
@@ -313,7 +316,8 @@ impl Reference {
         self.kinds[site] == Kind::Fluid && !work.rest[site]
     }
 
-    /// One time step. Every pass visits the sites in the given order, which may hold any sites besides the fluid ones.
+    /// Performs one time step. Every pass visits the sites in the given order, which may contain other sites than fluid
+    /// ones.
     ///
     /// # Panics
     /// If the order does not visit each fluid site once, or two particles get the same place.
@@ -356,7 +360,7 @@ impl Reference {
         }
     }
 
-    /// Phase A: how many particles of a site stop.
+    /// Phase A: determines how many particles of a site stop.
     fn stop(&self, s: usize, work: &mut Work) {
         let at_rest = self.state[s] & 1 == 1;
         let moving = self.state[s] & ALL;
@@ -375,7 +379,7 @@ impl Reference {
         work.extras[s] = stopped.saturating_sub(1);
     }
 
-    /// Phase B, and the same in D: extras go to rest at nearest neighbours, those with the least occupancy first.
+    /// Phase B; phase D uses it too. Extra particles go to rest at nearest neighbours, lowest occupancy first.
     fn scatter(&self, order: &[usize], phase: u64, occupancy: &[usize], work: &mut Work) {
         for round in 0..2 {
             let mut proposals = vec![0u16; self.kinds.len()];
@@ -397,7 +401,7 @@ impl Reference {
         }
     }
 
-    /// The proposals that are accepted, one at each site that has any: (direction, receiver, donor).
+    /// Returns the accepted proposals, one for each site that has any: (direction, receiver, donor).
     fn accept(&self, order: &[usize], phase: u64, sub_step: u64, proposals: &[u16]) -> Vec<(usize, usize, usize)> {
         let choose = |&s: &usize| {
             let d = pick(proposals[s], self.stream(s, phase, sub_step).hi(0));
@@ -406,7 +410,8 @@ impl Reference {
         order.iter().filter(|&&s| proposals[s] != 0).map(choose).collect()
     }
 
-    /// Phase C: the movers of a site after the collision; `own` and `given` tell what came to rest.
+    /// Phase C: returns the movers of a site after the collision; `own` and `given` count the particles that came to
+    /// rest.
     fn collide(&self, s: usize, own: bool, given: usize) -> u16 {
         let Rules { q, k, g, .. } = self.rules;
         let particles = self.state[s];
@@ -461,7 +466,7 @@ impl Reference {
         }
     }
 
-    /// Phase E: particles at rest fall. Returns how many fell into sinks.
+    /// Phase E: particles at rest fall. Returns the number of particles that fell into sinks.
     fn fall(&self, order: &[usize], work: &mut Work) -> u64 {
         let mut proposals = vec![0u16; self.kinds.len()];
         let mut gone = Vec::new();
@@ -490,7 +495,8 @@ impl Reference {
         gone.len() as u64
     }
 
-    /// Phase F: the movers move or are reflected, and the new state is complete. Returns how many moved into sinks.
+    /// Phase F: the movers move or are reflected, which completes the new state. Returns the number that moved into
+    /// sinks.
     fn propagate(&mut self, order: &[usize], work: &Work) -> u64 {
         let mut next = vec![0u16; self.kinds.len()];
         let mut put = |site: usize, i: usize| {

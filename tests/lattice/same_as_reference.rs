@@ -1,6 +1,7 @@
-//! The fast automaton and the literal one make the same states, bit by bit, in whatever order the literal one visits the
-//! sites. The literal one has rules, neighbours, blocked ways and collision table of its own; it is given the kinds of the
-//! sites, the reflections (which have tests of their own) and the draws that each decision reads.
+//! The fast automaton and the literal reference produce the same states, bit by bit, for any order in which the
+//! reference visits the sites. The reference has its own rules, neighbours, blocked directions and collision table.
+//! Three inputs come from the fast automaton: the kinds of the sites, the reflections (which have their own tests) and
+//! the draws of each decision.
 
 use siloflow::lattice::load::LoadedLattice;
 use siloflow::lattice::rules::Walls;
@@ -41,8 +42,8 @@ fn literal(loaded: &LoadedLattice, simulation: &Simulation) -> Reference {
     Reference::new(rules, loaded.scene.seed, sites.stride, top as isize, kinds, states, reflections(sites))
 }
 
-/// Steps both side by side, the sites of the literal one forwards, backwards and by leaps.
-fn compare(rules: &str) {
+/// Steps both automata and compares them. The reference visits its sites forwards, backwards or with a large stride.
+fn assert_equal_states(rules: &str) {
     const OPENS: u64 = 20;
     let loaded = small_silo(rules, OPENS, "fill: (per_site: 7.0),");
     let mut fast = simulation(&loaded, 1);
@@ -52,10 +53,10 @@ fn compare(rules: &str) {
     let backwards: Vec<usize> = forwards.iter().rev().copied().collect();
     let stride = 101;
     assert_ne!(forwards.len() % stride, 0);
-    let leaps: Vec<usize> = (0..forwards.len()).map(|i| forwards[i * stride % forwards.len()]).collect();
+    let strided: Vec<usize> = (0..forwards.len()).map(|i| forwards[i * stride % forwards.len()]).collect();
     for step in 1..=120 {
         fast.run_steps(step);
-        literal.step([&forwards, &backwards, &leaps][step as usize % 3]);
+        literal.step([&forwards, &backwards, &strided][step as usize % 3]);
         let (sites, gas) = parts(&fast);
         assert_eq!(literal.steps(), step);
         assert_eq!(gas.states(), literal.state(), "{rules}, step {step}");
@@ -69,20 +70,20 @@ fn compare(rules: &str) {
 }
 
 #[test]
-fn the_base_case_and_its_variants() {
-    compare("p: 0.2, q: 0.2, b: 0.05, k: 0.05, g: 0.2, h: 0.05");
-    compare("p: 0.8, q: 0.2, b: 0.8, k: 0.05, g: 0.95, h: 0.8");
-    compare("p: 0.0, q: 0.0, b: 0.0, k: 0.0, g: 0.2, h: 0.0");
-    compare("p: 0.2, q: 0.8, b: 0.05, k: 0.8, g: 0.05, h: 0.05");
+fn base_case_and_its_variants_equal_the_reference() {
+    assert_equal_states("p: 0.2, q: 0.2, b: 0.05, k: 0.05, g: 0.2, h: 0.05");
+    assert_equal_states("p: 0.8, q: 0.2, b: 0.8, k: 0.05, g: 0.95, h: 0.8");
+    assert_equal_states("p: 0.0, q: 0.0, b: 0.0, k: 0.0, g: 0.2, h: 0.0");
+    assert_equal_states("p: 0.2, q: 0.8, b: 0.05, k: 0.8, g: 0.05, h: 0.05");
 }
 
 #[test]
-fn certainties() {
-    compare("p: 1.0, q: 1.0, b: 1.0, k: 1.0, g: 1.0, h: 1.0");
-    compare("p: 0.0, q: 1.0, b: 1.0, k: 0.5, g: 1.0, h: 0.0");
+fn rules_with_probability_one_equal_the_reference() {
+    assert_equal_states("p: 1.0, q: 1.0, b: 1.0, k: 1.0, g: 1.0, h: 1.0");
+    assert_equal_states("p: 0.0, q: 1.0, b: 1.0, k: 0.5, g: 1.0, h: 0.0");
 }
 
 #[test]
-fn walls_that_scatter() {
-    compare("p: 0.2, q: 0.2, b: 0.8, k: 0.05, g: 0.2, h: 0.05, walls: Scatter");
+fn scattering_walls_equal_the_reference() {
+    assert_equal_states("p: 0.2, q: 0.2, b: 0.8, k: 0.05, g: 0.2, h: 0.05, walls: Scatter");
 }

@@ -1,4 +1,4 @@
-//! Symmetries that no choice of an order may break: left and right, and any number of threads.
+//! Symmetries that no order of evaluation may break: left and right, and any number of threads.
 
 use siloflow::divergence::where_they_part;
 use siloflow::lattice::load::LoadedLattice;
@@ -23,7 +23,8 @@ fn threads_change_no_bit() {
     }
 }
 
-/// The funnel-flow silo with 141 columns of 248 rows: with an odd number of columns the mirror image of a site is a site.
+/// Returns the funnel-flow silo with 141 columns of 248 rows. With an odd number of columns the mirror image of a site
+/// is a site.
 fn symmetric_silo(seed: u64) -> LoadedLattice {
     let text = format!(
         "(method: LatticeGas(spacing: 1.0, p: 0.2, q: 0.2, b: 0.05, k: 0.05, g: 0.2, h: 0.05), seed: {seed}, until: 1000,
@@ -34,8 +35,8 @@ fn symmetric_silo(seed: u64) -> LoadedLattice {
 }
 
 #[test]
-fn left_and_right_are_alike_in_the_mean() {
-    // Particles right of the middle less those left of it, over several independent runs and well separated times.
+fn left_and_right_have_equal_means() {
+    // Number of particles right of the middle less the number left of it, over several independent runs.
     let mut differences = Vec::new();
     for seed in 0..8 {
         let mut simulation = simulation(&symmetric_silo(seed), 1);
@@ -52,8 +53,9 @@ fn left_and_right_are_alike_in_the_mean() {
     let n = differences.len() as f64;
     let mean = differences.iter().sum::<f64>() / n;
     let error = (differences.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
-    // Student's t with 7 degrees of freedom exceeds 5 once in 600 tests of a symmetric automaton; these seeds are fixed.
+    // In a symmetric automaton Student's t with 7 degrees of freedom exceeds 5 once in 600 tests. These seeds are
+    // fixed.
     assert!(mean.abs() < 5.0 * error, "{mean} +- {error}");
-    // A bias of more than one in a hundred particles would be seen.
+    // The test detects a bias of more than one in a hundred particles.
     assert!(5.0 * error < 0.01 * 200_000.0, "{error}");
 }

@@ -30,14 +30,14 @@ impl Against {
     }
 }
 
-/// The bounce's closed form, written out here from the differential equation: `delta'' + 2 beta delta' + w0^2 delta = 0`.
+/// Closed form of the bounce, derived here from the differential equation `delta'' + 2 beta delta' + w0^2 delta = 0`.
 struct Exact {
     duration: f64,
     largest_overlap: f64,
 }
 
-/// `zeta` for a restitution: from e = exp(-pi zeta/sqrt(1 - zeta^2)) with attraction; else by stepping down the
-/// differential equation's own solution, e = exp(-zeta/s (pi - atan2(2 zeta s, 1 - 2 zeta^2))), s = sqrt(1 - zeta^2).
+/// Returns `zeta` for a restitution. With attraction e = exp(-pi zeta/sqrt(1 - zeta^2)). Without it e = exp(-zeta/s (pi
+/// - atan2(2 zeta s, 1 - 2 zeta^2))) with s = sqrt(1 - zeta^2). Both are solved by bisection.
 fn zeta(e: f64, attraction: bool) -> f64 {
     if e == 1.0 {
         return 0.0;
@@ -70,7 +70,7 @@ pub struct Bounce {
     dissipated: f64,
 }
 
-/// One bounce that begins a share `phase` of a step after the start.
+/// Simulates one bounce that begins a share `phase` of a step after a whole step.
 fn bounce(scheme: &str, against: Against, e: f64, attraction: bool, dt: f64, phase: f64) -> Bounce {
     let rule = if attraction { "Allowed" } else { "Forbidden" };
     let gap = V * dt * (1.0 + phase);
@@ -92,7 +92,7 @@ fn bounce(scheme: &str, against: Against, e: f64, attraction: bool, dt: f64, pha
     let mut simulation = simulation(&keys, grains);
     let duration = exact(e, attraction, against.reduced_mass()).duration;
     let mut steps_in_force = 0u32;
-    // Time enough to part, even where the overlap outlasts the force.
+    // Long enough for separation, even if the overlap outlasts the force.
     for step in 0..(6.0 * duration / dt).ceil() as u64 {
         simulation.run_steps(step);
         steps_in_force += u32::from(simulation.world().resource::<ParticleStore>().loads.force.of(0) != Vector::ZERO);
@@ -114,18 +114,18 @@ fn bounce(scheme: &str, against: Against, e: f64, attraction: bool, dt: f64, pha
     }
 }
 
-/// All phases of a bounce by the plain scheme with `n` steps a contact, `n` chosen incommensurate.
+/// Simulates all phases of a bounce with Verlet and `n` steps per contact; `n` is not commensurate with the phases.
 fn bounces(against: Against, e: f64, attraction: bool, n: f64) -> (f64, Exact, Vec<Bounce>) {
     let exact = exact(e, attraction, against.reduced_mass());
     (exact.duration / n, exact, bounces_by("Verlet", against, e, attraction, n))
 }
 
-/// How long a contact lasts, s.
+/// Returns the contact duration, s.
 pub fn duration_of(against: Against, e: f64, attraction: bool) -> f64 {
     exact(e, attraction, against.reduced_mass()).duration
 }
 
-/// The bounces alone, by any scheme.
+/// Simulates all phases of a bounce with any scheme.
 pub fn bounces_by(scheme: &str, against: Against, e: f64, attraction: bool, n: f64) -> Vec<Bounce> {
     let dt = exact(e, attraction, against.reduced_mass()).duration / n;
     let phases = (0..PHASES).map(|phase| f64::from(phase) / f64::from(PHASES));
@@ -136,19 +136,19 @@ pub const CASES: [(f64, bool); 8] =
     [(0.9, true), (0.5, true), (0.2, true), (1.0, true), (0.9, false), (0.5, false), (0.2, false), (1.0, false)];
 
 #[test]
-fn restitution_duration_and_overlap_meet_the_closed_forms() {
+fn restitution_duration_and_overlap_match_the_closed_forms() {
     for against in [Against::Grain, Against::Wall] {
         for (e, attraction) in CASES {
             let (dt, exact, all) = bounces(against, e, attraction, 400.0 + PI / 8.0);
             let w0 = (K / against.reduced_mass()).sqrt();
-            // Drag half a step old and a jump of the drag at both ends: a relative error of zeta w0 dt each, so of
-            // 3 zeta w0 dt together; without drag (w0 dt)^2.
+            // Damping evaluated half a step late, and its jump at each end, contribute a relative error of zeta w0 dt
+            // each: 3 zeta w0 dt together. Without damping the error is (w0 dt)^2.
             let order_one = 3.0 * zeta(e, attraction) * w0 * dt + (w0 * dt).powi(2);
             for b in &all {
                 let case = format!("{against:?}, e = {e}, attraction {attraction}");
                 assert!((b.restitution - e).abs() < order_one, "{case}: restitution {}", b.restitution);
-                // Both ends are seen at steps: within one step each.
-                assert!((b.duration - exact.duration).abs() <= 2.0 * dt, "{case}: lasted {}", b.duration);
+                // Both ends are resolved to one step each.
+                assert!((b.duration - exact.duration).abs() <= 2.0 * dt, "{case}: duration {}", b.duration);
                 let overlap_error = (b.largest_overlap / exact.largest_overlap - 1.0).abs();
                 assert!(overlap_error < order_one, "{case}: overlap off by {overlap_error}");
             }
@@ -157,7 +157,7 @@ fn restitution_duration_and_overlap_meet_the_closed_forms() {
 }
 
 #[test]
-fn the_scheme_is_of_first_order_with_drag_and_of_second_without() {
+fn verlet_is_of_first_order_with_damping_and_of_second_order_without() {
     for against in [Against::Grain, Against::Wall] {
         for (e, attraction) in CASES {
             let error = |n: f64| {
@@ -168,29 +168,29 @@ fn the_scheme_is_of_first_order_with_drag_and_of_second_without() {
             let order = (coarse / fine).ln() / ((160.0 + PI / 8.0) / (40.0 + PI / 8.0)).ln();
             let expected = if e == 1.0 { 2.0 } else { 1.0 };
             // The next order adds a share of about w0 dt = pi/40 to the coarse error: ln(1.08)/ln(4) = 0.06 in the
-            // order; the mean over 40 phases of errors that scatter by their own size another 1/sqrt(40)/ln(4) = 0.11.
+            // order. The mean over 40 phases of errors that scatter by their own size adds 1/sqrt(40)/ln(4) = 0.11.
             assert!((order - expected).abs() < 0.2, "{against:?}, e = {e}, attraction {attraction}: order {order:.3}");
         }
     }
 }
 
 #[test]
-fn the_energy_balance_errs_as_its_theory_says() {
-    // The trapezoidal rule is exact for a linear spring but for the step in which the contact opens or closes: there it
-    // errs by k D^2 s (1 - s)/2 with D = v dt and s the phase, k D^2/12 in the mean, taken on entry and given on
-    // exit. So a bounce loses k dt^2 (v_in^2 - v_out^2)/12 from the balance.
+fn energy_balance_error_agrees_with_theory() {
+    // The trapezoidal rule is exact for a linear spring except in the step in which the contact opens or closes. There
+    // it errs by k D^2 s (1 - s)/2 with D = v dt and phase s, k D^2/12 on average. The sign at the end of the contact
+    // is opposite to the sign at its start. A bounce therefore loses k dt^2 (v_in^2 - v_out^2)/12 from the balance.
     for against in [Against::Grain, Against::Wall] {
         for e in [0.5, 0.2] {
             let (dt, _, all) = bounces(against, e, true, 40.0 + PI / 8.0);
             let mean = all.iter().map(|b| b.balance_error).sum::<f64>() / all.len() as f64;
             let expected = -K * dt * dt * V * V * (1.0 - e * e) / 12.0;
-            // The exit term is e^2 of the entry's and, because grains part with the drag on, known to its order only:
-            // half of it; a tenth for the next order, w0 dt = pi/40.
+            // The term at the end is e^2 of the term at the start. The damping still acts at separation, so this term
+            // is known to its order only: half of it. A tenth is for the next order, w0 dt = pi/40.
             let tolerance = (0.5 * e * e + 0.1) * K * dt * dt * V * V / 12.0;
             assert!((mean - expected).abs() < tolerance, "{against:?}, e = {e}: {mean:e} J, not {expected:e} J");
             let lost = 0.5 * against.reduced_mass() * V * V * (1.0 - e * e);
             let taken = all.iter().map(|b| b.dissipated).sum::<f64>() / all.len() as f64;
-            // First order, as restitution is.
+            // First order, as the restitution.
             assert!((taken / lost - 1.0).abs() < 0.1, "{against:?}, e = {e}: dissipated {taken} J, not {lost} J");
         }
     }

@@ -1,10 +1,10 @@
-//! A static column: what lies below carries what lies above.
+//! A column of grains at rest: each contact carries the weight of all grains above it.
 
 use crate::{grain, simulation, state};
 use siloflow::prelude::*;
 
 #[test]
-fn a_column_at_rest_is_compressed_by_the_exact_sum() {
+fn overlaps_in_a_column_at_rest_match_the_weight_above() {
     const N: u32 = 12;
     let (k, m, radius, g) = (1.0e5, 0.16, 0.04, 9.81);
     let speed = 1.0e-8;
@@ -17,8 +17,9 @@ fn a_column_at_rest_is_compressed_by_the_exact_sum() {
     let mut simulation = simulation(&keys, grains.collect());
     assert_eq!(simulation.run(), End::AtRest);
     let heights: Vec<_> = state(&mut simulation).into_iter().map(|(x, _)| x.y).collect();
-    // What still moves at speed v with the column's lowest frequency w1 is at most v/w1 off its place; two neighbours
-    // together twice that. w1 = 2 sqrt(k/m) sin(pi/(2 (2n + 1))), a chain fixed at one end.
+    // A grain that still moves at speed v in the column's lowest mode w1 is at most v/w1 away from its rest position.
+    // The distance of two neighbours is off by at most twice that. w1 = 2 sqrt(k/m) sin(pi/(2 (2n + 1))) for a chain
+    // fixed at one end.
     let n = f64::from(N);
     let w1 = 2.0 * (k / m).sqrt() * (std::f64::consts::PI / (2.0 * (2.0 * n + 1.0))).sin();
     let tolerance = 2.0 * speed * (g * radius).sqrt() / w1;

@@ -1,4 +1,4 @@
-//! What a closed system keeps.
+//! Conserved quantities of closed systems.
 
 use std::f64::consts::PI;
 
@@ -9,7 +9,7 @@ use siloflow::measure::totals;
 use siloflow::prelude::*;
 use siloflow::random::Stream;
 
-/// `side` x `side` discs of two sizes on a lattice of spacing `spacing`, with random velocities of mean zero.
+/// Returns `side` x `side` discs of two sizes on a lattice of spacing `spacing`, with random velocities of mean zero.
 fn cloud(side: u32, spacing: f64, speed: f64) -> Vec<GrainRow> {
     let random = Stream::new(5, "cloud");
     (0..side * side)
@@ -24,8 +24,9 @@ fn cloud(side: u32, spacing: f64, speed: f64) -> Vec<GrainRow> {
 }
 
 #[test]
-fn an_isolated_cloud_keeps_its_momentum_to_round_off() {
-    // An implosion: everything flies to the middle, collides with and without attraction, and flies apart.
+fn momentum_of_an_isolated_cloud_is_conserved_to_round_off() {
+    // An implosion: all grains fly to the middle, collide, and fly apart. One law allows attraction, the other does
+    // not.
     for law in ["Assignment(k: 1.0e4, b: 5.0)", "Linear(k: 1.0e4, damping: Restitution(0.5))"] {
         let mut grains = cloud(10, 0.085, 0.5);
         let middle = Vector::splat(0.425);
@@ -41,8 +42,9 @@ fn an_isolated_cloud_keeps_its_momentum_to_round_off() {
         let before = momentum(&state(&mut simulation));
         simulation.run();
         let change = (momentum(&state(&mut simulation)) - before).length();
-        // Pair forces cancel exactly; each half-kick of each grain rounds m v and the sum of its forces: 5000 steps, two
-        // kicks, 100 grains of m v below 0.16 kg x 3 m/s, half an ulp each, of random sign: sqrt of their number.
+        // Pair forces cancel exactly. Each half-kick of each grain rounds m v and the sum of its forces by half an ulp,
+        // with random sign. There are 5000 steps of two kicks for 100 grains, each with m v below 0.16 kg x 3 m/s. The
+        // errors add up as the square root of their number.
         let bound = (5000.0 * 2.0 * 100.0f64).sqrt() * 0.16 * 3.0 * f64::EPSILON;
         assert!(change < bound, "{law}: {change:e} kg m/s, bound {bound:e}");
         assert!(simulation.world().resource::<EnergyFlows>().dissipated > 0.1, "nothing collided");
@@ -50,7 +52,7 @@ fn an_isolated_cloud_keeps_its_momentum_to_round_off() {
 }
 
 #[test]
-fn an_undamped_gas_keeps_its_energy() {
+fn energy_of_an_undamped_gas_is_conserved() {
     // 100 discs at a packing fraction of 0.6 between four walls, 1e5 steps at t_c/50.
     let (k, m): (f64, f64) = (1.0e5, 0.09);
     let dt = PI * (0.5 * m / k).sqrt() / (50.0 + PI / 100.0);
@@ -71,9 +73,9 @@ fn an_undamped_gas_keeps_its_energy() {
     let before = totals::of_world(simulation.world_mut()).energy();
     simulation.run_steps(100_000);
     let drift = totals::of_world(simulation.world_mut()).energy() / before - 1.0;
-    // Verlet keeps a modified energy within a contact; what it loses or gains is a kick of random sign of about
-    // k (v dt)^2/12 in each step in which a contact opens or closes, (w0 dt)^2/6 = (pi/50)^2/6 = 6.6e-4 of that pair's
-    // energy. 2000 t_c at this density are some 1e3 collisions a grain, so 1e5 kicks of both signs on the energy of
-    // 100 grains: 6.6e-4 sqrt(1e5)/100 = 2e-3.
+    // Verlet conserves a modified energy while a contact lasts. Each opening or closing of a contact changes the energy
+    // by about k (v dt)^2/12, with random sign: (w0 dt)^2/6 = (pi/50)^2/6 = 6.6e-4 of the energy of that pair. 2000 t_c
+    // at this density are about 1e3 collisions per grain, so about 1e5 such changes in total. On the energy of 100
+    // grains that is 6.6e-4 sqrt(1e5)/100 = 2e-3.
     assert!(drift.abs() < 2e-3, "{drift:e}");
 }

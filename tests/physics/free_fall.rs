@@ -7,8 +7,8 @@ const G: f64 = 9.81;
 const T: f64 = 1.0;
 const V0: Vector = Vector::new(3.0, 2.0);
 
-/// Where the grain is at T.
-fn thrown(integrator: &str, steps: u32) -> Vector {
+/// Returns the position of the grain at time T.
+fn position_at_end(integrator: &str, steps: u32) -> Vector {
     let keys = format!(
         "gravity: (0.0, -{G}), contact: Linear(k: 1.0e5, damping: B(0.0)), integrator: {integrator}, \
          step: Fixed({:?}), until: {T}, watchdog: None",
@@ -24,20 +24,21 @@ fn parabola() -> Vector {
 }
 
 #[test]
-fn verlet_follows_the_parabola_to_round_off() {
+fn verlet_matches_the_parabola_to_round_off() {
     for steps in [10, 100, 1000] {
-        let error = thrown("Verlet", steps).distance(parabola());
-        // Each step rounds x and v (below 8 in SI here), and an error of v lives on for T: n eps |x| and n eps |v| T.
+        let error = position_at_end("Verlet", steps).distance(parabola());
+        // Each step rounds x and v, both below 8 in SI units here. An error of v acts until T, so n eps |x| + n eps |v|
+        // T.
         let bound = 2.0 * f64::from(steps) * f64::EPSILON * 8.0;
         assert!(error < bound, "{steps} steps: {error:e} m, bound {bound:e} m");
     }
 }
 
 #[test]
-fn explicit_euler_does_not_and_its_error_is_g_t_dt_over_2() {
+fn explicit_euler_misses_the_parabola_by_g_t_dt_over_2() {
     for steps in [10, 100, 1000] {
-        let error = thrown("ExplicitEuler", steps) - parabola();
-        // x_n - x(T) = g T dt/2, a closed form: exact but for round-off, as above.
+        let error = position_at_end("ExplicitEuler", steps) - parabola();
+        // x_n - x(T) = g T dt/2 is a closed form. It holds exactly but for the round-off derived above.
         let expected = 0.5 * G * T * T / f64::from(steps);
         let bound = 2.0 * f64::from(steps) * f64::EPSILON * 8.0;
         assert!((error.y - expected).abs() < bound && error.x.abs() < bound, "{steps} steps: {error}, not {expected}");

@@ -1,4 +1,5 @@
-//! One oblique contact of two spinning grains, force by force: its torques at either lever, its friction in its plane.
+//! One oblique contact of two spinning grains, step by step: its torques for both levers, and that its friction is
+//! tangential.
 
 use std::f64::consts::PI;
 
@@ -11,7 +12,7 @@ use siloflow::prelude::*;
 use siloflow::space::{Plane, Solid};
 use siloflow::store::ParticleStore;
 
-/// Places of two grains and the force on the first.
+/// Returns the vector from the second to the first grain, m, and the force on the first, N.
 fn pair(simulation: &Simulation, solid: bool) -> (DVec3, DVec3) {
     let world = simulation.world();
     if solid {
@@ -27,7 +28,7 @@ fn pair(simulation: &Simulation, solid: bool) -> (DVec3, DVec3) {
     }
 }
 
-/// Two grains on their way to graze each other, the first with a spin.
+/// Two grains about to graze each other; the first one spins.
 fn grazing(solid: bool) -> Vec<GrainRow> {
     let flat = if solid { DVec3::ONE } else { DVec3::new(1.0, 1.0, 0.0) };
     let mut grains = vec![
@@ -38,15 +39,16 @@ fn grazing(solid: bool) -> Vec<GrainRow> {
     grains
 }
 
-/// Lets two grains graze each other and compares, in each step, the change of L with what leaked until then, and
-/// without rolling resistance the spin of the first with what friction did at its lever.
+/// Lets two grains graze each other. In each step it compares the change of the angular momentum L with the leak
+/// accumulated so far. Without rolling resistance it also compares the spin of the first grain with the impulse of
+/// friction at its lever.
 fn graze(solid: bool, lever: &str, law: fn(&str) -> String) {
     let (contact, leaks, rolls) = (law(lever), lever == "Radius", law(lever).contains("rolling"));
     let (dt, grains) = (2.0e-5, grazing(solid));
     let reach = grains[0].radius + grains[1].radius;
     let mut simulation = simulation(&keys(solid, &contact, dt), grains.clone());
-    // Every step rounds m v x and I w in both kicks, and m v x in the drift, of both grains: by half an ulp of what was
-    // 0.09 kg x 1.1 m/s x 0.6 m together at first.
+    // Each step rounds m v x and I w in both kicks, and m v x in the drift, for both grains: by half an ulp of their
+    // initial sum 0.09 kg x 1.1 m/s x 0.6 m.
     let tolerance = |steps: u64| 4.0 * steps as f64 * f64::EPSILON * 0.09 * 1.1 * 0.6;
     let (mut leak, mut turned, mut last, mut touched) = (DVec3::ZERO, DVec3::ZERO, [DVec3::ZERO; 2], 0);
     let (mut start, mut spin) = (DVec3::ZERO, DVec3::ZERO);
@@ -55,7 +57,7 @@ fn graze(solid: bool, lever: &str, law: fn(&str) -> String) {
         let state = motion(&mut simulation);
         let (angular, own) = (momenta(solid, &grains, &state).1, inertia(solid, &grains[0]) * state[0].spin);
         let (apart, force) = pair(&simulation, solid);
-        // n x F is n x F_t: the normal force drops out.
+        // n x F = n x F_t: the normal force drops out.
         let (overlap, friction) = (reach - apart.length(), apart.normalize().cross(force));
         let arm = grains[0].radius - if leaks { 0.0 } else { overlap * grains[1].radius / reach };
         let torques = [if leaks { -overlap * friction } else { DVec3::ZERO }, -arm * friction];
@@ -72,12 +74,12 @@ fn graze(solid: bool, lever: &str, law: fn(&str) -> String) {
         let error = (own - spin - turned).length();
         assert!(rolls || error < tolerance(step + 1), "{contact}, solid {solid}, step {step}: spin {error:e}");
     }
-    assert!(touched > 100 && last[1] == DVec3::ZERO, "{contact}, solid {solid}: met for {touched} steps");
+    assert!(touched > 100 && last[1] == DVec3::ZERO, "{contact}, solid {solid}: in contact for {touched} steps only");
     assert!(!leaks || leak.length() > 1e5 * tolerance(STEPS), "{contact}, solid {solid}: {leak} kg m^2/s");
 }
 
 #[test]
-fn with_the_lever_radius_a_contact_leaks_its_overlap_times_its_friction_and_nothing_else() {
+fn with_lever_radius_angular_momentum_changes_by_overlap_times_friction_only() {
     for solid in [true, false] {
         graze(solid, "Radius", linear);
         graze(solid, "Radius", hertz);
@@ -85,7 +87,7 @@ fn with_the_lever_radius_a_contact_leaks_its_overlap_times_its_friction_and_noth
 }
 
 #[test]
-fn with_the_lever_contact_point_a_contact_leaks_nothing() {
+fn with_lever_contact_point_angular_momentum_is_conserved() {
     for solid in [true, false] {
         graze(solid, "ContactPoint", linear);
         graze(solid, "ContactPoint", hertz);
@@ -93,13 +95,13 @@ fn with_the_lever_contact_point_a_contact_leaks_nothing() {
 }
 
 #[test]
-fn friction_has_no_part_along_the_normal_however_it_turns() {
+fn friction_has_no_component_along_a_turning_normal() {
     for solid in [true, false] {
         let (dt, grains) = (2.0e-5, grazing(solid));
         let (m, reach) = ([grains[0].mass, grains[1].mass], grains[0].radius + grains[1].radius);
         let keys = format!("{}, integrator: Verlet", keys(solid, &linear("Radius"), dt));
         let mut simulation = simulation(&keys, grains);
-        // c = 2 zeta sqrt(k m_eff), and e = 1/2 is exp(-pi zeta/sqrt(1 - zeta^2)).
+        // c = 2 zeta sqrt(k m_eff), where e = 1/2 = exp(-pi zeta/sqrt(1 - zeta^2)).
         let ln = 2.0f64.ln();
         let c = 2.0 * ln / ln.hypot(PI) * (K * m[0] * m[1] / (m[0] + m[1])).sqrt();
         let (mut turned, mut first) = (0.0f64, None);
@@ -110,11 +112,11 @@ fn friction_has_no_part_along_the_normal_however_it_turns() {
             if force == DVec3::ZERO || step == 0 {
                 continue;
             }
-            // The velocity that the drag saw is half a kick old.
+            // The damping force was evaluated with the velocity of half a kick earlier.
             let half = state[0].velocity - state[1].velocity - 0.5 * dt * force * (1.0 / m[0] + 1.0 / m[1]);
             let n = apart.normalize();
             let expected = K * (reach - apart.length()) - c * half.dot(n);
-            // Places of 0.5 m and speeds of 2 m/s, rounded a few times.
+            // Positions of 0.5 m and speeds of 2 m/s, rounded a few times.
             let tolerance = 8.0 * f64::EPSILON * (K * 0.5 + c * 2.0);
             let error = (force.dot(n) - expected).abs();
             assert!(error < tolerance, "solid {solid}, step {step}: {error:e} N along the normal");

@@ -1,7 +1,7 @@
-//! Head-on impacts of elastic spheres: tests 1 and 2 of Chung and Ooi, Granular Matter 13, 643, 2011, against Hertz's
-//! closed forms. Test 3, with damping, is `hertz_restitution`.
+//! Head-on impacts of elastic spheres against Hertz's closed forms: tests 1 and 2 of Chung and Ooi, Granular Matter 13,
+//! 643, 2011. Test 3, with damping, is in `hertz_restitution`.
 //!
-//! N is the number of steps in an undamped contact, never a whole number.
+//! N is the number of steps of an undamped contact. It is never an integer here.
 
 use std::f64::consts::PI;
 
@@ -11,24 +11,24 @@ use siloflow::store::ParticleStore;
 
 use crate::{grain, simulation, sphere};
 
-/// 2 int_0^1 dx/sqrt(1 - x^(5/2)) = 4 sqrt(pi)/5 Gamma(2/5)/Gamma(9/10): contact duration over d_max/v.
+/// Contact duration in units of d_max/v: 2 int_0^1 dx/sqrt(1 - x^(5/2)) = 4 sqrt(pi)/5 Gamma(2/5)/Gamma(9/10).
 pub const DURATION: f64 = 2.943_275_184;
 pub const PHASES: u32 = 40;
 
-/// Two equal spheres, or one on a wall that is a thousand times as stiff; SI.
+/// Two equal spheres, or one sphere and a wall a thousand times as stiff. SI units.
 pub struct Impact {
     pub on_wall: bool,
     pub young: f64,
     pub poisson: f64,
     pub density: f64,
     pub radius: f64,
-    /// Of each sphere.
+    /// Speed of each sphere.
     pub speed: f64,
-    /// Force and overlap at the end of the published curve, as Kratos digitised it.
+    /// Force and overlap at the end of the published curve, as digitised by Kratos.
     pub published: Option<[f64; 2]>,
 }
 
-/// Test 1; friction does not come into a head-on impact, but is there.
+/// Test 1. Friction has no effect on a head-on impact, but is switched on as published.
 const fn pair([young, poisson, density]: [f64; 3], published: Option<[f64; 2]>) -> Impact {
     Impact { on_wall: false, young, poisson, density, radius: 0.01, speed: 10.0, published }
 }
@@ -54,7 +54,7 @@ impl Impact {
         if self.on_wall { self.speed } else { 2.0 * self.speed }
     }
 
-    /// Largest force, largest overlap and duration without damping.
+    /// Returns the largest force, the largest overlap and the duration without damping.
     pub fn exact(&self) -> [f64; 3] {
         let compliance = (1.0 - self.poisson.powi(2)) / self.young;
         let (m, modulus, radius) = if self.on_wall {
@@ -67,8 +67,8 @@ impl Impact {
         [k * overlap.powf(1.5), overlap, DURATION * overlap / self.closing_speed()]
     }
 
-    /// The scene's keys but for its space, and the gap at the start: contact comes a share `phase` into the second
-    /// step.
+    /// Returns the scene keys except its space, the time step, and the initial gap. The contact begins a share `phase`
+    /// into the second step.
     pub fn keys(&self, e: f64, attraction: &str, n: f64, phase: f64) -> (String, f64, f64) {
         let dt = self.exact()[2] / n;
         let (poisson, young) = (self.poisson, self.young);
@@ -94,7 +94,7 @@ impl Impact {
         simulation(&format!("space: Solid, gravity: (0.0, 0.0, 0.0), {wall} {keys}"), grains)
     }
 
-    /// On a wall only.
+    /// Works for impacts on a wall only.
     pub fn in_the_plane(&self, keys: &str, gap: f64) -> Simulation {
         let wall = "walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0), species: 1)],";
         let row = grain(1, Vector::Y * (self.radius + gap), -Vector::Y * self.speed, self.radius, self.mass());
@@ -102,8 +102,9 @@ impl Impact {
     }
 }
 
-/// Largest force, largest overlap and duration of a bounce as its steps show them, and its restitution.
-pub fn watch(impact: &Impact, e: f64, n: f64, phase: f64) -> ([f64; 3], f64) {
+/// Returns the largest force, the largest overlap and the duration of a bounce, as sampled at its steps, and its
+/// restitution.
+pub fn measure_bounce(impact: &Impact, e: f64, n: f64, phase: f64) -> ([f64; 3], f64) {
     let (keys, dt, gap) = impact.keys(e, "Allowed", n, phase);
     let mut simulation = impact.in_solid_space(&keys, gap);
     let (mut force, mut overlap) = (0.0f64, 0.0f64);
@@ -120,7 +121,8 @@ pub fn watch(impact: &Impact, e: f64, n: f64, phase: f64) -> ([f64; 3], f64) {
         force = force.max(store.loads.force.of(entries[0]).z);
         overlap = overlap.max(depth);
         if parting > 0.0 && depth < 0.0 {
-            // Flight before and after is exact, so the moments of touch and of parting are found by going back in it.
+            // Flight before and after the contact is exact, so extrapolating it back gives the moments of touch and of
+            // parting.
             let touched = gap / impact.closing_speed();
             let parted = step as f64 * dt + depth / parting;
             return ([force, overlap, parted - touched], parting / impact.closing_speed());
@@ -130,25 +132,26 @@ pub fn watch(impact: &Impact, e: f64, n: f64, phase: f64) -> ([f64; 3], f64) {
 }
 
 #[test]
-fn elastic_impacts_meet_hertz() {
+fn elastic_impacts_match_hertz_closed_forms() {
     for impact in [GLASS, LIMESTONE, ALUMINIUM_ALLOY, MAGNESIUM_ALLOY, ALUMINIUM_OXIDE, CAST_IRON] {
         let exact = impact.exact();
         let n = 200.0 + PI / 8.0;
-        // Verlet keeps p^2/2m + V + dt^2 (p^2 V''/12 m^2 - V'^2/24 m), and V'^2/(m E) = 3.125 (v/d_max)^2 at the
-        // deepest point: an energy more by 3.125 x 2.943^2/24 = 1.128 parts in N^2 there, so 2/5 of it in overlap and
-        // 3/5 in force. Steps miss that point by half a step at most, 1.25 (2.943/2)^2/2 = 1.353 in overlap, 3/2 of
-        // that in force. A mean over the bounce, with dT/dE taken of the action, gives the duration -0.510.
+        // Verlet conserves p^2/2m + V + dt^2 (p^2 V''/12 m^2 - V'^2/24 m), and V'^2/(m E) = 3.125 (v/d_max)^2 at the
+        // deepest point. The energy there is larger by 3.125 x 2.943^2/24 = 1.128 parts in N^2: 2/5 of it in overlap,
+        // 3/5 in force. The steps miss the deepest point by half a step at most: 1.25 (2.943/2)^2/2 = 1.353 parts in
+        // overlap, 3/2 of that in force. A mean over the bounce, with dT/dE from the action, gives -0.510 parts for the
+        // duration.
         let (up, down) = ([0.677, 0.451], [2.030, 1.353]);
-        // The spring's d^(3/2) starts and ends in mid-step. Its sum over steps errs by zeta(-3/2, phase) times the
-        // first (Euler and Maclaurin), from -0.0315 to 0.0241, at touch one way and at parting the other: 1.25 x
-        // 2.943^2.5 x 0.0556 = 1.03 N^-2.5 of the speed.
+        // The spring force d^(3/2) starts and ends within a step. By Euler and Maclaurin its sum over steps errs by
+        // zeta(-3/2, phase), from -0.0315 to 0.0241, times the force of one step. The errors at touch and at parting
+        // have opposite signs: together 1.25 x 2.943^2.5 x 0.0556 = 1.03 N^-2.5 of the speed.
         let ends = 1.03 * n.powf(-2.5);
         for phase in 0..PHASES {
-            let (seen, e) = watch(&impact, 1.0, n, f64::from(phase) / f64::from(PHASES));
+            let (seen, e) = measure_bounce(&impact, 1.0, n, f64::from(phase) / f64::from(PHASES));
             if let Some([force, overlap]) = impact.published {
-                // The published end of the curve is a point of it, not its peak. Kratos passes within 5 %.
+                // The end of the published curve is a point of the curve, not its peak. Kratos passes within 5 %.
                 let stiffness = (seen[0] / force) / (seen[1] / overlap).powf(1.5);
-                assert!((stiffness - 1.0).abs() < 0.05, "{stiffness} of the published F/d^(3/2)");
+                assert!((stiffness - 1.0).abs() < 0.05, "{stiffness} times the published F/d^(3/2)");
             }
             for i in 0..2 {
                 let error = seen[i] / exact[i] - 1.0;
@@ -156,7 +159,7 @@ fn elastic_impacts_meet_hertz() {
                 assert!(low < error && error < high, "{} not {} ({error:e}: {low:e} to {high:e})", seen[i], exact[i]);
             }
             let shift = (seen[2] / exact[2] - 1.0) + 0.510 / (n * n);
-            assert!(shift.abs() < ends, "lasted {} s, not {} s ({shift:e})", seen[2], exact[2]);
+            assert!(shift.abs() < ends, "duration {} s, not {} s ({shift:e})", seen[2], exact[2]);
             assert!((e - 1.0).abs() < ends, "restitution {e}");
         }
     }

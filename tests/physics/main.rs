@@ -1,5 +1,5 @@
-//! Physical laws, each against something that is not siloflow: a closed form, a conserved quantity, an order of
-//! convergence, another program. Tolerances come from theory and stand beside their assertion.
+//! Physical laws. Each test compares siloflow with an independent reference: a closed form, a conserved quantity, an
+//! order of convergence or another program. Tolerances are derived from theory beside their assertions.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -47,23 +47,23 @@ use siloflow::grains::file::GrainRow;
 use siloflow::prelude::*;
 use siloflow::space::{Dimension, Linear, Solid as DVec3};
 
-/// A grain of a test: id, centre, velocity, radius, mass.
+/// Returns a planar grain with the given id, centre, velocity, radius and mass.
 pub fn grain(id: u32, position: Vector, velocity: Vector, radius: f64, mass: f64) -> GrainRow {
     sphere(id, position.extend(0.0), velocity.extend(0.0), radius, mass)
 }
 
-/// The same in solid space.
+/// Returns a sphere in solid space with the given id, centre, velocity, radius and mass.
 pub fn sphere(id: u32, position: DVec3, velocity: DVec3, radius: f64, mass: f64) -> GrainRow {
     let id = GrainId::grain(id).unwrap();
     GrainRow { id, radius, mass, position, velocity, spin: DVec3::ZERO, species: Species(0) }
 }
 
-/// A simulation of the scene whose keys are `keys`, with these grains.
+/// Returns a single-threaded simulation of the scene with the keys `keys` and these grains.
 pub fn simulation(keys: &str, grains: Vec<GrainRow>) -> Simulation {
     simulation_on(1, keys, grains)
 }
 
-/// The same on several threads.
+/// Like [`simulation`], but on `threads` threads.
 pub fn simulation_on(threads: usize, keys: &str, grains: Vec<GrainRow>) -> Simulation {
     let text = format!("({keys}, pictures: None)");
     let mut loaded =
@@ -72,7 +72,7 @@ pub fn simulation_on(threads: usize, keys: &str, grains: Vec<GrainRow>) -> Simul
     Simulation::new(&loaded, &Registry::default(), NonZeroUsize::new(threads).unwrap()).unwrap()
 }
 
-/// Where a grain is and how it moves; in the plane z is 0, and the spin is along z.
+/// Position, velocity and spin of a grain. In the plane z is 0 and the spin is along z.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Motion {
     pub position: DVec3,
@@ -80,7 +80,7 @@ pub struct Motion {
     pub spin: DVec3,
 }
 
-/// The motion of each grain, by id, in any space.
+/// Returns the motion of each grain, sorted by id, in either space.
 pub fn motion(simulation: &mut Simulation) -> Vec<Motion> {
     match Dimension::of_world(simulation.world()) {
         Dimension::Plane => motion_in::<Plane>(simulation),
@@ -99,7 +99,7 @@ fn motion_in<V: Space>(simulation: &mut Simulation) -> Vec<Motion> {
     all.map(|(_, x, v, w)| Motion { position: x.spread(), velocity: v.spread(), spin: spread(w) }).collect()
 }
 
-/// Position and velocity of each grain of a planar scene, by id.
+/// Returns position and velocity of each grain of a planar scene, sorted by id.
 pub fn state(simulation: &mut Simulation) -> Vec<(Vector, Vector)> {
     let world = simulation.world_mut();
     let mut query = world.query_filtered::<(&GrainId, &Position, &Velocity), With<Grain>>();
@@ -108,7 +108,7 @@ pub fn state(simulation: &mut Simulation) -> Vec<(Vector, Vector)> {
     rows.into_iter().map(|(_, x, v)| (x, v)).collect()
 }
 
-/// Root of the mean of squares.
+/// Returns the root mean square.
 pub fn rms(errors: &[f64]) -> f64 {
     (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
 }

@@ -1,6 +1,7 @@
 //! The stacked pair: case DEM03 of MFiX's verification manual (Garg, Galvin, Li and Pannala, Powder Technology 220,
-//! 122, 2012). Two balls squeezed one upon the other between a floor and a lid start from rest away from equilibrium
-//! and swing there, against Runge and Kutta. No contact opens, so that nothing but the scheme itself errs.
+//! 122, 2012). Two balls, one on the other, are squeezed between a floor and a lid. They start at rest away from
+//! equilibrium and oscillate. The reference is a Runge-Kutta solution. No contact opens, so the only error is the one
+//! of the scheme.
 
 use std::f64::consts::PI;
 
@@ -14,12 +15,12 @@ const RADIUS: f64 = 0.5e-3;
 const K: f64 = 1.0e3;
 const TOP: f64 = 3.6 * RADIUS;
 
-/// How far both balls together start from equilibrium: 0.4 R of overlap on three equal springs, 0.1 R of it at floor
-/// and lid. No swing is larger.
+/// Initial distance of both balls together from equilibrium: 0.4 R of overlap shared by three equal springs, against
+/// 0.1 R at floor and lid. No oscillation is larger.
 const AWAY: f64 = 2.0 * (0.4 * RADIUS / 3.0 - 0.1 * RADIUS);
 const PERIODS: u32 = 6;
 
-/// zeta of a restitution, with attraction.
+/// Returns zeta for the restitution `e`, with attraction.
 fn zeta(e: f64) -> f64 {
     -e.ln() / (PI * PI + e.ln().powi(2)).sqrt()
 }
@@ -29,8 +30,8 @@ fn masses() -> [f64; 2] {
     [20000.0, 10000.0].map(|density| density * 4.0 / 3.0 * PI * RADIUS.powi(3))
 }
 
-/// Heights after `steps` of `dt` by Runge and Kutta, from rest at a quarter and three quarters; all three contacts
-/// last.
+/// Returns the heights after `steps` steps of `dt` by Runge-Kutta, from rest at a quarter and three quarters of the
+/// height. All three contacts must last.
 fn reference(e: f64, dt: f64, steps: u32) -> [f64; 2] {
     let [m1, m2] = masses();
     let drag = |m: f64| 2.0 * zeta(e) * (K * m).sqrt();
@@ -54,10 +55,10 @@ fn reference(e: f64, dt: f64, steps: u32) -> [f64; 2] {
     [y[0], y[1]]
 }
 
-/// The largest distance of the heights from the reference's, at `n` steps a period of the fastest mode.
+/// Returns the largest distance of the heights from the reference, with `n` steps per period of the fastest mode.
 fn largest_error(scheme: &str, space: &str, e: f64, n: u32) -> f64 {
     let [m1, m2] = masses();
-    // The fastest mode is slower than 3 k/m of the lighter ball (Gershgorin).
+    // The fastest mode is slower than sqrt(3 k/m) of the lighter ball (Gershgorin).
     let w = (3.0 * K / m2).sqrt();
     let dt = 2.0 * PI / w / f64::from(n);
     let contact = format!("contact: Linear(k: {K:?}, damping: Restitution({e:?}), attraction: Allowed)");
@@ -97,22 +98,23 @@ fn largest_error(scheme: &str, space: &str, e: f64, n: u32) -> f64 {
 }
 
 #[test]
-fn a_stacked_pair_between_walls_follows_its_equations() {
+fn stacked_pair_between_walls_converges_to_the_reference_solution() {
     for (scheme, space) in [("Verlet", "Solid"), ("Verlet", "Plane"), ("Centred", "Solid"), ("Centred", "Plane")] {
         for e in [1.0, 0.9, 0.7, 0.5] {
             let (coarse, fine) = (largest_error(scheme, space, e, 200), largest_error(scheme, space, e, 800));
             let w_dt = 2.0 * PI / 200.0;
-            // Verlet's phase is off by (w dt)^2/24 of w t; centred drag answers with the same order, and over w t/(2 e)
-            // = 1/zeta. Lagged, drag at v(t - dt/2) pushes by c a dt/2: in resonance, so that a swing of size A is off by
-            // dt/2 zeta w^2 t A exp(-zeta w t), at most A w dt/(2 e) = 0.18 A w dt; a third more for drag that is not
-            // proportional to the stiffness and so couples the two modes.
+            // Verlet's phase error is (w dt)^2/24 of w t. Centred damping has an error of second order too, which
+            // matters up to w t = 1/zeta. In Verlet the damping acts at v(t - dt/2), which adds a force c a dt/2 in
+            // resonance. It shifts an oscillation of amplitude A by dt/2 zeta w^2 t A exp(-zeta w t), at most A w dt/(2
+            // e) = 0.18 A w dt. Damping that is not proportional to the stiffness couples the two modes, which adds a
+            // third.
             let is_second = e == 1.0 || scheme == "Centred";
             let tolerance =
                 AWAY * if is_second { w_dt * w_dt * 2.0 * PI * f64::from(PERIODS) / 24.0 } else { 0.25 * w_dt };
             assert!(coarse < tolerance, "{scheme}, {space}, e = {e}: {coarse:e} m off, not {tolerance:e}");
             let order = (coarse / fine).ln() / 4.0f64.ln();
             let expected = if is_second { 2.0 } else { 1.0 };
-            // The next order adds a share of w dt to the coarse error, its ln over ln(4): 0.02.
+            // The next order adds a share w dt to the coarse error; its logarithm over ln(4) is 0.02.
             assert!((order - expected).abs() < 0.05, "{scheme}, {space}, e = {e}: order {order:.3}");
         }
     }

@@ -1,10 +1,13 @@
-//! What friction and rolling resistance leave alone: momentum, and angular momentum with the lever `ContactPoint`.
+//! Friction and rolling resistance conserve momentum. With the lever `ContactPoint` they conserve angular momentum too.
 //!
-//! On paper: with kicks by halves and x(t+dt) = x + dt v_h, sum m x(t+dt) x v_h = sum m x(t) x v_h because v_h x v_h = 0. So the
-//! angular momentum L = sum (m x x v + I w) changes in a step by dt/2 times the sum of the torques, orbital and on spins,
-//! at t and at t + dt, each with the positions at which its forces were evaluated: exactly, whatever dt. A contact gives
-//! x_ij x F - (l_i + l_j) n x F_t = (|x_ij| - l_i - l_j) n x F_t: nothing with `ContactPoint`, whose levers add up to the distance,
-//! and -delta n x F_t with `Radius`. Rolling torques are opposite.
+//! Derivation: with half-kicks and x(t+dt) = x + dt v_h, sum m x(t+dt) x v_h = sum m x(t) x v_h because v_h x v_h = 0.
+//! The angular momentum L = sum (m x x v + I w) therefore changes in a step by dt/2 times the sum of the torques,
+//! orbital and on spins, at t and at t + dt. Each torque uses the positions at which its forces were evaluated. This
+//! holds for any dt.
+//!
+//! A contact contributes x_ij x F - (l_i + l_j) n x F_t = (|x_ij| - l_i - l_j) n x F_t. That is zero with
+//! `ContactPoint`, where the levers add up to the distance, and -delta n x F_t with `Radius`. Rolling torques are
+//! opposite and cancel.
 
 use glam::DVec3;
 
@@ -40,7 +43,7 @@ pub fn inertia(solid: bool, grain: &GrainRow) -> f64 {
     (if solid { 0.4 } else { 0.5 }) * grain.mass * grain.radius * grain.radius
 }
 
-/// Momentum and angular momentum about the origin.
+/// Returns momentum and angular momentum about the origin.
 pub fn momenta(solid: bool, grains: &[GrainRow], state: &[Motion]) -> (DVec3, DVec3) {
     let momentum = grains.iter().zip(state).map(|(grain, now)| grain.mass * now.velocity).sum();
     let angular = |(grain, now): (&GrainRow, &Motion)| {
@@ -49,7 +52,7 @@ pub fn momenta(solid: bool, grains: &[GrainRow], state: &[Motion]) -> (DVec3, DV
     (momentum, grains.iter().zip(state).map(angular).sum())
 }
 
-/// 100 grains of two sizes that fly to their middle, with random velocities and spins on top.
+/// Returns 100 grains of two sizes that fly to their common centre, with additional random velocities and spins.
 fn cloud(solid: bool) -> Vec<GrainRow> {
     let (wide, high) = if solid { (5, 5) } else { (10, 10) };
     let place = |x: u32, y: u32, z: u32| 0.085 * DVec3::new(f64::from(x), f64::from(y), f64::from(z));
@@ -67,7 +70,7 @@ fn cloud(solid: bool) -> Vec<GrainRow> {
     (0..100).map(grain).collect()
 }
 
-/// How much momentum and angular momentum an implosion changes, and the bounds of their round-off.
+/// Returns the changes of momentum and angular momentum in an implosion, each with the bound of its round-off.
 fn changes(solid: bool, lever: &str) -> [(f64, f64); 2] {
     let grains = cloud(solid);
     let mut simulation = simulation(&keys(solid, &linear(lever), 2.0e-4), grains.clone());
@@ -76,9 +79,10 @@ fn changes(solid: bool, lever: &str) -> [(f64, f64); 2] {
     simulation.run();
     let state = motion(&mut simulation);
     let after = momenta(solid, &grains, &state);
-    // Pair forces cancel exactly; each half-kick of each grain rounds m v by half an ulp, and so does the sum of its forces,
-    // of random sign. L errs likewise at the arm x, and with the drift: places are multiples of their ulp and a flight adds the
-    // same dt v to them, so it errs alike in each step, by half an ulp at most, of a sign that is random for each grain only.
+    // Pair forces cancel exactly. Each half-kick of each grain rounds m v by half an ulp, and so does the sum of its
+    // forces, with random sign. L has the same error times the arm x, and an error of the drift. A position is a
+    // multiple of its ulp and a flight adds the same dt v in each step, so the drift has the same error in each step:
+    // at most half an ulp, with a sign that is random per grain only.
     let speed = grains.iter().map(|grain| grain.velocity.length()).fold(0.0, f64::max);
     let arm = state.iter().map(|now| now.position.length()).fold(0.0, f64::max);
     let (steps, half_ulp) = (STEPS as f64, 0.5 * f64::EPSILON * 0.16 * speed);
@@ -87,14 +91,14 @@ fn changes(solid: bool, lever: &str) -> [(f64, f64); 2] {
 }
 
 #[test]
-fn an_imploding_frictional_cloud_keeps_momentum_and_angular_momentum_to_round_off() {
+fn imploding_frictional_cloud_conserves_momentum_and_angular_momentum_to_round_off() {
     for solid in [true, false] {
         let [(change, bound), (turned, angular_bound)] = changes(solid, "ContactPoint");
         assert!(change < bound, "solid {solid}: {change:e} kg m/s, bound {bound:e}");
         assert!(turned < angular_bound, "solid {solid}: {turned:e} kg m^2/s, bound {angular_bound:e}");
         let [(change, bound), (turned, angular_bound)] = changes(solid, "Radius");
         assert!(change < bound, "solid {solid}, Radius: {change:e} kg m/s, bound {bound:e}");
-        // The leak is no round-off: friction did act, and the gate above tells the levers apart.
+        // This change is no round-off: friction did act, and the bound above distinguishes the levers.
         assert!(turned > 1e6 * angular_bound, "solid {solid}, Radius: {turned:e} kg m^2/s");
     }
 }

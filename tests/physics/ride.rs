@@ -14,7 +14,7 @@ pub const K: f64 = 1.0e5;
 pub const MU: f64 = 0.3;
 pub const G: f64 = 9.81;
 
-/// A sphere in space or a disc in the plane, on a plane whose slope has the tangent `slope`.
+/// A sphere in solid space or a disc in the plane, on an incline of which the slope has the tangent `slope`.
 #[derive(Clone, Copy, Debug)]
 pub struct Case {
     pub solid: bool,
@@ -34,17 +34,17 @@ impl Case {
         self.slope.atan().cos()
     }
 
-    /// g sin of the slope, m/s^2.
+    /// Returns g sin of the slope angle, m/s^2.
     pub fn drive(self) -> f64 {
         G * self.slope.atan().sin()
     }
 
-    /// Normal force over mass, m/s^2.
+    /// Returns the normal force over the mass, m/s^2.
     pub fn press(self) -> f64 {
         G * self.cos()
     }
 
-    /// The horizontal direction that leads downhill, and up. Askew in space, so that no axis is special.
+    /// Returns the horizontal direction that points downhill, and up. In solid space it is along no axis.
     fn axes(self) -> (DVec3, DVec3) {
         if self.solid { (DVec3::new(0.6, 0.8, 0.0), DVec3::Z) } else { (DVec3::X, DVec3::Y) }
     }
@@ -59,7 +59,7 @@ impl Case {
         self.cos() * (up + self.slope * along)
     }
 
-    /// The grain at its static overlap, with speed `u` downhill and the spin of a roll at speed `roll`.
+    /// Starts the grain at its static overlap, with speed `u` downhill and the spin of rolling at speed `roll`.
     pub fn start(self, tangential: &str, dt: f64, u: f64, roll: f64) -> Ride {
         let numbers = |v: DVec3| {
             if self.solid { format!("({:?}, {:?}, {:?})", v.x, v.y, v.z) } else { format!("({:?}, {:?})", v.x, v.y) }
@@ -87,7 +87,7 @@ pub struct Ride {
     place: DVec3,
 }
 
-/// Way from the start, speed of the centre, speed of a roll with this spin: all downhill.
+/// Distance from the start, speed of the centre, and rolling speed that corresponds to the spin; all downhill.
 pub struct Now {
     pub way: f64,
     pub u: f64,
@@ -104,7 +104,7 @@ impl Ride {
         Now { way: (now.position - self.place).dot(downhill), u: now.velocity.dot(downhill), roll: roll.dot(downhill) }
     }
 
-    /// Time of the last state, s.
+    /// Returns the time of the last state, s.
     pub fn time(&self) -> f64 {
         self.steps as f64 * self.dt
     }
@@ -119,12 +119,13 @@ impl Ride {
     }
 }
 
-/// Round-off of a place near the start after `steps` sums, each rounded by half an ulp.
+/// Returns the round-off of a position near the start after `steps` sums, each rounded by half an ulp.
 pub fn way_round_off(steps: u64) -> f64 {
     steps as f64 * 0.5 * f64::EPSILON * R
 }
 
-/// Round-off of the normal force over mass after a way, m/s^2: the overlap is a difference of places, to two ulp.
+/// Returns the round-off of the normal force over the mass after a distance, m/s^2. The overlap is a difference of
+/// positions, accurate to two ulp.
 pub fn press_round_off(way: f64) -> f64 {
     2.0 * f64::EPSILON * (R + way) * K / M
 }

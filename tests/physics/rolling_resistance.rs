@@ -1,16 +1,16 @@
-//! Rolling resistance of one grain on a plane: an elastic-plastic spring and dashpot on v_r = R w, with a cap mu_r F_n on
-//! its force, which acts as a torque only.
+//! Rolling resistance of one grain on a plane: an elastic-plastic spring and dashpot on v_r = R w, with a cap mu_r F_n
+//! on its force. The force acts as a torque only.
 //!
-//! While a grain rolls, u = R w. With friction F_t at the contact and the rolling force F_r, both uphill:
-//! m u' = m g sin - F_t and q m u' = F_t - F_r, so (1 + q) m u' = m g sin - F_r, whatever F_t is as long as it holds.
+//! While a grain rolls, u = R w. With friction F_t at the contact and the rolling force F_r, both uphill, m u' = m g
+//! sin - F_t and q m u' = F_t - F_r. So (1 + q) m u' = m g sin - F_r for any F_t below its cap.
 
 use crate::ride::{Case, G, M, MU, press_round_off, way_round_off};
 
 const MU_R: f64 = 0.05;
-/// Of both springs, N/m.
+/// Stiffness of both springs, N/m.
 const K: f64 = 1.0e4;
 
-/// Both springs, with gamma of their dashpots in 1/s.
+/// Returns the keys of both springs, with gamma of their dashpots in 1/s.
 fn law(gamma_t: f64, gamma_r: f64) -> String {
     format!(
         "tangential: Spring(k: {K:?}, damping: PerMass({gamma_t:?}), friction: {MU:?}), \
@@ -19,7 +19,7 @@ fn law(gamma_t: f64, gamma_r: f64) -> String {
 }
 
 #[test]
-fn a_rolling_grain_is_slowed_by_its_closed_form_and_stops() {
+fn rolling_grain_decelerates_by_its_closed_form_and_stops() {
     for case in Case::both(0.0) {
         let (q, u0, dt) = (case.q(), 0.3, 4.0e-5);
         let inertia = 1.0 + q;
@@ -30,23 +30,24 @@ fn a_rolling_grain_is_slowed_by_its_closed_form_and_stops() {
         let second = ride.after((lasts / 2.0 / dt) as u64);
         let deceleration = (first.u - second.u) / (ride.time() - then);
         let expected = MU_R * G / inertia;
-        // What the start rings with, a speed of mu_r g/(1 + q) over w_t at most, has decayed with beta_t since; and each
-        // of two kicks a step rounds u by half an ulp; the cap errs with the overlap.
+        // The start excites an oscillation with a speed of at most mu_r g/(1 + q) over w_t, which has decayed with
+        // beta_t since. Each of two kicks per step rounds u by half an ulp. The cap has the error of the overlap.
         let beta = 0.5 * gamma * (1.0 + 1.0 / q);
         let ringing = expected * (M / K).sqrt() * (-beta * then).exp();
         let rounded = ride.time() / dt * f64::EPSILON * u0;
         let tolerance = (2.0 * ringing + rounded) / (ride.time() - then) + MU_R * press_round_off(second.way);
         assert!((deceleration - expected).abs() < tolerance, "{case:?}: slows by {deceleration}, not {expected} m/s^2");
 
-        // The cap is reached after xi = mu_r m g/k at the latest: late by half that way at first, and at the end the
-        // spring rolls the grain back by at most twice that. Two steps for the ends.
+        // The cap is reached after xi = mu_r m g/k at the latest, which delays by half that distance. At the end the
+        // spring rolls the grain back by at most twice that. Two steps are for the ends.
         let spring = MU_R * M * G / K;
         let last = ride.after((2.0 * lasts / dt) as u64);
         let way = 0.5 * u0 * lasts;
         assert!((last.way - way).abs() < 3.0 * spring + 2.0 * u0 * dt, "{case:?}: went {} m, not {way} m", last.way);
-        // Then both springs swing, from half of k (xi^2 + S^2) at most, S < xi. With m w^2/k = x, (1 - x)(2 - q x) = 1, and
-        // both dashpots c = gamma m/k of their springs, the slow mode decays with gamma x/2; the fast one has zeta = 0.8,
-        // so that a mode's speed is at most 1/sqrt(1 - zeta^2) < 2 times that of its energy. A swing's time for the stop.
+        // Afterwards both springs oscillate, starting from at most half of k (xi^2 + S^2), S < xi. With m w^2/k = x, (1
+        // - x)(2 - q x) = 1. Both dashpots have c = gamma m/k of their springs, so the slow mode decays with gamma x/2.
+        // The fast mode has zeta = 0.8, so the speed of a mode is at most 1/sqrt(1 - zeta^2) < 2 times the one from its
+        // energy. The time of one oscillation is for the stop.
         let x = 0.5 * ((2.0 + q) - ((2.0 + q).powi(2) - 4.0 * q).sqrt()) / q;
         let decayed = (-0.5 * gamma * x * (lasts - 2.0 * (M / (x * K)).sqrt())).exp();
         let rest = 4.0 * spring * (K / (q * M)).sqrt() * decayed + 2.0 * lasts / dt * f64::EPSILON * u0;
@@ -54,17 +55,18 @@ fn a_rolling_grain_is_slowed_by_its_closed_form_and_stops() {
     }
 }
 
-/// Two springs in series under the same force, each overdamped with zeta = 3: let go at once, either overshoots by
-/// 1/(4 zeta^2) = 2.8 % at most, so F_r exceeds m g sin by 6 % at most, and a tenth is a fair distance from the cap.
+/// Damping ratio of each of two springs in series under the same force. Released at once, either overshoots by at most
+/// 1/(4 zeta^2) = 2.8 %, so F_r exceeds m g sin by 6 % at most. A distance of a tenth from the cap is enough.
 const ZETA: f64 = 3.0;
 
-/// gamma_t that gives the slip of a grain whose spin is held this zeta, and gamma_r that gives it to a roll.
+/// Returns gamma_t that gives this zeta to the slip of a grain with fixed spin, and gamma_r that gives it to rolling.
 fn gammas(case: Case) -> (f64, f64) {
     let inertia = 1.0 + case.q();
     (2.0 * ZETA * (K / M).sqrt(), 2.0 * ZETA * inertia * (K / (inertia * M)).sqrt())
 }
 
-/// A step that resolves the faster of the two dashpots; and the rate at which the slower of the two springs settles.
+/// Returns a step that resolves the faster of the two dashpots, and the relaxation rate of the slower of the two
+/// springs.
 fn pace(case: Case) -> (f64, f64) {
     let (gamma_t, gamma_r) = gammas(case);
     let fast = (gamma_t * (1.0 + 1.0 / case.q())).max(gamma_r / case.q());
@@ -72,7 +74,7 @@ fn pace(case: Case) -> (f64, f64) {
 }
 
 #[test]
-fn a_grain_rests_on_a_slope_below_its_rolling_resistance() {
+fn grain_stays_at_rest_on_a_slope_below_its_rolling_resistance() {
     for case in Case::both(0.9 * MU_R) {
         let (gamma_t, gamma_r) = gammas(case);
         let (dt, slow) = pace(case);
@@ -80,7 +82,7 @@ fn a_grain_rests_on_a_slope_below_its_rolling_resistance() {
         let now = case.start(&law(gamma_t, gamma_r), dt, 0.0, 0.0).after(steps);
         // The contact slips by m g sin/k_t and rolls by m g sin/k_r.
         let expected = 2.0 * M * case.drive() / K;
-        // Both settle at least at the rate `slow`, so less than e^-40 is left of either.
+        // Both relax at least at the rate `slow`, so less than e^-40 is left of either.
         let tolerance = 2.0 * expected * (-40.0f64).exp() + 2.0 * way_round_off(steps);
         assert!((now.way - expected).abs() < tolerance, "{case:?}: went {:e} m, not {expected:e} m", now.way);
         let settling = 2.0 * way_round_off(steps) * gamma_t.max(gamma_r);
@@ -89,7 +91,7 @@ fn a_grain_rests_on_a_slope_below_its_rolling_resistance() {
 }
 
 #[test]
-fn a_grain_rolls_down_a_slope_above_its_rolling_resistance() {
+fn grain_rolls_down_a_slope_above_its_rolling_resistance() {
     for case in Case::both(1.1 * MU_R) {
         let (gamma_t, gamma_r) = gammas(case);
         let (dt, slow) = pace(case);
@@ -99,7 +101,8 @@ fn a_grain_rolls_down_a_slope_above_its_rolling_resistance() {
         let last = ride.after(2 * steps);
         let acceleration = (last.u - first.u) / (ride.time() - then);
         let expected = (case.drive() - MU_R * case.press()) / (1.0 + case.q());
-        // The friction's spring has settled to e^-40, each kick rounds the speed, and the cap errs with the overlap.
+        // The friction spring has relaxed to e^-40, each kick rounds the speed, and the cap has the error of the
+        // overlap.
         let rounded = 2.0 * last.u * (steps as f64 * f64::EPSILON + (-40.0f64).exp());
         let tolerance = rounded / (ride.time() - then) + MU_R * press_round_off(last.way);
         assert!((acceleration - expected).abs() < tolerance, "{case:?}: {acceleration} m/s^2, not {expected}");

@@ -1,4 +1,4 @@
-//! Integration schemes: orders of damped and frictional contacts, and limits of stability, against closed forms.
+//! Integration schemes: orders of damped and frictional contacts, and stability limits, against closed forms.
 
 use std::f64::consts::PI;
 
@@ -25,16 +25,16 @@ fn centred_contacts_are_of_second_order() {
             let (coarse, fine) = (error("Centred", 40.0), error("Centred", 160.0));
             let order = (coarse / fine).ln() / ((160.0 + PI / 8.0) / (40.0 + PI / 8.0)).ln();
             let case = format!("{against:?}, e = {e}, attraction {attraction}");
-            // As for the plain scheme: 0.06 by the next order, 0.11 by the scatter over 40 phases.
+            // Tolerance as for Verlet: 0.06 for the next order, 0.11 for the scatter over 40 phases.
             assert!((order - 2.0).abs() < 0.2, "{case}: order {order:.3}");
-            // Not worse than the plain scheme from t_c/20 on, and without drag the same.
+            // Centred is not worse than Verlet from t_c/20 on, and equal without damping.
             assert!(error("Centred", 20.0) <= error("Verlet", 20.0), "{case}");
         }
     }
 }
 
 #[test]
-fn without_drag_and_friction_centred_is_verlet_to_the_last_bit() {
+fn without_damping_and_friction_centred_equals_verlet_to_the_last_bit() {
     // Five grains that fly at each other in a box.
     let end = |scheme: &str| {
         let keys = format!(
@@ -54,7 +54,8 @@ fn without_drag_and_friction_centred_is_verlet_to_the_last_bit() {
     assert_eq!(end("Centred"), end("Verlet"));
 }
 
-/// How far an oscillation about the static overlap of a disc on a floor has grown after 4000 steps of `share` of the limit.
+/// Returns the growth of an oscillation about the static overlap of a disc on a floor. The run takes 4000 steps of
+/// `share` times the limit.
 fn growth(scheme: &str, zeta: f64, share: f64) -> f64 {
     let (w0, c) = ((K / M).sqrt(), 2.0 * zeta * (K * M).sqrt());
     let limit = match scheme {
@@ -70,38 +71,40 @@ fn growth(scheme: &str, zeta: f64, share: f64) -> f64 {
     let (rest, start) = (R - M * 9.81 / K, 1e-9);
     let mut simulation = simulation(&keys, vec![grain(1, Vector::new(0.0, rest + start), Vector::ZERO, R, M)]);
     simulation.run_steps(1);
-    // A kick from outside: now the last force is not that of this velocity, which excites every mode of the scheme.
+    // An external change of velocity: the last force no longer belongs to this velocity, which excites every mode of
+    // the scheme.
     let world = simulation.world_mut();
     world.query::<&mut Velocity>().single_mut(world).unwrap().0.y += 0.1 * start / dt;
-    // Over the last 100 steps, because it swings.
+    // The largest value of the last 100 steps, because the position oscillates.
     simulation.run_steps(3900);
-    let swing = (3900..4000).map(|step| {
+    let oscillation = (3900..4000).map(|step| {
         simulation.run_steps(step);
         (state(&mut simulation)[0].0.y - rest).abs()
     });
-    swing.fold(0.0, f64::max) / start
+    oscillation.fold(0.0, f64::max) / start
 }
 
 #[test]
-fn a_lone_contact_is_stable_up_to_the_limit_of_its_scheme_and_no_further() {
+fn single_contact_is_stable_exactly_up_to_the_limit_of_its_scheme() {
     for scheme in ["Centred", "Verlet"] {
         for zeta in [0.02, 0.19, 0.5, 1.0, 2.0] {
             let [below, above] = [0.98, 1.02].map(|share| growth(scheme, zeta, share));
-            // The start is 1e-9 m, 1e-4 of the static overlap, and 8 ulp of R is 1e-16 m: 1e-7 of the start.
+            // The start is 1e-9 m, 1e-4 of the static overlap. 8 ulp of R are 1e-16 m, 1e-7 of the start.
             assert!(below < 1e-3 || zeta < 0.1 && below < 1.0, "{scheme}, zeta {zeta}: {below}");
             assert!(above > 1e3, "{scheme}, zeta {zeta}: {above}");
         }
     }
-    // Without drag amplitudes stay: at 0.98 of the limit a swing of Verlet is 1/sqrt(1 - 0.98^2) = 5 times as wide.
+    // Without damping amplitudes persist. At 0.98 of the limit Verlet's oscillation is 1/sqrt(1 - 0.98^2) = 5 times as
+    // wide.
     for scheme in ["Centred", "Verlet", "SymplecticEuler"] {
         let [below, above] = [0.98, 1.02].map(|share| growth(scheme, 0.0, share));
         assert!(below < 12.0 && above > 1e3, "{scheme}: {below} {above}");
     }
 }
 
-/// w0 dt at which n contacts, each of which alone has w0 and zeta, turn their sign each step: with lagged drag
-/// n ((w0 dt)^2 + 4 zeta w0 dt) = 4, centred n ((w0 dt)^2 + 8 zeta w0 dt/(1 + zeta w0 dt)) = 4.
-fn crowd_limit(scheme: &str, n: f64, zeta: f64) -> f64 {
+/// Returns w0 dt at which n contacts, each alone with w0 and zeta, change sign in each step. With damping evaluated
+/// half a step late n ((w0 dt)^2 + 4 zeta w0 dt) = 4; centred n ((w0 dt)^2 + 8 zeta w0 dt/(1 + zeta w0 dt)) = 4.
+fn several_contacts_limit(scheme: &str, n: f64, zeta: f64) -> f64 {
     let load = |x: f64| {
         let drag = if scheme == "Centred" { 8.0 / (1.0 + zeta * x) } else { 4.0 };
         n * x * (x + drag * zeta)
@@ -114,8 +117,8 @@ fn crowd_limit(scheme: &str, n: f64, zeta: f64) -> f64 {
     low
 }
 
-/// By how much the ways that grains have gone have grown after 4000 steps, from `start` (m) and a kick to match.
-fn swing(keys: &str, dt: f64, start: f64, places: &[(Vector, f64)]) -> f64 {
+/// Returns the growth of the displacements of grains after 4000 steps, from `start` (m) and a matching velocity.
+fn displacement_growth(keys: &str, dt: f64, start: f64, places: &[(Vector, f64)]) -> f64 {
     let keys = format!("gravity: (0.0, 0.0), {keys}, step: Fixed({dt:?}), until: 1.0e9");
     let grains = (1..).zip(places).map(|(id, &(place, sign))| {
         let away = Vector::new(0.0, sign * start);
@@ -132,7 +135,7 @@ fn swing(keys: &str, dt: f64, start: f64, places: &[(Vector, f64)]) -> f64 {
     ways.fold(0.0, f64::max) / start
 }
 
-/// A grain between two walls that both press it by a hundredth of its radius: two contacts, of which each is damped by `zeta`.
+/// A grain between two walls that both compress it by a hundredth of its radius: two contacts, each damped by `zeta`.
 fn squeezed(scheme: &str, zeta: f64, share: f64) -> f64 {
     let (w0, c) = ((K / M).sqrt(), 2.0 * zeta * (K * M).sqrt());
     let keys = format!(
@@ -141,11 +144,11 @@ fn squeezed(scheme: &str, zeta: f64, share: f64) -> f64 {
         -0.99 * R,
         0.99 * R
     );
-    swing(&keys, share * crowd_limit(scheme, 2.0, zeta) / w0, 1e-9, &[(Vector::ZERO, 1.0)])
+    displacement_growth(&keys, share * several_contacts_limit(scheme, 2.0, zeta) / w0, 1e-9, &[(Vector::ZERO, 1.0)])
 }
 
-/// The hexagonal lattice, pressed together by 1e-4 of the radius, rows against rows: four contacts of each grain move, at 30 degrees
-/// to the way, and (with both grains of each) are worth three.
+/// The hexagonal lattice, compressed by 1e-4 of the radius; rows move against rows. Four contacts of each grain move,
+/// at 30 degrees to the displacement. With both grains of each contact they are equivalent to three.
 fn hexagonal(scheme: &str, zeta: f64, share: f64) -> f64 {
     let (w0, c) = ((2.0 * K / M).sqrt(), 2.0 * zeta * (K * 0.5 * M).sqrt());
     let spacing = 2.0 * R * (1.0 - 0.5e-4);
@@ -164,53 +167,55 @@ fn hexagonal(scheme: &str, zeta: f64, share: f64) -> f64 {
             (Vector::new((column + shift) * spacing, (f64::from(row) + 0.5) * rise), sign)
         })
         .collect();
-    swing(&keys, share * crowd_limit(scheme, 3.0, zeta) / w0, 1e-10, &places)
+    displacement_growth(&keys, share * several_contacts_limit(scheme, 3.0, zeta) / w0, 1e-10, &places)
 }
 
 #[test]
-fn in_company_a_contact_is_stable_up_to_the_limit_of_the_crowd_and_no_further() {
+fn several_contacts_are_stable_exactly_up_to_their_limit() {
     for scheme in ["Centred", "Verlet"] {
         for zeta in [0.1, 0.35, 0.7, 1.5] {
-            // The pressing of the lattice makes it softer by some overlap over diameter, 1e-4.
+            // The compression softens the lattice by a share of overlap over diameter, 1e-4.
             for (place, growth) in [("squeezed", squeezed as fn(&str, f64, f64) -> f64), ("hexagonal", hexagonal)] {
                 let [below, above] = [0.98, 1.02].map(|share| growth(scheme, zeta, share));
-                // Round-off, 1e-16 m, is 1e-6 of the start at most.
+                // Round-off, 1e-16 m, is at most 1e-6 of the start.
                 assert!(below < 1e-3, "{scheme}, zeta {zeta}, {place}: {below}");
                 assert!(above > 1e3, "{scheme}, zeta {zeta}, {place}: {above}");
             }
         }
     }
-    // With company the order is turned around: at every zeta the centred drag needs the shorter step.
+    // With several contacts the order is reversed: at every zeta centred damping needs the smaller step.
     for zeta in [0.1, 0.35, 0.7, 1.5] {
-        assert!(crowd_limit("Centred", 2.0, zeta) < crowd_limit("Verlet", 2.0, zeta));
+        assert!(several_contacts_limit("Centred", 2.0, zeta) < several_contacts_limit("Verlet", 2.0, zeta));
     }
 }
 
 #[test]
-fn an_oblique_landing_keeps_its_books_in_every_step() {
-    // It slips from the first moment on, so that its dashpot alone is beyond the cap and loads the spring by as much as a part
-    // of its energy, in that moment and no sooner.
+fn energy_balance_of_an_oblique_landing_closes_in_every_step() {
+    // The contact slips from its first moment. The force of its dashpot alone exceeds the cap and loads the spring by a
+    // considerable part of the energy, at that moment and not earlier.
     let worst = |rule: &str, e: f64, n: f64| {
         let dt = duration_of(Against::Wall, e, rule == "Allowed") / n;
         let steps = (1.5 * n) as u64 + 8;
-        (0..16).map(|phase| books(rule, e, dt, steps, f64::from(phase) / 16.0)).fold(0.0, f64::max)
+        (0..16).map(|phase| balance_error(rule, e, dt, steps, f64::from(phase) / 16.0)).fold(0.0, f64::max)
     };
     for rule in ["Allowed", "Forbidden"] {
         for e in [0.9, 0.5, 0.2] {
             let n = [40.0, 160.0].map(|n| n + PI / 8.0);
             let [coarse, fine] = n.map(|n| worst(rule, e, n));
             let order = (coarse / fine).ln() / (n[1] / n[0]).ln();
-            // Of the next order, which is a twentieth at t_c/40, and of the worst of 16 phases instead of all: 0.1 each.
+            // 0.1 for the next order, which is a twentieth at t_c/40, and 0.1 for the worst of 16 phases instead of
+            // all.
             assert!((order - 2.0).abs() < 0.2, "{rule}, e = {e}: order {order:.3}, {coarse:e} {fine:e}");
-            // k v^2 dt^2 or so where a contact opens or closes, with v = 1 m/s, over m.
+            // About k v^2 dt^2 where a contact opens or closes, with v = 1 m/s, divided by m.
             let w0_dt = (K / M).sqrt() * duration_of(Against::Wall, e, rule == "Allowed") / n[0];
             assert!(coarse < w0_dt * w0_dt, "{rule}, e = {e}: {coarse:e}");
         }
     }
 }
 
-/// The largest that the balance is off in any step of an oblique landing at 1 m/s each way, J/kg; the grain has 1 J/kg.
-fn books(rule: &str, e: f64, dt: f64, steps: u64, phase: f64) -> f64 {
+/// Returns the largest error of the energy balance in any step of an oblique landing at 1 m/s in each direction, J/kg.
+/// The grain starts with 1 J/kg.
+fn balance_error(rule: &str, e: f64, dt: f64, steps: u64, phase: f64) -> f64 {
     let keys = format!(
         "gravity: (0.0, 0.0), contact: Linear(k: {K:?}, damping: Restitution({e:?}), attraction: {rule}, \
          tangential: Spring(k: {:?}, damping: OfNormal(0.5), friction: 0.1)), integrator: Centred, \
@@ -227,7 +232,8 @@ fn books(rule: &str, e: f64, dt: f64, steps: u64, phase: f64) -> f64 {
     off.fold(0.0, f64::max) / M
 }
 
-/// An oblique impact on a floor at 1 m/s downwards; what it ends with. With a side wall, it meets that 0.3 t_c later.
+/// Simulates an oblique impact on a floor at 1 m/s downwards and returns the final state. With a side wall, the grain
+/// touches that wall 0.3 t_c later.
 fn oblique(case: Oblique, scheme: &str, n: f64, phase: f64) -> [f64; 3] {
     let Oblique { rule, e, friction, vt, dashpot, side } = case;
     let duration = duration_of(Against::Wall, e, rule == "Allowed");
@@ -257,13 +263,13 @@ struct Oblique {
     side: bool,
 }
 
-/// Errors of the centred scheme at about t_c/20 and t_c/80, of the plain one at t_c/20, and the order.
+/// Returns the errors of the centred scheme at about t_c/20 and t_c/80 and of Verlet at t_c/20, and the order.
 fn oblique_errors(case: Oblique) -> ([f64; 3], f64) {
-    // The plain scheme of first order, extrapolated: what is left of its 1e-5 is of its second order.
+    // Verlet of first order, extrapolated. Of its error of 1e-5 only the second order remains.
     let [coarse, fine] = [2.0e4, 4.0e4].map(|n| oblique(case, "Verlet", n, 0.0));
     let exact: [f64; 3] = std::array::from_fn(|i| 2.0 * fine[i] - coarse[i]);
     let error = |scheme, n: f64| {
-        // Three steps near each other, because at some of them errors happen to cancel.
+        // Three neighbouring step sizes, because errors happen to cancel at single ones.
         let all = (0..48).flat_map(|phase| {
             let n = n * [1.0, 1.16, 1.36][phase % 3] + PI / 8.0;
             let got = oblique(case, scheme, n, phase as f64 / 48.0);
@@ -276,15 +282,16 @@ fn oblique_errors(case: Oblique) -> ([f64; 3], f64) {
 }
 
 #[test]
-fn friction_is_of_second_order_and_of_the_same_law() {
+fn friction_converges_with_second_order_to_the_result_of_verlet() {
     for rule in ["Allowed", "Forbidden"] {
         for e in [0.9, 0.5, 0.2] {
-            // Sticks; slips later; slips throughout; its dashpot alone is beyond the cap in the first moment, and then it sticks.
+            // In this order: sticks; slips later; slips throughout; the dashpot alone exceeds the cap at first, then
+            // the contact sticks (two cases).
             for (friction, vt) in [(0.5, 0.3), (0.5, 1.0), (0.1, 1.0), (0.5, 1.1), (0.5, 1.5)] {
                 let case = Oblique { rule, e, friction, vt, dashpot: 0.5, side: false };
                 let ([coarse, fine, plain], order) = oblique_errors(case);
-                // Slip and stick change places within a step at some phases only: errors scatter by their own size over 48
-                // phases, 1/sqrt(48)/ln(4) = 0.1, and what is of third order at t_c/20 is a fifth of it, another 0.15.
+                // Slip and stick alternate within a step at some phases only. Errors scatter by their own size over 48
+                // phases, 1/sqrt(48)/ln(4) = 0.1. The third order is a fifth of the error at t_c/20: another 0.15.
                 assert!(order > 1.7, "{case:?}: order {order:.2}, {coarse:e} {fine:e}");
                 assert!(coarse < plain, "{case:?}: {coarse:e}");
             }
@@ -293,16 +300,18 @@ fn friction_is_of_second_order_and_of_the_same_law() {
 }
 
 #[test]
-fn friction_in_company_is_of_second_order_too() {
-    // A side wall is met while the floor is: its contact slips for a moment and sticks, or slips on, or makes the floor's stick.
+fn friction_of_two_simultaneous_contacts_is_of_second_order() {
+    // The grain touches a side wall during its contact with the floor. The side contact slips briefly and sticks, or
+    // slips on, or makes the floor contact stick.
     for rule in ["Allowed", "Forbidden"] {
         for (e, dashpot) in [(0.9, 0.5), (0.5, 0.5), (0.2, 0.5), (0.2, 0.0)] {
             for (friction, vt) in [(0.5, 0.3), (0.5, 1.0), (0.1, 1.0)] {
                 let case = Oblique { rule, e, friction, vt, dashpot, side: true };
                 let ([coarse, fine, plain], order) = oblique_errors(case);
-                // As with one contact; with two, whose moments are each somewhere in a step, the scatter is sqrt 2 larger. But where
-                // a force, as it sets in, makes another contact stick whose dashpot slips, that one learns of it a step later:
-                // of first order. With attraction forbidden that is too little to show.
+                // Tolerance as with one contact. The events of two contacts fall at any phase of a step, so the scatter
+                // is sqrt 2 larger. One case is of first order: a force that sets in makes another contact stick, and
+                // the slipping dashpot of that contact receives the change one step later. With attraction forbidden
+                // the effect is too small to show.
                 let sticks_at_once = (rule, e, dashpot, friction) == ("Allowed", 0.2, 0.5, 0.1);
                 let least = if sticks_at_once { 0.85 } else { 1.65 };
                 assert!(order > least, "{case:?}: order {order:.2}, {coarse:e} {fine:e}");
@@ -313,7 +322,7 @@ fn friction_in_company_is_of_second_order_too() {
 }
 
 #[test]
-fn an_automatic_step_keeps_its_word() {
+fn automatic_step_meets_the_requested_error() {
     for (e, attraction) in CASES {
         for wanted in [1e-2, 1e-3, 1e-4] {
             for scheme in ["Centred", "Verlet"] {
@@ -325,14 +334,14 @@ fn an_automatic_step_keeps_its_word() {
                 let n = duration_of(Against::Grain, e, attraction) / step;
                 let error = restitution_error(scheme, Against::Grain, e, attraction, n);
                 assert!(error <= wanted, "{scheme}, e = {e}, {rule}: {error:e} with {n} steps, not {wanted:e}");
-                // And it is not wasteful: no more than ten times the steps that the worst case needs.
+                // The step is not wasteful: at most ten times the steps that the worst case needs.
                 assert!(n < if scheme == "Centred" { 60.0 * (1e-3 / wanted).sqrt() } else { 1200.0 * (1e-3 / wanted) });
             }
         }
     }
 }
 
-/// The step that a scene with two grains as those of the bounce chooses for itself, s.
+/// Returns the automatic step of a scene with the two grains of the bounce, s.
 fn automatic_step(keys: &str) -> f64 {
     let grains = crate::bounce::MASSES.map(|mass| grain(1, Vector::ZERO, Vector::ZERO, R, mass)).to_vec();
     let text = format!("({keys}, pictures: None)");

@@ -1,4 +1,4 @@
-//! A bed that two walls shear, and the geometry of its neighbours.
+//! A bed sheared by two walls, and the geometry of its neighbours.
 
 use glam::DVec3;
 
@@ -13,13 +13,13 @@ pub const K_T: f64 = 2.9e4;
 pub const K_R: f64 = 2.0e4;
 pub const MU: f64 = 0.5;
 pub const MU_R: f64 = 0.1;
-/// Speed of each wall, one to the left, one to the right, m/s.
+/// Speed of each wall, m/s. One moves to the left, one to the right.
 const SPEED: f64 = 1.0;
 pub const DT: f64 = 5.0e-5;
-/// Distance of the grains in their first rows, m; their radii are 0.044 and 0.036 m in turn.
+/// Initial distance of neighbouring grains, m. Their radii alternate between 0.044 and 0.036 m.
 const APART: f64 = 0.0802;
 
-/// A bed between two walls, periodic along them.
+/// A bed between two walls, periodic along the walls.
 pub struct Bed {
     solid: bool,
     /// gamma of the tangential and rolling dashpots, 1/s.
@@ -51,7 +51,7 @@ impl Bed {
     }
 
     fn keys(solid: bool, gamma: f64, height: f64, width: f64) -> String {
-        // (x, up) to the text of a vector.
+        // Formats the vector (x, up).
         let vector = |x: f64, up: f64| if solid { format!("({x:?}, 0.0, {up:?})") } else { format!("({x:?}, {up:?})") };
         let wall = |at: f64, normal: f64, speed: f64| {
             let (point, normal, velocity) = (vector(0.0, at), vector(0.0, normal), vector(speed, 0.0));
@@ -70,7 +70,8 @@ impl Bed {
         )
     }
 
-    /// Geometry of every pair that could touch, grains with grains and with the two walls, by pair and in a fixed order.
+    /// Calls `visit` with number and geometry of every pair that could touch, in a fixed order: pairs of grains, and
+    /// grains with the two walls.
     pub fn each_pair(&self, state: &[Motion], mut visit: impl FnMut(usize, &Near)) {
         let up = if self.solid { DVec3::Z } else { DVec3::Y };
         let mut number = 0;
@@ -114,18 +115,18 @@ impl Bed {
     }
 }
 
-/// Two neighbours, from the side of the first.
+/// Geometry of two neighbours, seen from the first one.
 pub struct Near {
-    /// Between their surfaces, m: negative in contact.
+    /// Distance between the surfaces, m; negative in contact.
     pub gap: f64,
-    /// Towards the first, of any length.
+    /// Vector towards the first neighbour, of any length.
     pub normal: DVec3,
-    /// Of the first against the second, m/s.
+    /// Velocity of the first relative to the second, m/s.
     pub velocity: DVec3,
-    /// R_i w_i + R_j w_j: what turns the surfaces past each other, m/s.
+    /// R_i w_i + R_j w_j, m/s: the spin part of the velocity of the surfaces past each other.
     pub turning: DVec3,
     /// R_eff (w_i - w_j), m/s.
     pub rolling: DVec3,
-    /// The reduced mass, kg.
+    /// Reduced mass, kg.
     pub mass: f64,
 }

@@ -1,8 +1,8 @@
-//! A sphere that hits a wall obliquely: the impact by siloflow, and the same spring, dashpot and slider as differential
-//! equations, by Runge and Kutta.
+//! A sphere that hits a wall obliquely: the impact in siloflow, and the same spring, dashpot and slider as differential
+//! equations, solved by Runge-Kutta.
 //!
-//! The friction spring is loaded by v_s = v_t + R w; with q = m R^2/I a force F_t changes v_s by (1 + q) F_t/m. N is
-//! the number of steps in an undamped contact, never a whole number.
+//! The friction spring is loaded by v_s = v_t + R w. With q = m R^2/I a force F_t changes v_s at the rate (1 + q)
+//! F_t/m. N is the number of steps per undamped contact, never an integer.
 
 use std::f64::consts::PI;
 
@@ -26,7 +26,7 @@ pub struct Law {
     pub radius: f64,
 }
 
-/// Chung and Ooi's spheres, on a wall that is a thousand times as stiff.
+/// Returns the law of Chung and Ooi's spheres, on a wall a thousand times as stiff.
 pub fn mindlin([young, poisson, density]: [f64; 3], radius: f64, e: f64, friction: f64) -> Law {
     let keys = format!(
         "contact: Hertz(restitution: {e:?}, attraction: Allowed, tangential: Mindlin(friction: {friction:?})), \
@@ -47,7 +47,7 @@ pub fn mindlin([young, poisson, density]: [f64; 3], radius: f64, e: f64, frictio
     }
 }
 
-/// What a contact makes of the velocities: normal and tangential velocity, and w with v_s = v_t + R w.
+/// Velocities after a contact: normal and tangential velocity, and w with v_s = v_t + R w.
 #[derive(Clone, Copy)]
 pub struct After {
     pub normal: f64,
@@ -64,9 +64,9 @@ impl Law {
         if self.p == 1.0 { PI * (self.mass / self.k).sqrt() } else { 2.943_275_184 * self.deepest(v_n) / v_n }
     }
 
-    /// w_t dt with w_t = sqrt((1 + q) k_t/m) at the deepest point, and what drag that is half a step old and begins and
-    /// ends in mid-step is off by: c dt/(2 m) along the normal, (1 + q) c_t dt/(2 m) across it and once more for the
-    /// ends.
+    /// Returns w_t dt with w_t = sqrt((1 + q) k_t/m) at the deepest point, and the error of damping that is evaluated
+    /// half a step late and begins and ends within a step. That error is c dt/(2 m) along the normal, (1 + q) c_t dt/(2
+    /// m) across it, and the latter once more for the ends.
     pub fn steps_and_drag(&self, v_n: f64, q: f64) -> (f64, f64) {
         let k_t = self.k_t * self.deepest(v_n).powf(self.p - 1.0);
         let step = ((1.0 + q) * k_t / self.mass).sqrt() * self.duration(v_n) / N;
@@ -77,7 +77,7 @@ impl Law {
         let dt = self.duration(v_n) / N;
         let height = self.radius + v_n * dt * (1.0 + phase);
         let (normal, along, scene, row) = if space == "Solid" {
-            // Not along an axis, so that both components of the tangent plane take part.
+            // Not along an axis, so that both components of the tangent plane are used.
             let (n, t) = (Solid::Z, Solid::new(0.6, -0.8, 0.0));
             let wall = "space: Solid, gravity: (0.0, 0.0, 0.0), \
                         walls: [HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0), species: 1)]";
@@ -91,7 +91,7 @@ impl Law {
         let mut simulation = simulation(&keys, vec![row]);
         simulation.run_steps((1.2 * N) as u64);
         let after = motion(&mut simulation).remove(0);
-        // Nothing leaves the plane of the impact.
+        // The motion stays in the plane of the impact.
         let binormal = normal.cross(along);
         assert!(after.velocity.dot(binormal).abs() < N * f64::EPSILON * v_t);
         assert!((after.spin - after.spin.dot(binormal) * binormal).length() < N * f64::EPSILON * v_t / self.radius);
@@ -99,10 +99,10 @@ impl Law {
         After { normal, tangential, spin: -after.spin.dot(binormal) }
     }
 
-    /// Spring, dashpot and slider as differential equations, by Runge and Kutta's fourth order; q of a sphere.
+    /// Integrates spring, dashpot and slider with fourth-order Runge-Kutta, for q of a sphere.
     pub fn integrate(&self, v_n: f64, v_t: f64) -> After {
         let h = self.duration(v_n) / 4000.0;
-        // Normal force, k_t, c_t.
+        // Returns normal force, k_t, c_t.
         let forces = |overlap: f64, rate: f64| {
             let overlap = overlap.max(0.0);
             let soft = overlap.powf(self.p - 1.0);
@@ -111,12 +111,12 @@ impl Law {
             let k_t = self.k_t * soft;
             (self.k * soft * overlap + c * rate, k_t, 2.0 * z * (k_t * self.mass).sqrt())
         };
-        // Overlap, its rate, v_t, w, spring.
+        // State: overlap, its rate, v_t, w, spring.
         let rates = |[overlap, rate, v_t, spin, spring]: [f64; 5]| {
             let (f_n, k_t, c_t) = forces(overlap, rate);
             let (v_s, cap) = (v_t + self.radius * spin, self.friction * f_n.abs());
             let f_t = (-k_t * spring - c_t * v_s).clamp(-cap, cap);
-            // A spring that stiffens keeps its force: k_t s' = k_t v_s - k_t' s.
+            // A stiffening spring keeps its force: k_t s' = k_t v_s - k_t' s.
             let kept = if rate > 0.0 && overlap > 0.0 { (self.p - 1.0) * rate / overlap * spring } else { 0.0 };
             [rate, -f_n / self.mass, f_t / self.mass, 2.5 * f_t / (self.mass * self.radius), v_s - kept]
         };

@@ -1,4 +1,4 @@
-//! What must not matter: the direction of the axes, the origin, a mirror.
+//! Symmetries: rotation of the axes, shift of the origin, and reflection do not change the physics.
 
 use glam::{DMat3, DVec3};
 
@@ -10,13 +10,13 @@ pub const R: f64 = 0.04;
 const SPEED: f64 = 1.0;
 const STEPS: u64 = 5000;
 
-/// With what is tangential and rolling.
+/// A linear law with tangential and rolling terms.
 pub const LINEAR: &str = "Linear(k: 1.0e4, damping: Restitution(0.8), attraction: Allowed, \
     tangential: Spring(k: 2.9e3, damping: PerMass(20.0), friction: 0.4), \
     rolling: (k: 1.0e3, damping: PerMass(20.0), friction: 0.1))";
 pub const HERTZ: &str = "Hertz(restitution: 0.8, attraction: Allowed, tangential: Mindlin(friction: 0.4))";
 
-/// Free grains: no gravity, no walls.
+/// Returns the keys of free grains: no gravity, no walls.
 fn keys(solid: bool, contact: &str) -> String {
     let (space, gravity) = if solid { ("Solid", "(0.0, 0.0, 0.0)") } else { ("Plane", "(0.0, 0.0)") };
     format!(
@@ -25,13 +25,13 @@ fn keys(solid: bool, contact: &str) -> String {
     )
 }
 
-/// Numbers from -1 to 1.
-pub fn throw(name: &str, counter: u32) -> DVec3 {
+/// Returns numbers from -1 to 1.
+pub fn random_vector(name: &str, counter: u32) -> DVec3 {
     DVec3::from(Stream::new(3, name).uniform(u64::from(counter)).map(|u: f64| 2.0 * u - 1.0))
 }
 
-/// Six grains from six sides that meet near the origin, with spins.
-fn rush(solid: bool) -> Vec<GrainRow> {
+/// Returns six spinning grains that come from six sides and collide near the origin.
+fn colliding_grains(solid: bool) -> Vec<GrainRow> {
     let (flat, axis) = if solid { (DVec3::ONE, DVec3::ONE) } else { (DVec3::new(1.0, 1.0, 0.0), DVec3::Z) };
     let grain = |i: u32| {
         let side = if solid {
@@ -39,17 +39,17 @@ fn rush(solid: bool) -> Vec<GrainRow> {
         } else {
             DVec3::new((f64::from(i) * 1.05).cos(), (f64::from(i) * 1.05).sin(), 0.0)
         };
-        let place = flat * (4.0 * R * side + 0.5 * R * throw("place", i));
-        let velocity = flat * SPEED * (0.2 * throw("velocity", i) - side);
+        let place = flat * (4.0 * R * side + 0.5 * R * random_vector("place", i));
+        let velocity = flat * SPEED * (0.2 * random_vector("velocity", i) - side);
         let radius = if i.is_multiple_of(2) { R } else { 0.8 * R };
         let mut grain = sphere(i + 1, place, velocity, radius, 100.0 * radius * radius);
-        grain.spin = axis * throw("spin", i) * SPEED / R;
+        grain.spin = axis * random_vector("spin", i) * SPEED / R;
         grain
     };
     (0..6).map(grain).collect()
 }
 
-/// Rotation or mirror, then shift. A spin is a pseudovector: it takes the determinant's sign on top.
+/// A rotation or reflection, then a shift. A spin is a pseudovector, so it also gets the sign of the determinant.
 #[derive(Clone, Copy)]
 struct Image {
     turn: DMat3,
@@ -71,14 +71,14 @@ impl Image {
     }
 }
 
-/// The state after [`STEPS`] steps.
+/// Returns the state after [`STEPS`] steps.
 pub fn end(keys: &str, grains: &[GrainRow]) -> Vec<Motion> {
     let mut simulation = simulation(keys, grains.to_vec());
     simulation.run_steps(STEPS);
     motion(&mut simulation)
 }
 
-/// The largest difference, in units of R, of the speed, and of spins of that speed.
+/// Returns the largest difference of positions, velocities and spins, in units of R, of the speed, and of speed over R.
 fn apart(a: &[Motion], b: &[Motion]) -> f64 {
     let difference = |(a, b): (&Motion, &Motion)| {
         let (way, spin) = (a.position.distance(b.position) / R, a.spin.distance(b.spin) * R / SPEED);
@@ -101,19 +101,20 @@ fn images(solid: bool) -> Vec<(&'static str, Image)> {
 }
 
 #[test]
-fn a_rotated_mirrored_or_shifted_rush_is_the_image_of_the_rush() {
+fn rotated_mirrored_or_shifted_run_is_the_image_of_the_run() {
     for (solid, contact) in [(true, LINEAR), (true, HERTZ), (false, LINEAR), (false, HERTZ)] {
         let keys = keys(solid, contact);
-        let grains = rush(solid);
+        let grains = colliding_grains(solid);
         let reference = end(&keys, &grains);
-        // A twin, its grains off by 1e-7 R, shows what the collisions (each turns a normal by delta/2R, so multiplies a
-        // distance by 1 + l/R or so over the next flight l) do to a small difference. Round-off is such a difference. Places
-        // are multiples of their ulp and a flight adds the same dt v to them, so it errs alike in each step, by half an ulp
-        // of the largest coordinate at most: the errors of all steps add up.
+        // A second run with positions off by 1e-7 R measures how collisions amplify a small difference. Each collision
+        // turns a normal by delta/2R, so it multiplies a distance by about 1 + l/R over the next flight l. Round-off is
+        // such a difference. A position is a multiple of its ulp and a flight adds the same dt v in each step, so the
+        // error is the same in each step: at most half an ulp of the largest coordinate. The errors of all steps add
+        // up.
         let flat = if solid { DVec3::ONE } else { DVec3::new(1.0, 1.0, 0.0) };
         let mut twin = grains.clone();
         for (i, grain) in (0..).zip(&mut twin) {
-            grain.position += 1e-7 * R * flat * throw("twin", i);
+            grain.position += 1e-7 * R * flat * random_vector("twin", i);
         }
         let growth = apart(&end(&keys, &twin), &reference) / 1e-7;
         assert!((10.0..1e5).contains(&growth), "{contact}, solid {solid}: errors grow {growth}-fold");
@@ -128,20 +129,21 @@ fn a_rotated_mirrored_or_shifted_rush_is_the_image_of_the_rush() {
 }
 
 #[test]
-fn a_mirror_across_an_axis_changes_no_bit() {
-    // Rounding does not know signs, so changing the sign of all x, of v_x and of the two other components of spins must
-    // change no other bit. Of two grains: forces of more are summed in the order of their places, which a mirror turns round.
+fn mirror_across_an_axis_changes_no_bit() {
+    // Rounding does not depend on signs. Changing the sign of all x, of v_x and of the two other components of spins
+    // must therefore change no other bit. Only two grains: more forces are summed in the order of positions, which a
+    // mirror reverses.
     let mirror = Image { turn: DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)), shift: DVec3::ZERO };
     for (solid, contact) in [(true, LINEAR), (true, HERTZ), (false, LINEAR), (false, HERTZ)] {
         let keys = keys(solid, contact);
-        let mut grains = rush(solid);
+        let mut grains = colliding_grains(solid);
         grains.truncate(2);
-        // They meet: one flies into the other's way.
+        // The first grain rests, and the second flies at it.
         grains[1].velocity = (grains[0].position - grains[1].position).normalize() * SPEED + 0.1 * SPEED * DVec3::Y;
         grains[0].velocity = DVec3::ZERO;
         let free = grains[1].velocity;
         let after = end(&keys, &grains);
-        assert!(after[1].velocity.distance(free) > 0.1 * SPEED, "the two have not met");
+        assert!(after[1].velocity.distance(free) > 0.1 * SPEED, "the two have not collided");
         for (a, b) in after.iter().zip(end(&keys, &mirror.start(&grains))) {
             let a = mirror.of(a.position, a.velocity, a.spin);
             assert_eq!((a.position, a.velocity, a.spin), (b.position, b.velocity, b.spin), "{contact}, solid {solid}");

@@ -1,4 +1,4 @@
-//! `siloflow accuracy`: its table, its JSON, its files, and what it refuses.
+//! `siloflow accuracy`: its table, its JSON, its files, and the arguments that it refuses.
 
 use std::fs;
 
@@ -7,7 +7,7 @@ use serde_json::Value;
 use crate::command_line::{siloflow, text};
 
 #[test]
-fn cases_leave_figures_and_a_picture() {
+fn cases_write_tables_and_a_figure() {
     let here = tempfile::tempdir().unwrap();
     let output = siloflow(here.path(), &["accuracy", "bounce-0.5", "oblique-slip", "--quick", "--json", "--quiet"]);
     assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
@@ -18,7 +18,7 @@ fn cases_leave_figures_and_a_picture() {
     let plain = &entries[0];
     assert_eq!((&plain["case"], &plain["scheme"]), (&"bounce-0.5".into(), &"Verlet".into()));
     let rows = plain["rows"].as_array().unwrap();
-    // 10, 20, 50 and 100, and pi/8 more.
+    // 10, 20, 50 and 100 steps, each plus pi/8.
     let steps: Vec<f64> = rows.iter().map(|row| row["steps_per_contact"].as_f64().unwrap().floor()).collect();
     assert_eq!(steps, [10.0, 20.0, 50.0, 100.0]);
     assert!(rows.iter().all(|row| (0.0..0.1).contains(&row["error"].as_f64().unwrap())), "{plain}");
@@ -38,7 +38,7 @@ fn cases_leave_figures_and_a_picture() {
 }
 
 #[test]
-fn a_table_names_what_is_not_reached_and_tells_its_progress_apart() {
+fn table_marks_unreached_errors_and_progress_goes_to_stderr() {
     let here = tempfile::tempdir().unwrap();
     let output = siloflow(here.path(), &["accuracy", "free-flight", "--quick", "--out", "there", "--threads", "2"]);
     let table = text(&output.stdout);
@@ -49,7 +49,7 @@ fn a_table_names_what_is_not_reached_and_tells_its_progress_apart() {
 }
 
 #[test]
-fn a_scene_without_chance_is_run_once_a_step() {
+fn deterministic_scene_runs_once_per_step_size() {
     let here = tempfile::tempdir().unwrap();
     let scene = crate::scene("column.ron").display().to_string();
     let arguments =
@@ -64,8 +64,8 @@ fn a_scene_without_chance_is_run_once_a_step() {
         figures.iter().find(|figure| figure["name"] == "largest_overlap_ratio").unwrap().clone()
     };
     assert_eq!((&overlap(3)["standing"], &overlap(3)["difference"]), (&"finest".into(), &Value::Null));
-    // First order: the difference from the step h0 is that of h - h0, 7 h0 to 3 h0 to h0. The largest overlap is looked at
-    // at whole steps, which adds second order.
+    // First order: the difference from the step h0 is proportional to h - h0: 7 h0, 3 h0, h0. The largest overlap is
+    // sampled at whole steps, which adds second order.
     let difference = |n: usize| overlap(n)["difference"].as_f64().unwrap().abs();
     assert!(difference(0) > difference(1) && difference(1) > difference(2) && difference(2) > 0.0, "{study}");
     assert!(study["recommended_step_s"].as_f64().unwrap() > 2.4e-5, "{study}");
@@ -73,10 +73,11 @@ fn a_scene_without_chance_is_run_once_a_step() {
 }
 
 #[test]
-fn seeds_give_standard_errors_and_unstable_steps_are_refused() {
+fn several_seeds_give_standard_errors_and_unstable_steps_are_refused() {
     let here = tempfile::tempdir().unwrap();
     let scene = crate::scene("silo1.ron").display().to_string();
-    // Of the assignment's 1 ms, t_c/9, four times as much is still below the limit of one contact, 3.6 ms times two is not.
+    // The step is four times the assignment's 1 ms, t_c/9. It is below the limit of one contact, 3.6 ms times two is
+    // not.
     let settings = ["spawner.count=20", "until=1.5", "step=Fixed(4.0e-3)"];
     let set: Vec<&str> = settings.iter().flat_map(|setting| ["--set", setting]).collect();
     let output =
@@ -90,7 +91,7 @@ fn seeds_give_standard_errors_and_unstable_steps_are_refused() {
 }
 
 #[test]
-fn what_it_cannot_do_is_told_with_what_it_can() {
+fn errors_name_the_allowed_arguments() {
     let here = tempfile::tempdir().unwrap();
     let column = crate::scene("column.ron").display().to_string();
     let lattice = crate::scene("silo2d-lattice.ron").display().to_string();

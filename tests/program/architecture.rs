@@ -1,10 +1,11 @@
-//! The layers of `ARCHITECTURE.md`: every module of `src` stands in one, imports point one way, and no import runs in a circle.
+//! Checks the layers of `ARCHITECTURE.md`: every module of `src` is in one layer, imports follow the direction, and no
+//! imports form a cycle.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
-/// The layer of each module, from the first table of `ARCHITECTURE.md`: its number, counted from the lowest.
+/// Returns the layer of each module from the first table of `ARCHITECTURE.md`: its number, counted from the lowest.
 fn layers(page: &str) -> BTreeMap<String, usize> {
     let rows = page.lines().skip_while(|line| !line.starts_with("| layer |")).skip(2);
     let rows = rows.take_while(|line| line.starts_with('|')).enumerate();
@@ -12,13 +13,13 @@ fn layers(page: &str) -> BTreeMap<String, usize> {
     modules.map(|(name, layer)| (name.to_owned(), layer)).collect()
 }
 
-/// A source without comments and without its unit tests, which may look at anything.
+/// Returns a source without comments and without its unit tests, which may import any module.
 fn code(source: &str) -> String {
     let lines = source.lines().take_while(|line| !line.starts_with("#[cfg(test)]"));
     lines.map(|line| line.split("//").next().unwrap_or_default()).collect::<Vec<_>>().join("\n")
 }
 
-/// The modules that a source imports: all names after `crate::`, those in braces as well.
+/// Returns the modules that a source imports: all names after `crate::`, including names in braces.
 fn imports(source: &str) -> BTreeSet<String> {
     let word = |text: &str| text.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect::<String>();
     let code = code(source);
@@ -30,10 +31,11 @@ fn imports(source: &str) -> BTreeSet<String> {
     names.collect()
 }
 
-/// Each module with those that it imports, and one file that does.
+/// The imports of each module, each with one file that contains it.
 type Imports = BTreeMap<String, BTreeMap<String, String>>;
 
-/// The imports of the files below a directory, which belong to `module`, or else to the module that each of them is.
+/// Collects the imports of the files below a directory. They belong to `module`, or to the module named by the file if
+/// `module` is `None`.
 fn read(directory: &Path, module: Option<&str>, all: &mut Imports) {
     for entry in fs::read_dir(directory).unwrap().map(Result::unwrap) {
         let (path, name) = (entry.path(), entry.file_name().into_string().unwrap());
@@ -50,11 +52,11 @@ fn read(directory: &Path, module: Option<&str>, all: &mut Imports) {
     }
 }
 
-/// What is wrong: modules without a layer, imports against the direction, and circles.
+/// Returns all faults: modules without a layer, imports against the direction, and cycles.
 fn faults(layers: &BTreeMap<String, usize>, imports: &Imports) -> Vec<String> {
     let mut faults = Vec::new();
     for module in imports.keys().filter(|module| !layers.contains_key(*module)) {
-        faults.push(format!("`{module}` stands in no layer of ARCHITECTURE.md"));
+        faults.push(format!("`{module}` is in no layer of ARCHITECTURE.md"));
     }
     for module in layers.keys().filter(|module| !imports.contains_key(*module)) {
         faults.push(format!("ARCHITECTURE.md names `{module}`, which is no module"));
@@ -64,7 +66,7 @@ fn faults(layers: &BTreeMap<String, usize>, imports: &Imports) -> Vec<String> {
             faults.push(format!("`{module}` imports `{other}` of a higher layer, in {file}"));
         }
     }
-    // A module that no circle goes through can be taken away once those that it imports are.
+    // A module that is in no cycle can be removed once all modules that it imports are removed.
     let mut left: BTreeMap<&str, BTreeSet<&str>> =
         imports.iter().map(|(module, others)| (&**module, others.keys().map(|other| &**other).collect())).collect();
     while let Some(done) = left.iter().find(|(_, others)| !others.iter().any(|other| left.contains_key(other))) {
@@ -72,7 +74,7 @@ fn faults(layers: &BTreeMap<String, usize>, imports: &Imports) -> Vec<String> {
         left.remove(done);
     }
     if !left.is_empty() {
-        faults.push(format!("imports run in circles among {:?}", left.keys().collect::<Vec<_>>()));
+        faults.push(format!("imports form a cycle among {:?}", left.keys().collect::<Vec<_>>()));
     }
     faults
 }
@@ -82,7 +84,7 @@ fn of_the_crate() -> (BTreeMap<String, usize>, Imports) {
     read(&crate::root().join("src"), None, &mut imports);
     let page = fs::read_to_string(crate::root().join("ARCHITECTURE.md")).unwrap();
     let layers = layers(&page);
-    // What is not a module is an item of the crate's root, such as `prelude`.
+    // A name that is not a module is an item of the crate's root, such as `prelude`.
     for others in imports.values_mut() {
         others.retain(|other, _| layers.contains_key(other));
     }
@@ -90,14 +92,14 @@ fn of_the_crate() -> (BTreeMap<String, usize>, Imports) {
 }
 
 #[test]
-fn imports_point_one_way() {
+fn imports_follow_the_layers() {
     let (layers, imports) = of_the_crate();
     assert!(imports.len() > 30 && imports.values().map(BTreeMap::len).sum::<usize>() > 100, "{imports:?}");
     assert_eq!(faults(&layers, &imports), Vec::<String>::new());
 }
 
 #[test]
-fn a_planted_import_is_found() {
+fn wrong_import_is_detected() {
     let (layers, imports) = of_the_crate();
     let with = |module: &str, other: &str| {
         let mut imports = imports.clone();
@@ -107,7 +109,7 @@ fn a_planted_import_is_found() {
     let upward = with("store", "cli");
     assert!(upward.contains(&"`store` imports `cli` of a higher layer, in src/store.rs".to_owned()), "{upward:?}");
     let within = with("neighbours", "survey");
-    assert!(within.len() == 1 && within[0].starts_with("imports run in circles"), "{within:?}");
+    assert!(within.len() == 1 && within[0].starts_with("imports form a cycle"), "{within:?}");
     assert_eq!(layers.get("store"), Some(&1));
     let text = "use crate::{door, rest::Rest};\n// crate::ledger\nfn f() { crate::cli::main() }\n#[cfg(test)]\nuse crate::energy;";
     assert_eq!(imports_of(text), ["cli", "door", "rest"]);

@@ -1,4 +1,4 @@
-//! Behaviours of outsiders, through the public API alone.
+//! Behaviours defined outside the library, which use its public API only.
 
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
@@ -23,7 +23,7 @@ pub fn registry() -> Registry {
         .register::<Wind>("wind")
         .register::<Clumsy>("clumsy")
         .register::<Constant>("constant")
-        .register::<Thief>("thief");
+        .register::<Remover>("remover");
     registry
 }
 
@@ -33,7 +33,7 @@ fn example(settings: &[(&str, &str)]) -> Result<Loaded, siloflow::fault::Fault> 
 }
 
 #[test]
-fn the_example_s_wall_vibrates_and_its_work_is_booked() {
+fn example_wall_vibrates_and_its_work_is_counted() {
     let loaded = example(&[("pictures", "None"), ("until", "6.0")]).unwrap();
     let mut run = Simulation::new(&loaded, &registry(), NonZeroUsize::MIN).unwrap();
     assert_eq!(run.run(), End::TimeReached);
@@ -45,12 +45,12 @@ fn the_example_s_wall_vibrates_and_its_work_is_booked() {
     let flows = *world.resource::<EnergyFlows>();
     assert!(flows.wall_work.abs() > 0.01, "{flows:?}");
     let error = totals::of_world(world).energy() - flows.expected();
-    // As in the silo: (w0 dt)^2/6 of what is dissipated.
+    // As for the silo: (w0 dt)^2/6 of the dissipation.
     assert!(error.abs() < 1.0e4 / 0.08 * 1e-6 / 6.0 * flows.dissipated, "{error} of {flows:?}");
 }
 
 #[test]
-fn the_example_s_program_runs_its_scene() {
+fn example_program_runs_its_scene() {
     let out = tempfile::tempdir().unwrap();
     let arguments = ["siloflow", "run", "examples/vibrating_wall.ron", "--until", "0.5", "--quiet", "--out"];
     let arguments = arguments.map(|argument| match argument {
@@ -63,7 +63,7 @@ fn the_example_s_program_runs_its_scene() {
 }
 
 #[test]
-fn a_behaviour_s_keys_are_checked_where_they_stand() {
+fn errors_in_behaviour_keys_report_their_line() {
     for (value, code, key) in [
         ("(amplitude: 0.002)", "scene::missing_key", "behaviours.vibrating_wall.frequency"),
         ("(amplitude: 0.002, frequency: 20.0, phase: 1)", "scene::unknown_key", "behaviours.vibrating_wall.phase"),
@@ -91,7 +91,7 @@ impl Behaviour for Wind {
     }
 }
 
-/// Pushes in no order with respect to itself: two systems that write one column.
+/// Pushes with two systems that write the same component without an order between them.
 #[derive(Deserialize)]
 struct Clumsy();
 
@@ -116,7 +116,7 @@ fn free(behaviours: &str) -> Loaded {
 }
 
 #[test]
-fn an_added_force_accelerates_and_its_work_is_booked() {
+fn added_force_accelerates_and_its_work_is_counted() {
     let mut run = Simulation::new(&free("{\"wind\": (0.32)}"), &registry(), NonZeroUsize::MIN).unwrap();
     run.run();
     let world = run.world_mut();
@@ -124,27 +124,27 @@ fn an_added_force_accelerates_and_its_work_is_booked() {
     // m = 0.16 kg, so a = 2 m/s^2 from v = 3 m/s for 1 s; 1000 steps of round-off.
     assert!((v.0.x - 5.0).abs() < 1e-12 && (x.0.x - 4.0).abs() < 1e-12, "{x:?} {v:?}");
     let flows = *world.resource::<EnergyFlows>();
-    // Force times way, 0.32 N x 4 m.
+    // Force times distance, 0.32 N x 4 m.
     assert!((flows.added_work - 1.28).abs() < 1e-12, "{flows:?}");
     assert!((totals::of_world(world).energy() - flows.expected()).abs() < 1e-12);
 }
 
 #[test]
-fn conflicting_systems_are_an_error_and_not_a_coincidence() {
+fn systems_that_conflict_without_an_order_are_an_error() {
     let fault = Simulation::new(&free("{\"clumsy\": ()}"), &registry(), NonZeroUsize::MIN).map(|_| ()).unwrap_err();
     assert_eq!(fault.code(), "behaviour::schedule");
     assert!(fault.to_string().contains("pull") && fault.to_string().contains("push"), "{fault}");
 }
 
 #[test]
-fn a_force_that_is_not_finite_stops_the_run_and_is_named() {
+fn non_finite_force_stops_the_run_and_names_the_grain() {
     let mut run = Simulation::new(&free("{\"wind\": (inf)}"), &registry(), NonZeroUsize::MIN).unwrap();
-    let End::Failed(Failure::NotFinite { step, grain, cause, .. }) = run.run() else { panic!("went on") };
+    let End::Failed(Failure::NotFinite { step, grain, cause, .. }) = run.run() else { panic!("the run did not stop") };
     assert_eq!((step, grain.number()), (1, 1));
     assert!(cause.contains("behaviour"), "{cause}");
 }
 
-/// Repulsion of constant strength, N, instead of the scene's law.
+/// Repulsion of constant strength, N, that replaces the scene's law.
 #[derive(Clone, Copy, Deserialize)]
 struct Constant(f64);
 
@@ -181,7 +181,7 @@ impl Behaviour for Constant {
 }
 
 #[test]
-fn a_law_of_an_outsider_drives_the_kernel() {
+fn contact_law_of_a_behaviour_is_used_by_the_kernel() {
     let mut loaded = free("{\"constant\": (3.0)}");
     let first = loaded.grains[0];
     let second = GrainId::grain(2).unwrap();
@@ -194,25 +194,25 @@ fn a_law_of_an_outsider_drives_the_kernel() {
     assert_eq!(forces, [-3.0, 3.0]);
 }
 
-/// Takes a grain out of the world in the third step.
+/// Removes all grains from the world in the third step.
 #[derive(Deserialize)]
-struct Thief();
+struct Remover();
 
-impl Behaviour for Thief {
+impl Behaviour for Remover {
     fn build(self: Box<Self>, app: &mut App) {
-        fn steal(mut commands: Commands, clock: Res<Clock>, grains: Query<Entity, With<Grain>>) {
+        fn remove(mut commands: Commands, clock: Res<Clock>, grains: Query<Entity, With<Grain>>) {
             if clock.steps == 3 {
                 grains.iter().for_each(|grain| commands.entity(grain).despawn());
             }
         }
-        app.add_systems(Step, steal.in_set(Phase::Control));
+        app.add_systems(Step, remove.in_set(Phase::Control));
     }
 }
 
 #[test]
-fn a_grain_that_a_behaviour_removes_is_missed_by_name() {
-    let mut run = Simulation::new(&free("{\"thief\": ()}"), &registry(), NonZeroUsize::MIN).unwrap();
-    let End::Failed(Failure::GrainLost { grain, way, .. }) = run.run() else { panic!("nobody missed it") };
+fn grain_removed_by_a_behaviour_is_reported_as_lost() {
+    let mut run = Simulation::new(&free("{\"remover\": ()}"), &registry(), NonZeroUsize::MIN).unwrap();
+    let End::Failed(Failure::GrainLost { grain, way, .. }) = run.run() else { panic!("the loss was not reported") };
     assert_eq!(grain.number(), 1);
     assert!(way.contains("behaviour"), "{way}");
 }
@@ -236,7 +236,7 @@ impl Behaviour for Updraught {
 }
 
 #[test]
-fn a_behaviour_says_in_which_space_it_lives() {
+fn behaviour_is_refused_in_a_space_that_it_does_not_support() {
     let mut registry = registry();
     registry.register::<Updraught>("updraught");
     let load = |behaviour: &str| {
@@ -246,11 +246,11 @@ fn a_behaviour_says_in_which_space_it_lives() {
     };
     let planar = Simulation::new(&load("{\"wind\": (1.0)}"), &registry, NonZeroUsize::MIN).map(|_| ()).unwrap_err();
     assert_eq!((planar.code(), planar.scene_key()), ("scene::behaviour", Some("behaviours.wind")));
-    // Twice its weight upwards: it takes off from the floor with g.
+    // The force is twice the weight, upwards: the ball leaves the floor with acceleration g.
     let lifted = load("{\"updraught\": (25.506)}");
     let mut run = Simulation::new(&lifted, &registry, NonZeroUsize::MIN).unwrap();
     assert_eq!(run.run(), End::TimeReached);
     let z = run.world_mut().query::<&Velocity<Solid>>().single(run.world()).unwrap().0.z;
-    // The floor's spring pushes for less than a contact, 2 ms, and with no more than its weight more.
+    // The spring of the floor pushes for less than a contact, 2 ms, and with at most the weight in addition.
     assert!((z - 9.81 * 0.01).abs() < 9.81 * 0.002, "{z}");
 }

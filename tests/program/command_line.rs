@@ -1,4 +1,4 @@
-//! The command line: what it writes, what it says where, how it exits.
+//! The command line: files, output streams and exit statuses.
 
 use std::fs;
 use std::path::Path;
@@ -25,7 +25,7 @@ fn summary(run: &Path) -> Value {
 }
 
 #[test]
-fn a_run_leaves_a_run_directory_that_can_be_run_again() {
+fn run_directory_is_complete_and_can_be_run_again() {
     let here = tempfile::tempdir().unwrap();
     let output = siloflow(
         here.path(),
@@ -49,7 +49,7 @@ fn a_run_leaves_a_run_directory_that_can_be_run_again() {
         fs::read_dir(&run).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
     names.sort();
     assert_eq!(names, ["frames", "input-silo.dat", "scene.ron", "series.csv", "state.csv", "summary.json"]);
-    // At 0 and 1 s, and at the end; each with its PNG.
+    // Frames at 0 and 1 s and at the end, each with its PNG.
     for frame in ["00000", "00001", "00002"] {
         assert!(fs::read_to_string(run.join(format!("frames/{frame}.svg"))).unwrap().ends_with("</svg>\n"));
         assert!(fs::read(run.join(format!("frames/{frame}.png"))).unwrap().starts_with(b"\x89PNG"));
@@ -92,12 +92,12 @@ fn a_run_leaves_a_run_directory_that_can_be_run_again() {
     ] {
         assert!(!first["performance"][key].is_null(), "{key}");
     }
-    // The directory holds all that is needed: run again from it, elsewhere.
+    // The directory is self-contained: a run from it gives the same result.
     let again = siloflow(here.path(), &["run", "out/silo1/scene.ron", "--out", "again", "--json", "--quiet"]);
     let second: Value = serde_json::from_slice(&again.stdout).unwrap();
     assert_eq!(second["state_hash"], first["state_hash"]);
     assert!(again.stderr.is_empty(), "{}", text(&again.stderr));
-    // And into the directory of an earlier run: it is cleared first.
+    // A run into the directory of an earlier run clears it first.
     let shorter = siloflow(
         here.path(),
         &["run", &path("silo1.ron"), "--until", "0.1", "--out", "again", "--set", "pictures=None"],
@@ -107,7 +107,7 @@ fn a_run_leaves_a_run_directory_that_can_be_run_again() {
 }
 
 #[test]
-fn a_run_may_be_run_again_in_its_own_place() {
+fn run_directory_can_be_run_again_into_itself() {
     let here = tempfile::tempdir().unwrap();
     let run = |scene: &str| {
         let output = siloflow(here.path(), &["run", scene, "--until", "0.1", "--out", "run", "--quiet"]);
@@ -117,13 +117,13 @@ fn a_run_may_be_run_again_in_its_own_place() {
     };
     let first = run(&path("column.ron"));
     assert_eq!(first.1, fs::read_to_string(crate::scene("column.csv")).unwrap());
-    // The grains file is the directory's own copy.
+    // The grains file of this run is the copy in the directory itself.
     assert_eq!(run("run/scene.ron"), first);
     assert!(!here.path().join("run/input-grains.part").exists());
 }
 
 #[test]
-fn a_grains_file_that_cannot_be_read_is_named_with_its_key() {
+fn unreadable_grains_file_is_reported_with_its_key() {
     let here = tempfile::tempdir().unwrap();
     let run = |file: &str| {
         let grains = format!("grains.file={file:?}");
@@ -143,7 +143,7 @@ fn a_grains_file_that_cannot_be_read_is_named_with_its_key() {
 }
 
 #[test]
-fn series_rows_carry_the_ledger_and_a_header() {
+fn series_has_a_header_and_the_grain_counts() {
     let here = tempfile::tempdir().unwrap();
     siloflow(here.path(), &["run", &path("silo1.ron"), "--until", "1.0", "--out", "run", "--quiet"]);
     let series = fs::read_to_string(here.path().join("run/series.csv")).unwrap();
@@ -156,13 +156,13 @@ fn series_rows_carry_the_ledger_and_a_header() {
         let number = |name: &str| row[column(name)].parse::<f64>().unwrap();
         assert!((number("time_s") - 0.05 * k as f64).abs() < 1e-9);
         assert_eq!(number("released"), number("inside") + number("out") + number("lost"));
-        // The first grain enters in step zero; the one due at k x 0.05 s enters with the step that begins there.
+        // The first grain enters in step zero. The grain due at k x 0.05 s enters in the step that begins at that time.
         assert_eq!(number("released"), (k as f64).max(1.0));
     }
 }
 
 #[test]
-fn bad_input_is_told_on_stderr_and_leaves_no_file() {
+fn bad_input_is_reported_on_stderr_and_writes_no_file() {
     let here = tempfile::tempdir().unwrap();
     for arguments in [
         vec!["run", "no-such-scene.ron"],
@@ -188,7 +188,7 @@ fn bad_input_is_told_on_stderr_and_leaves_no_file() {
 }
 
 #[test]
-fn the_message_of_a_wrong_setting_names_the_key() {
+fn error_of_a_wrong_setting_names_the_key() {
     let here = tempfile::tempdir().unwrap();
     let output = siloflow(here.path(), &["check", &path("silo1.ron"), "--set", "spawner.interval=-1.0"]);
     let message = text(&output.stderr);
@@ -196,7 +196,7 @@ fn the_message_of_a_wrong_setting_names_the_key() {
 }
 
 #[test]
-fn a_failed_simulation_exits_with_1_and_leaves_its_results() {
+fn failed_simulation_exits_with_1_and_keeps_its_results() {
     let here = tempfile::tempdir().unwrap();
     let output = siloflow(here.path(), &["run", &path("silo1-one-column.ron"), "--out", "run"]);
     assert_eq!(output.status.code(), Some(1));
@@ -208,7 +208,7 @@ fn a_failed_simulation_exits_with_1_and_leaves_its_results() {
 }
 
 #[test]
-fn a_lost_grain_stops_the_run_unless_told_otherwise() {
+fn lost_grain_stops_the_run_unless_on_loss_is_continue() {
     let here = tempfile::tempdir().unwrap();
     let literal = path("silo1-literal.ron");
     let few = ["--set", "spawner.count=5", "--set", "pictures=None", "--out", "run", "--quiet"];
@@ -216,25 +216,25 @@ fn a_lost_grain_stops_the_run_unless_told_otherwise() {
     assert_eq!(stopped.status.code(), Some(1));
     let first = summary(&here.path().join("run"));
     assert_eq!((&first["status"], first["losses"].as_array().unwrap().len()), (&Value::from("failed"), 1));
-    let went_on = siloflow(here.path(), &[&["run", &literal], &few[..]].concat());
-    assert_eq!(went_on.status.code(), Some(1));
+    let continued = siloflow(here.path(), &[&["run", &literal], &few[..]].concat());
+    assert_eq!(continued.status.code(), Some(1));
     let second = summary(&here.path().join("run"));
     assert_eq!((&second["status"], second["losses"].as_array().unwrap().len()), (&Value::from("grains_lost"), 5));
 }
 
 #[test]
-fn an_unstable_step_is_refused_with_its_limit() {
+fn unstable_step_is_refused_with_its_limit() {
     let here = tempfile::tempdir().unwrap();
     let output = siloflow(here.path(), &["run", &path("silo1.ron"), "--out", "run", "--set", "contact.k=1.0e9"]);
     let message = text(&output.stderr);
-    // 2 (sqrt(1 + zeta^2) - zeta)/w0, with w0 = sqrt(1e9/0.08) and a drag of no account.
+    // 2 (sqrt(1 + zeta^2) - zeta)/w0 with w0 = sqrt(1e9/0.08) and negligible damping.
     assert!(message.contains("scene::unstable_step") && message.contains("1.788e-5 s"), "{message}");
     assert_eq!(output.status.code(), Some(2));
     assert!(!here.path().join("run").exists());
 }
 
 #[test]
-fn a_directory_that_is_not_a_run_is_refused() {
+fn directory_that_is_no_run_directory_is_refused() {
     let here = tempfile::tempdir().unwrap();
     fs::write(here.path().join("thesis.tex"), "years of work").unwrap();
     let output = siloflow(here.path(), &["run", &path("free-fall.ron"), "--out", "."]);
@@ -243,7 +243,7 @@ fn a_directory_that_is_not_a_run_is_refused() {
 }
 
 #[test]
-fn render_makes_pngs_of_a_run() {
+fn render_writes_pngs_of_a_run() {
     let here = tempfile::tempdir().unwrap();
     siloflow(here.path(), &["run", &path("free-fall.ron"), "--out", "run", "--quiet"]);
     let output = siloflow(here.path(), &["render", "run"]);
@@ -254,7 +254,7 @@ fn render_makes_pngs_of_a_run() {
 }
 
 #[test]
-fn explain_shows_what_is_modelled_and_nothing_else() {
+fn explain_lists_exactly_the_active_systems() {
     let here = tempfile::tempdir().unwrap();
     let silo = text(&siloflow(here.path(), &["explain", &path("silo1.ron")]).stdout);
     for part in ["Position", "Velocity", "ledger::watch_paths", "door::open", "rest::detect", "spawner::release"] {

@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use crate::command_line::{siloflow, text};
 
-/// A hundred grains in the silo of the assignment; the door opens after half a second.
+/// Writes a scene with a hundred grains in the assignment's silo; the door opens after half a second.
 fn write_scene(here: &Path) {
     let silo = crate::root().join("assets/silo1.dat").display().to_string();
     let scene = format!(
@@ -26,7 +26,7 @@ fn rows(path: &Path) -> Vec<Vec<f64>> {
 }
 
 #[test]
-fn a_scene_s_flow_is_sampled_in_cells_and_goes_down() {
+fn flow_field_is_sampled_in_cells_and_points_down() {
     let here = tempfile::tempdir().unwrap();
     write_scene(here.path());
     let explained = text(&siloflow(here.path(), &["explain", "small.ron"]).stdout);
@@ -36,20 +36,20 @@ fn a_scene_s_flow_is_sampled_in_cells_and_goes_down() {
     assert!(fs::read_to_string(&flow).unwrap().starts_with("x_m,y_m,samples,count,vx_m_per_s,vy_m_per_s\n"));
     let cells = rows(&flow);
     assert!(cells.is_sorted_by_key(|cell| (cell[1], cell[0])) && cells.len() > 10);
-    // The mean over the window lies between what is inside at its ends, 95 and 10 grains.
+    // The mean over the window lies between the numbers of grains inside at its ends, 95 and 10.
     let inside: f64 = cells.iter().map(|cell| cell[3]).sum();
     assert!((10.0..=95.0).contains(&inside), "{inside}");
     let down: f64 = cells.iter().map(|cell| cell[3] * cell[5]).sum();
     assert!(down < 0.0, "{down}");
-    // Grains that are out do not count: a grain's centre gets out at y = 0, and a cell is 0.2 m.
+    // Grains that are out do not count. The centre of a grain is out at y = 0, and a cell is 0.2 m.
     assert!(cells.iter().all(|cell| cell[1] > -0.2 && cell[2] == cells[0][2]), "{cells:?}");
-    // A run without the key clears the file away.
+    // A run without the key removes the file.
     siloflow(here.path(), &["run", "small.ron", "--quiet", "--set", "flow=None", "--until", "0.1"]);
     assert!(!flow.exists());
 }
 
 #[test]
-fn two_seeds_are_compared_and_a_scene_is_run_first() {
+fn compare_runs_a_scene_first_and_compares_two_seeds() {
     let here = tempfile::tempdir().unwrap();
     write_scene(here.path());
     siloflow(here.path(), &["run", "small.ron", "--quiet", "--seed", "2", "--out", "seed2"]);
@@ -77,7 +77,7 @@ fn two_seeds_are_compared_and_a_scene_is_run_first() {
 }
 
 #[test]
-fn what_cannot_be_compared_is_told_before_anything_is_run() {
+fn incomparable_arguments_are_refused_before_any_run() {
     let here = tempfile::tempdir().unwrap();
     write_scene(here.path());
     siloflow(here.path(), &["run", "small.ron", "--quiet", "--out", "run"]);
@@ -102,5 +102,5 @@ fn what_cannot_be_compared_is_told_before_anything_is_run() {
         assert_eq!(output.status.code(), Some(2), "{arguments:?}: {message}");
         assert!(message.contains(code) && message.contains(hint), "{arguments:?}: {message}");
     }
-    assert!(!here.path().join("out").exists(), "something was run or written");
+    assert!(!here.path().join("out").exists(), "a file was written");
 }

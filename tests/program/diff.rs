@@ -1,4 +1,4 @@
-//! `siloflow diff`: the first difference of two runs, or that there is none, or why that cannot be told.
+//! `siloflow diff`: reports the first difference of two runs, that there is none, or why the runs cannot be compared.
 
 use std::fs;
 use std::path::Path;
@@ -22,7 +22,7 @@ fn run(here: &Path, name: &str, until: &str, out: &str, settings: &[&str]) {
     assert!(output.status.success(), "{}", text(&output.stderr));
 }
 
-/// Exit status and the report, of `--json`.
+/// Returns the exit status and the report of `--json`.
 fn report(here: &Path, arguments: &[&str]) -> (Option<i32>, Value) {
     let Output { status, stdout, stderr } = siloflow(here, &[&["diff", "--json", "--quiet"], arguments].concat());
     assert!(stderr.is_empty(), "{}", text(&stderr));
@@ -30,11 +30,11 @@ fn report(here: &Path, arguments: &[&str]) -> (Option<i32>, Value) {
 }
 
 #[test]
-fn a_run_is_the_same_as_its_scene_run_again() {
+fn repeated_run_has_no_difference() {
     let here = tempfile::tempdir().unwrap();
     run(here.path(), "silo1.ron", "1.5", "run", &["spawner.count=12", "pictures=None"]);
     let file = path("silo1.ron");
-    // The scene's own `until` and number of grains come later.
+    // The scene has another `until` and another number of grains. Their effect comes later.
     let output = siloflow(here.path(), &["diff", "run", &file, "--quiet"]);
     let words = text(&output.stdout);
     assert_eq!(output.status.code(), Some(1), "{words}");
@@ -49,11 +49,11 @@ fn a_run_is_the_same_as_its_scene_run_again() {
     let (code, report) = report(here.path(), &["run", "run", "--until", "0.2"]);
     assert_eq!((code, &report["same"], &report["steps"]), (Some(0), &true.into(), &200.into()), "{report}");
     assert_eq!((&report["divergence"], &report["end"]), (&Value::Null, &"time_reached".into()), "{report}");
-    assert_eq!(fs::read_dir(here.path()).unwrap().count(), 1, "something was written");
+    assert_eq!(fs::read_dir(here.path()).unwrap().count(), 1, "a file was written");
 }
 
 #[test]
-fn a_stiffer_contact_shows_in_the_force_on_the_first_grain_that_touches() {
+fn stiffer_contact_is_found_in_the_force_of_the_first_contact() {
     let here = tempfile::tempdir().unwrap();
     run(here.path(), "hard/restitution-one.ron", "0.4", "soft", &[]);
     run(here.path(), "hard/restitution-one.ron", "0.4", "hard", &["contact.k=1.1e4"]);
@@ -67,7 +67,7 @@ fn a_stiffer_contact_shows_in_the_force_on_the_first_grain_that_touches() {
     let divergence = &report["divergence"];
     assert_eq!((&divergence["kind"], &divergence["quantity"]), (&"particle".into(), &"force".into()), "{report}");
     let upward = |run: usize| divergence["values"][run][1].as_f64().unwrap();
-    // The weight is the same, and so is the overlap, in the first step in which the grain touches the floor: half a metre down.
+    // In the first step in which the grain touches the floor, half a metre down, weight and overlap are still equal.
     let weight = 0.16 * 9.81;
     assert!(((upward(1) + weight) / (upward(0) + weight) - 1.1).abs() < 1e-12, "{report}");
     let step = divergence["step"].as_u64().unwrap();
@@ -82,7 +82,7 @@ fn a_stiffer_contact_shows_in_the_force_on_the_first_grain_that_touches() {
 }
 
 #[test]
-fn two_runs_are_compared_until_the_first_of_them_ends() {
+fn runs_are_compared_until_the_first_one_ends() {
     let here = tempfile::tempdir().unwrap();
     run(here.path(), "column.ron", "0.02", "short", &[]);
     let (code, report) = report(here.path(), &["short", &path("column.ron")]);
@@ -90,7 +90,7 @@ fn two_runs_are_compared_until_the_first_of_them_ends() {
 }
 
 #[test]
-fn lattice_gases_are_compared_by_sites() {
+fn lattice_gas_runs_are_compared_site_by_site() {
     let here = tempfile::tempdir().unwrap();
     run(here.path(), "parabola.ron", "20", "throw", &[]);
     run(here.path(), "parabola.ron", "20", "other", &["particles[0].velocity=8"]);
@@ -106,7 +106,7 @@ fn lattice_gases_are_compared_by_sites() {
 }
 
 #[test]
-fn runs_that_cannot_be_compared_are_refused() {
+fn incomparable_runs_are_refused() {
     let here = tempfile::tempdir().unwrap();
     fs::create_dir(here.path().join("empty")).unwrap();
     run(here.path(), "column.ron", "0.01", "coarse", &["step=Fixed(2.0e-4)"]);
@@ -134,7 +134,7 @@ fn runs_that_cannot_be_compared_are_refused() {
 }
 
 #[test]
-fn help_teaches_with_an_example() {
+fn help_contains_an_example() {
     let help = text(&siloflow(Path::new("."), &["diff", "--help"]).stdout);
     assert!(help.contains("siloflow diff out/silo1 out/stiffer") && help.contains("1 different"), "{help}");
 }

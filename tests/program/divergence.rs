@@ -1,11 +1,11 @@
-//! The first difference of two runs names the step, the grain and the quantity in which they were made to differ.
+//! The first difference of two runs: the report names the step, the grain and the quantity that the test changed.
 
 use siloflow::divergence::{Difference, Divergence, Pair, Quantity, where_they_part};
 use siloflow::prelude::*;
 
 use crate::{load, simulation};
 
-/// Two runs of a bed of spheres; after 20 steps `change` is made to grain 7 of the second.
+/// Compares two runs of a bed of spheres. After 20 steps `change` is applied to grain 7 of the second run.
 fn divergence(change: impl FnOnce(EntityWorldMut)) -> Option<Divergence> {
     let settings = [("fill[0].count", "60"), ("profiles", "[]"), ("pictures", "None")];
     let [first, mut second] = [(), ()].map(|()| {
@@ -30,13 +30,13 @@ fn assert_found(change: impl FnOnce(EntityWorldMut), step: u64, expected: Quanti
         step: found, difference: Difference::Particle { particle, quantity, particles, .. }, ..
     }) = divergence(change)
     else {
-        panic!("{expected:?} is not found")
+        panic!("the change of {expected:?} is not found")
     };
     assert_eq!((found, particle.number(), quantity, particles), (step, 7, expected, 1));
 }
 
 #[test]
-fn one_bit_of_any_quantity_is_found() {
+fn change_of_one_bit_in_any_quantity_is_found() {
     assert_eq!(divergence(|_| {}), None);
     assert_found(|mut grain| grain.get_mut::<Position<Solid>>().unwrap().0.z = 0.02, 20, Quantity::Position);
     let next = |x: &mut f64| *x = x.next_up();
@@ -57,9 +57,9 @@ fn one_bit_of_any_quantity_is_found() {
     assert_found(|grain| grain.despawn(), 20, Quantity::Presence);
 }
 
-/// Forces and torques, which no hash holds, are the same bits as well.
+/// Forces and torques, which the state hash does not contain, have the same bits as well.
 #[test]
-fn searches_threads_and_books_are_no_difference() {
+fn searches_threads_and_energy_balance_cause_no_difference() {
     let scenes: [(&str, &[(&str, &str)], u64); 3] = [
         ("silo1.ron", &[("spawner.count", "40"), ("door.opens", "At(2.5)")], 3_000),
         ("bed3d.ron", &[("fill[0].count", "60"), ("profiles", "[]"), ("integrator", "Centred")], 1_500),
@@ -79,17 +79,17 @@ fn searches_threads_and_books_are_no_difference() {
 }
 
 #[test]
-fn the_order_of_rows_is_no_difference() {
+fn order_of_table_rows_causes_no_difference() {
     #[derive(Component)]
-    struct Painted;
-    let paint = |mut grain: EntityWorldMut| {
-        grain.insert(Painted);
+    struct Marker;
+    let add_marker = |mut grain: EntityWorldMut| {
+        grain.insert(Marker);
     };
-    assert_eq!(divergence(paint), None);
+    assert_eq!(divergence(add_marker), None);
 }
 
 #[test]
-fn a_run_that_ends_earlier_differs_by_its_end() {
+fn run_that_ends_earlier_differs_by_its_end() {
     let [first, second] = ["0.1", "0.2"].map(|until| simulation(&load("free-fall.ron", &[("until", until)]), 1));
     let mut pair = Pair::new(first, second).unwrap();
     let found = pair.first_divergence(u64::MAX, |_| {}).unwrap();
@@ -105,7 +105,7 @@ fn runs_at_different_steps_are_not_compared() {
 }
 
 #[test]
-fn an_assertion_s_message_says_where_runs_part() {
+fn where_they_part_describes_the_first_difference() {
     let start = |name: &str, g: &str| simulation(&load(name, &[("gravity", g)]), 1);
     let fall = |g: &str| start("free-fall.ron", g);
     let message = where_they_part(fall("(0.0, -9.81)"), fall("(0.0, -1.62)"), 10);

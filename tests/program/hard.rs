@@ -1,7 +1,7 @@
-//! Hard cases, `scenes/hard`: what must hold in each, and how it ends. docs/explanation/hard-cases.md lists them.
+//! Hard cases, `scenes/hard`: the property that each case must have, and how it ends. docs/explanation/hard-cases.md lists them.
 //!
-//! In all of them every number stays finite, every grain is inside, out or lost by name, and energy is not created beyond
-//! what the scheme's theory allows; or the run is refused or stopped with step and grain.
+//! In all cases every number stays finite and every grain is inside, out, or reported as lost. Energy does not grow
+//! beyond the error of the scheme. Otherwise the run is refused, or stops with a message that names step and grain.
 
 use std::f64::consts::PI;
 use std::fs;
@@ -20,18 +20,18 @@ fn run(name: &str, settings: &[(&str, &str)]) -> (Simulation, End) {
     let loaded = load(&format!("hard/{name}.ron"), settings);
     let mut run = simulation(&loaded, 1);
     let end = run.run();
-    assert_finite_and_booked(&mut run);
+    assert_finite_and_accounted(&mut run);
     (run, end)
 }
 
-/// The same, to the end of time.
+/// Like [`run`], but asserts that the run reaches its end time.
 fn through(name: &str, settings: &[(&str, &str)]) -> Simulation {
     let (run, end) = run(name, settings);
     assert_eq!(end, End::TimeReached, "{name} with {settings:?}");
     run
 }
 
-fn assert_finite_and_booked(run: &mut Simulation) {
+fn assert_finite_and_accounted(run: &mut Simulation) {
     let energies = totals::of_world(run.world());
     assert!(energies.energy().is_finite() && energies.largest_speed.is_finite(), "{energies:?}");
     let ledger = run.world().resource::<Ledger>();
@@ -40,13 +40,13 @@ fn assert_finite_and_booked(run: &mut Simulation) {
     assert_eq!(ledger.released, ledger.inside() + ledger.out() + ledger.lost());
 }
 
-/// Measured energy less what the books expect, J.
+/// Returns the totals, the energy flows, and the measured energy less the expected energy, J.
 fn balance(run: &Simulation) -> (Totals, EnergyFlows, f64) {
     let (totals, flows) = (totals::of_world(run.world()), *run.world().resource::<EnergyFlows>());
     (totals, flows, totals.energy() - flows.expected())
 }
 
-/// Position, velocity and mass of all grains, by id.
+/// Returns position, velocity and mass of all grains, sorted by id.
 fn grains<V: Space>(run: &mut Simulation) -> Vec<(V, V, f64)> {
     let world = run.world_mut();
     let mut query = world.query_filtered::<(&GrainId, &Position<V>, &Velocity<V>, &Mass), With<Grain>>();
@@ -59,12 +59,12 @@ fn planar(run: &mut Simulation) -> Vec<(Vector, Vector, f64)> {
     grains::<Plane>(run)
 }
 
-// The step.
+// Limits of the time step.
 
-/// 2 springs of k = 1e5 N/m on 0.05 kg: w0 = 2000/s.
+/// w0 of the compressed grain, 1/s: two springs of k = 1e5 N/m on 0.05 kg.
 const PRESSED: f64 = 2000.0;
 
-/// A step at this share of the limit, with the drag coefficient `b` of each spring, N s/m.
+/// Returns a step at this share of the limit, with the damping coefficient `b` of each spring, N s/m.
 fn pressed(share: f64, b: f64) -> (f64, [(&'static str, String); 2]) {
     let zeta = b / (0.05 * PRESSED);
     let dt = share * 2.0 / PRESSED * ((1.0 + zeta * zeta).sqrt() - zeta);
@@ -76,18 +76,19 @@ fn settings<'a>(owned: &'a [(&'static str, String)]) -> Vec<(&'a str, &'a str)> 
 }
 
 #[test]
-fn undamped_up_to_the_limit_the_motion_is_the_closed_form_of_the_scheme() {
+fn below_the_limit_undamped_motion_is_the_closed_form_of_the_scheme() {
     for share in [0.5, 0.9] {
         let (dt, owned) = pressed(share, 0.0);
         let mut run = simulation(&load("hard/step-at-the-limit.ron", &settings(&owned)), 1);
-        // From rest, x_n = A cos(n theta), cos theta = 1 - (w0 dt)^2/2.
+        // From rest, x_n = A cos(n theta) with cos theta = 1 - (w0 dt)^2/2.
         let theta = (1.0 - 0.5 * (PRESSED * dt).powi(2)).acos();
         let mut largest = 0.0f64;
         for n in 1..=500 {
             run.run_steps(n);
             let x = planar(&mut run)[0].0.y;
-            // Overlaps are differences of numbers of 0.02 m; that round-off enters each step, and where theta is not
-            // near 0 or pi the recursion carries each on without growth, n of them at worst, times 1/sin theta.
+            // Overlaps are differences of numbers of 0.02 m, and their round-off enters in each step. Where theta is
+            // not near 0 or pi the recursion carries each error on without growth: at worst n errors, times 1/sin
+            // theta.
             let bound = 4.0 * n as f64 * 0.02 * f64::EPSILON * (PRESSED * dt).powi(2) / theta.sin();
             let error = (x - 1e-4 * (n as f64 * theta).cos()).abs();
             assert!(error < bound, "{share} of the limit, step {n}: {error} > {bound}");
@@ -98,8 +99,9 @@ fn undamped_up_to_the_limit_the_motion_is_the_closed_form_of_the_scheme() {
 }
 
 #[test]
-fn at_the_limit_itself_the_motion_only_turns_its_sign() {
-    // w0 dt = 2: x_n = (-1)^n A from rest, and round-off grows no faster than n^2. A program may refuse it as well.
+fn at_the_limit_undamped_motion_alternates_its_sign() {
+    // w0 dt = 2: x_n = (-1)^n A from rest, and round-off grows no faster than n^2. The program may also refuse this
+    // step.
     let (_, owned) = pressed(1.0, 0.0);
     let Some(mut run) = accepted(&owned) else { return };
     run.run_steps(100);
@@ -108,22 +110,23 @@ fn at_the_limit_itself_the_motion_only_turns_its_sign() {
 }
 
 #[test]
-fn damped_the_limit_is_where_the_closed_form_puts_it() {
+fn damped_motion_decays_below_the_limit_of_the_closed_form() {
     for b in [50.0, 100.0, 300.0] {
         for share in [0.5, 0.9] {
             let (_, owned) = pressed(share, b);
             let mut run = simulation(&load("hard/step-at-the-limit.ron", &settings(&owned)), 1);
             run.run_steps(2000);
             let (x, v, _) = planar(&mut run)[0];
-            // The slowest mode is that of the drag, which for zeta = 3 takes 2 zeta/w0 = 3 ms, 20 steps; each of the
-            // others shrinks at least as 0.9^n near the limit.
+            // The slowest mode is the overdamped one, with a time of 2 zeta/w0 = 3 ms, 20 steps, at zeta = 3. Near the
+            // limit each other mode decays at least as 0.9^n.
             assert!(x.y.abs() < 1e-15 && v.y.abs() < 1e-12, "b = {b}, {share} of the limit: {x:?} {v:?}");
             assert!(balance(&run).1.dissipated > 0.0);
         }
     }
 }
 
-/// The same centred: (4 - a)(1 + b) = 8 B with a = (w0 dt)^2, B = zeta w0 dt of both springs and b = B/2 of one.
+/// Like [`pressed`], for centred contacts: (4 - a)(1 + b) = 8 B with a = (w0 dt)^2, B = zeta w0 dt of both springs and
+/// b = B/2 of one.
 fn pressed_centred(share: f64, b: f64) -> [(&'static str, String); 3] {
     let zeta = b / (0.05 * PRESSED);
     let excess = |x: f64| (4.0 - x * x) * (1.0 + 0.5 * zeta * x) - 8.0 * zeta * x;
@@ -137,7 +140,7 @@ fn pressed_centred(share: f64, b: f64) -> [(&'static str, String); 3] {
 }
 
 #[test]
-fn centred_the_limit_is_where_the_closed_form_puts_it_and_is_warned_of() {
+fn centred_limit_is_the_closed_form_and_causes_a_warning() {
     for b in [50.0, 100.0, 300.0] {
         for share in [0.5, 0.9, 1.1] {
             let owned = pressed_centred(share, b);
@@ -148,21 +151,21 @@ fn centred_the_limit_is_where_the_closed_form_puts_it_and_is_warned_of() {
             if share < 1.0 {
                 run.run_steps(2000);
                 let (x, v, _) = planar(&mut run)[0];
-                // As with lagged drag.
+                // As with damping evaluated half a step late.
                 assert!(x.y.abs() < 1e-15 && v.y.abs() < 1e-12, "b = {b}, {share} of the limit: {x:?} {v:?}");
             } else if let End::Failed(failure) = run.run() {
                 let message = failure.to_string();
                 assert!(message.starts_with("step ") && message.contains("grain 1"), "{message}");
             } else {
-                // A swing that opens contacts is one of a lone grain for a while, which at zeta = 0.5 is stable here: it
-                // grows to a tenth of the radius, and stays there.
+                // An oscillation that opens contacts is one of a single contact for some time, which is stable here at
+                // zeta = 0.5. It grows to a tenth of the radius and stays there.
                 assert!(b < 100.0 && planar(&mut run)[0].0.y.abs() > 2e-4, "b = {b}: {:?}", planar(&mut run)[0]);
             }
         }
     }
 }
 
-/// A simulation, unless a step beyond the limit is refused when it is loaded.
+/// Returns a simulation, or `None` if a step beyond the limit is refused at loading.
 fn accepted(owned: &[(&'static str, String)]) -> Option<Simulation> {
     let settings: Vec<_> = owned.iter().map(|(key, value)| ((*key).to_owned(), value.clone())).collect();
     match load::load(&crate::scene("hard/step-at-the-limit.ron"), &settings) {
@@ -175,7 +178,7 @@ fn accepted(owned: &[(&'static str, String)]) -> Option<Simulation> {
 }
 
 #[test]
-fn beyond_the_limit_a_run_is_refused_or_stopped_by_name() {
+fn run_beyond_the_limit_is_refused_or_stops_and_names_the_grain() {
     for b in [0.0, 50.0, 100.0, 300.0] {
         let (_, owned) = pressed(1.1, b);
         let Some(mut run) = accepted(&owned) else { continue };
@@ -187,7 +190,7 @@ fn beyond_the_limit_a_run_is_refused_or_stopped_by_name() {
 }
 
 #[test]
-fn an_unstable_bed_is_refused_or_stopped_by_name() {
+fn unstable_bed_is_refused_or_stops_and_names_a_grain() {
     // Stable for one contact, w0 dt = 1.8, unstable in a bed.
     let settings = [("step", "Fixed(0.0005)"), ("until", "0.5")].map(|(k, v)| (k.to_owned(), v.to_owned()));
     let Ok(loaded) = load::load(&crate::scene("hard/all-at-once.ron"), &settings) else { return };
@@ -197,16 +200,16 @@ fn an_unstable_bed_is_refused_or_stopped_by_name() {
     assert!(message.starts_with("step ") && message.contains("grain "), "{message}");
 }
 
-// Ratios.
+// Large ratios.
 
 #[test]
-fn a_million_times_stiffer_contact_carries_its_load() {
+fn contact_a_million_times_stiffer_carries_its_load() {
     let mut run = through("stiffness-ratio", &[]);
     let rows = planar(&mut run);
     let weight = 0.16 * 9.81;
     let overlaps = [0.04 - rows[0].0.y, 0.08 - (rows[1].0.y - rows[0].0.y)];
-    // What is left of the swing: e = 0.3 has zeta = 0.36 at least for a pair that is free; the lower one is held, so that
-    // w0 = sqrt(k/m) = 25/s and beta = 0.36 w0/sqrt 2 = 6.3/s.
+    // Remaining oscillation: e = 0.3 has zeta = 0.36 or more for a free pair. The lower grain is held, so w0 =
+    // sqrt(k/m) = 25/s and beta = 0.36 w0/sqrt 2 = 6.3/s.
     let left = 0.02 * (-6.3 * 3.0f64).exp();
     for (overlap, expected) in overlaps.into_iter().zip([2.0 * weight / 1e8, weight / 1e2]) {
         assert!((overlap - expected).abs() < left + 1e-15, "{overlap} {expected}");
@@ -214,12 +217,13 @@ fn a_million_times_stiffer_contact_carries_its_load() {
 }
 
 #[test]
-fn the_limit_of_a_stiff_floor_is_that_of_grains_on_it() {
+fn step_limit_of_a_stiff_floor_uses_the_grains_on_it() {
     let with = |step: &str| {
         let settings = [("step".to_owned(), format!("Fixed({step})"))];
         load::load(&crate::scene("hard/stiffness-ratio.ron"), &settings)
     };
-    // 2/w0 = 2 sqrt(0.16/1e8) s for a lone grain on the floor. With another on its back it is less: warned of.
+    // 2/w0 = 2 sqrt(0.16/1e8) s for a single grain on the floor. With another grain on top the limit is lower, which
+    // causes a warning.
     let codes: Vec<_> =
         siloflow::scene::check::warnings(&with("7.9e-5").unwrap()).iter().map(|warning| warning.code).collect();
     assert_eq!(codes, ["check::unstable_bed"]);
@@ -227,60 +231,61 @@ fn the_limit_of_a_stiff_floor_is_that_of_grains_on_it() {
 }
 
 #[test]
-fn a_million_times_lighter_grain_leaves_with_twice_the_speed() {
+fn grain_a_million_times_lighter_leaves_with_twice_the_speed() {
     let mut run = through("mass-ratio", &[]);
     let [(_, heavy, big), (_, light, small)] = planar(&mut run)[..] else { panic!("two grains") };
     let expected = 2.0 * big / (big + small);
-    // An undamped bounce errs in energy by what the potential is off at entry and exit, at most (w0 dt)^2/4 of it each,
-    // 0.8 %, and in speed by half of that.
+    // The energy error of an undamped bounce is the error of the potential at entry and exit: at most (w0 dt)^2/4 of it
+    // each, 0.8 %. The error of the speed is half of that.
     let w0_dt = (1e5 / small).sqrt() * 1.3e-5;
     assert!((light.x / expected - 1.0).abs() < 0.25 * w0_dt * w0_dt, "{} {expected}", light.x);
-    // Momentum is exact but for round-off, a thousand steps of it.
+    // Momentum is exact up to the round-off of a thousand steps.
     assert!((big * heavy.x + small * light.x - big).abs() < 1e3 * big * f64::EPSILON);
     assert_eq!((heavy.y, light.y), (0.0, 0.0));
 }
 
-/// Energy may be off by (w0 dt)^2/6 of what damped bounces dissipate, and (w0 dt)^2/4 of what contacts hold.
-fn assert_within_the_scheme(run: &Simulation, w0_dt: f64) {
+/// The energy error may be (w0 dt)^2/6 of the dissipation of damped bounces plus (w0 dt)^2/4 of the elastic energy.
+fn assert_energy_error_of_the_scheme(run: &Simulation, w0_dt: f64) {
     let (totals, flows, error) = balance(run);
     let bound = w0_dt * w0_dt * (flows.dissipated / 6.0 + totals.elastic / 4.0);
     assert!(error.abs() < bound, "{error} J of {flows:?}, bound {bound}");
 }
 
 #[test]
-fn grains_under_one_a_hundred_times_larger() {
+fn energy_balance_of_grains_under_a_much_larger_one_closes() {
     let run = through("size-ratio", &[]);
     assert_eq!(run.world().resource::<Ledger>().inside(), 243);
-    // Two of the small: half their mass.
-    assert_within_the_scheme(&run, (1e6 / 2e-4f64).sqrt() * 3e-6);
+    // Two small grains: the reduced mass is half their mass.
+    assert_energy_error_of_the_scheme(&run, (1e6 / 2e-4f64).sqrt() * 3e-6);
 }
 
 // Columns and symmetry.
 
 #[test]
-fn a_thousand_grains_learn_of_the_floor_one_after_the_other() {
+fn wave_in_a_column_of_a_thousand_grains_has_the_speed_of_a_chain() {
     let mut run = through("tall-column", &[]);
     let rows = planar(&mut run);
     assert!(rows.len() == 1000 && rows.iter().all(|(x, v, _)| x.x == 0.0 && v.x == 0.0));
-    assert_within_the_scheme(&run, (1e6 / 0.08f64).sqrt() * 5e-5);
-    // w0 t = 250 grains. In a chain each feels only its neighbour's neighbour: in front of the wave the deviation from free
-    // fall begins with (w0 t)^2n/(2n)! g/w0^2, below (e w0 t/2n)^2n. From n = e w0 t on that is below 4^-n.
+    assert_energy_error_of_the_scheme(&run, (1e6 / 0.08f64).sqrt() * 5e-5);
+    // w0 t = 250 grains. In a chain the influence of the floor passes from neighbour to neighbour. In front of the wave
+    // the deviation from free fall begins with (w0 t)^2n/(2n)! g/w0^2, below (e w0 t/2n)^2n. From n = e w0 t on that is
+    // below 4^-n.
     let (front, t) = ((1e6 / 0.16f64).sqrt() * 0.1 * std::f64::consts::E, 0.1);
     assert!(front < 700.0);
     for (n, (x, v, _)) in rows.iter().enumerate().filter(|(n, _)| *n as f64 > front) {
         let (x0, dv, dx) = (0.04 + 0.08 * n as f64, v.y + 9.81 * t, 0.5 * 9.81 * t * t);
         // Two thousand sums of speeds of 1 m/s and of heights of 80 m. Grains that just touch may overlap by round-off,
-        // 1e-14 m, and then their spring of w0 = 2500/s pushes them by its 2e-11 m/s.
+        // 1e-14 m. Their spring with w0 = 2500/s then gives them a speed of 2e-11 m/s.
         assert!(dv.abs() < 1e-10 && (x.y - (x0 - dx)).abs() < 1e-10, "grain {n}: {dv} {}", x.y - (x0 - dx));
     }
-    // Far behind it, as in a bar that is stopped at its end, each keeps the speed at which the wave has met it, -g n/w0;
-    // the front is (w0 t)^(1/3), six grains, wide, and the hundredth is 150 behind it.
-    let met = -9.81 * 100.5 / 2500.0;
-    assert!((rows[100].1.y / met - 1.0).abs() < 0.01, "{} {met}", rows[100].1.y);
+    // Far behind the front, as in a bar stopped at its end, each grain keeps the speed that the wave gave it, -g n/w0.
+    // The front is (w0 t)^(1/3), six grains, wide, and the hundredth grain is 150 grains behind it.
+    let behind_wave = -9.81 * 100.5 / 2500.0;
+    assert!((rows[100].1.y / behind_wave - 1.0).abs() < 0.01, "{} {behind_wave}", rows[100].1.y);
 }
 
 #[test]
-fn an_exact_column_blocks_its_release_and_says_so() {
+fn grains_in_an_exact_column_block_the_release_and_are_named() {
     let (mut run, end) = run("one-column", &[]);
     let End::Failed(Failure::ReleaseBlocked { grain, blocker, .. }) = &end else { panic!("{end:?}") };
     assert!(blocker.starts_with("grain ") && grain.number() > 8, "{end:?}");
@@ -288,7 +293,7 @@ fn an_exact_column_blocks_its_release_and_says_so() {
 }
 
 #[test]
-fn a_symmetric_stack_stays_symmetric_to_the_last_bit() {
+fn symmetric_stack_stays_symmetric_to_the_last_bit() {
     let mut run = simulation(&load("hard/symmetric-stack.ron", &[]), 1);
     for n in (0..=10_000).step_by(100) {
         run.run_steps(n);
@@ -301,7 +306,7 @@ fn a_symmetric_stack_stays_symmetric_to_the_last_bit() {
     assert!(rows[2].0.y < 0.119 && rows[1].0.x > 0.0425, "the upper one has pushed the others apart: {rows:?}");
 }
 
-// In each other, and through each other.
+// Grains that start inside each other, and tunnelling.
 
 fn too_deep(name: &str) -> (u64, u32, String, f64) {
     let (_, end) = run(name, &[]);
@@ -310,7 +315,7 @@ fn too_deep(name: &str) -> (u64, u32, String, f64) {
 }
 
 #[test]
-fn who_starts_too_deep_in_another_is_named_before_anything_moves() {
+fn grains_that_start_too_deep_are_named_in_step_zero() {
     assert_eq!(too_deep("coincident"), (0, 1, "grain 2".to_owned(), 2.0));
     let (step, grain, partner, ratio) = too_deep("inside");
     // 0.11 m less 0.01 m, over 0.01 m.
@@ -319,21 +324,21 @@ fn who_starts_too_deep_in_another_is_named_before_anything_moves() {
 }
 
 #[test]
-fn coincident_centres_part_along_a_direction_of_their_ids() {
+fn coincident_grains_separate_along_a_direction_derived_from_their_ids() {
     let mut first = through("coincident", &[DEEP]);
     let mut again = through("coincident", &[DEEP, ("neighbours", "AllPairs")]);
     assert_eq!(hash(&mut first), hash(&mut again));
     let [(a, va, m), (b, vb, _)] = planar(&mut first)[..] else { panic!("two grains") };
-    // k (2 R)^2/2 is m v^2 for the two together; started at the turning point, the scheme errs by its exit alone,
-    // (w0 dt)^2/4 of the energy with w0 of the pair.
+    // k (2 R)^2/2 = m v^2 for the two together. The motion starts at the turning point, so the scheme errs at the exit
+    // only: (w0 dt)^2/4 of the energy with w0 of the pair.
     let speed = 0.08 * (1e4 / (2.0 * m)).sqrt();
     let w0_dt = (2.0 * 1e4 / m).sqrt() * 1.3e-4;
     for v in [va, vb] {
         assert!((v.length() / speed - 1.0).abs() < 0.25 * w0_dt * w0_dt, "{v:?} {speed}");
     }
     assert!((va + vb).length() < 1e-12 && (a + b - 2.0 * Vector::new(0.3, 0.7)).length() < 1e-12);
-    // Apart, in the direction of the normal that they were given.
-    // The direction is what round-off makes of the first separation, a dt^2/2 each, at 0.7 m.
+    // The grains separate along the normal that they were given. Its direction is known to the round-off of the first
+    // separation, a dt^2/2 each, at 0.7 m.
     let condition = 4.0 * 0.7 * f64::EPSILON / (1e4 * 0.08 / m * 1.3e-4f64.powi(2));
     let (apart, parting) = (a - b, va - vb);
     let sine = apart.perp_dot(parting) / apart.length() / parting.length();
@@ -341,7 +346,7 @@ fn coincident_centres_part_along_a_direction_of_their_ids() {
 }
 
 #[test]
-fn a_grain_inside_another_is_driven_out() {
+fn grain_inside_another_is_driven_out() {
     let mut run = through("inside", &[DEEP]);
     let [(a, va, big), (b, vb, small)] = planar(&mut run)[..] else { panic!("two grains") };
     assert!((a - b).length() > 0.11);
@@ -353,7 +358,7 @@ fn a_grain_inside_another_is_driven_out() {
 }
 
 #[test]
-fn what_crosses_a_wall_in_one_step_is_caught_in_that_step() {
+fn grain_that_crosses_a_wall_in_one_step_is_detected_in_that_step() {
     let half_plane = ("walls", "[HalfPlane(point: (0.5, 0.0), normal: (-1.0, 0.0))]");
     let disc = ("walls", "[Disc(centre: (0.5, -0.03), radius: 0.03), Disc(centre: (0.5, 0.03), radius: 0.03)]");
     for settings in [&[][..], &[half_plane], &[disc]] {
@@ -367,13 +372,13 @@ fn what_crosses_a_wall_in_one_step_is_caught_in_that_step() {
     assert_eq!(end, End::Empty);
     let ledger = run.world().resource::<Ledger>();
     assert_eq!((ledger.lost(), ledger.lost[0].grain, ledger.lost[0].step), (1, 1, 1));
-    assert_eq!(planar(&mut run)[0].1, Vector::new(1000.0, 0.0), "nothing has touched it");
+    assert_eq!(planar(&mut run)[0].1, Vector::new(1000.0, 0.0), "a contact changed its velocity");
 }
 
 #[test]
-fn a_wall_that_throws_a_bullet_back_creates_energy_and_is_stopped() {
-    // Half a metre into a half-plane: the spring pays k delta^2/2 for nothing. With such a step, schemes that can be
-    // stable are refused.
+fn deep_overlap_with_a_wall_that_creates_energy_stops_the_run() {
+    // After one step the grain is half a metre inside a half-plane, and the spring adds k delta^2/2 without a source.
+    // Schemes that can be stable are refused at this step size.
     let settings = [
         ("walls", "[HalfPlane(point: (0.5, 0.0), normal: (-1.0, 0.0))]"),
         ("contact.k", "1.0e6"),
@@ -390,29 +395,29 @@ fn a_wall_that_throws_a_bullet_back_creates_energy_and_is_stopped() {
 // A bed under pressure.
 
 #[test]
-fn the_door_goes_under_a_bed_at_thirty_percent() {
+fn door_opens_under_a_bed_with_overlaps_of_thirty_percent() {
     let mut run = simulation(&load("hard/pressed-door.ron", &[]), 1);
     run.run_steps(4990);
     let before = totals::of_world(run.world());
     assert!((0.25..0.4).contains(&before.largest_overlap_ratio), "{before:?}");
     let held = before.elastic;
     assert_eq!(run.run(), End::Empty);
-    assert_finite_and_booked(&mut run);
+    assert_finite_and_accounted(&mut run);
     let ledger = run.world().resource::<Ledger>();
     assert_eq!((ledger.out(), ledger.lost()), (756, 0));
     let (_, flows, error) = balance(&run);
     assert!(flows.removed != 0.0 && held > 0.0);
-    // As everywhere, (w0 dt)^2/6 of what is dissipated; and the half-kick of the door that is gone, k dt^2/(4 m) of what it
-    // held, less than all elastic energy.
+    // (w0 dt)^2/6 of the dissipation, and the half-kick of the removed door, k dt^2/(4 m) of the energy in its
+    // contacts. That energy is less than all elastic energy.
     let m = 2500.0 * 4.0 / 3.0 * PI * 0.0099f64.powi(3);
     let w2 = 1300.0 / m * 2e-4f64.powi(2);
     assert!(error.abs() < 2.0 * w2 / 6.0 * flows.dissipated + 0.25 * w2 * held, "{error} of {flows:?}");
 }
 
-// Places.
+// Positions far from the origin, and small boxes.
 
 #[test]
-fn a_thousand_kilometres_away_the_motion_is_the_same() {
+fn motion_a_thousand_kilometres_away_is_the_same() {
     let far = planar(&mut through("far-away", &[]))[0];
     let near = [
         ("walls", "[HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))]"),
@@ -420,16 +425,16 @@ fn a_thousand_kilometres_away_the_motion_is_the_same() {
         ("fill[0].high", "(0.04, 0.58)"),
     ];
     let near = planar(&mut through("far-away", &near))[0];
-    // Positions are rounded to 1.2e-10 m in each of 10^4 steps, at random or, at worst, one way; a bounce makes of a
-    // displacement dx a difference in velocity of g dx/v, less than w0 dx.
+    // Positions are rounded to 1.2e-10 m in each of 10^4 steps, at random or, at worst, in one direction. A bounce
+    // turns a displacement dx into a velocity difference of g dx/v, less than w0 dx.
     let rounded = 1e6 * f64::EPSILON * 1e4;
     let (dx, dv) = (far.0 - Vector::splat(1e6) - near.0, far.1 - near.1);
     assert!(dx.length() < rounded && dv.length() < 250.0 * rounded, "{dx:?} {dv:?}");
-    assert!(near.1.y.abs() > 0.1, "it bounces");
+    assert!(near.1.y.abs() > 0.1, "it does not bounce");
 }
 
 #[test]
-fn the_smallest_periodic_box_is_the_same_for_all_searches_and_conserves() {
+fn smallest_periodic_box_gives_equal_bits_for_all_searches_and_conserves() {
     let mut reference = through("small-box", &[("neighbours", "AllPairs")]);
     for neighbours in ["VerletList(skin: 0.01)", "VerletList(skin: 0.5)", "Cells(size: 0.08)", "Cells(size: 0.16)"] {
         let mut other = through("small-box", &[("neighbours", neighbours)]);
@@ -447,17 +452,18 @@ fn the_smallest_periodic_box_is_the_same_for_all_searches_and_conserves() {
     };
     assert!((momentum - start).length() < 1e-12, "{momentum:?} {start:?}");
     let (_, flows, error) = balance(&reference);
-    // What opens or closes s of a step before its end errs by (w0 dt)^2 s (1 - s) of its energy, which is not more than all.
+    // A contact that opens or closes a share s of a step before its end errs by (w0 dt)^2 s (1 - s) of its energy,
+    // which is at most the total energy.
     let w0_dt = (1e4 / 0.08f64).sqrt() * 1e-4;
-    let bound = 0.25 * w0_dt * w0_dt * f64::from(changes_of_contacts("hard/small-box.ron", 10_000)) * flows.released;
+    let bound = 0.25 * w0_dt * w0_dt * f64::from(contact_changes("hard/small-box.ron", 10_000)) * flows.released;
     assert!(error.abs() < bound, "{error} {bound}");
     let smaller = [("periodic.x".to_owned(), "(0.0, 0.16)".to_owned())];
     let fault = load::load(&crate::scene("hard/small-box.ron"), &smaller).unwrap_err();
     assert_eq!(fault.code(), "scene::box_too_small");
 }
 
-/// How many contacts open or close in so many steps, if no two do at once.
-fn changes_of_contacts(name: &str, steps: u64) -> u32 {
+/// Returns the number of contacts that open or close in `steps` steps, if no two do so in one step.
+fn contact_changes(name: &str, steps: u64) -> u32 {
     let mut run = simulation(&load(name, &[]), 1);
     let (mut before, mut changes) = (0.0, 0);
     for n in 0..=steps {
@@ -466,25 +472,26 @@ fn changes_of_contacts(name: &str, steps: u64) -> u32 {
         changes += u32::from(now != before);
         before = now;
     }
-    assert!(changes > 4, "they meet");
+    assert!(changes > 4, "too few contacts");
     changes
 }
 
-// Coefficients at their ends.
+// Extreme coefficients.
 
 #[test]
-fn restitution_one_bounces_to_the_same_height() {
+fn restitution_one_conserves_energy() {
     let run = through("restitution-one", &[]);
     let (totals, _, error) = balance(&run);
-    // A contact that opens or closes s of a step before its end errs by (w0 dt)^2 s (1 - s) of the energy, with either sign.
-    // For phases at random the difference of two such has the standard deviation sqrt(2/180) = 0.105: three of it.
+    // A contact that opens or closes a share s of a step before its end errs by (w0 dt)^2 s (1 - s) of the energy, with
+    // either sign. For random phases the difference of two such errors has the standard deviation sqrt(2/180) = 0.105.
+    // The bound is three of them.
     let energy = 0.16 * 9.81 * 0.5;
     let bound = 3.0 * 0.105 * 94f64.sqrt() * (250.0f64 * 3.7e-4).powi(2) * energy;
     assert!(error.abs() < bound, "{error} of {energy}, bound {bound}");
     assert!(totals.largest_speed > 0.0);
 }
 
-/// Speed along the incline and of rotation (rad/s) after one second, with this friction.
+/// Returns the speed along the incline (m/s) and of rotation (rad/s) after one second, with this friction.
 fn rolled(friction: f64) -> (f64, f64) {
     let friction = format!("{friction:e}");
     let mut run = through("incline", &[("contact.tangential.friction", &friction)]);
@@ -494,29 +501,29 @@ fn rolled(friction: f64) -> (f64, f64) {
 }
 
 #[test]
-fn a_disc_rolls_above_and_slides_below_the_threshold_of_friction() {
+fn disc_rolls_above_and_slides_below_the_friction_threshold() {
     let (g, sin, cos, radius) = (9.81, 0.5, 0.75f64.sqrt(), 0.04);
     let threshold = sin / cos / 3.0;
     for mu in [1.1 * threshold, 1.0, 1e3] {
         let (v, spin) = rolled(mu);
-        // The start stretches the tangential spring, which swings about its load m g sin/3 until its damping has taken it
-        // away; what stays of it is v dt after one step.
+        // The start stretches the tangential spring, which oscillates about its load m g sin/3 until it is damped out.
+        // What remains is v dt after one step.
         assert!((v - 2.0 / 3.0 * g * sin).abs() < 1e-3 && (v + spin * radius).abs() < 1e-3, "{mu}: {v} {spin}");
     }
     for mu in [0.0, 0.5 * threshold, 0.9 * threshold] {
         let (v, spin) = rolled(mu);
         let (expected, turning) = (g * (sin - mu * cos), -2.0 * mu * g * cos / radius);
-        // Until the spring is at its cap, mu m g cos/k = 1e-5 m, the disc is held a little less: for about a millisecond.
+        // Until the spring reaches its cap, mu m g cos/k = 1e-5 m, the friction is smaller: for about a millisecond.
         let start = 1e-3 * mu * g * cos;
         assert!((v - expected).abs() <= 1e-9 + start, "{mu}: {v} {expected}");
         assert!((spin - turning).abs() <= 1e-9 + 2.0 * start / radius, "{mu}: {spin} {turning}");
     }
 }
 
-// Next to nothing, and a lot.
+// Very few and very many grains.
 
 #[test]
-fn nobody_is_there() {
+fn scene_without_grains_runs() {
     let run = through("no-grains", &[]);
     let (totals, flows, error) = balance(&run);
     assert_eq!((totals.grains, totals.energy(), flows.expected(), error), (0, 0.0, 0.0, 0.0));
@@ -532,7 +539,7 @@ fn nobody_is_there() {
 }
 
 #[test]
-fn one_grain_flies_a_parabola() {
+fn one_grain_follows_a_parabola() {
     let mut run = through("one-grain", &[]);
     let (x, v, _) = planar(&mut run)[0];
     // A thousand sums of numbers of order 1 to 10.
@@ -541,7 +548,7 @@ fn one_grain_flies_a_parabola() {
 }
 
 #[test]
-fn what_is_fixed_stays_and_feels_nothing_of_what_is_fixed() {
+fn fixed_particles_exert_no_force_on_each_other() {
     let mut run = through("all-fixed", &[]);
     let (totals, flows, _) = balance(&run);
     assert_eq!((totals.energy(), totals.largest_overlap_ratio, flows.expected()), (0.0, 0.0, 0.0));
@@ -551,40 +558,41 @@ fn what_is_fixed_stays_and_feels_nothing_of_what_is_fixed() {
 }
 
 #[test]
-fn at_rest_without_gravity_nothing_moves() {
+fn touching_grains_at_rest_without_gravity_do_not_move() {
     let mut run = simulation(&load("hard/no-gravity.ron", &[]), 1);
     run.run_steps(0);
     let before = planar(&mut run);
     assert_eq!(run.run(), End::TimeReached);
     assert_eq!(planar(&mut run), before);
-    assert!(before.len() == 16 && before[1].0 - before[0].0 == Vector::new(0.125, 0.0), "they just touch");
+    assert!(before.len() == 16 && before[1].0 - before[0].0 == Vector::new(0.125, 0.0), "the grains do not just touch");
 }
 
 #[test]
-fn thousands_at_once_are_all_booked() {
+fn energy_balance_of_thousands_of_grains_released_at_once_closes() {
     let run = through("all-at-once", &[]);
     let ledger = run.world().resource::<Ledger>();
     assert_eq!((ledger.released, ledger.inside()), (5000, 5000));
     let m = 2500.0 * 4.0 / 3.0 * PI * 3e-3f64.powi(3);
-    assert_within_the_scheme(&run, (2.0 * 1e4 / m).sqrt() * 2e-5);
+    assert_energy_error_of_the_scheme(&run, (2.0 * 1e4 / m).sqrt() * 2e-5);
 }
 
 // The watchdog.
 
 #[test]
-fn who_comes_too_deep_on_the_way_is_named() {
-    // At 30 m/s and more k = 1e4 N/m stops two of 0.16 kg after v/w0 = 8 cm: twice their radius.
+fn grains_that_come_too_deep_are_named() {
+    // At 30 m/s and more, k = 1e4 N/m stops two grains of 0.16 kg after v/w0 = 8 cm: twice their radius.
     let (_, end) = run("small-box", &[("fill[0].agitation", "(40.0, 40.0)")]);
     let End::Failed(failure @ Failure::TooDeep { step, ratio, .. }) = end else { panic!("{end:?}") };
-    // In the step in which it happens: the overlap has grown by less than one step of it since it was allowed.
+    // The watchdog stops the run in the step that exceeds the limit. The overlap has grown by less than one step's
+    // motion since.
     assert!(step > 0 && ratio > 1.0 && ratio < 1.0 + 2.0 * 2f64.sqrt() * 40.0 * 1e-4 / 0.04, "{failure}");
     let message = failure.to_string();
     assert!(message.contains(" and grain ") && message.contains("stiffen the contacts"), "{message}");
 }
 
 #[test]
-fn healthy_scenes_are_far_from_its_limits() {
-    // A hundredth of the default share, looked at ten times as often.
+fn watchdog_does_not_stop_valid_scenes() {
+    // A hundredth of the default share, checked ten times as often.
     let strict = ("watchdog", "(every: 50, energy: 1.0e-3)");
     let scenes: [(&str, &[(&str, &str)]); 5] = [
         ("silo1.ron", &[("spawner.count", "100"), ("until", "8.0"), strict]),
@@ -601,7 +609,7 @@ fn healthy_scenes_are_far_from_its_limits() {
 }
 
 #[test]
-fn the_watchdog_keeps_what_was_written_and_exits_with_one() {
+fn watchdog_keeps_written_results_and_exits_with_1() {
     let here = tempfile::tempdir().unwrap();
     let path = crate::scene("hard/coincident.ron").display().to_string();
     let output = siloflow(here.path(), &["run", &path]);
@@ -624,7 +632,7 @@ fn the_watchdog_keeps_what_was_written_and_exits_with_one() {
 }
 
 #[test]
-fn every_hard_scene_is_run_here() {
+fn every_hard_scene_has_a_test() {
     let tests = include_str!("hard.rs");
     for entry in fs::read_dir(root().join("scenes/hard")).unwrap() {
         let path = entry.unwrap().path();
@@ -633,10 +641,10 @@ fn every_hard_scene_is_run_here() {
             assert!(tests.contains(&format!("\"{name}\"")) || tests.contains(&format!("hard/{name}.ron")), "{name}");
         }
     }
-    // The one that takes minutes is at least valid, and conserves for its first two seconds.
+    // The scene that takes minutes must be valid and conserve energy for its first two seconds.
     let run = through("undamped-drift", &[("until", "2.0")]);
     let (totals, flows, error) = balance(&run);
-    // (w0 dt)^2/4 of what contacts hold, and as much of what the few bounces in that time have carried.
+    // (w0 dt)^2/4 of the elastic energy, and as much of the energy that the few bounces in that time have carried.
     let w0_dt = (1e4 / 0.08f64).sqrt() * 4e-4;
     assert!(error.abs() < w0_dt * w0_dt / 4.0 * (totals.elastic + flows.released), "{error}");
 }

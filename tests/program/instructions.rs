@@ -1,4 +1,4 @@
-//! `SILOFLOW_INSTRUCTIONS`: it changes no bit of a run, and a bad value ends the program with status 2.
+//! `SILOFLOW_INSTRUCTIONS` changes no bit of a run. A bad value ends the program with status 2.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -20,7 +20,7 @@ fn run(directory: &Path, instructions: &str) -> Output {
 }
 
 #[test]
-fn every_set_of_instructions_gives_the_same_state() {
+fn every_instruction_set_gives_the_same_state() {
     let here = tempfile::tempdir().unwrap();
     let hash = |instructions: &str| {
         let output = run(here.path(), instructions);
@@ -29,7 +29,7 @@ fn every_set_of_instructions_gives_the_same_state() {
         assert!(summary["steps"].as_u64() > Some(100) && summary["coordination"].as_f64() > Some(0.2), "{summary}");
         summary["state_hash"].clone()
     };
-    // An empty variable counts as none.
+    // An empty variable counts as unset.
     let usual = hash("");
     for instructions in Instructions::all() {
         assert_eq!(hash(instructions.name()), usual, "{}", instructions.name());
@@ -37,22 +37,22 @@ fn every_set_of_instructions_gives_the_same_state() {
 }
 
 #[test]
-fn a_bad_value_is_told_with_all_that_are_allowed() {
+fn bad_value_is_reported_with_all_allowed_values() {
     let here = tempfile::tempdir().unwrap();
     let is_here = |name: &&str| Instructions::all().iter().any(|instructions| instructions.name() == *name);
-    // A set that this machine lacks is refused as well as an unknown word.
+    // An instruction set that this machine lacks is refused like an unknown word.
     let lacking: Vec<_> = ["baseline", "avx2", "avx512"].into_iter().filter(|name| !is_here(name)).collect();
     for value in [&["sse9", "AVX2", "avx2 "], &lacking[..]].concat() {
         let output = run(here.path(), value);
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(2), "{value}: {message}");
         assert!(!message.contains("panicked") && message.contains("call::instructions"), "{message}");
-        // The report breaks lines where it likes.
+        // The report breaks lines at any space.
         let words: Vec<_> = message.split_whitespace().collect();
         for part in [VARIABLE, "baseline,", "avx2,", "avx512"] {
             assert!(words.contains(&part), "{part}: {message}");
         }
         assert!(message.contains(value.trim()), "{message}");
-        assert!(!here.path().join("run").exists(), "{value}: something was written");
+        assert!(!here.path().join("run").exists(), "{value}: a file was written");
     }
 }

@@ -1,4 +1,4 @@
-//! The lattice gas as its users meet it: run directories, messages, behaviours.
+//! The lattice gas as users see it: run directories, messages, behaviours.
 
 use std::fs;
 
@@ -28,7 +28,7 @@ fn text(bytes: &[u8]) -> String {
 }
 
 #[test]
-fn a_run_leaves_its_directory_and_accounts_for_every_particle() {
+fn run_directory_is_complete_and_every_particle_is_accounted_for() {
     let here = tempfile::tempdir().unwrap();
     fs::write(here.path().join("small.ron"), SMALL).unwrap();
     let done = siloflow(here.path(), &["run", "small.ron", "--png", "--threads", "2"]);
@@ -48,14 +48,14 @@ fn a_run_leaves_its_directory_and_accounts_for_every_particle() {
     for picture in ["frames/00000.svg", "frames/00000.png", "frames/00001.svg"] {
         assert!(out.join(picture).exists(), "{picture}");
     }
-    // The directory repeats the run, whatever the number of threads.
+    // A run from the directory gives the same result for any number of threads.
     let again = siloflow(&out, &["run", "scene.ron", "--out", "again", "--json"]);
     let again: serde_json::Value = serde_json::from_str(&text(&again.stdout)).unwrap();
     assert_eq!(again["state_hash"], summary["state_hash"]);
 }
 
 #[test]
-fn check_and_explain_tell_what_a_lattice_scene_is() {
+fn check_and_explain_describe_a_lattice_scene() {
     let check = siloflow(root(), &["check", "scenes/mass-flow.ron"]);
     let said = text(&check.stdout);
     assert!(said.contains("35047 sites") && said.contains("no warnings"), "{said}");
@@ -68,7 +68,7 @@ fn check_and_explain_tell_what_a_lattice_scene_is() {
     };
     let base = explained(&[]);
     assert!(base.contains("stop_at_walls") && base.contains("trickle_down"), "{base}");
-    // None of the systems of grains, and no system for a rule that is switched off.
+    // Neither systems of grains nor systems of a rule that is switched off.
     assert!(!base.contains("contact") && !base.contains("neighbours") && !base.contains("store"), "{base}");
     let less = explained(&["--set", "method.b=0.0", "--set", "method.h=0.0"]);
     assert!(!less.contains("stop_at_walls") && !less.contains("trickle_down"), "{less}");
@@ -77,7 +77,7 @@ fn check_and_explain_tell_what_a_lattice_scene_is() {
 }
 
 #[test]
-fn a_closed_outline_is_the_same_silo() {
+fn closed_outline_gives_the_same_silo() {
     let outlines = [
         "(-0.2, 0.0), (0.2, 0.0), (0.2, 0.5), (-0.2, 0.5)",
         "(-0.2, 0.0), (0.2, 0.0), (0.2, 0.0), (0.2, 0.5), (-0.2, 0.5), (-0.2, 0.0)",
@@ -91,7 +91,7 @@ fn a_closed_outline_is_the_same_silo() {
 }
 
 #[test]
-fn the_method_of_a_scene_is_no_setting() {
+fn method_of_a_scene_cannot_be_set() {
     let method = "method=LatticeGas(spacing: 0.01, p: 0.2, q: 0.2, b: 0.05, k: 0.05, g: 0.2, h: 0.05)";
     let refused = siloflow(root(), &["check", "scenes/silo1.ron", "--set", method]);
     assert_eq!(refused.status.code(), Some(2));
@@ -99,7 +99,7 @@ fn the_method_of_a_scene_is_no_setting() {
 }
 
 #[test]
-fn a_study_writes_its_tables_and_pictures_and_tells_what_is_wrong_before_it_runs() {
+fn study_writes_its_tables_and_figures_and_reports_errors_before_it_runs() {
     let here = tempfile::tempdir().unwrap();
     fs::write(here.path().join("small.ron"), SMALL.replace("until: 5000", "until: 120")).unwrap();
     let study = |silos: &str, seeds: &str, variants: &str, pictures: &str| {
@@ -130,13 +130,13 @@ fn a_study_writes_its_tables_and_pictures_and_tells_what_is_wrong_before_it_runs
         assert!(here.path().join("out").join(name).exists(), "{name}");
     }
     let claims = fs::read_to_string(here.path().join("out/claims.md")).unwrap();
-    // The runs are too short for most observables: they are not measured, and so it says.
+    // The runs are too short for most observables. The table lists these as not measured.
     assert!(claims.contains("not measured") && claims.contains("rho0(g = 0.95) > rho0(base)"), "{claims}");
     assert_eq!(fs::read_to_string(here.path().join("out/figures.csv")).unwrap().lines().count(), 5);
 }
 
 #[test]
-fn rest_may_be_a_mean_height_that_no_longer_changes() {
+fn rest_can_be_defined_by_a_constant_mean_height() {
     let settings = [("rest", "(hold: 50, drift: 0.002, stop: true)")].map(|(k, v)| (k.to_owned(), v.to_owned()));
     let source = Source::new("small.ron", "small", root(), SMALL.to_owned());
     let loaded = LoadedLattice::new(source, &settings).unwrap();
@@ -147,7 +147,7 @@ fn rest_may_be_a_mean_height_that_no_longer_changes() {
     assert!(steps >= 100 && steps.is_multiple_of(50), "{steps}");
 }
 
-/// Lets one more particle fall in at the top, every step.
+/// Adds one particle at the top in every step.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Drip {
@@ -178,7 +178,7 @@ impl Behaviour for ForGrains {
 }
 
 #[test]
-fn a_behaviour_works_on_the_lattice_if_it_says_so() {
+fn behaviour_works_on_the_lattice_if_it_supports_it() {
     let mut registry = Registry::default();
     registry.register::<Drip>("drip").register::<ForGrains>("for_grains");
     let scene = |behaviours: &str| {

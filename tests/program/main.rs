@@ -1,4 +1,4 @@
-//! The program as its users meet it: scenes, searches, threads, files, errors, exit statuses, behaviours.
+//! Tests of the program as users see it: scenes, searches, threads, files, errors, exit statuses, behaviours.
 
 #![allow(
     clippy::cast_possible_truncation,
@@ -16,24 +16,24 @@
 mod accuracy;
 mod architecture;
 mod behaviours;
-mod books;
 mod command_line;
 mod compare;
+mod contact_behaviours;
 mod diff;
 mod divergence;
 #[cfg(unix)]
 mod docs;
+mod friction_scenes;
 mod hard;
 mod instructions;
 mod lattice;
-mod outsiders;
 mod periodic;
 mod pins;
 mod scenes;
 mod searches;
 mod silo_file;
-mod spinning;
 mod synchronisation;
+mod without_energy_balance;
 
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
@@ -41,12 +41,12 @@ use std::path::{Path, PathBuf};
 use siloflow::output::state_hash;
 use siloflow::prelude::*;
 
-/// The repository.
+/// Returns the root of the repository.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A path in `scenes/`.
+/// Returns a path in `scenes/`.
 pub fn scene(name: &str) -> PathBuf {
     root().join("scenes").join(name)
 }
@@ -57,12 +57,12 @@ pub fn load(name: &str, settings: &[(&str, &str)]) -> Loaded {
     load::load(&scene(name), &settings).unwrap_or_else(|fault| panic!("{name}: {fault}"))
 }
 
-/// Builds a simulation of it.
+/// Builds a simulation of a loaded scene.
 pub fn simulation(loaded: &Loaded, threads: usize) -> Simulation {
     Simulation::new(loaded, &Registry::default(), NonZeroUsize::new(threads).unwrap()).unwrap()
 }
 
-/// The hash of its grains.
+/// Returns the state hash of a simulation.
 pub fn hash(simulation: &mut Simulation) -> u64 {
     state_hash::of_world(simulation.world_mut())
 }

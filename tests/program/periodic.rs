@@ -1,4 +1,4 @@
-//! Periodic scenes, pairs of species and doors of panels where they could go wrong.
+//! Periodic scenes, species pairs and doors of panels: cases that are easy to get wrong.
 
 use std::ops::Add;
 use std::path::Path;
@@ -11,7 +11,7 @@ use siloflow::store::ParticleStore;
 
 use crate::{hash, simulation};
 
-/// Runs a scene's text to its end, with these grains: position, velocity, species; 4 cm and 0.16 kg each.
+/// Runs a scene to its end with the given grains (position, velocity, species) of 4 cm and 0.16 kg.
 fn run(keys: &str, grains: &[(Solid, Solid, u8)], threads: usize) -> Simulation {
     let text = format!("({keys}, pictures: None)");
     let mut loaded = load::from_text("p.ron", "p", Path::new(""), text, &[]).unwrap_or_else(|fault| panic!("{fault}"));
@@ -27,7 +27,7 @@ fn run(keys: &str, grains: &[(Solid, Solid, u8)], threads: usize) -> Simulation 
 const LAW: &str = "contact: Linear(k: 1.0e5, damping: Restitution(0.5)), step: Fixed(1.0e-4)";
 
 #[test]
-fn who_starts_outside_the_box_stands_for_the_image_inside() {
+fn grain_outside_the_box_is_replaced_by_its_image_inside() {
     let start = |x: f64| {
         let right = Solid::new(1.0, 0.0, 0.0);
         [
@@ -50,7 +50,7 @@ fn who_starts_outside_the_box_stands_for_the_image_inside() {
 }
 
 #[test]
-fn a_grain_that_comes_round_past_an_obstacle_is_not_lost() {
+fn grain_that_wraps_around_past_an_obstacle_is_not_lost() {
     let keys = format!(
         "gravity: (0.0, 0.0), periodic: (x: (0.0, 1.0), y: (0.0, 1.0)), {LAW}, until: 3.0, \
          walls: [Segment(from: (0.3, 0.5), to: (0.7, 0.5))]"
@@ -59,17 +59,18 @@ fn a_grain_that_comes_round_past_an_obstacle_is_not_lost() {
     assert_eq!(run.world().resource::<Ledger>().inside(), 1);
 }
 
-/// A slab that is periodic along x and y, with a floor whose slot reaches to the sides: grains fall slantwise through the slot
-/// while they go round one side, both sides at once, or the other way.
+/// A slab, periodic along x and y, with a floor with a slot that reaches to the sides. Grains fall obliquely through
+/// the slot while they cross one periodic side, both sides at once, or the other one.
 #[test]
-fn a_grain_that_goes_round_a_side_inside_a_door_panel_is_out() {
+fn grain_that_wraps_around_inside_a_door_panel_counts_as_out() {
     let keys = format!(
         "space: Solid, gravity: (0.0, 0.0, 0.0), periodic: (x: (0.0, 1.0), y: (0.0, 1.0)), {LAW}, until: 0.5, \
          walls: [Panel(corner: (0.0, 0.0, 0.0), along: (0.2, 0.0, 0.0), across: (0.0, 1.0, 0.0)), \
          Panel(corner: (0.2, 0.0, 0.0), along: (0.8, 0.0, 0.0), across: (0.0, 1.0, 0.0), door: true)], \
          door: (opens: At(0.0)), cull: (below: -0.3)"
     );
-    // At z = 0 each is 0.02 m or less before the side that it goes round within the quarter of a radius after which paths are looked at.
+    // At z = 0 each grain is at most 0.02 m before the side that it crosses, within the quarter of a radius between two
+    // checks of paths.
     let falls = |x: f64, y: f64, vx: f64, vy: f64| {
         (Solid::new(x - 0.06 * vx, y - 0.06 * vy, 0.06), Solid::new(5.0 * vx, 5.0 * vy, -5.0), 0)
     };
@@ -87,7 +88,7 @@ fn a_grain_that_goes_round_a_side_inside_a_door_panel_is_out() {
 }
 
 #[test]
-fn pairs_have_laws_of_their_own_under_the_assignment_s_too() {
+fn species_pairs_have_their_own_law_with_the_assignments_law_too() {
     let dissipated = |pairs: &str| {
         let keys = format!(
             "gravity: (0.0, 0.0), contact: Assignment(k: 1.0e4, b: 0.0), pairs: [{pairs}], step: Fixed(1.0e-4), until: 0.1"
@@ -101,8 +102,8 @@ fn pairs_have_laws_of_their_own_under_the_assignment_s_too() {
 }
 
 #[test]
-fn a_panel_that_goes_takes_the_energy_of_its_contacts_once() {
-    // A ball is pressed into the door and pushed along it; the door goes while both springs are loaded.
+fn removed_panel_takes_the_energy_of_its_contacts_once() {
+    // A ball is pressed into the door and moved along it. The door is removed while both springs are loaded.
     let keys = "space: Solid, gravity: (0.0, 0.0, -9.81), contact: Linear(k: 1.0e3, damping: B(0.0), tangential: \
                 Spring(k: 200.0, damping: B(0.0), friction: 10.0)), step: Fixed(1.0e-4), until: 0.05, \
                 walls: [Panel(corner: (-1.0, -1.0, 0.0), along: (2.0, 0.0, 0.0), across: (0.0, 2.0, 0.0), door: true)], \
@@ -110,13 +111,13 @@ fn a_panel_that_goes_takes_the_energy_of_its_contacts_once() {
     let mut run = run(keys, &[(Solid::new(0.0, 0.0, 0.039), Solid::new(0.1, 0.0, 0.0), 0)], 1);
     let flows = *run.world().resource::<EnergyFlows>();
     let error = totals::of_world(run.world_mut()).energy() - flows.expected();
-    // The half step in which the door's force still acts after it was booked: F v dt/2 with F below 10 N and v below 0.3 m/s.
-    // Springs counted twice would be 4e-4 J off.
+    // In one half-step the door's force still acts after it was counted: F v dt/2 with F below 10 N and v below 0.3
+    // m/s. Springs counted twice would be 4e-4 J off.
     assert!(flows.removed > 1e-3 && error.abs() < 10.0 * 0.3 * 0.5e-4, "{error:e} J of {} J", flows.removed);
 }
 
 #[test]
-fn an_open_panel_does_not_stand_in_a_release_s_way() {
+fn open_door_panel_does_not_block_a_release() {
     let keys = "space: Solid, gravity: (0.0, 0.0, -9.81), contact: Linear(k: 1.0e4, damping: Restitution(0.5)), \
                 mass: Sphere(2500.0), step: Fixed(1.0e-4), until: 0.3, on_loss: Continue, \
                 walls: [Panel(corner: (-1.0, -1.0, 0.0), along: (2.0, 0.0, 0.0), across: (0.0, 2.0, 0.0), door: true)], \
@@ -124,19 +125,20 @@ fn an_open_panel_does_not_stand_in_a_release_s_way() {
                 count: 2, radius: Fixed(0.04), release_timeout: 0.0)";
     let mut run = run(keys, &[], 1);
     assert_eq!(run.world_mut().resource::<Ledger>().released, 2);
-    assert_eq!(run.run(), End::Empty, "both fall through where the door was");
+    assert_eq!(run.run(), End::Empty, "a grain did not fall through the open door");
 }
 
-/// A crystal with so large slices that slots go by beams, across whose sides, and those of the box, spheres touch and rub.
+/// A crystal with slices so large that slots are assigned beam by beam. Spheres touch and slide across the sides of the
+/// beams and of the box.
 #[test]
-fn beams_change_no_bit() {
+fn assigning_slots_by_beams_changes_no_bit() {
     const SIDE: u32 = 30;
     let spacing = 0.0795;
     let place = |number: u32| spacing * (0.5 + f64::from(number));
     let grains: Vec<_> = (0..SIDE.pow(3))
         .map(|number| {
             let [x, y, z] = [number % SIDE, number / SIDE % SIDE, number / SIDE.pow(2)];
-            // All in different ways.
+            // All velocities differ in direction.
             let way = f64::from(number) * 2.4;
             let velocity = Solid::new(way.sin(), (1.7 * way).sin(), (2.3 * way).cos());
             (Solid::new(place(x), place(y), place(z)), velocity, 0)
@@ -151,16 +153,16 @@ fn beams_change_no_bit() {
         );
         let mut run = run(&keys, &grains, threads);
         let store = run.world().resource::<ParticleStore<Solid>>();
-        // Within a beam slots go along x; the next one begins at the beginning.
+        // Within a beam slots are ordered along x; the next beam starts again at the low end.
         let back = store.body.windows(2).filter(|two| two[1].position.x < two[0].position.x - 0.9 * box_side);
-        assert_eq!(back.count(), 2, "slots do not go by three beams");
+        assert_eq!(back.count(), 2, "slots are not in three beams");
         let momentum = store.body.iter().map(|body| body.velocity / body.inverse_mass).fold(Solid::ZERO, Add::add);
         let dissipated = run.world().resource::<EnergyFlows>().dissipated;
         (hash(&mut run), dissipated.to_bits(), momentum)
     };
     let reference = results("VerletList(skin: 0.004)", 1);
     let before = grains.iter().map(|&(_, velocity, _)| velocity * 0.16).fold(Solid::ZERO, Add::add);
-    // Forces cancel but for rounding: each of 40 half kicks rounds a momentum of some 0.16 kg m/s.
+    // Forces cancel up to rounding: each of 40 half-kicks rounds a momentum of about 0.16 kg m/s.
     let rounding = f64::from(SIDE.pow(3)) * 40.0 * 0.16 * f64::EPSILON;
     assert!(reference.2.distance(before) < rounding, "{} {before}", reference.2);
     assert!(f64::from_bits(reference.1) > 0.0);

@@ -1,29 +1,32 @@
-//! Pinned hashes: `tests/data/hashes.csv` holds the state hash of every scene in `scenes` and `scenes/hard`, under `Verlet` and under
-//! `Centred`. A change that moves one bit of any of these runs fails here, and names scene and scheme.
+//! Pinned hashes: `tests/data/hashes.csv` holds the state hash of every scene in `scenes` and `scenes/hard`, under
+//! `Verlet` and under `Centred`. A change of a single bit in any of these runs fails this test, which names scene and
+//! scheme.
 //!
-//! The table is renewed by
+//! This command renews the table:
 //!
 //! ```sh
 //! SILOFLOW_RENEW_HASHES=1 cargo test --test program pins
 //! ```
 //!
-//! A commit that renews the table says why bits have changed. A renewal keeps all columns but the hash, and adds rows for new scenes with
-//! their own `until`, to be shortened by hand: the whole test is to take no more than 20 s.
+//! A commit that renews the table states why bits have changed. A renewal keeps all columns except the hash. For a new
+//! scene it adds rows with the scene's own `until`. Shorten that value by hand, so that the whole test takes at most 20
+//! s.
 //!
 //! | column | content |
 //! |---|---|
 //! | `scene` | the path below `scenes` |
-//! | `scheme` | `Verlet` or `Centred`, set as `integrator`; `LatticeGas` for a scene of the lattice gas, which has no such key |
-//! | `until` | when the run ends, s of simulated time, of the lattice gas steps: shorter than the scene's own where that would take long |
+//! | `scheme` | `Verlet` or `Centred`, set as `integrator`; `LatticeGas` for a scene of the lattice gas, which has no `integrator` |
+//! | `until` | end of the run: simulated time in s, or steps for the lattice gas; shortened where the scene would take long |
 //! | `set` | further settings, separated by `; ` |
-//! | `hash` | the state hash at the end; `refused CODE` for a scene that cannot take the scheme, with the code of its error |
+//! | `hash` | the state hash at the end, or `refused CODE` with the error code if the scene cannot use the scheme |
 //!
 //! `siloflow run scenes/SCENE --set integrator=SCHEME --until UNTIL --set SET` prints the same hash.
 //!
-//! Limits: the first line names the target that the hashes hold for. On other targets sine, logarithm and their like come from another
-//! mathematical library, whose last bits differ, so the test is skipped there with a message. (A C library of the same target whose
-//! logarithm has other last bits would show as rows that differ without a change of ours.) `examples/vibrating_wall.ron` needs a behaviour
-//! that the plain program does not have, and `scenes/studies` holds studies: neither has a row.
+//! Limits: the first line names the target of the hashes. On other targets sine, logarithm and similar functions come
+//! from another mathematical library with other last bits. The test is skipped there with a message. A C library of the
+//! same target with other last bits shows as rows that differ although the program has not changed. Two kinds of scenes
+//! have no row: `examples/vibrating_wall.ron`, which needs a behaviour that the plain program lacks, and studies in
+//! `scenes/studies`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
@@ -68,7 +71,7 @@ impl Row {
         more.chain(scheme).chain([("until".to_owned(), self.until.clone())]).collect()
     }
 
-    /// The hash at the end of the run, or why there is none.
+    /// Returns the hash at the end of the run, or the reason why there is none.
     fn found(&self) -> String {
         let one = NonZeroUsize::MIN;
         let registry = Registry::default();
@@ -91,7 +94,7 @@ fn table() -> PathBuf {
     root().join("tests/data/hashes.csv")
 }
 
-/// The target of this build, as the compiler names it.
+/// Returns the target triple of this build.
 fn target() -> String {
     let (arch, os) = (std::env::consts::ARCH, std::env::consts::OS);
     let environment = [
@@ -108,7 +111,7 @@ fn target() -> String {
     format!("{arch}-{vendor}-{os}{environment}")
 }
 
-/// The target that the table holds for, and its rows.
+/// Returns the target of the table, and its rows.
 fn read() -> (String, Vec<Row>) {
     let text = fs::read_to_string(table()).unwrap();
     let (first, rows) = text.split_once('\n').unwrap();
@@ -124,7 +127,7 @@ fn write(rows: &[Row]) {
     fs::write(table(), writer.into_inner().unwrap()).unwrap();
 }
 
-/// Scene and scheme of every row that there has to be, and the scene's own `until`.
+/// Returns scene and scheme of every required row, with the scene's own `until`.
 fn needed() -> BTreeMap<(String, String), String> {
     let mut needed = BTreeMap::new();
     for folder in ["", "hard/"] {
@@ -144,7 +147,7 @@ fn needed() -> BTreeMap<(String, String), String> {
     needed
 }
 
-/// The rows with the hashes found now, each with the seconds that it took.
+/// Returns the rows with their current hashes, each with its run time in seconds.
 fn rerun(rows: &[Row]) -> Vec<(Row, f64)> {
     let rerun = |row: &Row| {
         let start = Instant::now();
@@ -153,7 +156,7 @@ fn rerun(rows: &[Row]) -> Vec<(Row, f64)> {
     rows.par_iter().with_max_len(1).map(rerun).collect()
 }
 
-/// Writes the table anew, with a row for every scene that there is, and prints how long each takes.
+/// Rewrites the table, with a row for every existing scene, and prints the run time of each.
 fn renew(mut rows: Vec<Row>) {
     let mut needed = needed();
     rows.retain(|row| needed.remove(&row.key()).is_some());
@@ -168,7 +171,7 @@ fn renew(mut rows: Vec<Row>) {
 }
 
 #[test]
-fn every_shipped_scene_has_the_hash_that_is_pinned() {
+fn every_scene_has_its_pinned_hash() {
     let (pinned_for, rows) = read();
     if std::env::var_os(RENEW).is_some() {
         return renew(rows);
@@ -184,7 +187,7 @@ fn every_shipped_scene_has_the_hash_that_is_pinned() {
         let _ = writeln!(wrong, "scenes/{scene} has no row for {scheme}");
     }
     for (scene, scheme) in have.difference(&needed) {
-        let _ = writeln!(wrong, "there is a row for {scheme} of scenes/{scene}, and no such scene");
+        let _ = writeln!(wrong, "row for {scheme} of scenes/{scene}, which does not exist");
     }
     for ((now, _), pinned) in rerun(&rows).iter().zip(&rows).filter(|((now, _), pinned)| now.hash != pinned.hash) {
         let Row { scene, scheme, until, set, hash } = pinned;
@@ -194,6 +197,6 @@ fn every_shipped_scene_has_the_hash_that_is_pinned() {
     }
     assert!(
         wrong.is_empty(),
-        "{wrong}if bits are meant to have changed, renew the table, and say why in the commit:\n  {COMMAND}"
+        "{wrong}if the change of bits is intended, renew the table and state the reason in the commit:\n  {COMMAND}"
     );
 }

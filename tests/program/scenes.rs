@@ -1,4 +1,4 @@
-//! The scenes that ship: each does what it says, and each bad one earns its error.
+//! The scenes of the repository: each one behaves as its comment states, and each bad scene causes its expected error.
 
 use std::fs;
 use std::num::NonZeroUsize;
@@ -13,7 +13,8 @@ use siloflow::rest::RestDetector;
 use siloflow::scene::check;
 use siloflow::scene::load::{self as loading, AnyScene};
 
-/// Fills, rests, opens, empties, and keeps its energy balance within the bound of the scheme.
+/// Asserts that a scene fills, comes to rest, opens and empties, and that its energy balance closes within the bound of
+/// the scheme.
 fn assert_whole_run(name: &str) {
     let loaded = load(name, &[("pictures", "None")]);
     assert!(check::warnings(&loaded).is_empty(), "{:?}", check::warnings(&loaded));
@@ -29,8 +30,8 @@ fn assert_whole_run(name: &str) {
     let flows = *world.resource::<EnergyFlows>();
     let error = totals::of_world(world).energy() - flows.expected();
     // A contact that opens at v_in and closes at v_out loses k dt^2 (v_in^2 - v_out^2)/12 from the balance and
-    // dissipates m_eff (v_in^2 - v_out^2)/2: their ratio is (w0 dt)^2/6, largest for the lightest pair. The rest of
-    // the dissipation, in sliding and in lasting contacts, is booked without that error.
+    // dissipates m_eff (v_in^2 - v_out^2)/2. The ratio is (w0 dt)^2/6, largest for the lightest pair. Dissipation by
+    // sliding and in lasting contacts is counted without that error.
     let estimates = check::Estimates::of(&loaded).unwrap();
     let w0 = (estimates.stiffness / (0.5 * estimates.mass)).sqrt();
     let bound = (w0 * estimates.dt).powi(2) / 6.0 * flows.dissipated;
@@ -55,7 +56,7 @@ fn silo1_polydisperse_fills_rests_opens_and_empties() {
 }
 
 #[test]
-fn silo1_literal_is_foreseen_to_leak_and_loses_everyone_by_name() {
+fn silo1_literal_warns_of_leaks_and_reports_every_lost_grain() {
     let loaded = load("silo1-literal.ron", &[("pictures", "None")]);
     let codes: Vec<_> = check::warnings(&loaded).iter().map(|warning| warning.code).collect();
     assert!(codes.contains(&"check::soft_walls") && codes.contains(&"check::soft_bed"), "{codes:?}");
@@ -70,12 +71,12 @@ fn silo1_literal_is_foreseen_to_leak_and_loses_everyone_by_name() {
 }
 
 #[test]
-fn one_exact_column_blocks_its_release_point() {
+fn grains_in_one_exact_column_block_the_release_point() {
     let loaded = load("silo1-one-column.ron", &[("pictures", "None")]);
     let mut simulation = simulation(&loaded, 1);
     let End::Failed(Failure::ReleaseBlocked { waited_s, .. }) = simulation.run() else { panic!("not blocked") };
     assert!(waited_s > 10.0);
-    // Nothing has ever pushed a grain sideways, and nothing was injected into another.
+    // No contact has pushed a grain sideways, and no grain was released into another.
     let world = simulation.world_mut();
     let mut grains = world.query_filtered::<&Position, With<Grain>>();
     assert!(grains.iter(world).all(|x| x.0.x == 0.0));
@@ -104,7 +105,7 @@ fn every_scene_is_valid_and_runs_a_few_steps() {
 }
 
 #[test]
-fn every_bad_scene_earns_its_error() {
+fn every_bad_scene_causes_its_expected_error() {
     let mut scenes = 0;
     for entry in fs::read_dir(root().join("scenes/bad")).unwrap() {
         let path = entry.unwrap().path();
@@ -112,9 +113,13 @@ fn every_bad_scene_earns_its_error() {
             continue;
         }
         let text = fs::read_to_string(&path).unwrap();
-        let earns =
-            text.lines().next().unwrap().strip_prefix("// earns: ").expect("a first line that says what it earns");
-        let (code, key) = earns.split_once(" at ").map_or((earns, None), |(code, key)| (code, Some(key)));
+        let expected = text
+            .lines()
+            .next()
+            .unwrap()
+            .strip_prefix("// expected error: ")
+            .expect("a first line with the expected error");
+        let (code, key) = expected.split_once(" at ").map_or((expected, None), |(code, key)| (code, Some(key)));
         let registry = Registry::default();
         let fault = loading::any(&path, &[])
             .and_then(|scene| match scene {
@@ -123,14 +128,14 @@ fn every_bad_scene_earns_its_error() {
             })
             .expect_err(&path.display().to_string());
         assert_eq!((fault.code(), fault.scene_key()), (code, key), "{}: {fault}", path.display());
-        assert!(fault.line_and_column().is_some(), "{}: points nowhere", path.display());
+        assert!(fault.line_and_column().is_some(), "{}: has no line and column", path.display());
         scenes += 1;
     }
     assert!(scenes >= 30, "{scenes}");
 }
 
 #[test]
-fn a_final_state_is_a_scene_s_grains() {
+fn final_state_can_be_read_as_grains_of_a_scene() {
     let directory = tempfile::tempdir().unwrap();
     let loaded = load("silo1.ron", &[("pictures", "None"), ("spawner.count", "30")]);
     let mut first = simulation(&loaded, 1);
@@ -149,7 +154,7 @@ fn a_final_state_is_a_scene_s_grains() {
 }
 
 #[test]
-fn a_sliding_door_clears_the_orifice_and_its_work_is_booked() {
+fn sliding_door_clears_the_orifice_and_its_work_is_counted() {
     let settings = [
         ("pictures", "None"),
         ("spawner.count", "60"),
@@ -161,19 +166,19 @@ fn a_sliding_door_clears_the_orifice_and_its_work_is_booked() {
     let world = simulation.world_mut();
     assert_eq!((world.resource::<Ledger>().out(), world.resource::<DoorState>().open_time), (60, Some(6.0)));
     let mut door = world.query_filtered::<(&Position, &Velocity), With<Door>>();
-    // Its last grain is a radius behind the flank at 15 cm, at rest; one step of 0.5 mm more or less.
+    // The last grain of the door rests a radius behind the flank at 15 cm, to one step of 0.5 mm.
     let left = door.iter(world).map(|(x, _)| x.0.x).fold(f64::INFINITY, f64::min);
     assert!((left - 0.18).abs() < 1e-3, "{left}");
     assert!(door.iter(world).all(|(x, v)| x.0.y == 0.0 && v.0 == Vector::ZERO));
     let flows = *world.resource::<EnergyFlows>();
     assert!(flows.wall_work != 0.0);
     let error = totals::of_world(world).energy() - flows.expected();
-    // As in the whole runs: (w0 dt)^2/6 of what is dissipated.
+    // As in the whole runs: (w0 dt)^2/6 of the dissipation.
     assert!(error.abs() < 1.0e4 / 0.08 * 1e-6 / 6.0 * flows.dissipated, "{error} of {flows:?}");
 }
 
 #[test]
-fn a_door_that_is_removed_takes_its_elastic_energy_along() {
+fn removed_door_takes_its_elastic_energy_out_of_the_balance() {
     let settings = [
         ("pictures", "None"),
         ("spawner.count", "100"),
@@ -189,16 +194,17 @@ fn a_door_that_is_removed_takes_its_elastic_energy_along() {
         (totals::of_world(world).energy() - flows.expected(), flows.removed)
     };
     let ((before, nothing), (after, removed)) = (balance(8_999), balance(9_002));
-    // What the door held is booked, so the balance does not notice, but for one half-kick: the force F of the last
-    // evaluation, with the door in it, still acts for dt/2 and gives F^2 dt^2/(8 m) to the grain, against F^2/(2 k) held by
-    // the contact: k dt^2/(4 m) of it, 1.6 %, and as much again for the neighbours that it is pressed into.
+    // The elastic energy of the door's contacts is counted as removed, so the balance changes by one half-kick only.
+    // The force F of the last evaluation, with the door present, still acts for dt/2. It gives F^2 dt^2/(8 m) to the
+    // grain, while the contact held F^2/(2 k): a share k dt^2/(4 m), 1.6 %. The neighbours that the grain is pressed
+    // into contribute as much again.
     assert!(nothing == 0.0 && removed > 1e-3, "{removed} J");
     let share = 2.0 * 1.0e4 * 1.0e-6 / (4.0 * 0.16);
     assert!((after - before).abs() < share * removed, "{before} J, then {after} J, with {removed} J removed");
 }
 
 #[test]
-fn a_grain_that_falls_out_and_below_the_cull_line_at_once_is_out() {
+fn grain_that_crosses_orifice_and_cull_line_in_one_step_counts_as_out() {
     for line in ["0.0", "-0.005"] {
         let cull = format!("(below: {line})");
         let settings = [("pictures", "None"), ("spawner.count", "30"), ("cull", cull.as_str())];
@@ -210,7 +216,7 @@ fn a_grain_that_falls_out_and_below_the_cull_line_at_once_is_out() {
 }
 
 #[test]
-fn what_presses_through_a_door_that_nobody_opens_is_lost() {
+fn grains_pressed_through_a_closed_door_count_as_lost() {
     let settings = [("pictures", "None"), ("spawner.count", "20"), ("door", "None"), ("rest", "None"), ("bed", "None")];
     let mut simulation = simulation(&load("silo1-literal.ron", &settings), 1);
     assert_eq!(simulation.run(), End::Empty);
@@ -218,7 +224,7 @@ fn what_presses_through_a_door_that_nobody_opens_is_lost() {
 }
 
 #[test]
-fn a_scene_without_a_silo_loses_nobody_to_a_box() {
+fn without_a_silo_no_grain_counts_as_lost() {
     let text = "(gravity: (0.0, -9.81), contact: Linear(k: 1.0e5, damping: Restitution(0.5)), mass: Disc(100.0), step: Fixed(1.0e-4), \
          walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0)), Disc(centre: (0.3, 0.2), radius: 0.05)], until: 2.0, pictures: None, \
          spawner: (point: (0.25, 1.0), velocity: (0.0, 0.0), interval: 0.3, count: 4, radius: Fixed(0.04)))";

@@ -1,4 +1,4 @@
-//! The promise of determinism: thread count, neighbour search and skin change no bit, nor do components of users.
+//! Determinism: thread count, neighbour search, skin and components of users change no bit.
 
 use crate::{hash, load, simulation};
 use siloflow::divergence::where_they_part;
@@ -7,7 +7,7 @@ use siloflow::instructions::Instructions;
 use siloflow::prelude::*;
 use siloflow::source::places;
 
-/// A small fill, rest and discharge to its end, or to 30 s.
+/// Starts a small fill, rest and discharge, up to its end or to 30 s.
 fn start(name: &str, neighbours: &str, threads: usize) -> Simulation {
     let settings = [
         ("pictures", "None"),
@@ -19,7 +19,7 @@ fn start(name: &str, neighbours: &str, threads: usize) -> Simulation {
     simulation(&load(name, &settings), threads)
 }
 
-/// Hashes on the way and at the end.
+/// Returns hashes at three times and at the end.
 fn hashes(name: &str, neighbours: &str, threads: usize) -> Vec<u64> {
     let mut run = start(name, neighbours, threads);
     let mut hashes = Vec::new();
@@ -52,25 +52,25 @@ fn assert_same(name: &str) {
 }
 
 #[test]
-fn silo1_is_the_same_to_the_last_bit() {
+fn searches_and_threads_change_no_bit_of_silo1() {
     assert_same("silo1.ron");
 }
 
 #[test]
-fn silo1_mixture_is_the_same_to_the_last_bit() {
+fn searches_and_threads_change_no_bit_of_silo1_mixture() {
     assert_same("silo1-mixture.ron");
 }
 
 #[test]
-fn silo1_polydisperse_is_the_same_to_the_last_bit() {
+fn searches_and_threads_change_no_bit_of_silo1_polydisperse() {
     assert_same("silo1-polydisperse.ron");
 }
 
-/// A bed at rest whose topmost grain is hurled into it at 20 m/s, while others still fall: the list has to follow what
-/// moves fast among what does not.
+/// The topmost grain of a bed at rest is thrown into the bed at 20 m/s while other grains still fall. The neighbour
+/// list must contain a fast grain among slow ones.
 #[test]
-fn a_fast_grain_is_never_missed() {
-    let hurled = |neighbours: &str| {
+fn no_search_misses_contacts_of_a_fast_grain() {
+    let bed_with_fast_grain = |neighbours: &str| {
         let settings = [
             ("pictures", "None"),
             ("spawner.count", "60"),
@@ -93,13 +93,13 @@ fn a_fast_grain_is_never_missed() {
         run
     };
     let run = |neighbours: &str| {
-        let mut run = hurled(neighbours);
+        let mut run = bed_with_fast_grain(neighbours);
         run.run();
         hash(&mut run)
     };
     let reference = run("AllPairs");
     for neighbours in ["Cells(size: 0.08)", "VerletList(skin: 0.001)", "VerletList(skin: 0.02)"] {
-        let part = || where_they_part(hurled(neighbours), hurled("AllPairs"), u64::MAX);
+        let part = || where_they_part(bed_with_fast_grain(neighbours), bed_with_fast_grain("AllPairs"), u64::MAX);
         assert_eq!(run(neighbours), reference, "{neighbours}: {}", part());
     }
 }
@@ -107,33 +107,33 @@ fn a_fast_grain_is_never_missed() {
 #[test]
 fn components_of_users_change_no_bit() {
     #[derive(Component)]
-    struct Painted(#[expect(dead_code, reason = "it only takes up room")] u64);
+    struct Marker(#[expect(dead_code, reason = "it only changes the table of the entity")] u64);
     let settings = [("pictures", "None"), ("spawner.count", "40")];
-    let painted = |paint: bool| {
+    let start = |add_marker: bool| {
         let mut run = simulation(&load("silo1.ron", &settings), 1);
         run.run_steps(1500);
-        if paint {
-            // Every third grain moves to another table, in an order of its own.
+        if add_marker {
+            // Every third grain moves to another table, in a different order.
             let world = run.world_mut();
             let mut grains = world.query_filtered::<(Entity, &GrainId), With<Grain>>();
             let chosen: Vec<_> =
                 grains.iter(world).filter(|(_, id)| id.number() % 3 == 0).map(|(grain, _)| grain).collect();
             for (number, grain) in chosen.into_iter().rev().enumerate() {
-                world.entity_mut(grain).insert(Painted(number as u64));
+                world.entity_mut(grain).insert(Marker(number as u64));
             }
         }
         run
     };
-    let run = |paint: bool| {
-        let mut run = painted(paint);
+    let run = |add_marker: bool| {
+        let mut run = start(add_marker);
         run.run_steps(6000);
         hash(&mut run)
     };
-    assert_eq!(run(false), run(true), "{}", where_they_part(painted(false), painted(true), 6000));
+    assert_eq!(run(false), run(true), "{}", where_they_part(start(false), start(true), 6000));
 }
 
 #[test]
-fn the_seed_decides_and_nothing_else() {
+fn run_depends_on_the_seed_only() {
     let start = |seed: &str| {
         simulation(&load("silo1.ron", &[("pictures", "None"), ("seed", seed), ("spawner.count", "20")]), 1)
     };
@@ -147,18 +147,18 @@ fn the_seed_decides_and_nothing_else() {
 }
 
 #[test]
-fn a_grain_far_away_costs_no_memory_and_no_time() {
+fn distant_grain_costs_no_memory_and_no_time() {
     let text = std::fs::read_to_string(crate::scene("column.ron")).unwrap();
     let text = places::set(&text, "neighbours", "Cells(size: 0.25)").unwrap();
     let mut loaded =
         siloflow::scene::load::from_text("far.ron", "far", &crate::root().join("scenes"), text, &[]).unwrap();
     loaded.grains.last_mut().unwrap().position = Solid::new(1e9, 1e9, 0.0);
     let mut run = simulation(&loaded, 1);
-    // A grid of squares from here to there would have 1e19 cells.
+    // A square grid that covers this distance would have 1e19 cells.
     assert_eq!(run.run_steps(10), None);
 }
 
-/// Every way in which the machine can compute the lanes of the force pass, forced in turn, on several threads.
+/// Runs with every instruction set that the machine supports, on several threads.
 #[test]
 fn instructions_change_no_bit() {
     let scenes: [(&str, &[(&str, &str)], u64); 4] = [
@@ -169,7 +169,7 @@ fn instructions_change_no_bit() {
     ];
     assert!(
         !cfg!(target_arch = "x86_64") || Instructions::all().len() > 1,
-        "this machine has one way only: nothing to compare"
+        "this machine supports one instruction set only: no comparison"
     );
     for (name, settings, steps) in scenes {
         let start = |instructions: Instructions, threads: usize| {
@@ -196,27 +196,27 @@ fn instructions_change_no_bit() {
     }
 }
 
-/// Grains that entered in no order: the order of slots and of rows changes no bit.
+/// Grains that enter in a different order: the order of slots and of table rows changes no bit.
 #[test]
-fn the_order_of_entering_changes_no_bit() {
-    let start = |turned: bool| {
+fn order_of_entering_changes_no_bit() {
+    let start = |reversed: bool| {
         let mut loaded = load("bed3d.ron", &[("fill[0].count", "5000"), ("profiles", "[]"), ("pictures", "None")]);
-        if turned {
+        if reversed {
             loaded.grains.reverse();
         }
         simulation(&loaded, 1)
     };
-    let run = |turned: bool| {
-        let mut run = start(turned);
+    let run = |reversed: bool| {
+        let mut run = start(reversed);
         run.run_steps(1_500);
         hash(&mut run)
     };
     assert_eq!(run(false), run(true), "{}", where_they_part(start(false), start(true), 1_500));
 }
 
-/// A grain that is set on others between two steps is found by every search, as by all pairs.
+/// Every search finds the contacts of a grain that is moved onto others between two steps.
 #[test]
-fn a_grain_that_is_moved_between_steps_is_found() {
+fn contacts_of_a_grain_moved_between_steps_are_found() {
     let moved = |neighbours: &str| {
         let settings = [
             ("spawner.count", "40"),
@@ -226,7 +226,7 @@ fn a_grain_that_is_moved_between_steps_is_found() {
             ("bed", "None"),
         ];
         let mut run = simulation(&load("silo1.ron", &settings), 1);
-        // At rest, so that nobody looks again for long.
+        // At rest, so that the neighbour list is not rebuilt for a long time.
         run.run_steps(20_000);
         let world = run.world_mut();
         let mut grains = world.query_filtered::<&mut Position, With<Grain>>();

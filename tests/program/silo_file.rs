@@ -1,11 +1,12 @@
-//! `assets/silo1.dat` is our own geometry: here it is made again from its description.
+//! Reconstructs the silo files in `assets` from their descriptions and compares them.
 
 use siloflow::space::Vector;
 use siloflow::walls::outline::Outline;
 use siloflow::walls::silo_file::{Disc, LengthUnit, parse};
 
-/// Two sides x = +-130 cm from y = 400 down to 200 every 5; slopes of 46 more each, ending at (+-15, 0); a roof of 9
-/// around its apex (0, 260), falling at 45 degrees, every 5; a door from x = -10 to 10 every 5 at y = 0. All of 3 cm.
+/// Returns the disc centres of `silo1.dat`, cm. Two sides x = +-130 from y = 400 down to 200, every 5; slopes of 46
+/// further discs each, ending at (+-15, 0). A roof of 9 discs around its apex (0, 260), falling at 45 degrees, every 5.
+/// A door from x = -10 to 10, every 5, at y = 0. All radii are 3 cm.
 fn described() -> Vec<Vector> {
     let mut centres = Vec::new();
     for side in [-1.0, 1.0] {
@@ -24,13 +25,13 @@ fn described() -> Vec<Vector> {
 }
 
 #[test]
-fn the_asset_is_what_its_description_says() {
+fn silo1_file_matches_its_description() {
     let text = std::fs::read_to_string(crate::root().join("assets/silo1.dat")).unwrap();
     let silo = parse("silo1.dat", &text, LengthUnit::Centimetre).unwrap();
     assert_eq!((silo.wall.len(), silo.door.len()), (183, 5));
     let discs: Vec<Disc> = silo.wall.iter().chain(&silo.door).copied().collect();
     for (disc, centre) in discs.iter().zip(described()) {
-        // The file has four digits: half a unit of the last of them, 0.05 cm at 100 to 400 cm.
+        // The file has four digits: half a unit of the last digit is 0.05 cm at 100 to 400 cm.
         assert!((disc.centre - 0.01 * centre).abs().max_element() <= 0.000_501, "{disc:?} {centre}");
         assert_eq!(disc.radius, 0.03);
     }
@@ -38,19 +39,19 @@ fn the_asset_is_what_its_description_says() {
 }
 
 #[test]
-fn its_outline_is_two_chains_and_a_roof_with_one_orifice() {
+fn outline_of_silo1_is_two_chains_and_a_roof_with_one_orifice() {
     let text = std::fs::read_to_string(crate::root().join("assets/silo1.dat")).unwrap();
     let silo = parse("silo1.dat", &text, LengthUnit::Centimetre).unwrap();
     let outline = Outline::new(&silo.wall, &silo.door, &[], 0.03);
-    // 87 discs a side and 9 in the roof: chains of 86, 86 and 8 links, without chords.
+    // 87 discs per side and 9 in the roof: chains of 86, 86 and 8 links, without chords.
     assert_eq!(outline.links().len(), 86 + 86 + 8);
     let orifice = outline.orifice().unwrap();
     assert_eq!((orifice.from.x.abs(), orifice.to.x, orifice.from.y, orifice.to.y), (0.15, -orifice.from.x, 0.0, 0.0));
 }
 
-/// The mass-flow silo, its wall grains of 1 cm behind the faces: on each side from the flank, which touches the face and the
-/// plumb line through (0.1, 0), to the corner 101 steps, from there to the top 200; the door from x = -9 to 9 cm every cm,
-/// its top at y = 0. In m.
+/// Returns the disc centres of the mass-flow silo, m. Its wall grains of 1 cm are behind the faces. On each side there
+/// are 101 steps from the flank, which touches the face and the vertical line through (0.1, 0), to the corner. From
+/// there to the top there are 200 steps. The door is from x = -9 to 9 cm, every cm, with its top at y = 0.
 fn mass_flow_described() -> Vec<Vector> {
     let (r, tan_15) = (0.01, 2.0 - 3f64.sqrt());
     let flank = Vector::new(0.1 + r, -r * tan_15);
@@ -64,13 +65,13 @@ fn mass_flow_described() -> Vec<Vector> {
 }
 
 #[test]
-fn the_mass_flow_silo_is_what_its_description_says() {
+fn mass_flow_silo_file_matches_its_description() {
     let text = std::fs::read_to_string(crate::root().join("assets/silo2d.dat")).unwrap();
     let silo = parse("silo2d.dat", &text, LengthUnit::Metre).unwrap();
     assert_eq!((silo.wall.len(), silo.door.len()), (604, 19));
     let discs: Vec<Disc> = silo.wall.iter().chain(&silo.door).copied().collect();
     for (disc, centre) in discs.iter().zip(mass_flow_described()) {
-        // The file has six digits: half a unit of the last of them at 1 to 3 m.
+        // The file has six digits: half a unit of the last digit at 1 to 3 m.
         assert!((disc.centre - centre).abs().max_element() <= 0.000_005_01, "{disc:?} {centre}");
         assert_eq!(disc.radius, 0.01);
     }
@@ -81,7 +82,7 @@ fn the_mass_flow_silo_is_what_its_description_says() {
 }
 
 #[test]
-fn the_faces_of_the_mass_flow_silo_are_its_polygon() {
+fn faces_of_the_mass_flow_silo_are_its_polygon() {
     let text = std::fs::read_to_string(crate::root().join("assets/silo2d.dat")).unwrap();
     let silo = parse("silo2d.dat", &text, LengthUnit::Metre).unwrap();
     let (foot, corner) = (Vector::new(0.1, 0.0), Vector::new(0.602, 0.8695));
@@ -90,8 +91,8 @@ fn the_faces_of_the_mass_flow_silo_are_its_polygon() {
         let x = Vector::new(disc.centre.x.abs(), disc.centre.y);
         let from_slope = (x - foot).dot(-along.perp());
         let from_side = x.x - corner.x;
-        // Each disc touches the slope or the side from outside; half a digit of the file more or less.
+        // Each disc touches the slope or the side from outside, to half a digit of the file.
         assert!((from_slope.max(from_side) - 0.01).abs() < 1e-5, "{disc:?} {from_slope} {from_side}");
-        assert!(x.x - 0.01 > 0.1 - 1e-9, "the way out is 0.2 m wide: {disc:?}");
+        assert!(x.x - 0.01 > 0.1 - 1e-9, "the outlet is less than 0.2 m wide: {disc:?}");
     }
 }

@@ -1,4 +1,4 @@
-//! A constant attraction of grains that touch, on top of whatever contact law the scene has.
+//! A constant attraction of grains in contact, in addition to any contact law of the scene.
 //!
 //! Under a linear law of stiffness k two grains come to rest at the overlap F/k.
 
@@ -27,7 +27,8 @@ impl Behaviour for Attraction {
     fn build(self: Box<Self>, app: &mut App) {
         let space = Dimension::of_world(app.world());
         app.insert_resource(*self);
-        // Both write forces: their order is the order of the sum, so it has to be given, in a scene that has both.
+        // Both systems write forces. Their order is the order of the sum, so it must be defined for scenes with both
+        // behaviours.
         match space {
             Dimension::Plane => {
                 app.add_systems(Step, attract::<Plane>.in_set(ForceStage::Added).after(slow_down::<Plane>))
@@ -45,7 +46,7 @@ mod tests {
     use crate::tests::{overlap, pair};
 
     #[test]
-    fn two_grains_rest_at_the_overlap_of_equilibrium() {
+    fn two_grains_rest_at_their_equilibrium_overlap() {
         for space in [Dimension::Plane, Dimension::Solid] {
             let mut run = pair(space, "{\"attraction\": (force: 2.0), \"air_drag\": (linear: 0.0)}", 0.3);
             assert_eq!(run.run(), End::TimeReached);

@@ -1,7 +1,7 @@
-//! A contact law of one's own: a linear spring-dashpot that sticks, F on i = (k delta - c v_n - F_a) n.
+//! A contact law of an external crate: a cohesive linear spring-dashpot, F on i = (k delta - c v_n - F_a) n.
 //!
-//! v_n is (v_i - v_j).n, k in N/m, c in N s/m, and F_a in N a constant attraction while two particles touch. Two grains without other
-//! forces come to rest at the overlap F_a/k.
+//! v_n is (v_i - v_j).n, k is in N/m, c in N s/m. F_a, in N, is a constant attraction while two particles touch. Two
+//! grains without other forces come to rest at the overlap F_a/k.
 
 use std::f64::consts::PI;
 use std::sync::Arc;
@@ -9,7 +9,7 @@ use std::sync::Arc;
 use serde::Deserialize;
 use siloflow::prelude::*;
 
-/// The scene's `behaviours: {"cohesion": (...)}`, instead of its `contact`.
+/// The scene's `behaviours: {"cohesion": (...)}`, which replaces its `contact`.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Cohesion {
@@ -96,7 +96,7 @@ mod tests {
     use crate::tests::{overlap, pair};
 
     #[test]
-    fn two_grains_stick_at_the_overlap_of_equilibrium() {
+    fn two_grains_rest_at_their_equilibrium_overlap() {
         for space in [Dimension::Plane, Dimension::Solid] {
             let mut run = pair(space, "{\"cohesion\": (k: 2.0e4, damping: 20.0, attraction: 3.0)}", 0.2);
             assert_eq!(run.run(), End::TimeReached);

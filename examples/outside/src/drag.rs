@@ -1,6 +1,6 @@
 //! Air drag on every grain: F = -(a + b |v|) v, with a in N s/m (Stokes) and b in N s^2/m^2 (quadratic).
 //!
-//! A grain that falls ends at the speed where (a + b v) v = m g.
+//! A falling grain reaches the terminal speed v with (a + b v) v = m g.
 
 use serde::Deserialize;
 use siloflow::prelude::*;
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn a_falling_grain_ends_at_its_terminal_velocity() {
+    fn falling_grain_reaches_its_terminal_velocity() {
         let weight = 0.16 * 9.81;
         let stokes = -weight / 0.4;
         let both = -(-0.4 + f64::sqrt(0.4f64.powi(2) + 4.0 * 0.1 * weight)) / (2.0 * 0.1);

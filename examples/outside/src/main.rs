@@ -1,5 +1,5 @@
-//! Behaviours in a crate outside siloflow: air drag, heat and its conduction at contacts, a cohesive contact law, and an attraction on
-//! top of any contact law. One file each, with a test against a closed form.
+//! Behaviours in a crate outside siloflow: air drag, heat conduction at contacts, a cohesive contact law, and an
+//! attraction in addition to any contact law. Each has its own file, with a test against a closed form.
 //!
 //! ```text
 //! cargo run --release --manifest-path examples/outside/Cargo.toml -- run examples/outside/scenes/outside.ron
@@ -25,7 +25,7 @@ fn registry() -> Registry {
     registry
 }
 
-/// The program `siloflow`, with these behaviours.
+/// Runs the program `siloflow` with these behaviours.
 fn main() -> ExitCode {
     siloflow::cli::main_with(&registry())
 }
@@ -37,7 +37,7 @@ mod tests {
 
     use super::*;
 
-    /// The scene of `pair.csv`, two grains that touch, without gravity, in either space.
+    /// Returns the scene of `pair.csv`, two grains in contact without gravity, in either space.
     pub fn pair(space: Dimension, behaviours: &str, until: f64) -> Simulation {
         let text = format!(
             "(space: {space:?}, gravity: {}, grains: (file: \"pair.csv\"), step: Fixed(1.0e-4), until: {until:?}, \
@@ -56,7 +56,7 @@ mod tests {
         Simulation::new(&loaded, &registry(), NonZeroUsize::MIN).expect("the behaviours fit the scene")
     }
 
-    /// The overlap of the two grains, m.
+    /// Returns the overlap of the two grains, m.
     pub fn overlap(run: &mut Simulation, space: Dimension) -> f64 {
         fn overlap<V: Space>(world: &mut World) -> f64 {
             let grains: Vec<_> = world.query::<(&Position<V>, &Radius)>().iter(world).collect();

@@ -1,7 +1,8 @@
-//! A temperature of each grain, and conduction of heat where grains touch.
+//! A temperature of each grain, and conduction of heat at contacts.
 //!
-//! Between two grains in contact flows Q = h (T_j - T_i), W, with the conductance h in W/K; a grain of mass m has the heat capacity c m.
-//! Walls conduct nothing. Two grains alone approach each other as exp(-h t (1/(c m_i) + 1/(c m_j))); the sum of c m T stays what it is.
+//! The heat flow from grain j to grain i in contact is Q = h (T_j - T_i), W, with the conductance h in W/K. A grain of
+//! mass m has the heat capacity c m. Walls do not conduct. The temperatures of two isolated grains approach each other
+//! as exp(-h t (1/(c m_i) + 1/(c m_j))). The sum of c m T is conserved.
 
 use serde::Deserialize;
 use siloflow::prelude::*;
@@ -10,13 +11,13 @@ use siloflow::prelude::*;
 #[derive(Resource, Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Conduction {
-    /// Temperatures with which grains enter, K: by species, the last one for all that follow.
+    /// Initial temperatures of grains, K, by species. The last one applies to all further species.
     temperatures: Vec<f64>,
     /// h, W/K.
     conductance: f64,
     /// c, J/(kg K).
     heat_capacity: f64,
-    /// How often the largest difference is noted, s.
+    /// Interval at which the largest difference is recorded, s.
     interval: f64,
 }
 
@@ -24,14 +25,14 @@ pub struct Conduction {
 #[derive(Component, Clone, Copy, Debug)]
 pub struct Temperature(pub f64);
 
-/// Time in s and the largest difference of two temperatures in K.
+/// Times in s, each with the largest difference of two temperatures in K.
 #[derive(Resource, Default)]
 pub struct Differences(pub Vec<(f64, f64)>);
 
 /// Grains without a temperature.
-type New = (With<Grain>, Without<Temperature>);
+type WithoutTemperature = (With<Grain>, Without<Temperature>);
 
-fn warm_up(mut commands: Commands, conduction: Res<Conduction>, new: Query<(Entity, &Species), New>) {
+fn set_initial_temperature(mut commands: Commands, conduction: Res<Conduction>, new: Query<(Entity, &Species), WithoutTemperature>) {
     for (grain, species) in &new {
         let of_species = conduction.temperatures.get(usize::from(species.0));
         let temperature = of_species.or(conduction.temperatures.last()).copied().unwrap_or_default();
@@ -48,7 +49,7 @@ fn conduct<V: Space>(
     if clock.is_step_zero() {
         return;
     }
-    // J, row by row of the store.
+    // Heat gained in this step, J, by row of the store.
     gains.clear();
     gains.resize(contacts.rows(), 0.0);
     for contact in contacts.iter() {
@@ -65,7 +66,7 @@ fn conduct<V: Space>(
     }
 }
 
-fn note_difference(clock: Res<Clock>, grains: Query<&Temperature>, mut differences: ResMut<Differences>) {
+fn record_difference(clock: Res<Clock>, grains: Query<&Temperature>, mut differences: ResMut<Differences>) {
     let (lowest, highest) = grains
         .iter()
         .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &Temperature(t)| (low.min(t), high.max(t)));
@@ -82,7 +83,7 @@ impl Behaviour for Conduction {
         if positive && !self.temperatures.is_empty() {
             return Ok(());
         }
-        Err("conductance, heat_capacity and interval must be above 0, and temperatures must hold one at least"
+        Err("conductance, heat_capacity and interval must be above 0, and temperatures must have at least one entry"
             .to_owned())
     }
 
@@ -90,7 +91,7 @@ impl Behaviour for Conduction {
         observe_every::<Differences>(app, self.interval);
         app.insert_resource(*self).init_resource::<Differences>().add_systems(
             Step,
-            (warm_up.in_set(Phase::Spawn), note_difference.in_set(ObserveStage::Measure).run_if(due::<Differences>)),
+            (set_initial_temperature.in_set(Phase::Spawn), record_difference.in_set(ObserveStage::Measure).run_if(due::<Differences>)),
         );
         match Dimension::of_world(app.world()) {
             Dimension::Plane => app.add_systems(Step, conduct::<Plane>.in_set(Phase::Control)),
@@ -114,18 +115,18 @@ mod tests {
     }
 
     #[test]
-    fn two_grains_relax_as_the_closed_form_says() {
+    fn two_grains_relax_as_in_the_closed_form() {
         for space in [Dimension::Plane, Dimension::Solid] {
             let keys = "{\"conduction\": (temperatures: [400.0, 300.0], conductance: 50.0, heat_capacity: 800.0, interval: 0.25), \
                          \"attraction\": (force: 1.0)}";
             let mut run = pair(space, keys, 2.0);
             assert_eq!(run.run(), End::TimeReached);
             let rate = 50.0 / 800.0 * (1.0 / 0.16 + 1.0 / 0.09);
-            let noted = &run.world().resource::<Differences>().0;
-            assert_eq!(noted.len(), 9, "{noted:?}");
-            for &(time, difference) in noted {
+            let recorded = &run.world().resource::<Differences>().0;
+            assert_eq!(recorded.len(), 9, "{recorded:?}");
+            for &(time, difference) in recorded {
                 let expected = 100.0 * f64::exp(-rate * time);
-                // Euler's method: rate^2 t dt/2.
+                // Error of Euler's method: rate^2 t dt/2.
                 assert!(
                     (difference / expected - 1.0).abs() < rate * rate * time * 1e-4 * 0.51 + 1e-12,
                     "{time} {difference} {expected}"
@@ -137,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bed_keeps_its_heat_while_grains_enter_and_meet() {
+    fn heat_of_a_bed_is_conserved_while_grains_enter_and_collide() {
         let text = include_str!("../scenes/outside.ron").to_owned();
         let mut run = simulation("outside", text);
         assert_eq!(run.run(), End::TimeReached);

@@ -1,27 +1,29 @@
-//! The forces of a contact under the centred scheme, as the docs of `siloflow::contact::centred` have it.
+//! Forces of a contact under the centred scheme, as documented in `siloflow::contact::centred`.
 //!
-//! With h = dt/2, u the closing speed in the middle of the step, w = h |u|, overlap delta now and delta_t = delta - dt u before:
+//! With h = dt/2, closing speed u in the middle of the step, w = h |u|, current overlap delta and previous overlap
+//! delta_t = delta - dt u:
 //!
-//! * a contact acts where delta + w > 0; its drag is the mean of c over delta - w to delta + w, for a constant c theta c with
-//!   theta = clamp((delta + w)/(2 w), 0, 1);
-//! * that drag sees u_now = (u + h A + h (F_t - F)/m' + h D_t/m)/(1 + h c_mean/m): A the closing acceleration of the step before, F and
-//!   F_t the spring now and before, D_t = max(F_t + c_mean,t (u - h A), floor) - F_t, 1/m' of those of the two alone that had at most
-//!   one contact;
-//! * friction and rolling resistance are sliders ([`slide`]) whose springs gather from the event of this step on: the moment in which
-//!   the contact opened, or in which the whole normal force, without theta, changed its sign.
+//! * A contact acts where delta + w > 0. Its damping coefficient is the mean of c over delta - w to delta + w. For
+//!   constant c that is theta c with theta = clamp((delta + w)/(2 w), 0, 1).
+//! * The damping uses u_now = (u + h A + h (F_t - F)/m' + h D_t/m)/(1 + h c_mean/m). A is the closing acceleration of
+//!   the step before; F and F_t are the current and previous spring force. D_t = max(F_t + c_mean,t (u - h A), floor) -
+//!   F_t. 1/m' sums 1/m over the particles that had at most one contact.
+//! * Friction and rolling resistance are sliders ([`slide`]). Their springs accumulate displacement from the event of
+//!   this step on. The event is the moment at which the contact opened, or at which the full normal force, without
+//!   theta, changed sign.
 
 use crate::oracle::law::{Normal, Rolling, Terms};
-use crate::oracle::plain::{Action, Meeting, Memory, adapt, rolling_drag};
+use crate::oracle::plain::{Action, Memory, PairState, adapt, rolling_drag};
 use crate::oracle::vector::V;
 
-/// What velocities gain in half a step by the forces of its beginning, and how forces move the two.
+/// Velocity change of both particles in half a step by the forces of its beginning, and their mobilities.
 #[derive(Clone, Copy, Debug)]
 pub struct VelocityPrediction {
     /// h (a_i - a_j), m/s.
     pub velocity: V,
     /// h times the angular accelerations, rad/s.
     pub spins: [V; 2],
-    /// 1/m and 1/I of i and j; 0 of what is fixed.
+    /// 1/m and 1/I of i and j; 0 for a fixed particle.
     pub inverse_masses: [f64; 2],
     pub inverse_inertias: [f64; 2],
     /// Whether i and j had at most one contact at the beginning of the step.
@@ -29,25 +31,25 @@ pub struct VelocityPrediction {
 }
 
 impl VelocityPrediction {
-    /// h times the sum of what is given for i and j; and times that of those with at most one contact.
+    /// Returns h times the sum of the two values, and h times the sum over the particles with at most one contact.
     fn halves(&self, dt: f64, of: [f64; 2]) -> [f64; 2] {
         let alone = |side: usize| if self.lone[side] { of[side] } else { 0.0 };
         [0.5 * dt * (of[0] + of[1]), 0.5 * dt * (alone(0) + alone(1))]
     }
 }
 
-/// The step along the normal.
+/// Motion along the normal in this step.
 #[derive(Clone, Copy)]
-struct Stroke {
+struct NormalMotion {
     /// u, m/s.
     closing: f64,
     /// w, m.
     half_width: f64,
-    /// delta and delta_t.
+    /// delta and delta_t, m.
     overlaps: [f64; 2],
 }
 
-impl Stroke {
+impl NormalMotion {
     fn share(&self, overlap: f64) -> f64 {
         if overlap >= self.half_width {
             return 1.0;
@@ -55,24 +57,25 @@ impl Stroke {
         ((overlap + self.half_width) / (2.0 * self.half_width)).clamp(0.0, 1.0)
     }
 
-    /// c_mean now and before.
-    fn mean_drags(&self, terms: &Terms, meeting: &Meeting) -> [f64; 2] {
-        let (w, drag) = (self.half_width, |overlap| terms.drag(meeting.reduced, overlap));
+    /// Returns c_mean of now and of the step before, N s/m.
+    fn mean_drags(&self, terms: &Terms, pair_state: &PairState) -> [f64; 2] {
+        let (w, drag) = (self.half_width, |overlap| terms.drag(pair_state.reduced, overlap));
         if !terms.law.is_hertz() {
             return self.overlaps.map(|overlap| drag(0.0) * self.share(overlap));
         }
         let overlap = self.overlaps[0];
         if overlap >= 8.0 * w {
-            // Deep in a contact the law takes the first term of the mean's series, for the step before too.
+            // Deep in a contact the law uses the first term of the series of the mean, for the step before too.
             return [drag(overlap) * (1.0 - (w / overlap).powi(2) / 32.0); 2];
         }
-        // c goes as delta^(1/4).
+        // c is proportional to delta^(1/4).
         let integral = |overlap: f64| if overlap > 0.0 { 0.8 * drag(overlap) * overlap } else { 0.0 };
         self.overlaps.map(|overlap| (integral(overlap + w) - integral(overlap - w)) / (2.0 * w))
     }
 }
 
-/// A moment in a step: how long before its end (s), the normal force (N), and whether the contact opened.
+/// An event within a step: its time before the end of the step (s), the normal force (N), and whether the contact
+/// opened.
 #[derive(Clone, Copy)]
 struct Event {
     ago: f64,
@@ -80,22 +83,23 @@ struct Event {
     opens: bool,
 }
 
-/// What sliders need to know of the normal force.
+/// Normal load of a contact as the sliders need it.
 #[derive(Clone, Copy)]
 struct NormalLoad {
-    /// As it stands, N.
+    /// Current force without averaging, N.
     whole: f64,
-    /// Averaged: before and now, N.
+    /// Averaged force before and now, N.
     averaged: [f64; 2],
     /// theta before and now.
     shares: [f64; 2],
     event: Option<Event>,
-    /// For how long springs gather, s.
-    gathering: f64,
+    /// Time during which springs accumulate displacement, s.
+    accumulation_time: f64,
     dt: f64,
 }
 
-/// How a slider moves: its velocity in the middle, what that gains (m/s), h over its masses (s/kg), and its spring's force before (N).
+/// Motion of a slider: its velocity in the middle of the step and its gain (m/s), h over its masses (s/kg), and its
+/// previous spring force (N).
 #[derive(Clone, Copy)]
 struct Motion {
     middle: V,
@@ -104,102 +108,109 @@ struct Motion {
     pulled: V,
 }
 
-/// The action of a contact, if it acts; what it remembers moves on by `dt`.
+/// Returns the action of a contact, or `None` if it does not act. Advances its memory by `dt`.
 pub fn centred(
     terms: &Terms,
-    meeting: &Meeting,
+    pair_state: &PairState,
     ahead: &VelocityPrediction,
     memory: &mut Memory,
     dt: f64,
 ) -> Option<Action> {
-    let closing = -meeting.velocity.dot(meeting.normal);
+    let closing = -pair_state.velocity.dot(pair_state.normal);
     let half_width = 0.5 * dt * closing.abs();
-    let stroke = Stroke { closing, half_width, overlaps: [meeting.overlap, meeting.overlap - dt * closing] };
-    if meeting.overlap + half_width <= 0.0 {
+    let normal_motion =
+        NormalMotion { closing, half_width, overlaps: [pair_state.overlap, pair_state.overlap - dt * closing] };
+    if pair_state.overlap + half_width <= 0.0 {
         return None;
     }
     if let Normal::Assignment { .. } = terms.law.normal {
-        return Some(assignment(terms, meeting, ahead, &stroke, dt));
+        return Some(assignment(terms, pair_state, ahead, &normal_motion, dt));
     }
     let [half, half_lone] = ahead.halves(dt, ahead.inverse_masses);
-    let [spring, spring_before] = stroke.overlaps.map(|overlap| terms.spring(meeting.reduced, overlap));
-    let [mean, mean_before] = stroke.mean_drags(terms, meeting);
-    let gained = -ahead.velocity.dot(meeting.normal);
+    let [spring, spring_before] = normal_motion.overlaps.map(|overlap| terms.spring(pair_state.reduced, overlap));
+    let [mean, mean_before] = normal_motion.mean_drags(terms, pair_state);
+    let gained = -ahead.velocity.dot(pair_state.normal);
     let before = (spring_before + mean_before * (closing - gained)).max(terms.floor());
-    let foreseen = closing + gained + half_lone * (spring_before - spring) + half * (before - spring_before);
-    let now = foreseen / (1.0 + half * mean);
+    let predicted = closing + gained + half_lone * (spring_before - spring) + half * (before - spring_before);
+    let now = predicted / (1.0 + half * mean);
     let total = (spring + mean * now).max(terms.floor());
-    let drag = terms.drag(meeting.reduced, meeting.overlap);
+    let drag = terms.drag(pair_state.reduced, pair_state.overlap);
     let whole = (spring + drag * now).max(terms.floor());
     let mut load = NormalLoad {
         whole,
         averaged: [before, total],
-        shares: [stroke.share(stroke.overlaps[1]), stroke.share(stroke.overlaps[0])],
+        shares: [normal_motion.share(normal_motion.overlaps[1]), normal_motion.share(normal_motion.overlaps[0])],
         event: None,
-        gathering: if meeting.overlap > 0.0 { dt } else { 0.0 },
+        accumulation_time: if pair_state.overlap > 0.0 { dt } else { 0.0 },
         dt,
     };
-    if meeting.overlap > 0.0 {
+    if pair_state.overlap > 0.0 {
         let earlier = (spring_before + drag * (closing - gained)).max(terms.floor());
-        load.event = event(terms, meeting, &stroke, memory, [gained, half * before], [earlier, whole], dt);
-        load.gathering = load.event.map_or(dt, |event| event.ago);
+        load.event = event(terms, pair_state, &normal_motion, memory, [gained, half * before], [earlier, whole], dt);
+        load.accumulation_time = load.event.map_or(dt, |event| event.ago);
     }
-    Some(turn(terms, meeting, ahead, memory, &load, drag))
+    Some(turn(terms, pair_state, ahead, memory, &load, drag))
 }
 
-/// The assignment's law: the same with vectors, for its drag acts on the whole velocity.
-fn assignment(terms: &Terms, meeting: &Meeting, ahead: &VelocityPrediction, stroke: &Stroke, dt: f64) -> Action {
+/// The assignment's law. Like [`centred`], but with vectors, because its damping acts on the full velocity.
+fn assignment(
+    terms: &Terms,
+    pair_state: &PairState,
+    ahead: &VelocityPrediction,
+    normal_motion: &NormalMotion,
+    dt: f64,
+) -> Action {
     let [half, half_lone] = ahead.halves(dt, ahead.inverse_masses);
-    let [spring, spring_before] = stroke.overlaps.map(|overlap| terms.spring(meeting.reduced, overlap));
-    let [drag, drag_before] = stroke.mean_drags(terms, meeting);
-    let pushed = meeting.normal * (half_lone * (spring - spring_before));
-    let dragged = (meeting.velocity - ahead.velocity) * (half * drag_before);
-    let now = (meeting.velocity + ahead.velocity + pushed + dragged) * (1.0 / (1.0 + half * drag));
-    Action { force: meeting.normal * spring - now * drag, torques: [V::default(); 2] }
+    let [spring, spring_before] = normal_motion.overlaps.map(|overlap| terms.spring(pair_state.reduced, overlap));
+    let [drag, drag_before] = normal_motion.mean_drags(terms, pair_state);
+    let pushed = pair_state.normal * (half_lone * (spring - spring_before));
+    let dragged = (pair_state.velocity - ahead.velocity) * (half * drag_before);
+    let now = (pair_state.velocity + ahead.velocity + pushed + dragged) * (1.0 / (1.0 + half * drag));
+    Action { force: pair_state.normal * spring - now * drag, torques: [V::default(); 2] }
 }
 
-/// What happened within the step to a contact that overlaps: `gains` are what the closing speed gains by all forces and what it has
-/// gained by the contact's own; `forces` are the whole normal forces before and now.
+/// Returns the event of an overlapping contact within the step. `gains` are the gain of the closing speed by all forces
+/// and the part of the contact's own force. `forces` are the full normal forces before and now.
 fn event(
     terms: &Terms,
-    meeting: &Meeting,
-    stroke: &Stroke,
+    pair_state: &PairState,
+    normal_motion: &NormalMotion,
     memory: &Memory,
     gains: [f64; 2],
     forces: [f64; 2],
     dt: f64,
 ) -> Option<Event> {
     let [gained, own] = gains;
-    let before = stroke.overlaps[1];
-    // A contact that holds nothing and whose last overlap is less than one step has begun in this one.
+    let before = normal_motion.overlaps[1];
+    // A contact with an empty memory and an earlier overlap of less than one step has begun in this step.
     let holds_nothing = terms.has_spring() && memory.spring == V::default();
-    if before <= 0.0 || holds_nothing && before < dt * stroke.closing {
-        let ago = dt.min(meeting.overlap / stroke.closing);
-        // Its own averaged force has acted before its time.
-        let speed = stroke.closing + (gained + own) * (1.0 - 2.0 * ago / dt) + 2.0 * own;
-        let force = (terms.drag(meeting.reduced, 0.0) * speed).max(terms.floor());
+    if before <= 0.0 || holds_nothing && before < dt * normal_motion.closing {
+        let ago = dt.min(pair_state.overlap / normal_motion.closing);
+        // The contact's own averaged force acted before the contact began.
+        let speed = normal_motion.closing + (gained + own) * (1.0 - 2.0 * ago / dt) + 2.0 * own;
+        let force = (terms.drag(pair_state.reduced, 0.0) * speed).max(terms.floor());
         return Some(Event { ago, force, opens: true });
     }
     let [earlier, whole] = forces;
     (earlier * whole < 0.0).then(|| Event { ago: dt * whole / (whole - earlier), force: 0.0, opens: false })
 }
 
-/// Friction and rolling resistance.
+/// Evaluates friction and rolling resistance and returns the action of the contact.
 fn turn(
     terms: &Terms,
-    meeting: &Meeting,
+    pair_state: &PairState,
     ahead: &VelocityPrediction,
     memory: &mut Memory,
     load: &NormalLoad,
     drag: f64,
 ) -> Action {
-    let (levers, spins) = (meeting.levers(terms.law.at_point), meeting.spins);
+    let (levers, spins) = (pair_state.levers(terms.law.at_point), pair_state.spins);
     let (mut friction, mut rolling) = (V::default(), V::default());
-    if let Some([stiffness, damping, mu]) = terms.tangential(meeting.reduced, meeting.overlap, drag) {
+    if let Some([stiffness, damping, mu]) = terms.tangential(pair_state.reduced, pair_state.overlap, drag) {
         let mobility = |side: usize| ahead.inverse_masses[side] + levers[side].powi(2) * ahead.inverse_inertias[side];
         let mut motion = Motion {
-            middle: meeting.sliding(meeting.velocity, spins, levers),
-            gained: meeting.sliding(ahead.velocity, ahead.spins, levers),
+            middle: pair_state.sliding(pair_state.velocity, spins, levers),
+            gained: pair_state.sliding(ahead.velocity, ahead.spins, levers),
             halves: ahead.halves(load.dt, [mobility(0), mobility(1)]),
             pulled: memory.spring * -stiffness,
         };
@@ -207,28 +218,29 @@ fn turn(
         if terms.stiffness_varies() {
             let before = memory.stiffness;
             motion.pulled = memory.spring * -before;
-            load.gathering *= mean_stiffness(before, stiffness);
-            // Where a contact opens it has neither stiffness nor drag.
+            load.accumulation_time *= mean_stiffness(before, stiffness);
+            // Where a contact opens it has neither stiffness nor damping.
             load.event = load.event.filter(|_| before > 0.0);
             adapt(memory, stiffness);
         }
-        friction = slide(&mut memory.spring, [stiffness, damping, mu], &motion, &load, meeting.normal);
+        friction = slide(&mut memory.spring, [stiffness, damping, mu], &motion, &load, pair_state.normal);
     }
     if let Some(Rolling { k, damping, mu }) = terms.law.rolling {
-        let mobilities = ahead.inverse_inertias.map(|inverse| meeting.reduced.radius.powi(2) * inverse);
+        let mobilities = ahead.inverse_inertias.map(|inverse| pair_state.reduced.radius.powi(2) * inverse);
         let motion = Motion {
-            middle: meeting.rolling(spins),
-            gained: meeting.rolling(ahead.spins),
+            middle: pair_state.rolling(spins),
+            gained: pair_state.rolling(ahead.spins),
             halves: ahead.halves(load.dt, mobilities),
             pulled: memory.rolling * -k,
         };
-        let numbers = [k, rolling_drag(damping, meeting.reduced), mu];
-        rolling = slide(&mut memory.rolling, numbers, &motion, load, meeting.normal);
+        let numbers = [k, rolling_drag(damping, pair_state.reduced), mu];
+        rolling = slide(&mut memory.rolling, numbers, &motion, load, pair_state.normal);
     }
-    meeting.act(load.averaged[1], friction, levers, rolling)
+    pair_state.act(load.averaged[1], friction, levers, rolling)
 }
 
-/// The mean stiffness of a step over that of its end; from nothing it grows like the root of time.
+/// Returns the mean stiffness of a step over the stiffness at its end. From zero the stiffness grows with the square
+/// root of time.
 fn mean_stiffness(before: f64, now: f64) -> f64 {
     if before >= now {
         1.0
@@ -239,10 +251,11 @@ fn mean_stiffness(before: f64, now: f64) -> f64 {
     }
 }
 
-/// Moves a slider on and gives its averaged force.
+/// Advances a slider and returns its averaged force.
 ///
-/// The velocity of the end is solved for in the slider's own dashpot; the force is cut at the cap of the contact as it stands, weighed
-/// with theta, and cut at the cap of the averaged normal force. Beyond the first cap S = -(F + c v)/k.
+/// The velocity at the end of the step is solved implicitly in the slider's own dashpot. The force is cut at the cap of
+/// the current normal force, weighted with theta, and cut again at the cap of the averaged normal force. Beyond the
+/// first cap S = -(F + c v)/k.
 fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoad, normal: V) -> V {
     let Motion { middle, gained, halves: [half, half_lone], .. } = *motion;
     let [share_before, share] = load.shares;
@@ -260,12 +273,12 @@ fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoa
             began = loaded(force, then, *spring);
         }
     }
-    let mut after = (began + middle * load.gathering).across(normal);
+    let mut after = (began + middle * load.accumulation_time).across(normal);
     let elastic = after * -k;
-    let foreseen = middle + gained - (earlier - pulled) * half + (elastic * share - pulled) * half_lone;
-    let end = foreseen * (1.0 / (1.0 + half * share * c));
+    let predicted = middle + gained - (earlier - pulled) * half + (elastic * share - pulled) * half_lone;
+    let end = predicted * (1.0 / (1.0 + half * share * c));
     let (whole, is_beyond) = (elastic - end * c).cut(mu * load.whole.abs());
-    if load.gathering <= 0.0 {
+    if load.accumulation_time <= 0.0 {
         after = V::default();
     } else if is_beyond {
         after = loaded(whole, middle + gained + (whole * share - earlier) * half_lone, after);

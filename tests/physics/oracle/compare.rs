@@ -1,4 +1,4 @@
-//! What siloflow and the naive simulator make of a scene, and how far apart they are in units of what round-off explains.
+//! Compares siloflow with the naive simulator, in units of the difference that round-off explains.
 
 use glam::DVec3;
 use siloflow::prelude::*;
@@ -7,44 +7,46 @@ use siloflow::space::Linear;
 use crate::oracle::simulator::Simulator;
 use crate::oracle::vector::V;
 
-/// After how many steps the two are compared.
-pub const LOOKS: [u64; 5] = [0, 1, 2, 10, 40];
+/// Numbers of steps after which the two are compared.
+pub const SAMPLE_STEPS: [u64; 5] = [0, 1, 2, 10, 40];
 
-/// Id, and position, velocity, spin, force and torque, of each grain.
-pub type Look = Vec<(u32, [V; 5])>;
+/// One sample: id, then position, velocity, spin, force and torque, for each grain.
+pub type Sample = Vec<(u32, [V; 5])>;
 
-/// What round-off explains after so many steps, of each of the five.
+/// Returns the difference that round-off explains after `steps` steps, for each of the five vectors.
 ///
-/// Places of up to 1 m are rounded to eps once a step, and differences of places in space go on from there. A contact answers to a
-/// difference with its spring, 2e4 N/m or with Hertz's law 5e4, and with its dashpot: while the share of a step goes from 0 to 1 over a
-/// way u dt, the drag goes from 0 to c u, which is c/dt = 4e4 N/m. Together that is 1e5 N/m at most. Differences of speeds are those of
-/// places times the highest frequency, sqrt(1e5 N/m over the smallest mass), and spins are speeds over radii. Condition: a run of about
-/// one contact time lets no difference grow by itself. A quarter of this is the most that was found.
-fn round_off(steps: u64) -> [f64; 5] {
+/// Positions of up to 1 m are rounded to eps once per step, and differences of position persist. A contact reacts to a
+/// difference with its spring, 2e4 N/m, or 5e4 N/m for Hertz's law, and with its dashpot. The damping rises from 0 to c
+/// u while the overlap changes by u dt, which acts like a stiffness c/dt = 4e4 N/m. The sum is at most 1e5 N/m.
+///
+/// Differences of speed are differences of position times the highest frequency, sqrt(1e5 N/m over the smallest mass).
+/// Spins are speeds over radii. The estimate holds because a run of about one contact duration does not amplify
+/// differences. The largest difference found is a quarter of this bound.
+fn round_off_bound(steps: u64) -> [f64; 5] {
     let (place, stiffness) = ((steps + 1) as f64 * f64::EPSILON, 1.0e5);
-    // The lightest grain, kg, and the extremes of the radii, m.
+    // Mass of the lightest grain, kg, and the extremes of the radii, m.
     let (mass, shortest, longest): (f64, f64, f64) = (0.1, 0.036, 0.044);
     let speed = place * (stiffness / mass).sqrt();
     [place, speed, speed / shortest, place * stiffness, place * stiffness * longest]
 }
 
-/// The largest difference at each look, in units of [`round_off`]; infinite if other grains are there.
-pub fn differences(simulator: &Simulator, seen: &[Look]) -> Vec<f64> {
+/// Returns the largest difference at each sample, in units of [`round_off_bound`]; infinite if the sets of grains differ.
+pub fn differences(simulator: &Simulator, seen: &[Sample]) -> Vec<f64> {
     let mut simulator = simulator.clone();
     simulator.start();
     let mut steps = 0;
-    let mut at_look = |look: u64, seen: &Look| {
-        while steps < look {
+    let mut at_sample = |sample: u64, seen: &Sample| {
+        while steps < sample {
             simulator.step();
             steps += 1;
         }
-        largest_difference(&simulator, seen, round_off(steps))
+        largest_difference(&simulator, seen, round_off_bound(steps))
     };
-    LOOKS.into_iter().zip(seen).map(|(look, seen)| at_look(look, seen)).collect()
+    SAMPLE_STEPS.into_iter().zip(seen).map(|(sample, seen)| at_sample(sample, seen)).collect()
 }
 
-/// The largest difference now, in these units.
-fn largest_difference(simulator: &Simulator, seen: &Look, units: [f64; 5]) -> f64 {
+/// Returns the largest current difference in the given units; infinite if the sets of grains differ.
+fn largest_difference(simulator: &Simulator, seen: &Sample, units: [f64; 5]) -> f64 {
     let numbered = (1..).zip(&simulator.bodies);
     let own: Vec<_> = numbered.filter(|(_, body)| !body.is_fixed && !body.is_gone).collect();
     if !own.iter().map(|(id, _)| *id).eq(seen.iter().map(|(id, _)| *id)) {
@@ -56,27 +58,27 @@ fn largest_difference(simulator: &Simulator, seen: &Look, units: [f64; 5]) -> f6
         let others = [body.velocity - seen[1], body.spin - seen[2], body.force - seen[3], body.torque - seen[4]];
         for (difference, unit) in [place].into_iter().chain(others).zip(units) {
             let share = difference.length() / unit;
-            // Written so that a NaN differs.
+            // A NaN compares as larger.
             largest = if share <= largest { largest } else { share };
         }
     }
     largest
 }
 
-/// What siloflow makes of it at each look.
-pub fn seen(simulation: &mut Simulation) -> Vec<Look> {
-    let look = |steps| {
+/// Runs siloflow and returns all samples.
+pub fn seen(simulation: &mut Simulation) -> Vec<Sample> {
+    let sample = |steps| {
         if steps == 0 {
             simulation.step();
         } else {
             simulation.run_steps(steps);
         }
         match Dimension::of_world(simulation.world()) {
-            Dimension::Plane => look::<Plane>(simulation.world_mut()),
-            Dimension::Solid => look::<Solid>(simulation.world_mut()),
+            Dimension::Plane => sample::<Plane>(simulation.world_mut()),
+            Dimension::Solid => sample::<Solid>(simulation.world_mut()),
         }
     };
-    LOOKS.map(look).to_vec()
+    SAMPLE_STEPS.map(sample).to_vec()
 }
 
 type Row<'a, V> = (
@@ -84,8 +86,8 @@ type Row<'a, V> = (
     Option<(&'a Spin<<V as Space>::Spin>, &'a Torque<<V as Space>::Spin>)>,
 );
 
-/// All grains by id.
-fn look<S: Space>(world: &mut World) -> Look {
+/// Returns the sample of all grains, sorted by id.
+fn sample<S: Space>(world: &mut World) -> Sample {
     let mut query = world.query_filtered::<Row<S>, With<Grain>>();
     let row = |((id, x, v, force), turning): ((&GrainId, &Position<S>, &Velocity<S>, &Force<S>), Option<_>)| {
         let (spin, torque) = turning
@@ -94,7 +96,7 @@ fn look<S: Space>(world: &mut World) -> Look {
             });
         (id.number(), [x.0.spread(), v.0.spread(), spin, force.0.spread(), torque].map(|v| V(v.to_array())))
     };
-    let mut rows: Look = query.iter(world).map(row).collect();
+    let mut rows: Sample = query.iter(world).map(row).collect();
     rows.sort_unstable_by_key(|row| row.0);
     rows
 }

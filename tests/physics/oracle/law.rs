@@ -1,13 +1,15 @@
-//! The numbers of contact laws, as the test gives them to the scene and to the oracle, and what follows from them for a contact.
+//! Numbers of the contact laws, for the scene and for the oracle, and the coefficients derived from them for one
+//! contact.
 //!
-//! * Linear: spring k delta; c = b, gamma m, or 2 zeta sqrt(k m), where zeta gives the restitution e: attraction allowed
-//!   e = exp(-pi beta/w), forbidden e = exp(-(beta/w) (pi - atan2(2 beta w, w^2 - beta^2))), in units of w0 beta = zeta, w^2 = 1 - zeta^2.
-//! * Hertz: S = 2 E* sqrt(R* delta), spring 2/3 S delta, c = 2 sqrt(5/6) zeta sqrt(S m), with 1/E* = sum (1 - nu^2)/E; Mindlin: k_t =
-//!   8 G* sqrt(R* delta), c_t = 2 sqrt(5/6) zeta sqrt(k_t m), with 1/G* = sum (2 - nu) 2 (1 + nu)/E.
+//! * Linear: spring k delta; c = b, gamma m, or 2 zeta sqrt(k m). zeta follows from the restitution e, in units of w0
+//!   with beta = zeta, w^2 = 1 - zeta^2. With attraction e = exp(-pi beta/w); without it e = exp(-(beta/w) (pi -
+//!   atan2(2 beta w, w^2 - beta^2))).
+//! * Hertz: S = 2 E* sqrt(R* delta), spring 2/3 S delta, c = 2 sqrt(5/6) zeta sqrt(S m), with 1/E* = sum (1 - nu^2)/E.
+//! * Mindlin: k_t = 8 G* sqrt(R* delta), c_t = 2 sqrt(5/6) zeta sqrt(k_t m), with 1/G* = sum (2 - nu) 2 (1 + nu)/E.
 
 use std::f64::consts::PI;
 
-/// How a drag coefficient is given: N s/m, 1/s, a coefficient of restitution, or a share of the normal one.
+/// Definition of a damping coefficient: c in N s/m, gamma in 1/s, a restitution, or a share of the normal coefficient.
 #[derive(Clone, Copy, Debug)]
 pub enum Damping {
     B(f64),
@@ -30,7 +32,7 @@ pub enum Friction {
     Mindlin { mu: f64 },
 }
 
-/// Stiffness (N/m), drag and coefficient of rolling resistance.
+/// Stiffness (N/m), damping and coefficient of rolling resistance.
 #[derive(Clone, Copy, Debug)]
 pub struct Rolling {
     pub k: f64,
@@ -43,7 +45,7 @@ pub struct Law {
     pub normal: Normal,
     pub friction: Option<Friction>,
     pub rolling: Option<Rolling>,
-    /// Whether friction acts at the contact point instead of a radius away.
+    /// Whether friction acts at the contact point instead of at the radius.
     pub at_point: bool,
 }
 
@@ -68,7 +70,7 @@ impl Damping {
         }
     }
 
-    /// c, N s/m, where no stiffness enters.
+    /// Returns c, N s/m, for definitions that do not depend on a stiffness.
     pub fn drag(self, mass: f64, normal_drag: f64) -> f64 {
         match self {
             Self::B(b) => b,
@@ -80,7 +82,7 @@ impl Damping {
 }
 
 impl Law {
-    /// The scene's `contact`.
+    /// Returns the scene's `contact` value.
     pub fn ron(&self) -> String {
         let attraction = |pulls: bool| if pulls { "Allowed" } else { "Forbidden" };
         let (head, pulls) = match self.normal {
@@ -104,7 +106,7 @@ impl Law {
         format!("{head}, attraction: {}{tangential}{rolling}, lever: {lever})", attraction(pulls))
     }
 
-    /// All its numbers, with names.
+    /// Returns all numbers of the law with their names.
     pub fn numbers(&mut self) -> Vec<(&'static str, &mut f64)> {
         let mut all = match &mut self.normal {
             Normal::Assignment { k, b } => vec![("k", k), ("b", b)],
@@ -128,17 +130,17 @@ impl Law {
     }
 }
 
-/// A law between two species, with what takes long to find.
+/// A law between two species with derived coefficients.
 #[derive(Clone, Copy, Debug)]
 pub struct Terms {
     pub law: Law,
-    /// Damping ratio of the linear law with the restitution.
+    /// Damping ratio that gives the restitution of the linear law.
     zeta: f64,
     /// E* and G*, Pa.
     moduli: [f64; 2],
 }
 
-/// What stiffness and drag of a contact depend on besides the overlap: reduced mass (kg) and radius (m).
+/// Reduced mass (kg) and reduced radius (m) of a contact.
 #[derive(Clone, Copy, Debug)]
 pub struct Reduced {
     pub mass: f64,
@@ -158,7 +160,7 @@ impl Terms {
         Self { law, zeta, moduli: [1.0 / (normal(a) + normal(b)), 1.0 / (shear(a) + shear(b))] }
     }
 
-    /// Force of the spring at an overlap, m; none across a gap.
+    /// Returns the spring force at an overlap (m); zero across a gap.
     pub fn spring(&self, reduced: Reduced, overlap: f64) -> f64 {
         let overlap = overlap.max(0.0);
         match self.law.normal {
@@ -167,7 +169,7 @@ impl Terms {
         }
     }
 
-    /// The drag coefficient c at an overlap, N s/m.
+    /// Returns the damping coefficient c at an overlap, N s/m.
     pub fn drag(&self, reduced: Reduced, overlap: f64) -> f64 {
         let Reduced { mass, radius } = reduced;
         match self.law.normal {
@@ -181,7 +183,7 @@ impl Terms {
         }
     }
 
-    /// The least normal force, N.
+    /// Returns the smallest allowed normal force, N.
     pub fn floor(&self) -> f64 {
         match self.law.normal {
             Normal::Linear { pulls: false, .. } | Normal::Hertz { pulls: false, .. } => 0.0,
@@ -189,7 +191,7 @@ impl Terms {
         }
     }
 
-    /// k_t and c_t at an overlap and a normal drag coefficient, and mu; none without friction.
+    /// Returns k_t, c_t and mu at an overlap and a normal damping coefficient; `None` without friction.
     pub fn tangential(&self, reduced: Reduced, overlap: f64, normal_drag: f64) -> Option<[f64; 3]> {
         Some(match self.law.friction? {
             Friction::Dashpot { damping, mu } => [0.0, damping.drag(reduced.mass, normal_drag), mu],
@@ -206,13 +208,13 @@ impl Terms {
         matches!(self.law.friction, Some(Friction::Mindlin { .. }))
     }
 
-    /// Whether the tangential force remembers.
+    /// Whether the tangential force has a memory.
     pub fn has_spring(&self) -> bool {
         matches!(self.law.friction, Some(Friction::Mindlin { .. } | Friction::Spring { .. }))
     }
 }
 
-/// The damping ratio below 1 that gives restitution `e`: by halving, for e falls.
+/// Returns the damping ratio below 1 with restitution `e`, by bisection (e falls with the ratio).
 fn damping_ratio(e: f64, pulls: bool) -> f64 {
     let restitution = |zeta: f64| {
         let frequency = (1.0 - zeta * zeta).sqrt();

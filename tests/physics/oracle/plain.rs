@@ -1,22 +1,25 @@
-//! The forces of a contact under plain velocity Verlet: at the positions of the end and the velocities of the middle of a step.
+//! Forces of a contact under plain velocity Verlet: from the positions at the end and the velocities in the middle of a
+//! step.
 //!
-//! * Assignment: k delta n - b v. Others: F_n = max(spring - c v_n, floor), v_n = v.n.
-//! * Sliding velocity v_t = v - v_n n - (l_i w_i + l_j w_j) x n, l = R or, to the contact point, R_i - delta R_j/(R_i + R_j); on
-//!   a flat wall R - delta, and none of the wall's own.
-//! * A slider: S <- S + v dt, laid into the tangent plane; F = -k S - c v; beyond mu |F_n| F is cut and S = -(F + c v)/k. A dashpot
-//!   has no S. Where k varies (Mindlin), a stiffening spring keeps its force, S <- S k_before/k, a softening one its displacement.
-//! * Rolling resistance: the same slider for v_r = R* (w_i - w_j) x n; torque R* n x F_r on i, the opposite on j.
+//! * Assignment: k delta n - b v. Other laws: F_n = max(spring - c v_n, floor) with v_n = v.n.
+//! * Sliding velocity v_t = v - v_n n - (l_i w_i + l_j w_j) x n. The lever is l = R, or R_i - delta R_j/(R_i + R_j) to
+//!   the contact point. On a flat wall it is R - delta, and the wall's own lever is 0.
+//! * Slider: S <- S + v dt, projected into the tangent plane; F = -k S - c v. Beyond mu |F_n| the force is cut and S =
+//!   -(F + c v)/k. A dashpot has no S. Where k varies (Mindlin), a stiffening spring keeps its force, S <- S
+//!   k_before/k; a softening spring keeps its displacement.
+//! * Rolling resistance: the same slider with v_r = R* (w_i - w_j) x n. The torque is R* n x F_r on i and the opposite
+//!   on j.
 //! * Torques of friction: -l n x F_t on each.
 
 use crate::oracle::law::{Damping, Normal, Reduced, Rolling, Terms};
 use crate::oracle::vector::V;
 
-/// Two that meet, from the side of i; j may be a flat wall, of no curvature.
+/// Two particles in contact, seen from i. j may be a flat wall, which has no curvature.
 #[derive(Clone, Copy, Debug)]
-pub struct Meeting {
-    /// From j to i.
+pub struct PairState {
+    /// Unit vector from j to i.
     pub normal: V,
-    /// Negative across a gap, m.
+    /// Overlap, m; negative across a gap.
     pub overlap: f64,
     /// v_i - v_j, m/s.
     pub velocity: V,
@@ -25,7 +28,7 @@ pub struct Meeting {
     pub spins: [V; 2],
 }
 
-/// What a contact remembers: the displacements of its two springs, m, and the tangential stiffness, N/m, if that varies.
+/// Memory of a contact: the displacements of its two springs, m, and the tangential stiffness, N/m, if that varies.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Memory {
     pub spring: V,
@@ -40,7 +43,7 @@ pub struct Action {
     pub torques: [V; 2],
 }
 
-impl Meeting {
+impl PairState {
     /// l_i and l_j, m.
     pub fn levers(&self, at_point: bool) -> [f64; 2] {
         let [i, j] = self.radii;
@@ -52,17 +55,17 @@ impl Meeting {
         }
     }
 
-    /// v_t for a relative velocity and spins.
+    /// Returns v_t for a relative velocity and spins.
     pub fn sliding(&self, velocity: V, spins: [V; 2], levers: [f64; 2]) -> V {
         velocity.across(self.normal) - (spins[0] * levers[0] + spins[1] * levers[1]).cross(self.normal)
     }
 
-    /// v_r for spins.
+    /// Returns v_r for spins.
     pub fn rolling(&self, spins: [V; 2]) -> V {
         (spins[0] - spins[1]).cross(self.normal) * self.reduced.radius
     }
 
-    /// The forces and torques of a normal force (N), friction and rolling resistance.
+    /// Combines a normal force (N), friction and rolling resistance into force and torques.
     pub fn act(&self, total: f64, friction: V, levers: [f64; 2], rolling: V) -> Action {
         let moment = self.normal.cross(friction);
         let couple = (self.normal * self.reduced.radius).cross(rolling);
@@ -71,7 +74,7 @@ impl Meeting {
     }
 }
 
-/// Moves a slider on and gives its force.
+/// Advances a slider by `dt` and returns its force.
 fn slide(spring: &mut V, [k, c, cap]: [f64; 3], velocity: V, normal: V, dt: f64) -> V {
     let moved = (*spring + velocity * dt).across(normal);
     let (force, is_beyond) = (moved * -k - velocity * c).cut(cap);
@@ -79,19 +82,19 @@ fn slide(spring: &mut V, [k, c, cap]: [f64; 3], velocity: V, normal: V, dt: f64)
     force
 }
 
-/// The action of a contact; what it remembers moves on by `dt`.
-pub fn plain(terms: &Terms, meeting: &Meeting, memory: &mut Memory, dt: f64) -> Action {
-    let Meeting { normal, overlap, velocity, reduced, spins, .. } = *meeting;
+/// Returns the action of a contact and advances its memory by `dt`.
+pub fn plain(terms: &Terms, pair_state: &PairState, memory: &mut Memory, dt: f64) -> Action {
+    let PairState { normal, overlap, velocity, reduced, spins, .. } = *pair_state;
     let spring = terms.spring(reduced, overlap);
     if let Normal::Assignment { b, .. } = terms.law.normal {
         return Action { force: normal * spring - velocity * b, torques: [V::default(); 2] };
     }
     let drag = terms.drag(reduced, overlap);
     let total = (spring - drag * velocity.dot(normal)).max(terms.floor());
-    let levers = meeting.levers(terms.law.at_point);
+    let levers = pair_state.levers(terms.law.at_point);
     let mut friction = V::default();
     if let Some([stiffness, damping, mu]) = terms.tangential(reduced, overlap, drag) {
-        let sliding = meeting.sliding(velocity, spins, levers);
+        let sliding = pair_state.sliding(velocity, spins, levers);
         if terms.stiffness_varies() {
             adapt(memory, stiffness);
         }
@@ -104,9 +107,9 @@ pub fn plain(terms: &Terms, meeting: &Meeting, memory: &mut Memory, dt: f64) -> 
     let mut rolling = V::default();
     if let Some(Rolling { k, damping, mu }) = terms.law.rolling {
         let numbers = [k, rolling_drag(damping, reduced), mu * total.abs()];
-        rolling = slide(&mut memory.rolling, numbers, meeting.rolling(spins), normal, dt);
+        rolling = slide(&mut memory.rolling, numbers, pair_state.rolling(spins), normal, dt);
     }
-    meeting.act(total, friction, levers, rolling)
+    pair_state.act(total, friction, levers, rolling)
 }
 
 /// Adapts a spring to a changed stiffness, N/m.
@@ -117,7 +120,7 @@ pub fn adapt(memory: &mut Memory, stiffness: f64) {
     memory.stiffness = stiffness;
 }
 
-/// c of rolling resistance, N s/m.
+/// Returns c of rolling resistance, N s/m.
 pub fn rolling_drag(damping: Damping, reduced: Reduced) -> f64 {
     damping.drag(reduced.mass, 0.0)
 }

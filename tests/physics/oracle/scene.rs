@@ -1,4 +1,4 @@
-//! Random dense beds: bodies, walls and laws for the naive simulator; `scene_text` tells siloflow of the same.
+//! Random dense beds: bodies, walls and laws for the naive simulator. `scene_text` writes the same bed for siloflow.
 
 use std::collections::BTreeMap;
 
@@ -6,21 +6,22 @@ use crate::oracle::law::{Law, Material, Terms};
 use crate::oracle::simulator::{Body, FLAT, Scheme, Shape, Simulator, Wall};
 use crate::oracle::vector::V;
 
-/// Mean distance of neighbours, m: with the radii below some overlap by a tenth of a radius, and some do not touch.
+/// Mean distance of neighbours, m. With the radii below, some grains overlap by a tenth of a radius and some do not
+/// touch.
 const SPACING: f64 = 0.08;
 const RADII: [f64; 4] = [0.036, 0.038, 0.041, 0.044];
 /// The lower end of the box along x and y, m.
 const LOW: f64 = -0.1;
-/// s; about a thirtieth of a contact.
+/// Time step, s; about a thirtieth of a contact duration.
 pub const DT: f64 = 2.0e-4;
 
-/// How many grains enter, and after how many steps each.
+/// Number of grains that enter, and the number of steps between two of them.
 pub const RELEASES: u64 = 3;
 pub const RELEASE_EVERY: u64 = 12;
 
-/// What stands around the bed.
+/// Walls and periodic sides around the bed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Around {
+pub enum Surroundings {
     /// Half-planes on all sides but the top.
     Walls,
     /// Periodic sides, a belt as floor, wall grains at rest and moving; three species.
@@ -29,22 +30,22 @@ pub enum Around {
     Fittings,
     /// Periodic sides along all axes.
     Nothing,
-    /// Periodic sides, wall grains, and no floor: who falls is removed; three species.
+    /// Periodic sides, wall grains, and no floor: a grain that falls is removed; three species.
     Hole,
-    /// Periodic sides and a floor; grains that fly along the surface enter one after the other.
+    /// Periodic sides and a floor. Grains that fly along the surface enter one after the other.
     Rain,
 }
 
-impl Around {
+impl Surroundings {
     pub const ALL: [Self; 6] = [Self::Walls, Self::Chute, Self::Fittings, Self::Nothing, Self::Hole, Self::Rain];
 }
 
 #[derive(Clone, Debug)]
 pub struct Scene {
     pub solid: bool,
-    pub around: Around,
+    pub around: Surroundings,
     pub scheme: Scheme,
-    /// The usual law, and that of species 0 with species 1.
+    /// The default law and, with three species, the law of species 0 with species 1.
     pub laws: Vec<Law>,
     pub materials: Vec<Material>,
     pub bodies: Vec<Body>,
@@ -57,7 +58,7 @@ pub struct Scene {
 struct Random(u64);
 
 impl Random {
-    /// From -1 to 1.
+    /// Returns a number from -1 to 1.
     fn next(&mut self) -> f64 {
         self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         (self.0 >> 11) as f64 / 2f64.powi(52) - 1.0
@@ -69,15 +70,15 @@ impl Random {
 }
 
 impl Scene {
-    /// A bed with so many sites along each axis.
-    pub fn new(law: Law, solid: bool, around: Around, scheme: Scheme, sites: [usize; 3]) -> Self {
+    /// Creates a bed with `sites` lattice sites along each axis.
+    pub fn new(law: Law, solid: bool, around: Surroundings, scheme: Scheme, sites: [usize; 3]) -> Self {
         let up = if solid { 2 } else { 1 };
         let mut gravity = V([1.5, 0.0, 0.0]);
         gravity.0[up] = -9.0;
-        let is_mixed = matches!(around, Around::Chute | Around::Fittings | Around::Hole);
+        let is_mixed = matches!(around, Surroundings::Chute | Surroundings::Fittings | Surroundings::Hole);
         let mut laws = vec![law];
         if is_mixed {
-            // The same law with other numbers.
+            // The default law with other numbers.
             let mut other = law;
             other.numbers().into_iter().for_each(|(_, number)| *number *= 0.8);
             laws.push(other);
@@ -87,8 +88,8 @@ impl Scene {
         let materials = materials.map(|&(young, poisson)| Material { young, poisson }).collect();
         let high = |axis: usize| LOW + SPACING * sites[axis] as f64;
         let mut periodic = [None; 3];
-        let open_axes = if around == Around::Nothing { up + 1 } else { up };
-        if matches!(around, Around::Chute | Around::Nothing | Around::Hole | Around::Rain) {
+        let open_axes = if around == Surroundings::Nothing { up + 1 } else { up };
+        if matches!(around, Surroundings::Chute | Surroundings::Nothing | Surroundings::Hole | Surroundings::Rain) {
             (0..open_axes).for_each(|axis| periodic[axis] = Some((LOW, high(axis))));
         }
         let bodies = Vec::new();
@@ -98,11 +99,11 @@ impl Scene {
         scene
     }
 
-    /// Grains, and wall grains, near the sites of a lattice.
+    /// Places grains and wall grains near the sites of a lattice.
     fn fill(&mut self, sites: [usize; 3]) {
         let mut random = Random(2026);
         let is_mixed = self.materials.len() > 1;
-        let has_wall_grains = matches!(self.around, Around::Chute | Around::Hole);
+        let has_wall_grains = matches!(self.around, Surroundings::Chute | Surroundings::Hole);
         for site in 0..sites.iter().product::<usize>() {
             let place = [site % sites[0], site / sites[0] % sites[1], site / (sites[0] * sites[1])];
             let centre = V(place.map(|number| LOW + SPACING * (number as f64 + 0.5)));
@@ -120,7 +121,7 @@ impl Scene {
         }
     }
 
-    /// A grain that does not spin and feels nothing.
+    /// Returns a grain without spin and without forces.
     fn grain(&self, position: V, velocity: V, radius: f64, species: usize) -> Body {
         let mass = 100.0 * radius * radius * [1.0, 1.4, 0.8][species];
         let inertia = self.inertia_factor() * mass * radius * radius;
@@ -131,7 +132,7 @@ impl Scene {
         if self.solid { v } else { V([v.0[0], v.0[1], 0.0]) }
     }
 
-    /// A spin as grains of this scene can have it.
+    /// Returns the part of a spin that grains of this scene can have.
     fn turning(&self, spin: V) -> V {
         match (self.laws[0].friction, self.solid) {
             (None, _) => V::default(),
@@ -140,30 +141,31 @@ impl Scene {
         }
     }
 
-    /// I/(m R^2): in one of the surroundings what is not usual in the space.
+    /// Returns I/(m R^2). One of the surroundings uses the value that is not the default of its space.
     pub fn inertia_factor(&self) -> f64 {
-        if self.solid == (self.around == Around::Fittings) { 0.5 } else { 0.4 }
+        if self.solid == (self.around == Surroundings::Fittings) { 0.5 } else { 0.4 }
     }
 
-    /// A grain that enters. It has left the place when the next one comes, and meets the bed on the way.
-    pub fn newcomer(&self) -> Option<Body> {
+    /// Returns the grain that enters, if any. It leaves its place before the next one enters, and hits the bed within
+    /// the run.
+    pub fn entering_grain(&self) -> Option<Body> {
         let (radius, up) = (RADII[2], self.up());
         let (mut position, mut velocity) = (V::default(), V([40.0, 0.0, 0.0]));
         let surface = self.bodies.iter().map(|body| body.position.0[up] + body.radius).fold(f64::MIN, f64::max);
         (position.0[up], velocity.0[up]) = (surface + radius + 1.0e-3, -3.0);
-        (self.around == Around::Rain).then(|| self.grain(position, velocity, radius, 0))
+        (self.around == Surroundings::Rain).then(|| self.grain(position, velocity, radius, 0))
     }
 
     fn up(&self) -> usize {
         if self.solid { 2 } else { 1 }
     }
 
-    /// Grains below this height are removed, m: the lowest layer begins 4 cm above the low end.
+    /// Returns the height below which grains are removed, m. The lowest layer is centred 4 cm above the low end.
     pub fn cull(&self) -> f64 {
-        if self.around == Around::Hole { LOW + 0.037 } else { f64::NEG_INFINITY }
+        if self.around == Surroundings::Hole { LOW + 0.037 } else { f64::NEG_INFINITY }
     }
 
-    /// Flat walls.
+    /// Adds the flat walls.
     fn surround(&mut self, up: usize, high: [f64; 2]) {
         let towards = |axis: usize, length: f64| {
             let mut v = V::default();
@@ -174,10 +176,10 @@ impl Scene {
         let mut add = |shape: Shape| self.walls.push(Wall { shape, species });
         let floor = |velocity: V| Shape::Half { point: towards(up, LOW), normal: towards(up, 1.0), velocity };
         match self.around {
-            Around::Nothing | Around::Hole => {}
-            Around::Chute => add(floor(towards(0, 0.6))),
-            Around::Rain => add(floor(V::default())),
-            Around::Walls => {
+            Surroundings::Nothing | Surroundings::Hole => {}
+            Surroundings::Chute => add(floor(towards(0, 0.6))),
+            Surroundings::Rain => add(floor(V::default())),
+            Surroundings::Walls => {
                 add(floor(V::default()));
                 for (axis, high) in high.into_iter().enumerate().take(up) {
                     for (at, normal) in [(LOW, 1.0), (high, -1.0)] {
@@ -186,10 +188,10 @@ impl Scene {
                     }
                 }
             }
-            Around::Fittings => {
+            Surroundings::Fittings => {
                 let normal = (towards(0, 1.0) + towards(up, 0.05)).unit();
                 add(Shape::Half { point: towards(0, LOW) + towards(up, LOW), normal, velocity: V::default() });
-                // Between two layers, so that grains of both touch, and it ends within the bed.
+                // The segment lies between two layers, so that grains of both touch it. It ends within the bed.
                 let from = towards(0, 0.05)
                     + towards(up, LOW + 2.0 * SPACING)
                     + towards(1, if self.solid { 0.1 } else { 0.0 });
@@ -202,7 +204,7 @@ impl Scene {
         }
     }
 
-    /// It for the naive simulator.
+    /// Returns the scene as a naive simulator.
     pub fn simulator(&self) -> Simulator {
         let species = self.materials.len();
         let law = |pair: [usize; 2]| match pair {
@@ -220,13 +222,15 @@ impl Scene {
             laws: (0..species).map(|a| (0..species).map(|b| terms([a, b])).collect()).collect(),
             scheme: self.scheme,
             dt: DT,
-            releases: (0..RELEASES).filter_map(|number| Some((number * RELEASE_EVERY, self.newcomer()?))).collect(),
+            releases: (0..RELEASES)
+                .filter_map(|number| Some((number * RELEASE_EVERY, self.entering_grain()?)))
+                .collect(),
             steps: 0,
             memories: BTreeMap::new(),
         }
     }
 
-    /// All numbers of the laws, and of the materials where these count, with names.
+    /// Returns all numbers of the laws with names; for Hertz's law also the numbers of the materials.
     pub fn numbers(&mut self) -> Vec<(&'static str, &mut f64)> {
         let is_hertz = self.laws[0].is_hertz();
         let of_laws = self.laws.iter_mut().flat_map(Law::numbers);

@@ -1,4 +1,4 @@
-//! A [`Scene`] for siloflow: its keys, and its grains with their ids, which follow the order of the bodies.
+//! Writes a [`Scene`] for siloflow: its keys, and its grains with ids in the order of the bodies.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -8,7 +8,7 @@ use siloflow::grains::file::GrainRow;
 use siloflow::grains::fill::FixedGrain;
 use siloflow::prelude::*;
 
-use crate::oracle::scene::{Around, DT, RELEASE_EVERY, RELEASES, Scene};
+use crate::oracle::scene::{DT, RELEASE_EVERY, RELEASES, Scene, Surroundings};
 use crate::oracle::simulator::{Body, Shape, Wall};
 use crate::oracle::vector::V;
 
@@ -35,14 +35,14 @@ impl Scene {
         }
     }
 
-    /// What tells it from others.
+    /// Returns a text that identifies the scene.
     pub fn title(&self) -> String {
         let space = if self.solid { "Solid" } else { "Plane" };
         format!("{}, {space}, {:?}, {:?}", self.laws[0].ron(), self.around, self.scheme)
     }
 
-    /// The scene's keys.
-    fn text(&self, search: &str, books: bool) -> String {
+    /// Returns the scene file.
+    fn text(&self, search: &str, energy_balance: bool) -> String {
         let mut walls: Vec<_> = self.walls.iter().map(|wall| self.wall_text(wall)).collect();
         for body in self.bodies.iter().filter(|body| body.is_fixed && body.velocity == V::default()) {
             let centre = body.position.ron(self.solid);
@@ -52,9 +52,12 @@ impl Scene {
             ["x", "y", "z"].iter().zip(self.periodic).filter_map(|(name, side)| Some(format!("{name}: {:?}", side?)));
         let materials = self.materials.iter().map(|m| format!("(young: {:?}, poisson: {:?})", m.young, m.poisson));
         let pairs = self.laws[1..].iter().map(|law| format!("(species: (0, 1), contact: {})", law.ron()));
-        let cull =
-            if self.around == Around::Hole { format!("cull: (below: {:?}), ", self.cull()) } else { String::new() };
-        let spawner = self.newcomer().map_or(String::new(), |Body { position, velocity, radius, .. }| {
+        let cull = if self.around == Surroundings::Hole {
+            format!("cull: (below: {:?}), ", self.cull())
+        } else {
+            String::new()
+        };
+        let spawner = self.entering_grain().map_or(String::new(), |Body { position, velocity, radius, .. }| {
             let [point, velocity] = [position, velocity].map(|v| v.ron(self.solid));
             let interval = RELEASE_EVERY as f64 * DT;
             format!(
@@ -69,7 +72,7 @@ impl Scene {
         };
         format!(
             "(space: {}, gravity: {}, periodic: ({}), contact: {}, pairs: [{}], materials: [{}], {inertia}{cull}{spawner}integrator: {:?}, \
-             step: Fixed({DT:?}), neighbours: {search}, walls: [{}], energy_books: {books}, watchdog: None, on_loss: Continue, \
+             step: Fixed({DT:?}), neighbours: {search}, walls: [{}], energy_books: {energy_balance}, watchdog: None, on_loss: Continue, \
              until: 1.0e3, pictures: None)",
             if self.solid { "Solid" } else { "Plane" },
             self.gravity.ron(self.solid),
@@ -82,10 +85,10 @@ impl Scene {
         )
     }
 
-    /// It for siloflow.
-    pub fn simulation(&self, search: &str, threads: usize, books: bool) -> Simulation {
+    /// Returns the scene as a siloflow simulation.
+    pub fn simulation(&self, search: &str, threads: usize, energy_balance: bool) -> Simulation {
         let vector = |v: V| DVec3::from_array(v.0);
-        let text = self.text(search, books);
+        let text = self.text(search, energy_balance);
         let mut loaded = load::from_text("oracle.ron", "oracle", Path::new(""), text.clone(), &[])
             .unwrap_or_else(|fault| panic!("{fault}\n{text}"));
         for (number, body) in (1..).zip(&self.bodies) {

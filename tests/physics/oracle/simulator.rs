@@ -1,15 +1,18 @@
-//! The naive simulator: every pair and every wall, looked at in every step, one after the other.
+//! The naive simulator: a loop over every pair and every wall in every step, one after the other.
 //!
-//! Velocity Verlet: v += h F/m, x += dt v, F from x(t+dt) and v(t+dt/2), v += h F/m, and so for spins; a(0) from x(0) and v(0). The two
-//! Euler schemes: v(t+dt) = v + dt F/m, and x(t+dt) = x + dt v with v of the end (symplectic) or of the beginning (explicit). A grain
-//! beyond a periodic side is set back by its length; two meet by the shortest of all separations of their images. Walls that move keep
-//! their velocity. Grains enter, and those that have fallen far enough are removed. What a contact remembers lasts as long as it acts in every step.
+//! Velocity Verlet: v += h F/m, x += dt v, F from x(t+dt) and v(t+dt/2), v += h F/m. Spins are treated alike. a(0)
+//! comes from x(0) and v(0). Euler schemes: v(t+dt) = v + dt F/m and x(t+dt) = x + dt v, with v of the end (symplectic)
+//! or of the beginning (explicit).
+//!
+//! A grain beyond a periodic side is shifted by the length of the box. Two particles interact by the shortest
+//! separation of their images. Moving walls keep their velocity. Grains enter, and grains that have fallen far enough
+//! are removed. The memory of a contact lasts as long as the contact acts in every step.
 
 use std::collections::BTreeMap;
 
 use crate::oracle::centred::{VelocityPrediction, centred};
 use crate::oracle::law::{Reduced, Terms};
-use crate::oracle::plain::{Meeting, Memory, plain};
+use crate::oracle::plain::{Memory, PairState, plain};
 use crate::oracle::vector::V;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -34,7 +37,7 @@ pub struct Body {
     pub is_fixed: bool,
     pub force: V,
     pub torque: V,
-    /// How many contacts it had at the last evaluation.
+    /// Number of contacts at the last evaluation.
     pub contacts: usize,
     /// Whether it has been removed.
     pub is_gone: bool,
@@ -42,7 +45,7 @@ pub struct Body {
 
 #[derive(Clone, Copy, Debug)]
 pub enum Shape {
-    /// Solid behind its unit normal, moving along itself.
+    /// Half-space, solid behind its unit normal, moving within its surface.
     Half {
         point: V,
         normal: V,
@@ -72,22 +75,22 @@ pub struct Simulator {
     /// Lower and upper ends.
     pub periodic: [Option<(f64, f64)>; 3],
     pub gravity: V,
-    /// Grains whose height, along the axis `up`, is below this are removed at the end of a step, m.
+    /// Grains with a height, along the axis `up`, below this value are removed at the end of a step, m.
     pub cull: f64,
     pub up: usize,
-    /// By species of both.
+    /// Laws by the species of both particles.
     pub laws: Vec<Vec<Terms>>,
     pub scheme: Scheme,
     pub dt: f64,
-    /// Grains to come, each after so many steps.
+    /// Grains that enter later, each with its number of steps.
     pub releases: Vec<(u64, Body)>,
     pub steps: u64,
-    /// By the numbers of both; walls are counted from the end of all numbers.
+    /// Memories by the numbers of both particles; walls are numbered down from `usize::MAX`.
     pub memories: BTreeMap<[usize; 2], Memory>,
 }
 
 impl Shape {
-    /// Distance (m), unit vector towards the point, and velocity of the wall.
+    /// Returns the distance (m), the unit vector towards the point, and the velocity of the wall.
     fn distance(&self, x: V) -> (f64, V, V) {
         let share = |from: V, edge: V| ((x - from).dot(edge) / edge.dot(edge)).clamp(0.0, 1.0);
         let foot = match *self {
@@ -112,7 +115,7 @@ impl Body {
 }
 
 impl Simulator {
-    /// The shortest separation of two places.
+    /// Returns the shortest image of a separation.
     pub fn shortest(&self, mut separation: V) -> V {
         for (axis, side) in self.periodic.iter().enumerate() {
             if let Some((low, high)) = side {
@@ -123,21 +126,21 @@ impl Simulator {
         separation
     }
 
-    /// The forces of the start.
+    /// Evaluates the forces of the start.
     pub fn start(&mut self) {
         self.release();
         self.evaluate(0.0);
         self.remove();
     }
 
-    /// Grains enter, at first with their weight alone, and count as touched by many.
+    /// Adds grains that enter. Their first force is their weight, and they count as having several contacts.
     fn release(&mut self) {
         for (_, body) in self.releases.iter().filter(|(when, _)| *when == self.steps) {
             self.bodies.push(Body { force: self.gravity * body.mass, contacts: 2, ..*body });
         }
     }
 
-    /// One step.
+    /// Advances by one step.
     pub fn step(&mut self) {
         if self.steps > 0 {
             self.release();
@@ -176,7 +179,7 @@ impl Simulator {
         }
     }
 
-    /// All forces and torques; memories move on by `dt`, which is 0 before the first step.
+    /// Evaluates all forces and torques and advances memories by `dt`, which is 0 before the first step.
     fn evaluate(&mut self, dt: f64) {
         let former = self.bodies.clone();
         for body in &mut self.bodies {
@@ -205,7 +208,7 @@ impl Simulator {
         }
     }
 
-    /// What two do to each other, which are so deep in each other along a normal.
+    /// Evaluates the contact of two particles with the given overlap and normal.
     fn meet(
         &mut self,
         [a, b]: [&Body; 2],
@@ -216,7 +219,7 @@ impl Simulator {
     ) {
         let inverse_masses = [a.inverse_mass(), b.inverse_mass()];
         let radius = if b.radius.is_infinite() { a.radius } else { a.radius * b.radius / (a.radius + b.radius) };
-        let meeting = Meeting {
+        let pair_state = PairState {
             normal,
             overlap,
             velocity: a.velocity - b.velocity,
@@ -227,9 +230,9 @@ impl Simulator {
         let terms = self.laws[a.species][b.species];
         let mut memory = remembered.remove(&pair).unwrap_or_default();
         let action = if self.scheme == Scheme::Centred {
-            centred(&terms, &meeting, &ahead([a, b], inverse_masses, dt), &mut memory, dt)
+            centred(&terms, &pair_state, &ahead([a, b], inverse_masses, dt), &mut memory, dt)
         } else {
-            (overlap > 0.0).then(|| plain(&terms, &meeting, &mut memory, dt))
+            (overlap > 0.0).then(|| plain(&terms, &pair_state, &mut memory, dt))
         };
         let Some(action) = action else { return };
         self.memories.insert(pair, memory);
@@ -243,7 +246,7 @@ impl Simulator {
     }
 }
 
-/// A flat wall as a body: it does not move by forces.
+/// A flat wall as a body that forces do not move.
 pub const FLAT: Body = Body {
     position: V([0.0; 3]),
     velocity: V([0.0; 3]),
@@ -259,7 +262,7 @@ pub const FLAT: Body = Body {
     is_gone: false,
 };
 
-/// What two will have gained half a step on, by the forces and torques of the evaluation before.
+/// Returns the predicted velocity change over half a step of both particles, from their previous forces and torques.
 fn ahead(both: [&Body; 2], inverse_masses: [f64; 2], dt: f64) -> VelocityPrediction {
     let gains = both.map(|body| body.force * (0.5 * dt * body.inverse_mass()));
     VelocityPrediction {

@@ -1,4 +1,4 @@
-//! Vectors of three components, for the oracle alone; in the plane z is 0, and what turns is along z.
+//! Vectors with three components, used only by the oracle. In the plane z is 0 and spins are along z.
 
 use std::ops::{Add, AddAssign, Mul, Neg, Sub};
 
@@ -27,18 +27,18 @@ impl V {
         self * (1.0 / self.length())
     }
 
-    /// What is left in the plane at right angles to the unit vector `normal`.
+    /// Returns the component perpendicular to the unit vector `normal`.
     pub fn across(self, normal: Self) -> Self {
         self - normal * self.dot(normal)
     }
 
-    /// The same direction, no longer than `cap`; and whether it was longer.
+    /// Returns the vector, shortened to length `cap` if it is longer, and whether it was longer.
     pub fn cut(self, cap: f64) -> (Self, bool) {
         let length = self.length();
         if length > cap { (self * (cap / length), true) } else { (self, false) }
     }
 
-    /// As a scene writes it: with two components in the plane.
+    /// Returns the text of a scene: two components in the plane, three in solid space.
     pub fn ron(self, solid: bool) -> String {
         let [x, y, z] = self.0;
         if solid { format!("({x:?}, {y:?}, {z:?})") } else { format!("({x:?}, {y:?})") }

@@ -1,12 +1,12 @@
-//! What systems, commands and callers write counts; and systems that could not be synchronised are refused.
+//! Writes by systems, commands and callers take effect. Systems that cannot be synchronised are refused.
 
 use std::num::NonZeroUsize;
 
 use siloflow::prelude::*;
 
-use super::{look, scene, with};
+use super::{scene, state_and_flows, with};
 
-/// What is done to grains between two steps, by entity.
+/// Components that the tests change between two steps, by entity.
 type Moving<'a> = (Entity, &'a mut Position, &'a mut Velocity, &'a mut Spin, &'a mut Force);
 
 const FRICTION: (&str, &[(&str, &str)]) = ("couette.ron", &[("integrator", "Verlet"), ("on_loss", "Continue")]);
@@ -29,7 +29,7 @@ fn change(world: &mut World, step: u64) {
 }
 
 #[test]
-fn a_change_between_steps_is_that_of_a_system_at_the_end_of_the_step() {
+fn change_between_steps_equals_a_change_at_the_end_of_the_step() {
     let loaded = scene(FRICTION.0, FRICTION.1);
     let steps = [50, 100, 150, 400];
     let between = |changes: bool| {
@@ -40,7 +40,7 @@ fn a_change_between_steps_is_that_of_a_system_at_the_end_of_the_step() {
                 change(run.world_mut(), step);
             }
         }
-        look(&mut run)
+        state_and_flows(&mut run)
     };
     let at_the_end = move |world: &mut World| {
         let step = world.resource::<Clock>().steps;
@@ -53,12 +53,12 @@ fn a_change_between_steps_is_that_of_a_system_at_the_end_of_the_step() {
     });
     by_system.run_steps(400);
     let changed = between(true);
-    assert_eq!(changed, look(&mut by_system));
+    assert_eq!(changed, state_and_flows(&mut by_system));
     assert_ne!(changed, between(false));
 }
 
 #[test]
-fn a_wall_that_is_moved_between_steps_is_felt() {
+fn wall_moved_between_steps_affects_grains() {
     let run = |moves: bool| {
         let mut run = with(&scene("silo1.ron", &[("spawner.count", "20")]), |_| {});
         run.run_steps(3000);
@@ -66,7 +66,7 @@ fn a_wall_that_is_moved_between_steps_is_felt() {
         let mut walls = world.query_filtered::<&mut Position, With<Fixed>>();
         walls.iter_mut(world).filter(|_| moves).for_each(|mut wall| wall.0.x += 0.01);
         run.run_steps(3500);
-        look(&mut run)
+        state_and_flows(&mut run)
     };
     assert_ne!(run(true), run(false));
 }
@@ -80,7 +80,7 @@ fn free(more: impl FnOnce(&mut App)) -> Simulation {
     with(&loaded, more)
 }
 
-/// Position and velocity of the only grain, along x, m and m/s.
+/// Returns position (m) and velocity (m/s) of the only grain, along x.
 fn only(run: &mut Simulation) -> (f64, f64) {
     let world = run.world_mut();
     let (x, v) = world.query::<(&Position, &Velocity)>().single(world).unwrap();
@@ -88,7 +88,7 @@ fn only(run: &mut Simulation) -> (f64, f64) {
 }
 
 #[test]
-fn a_write_in_a_phase_acts_as_the_phase_says() {
+fn velocity_written_in_any_phase_acts_from_the_next_drift_on() {
     let set = |velocity: f64| {
         move |clock: Res<Clock>, mut grains: Query<&mut Velocity, With<Grain>>| {
             if clock.steps == 10 {
@@ -96,8 +96,8 @@ fn a_write_in_a_phase_acts_as_the_phase_says() {
             }
         }
     };
-    // Drift of step 10 comes before the phases: the velocity acts from step 11 on, 10 steps at 3 m/s and 10 at 5 m/s. In `Spawn` the
-    // clock shows the steps done, so it acts from step 11 on as well.
+    // The drift of step 10 precedes these phases, so the velocity acts from step 11 on: 10 steps at 3 m/s and 10 at 5
+    // m/s. In `Spawn` the clock shows the steps done, so there too the velocity acts from step 11 on.
     for phase in [Phase::Spawn, Phase::Drift, Phase::Forces, Phase::Kick, Phase::Control, Phase::Cull, Phase::Observe] {
         let mut run = free(|app| {
             app.add_systems(Step, set(5.0).in_set(phase));
@@ -109,9 +109,9 @@ fn a_write_in_a_phase_acts_as_the_phase_says() {
     }
 }
 
-/// A constant force, N, and a velocity that a command inserts while the kick of the step is put off.
+/// A constant force, N, and a velocity that a command inserts while the kick of the step is pending.
 #[test]
-fn a_command_may_insert_a_velocity_while_a_kick_is_put_off() {
+fn command_may_insert_a_velocity_while_a_kick_is_pending() {
     let push = |mut grains: Query<&mut Force, With<Grain>>| grains.iter_mut().for_each(|mut force| force.0.x += 0.32);
     let insert = |clock: Res<Clock>, grains: Query<Entity, With<Grain>>, mut commands: Commands| {
         if clock.steps == 10 {
@@ -130,7 +130,7 @@ fn a_command_may_insert_a_velocity_while_a_kick_is_put_off() {
 }
 
 #[test]
-fn a_grain_may_be_stopped_and_fixed_at_once() {
+fn grain_can_be_stopped_and_fixed_in_one_system() {
     let hold =
         |clock: Res<Clock>, mut grains: Query<(Entity, &mut Velocity), Without<Fixed>>, mut commands: Commands| {
             if clock.steps == 10 {
@@ -155,21 +155,21 @@ fn refusal(more: impl FnOnce(&mut App)) -> siloflow::fault::Fault {
 }
 
 #[test]
-fn a_system_that_cannot_be_synchronised_is_refused() {
-    fn look(_: Query<&Position>) {}
+fn system_without_a_phase_or_in_an_engine_stage_is_refused() {
+    fn read_position(_: Query<&Position>) {}
     let fault = refusal(|app| {
-        app.add_systems(Step, look);
+        app.add_systems(Step, read_position);
     });
     let said = format!("{:?}", miette::Report::new(fault.clone()));
     assert_eq!(fault.code(), "behaviour::no_phase");
     assert!(
-        ["look", "Spawn", "Drift", "Neighbours", "Forces", "Kick", "Control", "Cull", "Observe"]
+        ["read_position", "Spawn", "Drift", "Neighbours", "Forces", "Kick", "Control", "Cull", "Observe"]
             .iter()
             .all(|word| said.contains(word)),
         "{said}"
     );
     let fault = refusal(|app| {
-        app.add_systems(Step, look.in_set(ForceStage::Contacts));
+        app.add_systems(Step, read_position.in_set(ForceStage::Contacts));
     });
     assert_eq!(fault.code(), "behaviour::engine");
 }

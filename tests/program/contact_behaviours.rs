@@ -1,4 +1,4 @@
-//! What a behaviour finds at contacts, and what it may add: forces, numbers of its own, components. In both spaces.
+//! Behaviours that read contacts, and that add forces, numbers per contact, and components. In both spaces.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -12,7 +12,8 @@ use siloflow::prelude::*;
 
 const SPACES: [(Dimension, &str); 2] = [(Dimension::Plane, "0.0, 0.0"), (Dimension::Solid, "0.0, 0.0, 0.0")];
 
-/// Two grains of 4 cm and 0.16 kg on the x axis, the first at 0, the second at `x` with the velocity `v`; nothing else.
+/// Returns a scene of two grains of 4 cm and 0.16 kg on the x axis, without walls. The first is at rest at 0, the
+/// second at `x` with velocity `v`.
 fn two((space, zero): (Dimension, &str), x: f64, v: f64, more: &str) -> Loaded {
     let directory = tempfile::tempdir().unwrap();
     let rows = format!("id,radius,mass,x,y,z,vx,vy,vz\n1,0.04,0.16,0,0,0,0,0,0\n2,0.04,0.16,{x},0,0,{v},0,0\n");
@@ -29,7 +30,7 @@ fn run<T: Behaviour + serde::de::DeserializeOwned>(loaded: &Loaded) -> Simulatio
     Simulation::new(loaded, &registry, NonZeroUsize::MIN).unwrap()
 }
 
-/// Constant attraction, N, on top of the scene's law.
+/// Constant attraction, N, in addition to the scene's law.
 #[derive(Deserialize, Clone, Copy, Resource)]
 struct Attraction(f64);
 
@@ -52,7 +53,7 @@ impl Behaviour for Attraction {
 }
 
 #[test]
-fn an_attraction_on_top_of_the_scene_s_law_holds_two_grains_at_the_overlap_of_equilibrium() {
+fn added_attraction_holds_two_grains_at_their_equilibrium_overlap() {
     for space in SPACES {
         for integrator in ["Centred", "Verlet"] {
             let law = "contact: Linear(k: 1.0e4, damping: B(20.0), attraction: Allowed)";
@@ -76,20 +77,20 @@ fn deepest<V: Space>(contacts: ContactView<V>) -> f64 {
     contacts.iter().map(|contact| contact.overlap()).fold(0.0, f64::max)
 }
 
-/// For how many steps each contact has lasted, by a map and by what the law remembers.
+/// Duration of each contact, once in a map and once in the contact history of the law.
 #[derive(Deserialize, Resource, Default)]
 struct Ages {
     #[serde(skip)]
     of: PairMap<f64>,
-    /// The longest, s, and how many there are; each time that this changes.
+    /// Number of contacts and their total duration, s, in each step.
     #[serde(skip)]
     noted: Vec<(usize, f64)>,
 }
 
-/// A spring that counts.
-struct Counting;
+/// A spring that accumulates the duration of its contact.
+struct TimedSpring;
 
-impl<V: Space> PairLaw<V> for Counting {
+impl<V: Space> PairLaw<V> for TimedSpring {
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         memory.stiffness += pair.dt;
         PairForce::smooth(pair.normal * (1.0e4 * pair.overlap), V::ZERO)
@@ -111,7 +112,7 @@ impl<V: Space> PairLaw<V> for Counting {
     }
 }
 
-impl LawRequirements for Counting {
+impl LawRequirements for TimedSpring {
     const STIFFNESS: bool = true;
 }
 
@@ -137,16 +138,16 @@ impl Behaviour for Ages {
         app.insert_resource(*self);
         match Dimension::of_world(app.world()) {
             Dimension::Plane => app
-                .add_plugins(ContactPlugin::<Plane, _>::new(Arc::new(Counting)))
+                .add_plugins(ContactPlugin::<Plane, _>::new(Arc::new(TimedSpring)))
                 .add_systems(Step, age::<Plane>.in_set(Phase::Observe)),
             Dimension::Solid => app
-                .add_plugins(ContactPlugin::<Solid, _>::new(Arc::new(Counting)))
+                .add_plugins(ContactPlugin::<Solid, _>::new(Arc::new(TimedSpring)))
                 .add_systems(Step, age::<Solid>.in_set(Phase::Observe)),
         };
     }
 }
 
-/// Not in the library: which side a number is seen from makes no difference.
+/// Not in the library: turns a memory to the side of the partner. The number kept is the same from both sides.
 trait Turned<V: Space> {
     fn turned_memory(&self) -> Memory<V>;
 }
@@ -158,7 +159,7 @@ impl<V: Space> Turned<V> for Touching<'_, V> {
 }
 
 #[test]
-fn a_number_kept_for_a_contact_lasts_as_long_as_the_contact() {
+fn number_per_contact_lasts_as_long_as_the_contact() {
     for space in SPACES {
         let law = "contact: Linear(k: 1.0e4, damping: B(0.0)), behaviours: {\"it\": ()}";
         let mut run = run::<Ages>(&two(space, 0.081, -1.0, law));
@@ -173,7 +174,7 @@ fn a_number_kept_for_a_contact_lasts_as_long_as_the_contact() {
     }
 }
 
-/// What each grain is called, as a component of the behaviour's own.
+/// Copy of the grain's id in a component of the behaviour.
 #[derive(Component)]
 struct Label(GrainId);
 
@@ -207,7 +208,7 @@ impl Behaviour for Labels {
     }
 }
 
-/// Many grains that fall and mix, and more of them that enter, so that rows of tables are sorted.
+/// Returns a scene of many grains that fall and mix while further grains enter, so that table rows are sorted.
 fn pouring((space, _): (Dimension, &str)) -> Loaded {
     let (gravity, floor, point, jitter, low, high) = match space {
         Dimension::Plane => ("0.0, -9.81", "0.0, 1.0", "0.5, 2.5", "0.4, 0.0", "0.0, 0.1", "1.0, 2.0"),
@@ -228,19 +229,19 @@ fn pouring((space, _): (Dimension, &str)) -> Loaded {
 }
 
 #[test]
-fn a_component_is_added_to_grains_as_they_enter() {
+fn component_can_be_added_to_grains_as_they_enter() {
     for space in SPACES {
         let mut run = run::<Labels>(&pouring(space));
         assert_eq!(run.run(), End::TimeReached);
         let world = run.world_mut();
         let labelled = world.query::<(&Label, &GrainId)>().iter(world).filter(|(label, id)| label.0 == **id).count();
         let grains = world.query_filtered::<(), With<Grain>>().iter(world).count();
-        // More than have entered with the scene.
+        // More than the grains of the start.
         assert!(labelled == grains && grains > 700, "{labelled} {grains}");
     }
 }
 
-/// Looks at contacts in each way.
+/// Compares contacts read one by one with the view of all contacts. Returns their number.
 fn compare<V: Space>(contacts: ContactView<V>, law: Res<AnyLaw<V>>) -> usize {
     let all = contacts.all();
     let order = |contact: &ContactState<V>| (contact.with != Touched::Wall(1), contact.grain, contact.with);
@@ -272,7 +273,7 @@ fn compare<V: Space>(contacts: ContactView<V>, law: Res<AnyLaw<V>>) -> usize {
 }
 
 #[test]
-fn contacts_one_by_one_are_those_of_the_whole_view() {
+fn contacts_read_one_by_one_equal_the_view_of_all() {
     let frictional =
         "Linear(k: 1.0e4, damping: B(5.0), tangential: Some(Spring(k: 2.0e3, damping: B(1.0), friction: 0.3)))";
     let mut loaded = pouring(SPACES[0]);

@@ -1,4 +1,5 @@
-//! Runs without books of energy: the same motion to the last bit, and nothing that the books alone serve.
+//! Runs without energy balance (`energy_books: false`): the motion is the same to the last bit, and no data are kept
+//! that only the balance needs.
 
 use std::fs;
 use std::num::NonZeroUsize;
@@ -18,8 +19,8 @@ use crate::{hash, load, scene, simulation};
 
 const WITHOUT: (&str, &str) = ("energy_books", "false");
 
-/// Spawner and discharge; friction and rolling between moving walls and periodic sides; memories, in solid space, with gravity along
-/// a periodic side; centred contacts with and without.
+/// In this order: spawner and discharge; friction between moving walls and periodic sides, with Verlet and
+/// with centred contacts; contact history in solid space, with gravity along a periodic side; a bed in solid space.
 const SCENES: [(&str, &[(&str, &str)], u64); 5] = [
     ("silo1.ron", &[("spawner.count", "20"), ("door.opens", "At(2.5)")], 5_000),
     ("couette.ron", &[("integrator", "Verlet")], 400),
@@ -28,13 +29,13 @@ const SCENES: [(&str, &[(&str, &str)], u64); 5] = [
     ("bed3d.ron", &[("fill[0].count", "2500"), ("profiles", "[]")], 2_000),
 ];
 
-/// A scene without pictures, and further settings.
+/// Loads a scene without pictures and with further settings.
 fn quiet(name: &str, settings: &[(&str, &str)], more: &[(&str, &str)]) -> Loaded {
     load(name, &[settings, more, &[("pictures", "None")]].concat())
 }
 
 #[test]
-fn books_change_no_bit_of_the_motion_on_any_path() {
+fn energy_balance_changes_no_bit_of_the_motion() {
     for (name, settings, steps) in SCENES {
         let start = |more: &[(&str, &str)], instructions: Instructions, threads: usize| {
             let mut run = simulation(&quiet(name, settings, more), threads);
@@ -60,30 +61,30 @@ fn books_change_no_bit_of_the_motion_on_any_path() {
     }
 }
 
-/// Whether books left traces in a world.
-fn has_traces<V: Space>(world: &World) -> bool {
+/// Whether a world holds data of the energy balance.
+fn has_energy_data<V: Space>(world: &World) -> bool {
     let store = world.resource::<ParticleStore<V>>();
     let flows = world.contains_resource::<EnergyFlows>() || world.contains_resource::<Channels>();
     flows || store.tracks_energy || !store.loads.rolling_drag.is_empty()
 }
 
 #[test]
-fn nothing_is_kept_for_books_that_nobody_keeps() {
-    let traces = |name: &str, more: &[(&str, &str)]| {
+fn without_energy_balance_no_energy_data_are_kept() {
+    let keeps_energy_data = |name: &str, more: &[(&str, &str)]| {
         let mut run = simulation(&quiet(name, &[], more), 1);
         run.run_steps(3);
         match run.world().get_resource::<ParticleStore<Solid>>() {
-            Some(_) => has_traces::<Solid>(run.world()),
-            None => has_traces::<Plane>(run.world()),
+            Some(_) => has_energy_data::<Solid>(run.world()),
+            None => has_energy_data::<Plane>(run.world()),
         }
     };
     for name in ["silo1.ron", "couette.ron", "silo2d.ron", "bed3d.ron", "chute3d.ron"] {
-        assert!(traces(name, &[]) && !traces(name, &[WITHOUT]), "{name}");
+        assert!(keeps_energy_data(name, &[]) && !keeps_energy_data(name, &[WITHOUT]), "{name}");
     }
 }
 
 #[test]
-fn a_run_without_books_writes_what_is_left() {
+fn run_without_energy_balance_writes_the_other_columns() {
     let here = tempfile::tempdir().unwrap();
     let file = scene("couette.ron").display().to_string();
     let set = ["--set", "energy_books=false", "--set", "pictures=None", "--until", "0.02", "--json"];
@@ -100,22 +101,25 @@ fn a_run_without_books_writes_what_is_left() {
 }
 
 #[test]
-fn what_is_not_finite_is_found_in_its_step_without_books_too() {
+fn non_finite_values_are_found_in_their_step_without_energy_balance() {
     let file = r#"(gravity: (0.0, 0.0), contact: Linear(k: 1.0e5, damping: B(0.0)), step: Fixed(1.0e-3), until: 1.0,
          grains: (file: "free-fall.csv"), pictures: None, energy_books: false, behaviours: {"wind": (inf)})"#;
     let loaded = load::from_text("wind.ron", "wind", &crate::root().join("scenes"), file.to_owned(), &[]).unwrap();
     let mut run = Simulation::new(&loaded, &registry(), NonZeroUsize::MIN).unwrap();
-    let End::Failed(Failure::NotFinite { step, cause, .. }) = run.run() else { panic!("went on") };
+    let End::Failed(Failure::NotFinite { step, cause, .. }) = run.run() else { panic!("the run did not stop") };
     assert!(step == 1 && cause.contains("behaviour"), "{step}: {cause}");
 
-    // Spins by a torque that somebody has set, velocities by a contact that is too stiff for any number.
+    // A spin that is not finite comes from a torque that the test sets. A velocity that is not finite comes from a
+    // contact that is too stiff for any number.
     for more in [&[][..], &[WITHOUT]] {
         let mut run = simulation(&quiet("couette.ron", &[], more), 1);
         run.run_steps(5);
         let world = run.world_mut();
         let mut torques = world.query_filtered::<&mut Torque, (With<Grain>, Without<Fixed>)>();
         torques.iter_mut(world).next().unwrap().0 = f64::NAN;
-        let Some(End::Failed(Failure::NotFinite { step, quantity, .. })) = run.run_steps(8) else { panic!("went on") };
+        let Some(End::Failed(Failure::NotFinite { step, quantity, .. })) = run.run_steps(8) else {
+            panic!("the run did not stop")
+        };
         assert_eq!((step, quantity), (6, "spin"), "{more:?}");
 
         let here = tempfile::tempdir().unwrap();
@@ -123,19 +127,21 @@ fn what_is_not_finite_is_found_in_its_step_without_books_too() {
         let settings: Vec<_> = more.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
         let loaded = load::from_text("stiff.ron", "stiff", here.path(), STIFF.to_owned(), &settings).unwrap();
         let mut run = simulation(&loaded, 1);
-        let End::Failed(Failure::NotFinite { step, quantity, cause, .. }) = run.run() else { panic!("went on") };
+        let End::Failed(Failure::NotFinite { step, quantity, cause, .. }) = run.run() else {
+            panic!("the run did not stop")
+        };
         assert_eq!((step, quantity), (1, "velocity"), "{cause}");
     }
 }
 
-/// Two that touch in the first step: F of some 1e302 N on 1e-12 kg.
+/// Two grains that touch in the first step: F of about 1e302 N on 1e-12 kg.
 const TWO: &str = "id,radius,mass,x,y,vx,vy\n1,0.04,1e-12,0.0,0.0,1.0,0.0\n2,0.04,1e-12,0.0805,0.0,0.0,0.0\n";
 
 const STIFF: &str = "(gravity: (0.0, 0.0), contact: Hertz(restitution: 1.0), materials: [(young: 1.0e308, poisson: 0.3)], \
      integrator: Verlet, step: Fixed(1.0e-3), until: 1.0, grains: (file: \"two.csv\"), pictures: None, watchdog: None)";
 
 #[test]
-fn who_wants_energy_watched_is_told_that_it_takes_books() {
+fn energy_watchdog_without_energy_balance_is_an_error() {
     let here = tempfile::tempdir().unwrap();
     let file = scene("silo1.ron").display().to_string();
     let output =

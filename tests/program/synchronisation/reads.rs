@@ -1,4 +1,4 @@
-//! Systems that look, in each way that the ECS has.
+//! Systems that read components, through each kind of access of the ECS.
 
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::schedule::ScheduleLabel;
@@ -7,9 +7,9 @@ use siloflow::measure::{due, observe_every};
 use siloflow::prelude::*;
 use siloflow::space::Space;
 
-use super::{SCENES, look, scene, with};
+use super::{SCENES, scene, state_and_flows, with};
 
-/// How many particles systems have looked at.
+/// Number of particles that systems have read.
 #[derive(Resource, Default)]
 struct Seen(u64);
 
@@ -20,10 +20,11 @@ type Now<V> = (
     Option<(&'static Spin<<V as Space>::Spin>, &'static Torque<<V as Space>::Spin>)>,
 );
 
-/// Free particles: systems of ours that move walls in the same phase have no order with those here.
+/// Free particles only: these systems have no order relative to the library's systems that move walls in the same
+/// phase.
 type Free = Without<Fixed>;
 
-/// Components are what the store holds.
+/// Asserts that components equal the values of the store, and returns the number of particles compared.
 fn compare<V: Space>(motion: &Motion<V>, particles: &Query<Now<V>, Free>) -> u64 {
     let mut seen = 0;
     for (entity, slot, (x, v, force), turning) in particles {
@@ -46,7 +47,7 @@ fn compare_all<V: Space>(motion: Motion<V>, particles: Query<Now<V>, Free>, mut 
     seen.0 += compare(&motion, &particles);
 }
 
-/// The same with access to the whole world.
+/// Like [`compare_all`], but with access to the whole world.
 fn compare_in_world<V: Space>(world: &mut World) {
     world.run_system_cached(compare_all::<V>).unwrap();
 }
@@ -67,7 +68,7 @@ const PHASES: [Phase; 8] = [
 
 fn nothing<V: Space>(_: &mut App) {}
 
-/// In every phase.
+/// Reads components in every phase.
 fn queries<V: Space>(app: &mut App) {
     app.init_resource::<Seen>();
     for phase in PHASES {
@@ -75,7 +76,7 @@ fn queries<V: Space>(app: &mut App) {
     }
 }
 
-/// Exclusive systems, and systems of a schedule that they run.
+/// Reads in exclusive systems, and in systems of a schedule that exclusive systems run.
 fn exclusive<V: Space>(app: &mut App) {
     app.init_resource::<Seen>().init_schedule(Nested).add_systems(Nested, compare_all::<V>);
     app.add_systems(Step, compare_in_world::<V>.in_set(Phase::Forces));
@@ -87,14 +88,14 @@ fn every_third_step(clock: Res<Clock>) -> bool {
     clock.steps.is_multiple_of(3)
 }
 
-/// A condition that looks itself, and has a state: it must be evaluated once a step.
+/// A run condition that reads components and has a state. It must be evaluated once per step.
 fn every_other_time<V: Space>(motion: Motion<V>, particles: Query<Now<V>, Free>, mut times: Local<u64>) -> bool {
     compare(&motion, &particles);
     *times += 1;
     times.is_multiple_of(2)
 }
 
-/// Readers under conditions, known and unknown, of their own and of a set.
+/// Readers with run conditions, known and unknown, on single systems and on a set.
 fn conditional<V: Space>(app: &mut App) {
     app.init_resource::<Seen>();
     observe_every::<Seen>(app, 0.007);
@@ -106,12 +107,12 @@ fn conditional<V: Space>(app: &mut App) {
             compare_all::<V>.in_set(Phase::Kick).run_if(every_other_time::<V>),
         ),
     );
-    app.add_systems(Step, (compare_all::<V>, nobody).chain().in_set(Phase::Control).run_if(every_third_step));
+    app.add_systems(Step, (compare_all::<V>, no_op).chain().in_set(Phase::Control).run_if(every_third_step));
 }
 
-fn nobody() {}
+fn no_op() {}
 
-/// Asks for a component in the next commands, which wakes observers and hooks.
+/// Marker that a command inserts, which triggers observers and hooks.
 #[derive(Component, Clone, Copy)]
 struct Marked;
 
@@ -152,7 +153,7 @@ type Touched<V> = (
     Option<(&'static mut Spin<<V as Space>::Spin>, &'static mut Torque<<V as Space>::Spin>)>,
 );
 
-/// Writes to all components what they hold.
+/// Writes the current value to all components.
 fn touch<V: Space>(mut particles: Query<Touched<V>, Free>, mut seen: ResMut<Seen>) {
     for ((mut x, mut v, mut force), turning) in &mut particles {
         (x.0, v.0, force.0) = (x.0, v.0, force.0);
@@ -163,7 +164,7 @@ fn touch<V: Space>(mut particles: Query<Touched<V>, Free>, mut seen: ResMut<Seen
     }
 }
 
-/// Mutable access that changes nothing.
+/// Mutable access that changes no value.
 fn idle_writers<V: Space>(app: &mut App) {
     app.init_resource::<Seen>();
     for phase in PHASES {
@@ -171,7 +172,8 @@ fn idle_writers<V: Space>(app: &mut App) {
     }
 }
 
-/// A write past change detection is none: it is not taken over, and gone when the component is brought up to date.
+/// A write that bypasses change detection does not count. It is not copied to the store, and the next refresh of the
+/// component overwrites it.
 fn bypassing<V: Space>(app: &mut App) {
     let write = |mut grains: Query<(&mut Position<V>, &mut Velocity<V>), Free>, mut seen: ResMut<Seen>| {
         for (mut x, mut v) in &mut grains {
@@ -183,72 +185,72 @@ fn bypassing<V: Space>(app: &mut App) {
     app.init_resource::<Seen>().add_systems(Step, write.in_set(Phase::Control));
 }
 
-/// Of fixed particles alone.
+/// Reads fixed particles only.
 fn walls<V: Space>(app: &mut App) {
-    let look = |motion: Motion<V>, walls: Query<Now<V>, With<Fixed>>, mut seen: ResMut<Seen>| {
+    let read = |motion: Motion<V>, walls: Query<Now<V>, With<Fixed>>, mut seen: ResMut<Seen>| {
         for (_, slot, (x, v, force), _) in walls.iter().filter(|(_, slot, ..)| slot.index() < motion.len()) {
             let row = slot.index();
             assert_eq!((x.0, v.0, force.0), (motion.position(row), motion.velocity(row), motion.force(row)));
             seen.0 += 1;
         }
     };
-    app.init_resource::<Seen>().add_systems(Step, (look.in_set(Phase::Control), look.in_set(Phase::Neighbours)));
+    app.init_resource::<Seen>().add_systems(Step, (read.in_set(Phase::Control), read.in_set(Phase::Neighbours)));
 }
 
-/// What systems do, in the plane and in solid space.
-struct Way {
+/// One kind of access, in the plane and in solid space.
+struct Access {
     name: &'static str,
     planar: fn(&mut App),
     solid: fn(&mut App),
-    /// Whether it looks at something in every step.
+    /// Whether it reads particles in every step.
     is_busy: bool,
 }
 
-macro_rules! ways {
-    ($($way:ident: $is_busy:expr),*) => {
-        [$(Way { name: stringify!($way), planar: $way::<Plane>, solid: $way::<Solid>, is_busy: $is_busy }),*]
+macro_rules! accesses {
+    ($($access:ident: $is_busy:expr),*) => {
+        [$(Access { name: stringify!($access), planar: $access::<Plane>, solid: $access::<Solid>, is_busy: $is_busy }),*]
     };
 }
 
 #[test]
-fn looking_in_any_way_shows_the_store_and_changes_no_bit() {
-    let ways = ways![
+fn every_kind_of_access_reads_the_store_and_changes_no_bit() {
+    let accesses = accesses![
         nothing: false, queries: true, exclusive: true, conditional: false, observers: false, idle_writers: true,
         bypassing: true, walls: false
     ];
     for (name, settings, steps) in SCENES {
         let loaded = scene(name, settings);
-        let run = |way: fn(&mut App)| {
-            let mut run = with(&loaded, way);
+        let run = |access: fn(&mut App)| {
+            let mut run = with(&loaded, access);
             run.run_steps(steps);
             let seen = run.world().get_resource::<Seen>().map_or(0, |seen| seen.0);
-            (look(&mut run), seen)
+            (state_and_flows(&mut run), seen)
         };
         let (unseen, _) = run(|_| {});
-        for way in &ways {
-            let (found, seen) = run(if loaded.scene.space == Dimension::Plane { way.planar } else { way.solid });
-            assert_eq!(found, unseen, "{name}: {}", way.name);
-            assert!(!way.is_busy || seen > 10 * steps, "{name}: {} has seen {seen}", way.name);
+        for access in &accesses {
+            let (found, seen) = run(if loaded.scene.space == Dimension::Plane { access.planar } else { access.solid });
+            assert_eq!(found, unseen, "{name}: {}", access.name);
+            assert!(!access.is_busy || seen > 10 * steps, "{name}: {} has seen {seen}", access.name);
         }
     }
 }
 
 #[test]
-fn observers_and_hooks_and_rare_readers_look_at_something() {
+fn observers_hooks_and_conditional_readers_do_run() {
     let loaded = scene(SCENES[1].0, SCENES[1].1);
-    for (way, times) in [(observers::<Plane> as fn(&mut App), 3 * 2 * 200), (conditional::<Plane>, 100)] {
-        let mut run = with(&loaded, way);
+    for (access, times) in [(observers::<Plane> as fn(&mut App), 3 * 2 * 200), (conditional::<Plane>, 100)] {
+        let mut run = with(&loaded, access);
         run.run_steps(200);
         assert!(run.world().resource::<Seen>().0 >= times);
     }
 }
 
-/// How many positions have changed, as the ECS tells it.
+/// Number of changed positions according to the change detection of the ECS.
 #[derive(Resource, Default)]
 struct Changes(usize);
 
 #[test]
-fn bringing_a_component_up_to_date_is_no_change() {
+fn refresh_of_a_component_is_no_change() {
     fn count(changed: Query<(), (Changed<Position>, With<Grain>)>, mut changes: ResMut<Changes>, clock: Res<Clock>) {
         if clock.steps > 10 {
             changes.0 += changed.iter().count();
@@ -267,7 +269,7 @@ fn bringing_a_component_up_to_date_is_no_change() {
 }
 
 #[test]
-fn the_world_is_up_to_date_after_every_step() {
+fn components_equal_the_store_after_every_step() {
     let mut run = with(&scene("chute3d.ron", &[]), |_| {});
     for _ in 0..20 {
         run.step();

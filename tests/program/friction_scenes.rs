@@ -1,4 +1,4 @@
-//! Scenes with friction, in the plane and in solid space: what they are made of, and what they do.
+//! Scenes with friction, in the plane and in solid space: their components and their behaviour.
 
 use siloflow::contact::history::History;
 use siloflow::divergence::where_they_part;
@@ -20,7 +20,7 @@ fn run(name: &str, settings: &[(&str, &str)]) -> Simulation {
     run
 }
 
-/// Names of all components that some entity of a world has.
+/// Returns the names of all components in a world.
 fn components(world: &mut World) -> String {
     let entities: Vec<_> = world.query::<Entity>().iter(world).collect();
     let names = entities.into_iter().flat_map(|entity| {
@@ -31,7 +31,7 @@ fn components(world: &mut World) -> String {
 }
 
 #[test]
-fn a_scene_without_friction_has_no_spin_torque_inertia_or_history() {
+fn scene_without_friction_has_no_spin_torque_inertia_or_history() {
     let mut smooth = run("column.ron", &[("until", "0.01")]);
     let names = components(smooth.world_mut());
     assert!(names.contains("Position") && !["Spin", "Torque", "Inertia"].iter().any(|part| names.contains(part)));
@@ -51,13 +51,15 @@ fn a_scene_without_friction_has_no_spin_torque_inertia_or_history() {
 }
 
 #[test]
-fn the_floor_carries_the_weight_and_is_told_so_with_its_sign() {
+fn floor_carries_the_weight_and_reports_it_with_the_right_sign() {
     let mut column = run("column.ron", &[]);
     let weight = 20.0 * 0.16 * 9.81;
     let force = column.world().resource::<Surfaces>().0[0].load.force;
-    // At rest to 1e-7 sqrt(g R): what still moves has that momentum, and w1 = 2 sqrt(k/m) sin(pi/82) = 60/s of it a second.
+    // At rest to 1e-7 sqrt(g R): the remaining motion has that momentum, and w1 = 2 sqrt(k/m) sin(pi/82) = 60/s of it
+    // per second.
     assert!((force + weight * Vector::Y).length() < 60.0 * 20.0 * 0.16 * 1e-7 * 0.63, "{force}");
-    // The view agrees: the lowest grain pushes the wall with all of the weight, and touches the next one with the rest.
+    // The contact view agrees: the lowest grain pushes on the wall with the whole weight and on the next grain with the
+    // weight of the others.
     let survey = Survey::<Plane>::of_world(column.world_mut());
     let contacts = survey.view(1e-4);
     assert_eq!(contacts.len(), 20);
@@ -69,13 +71,13 @@ fn the_floor_carries_the_weight_and_is_told_so_with_its_sign() {
 }
 
 #[test]
-fn a_sliding_ball_is_seen_to_slide_and_a_rolling_one_to_stick() {
+fn contact_view_reports_sliding_and_sticking() {
     for (until, slides) in [("0.05", true), ("0.2", false)] {
         let ball = run("slip-to-roll.ron", &[("until", until)]);
         let contacts = Survey::<Solid>::of_world(ball.world()).view(1e-5);
         assert_eq!(contacts.len(), 1);
         assert_eq!(contacts[0].is_sliding, slides, "{:?}", contacts[0]);
-        // The dashpot is seen with the velocity of half a step later: 7/2 c_t dt/(2 m) = 3e-3 of the cap.
+        // The view evaluates the dashpot with the velocity of half a step later: 7/2 c_t dt/(2 m) = 3e-3 of the cap.
         let full = contacts[0].mobilised > 0.99;
         assert_eq!(full, slides, "{:?}", contacts[0]);
         assert!(!slides || contacts[0].friction.x < 0.0);
@@ -83,7 +85,7 @@ fn a_sliding_ball_is_seen_to_slide_and_a_rolling_one_to_stick() {
 }
 
 #[test]
-fn a_small_hopper_fills_rests_opens_and_empties() {
+fn small_hopper_fills_rests_opens_and_empties() {
     let mut hopper = run("silo3d.ron", &[("fill[0].count", "400"), ("until", "3.0")]);
     let world = hopper.world_mut();
     let ledger = world.resource::<Ledger>();
@@ -91,7 +93,7 @@ fn a_small_hopper_fills_rests_opens_and_empties() {
     assert_eq!(world.query_filtered::<(), With<Grain>>().iter(world).count(), 400 - ledger_culled(world));
     let flows = *world.resource::<EnergyFlows>();
     let error = totals::of_world(world).energy() - flows.expected();
-    // As for silo1: (w0 dt)^2/6 of what contacts that open and close dissipate, w0 = sqrt(1e4/1.4e-4)/s.
+    // As for silo1: (w0 dt)^2/6 of the dissipation in contacts that open and close, w0 = sqrt(1e4/1.4e-4)/s.
     let bound = 1e4 / 1.414e-4 * 2e-5f64.powi(2) / 6.0 * flows.dissipated;
     assert!(error.abs() < bound, "balance error {error} J, bound {bound} J");
     let channels = world.resource::<Channels>();
@@ -103,15 +105,15 @@ fn ledger_culled(world: &World) -> usize {
 }
 
 #[test]
-fn a_chute_gathers_what_gravity_gives_it() {
+fn energy_balance_of_a_periodic_chute_includes_work_of_gravity() {
     let mut chute = run("chute3d.ron", &[("until", "0.08"), ("profiles", "[]")]);
     let world = chute.world_mut();
     assert_eq!(world.resource::<Ledger>().inside(), 1944);
     let flows = *world.resource::<EnergyFlows>();
-    assert!(flows.lifted > 0.0, "nobody has come round");
+    assert!(flows.lifted > 0.0, "no grain has crossed a periodic side");
     let totals = totals::of_world(world);
     let error = totals.energy() - flows.expected();
-    // (w0 dt)^2/6 with w0 = sqrt(257/5e-7)/s, of what contacts take.
+    // (w0 dt)^2/6 of the dissipation in contacts, with w0 = sqrt(257/5e-7)/s.
     let bound = 257.0 / 4.8e-7 * 8e-6f64.powi(2) / 6.0 * flows.dissipated;
     assert!(error.abs() < bound, "balance error {error} J, bound {bound} J of {} J", flows.dissipated);
     for x in world.query_filtered::<&Position<Solid>, With<Grain>>().iter(world) {
@@ -120,7 +122,7 @@ fn a_chute_gathers_what_gravity_gives_it() {
 }
 
 #[test]
-fn rough_walls_keep_going_and_their_work_is_booked() {
+fn rough_walls_keep_their_velocity_and_their_work_is_counted() {
     let mut cell = run("couette.ron", &[("until", "0.2")]);
     let world = cell.world_mut();
     let mut fixed = world.query_filtered::<&Velocity, With<Fixed>>();
@@ -128,14 +130,14 @@ fn rough_walls_keep_going_and_their_work_is_booked() {
     let flows = *world.resource::<EnergyFlows>();
     assert!(flows.wall_work > 0.0);
     let error = totals::of_world(world).energy() - flows.expected();
-    // As above, w0 = sqrt(1e5/0.6)/s; walls of discs that move past are hit like grains.
+    // As above, with w0 = sqrt(1e5/0.6)/s. Moving walls of discs collide like grains.
     let bound = 1e5 / 0.59 * 5e-5f64.powi(2) / 6.0 * flows.dissipated;
     assert!(error.abs() < bound, "balance error {error} J, bound {bound} J of {} J", flows.dissipated);
 }
 
 #[test]
-fn a_mixture_of_materials_meets_by_pairs() {
-    // Three pairs of grains, head-on: 0 with 0, 0 with 1, 1 with 1; restitution by pair.
+fn each_species_pair_has_its_own_restitution() {
+    // Three head-on pairs of grains: species 0 with 0, 0 with 1, 1 with 1. Each pair has its own restitution.
     let law = |e: f64| format!("Linear(k: 1.0e5, damping: Restitution({e:?}), attraction: Allowed)");
     let keys = format!(
         "(gravity: (0.0, 0.0), contact: {}, pairs: [(species: (1, 0), contact: {}), (species: (1, 1), contact: {})], \
@@ -166,13 +168,14 @@ fn a_mixture_of_materials_meets_by_pairs() {
     for (pair, e) in [0.9, 0.6, 0.3].into_iter().enumerate() {
         let [first, second] = [2 * pair, 2 * pair + 1].map(|grain| store.body[entries[grain]].velocity.x);
         let parting = second - first;
-        // Drag half a step old and a jump at both ends: 3 zeta w0 dt, zeta up to 0.36, w0 = sqrt(1e5/0.08)/s.
+        // Damping evaluated half a step late, and a jump at both ends: 3 zeta w0 dt, with zeta up to 0.36 and w0 =
+        // sqrt(1e5/0.08)/s.
         assert!((parting - e).abs() < 3.0 * 0.36 * 1118.0 * 1e-6, "{pair}: {parting}, not {e}");
     }
 }
 
 #[test]
-fn a_frictional_hopper_is_the_same_for_all_searches_and_threads() {
+fn searches_and_threads_change_no_bit_of_a_frictional_hopper() {
     let start = |neighbours: &str, threads: usize| {
         let settings = [
             ("pictures", "None"),
