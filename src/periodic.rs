@@ -2,7 +2,7 @@
 //!
 //! Along a periodic axis with box length L, every grain stands for its images at x + n L. Positions are kept in low <=
 //! x < high: X < low gets +L and X >= high gets -L, once per step, after the drift. (Algorithm 1 of Kumawat's *Soft
-//! Particle Molecular Dynamic Simulation* has both signs the other way round; see `docs/soft-particle.md`.)
+//! Particle Molecular Dynamic Simulation* has both signs the other way round; see `docs/explanation/soft-particle.md`.)
 //!
 //! Two grains interact by their nearest images: a separation longer than L/2 is shortened by L. This is unambiguous
 //! only if a grain cannot touch two images of another. L must therefore exceed twice the largest distance of centres in

@@ -20,7 +20,7 @@ the spring has moved.)
 Then both programs run the same number of steps alternately. The first 20 steps and set-up are left out: the time of LAMMPS
 is the loop time of its second run, the time of siloflow is that of the whole run less that of a run of 20 steps. The
 printed time is the median of the runs. Skins are those with which each program is fastest: --skin, --lammps-skin. siloflow
-runs twice: with its energy balance, and with `energy_books: false`, because LAMMPS keeps no energy balance.
+runs twice: with its energy balance, and with `energy_balance: false`, because LAMMPS keeps no energy balance.
 
 The scheme of both programs is velocity Verlet (--integrator changes siloflow's).
 
@@ -219,7 +219,7 @@ def compare(args, name):
     print(f"{name}: {len(rows)} grains, {steps} steps, {args.integrator}, core {args.core}")
     print(f"forces differ by at most {largest:.1e} N; rms force {rms:.1e} N; "
           f"rounding of velocities {of_velocities:.1e} N, of positions {of_positions:.1e} N")
-    theirs, ways = [], {"siloflow": [], "  without energy balance": ["--set", "energy_books=false"]}
+    theirs, ways = [], {"siloflow": [], "  without energy balance": ["--set", "energy_balance=false"]}
     ours = {way: [] for way in ways}
     for _ in range(args.rounds):
         skin = args.lammps_skin or bed["lammps_skin"]

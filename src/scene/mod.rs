@@ -104,7 +104,7 @@ pub struct Scene {
     #[serde(default = "default_watchdog")]
     pub watchdog: Option<Watchdog>,
     /// Whether the energy balance is computed, which takes time: [`crate::energy`].
-    #[serde(default = "default_books", alias = "energy_books")]
+    #[serde(default = "default_energy_balance", alias = "energy_books")]
     pub energy_balance: bool,
     /// Latest end of the run, s of simulated time.
     pub until: Positive,
@@ -143,7 +143,7 @@ fn default_pictures() -> Option<Pictures> {
     Some(Pictures::default())
 }
 
-fn default_books() -> bool {
+fn default_energy_balance() -> bool {
     true
 }
 

@@ -196,6 +196,44 @@ fn error_of_a_wrong_setting_names_the_key() {
 }
 
 #[test]
+fn errors_that_beginners_make_say_what_to_write() {
+    let here = tempfile::tempdir().unwrap();
+    std::fs::copy(path("column.csv"), here.path().join("column.csv")).unwrap();
+    std::fs::write(here.path().join("empty.ron"), "").unwrap();
+    let silo = path("silo1.ron");
+    for (arguments, expected) in [
+        (vec!["check", &silo, "--set", "step=1e-4"], "write `Fixed(1e-4)`"),
+        (vec!["check", &silo, "--set", "spawner.radius=0.04"], "write `Fixed(0.04)`"),
+        (vec!["check", &silo, "--set", "integrator=2"], "the choices here are: Centred, Verlet"),
+        (vec!["check", &silo, "--set", "integrator=Verlett"], "did you mean `Verlet`?"),
+        (vec!["check", &silo, "--set", "gravty=(0.0, -9.8)"], "did you mean `gravity`?"),
+        (vec!["check", &silo, "--set", "spawner.cuont=3"], "did you mean `count`?"),
+        (vec!["check", &silo, "--set", "frobnicate=3"], "the keys here are: title"),
+        (vec!["check", "column.csv"], "a scene is RON text that begins with `(`"),
+        (vec![silo.as_str()], "write `siloflow run"),
+    ] {
+        let output = siloflow(here.path(), &arguments);
+        let said = text(&output.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
+        assert!(said.contains(expected), "{arguments:?}: {said}");
+    }
+    assert_eq!(siloflow(here.path(), &["check", "empty.ron"]).status.code(), Some(2));
+    let explained = siloflow(here.path(), &["explain", &silo]);
+    assert!(text(&explained.stdout).contains("contact Assignment { k: 10000.0, b: 5.0 }"));
+}
+
+#[test]
+fn quiet_run_prints_nothing_but_json() {
+    let here = tempfile::tempdir().unwrap();
+    let silo = path("silo1.ron");
+    let run = ["run", &silo, "--until", "0.1", "--set", "pictures=None", "--quiet"];
+    let silent = siloflow(here.path(), &run);
+    assert!(silent.stdout.is_empty() && silent.stderr.is_empty(), "{}", text(&silent.stderr));
+    let json = siloflow(here.path(), &[&run[..], &["--json"]].concat());
+    assert!(json.stdout.starts_with(b"{") && json.stderr.is_empty());
+}
+
+#[test]
 fn failed_simulation_exits_with_1_and_keeps_its_results() {
     let here = tempfile::tempdir().unwrap();
     let output = siloflow(here.path(), &["run", &path("silo1-one-column.ron"), "--out", "run"]);

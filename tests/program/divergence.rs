@@ -71,7 +71,7 @@ fn searches_threads_and_energy_balance_cause_no_difference() {
             simulation(&load(name, &settings), threads)
         };
         let usual = ("on_loss", "Stop");
-        for (more, threads) in [(("neighbours", "AllPairs"), 1), (("energy_books", "false"), 1), (usual, 2)] {
+        for (more, threads) in [(("neighbours", "AllPairs"), 1), (("energy_balance", "false"), 1), (usual, 2)] {
             let mut pair = Pair::new(start(more, threads), start(usual, 1)).unwrap();
             assert_eq!(pair.first_divergence(steps, |_| {}), None, "{name}: {more:?} on {threads} threads");
         }

@@ -226,7 +226,7 @@ fn step_limit_of_a_stiff_floor_uses_the_grains_on_it() {
     // causes a warning.
     let codes: Vec<_> =
         siloflow::scene::check::warnings(&with("7.9e-5").unwrap()).iter().map(|warning| warning.code).collect();
-    assert_eq!(codes, ["check::unstable_bed"]);
+    assert_eq!(codes, ["check::unstable_bed", "check::deep_impacts"]);
     assert_eq!(with("8.1e-5").unwrap_err().code(), "scene::unstable_step");
 }
 

@@ -4,6 +4,7 @@ use std::fs;
 use std::num::NonZeroUsize;
 
 use crate::{load, root, scene, simulation};
+use siloflow::contact::LargestOverlap;
 use siloflow::door::DoorState;
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
@@ -17,9 +18,12 @@ use siloflow::scene::load::{self as loading, AnyScene};
 /// the scheme.
 fn assert_whole_run(name: &str) {
     let loaded = load(name, &[("pictures", "None")]);
-    assert!(check::warnings(&loaded).is_empty(), "{:?}", check::warnings(&loaded));
+    // A grain falls 4 m on soft contacts, which `check` and the run judge by the same limit.
+    let warnings: Vec<_> = check::warnings(&loaded).iter().map(|warning| warning.code).collect();
+    assert_eq!(warnings, ["check::deep_impacts"]);
     let mut simulation = simulation(&loaded, 1);
     assert_eq!(simulation.run(), End::Empty, "{name}");
+    assert!(simulation.world().resource::<LargestOverlap>().0 > 0.3, "{name}: a warning without a deep impact");
     let world = simulation.world_mut();
     let ledger = world.resource::<Ledger>();
     assert_eq!((ledger.released, ledger.out(), ledger.lost(), ledger.inside()), (1000, 1000, 0, 0), "{name}");

@@ -1,4 +1,4 @@
-//! Runs without energy balance (`energy_books: false`): the motion is the same to the last bit, and no data are kept
+//! Runs without energy balance (`energy_balance: false`): the motion is the same to the last bit, and no data are kept
 //! that only the balance needs.
 
 use std::fs;
@@ -17,7 +17,7 @@ use crate::behaviours::registry;
 use crate::command_line::{siloflow, text};
 use crate::{hash, load, scene, simulation};
 
-const WITHOUT: (&str, &str) = ("energy_books", "false");
+const WITHOUT: (&str, &str) = ("energy_balance", "false");
 
 /// In this order: spawner and discharge; friction between moving walls and periodic sides, with Verlet and
 /// with centred contacts; contact history in solid space, with gravity along a periodic side; a bed in solid space.
@@ -87,7 +87,7 @@ fn without_energy_balance_no_energy_data_are_kept() {
 fn run_without_energy_balance_writes_the_other_columns() {
     let here = tempfile::tempdir().unwrap();
     let file = scene("couette.ron").display().to_string();
-    let set = ["--set", "energy_books=false", "--set", "pictures=None", "--until", "0.02", "--json"];
+    let set = ["--set", "energy_balance=false", "--set", "pictures=None", "--until", "0.02", "--json"];
     let output = siloflow(here.path(), &[&["run", &file, "--out", "run"][..], &set].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
     let summary: Value = serde_json::from_slice(&output.stdout).unwrap();
@@ -103,7 +103,7 @@ fn run_without_energy_balance_writes_the_other_columns() {
 #[test]
 fn non_finite_values_are_found_in_their_step_without_energy_balance() {
     let file = r#"(gravity: (0.0, 0.0), contact: Linear(k: 1.0e5, damping: B(0.0)), step: Fixed(1.0e-3), until: 1.0,
-         grains: (file: "free-fall.csv"), pictures: None, energy_books: false, behaviours: {"wind": (inf)})"#;
+         grains: (file: "free-fall.csv"), pictures: None, energy_balance: false, behaviours: {"wind": (inf)})"#;
     let loaded = load::from_text("wind.ron", "wind", &crate::root().join("scenes"), file.to_owned(), &[]).unwrap();
     let mut run = Simulation::new(&loaded, &registry(), NonZeroUsize::MIN).unwrap();
     let End::Failed(Failure::NotFinite { step, cause, .. }) = run.run() else { panic!("the run did not stop") };
@@ -145,13 +145,25 @@ fn energy_watchdog_without_energy_balance_is_an_error() {
     let here = tempfile::tempdir().unwrap();
     let file = scene("silo1.ron").display().to_string();
     let output =
-        siloflow(here.path(), &["check", &file, "--set", "energy_books=false", "--set", "watchdog=(energy: 0.2)"]);
+        siloflow(here.path(), &["check", &file, "--set", "energy_balance=false", "--set", "watchdog=(energy: 0.2)"]);
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{said}");
-    assert!(said.contains("scene::no_books") && said.contains("watchdog.energy"), "{said}");
+    assert!(said.contains("scene::no_energy_balance") && said.contains("watchdog.energy"), "{said}");
     for watchdog in ["(energy: None)", "(overlap: 0.9)", "None"] {
         let watchdog = format!("watchdog={watchdog}");
-        let output = siloflow(here.path(), &["check", &file, "--set", "energy_books=false", "--set", &watchdog]);
+        let output = siloflow(here.path(), &["check", &file, "--set", "energy_balance=false", "--set", &watchdog]);
         assert!(output.status.success(), "{watchdog}: {}", text(&output.stderr));
     }
+}
+
+#[test]
+fn the_former_name_of_the_key_is_accepted_with_a_warning() {
+    let here = tempfile::tempdir().unwrap();
+    let file = scene("silo1.ron").display().to_string();
+    let output = siloflow(here.path(), &["check", &file, "--set", "energy_books=false"]);
+    let said = text(&output.stdout);
+    assert!(output.status.success() && said.contains("check::renamed_key"), "{said}");
+    assert!(said.contains("write `energy_balance`"), "{said}");
+    let both = siloflow(here.path(), &["check", &file, "--set", "energy_books=false", "--set", "energy_balance=true"]);
+    assert_eq!(both.status.code(), Some(2), "{}", text(&both.stdout));
 }

@@ -31,7 +31,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     periodic(loaded)?;
     spawner(loaded)?;
     door_and_rest(loaded)?;
-    books(loaded)?;
+    energy_balance(loaded)?;
     cells(loaded)?;
     profiles(loaded)?;
     flow(loaded)?;
@@ -205,13 +205,13 @@ fn door_and_rest(loaded: &Loaded) -> Result<(), Fault> {
 }
 
 /// The watchdog's energy limit needs the energy balance.
-fn books(loaded: &Loaded) -> Result<(), Fault> {
+fn energy_balance(loaded: &Loaded) -> Result<(), Fault> {
     let key = "watchdog.energy";
     let asks = loaded.source.value_of(key).is_some_and(|value| value != "None");
     if asks && !loaded.scene.energy_balance {
         return Err(loaded
             .fault(
-                "scene::no_books",
+                "scene::no_energy_balance",
                 key,
                 "the watchdog finds created energy by the energy balance, and the scene has none",
             )

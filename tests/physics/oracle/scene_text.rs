@@ -72,7 +72,7 @@ impl Scene {
         };
         format!(
             "(space: {}, gravity: {}, periodic: ({}), contact: {}, pairs: [{}], materials: [{}], {inertia}{cull}{spawner}integrator: {:?}, \
-             step: Fixed({DT:?}), neighbours: {search}, walls: [{}], energy_books: {energy_balance}, watchdog: None, on_loss: Continue, \
+             step: Fixed({DT:?}), neighbours: {search}, walls: [{}], energy_balance: {energy_balance}, watchdog: None, on_loss: Continue, \
              until: 1.0e3, pictures: None)",
             if self.solid { "Solid" } else { "Plane" },
             self.gravity.ron(self.solid),
