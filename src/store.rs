@@ -179,7 +179,7 @@ pub struct ParticleStore<V: Space = Plane> {
     pub periodic: Option<Periodic<V>>,
     /// Whether a separate pass wraps particles into the periodic box, and not the drift. That pass records the energy
     /// that wrapping adds.
-    pub(crate) sets_back_later: bool,
+    pub(crate) wraps_after_drift: bool,
     /// r_min/(r_min + r_max): for any pair, the smaller radius is at least this share of the sum of both radii.
     pub smallest_share: f64,
     /// Number of particles that are not fixed: they have the first slots.
@@ -226,7 +226,7 @@ impl<V: Space> Default for ParticleStore<V> {
             lookahead: 0.0,
             margin: 0.0,
             periodic: None,
-            sets_back_later: false,
+            wraps_after_drift: false,
             smallest_share: 0.0,
             movable_end: 0,
             generation: 0,

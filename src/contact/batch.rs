@@ -39,7 +39,7 @@ pub struct Batch<V: Space> {
     pub memory: MemoryLanes<V>,
     /// Whether the contact existed in the previous pass.
     pub is_known: PerLane<bool>,
-    pub answer: ContactOutput<V>,
+    pub output: ContactOutput<V>,
 }
 
 impl<V: Space> Batch<V> {
@@ -107,7 +107,7 @@ impl<V: Space> Batch<V> {
     /// Returns the energy that the contacts lose, J.
     #[inline]
     pub fn lost<L: LawRequirements>(&mut self) -> ContactLosses {
-        self.answer.lost::<L>(self.len.min(LANES))
+        self.output.lost::<L>(self.len.min(LANES))
     }
 
     /// Returns the number of lanes to compute: whole vectors.
@@ -134,12 +134,12 @@ impl<V: Space> Batch<V> {
             let mut memory = self.memory.get::<L>(lane);
             let force = law.force(&pair, &mut memory);
             if L::PREDICTION {
-                self.answer.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
+                self.output.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
             }
             deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
-            self.answer.store_force::<L>(lane, &pair, &force);
+            self.output.store_force::<L>(lane, &pair, &force);
             if NUMBERS == TOTAL_AND_DISSIPATIVE {
-                self.answer.store_energy_numbers::<L>(lane, &pair, &force);
+                self.output.store_energy_numbers::<L>(lane, &pair, &force);
             }
             self.memory.set::<L>(lane, &memory);
         }
@@ -149,7 +149,7 @@ impl<V: Space> Batch<V> {
     /// Evaluates `law` for all contacts of the batch. With [`TOTAL_AND_DISSIPATIVE`] as `NUMBERS` it also stores the
     /// numbers that only the energy balance needs. Returns whether any contact overlaps by more than `deepest` times
     /// the sum of the radii.
-    pub fn ask<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
+    pub fn evaluate<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
         &mut self,
         law: &L,
         dt: f64,
@@ -211,7 +211,7 @@ mod tests {
             for number in 0..contacts {
                 batch.push::<L>(Candidate::new(number, 1), &on_wall(number));
             }
-            assert!(batch.ask::<L, TOTAL_AND_DISSIPATIVE>(law, 1e-5, instructions, 0.0));
+            assert!(batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, 1e-5, instructions, 0.0));
             for (lane, number) in (0..contacts).enumerate() {
                 let (mut pair, mut memory) = (on_wall(number), Memory::default());
                 if !L::PREDICTION {
@@ -221,17 +221,17 @@ mod tests {
                 let turning = &on_i.turning;
                 let torque = |friction: V| pair.normal.cross(friction) * -turning.arms[0];
                 assert_eq!(
-                    batch.answer.force::<TOTAL_AND_DISSIPATIVE>(lane),
+                    batch.output.force::<TOTAL_AND_DISSIPATIVE>(lane),
                     [total::<L, V>(&on_i), drag::<L, V>(&on_i)]
                 );
                 assert_eq!(
-                    batch.answer.torques::<L, TOTAL_AND_DISSIPATIVE>(lane)[0],
+                    batch.output.torques::<L, TOTAL_AND_DISSIPATIVE>(lane)[0],
                     [torque(turning.friction), torque(turning.friction_drag)]
                 );
                 assert_eq!(batch.memory.get::<L>(lane), memory);
-                assert!(batch.answer.counts::<L>(lane));
+                assert!(batch.output.is_contact::<L>(lane));
             }
-            assert!(!batch.ask::<L, TOTAL>(law, 1e-5, instructions, 1.0));
+            assert!(!batch.evaluate::<L, TOTAL>(law, 1e-5, instructions, 1.0));
         }
     }
 

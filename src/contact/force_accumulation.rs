@@ -172,12 +172,12 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
             torques = &mut torques[..forces.len()];
         }
         let (rolling, contacts) = (&mut **rolling_drag, &mut **contacts);
-        let answer = &batch.answer;
-        for lane in (0..batch.len.min(LANES)).filter(|&lane| answer.counts::<L>(lane)) {
+        let output = &batch.output;
+        for lane in (0..batch.len.min(LANES)).filter(|&lane| output.is_contact::<L>(lane)) {
             let [first, second] = batch.pairs[lane].both().map(|entry| entry - start);
             let is_here = second < forces.len();
             // All reads come before all writes: the compiler cannot prove that the sums do not alias the batch.
-            let (force, torques_of) = (answer.force::<NUMBERS>(lane), answer.torques::<L, NUMBERS>(lane));
+            let (force, torques_of) = (output.force::<NUMBERS>(lane), output.torques::<L, NUMBERS>(lane));
             add(&mut forces[first], force);
             if is_here {
                 subtract(&mut forces[second], force);
@@ -189,7 +189,7 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
                 }
             }
             if L::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
-                let drag = answer.rolling_drag_torque.get(lane);
+                let drag = output.rolling_drag_torque.get(lane);
                 rolling[first] += drag;
                 if is_here {
                     rolling[second] -= drag;
@@ -208,11 +208,11 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
     pub(crate) fn add_to_one<L: LawRequirements, const NUMBERS: usize, const SIDE: usize>(&mut self, batch: &Batch<V>) {
         let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.slice;
         let (forces, torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
-        let answer = &batch.answer;
-        for lane in (0..batch.len.min(LANES)).filter(|&lane| answer.counts::<L>(lane)) {
+        let output = &batch.output;
+        for lane in (0..batch.len.min(LANES)).filter(|&lane| output.is_contact::<L>(lane)) {
             let entry = batch.pairs[lane].both()[SIDE] - self.rows.start;
-            let force = answer.force::<NUMBERS>(lane);
-            let torque = answer.torques::<L, NUMBERS>(lane)[SIDE];
+            let force = output.force::<NUMBERS>(lane);
+            let torque = output.torques::<L, NUMBERS>(lane)[SIDE];
             if SIDE == 0 {
                 add(&mut forces[entry], force);
             } else {
@@ -224,7 +224,7 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
                 subtract(&mut torques[entry], torque);
             }
             if L::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
-                let drag = answer.rolling_drag_torque.get(lane);
+                let drag = output.rolling_drag_torque.get(lane);
                 rolling_drag[entry] += if SIDE == 0 { drag } else { -drag };
             }
             if L::PREDICTION {

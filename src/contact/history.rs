@@ -124,7 +124,7 @@ impl<V: Space> History<V> {
         for (contact, mut memory) in self.pair_blocks.iter().flat_map(HistoryBlock::all) {
             if let [Some(i), Some(j)] = contact.both().map(new_slot) {
                 if i > j {
-                    memory = memory.turned();
+                    memory = memory.seen_from_partner();
                 }
                 pairs.push((Candidate::new(i.min(j), i.max(j)), memory));
             }

@@ -83,17 +83,17 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
             exchange_halos::<V, L>(scratches, self.list, pair_histories, goes_on);
         }
         let view = &*store;
-        let (left, places): (Vec<_>, Vec<_>) = scratches
+        let (halo, places): (Vec<_>, Vec<_>) = scratches
             .iter_mut()
-            .map(|ThreadScratch { batch, left, leaving, rows, spare, on_walls }| {
-                (&*left, (batch, leaving, rows, spare, on_walls))
+            .map(|ThreadScratch { batch, halo, next_halo, rows, spare, on_walls }| {
+                (&*halo, (batch, next_halo, rows, spare, on_walls))
             })
             .unzip();
-        let halo = HaloImport::new(tasks, &left);
+        let halo = HaloImport::new(tasks, &halo);
         // The parts not yet assigned to a task.
         let (mut rest, mut near) = (AccumulatorSlice::all(&mut loads), self.near);
         let mut workers = Vec::with_capacity(tasks.len());
-        for (task, (batch, leaving, rows, spare, on_walls)) in tasks.iter().zip(places) {
+        for (task, (batch, next_halo, rows, spare, on_walls)) in tasks.iter().zip(places) {
             let count = task.rows.len();
             let sums = ForceAccumulation::new(task.rows.clone(), rest.split_front(count));
             let blocks = count.div_ceil(BLOCK);
@@ -107,7 +107,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
             workers.push(move || {
                 let largest = worker.sum(pair_histories, wall_histories, spare);
                 if has_borders {
-                    export_halo::<V, L>(&task.rows, self.list, pair_histories, leaving);
+                    export_halo::<V, L>(&task.rows, self.list, pair_histories, next_halo);
                     *rows = task.rows.clone();
                 }
                 largest

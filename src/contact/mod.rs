@@ -74,7 +74,7 @@ pub struct Pair<V: Space = Plane> {
 impl<V: Space> Pair<V> {
     /// Returns the pair as seen from j, without the velocity prediction.
     #[must_use]
-    pub fn turned(&self) -> Self {
+    pub fn seen_from_partner(&self) -> Self {
         let swapped = |[i, j]: [f64; 2]| [j, i];
         Self {
             normal: -self.normal,
@@ -128,7 +128,7 @@ pub struct Memory<V: Space = Plane> {
 impl<V: Space> Memory<V> {
     /// Returns the memory as seen from the other particle.
     #[must_use]
-    pub fn turned(&self) -> Self {
+    pub fn seen_from_partner(&self) -> Self {
         Self { spring: -self.spring, ..*self }
     }
 }
@@ -279,7 +279,7 @@ pub trait LawRequirements {
     /// Velocities predicted for the end of the step, and pairs that touch within half a step: [`centred`].
     const PREDICTION: bool = false;
     /// Whether the kernel needs radius and mass of each particle, not only the sums for the pair.
-    const NUMBERS: bool = Self::RADII || Self::SPIN || Self::PREDICTION;
+    const INDIVIDUAL_BODIES: bool = Self::RADII || Self::SPIN || Self::PREDICTION;
     /// Whether contacts have a memory.
     const MEMORY: bool = Self::SPRING || Self::ROLLING || Self::STIFFNESS;
 }

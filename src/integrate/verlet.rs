@@ -54,7 +54,7 @@ fn drift_by<V: Space, const NUMBERS: usize, const PENDING: bool>(
     store: &mut ParticleStore<V>,
 ) {
     // The pass is compiled without wrapping too, so that open scenes do not pay for it.
-    match store.periodic.filter(|_| !store.sets_back_later) {
+    match store.periodic.filter(|_| !store.wraps_after_drift) {
         None => drift_with::<V, NUMBERS, PENDING>(dt, chunked, store, |_| {}),
         Some(periodic) => drift_with::<V, NUMBERS, PENDING>(dt, chunked, store, |x| periodic.wrap(x)),
     }

@@ -17,7 +17,7 @@ use crate::measure::flow::{Flow, FlowField};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
 use crate::step::Step;
-use crate::writers::rows::{Parcel, Rows};
+use crate::writers::rows::{Rows, TakenOnce};
 
 #[derive(Resource)]
 struct FlowSampler {
@@ -48,7 +48,7 @@ fn sample((sites, gas): (Res<Sites>, Res<Gas>), mut sampler: ResMut<FlowSampler>
 /// Plugin that samples the field and writes `flow.csv` at the end of the run.
 pub(crate) struct FlowPlugin {
     config: Flow,
-    sampler: Parcel<FlowSampler>,
+    sampler: TakenOnce<FlowSampler>,
 }
 
 impl FlowPlugin {
@@ -56,7 +56,7 @@ impl FlowPlugin {
     pub fn create(config: Flow, path: &Path) -> std::io::Result<Self> {
         let file = Rows::create(path, "x_m,y_m,samples,count,vx_m_per_step,vy_m_per_step")?;
         let field = FlowField::new(config.cell.get());
-        Ok(Self { config, sampler: Parcel::new(FlowSampler { config, field, file }) })
+        Ok(Self { config, sampler: TakenOnce::new(FlowSampler { config, field, file }) })
     }
 }
 

@@ -25,7 +25,7 @@ use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::{Failure, Outcome};
 use crate::space::Vector;
 use crate::step::{Clock, Step};
-use crate::writers::rows::{Parcel, Rows};
+use crate::writers::rows::{Rows, TakenOnce};
 
 /// The scene's key `series`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -117,13 +117,13 @@ fn write_row(
 /// Plugin that writes `series.csv`.
 pub(crate) struct SeriesPlugin {
     config: Series,
-    file: Parcel<SeriesFile>,
+    file: TakenOnce<SeriesFile>,
 }
 
 impl SeriesPlugin {
     /// Creates the file at `path` with its header.
     pub fn create(config: Series, path: &Path) -> std::io::Result<Self> {
-        Ok(Self { config, file: Parcel::new(SeriesFile { rows: Rows::create(path, HEADER)?, last: None }) })
+        Ok(Self { config, file: TakenOnce::new(SeriesFile { rows: Rows::create(path, HEADER)?, last: None }) })
     }
 }
 

@@ -87,7 +87,7 @@ pub struct Performance {
 #[must_use]
 pub fn state_hash(sites: &Sites, gas: &Gas) -> u64 {
     let mut hash = Fnv::default();
-    sites.fluid().for_each(|s| hash.eat(&gas.states()[s].to_le_bytes()));
+    sites.fluid().for_each(|s| hash.update(&gas.states()[s].to_le_bytes()));
     hash.value()
 }
 

@@ -26,7 +26,7 @@ use crate::outcome::Outcome;
 use crate::particles::Motion;
 use crate::space::Plane;
 use crate::step::Step;
-use crate::writers::rows::{Parcel, Rows};
+use crate::writers::rows::{Rows, TakenOnce};
 
 #[derive(Resource)]
 struct FlowSampler {
@@ -58,7 +58,7 @@ fn sample(
 /// Measures and writes the field of mean velocity.
 pub struct FlowPlugin {
     config: Flow,
-    sampler: Parcel<FlowSampler>,
+    sampler: TakenOnce<FlowSampler>,
 }
 
 impl FlowPlugin {
@@ -68,7 +68,7 @@ impl FlowPlugin {
     /// If the file cannot be written.
     pub fn create(config: Flow, path: &Path) -> std::io::Result<Self> {
         let (field, file) = (FlowField::new(config.cell.get()), Rows::create(path, HEADER)?);
-        Ok(Self { config, sampler: Parcel::new(FlowSampler { config, field, file }) })
+        Ok(Self { config, sampler: TakenOnce::new(FlowSampler { config, field, file }) })
     }
 }
 

@@ -30,7 +30,7 @@ use crate::space::Space;
 use crate::step::{Clock, Step};
 use crate::store::register_predictable;
 use crate::values::{NonNegative, Positive};
-use crate::writers::rows::{Parcel, Rows, numbers};
+use crate::writers::rows::{Rows, TakenOnce, numbers};
 
 /// A profile that is being averaged, of one species or of all.
 #[derive(Clone)]
@@ -153,7 +153,7 @@ fn write_centres<V: Space>(
 }
 
 /// Measures and writes profiles and centres of mass.
-pub struct ProfilesPlugin<V: Space>(Parcel<(Profiles<V>, Centres)>);
+pub struct ProfilesPlugin<V: Space>(TakenOnce<(Profiles<V>, Centres)>);
 
 impl<V: Space> ProfilesPlugin<V> {
     /// Creates the files with their headers.
@@ -190,7 +190,7 @@ impl<V: Space> ProfilesPlugin<V> {
         let running = running.collect();
         let header = format!("time_s,species,count,mass_kg,{},{}", axes::<V>("", "_m"), axes::<V>("v", "_m_per_s"));
         let centres = Centres { file: Rows::create(centres_path, &header)?, species };
-        Ok(Self(Parcel::new((Profiles { file, running }, centres))))
+        Ok(Self(TakenOnce::new((Profiles { file, running }, centres))))
     }
 }
 

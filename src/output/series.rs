@@ -30,7 +30,7 @@ use crate::scene::outputs::Series;
 use crate::space::Space;
 use crate::step::{Clock, Step};
 use crate::survey::SurveyParam;
-use crate::writers::rows::{Parcel, Rows};
+use crate::writers::rows::{Rows, TakenOnce};
 
 /// Returns the header of the file; `tracks_energy` adds the columns of the energy balance.
 fn header(tracks_energy: bool) -> String {
@@ -87,7 +87,7 @@ fn write_row<V: Space>(
 /// Writes `series.csv`.
 pub struct SeriesPlugin<V: Space> {
     config: Series,
-    file: Parcel<SeriesFile>,
+    file: TakenOnce<SeriesFile>,
     space: std::marker::PhantomData<V>,
 }
 
@@ -97,7 +97,7 @@ impl<V: Space> SeriesPlugin<V> {
     /// # Errors
     /// If the file cannot be written.
     pub fn create(config: Series, tracks_energy: bool, path: &Path) -> std::io::Result<Self> {
-        let file = Parcel::new(SeriesFile { rows: Rows::create(path, &header(tracks_energy))?, last: None });
+        let file = TakenOnce::new(SeriesFile { rows: Rows::create(path, &header(tracks_energy))?, last: None });
         Ok(Self { config, file, space: std::marker::PhantomData })
     }
 }

@@ -28,7 +28,7 @@ pub fn of_world(world: &mut World) -> u64 {
 fn of<V: Space>(world: &mut World) -> u64 {
     let mut hash = Fnv::default();
     let Ok(()) = grain_snapshot::take::<V, Infallible>(world, |grain| {
-        hash.eat(&grain.id.number().to_le_bytes());
+        hash.update(&grain.id.number().to_le_bytes());
         let mut numbers = grain.position.components();
         numbers.extend(grain.velocity.components());
         numbers.extend([grain.radius, grain.mass]);
@@ -37,7 +37,7 @@ fn of<V: Space>(world: &mut World) -> u64 {
             numbers.extend(if V::DIMENSION == Dimension::Plane { &components[2..] } else { &components[..] });
         }
         for number in numbers {
-            hash.eat(&number.to_le_bytes());
+            hash.update(&number.to_le_bytes());
         }
         Ok(())
     });

@@ -19,7 +19,7 @@ use crate::scene::outputs::Series;
 use crate::space::{Dimension, Space};
 use crate::step::{Clock, Step};
 use crate::walls::surfaces::Surfaces;
-use crate::writers::rows::{Parcel, Rows, numbers};
+use crate::writers::rows::{Rows, TakenOnce, numbers};
 
 #[derive(Resource)]
 struct WallsFile(Rows);
@@ -37,7 +37,7 @@ fn write_rows<V: Space>(
 }
 
 /// Writes `walls.csv`, at the times of the rows of [`SeriesPlugin`](crate::output::series::SeriesPlugin).
-pub struct WallForcesPlugin<V: Space>(Parcel<WallsFile>, std::marker::PhantomData<V>);
+pub struct WallForcesPlugin<V: Space>(TakenOnce<WallsFile>, std::marker::PhantomData<V>);
 
 impl<V: Space> WallForcesPlugin<V> {
     /// Creates the file at `path` with its header.
@@ -47,7 +47,7 @@ impl<V: Space> WallForcesPlugin<V> {
     pub fn create(path: &Path) -> std::io::Result<Self> {
         let is_solid = V::DIMENSION == Dimension::Solid;
         let header = if is_solid { "time_s,wall,fx_n,fy_n,fz_n" } else { "time_s,wall,fx_n,fy_n" };
-        Ok(Self(Parcel::new(WallsFile(Rows::create(path, header)?)), std::marker::PhantomData))
+        Ok(Self(TakenOnce::new(WallsFile(Rows::create(path, header)?)), std::marker::PhantomData))
     }
 }
 

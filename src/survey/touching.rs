@@ -149,7 +149,8 @@ impl<V: Space> Touching<'_, V> {
         match self.partner {
             Partner::Particle(row) if self.survey.store.id[row] < self.grain() => {
                 let partner = Partner::Particle(self.row);
-                Self { row, partner, pair: self.pair.turned(), ..*self }.state_from_first(&memory.turned(), dt)
+                Self { row, partner, pair: self.pair.seen_from_partner(), ..*self }
+                    .state_from_first(&memory.seen_from_partner(), dt)
             }
             _ => self.state_from_first(memory, dt),
         }

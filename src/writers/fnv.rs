@@ -17,7 +17,7 @@ impl Fnv {
     }
 
     /// Adds `bytes` to the hash.
-    pub fn eat(&mut self, bytes: &[u8]) {
+    pub fn update(&mut self, bytes: &[u8]) {
         for &byte in bytes {
             self.0 = (self.0 ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3);
         }
@@ -34,7 +34,7 @@ mod tests {
             [("", 0xcbf2_9ce4_8422_2325), ("a", 0xaf63_dc4c_8601_ec8c), ("foobar", 0x8594_4171_f739_67e8)]
         {
             let mut hash = Fnv::default();
-            hash.eat(text.as_bytes());
+            hash.update(text.as_bytes());
             assert_eq!(hash.0, expected);
         }
     }

@@ -1,7 +1,7 @@
 //! The frame writer: draws and writes the pictures of a run in order, on a separate drawing thread.
 //!
 //! The run sends each [`Picture`], a copy of the drawn shapes, to the drawing thread and continues. Drawing and
-//! encoding a picture takes longer than some steps. The queue holds at most [`WAITING`] pictures, so that memory is
+//! encoding a picture takes longer than some steps. The queue holds at most [`MAX_WAITING_PICTURES`] pictures, so that memory is
 //! bounded; if it is full, the run blocks. An error of the drawing thread is reported when a later picture is added, or
 //! at the end of the run, which blocks until all pictures are written.
 
@@ -16,7 +16,7 @@ use crate::writers::png;
 use crate::writers::svg::Picture;
 
 /// Largest number of queued pictures.
-pub const WAITING: usize = 4;
+pub const MAX_WAITING_PICTURES: usize = 4;
 
 /// Writes numbered pictures into a directory.
 #[derive(Resource, Debug)]
@@ -91,7 +91,7 @@ impl Drop for FrameWriter {
 
 impl DrawingThread {
     fn start(png: bool) -> std::io::Result<Self> {
-        let (queue, pictures) = sync_channel(WAITING);
+        let (queue, pictures) = sync_channel(MAX_WAITING_PICTURES);
         let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(move || draw_all(&pictures, png))?;
         Ok(Self { queue, thread })
     }

@@ -43,9 +43,9 @@ pub(crate) fn numbers<V: Space>(v: V) -> String {
 
 /// A value that a plugin moves into the world. A plugin is built through a shared reference, so the value needs a cell.
 #[derive(Debug)]
-pub(crate) struct Parcel<T>(Mutex<Option<T>>);
+pub(crate) struct TakenOnce<T>(Mutex<Option<T>>);
 
-impl<T> Parcel<T> {
+impl<T> TakenOnce<T> {
     pub(crate) fn new(content: T) -> Self {
         Self(Mutex::new(Some(content)))
     }

@@ -154,7 +154,7 @@ trait Turned<V: Space> {
 
 impl<V: Space> Turned<V> for Touching<'_, V> {
     fn turned_memory(&self) -> Memory<V> {
-        self.memory().turned()
+        self.memory().seen_from_partner()
     }
 }
 

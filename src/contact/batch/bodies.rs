@@ -18,7 +18,7 @@ pub struct Bodies<V: Space> {
     ///
     /// In the plane: separation and relative velocity; then radii and inverse masses. In solid space: separation and
     /// first component of the relative velocity; then its other components and the radii. The inverse masses do not fit
-    /// there and are kept apart. Laws without [`LawRequirements::NUMBERS`] get sums of radii and of inverse masses
+    /// there and are kept apart. Laws without [`LawRequirements::INDIVIDUAL_BODIES`] get sums of radii and of inverse masses
     /// instead; in the plane these two sums are stored alone.
     loaded: [Quads; 2],
     /// From j to i, m.
@@ -37,7 +37,7 @@ pub struct Bodies<V: Space> {
     pub inverse_reach: Scalars,
     /// Sum of the inverse masses, 1/kg.
     mobility: Scalars,
-    /// Radii of i and j, m; set with [`LawRequirements::NUMBERS`] only.
+    /// Radii of i and j, m; set with [`LawRequirements::INDIVIDUAL_BODIES`] only.
     pub radii: [Scalars; 2],
     /// Inverse masses of i and j, 1/kg; set with [`LawRequirements::PREDICTION`].
     pub inverse_masses: [Scalars; 2],
@@ -61,7 +61,7 @@ impl<V: Space> Bodies<V> {
             let (i_state, j_state) = (state(i), state(j));
             let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
             one[lane] = apart;
-            if L::NUMBERS {
+            if L::INDIVIDUAL_BODIES {
                 two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
             } else {
                 // The other two numbers are never read: skipping them saves a store.
@@ -74,7 +74,7 @@ impl<V: Space> Bodies<V> {
             let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
             one[lane] = apart;
             let [vy, vz] = [v(i, 1) - v(j, 1), v(i, 2) - v(j, 2)];
-            if L::NUMBERS {
+            if L::INDIVIDUAL_BODIES {
                 two[lane] = [vy, vz, i.radius, j.radius];
                 self.mobility[lane] = mobility;
             } else {
@@ -94,7 +94,7 @@ impl<V: Space> Bodies<V> {
         let ([one, two], [m_i, m_j]) = (&self.loaded, self.inverse_masses.each_mut());
         let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
         let ([r_i, r_j], reach, mobility) = (self.radii.each_mut(), &mut self.reach, &mut self.mobility);
-        match (V::COMPONENTS, L::NUMBERS) {
+        match (V::COMPONENTS, L::INDIVIDUAL_BODIES) {
             (2, true) => {
                 spread(one, lanes, x, y, vx, vy);
                 spread(two, lanes, r_i, m_i, r_j, m_j);
@@ -114,7 +114,7 @@ impl<V: Space> Bodies<V> {
                 spread(two, lanes, vy, vz, reach, mobility);
             }
         }
-        if L::NUMBERS {
+        if L::INDIVIDUAL_BODIES {
             for lane in 0..lanes.min(LANES) {
                 reach[lane] = r_i[lane] + r_j[lane];
                 if V::COMPONENTS == 2 {
@@ -212,7 +212,7 @@ mod tests {
                 if L::RADII {
                     assert!((bodies.inverse_reach[lane] * (i.radius + j.radius) - 1.0).abs() < error);
                 }
-                if L::NUMBERS {
+                if L::INDIVIDUAL_BODIES {
                     assert_eq!(bodies.radii.map(|radii| radii[lane]), [i.radius, j.radius]);
                 }
                 if L::PREDICTION {

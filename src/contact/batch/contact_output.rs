@@ -30,7 +30,7 @@ impl<V: Space> ContactOutput<V> {
     /// Returns whether the particles in a lane touch. With velocity prediction the law also evaluates pairs that may
     /// touch within half a step; a pair that does not touch exerts no force.
     #[inline(always)]
-    pub fn counts<L: LawRequirements>(&self, lane: usize) -> bool {
+    pub fn is_contact<L: LawRequirements>(&self, lane: usize) -> bool {
         !L::PREDICTION || self.touches[lane] > 0.0
     }
 
@@ -86,8 +86,8 @@ impl<V: Space> ContactOutput<V> {
         if L::SPIN {
             let turning = &force.turning;
             self.moments[1].set(lane, pair.normal.cross(turning.friction_drag));
-            let counts = self.counts::<L>(lane);
-            let lost = |lost: f64| if counts { lost } else { 0.0 };
+            let is_contact = self.is_contact::<L>(lane);
+            let lost = |lost: f64| if is_contact { lost } else { 0.0 };
             self.lost[0][lane] = lost(turning.lost_by_sliding);
             self.lost[2][lane] = lost(pair.dashpot_loss::<L>(turning));
             if L::ROLLING {

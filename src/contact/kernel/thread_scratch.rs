@@ -19,9 +19,9 @@ pub struct ThreadScratch<V: Space> {
     /// The current batch of contacts.
     pub batch: Batch<V>,
     /// Memories of the contacts of own rows with later rows, as before this pass. Other threads import them.
-    pub left: HistoryBlock<V>,
+    pub halo: HistoryBlock<V>,
     /// Memories of the contacts of own rows with later rows, as after this pass.
-    pub leaving: HistoryBlock<V>,
+    pub next_halo: HistoryBlock<V>,
     /// Own rows in the last pass.
     pub rows: Range<usize>,
     /// Spare history block for blocks that are rewritten.
@@ -46,26 +46,26 @@ pub(super) fn exchange_halos<V: Space, L: LawRequirements>(
     if !goes_on || tasks.iter().zip(&*scratches).any(|(task, scratch)| task.rows != scratch.rows) {
         for (Task { rows, .. }, scratch) in tasks.iter().zip(&mut *scratches) {
             let own = &histories[rows.start / BLOCK..rows.end.div_ceil(BLOCK)];
-            export_halo::<V, L>(rows, list, own, &mut scratch.leaving);
+            export_halo::<V, L>(rows, list, own, &mut scratch.next_halo);
         }
     }
     for scratch in scratches {
-        std::mem::swap(&mut scratch.left, &mut scratch.leaving);
+        std::mem::swap(&mut scratch.halo, &mut scratch.next_halo);
     }
 }
 
-/// Copies the memories of contacts of `rows` with later rows from the history blocks of `rows` into `leaving`.
+/// Copies the memories of contacts of `rows` with later rows from the history blocks of `rows` into `next_halo`.
 pub(super) fn export_halo<V: Space, L: LawRequirements>(
     rows: &Range<usize>,
     list: &PairList,
     histories: &[HistoryBlock<V>],
-    leaving: &mut HistoryBlock<V>,
+    next_halo: &mut HistoryBlock<V>,
 ) {
-    leaving.clear();
+    next_halo.clear();
     for (history, first) in histories.iter().zip(rows.clone().step_by(BLOCK)) {
         // In most blocks no particle has a partner in later rows.
         if list.block(first / BLOCK).1 > rows.end {
-            leaving.copy::<L>(history, |contact| contact.second() >= rows.end);
+            next_halo.copy::<L>(history, |contact| contact.second() >= rows.end);
         }
     }
 }
@@ -74,15 +74,15 @@ pub(super) fn export_halo<V: Space, L: LawRequirements>(
 #[derive(Clone)]
 pub(super) struct HaloImport<'a, V: Space> {
     tasks: &'a [Task],
-    left: &'a [&'a HistoryBlock<V>],
+    halo: &'a [&'a HistoryBlock<V>],
     /// Position of the last look-up: the exporting task and the place in its export.
     task: usize,
     at: usize,
 }
 
 impl<'a, V: Space> HaloImport<'a, V> {
-    pub(super) fn new(tasks: &'a [Task], left: &'a [&'a HistoryBlock<V>]) -> Self {
-        Self { tasks, left, task: 0, at: 0 }
+    pub(super) fn new(tasks: &'a [Task], halo: &'a [&'a HistoryBlock<V>]) -> Self {
+        Self { tasks, halo, task: 0, at: 0 }
     }
 
     /// Returns the memory of a contact. Calls must be in ascending order of contacts.
@@ -90,6 +90,6 @@ impl<'a, V: Space> HaloImport<'a, V> {
         while self.tasks[self.task].rows.end <= contact.first() {
             (self.task, self.at) = (self.task + 1, 0);
         }
-        self.left[self.task].look_up_next(&mut self.at, contact)
+        self.halo[self.task].look_up_next(&mut self.at, contact)
     }
 }

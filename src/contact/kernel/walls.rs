@@ -69,9 +69,9 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         let Self { sums, batch, on_walls, pass, .. } = self;
         sums.add_to_one::<L, NUMBERS, 0>(batch);
         let block_start = on_walls.len() - pass.walls.len();
-        for lane in (0..batch.len).filter(|&lane| batch.answer.counts::<L>(lane)) {
+        for lane in (0..batch.len).filter(|&lane| batch.output.is_contact::<L>(lane)) {
             let (load, force) =
-                (&mut on_walls[block_start + batch.pairs[lane].second()], batch.answer.force::<NUMBERS>(lane));
+                (&mut on_walls[block_start + batch.pairs[lane].second()], batch.output.force::<NUMBERS>(lane));
             load.force -= force[0];
             if let Some(&drag) = force.get(1) {
                 load.drag -= drag;

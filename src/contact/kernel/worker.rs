@@ -163,9 +163,9 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         // The last factor allows for rounding.
         let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
         if self.view.tracks_energy {
-            self.batch.ask::<L, TOTAL_AND_DISSIPATIVE>(law, dt, instructions, deepest)
+            self.batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, dt, instructions, deepest)
         } else {
-            self.batch.ask::<L, TOTAL>(law, dt, instructions, deepest)
+            self.batch.evaluate::<L, TOTAL>(law, dt, instructions, deepest)
         }
     }
 
@@ -223,13 +223,13 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             return;
         }
         let contacts = &batch.pairs[..batch.len.min(LANES)];
-        if !L::PREDICTION || (0..contacts.len()).all(|lane| batch.answer.counts::<L>(lane)) {
+        if !L::PREDICTION || (0..contacts.len()).all(|lane| batch.output.is_contact::<L>(lane)) {
             cursor.remember_all::<L>(contacts, &batch.memory);
             return;
         }
         cursor.prepare_single::<L>(contacts);
         for (lane, &contact) in contacts.iter().enumerate() {
-            if batch.answer.counts::<L>(lane) {
+            if batch.output.is_contact::<L>(lane) {
                 cursor.remember::<L>(contact, &batch.memory.get::<L>(lane));
             } else if batch.is_known[lane] {
                 // The contact has ended, but the law has already advanced its memory. The previous memory gives the
