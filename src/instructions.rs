@@ -1,7 +1,7 @@
 //! The instruction set for the lanes of the force pass: the baseline of the processor family, or AVX2 or AVX-512 if
 //! found at run time.
 //!
-//! The same source is compiled for each set, so all sets do the same operations in the same order. Additions,
+//! One source is compiled for each set, so all sets do the same operations in the same order. Additions,
 //! multiplications, divisions and roots follow IEEE 754 and are never fused. The results are equal to the last bit;
 //! `tests/program/searches.rs` runs every set.
 //!

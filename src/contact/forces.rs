@@ -41,8 +41,7 @@ fn memory_step(clock: &Clock) -> f64 {
 
 fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     law: Res<Law<L>>,
-    (clock, gravity): (Res<Clock>, Res<Gravity<V>>),
-    search: Res<Search<V>>,
+    (clock, gravity, search): (Res<Clock>, Res<Gravity<V>>, Res<Search<V>>),
     (threads, instructions, mut scratches): (Res<Threads>, Res<Instructions>, ResMut<ScratchPerThread<V>>),
     (mut walls, mut near): (ResMut<Surfaces<V>>, Local<NearWalls>),
     mut store: ResMut<ParticleStore<V>>,

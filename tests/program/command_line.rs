@@ -223,6 +223,23 @@ fn errors_that_beginners_make_say_what_to_write() {
 }
 
 #[test]
+fn door_without_flanking_wall_discs_causes_a_warning() {
+    let here = tempfile::tempdir().unwrap();
+    let doors = "0.00 0.0 0.01\n0.02 0.0 0.01\n";
+    std::fs::write(here.path().join("bare.dat"), format!("0 2\n{doors}")).unwrap();
+    std::fs::write(here.path().join("flanked.dat"), format!("2 2\n-0.02 0.0 0.01\n0.04 0.0 0.01\n{doors}")).unwrap();
+    let scene = "(gravity: (0.0, -9.81), contact: Linear(k: 1e5, damping: B(5.0)), mass: Disc(20.0), step: Fixed(1e-5), \
+                 until: 1.0, silo: (file: FILE, unit: Metre), door: (opens: Never), spawner: (point: (0.01, 0.1), \
+                 velocity: (0.0, 0.0), interval: 1.0, count: 1, radius: Fixed(0.01)))";
+    for (file, warns) in [("bare.dat", true), ("flanked.dat", false)] {
+        std::fs::write(here.path().join("scene.ron"), scene.replace("FILE", &format!("{file:?}"))).unwrap();
+        let output = siloflow(here.path(), &["check", "scene.ron"]);
+        let said = text(&output.stdout) + &text(&output.stderr);
+        assert_eq!(said.contains("check::no_orifice"), warns, "{file}: {said}");
+    }
+}
+
+#[test]
 fn quiet_run_prints_nothing_but_json() {
     let here = tempfile::tempdir().unwrap();
     let silo = path("silo1.ron");

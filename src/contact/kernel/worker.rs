@@ -199,9 +199,9 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             #[inline(always)]
             || {
                 if tracks_energy {
-                    sums.add_to_both::<L, TOTAL_AND_DISSIPATIVE>(batch)
+                    sums.add_to_both::<L, TOTAL_AND_DISSIPATIVE>(batch);
                 } else {
-                    sums.add_to_both::<L, TOTAL>(batch)
+                    sums.add_to_both::<L, TOTAL>(batch);
                 }
             },
         );

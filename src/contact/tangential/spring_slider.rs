@@ -25,7 +25,7 @@ pub trait Modulus: Copy + Send + Sync + 'static {
     fn at(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2];
 }
 
-/// The same k_t in every contact.
+/// A constant k_t in every contact.
 #[derive(Clone, Copy, Debug)]
 pub struct ConstantStiffness {
     /// k_t, N/m.

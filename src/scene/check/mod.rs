@@ -7,6 +7,7 @@
 //!   takes 2 (k/2) (R + R_w - d/2)^2. [`leaks`] searches for gaps between rigid walls.
 //! * The bed: its weight over its base area is a pressure p. A contact at the bottom carries 2 R p (in solid space 4 R^2 p)
 //!   and is compressed by that force over k.
+//! * The door: without wall discs on both sides it has no orifice through which a grain could count as out.
 //! * The path: a grain that moves farther than a wall is thick in one step may pass it undetected.
 
 pub mod leaks;
@@ -196,6 +197,14 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
             help: "close the gap, or release larger grains".to_owned(),
         });
     }
+    if !has_orifice(loaded, estimates.radius) {
+        warnings.push(Warning {
+            code: "check::no_orifice",
+            message: "the door has no wall disc of the silo file on each side, so it has no orifice: grains that leave count as lost"
+                .to_owned(),
+            help: "add to the silo file a wall disc at each end of the door".to_owned(),
+        });
+    }
     if let Some(spawner) = &loaded.scene.spawner {
         let (t, g) = (spawner.interval.get(), loaded.scene.gravity.padded());
         let way = (spawner.velocity.padded() * t + 0.5 * t * t * g).length();
@@ -212,6 +221,12 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
         }
     }
     warnings
+}
+
+/// Whether a door of discs is flanked by wall discs, or there is no such door.
+fn has_orifice(loaded: &Loaded, radius: f64) -> bool {
+    loaded.silo.door.is_empty()
+        || Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.surfaces(), radius).orifice().is_some()
 }
 
 /// Keys that still have an old name.
