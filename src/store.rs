@@ -177,7 +177,7 @@ pub struct ParticleStore<V: Space = Plane> {
     pub margin: f64,
     /// The periodic sides of the scene, if it has any.
     pub periodic: Option<Periodic<V>>,
-    /// Whether a separate pass wraps particles into the periodic box, and not the drift. That pass records the energy
+    /// Whether a separate pass after the drift wraps particles into the periodic box. The pass records the energy
     /// that wrapping adds.
     pub(crate) wraps_after_drift: bool,
     /// r_min/(r_min + r_max): for any pair, the smaller radius is at least this share of the sum of both radii.
@@ -310,8 +310,8 @@ impl<V: Space> ParticleStore<V> {
 
 impl Dimension {
     /// The dimension of a world, for code that is not generic over the space. A
-    /// [`Behaviour`](crate::behaviour::Behaviour) calls it in `build`, with `app.world()`. The lattice gas has the
-    /// plane.
+    /// [`Behaviour`](crate::behaviour::Behaviour) calls it in `build`, with `app.world()`. The dimension of the lattice
+    /// gas is the plane.
     #[must_use]
     pub fn of_world(world: &World) -> Self {
         if world.contains_resource::<ParticleStore<Solid>>() { Self::Solid } else { Self::Plane }

@@ -13,11 +13,11 @@
 //!   lagged by a step: u = (u_h + h A_t + h D_t/m + h (F_t - F_s)/m')/(1 + h theta c/m). A_t is the closing
 //!   acceleration of the previous step, of all forces. F_t and D_t are the pair's own spring force and drag in that
 //!   step. They are not stored but computed again from delta_t = delta - dt u_h and u_t = u_h - h A_t. F_s is the
-//!   spring force now. The change of the spring force counts only for grains without another contact, so 1/m' = 1/m or
-//!   less. In a dense packing, other neighbours cancel the force of one neighbour, and a light grain between heavy ones
-//!   would get too large a correction.
-//! * **Spring.** Unchanged, k max(delta, 0): without drag and friction the scheme is velocity Verlet to the last bit,
-//!   and symplectic.
+//!   spring force now. The change of the spring force counts only for grains without another contact: 1/m' is the
+//!   sum of 1/m_i over these grains. In a dense packing, other neighbours cancel the force of one neighbour, and a
+//!   light grain between heavy ones would get too large a correction.
+//! * **Spring.** The spring force k max(delta, 0) is unchanged. Without drag and friction the scheme is velocity Verlet
+//!   to the last bit, and symplectic.
 //! * **Friction** ([`Slider::pull_centred`](super::spring::Slider::pull_centred)). The tangential spring accumulates
 //!   v_h from the moment of contact on, not during the whole first step. If the dashpot exceeds the cap at that moment,
 //!   the spring is set there as in any slip. The same is done where the normal force changes sign, with a cap of zero.

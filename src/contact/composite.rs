@@ -145,7 +145,7 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite
         };
         let VelocityPrediction { velocity: gained, inverse_masses, .. } = &pair.ahead;
         let gained = -gained.dot(pair.normal);
-        // h/m of the pair, and of its grains without another contact.
+        // h times the mobility (1/kg) of the pair, and of its grains without another contact.
         let [half, half_lone] =
             [inverse_masses[0] + inverse_masses[1], pair.ahead.lone_mobility()].map(|m| 0.5 * pair.dt * m);
         let spring_before = self.normal.spring(&pair.at_overlap(before));

@@ -141,7 +141,7 @@ impl<V: Space> History<V> {
     }
 }
 
-/// Looks up memories in ascending order of contacts, faster than [`History::of_pair`] and [`History::of_wall`].
+/// A reader of memories in ascending order of contacts, faster than [`History::of_pair`] and [`History::of_wall`].
 #[derive(Clone, Debug)]
 pub struct HistoryReader<'a, V: Space = Plane> {
     blocks: &'a [HistoryBlock<V>],

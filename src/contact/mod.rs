@@ -188,9 +188,8 @@ impl<V: Space> PairForce<V> {
     }
 }
 
-/// A contact law. The force must change sign exactly, to the last bit, when i and j are exchanged. So the law must
-/// build vectors from `pair` only in ways that change sign with the normal, the relative velocity and the exchange of
-/// both entries of each array.
+/// A contact law. Exchanging i and j reverses the normal and the relative velocity, and swaps the two entries of each
+/// array in `pair`. The force must then change its sign, to the last bit.
 pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     /// Returns the force on i and advances the memory by `pair.dt`.
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V>;
@@ -261,8 +260,8 @@ pub struct Bounce {
     pub speed: f64,
 }
 
-/// Law requirements: the data that a law needs from the kernel compiled for it. Scenes pay no run time for data that
-/// their law does not require.
+/// Law requirements: the data that a law needs from the kernel. The kernel compiled for a law does not compute other
+/// data.
 pub trait LawRequirements {
     /// Spins and torques.
     const SPIN: bool = false;

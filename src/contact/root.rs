@@ -1,10 +1,9 @@
 //! 1/√x from multiplications and subtractions alone.
 //!
-//! A processor has a single unit for divisions and roots, and it is slow. With AVX-512 eight numbers may occupy it for
-//! 16 to 24 cycles. In that time 32 to 48 multiplications of eight numbers could run. Here bit operations negate and
-//! halve the exponent for a first guess ([`GUESS`]), accurate within 3.5 %. Four steps of Newton's method square its
-//! relative error, e' = 3/2 e^2: 2e-3, 5e-6, 4e-11, round-off. The operations are the same with every instruction set,
-//! so the bits of the result are too.
+//! Division and root share one slow unit of a processor, while multiplications run in parallel. Here bit operations
+//! negate and halve the exponent for a first guess ([`GUESS`]), accurate within 3.5 %. Four steps of Newton's method
+//! square its relative error, e' = 3/2 e^2: 2e-3, 5e-6, 4e-11, round-off. The operations are the same with every
+//! instruction set, so the bits of the result are too.
 //!
 //! Limits: from the smallest normal double (2e-308) to the largest. Below that range the guess is wrong; 0 gives a
 //! finite number, and NaN gives NaN. Source of the guess: C. Lomont, Fast inverse square root, Purdue University, 2003.

@@ -1,7 +1,8 @@
 //! Species pairs: the same law with other parameters for each pair of species.
 //!
-//! With n species, the parameters of species a and b are stored at a n + b and again at b n + a. The last entry serves
-//! any species number beyond. The kind of law is the same for all pairs and compiled in; only parameters are looked up.
+//! With n species, the parameters of species a and b are stored at a n + b and again at b n + a. Larger species
+//! numbers use the last entry. The kind of law is the same for all pairs and compiled in; only parameters are looked
+//! up.
 
 use crate::contact::{Bounce, CentredLaw, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::particle::Species;

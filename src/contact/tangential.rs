@@ -8,8 +8,9 @@
 //!   1979; also used in soft-particle codes and LAMMPS's `hooke/history`.
 //!
 //! The opposite force acts on j; each grain gets the torque -l n x F_t. [`Lever`] selects the arm l. An arm equal to
-//! the radius is simple and used by most codes, but a contact then leaks the angular momentum -delta n x F_t. An arm to
-//! the contact point conserves angular momentum. c_t in N s/m by [`TangentialDamping`], k_t in N/m by [`Modulus`].
+//! the radius is simple and used by most codes, but a contact then exerts the net torque -delta n x F_t on the pair. An
+//! arm to the contact point conserves angular momentum. c_t in N s/m by [`TangentialDamping`], k_t in N/m by
+//! [`Modulus`].
 
 mod dashpot;
 mod spring_slider;

@@ -1,4 +1,5 @@
-//! Brute-force search: N(N-1)/2 distances per step. It is the reference that the other searches must equal.
+//! Brute-force search: at most N (N - 1)/2 distances per step; pairs of fixed particles are skipped. It is the
+//! reference that the other searches must equal.
 
 use crate::neighbours::list::PairList;
 use crate::space::Space;

@@ -2,12 +2,14 @@
 //!
 //! A particle belongs to the cell (floor(x/L), floor(y/L), ...). A periodic axis is divided into a whole number of
 //! cells, and its last cell is next to its first. The assignment's footnote suggests a hash table. Instead of chains,
-//! the buckets of this table are slices of one array, sorted by counting. Filling takes two passes over the particles,
-//! and a grain a kilometre away takes one entry like any other. Cells of a row have adjacent buckets, so that a grain
+//! the buckets of this table are slices of one array, sorted by counting. Filling takes two passes over the particles.
+//! A distant grain takes one entry, too.
+//!
+//! Cells of a row have adjacent buckets, so that a grain
 //! reads three slices for its nine cells (in solid space, nine slices for 27 cells). Two cells may share a bucket, so
 //! an entry counts only if its own cell is in the requested range.
 //!
-//! A pair is found if its cells are equal or adjacent, so for certain if its centres are at most L apart. L must
+//! A pair is found if its cells are equal or adjacent. This is certain if the centres are at most L apart. L must
 //! therefore be at least the largest distance at which two particles touch, 2 R_max for grains. A scheme with velocity
 //! prediction adds the distance that the fastest grain moves in a step. If L is smaller than the sum, grains search
 //! more cells around their own.

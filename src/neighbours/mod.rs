@@ -4,8 +4,8 @@
 //!
 //! | search | work per step | memory |
 //! |---|---|---|
-//! | [`AllPairs`](Neighbours::AllPairs) | N^2/2 distances (reference) | N indices |
-//! | [`Cells`](Neighbours::Cells) | sorting into hashed cells, then 9 (27) cells per grain | N entries |
+//! | [`AllPairs`](Neighbours::AllPairs) | at most N (N - 1)/2 distances (reference) | the pairs that may touch |
+//! | [`Cells`](Neighbours::Cells) | sorting into hashed cells, then 9 (27) cells per grain | N entries, and the pairs that may touch |
 //! | [`VerletList`](Neighbours::VerletList) | the listed pairs; occasionally a search by cells | the list |
 
 mod all_pairs;

@@ -51,7 +51,7 @@ impl<V: Space> VerletList<V> {
         Self { skin, anchors: Vec::new(), trigger: DisplacementTrigger::default() }
     }
 
-    /// Returns the nearly exhausted particles once at least one particle has used up its allowance, and none before.
+    /// Returns the nearly exhausted particles if any particle has used up its allowance, else none.
     pub(super) fn exhausted(&mut self, store: &ParticleStore<V>) -> Vec<u32> {
         if !self.trigger.has_fired(store.travel_meter(), store.margin) {
             return Vec::new();

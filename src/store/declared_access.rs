@@ -77,7 +77,7 @@ impl PhaseSets {
     /// Checks a system that is in no phase.
     ///
     /// # Errors
-    /// If the system is in no part of the engine either, or is in one and uses components.
+    /// If the system is in no part of the engine, or if it is in one and uses components.
     pub(super) fn check_engine(
         &self,
         sets: &[SystemSetKey],

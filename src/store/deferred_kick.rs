@@ -2,8 +2,8 @@
 //! drift.
 //!
 //! Velocity Verlet ends a step with half a kick and begins the next step with another half, both by the same forces. If
-//! no system reads velocities in between, one pass applies both kicks and the drift. This saves a third of the memory
-//! traffic of a step (`docs/explanation/speed.md`). The motion is the same to the last bit.
+//! no system reads velocities in between, one pass applies both kicks and the drift. One pass reads and writes less
+//! memory than two. The motion is the same to the last bit.
 //!
 //! From the force pass on, velocities and spins in the store may therefore be half a step old, and the energy balance
 //! one step old. The sync plan finds the steps in which a system reads velocities. The engine's own systems declare
@@ -26,7 +26,7 @@ use crate::store::SpinsDrifted;
 use crate::store::renumbering::KicksApplied;
 use crate::store::sync_plan::{ForeignObservers, Plan};
 
-/// The schedule of second kicks and of all systems that use the resulting velocities. In step zero there are no kicks,
+/// The schedule of second kicks and of all systems that use the resulting velocities. In step zero it runs no kicks,
 /// and it starts the energy balance.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
 pub(crate) struct DeferredKick;

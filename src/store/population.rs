@@ -70,7 +70,7 @@ fn on_enter(mut world: DeferredWorld, context: HookContext) {
     Population::touch(&mut world, context.entity);
 }
 
-/// A particle leaves: its row loses its entity.
+/// Removes the entity of a leaving particle from its row, and requests a renumbering.
 fn on_leave<V: Space>(mut world: DeferredWorld, context: HookContext) {
     if let Some(row) = row_of::<V>(&world, context.entity) {
         world.resource_mut::<ParticleStore<V>>().vacate(row);
@@ -88,8 +88,8 @@ fn on_alter(mut world: DeferredWorld, context: HookContext) {
     }
 }
 
-/// A particle was fixed or freed. Staleness is kept separately for free and fixed particles, so all components become
-/// stale.
+/// Marks all components of a particle stale after it was fixed or freed. Staleness is kept separately for free and
+/// fixed particles, so all components become stale.
 fn on_fix_or_free<V: Space>(mut world: DeferredWorld, context: HookContext) {
     if let Some(mut store) = world.get_resource_mut::<ParticleStore<V>>() {
         store.stale = MirrorSet::ALL;

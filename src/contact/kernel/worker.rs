@@ -23,7 +23,7 @@ pub(super) struct Worker<'a, V: Space, L> {
     pub(super) sums: ForceAccumulation<'a, V>,
     pub(super) batch: &'a mut Batch<V>,
     pub(super) largest: f64,
-    /// Pairs of an own row and a wall that may touch; the ones not summed yet.
+    /// Pairs of an own row and a wall that may touch and are not yet summed.
     pub(super) near: &'a [Candidate],
     /// Loads on the walls, block by block.
     pub(super) on_walls: &'a mut Vec<WallLoad<V>>,

@@ -1,5 +1,5 @@
 //! Updates a Verlet list without a search when a few particles enter, leave or use up their allowances. While a silo
-//! fills or discharges, this is by far the most frequent reason to change the list.
+//! fills or discharges, this is a frequent reason to change the list.
 //!
 //! After a renumbering, pairs are mapped to the new slots. Pairs of particles that left, or that changed their identity
 //! ([`ParticleStore::same_before`]), are dropped. All other particles keep their allowances. Each newcomer gets a new
