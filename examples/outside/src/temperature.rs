@@ -32,7 +32,11 @@ pub struct Differences(pub Vec<(f64, f64)>);
 /// Grains without a temperature.
 type WithoutTemperature = (With<Grain>, Without<Temperature>);
 
-fn set_initial_temperature(mut commands: Commands, conduction: Res<Conduction>, new: Query<(Entity, &Species), WithoutTemperature>) {
+fn set_initial_temperature(
+    mut commands: Commands,
+    conduction: Res<Conduction>,
+    new: Query<(Entity, &Species), WithoutTemperature>,
+) {
     for (grain, species) in &new {
         let of_species = conduction.temperatures.get(usize::from(species.0));
         let temperature = of_species.or(conduction.temperatures.last()).copied().unwrap_or_default();
@@ -91,7 +95,10 @@ impl Behaviour for Conduction {
         observe_every::<Differences>(app, self.interval);
         app.insert_resource(*self).init_resource::<Differences>().add_systems(
             Step,
-            (set_initial_temperature.in_set(Phase::Spawn), record_difference.in_set(ObserveStage::Measure).run_if(due::<Differences>)),
+            (
+                set_initial_temperature.in_set(Phase::Spawn),
+                record_difference.in_set(ObserveStage::Measure).run_if(due::<Differences>),
+            ),
         );
         match Dimension::of_world(app.world()) {
             Dimension::Plane => app.add_systems(Step, conduct::<Plane>.in_set(Phase::Control)),
