@@ -15,7 +15,7 @@ use crate::accuracy::report::Report;
 use crate::accuracy::scene_study::Question;
 use crate::accuracy::{SCHEMES, cases, cost, figure};
 use crate::behaviour::Registry;
-use crate::cli::{Verdict, say, setting};
+use crate::cli::{Verdict, say, say_aside, setting};
 use crate::fault::Fault;
 use crate::writers::png;
 
@@ -68,7 +68,7 @@ pub(super) fn accuracy(args: &AccuracyArgs, registry: &Registry, quiet: bool) ->
     let start = Instant::now();
     let tell = |what: &str| {
         if !quiet {
-            eprintln!("{:5.1} s  {what}", start.elapsed().as_secs_f64());
+            say_aside(&format!("{:5.1} s  {what}", start.elapsed().as_secs_f64()));
         }
     };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(args.threads.get()).build().map_err(|error| {

@@ -130,7 +130,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
             // clap's own: help and version go to stdout with 0, a wrong call to stderr with 2.
             let _ = error.print();
             if let Some(scene) = scene_without_command(&error) {
-                eprintln!("\n  help: to run a scene, write `siloflow run {scene}`");
+                say_aside(&format!("\n  help: to run a scene, write `siloflow run {scene}`"));
             }
             return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
         }
@@ -150,7 +150,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Ok(Verdict::Done) => ExitCode::SUCCESS,
         Ok(Verdict::SimulationFailed | Verdict::Different) => ExitCode::from(1),
         Err(fault) => {
-            eprintln!("{:?}", miette::Report::new(fault));
+            say_aside(&format!("{:?}", miette::Report::new(fault)));
             ExitCode::from(2)
         }
     }
@@ -177,7 +177,15 @@ fn start_log(cli: &Cli) {
         .with_target(false)
         .without_time()
         .with_ansi(colours)
+        // A closed pipe is not an error here either.
+        .log_internal_errors(false)
         .try_init();
+}
+
+/// Writes a line to stderr: an error or progress. A closed pipe is not an error, so a run goes on without a reader.
+fn say_aside(line: &str) {
+    use std::io::Write as _;
+    let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Writes a result to stdout. A closed pipe is not an error.

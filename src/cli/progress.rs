@@ -5,6 +5,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use crate::cli::say_aside;
+
 /// Steps between two readings of the wall clock.
 const CHUNK: u32 = 64;
 
@@ -65,7 +67,7 @@ impl Progress {
             bar.tick();
             self.next = now + Duration::from_millis(200);
         } else if self.plain {
-            eprintln!("{}", describe(pace));
+            say_aside(&describe(pace));
             self.next = now + Duration::from_secs(5);
         } else {
             self.next = now + Duration::from_hours(1);

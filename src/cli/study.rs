@@ -8,7 +8,7 @@ use std::time::Instant;
 use clap::Args;
 use rayon::prelude::*;
 
-use crate::cli::{Verdict, say};
+use crate::cli::{Verdict, say, say_aside};
 use crate::fault::Fault;
 use crate::lattice_study::figures::Flights;
 use crate::lattice_study::plan::{Case, Plan};
@@ -76,7 +76,7 @@ fn run_all(plan: &Plan, cases: Vec<Case>, threads: NonZeroUsize, quiet: bool) ->
         let replica = Replica::run(case, &plan.pictures)?;
         let done = done.fetch_add(1, Ordering::Relaxed) + 1;
         if !quiet && done.is_multiple_of(10) {
-            eprintln!("{done} of {count} runs");
+            say_aside(&format!("{done} of {count} runs"));
         }
         Ok(replica)
     };

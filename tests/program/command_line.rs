@@ -240,6 +240,25 @@ fn door_without_flanking_wall_discs_causes_a_warning() {
 }
 
 #[test]
+fn closed_stderr_neither_stops_a_run_nor_changes_an_exit_status() {
+    let here = tempfile::tempdir().unwrap();
+    let silo = path("silo1.ron");
+    for (arguments, status) in [
+        // This run warns before it starts.
+        (vec!["run", &silo, "--until", "0.1", "--set", "pictures=None", "--out", "run"], 0),
+        (vec!["check", &silo, "--set", "gravty=1"], 2),
+        (vec![silo.as_str()], 2),
+    ] {
+        let (reader, closed) = std::io::pipe().unwrap();
+        drop(reader);
+        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_siloflow"));
+        let output = command.args(&arguments).current_dir(&here).stderr(closed).output().unwrap();
+        assert_eq!(output.status.code(), Some(status), "{arguments:?}");
+    }
+    assert_eq!(summary(&here.path().join("run"))["failure"], serde_json::Value::Null);
+}
+
+#[test]
 fn quiet_run_prints_nothing_but_json() {
     let here = tempfile::tempdir().unwrap();
     let silo = path("silo1.ron");
