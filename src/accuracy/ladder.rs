@@ -6,9 +6,9 @@ use super::case::{Answer, Case};
 use super::work_precision::{order, order_of_all};
 use super::{SCHEMES, Scheme, trial};
 
-/// Whole numbers of steps per contact. Each rung adds pi/8, so that no step of the ladder divides t_c.
+/// Steps per contact of each rung of the ladder, without pi/8. Each rung adds pi/8, so that no step divides t_c.
 pub const WHOLE: [f64; 8] = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0];
-/// Whole numbers of steps per contact in the short ladder.
+/// Steps per contact of each rung of the short ladder, without pi/8.
 pub const SHORT: [f64; 4] = [10.0, 20.0, 50.0, 100.0];
 
 /// Returns the rungs of a case as t_c/dt, ascending; `quick` selects the short ladder.

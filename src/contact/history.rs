@@ -104,7 +104,7 @@ impl<V: Space> History<V> {
 
     /// Returns the history blocks for the particles of `store`: of contacts between particles, and of contacts with
     /// flat walls.
-    pub fn pages(&mut self, store: &ParticleStore<V>) -> (&mut [HistoryBlock<V>], &mut [HistoryBlock<V>]) {
+    pub fn blocks_mut(&mut self, store: &ParticleStore<V>) -> (&mut [HistoryBlock<V>], &mut [HistoryBlock<V>]) {
         (resized(&mut self.pair_blocks, store), resized(&mut self.wall_blocks, store))
     }
 
@@ -227,9 +227,9 @@ pub(super) mod tests {
         let mut history = History::default();
         history.move_to_new_slots::<Springs>(&before);
         for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
-            history.pages(&before).0[contact[0] as usize / BLOCK].push::<Springs>(contact.into(), &memory(spring));
+            history.blocks_mut(&before).0[contact[0] as usize / BLOCK].push::<Springs>(contact.into(), &memory(spring));
         }
-        history.pages(&before).1[1500 / BLOCK].push::<Springs>([1500, 2].into(), &memory(7.0));
+        history.blocks_mut(&before).1[1500 / BLOCK].push::<Springs>([1500, 2].into(), &memory(7.0));
         // Grain 0 leaves, two grains enter, and the order is reversed: the lower slot of each pair becomes the upper
         // one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();

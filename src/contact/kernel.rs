@@ -61,14 +61,14 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
     /// Sets the loads of `store` to the sums of weight and all contact forces.
     ///
     /// `deepest` is the largest overlap so far divided by the smaller radius of its pair. Returns the same ratio after
-    /// this pass. `scratches` persist between passes; after the pass they hold the loads on walls. `goes_on` states
+    /// this pass. `scratches` persist between passes; after the pass they hold the loads on walls. `history_unchanged` states
     /// that the contact history has not changed since the last pass with these `scratches`.
     pub fn sum(
         &self,
         store: &mut ParticleStore<V>,
         history: &mut History<V>,
         threads: &Threads,
-        (scratches, goes_on): (&mut Vec<ThreadScratch<V>>, bool),
+        (scratches, history_unchanged): (&mut Vec<ThreadScratch<V>>, bool),
         deepest: f64,
     ) -> f64 {
         let mut loads = std::mem::take(&mut store.loads);
@@ -77,10 +77,10 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         }
         let tasks = self.list.tasks();
         scratches.resize_with(tasks.len(), ThreadScratch::default);
-        let (mut pair_histories, mut wall_histories) = history.pages(store);
+        let (mut pair_histories, mut wall_histories) = history.blocks_mut(store);
         let has_borders = L::MEMORY && tasks.len() > 1;
         if has_borders {
-            exchange_halos::<V, L>(scratches, self.list, pair_histories, goes_on);
+            exchange_halos::<V, L>(scratches, self.list, pair_histories, history_unchanged);
         }
         let view = &*store;
         let (halo, places): (Vec<_>, Vec<_>) = scratches

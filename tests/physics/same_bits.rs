@@ -140,7 +140,7 @@ fn run_with_cleared_history(threads: usize, twice: bool) -> Vec<(u64, Vec<DVec3>
         seen.push((state_hash::of_world(simulation.world_mut()), on_walls));
         simulation.world_mut().resource_scope(|world, mut history: Mut<History<Solid>>| {
             if clears {
-                history.pages(world.resource::<ParticleStore<Solid>>()).0.iter_mut().for_each(HistoryBlock::clear);
+                history.blocks_mut(world.resource::<ParticleStore<Solid>>()).0.iter_mut().for_each(HistoryBlock::clear);
             }
         });
     }

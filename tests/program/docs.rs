@@ -93,6 +93,7 @@ fn every_link_between_pages_leads_somewhere() {
     assert!(broken.is_empty(), "{}", broken.join("\n"));
 }
 
+/// The commands of a block, with the program under test in place of a build of the package.
 fn as_siloflow(block: &str) -> String {
     block.replace("cargo run --release -- ", "siloflow ").replace("target/release/siloflow", "siloflow")
 }
@@ -145,8 +146,7 @@ fn run(page: &Path, full: bool) -> Result<(), String> {
             }
             _ => continue,
         }
-        let script =
-            block.replace("cargo run --release -- ", "siloflow ").replace("target/release/siloflow", "siloflow");
+        let script = as_siloflow(&block);
         let output = Command::new("sh").args(["-euc", &script]).current_dir(&here).env("PATH", &path).output().unwrap();
         if !output.status.success() {
             return Err(format!(

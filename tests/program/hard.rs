@@ -507,7 +507,7 @@ fn disc_rolls_above_and_slides_below_the_friction_threshold() {
     for mu in [1.1 * threshold, 1.0, 1e3] {
         let (v, spin) = rolled(mu);
         // The start stretches the tangential spring, which oscillates about its load m g sin/3 until it is damped out.
-        // What remains is v dt after one step.
+        // The remaining error is the way v dt of one step.
         assert!((v - 2.0 / 3.0 * g * sin).abs() < 1e-3 && (v + spin * radius).abs() < 1e-3, "{mu}: {v} {spin}");
     }
     for mu in [0.0, 0.5 * threshold, 0.9 * threshold] {

@@ -35,15 +35,15 @@ pub struct ThreadScratch<V: Space> {
 pub struct ScratchPerThread<V: Space>(pub Vec<ThreadScratch<V>>);
 
 /// Makes the exports of the last pass the imports of this pass. The exports are made again if the history has changed
-/// since (`goes_on` is false) or the rows of the tasks have changed.
+/// since (`history_unchanged` is false) or the rows of the tasks have changed.
 pub(super) fn exchange_halos<V: Space, L: LawRequirements>(
     scratches: &mut [ThreadScratch<V>],
     list: &PairList,
     histories: &[HistoryBlock<V>],
-    goes_on: bool,
+    history_unchanged: bool,
 ) {
     let tasks = list.tasks();
-    if !goes_on || tasks.iter().zip(&*scratches).any(|(task, scratch)| task.rows != scratch.rows) {
+    if !history_unchanged || tasks.iter().zip(&*scratches).any(|(task, scratch)| task.rows != scratch.rows) {
         for (Task { rows, .. }, scratch) in tasks.iter().zip(&mut *scratches) {
             let own = &histories[rows.start / BLOCK..rows.end.div_ceil(BLOCK)];
             export_halo::<V, L>(rows, list, own, &mut scratch.next_halo);
