@@ -36,7 +36,7 @@ impl Verdict {
             Self::Holds => "holds",
             Self::Fails => "**fails**",
             Self::Unclear => "unclear",
-            Self::NoDifference => "no difference seen",
+            Self::NoDifference => "no difference found",
             Self::NotMeasured => "not measured",
         }
     }
@@ -100,17 +100,17 @@ use Statement::{Larger, Same, SpreadFalls};
 /// All claims.
 pub const CLAIMS: &[Claim] = &[
     Claim {
-        text: "the outflow rises with g",
+        text: "The outflow rate rises with g",
         firm: 2,
         statements: &[Larger("Q", BASE, g(0.05), 1.05), Larger("Q", g(0.95), BASE, 1.05)],
     },
     Claim {
-        text: "at large g the other parameters matter less",
+        text: "At large g the other parameters have less influence",
         firm: 1,
         statements: &[SpreadFalls("rho0"), SpreadFalls("Q")],
     },
     Claim {
-        text: "the density at onset rises with p and g, falls with q and k",
+        text: "The density at the opening of the outlet rises with p and g and falls with q and k",
         firm: 5,
         statements: &[
             Larger("rho0", BASE, g(0.05), 1.0),
@@ -125,7 +125,7 @@ pub const CLAIMS: &[Claim] = &[
         ],
     },
     Claim {
-        text: "dilatant zones are higher at small p",
+        text: "Dilatant zones are higher at small p",
         firm: 1,
         statements: &[
             Larger("hz", p(0.0), p(0.8), 1.1),
@@ -136,7 +136,7 @@ pub const CLAIMS: &[Claim] = &[
         ],
     },
     Claim {
-        text: "dilatant zones are narrower and central at large h",
+        text: "Dilatant zones are narrower and nearer to the axis at large h",
         firm: 1,
         statements: &[
             Larger("za", h(0.0), h(0.8), 1.0 / 0.92),
@@ -145,12 +145,13 @@ pub const CLAIMS: &[Claim] = &[
         ],
     },
     Claim {
-        text: "at small b the zones are more horizontal (mass-flow silo): density in the middle nearer to that at the sides",
+        text: "At small b dilatant zones are more horizontal in the mass-flow silo: the density on the axis is closer to the \
+               density at the sides",
         firm: 0,
         statements: &[Larger("cs", b(0.0), b(0.8), 1.0), Larger("dip", b(0.8), b(0.0), 1.0)],
     },
     Claim {
-        text: "the surface is flatter at small p, q and h",
+        text: "The surface is flatter at small p, q and h",
         firm: 2,
         statements: &[
             Larger("incl", at_large_g(p(0.8)), at_large_g(p(0.0)), 1.3),
@@ -162,7 +163,7 @@ pub const CLAIMS: &[Claim] = &[
         ],
     },
     Claim {
-        text: "the density is less uniform at large g, more at large p, q, h and k",
+        text: "The density is less uniform at large g, and more uniform at large p, q, h and k",
         firm: 4,
         statements: &[
             Larger("cvg", BASE, g(0.05), 1.0),
@@ -179,7 +180,7 @@ pub const CLAIMS: &[Claim] = &[
         ],
     },
     Claim {
-        text: "walls that scatter (the first method) do not change the flow in a silo",
+        text: "Walls that scatter particles (`walls: Scatter`, the paper's first method) leave the flow in a silo unchanged",
         firm: 0,
         statements: &[
             Same("Q", with_scattering_walls(b(0.8)), b(0.0)),
@@ -229,7 +230,7 @@ impl Statement {
                 })
             }
             SpreadFalls(symbol) => {
-                let statement = format!("spread of {symbol} at g = 0.95 < at the base's g");
+                let statement = format!("spread of {symbol} at g = 0.95 < spread at g of the base case");
                 let spread = |change: fn(Variant) -> Variant| spread(results, silo, symbol, change);
                 compared(statement, spread(at_large_g), spread(|variant| variant), |large_g, base| {
                     larger(base.value - large_g.value, large_g.error.hypot(base.error))
@@ -269,16 +270,14 @@ pub fn shown(Mean { value, error }: Mean) -> String {
 
 /// Returns the spread of a quantity: its standard deviation over the base case and all variants that differ from it in
 /// one parameter other than g. `change` is applied to all of these variants. The spread is computed for each seed, then
-/// averaged over the seeds.
+/// averaged over the seeds. A seed is left out if the quantity is undefined in one of the variants.
 fn spread(results: &Results, silo: &str, symbol: &str, change: fn(Variant) -> Variant) -> Option<Mean> {
     let variants = [BASE, p(0.8), p(0.0), q(0.8), q(0.0), b(0.8), b(0.0), k(0.8), k(0.0), h(0.8), h(0.0)];
     let quantity = quantity(symbol)?;
-    let by_variant: Vec<Vec<f64>> = variants.iter().map(|&one| results.values(silo, &change(one), quantity)).collect();
-    let seeds = by_variant.iter().map(Vec::len).min()?;
-    let spread_of = |seed: usize| {
-        let values: Vec<f64> = by_variant.iter().map(|values| values[seed]).collect();
+    let spread_of = |seed: u64| {
+        let values = variants.iter().map(|&one| results.value(silo, &change(one), seed, quantity));
         // The standard deviation is the standard error of the mean times the square root of the number of values, 11.
-        Mean::of(&values).map(|mean| mean.error * 11f64.sqrt())
+        Mean::of(&values.collect::<Option<Vec<_>>>()?).map(|mean| mean.error * 11f64.sqrt())
     };
-    Mean::of(&(0..seeds).filter_map(spread_of).collect::<Vec<_>>())
+    Mean::of(&results.seeds().into_iter().filter_map(spread_of).collect::<Vec<_>>())
 }
