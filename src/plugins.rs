@@ -11,7 +11,7 @@ use crate::assembly::Assembly;
 use crate::behaviour::Behaviour;
 use crate::contact::config::LawVisitor;
 use crate::contact::history::History;
-use crate::contact::{Centred, CentredLaw, ContactPlugin, LawRequirements, PairLaw};
+use crate::contact::{ContactPlugin, LawRequirements, PairLaw};
 use crate::door::{DoorPlugin, Orifice};
 use crate::ending::EndingPlugin;
 use crate::energy::{AddedWorkPlugin, EnergyPlugin, LeavingWallsEnergyPlugin, LiftPlugin, SpinEnergyPlugin};
@@ -28,6 +28,7 @@ use crate::messages::MessagesPlugin;
 use crate::neighbours::NeighboursPlugin;
 use crate::periodic::Periodic;
 use crate::rest::RestPlugin;
+use crate::scene::check::Estimates;
 use crate::scene::load::Loaded;
 use crate::space::{Solid, Space};
 use crate::step::{ForceStage, Step, StepPlugin};
@@ -89,11 +90,12 @@ pub(crate) fn add_all<V: Space>(
         }
     }
     if !own_contacts {
-        let centred = loaded.is_centred();
-        if centred {
-            app.add("integrator", VelocityPredictionPlugin { spins: scene.contact.spins(), space });
+        if loaded.is_centred() {
+            let [damping_rate, spring_damping] =
+                Estimates::of(loaded).map_or([0.0; 2], |estimates| [estimates.damping_rate, estimates.spring_damping]);
+            app.add("integrator", VelocityPredictionPlugin { damping_rate, spring_damping, space });
         }
-        loaded.contacts().visit::<V, _>(AddContacts { app, centred });
+        loaded.contacts().visit::<V, _>(AddContacts { app });
     }
     if loaded.fixed.iter().any(|grain| grain.velocity != Solid::ZERO) {
         app.add("fill", ConveyorPlugin(space));
@@ -146,19 +148,12 @@ pub(crate) fn add_behaviours(app: &mut Assembly, behaviours: Vec<(String, Box<dy
 /// Adds the force kernel with the scene's law.
 struct AddContacts<'a, 'b> {
     app: &'a mut Assembly<'b>,
-    centred: bool,
 }
 
 impl<V: Space> LawVisitor<V> for AddContacts<'_, '_> {
     type Output = ();
 
-    fn take<L: CentredLaw<V> + LawRequirements>(self, law: L) {
-        if self.centred { self.add(Centred(law)) } else { self.add(law) }
-    }
-}
-
-impl AddContacts<'_, '_> {
-    fn add<V: Space, L: PairLaw<V> + LawRequirements>(self, law: L) {
+    fn take<L: PairLaw<V> + LawRequirements>(self, law: L) {
         self.app.add("contact", ContactPlugin::<V, L>::new(Arc::new(law)));
     }
 }

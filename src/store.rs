@@ -26,6 +26,7 @@ mod parallel_chunks;
 mod plugin;
 mod population;
 mod predictable_conditions;
+mod prediction;
 mod renumbering;
 mod reorder;
 mod spatial_sort;
@@ -45,10 +46,10 @@ pub(crate) use self::parallel_chunks::{CHUNK, ChunkedPass};
 pub use self::plugin::StorePlugin;
 pub(crate) use self::plugin::{DENSE, Kicked, LongestMove, SpinsDrifted, VelocitiesPredicted, clear_forces};
 pub(crate) use self::predictable_conditions::register_predictable;
+pub use self::prediction::Prediction;
 pub use self::renumbering::SORT_CHECK_INTERVAL;
 pub(crate) use self::renumbering::{
-    BeforeRenumbering, FirstRenumbering, Renumber, Renumbering, UNKNOWN_CONTACTS, has_renumbered, renumber,
-    sort_check_is_due,
+    BeforeRenumbering, FirstRenumbering, Renumber, Renumbering, has_renumbered, renumber, sort_check_is_due,
 };
 pub(crate) use self::spatial_sort::SpatialOrder;
 pub(crate) use self::sync_plan::{OwnObserver, PlainCommands, Plan, ReadsMotion, ReadsPlaces};
@@ -62,17 +63,19 @@ use crate::spin::InertiaLaw;
 /// The numbers of a particle that every contact reads, side by side in memory. The kernel loads them in groups of four,
 /// in this order.
 #[derive(Clone, Copy, Debug)]
-#[repr(C)]
+#[repr(C, align(64))]
 pub struct Body<V: Space = Plane> {
     /// Centre, m.
     pub position: V,
-    /// Velocity, m/s: v(t+dt/2) while forces are evaluated, v(t) after [`Phase::Kick`](crate::step::Phase::Kick). If
+    /// Velocity, m/s: v(t+dt/2), or the prediction of the scheme, while forces are evaluated; v(t) after [`Phase::Kick`](crate::step::Phase::Kick). If
     /// the kick is deferred, it becomes v(t) only when a system reads velocities (`store/deferred_kick.rs`).
     pub velocity: V,
     /// Radius, m.
     pub radius: f64,
     /// Inverse mass as contacts see it, 1/kg: 0 for fixed particles.
     pub inverse_mass: f64,
+    /// The velocity in the middle of the step, for schemes that predict velocities.
+    pub middle: V::Inside,
 }
 
 /// Forces and torques on particles, summed over their contacts. Sums that the scene does not need are empty.
@@ -86,8 +89,8 @@ pub struct Loads<V: Space = Plane> {
     /// The part of the torques that dashpots of rolling resistance make, N m. Empty without rolling resistance or
     /// without the energy balance.
     pub rolling_drag: Vec<V::Spin>,
-    /// Number of contacts of each particle in this force pass. Empty unless the scheme predicts velocities.
-    pub contacts: Vec<u32>,
+    /// Number of contacts of each particle, if the last force pass has counted them.
+    pub contacts: Vec<u16>,
 }
 
 impl<V: Space> Default for Loads<V> {
@@ -109,24 +112,6 @@ pub struct Rotation<V: Space = Plane> {
     /// Angular velocity, rad/s, at the same time as the velocity.
     pub spin: V::Spin,
     /// 1/I, 1/(kg m^2); 0 for particles that do not spin.
-    pub inverse_inertia: f64,
-}
-
-/// The change of a velocity by the forces of a step's beginning.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct VelocityGain<V: Space = Plane> {
-    /// Gain in half a step, m/s.
-    pub velocity: V,
-    /// 1 if the particle had at most one contact at the step's beginning, else 0.
-    pub only_contact: f64,
-}
-
-/// The change of a spin by the torques of a step's beginning.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct SpinGain<V: Space = Plane> {
-    /// Gain in half a step, rad/s.
-    pub spin: V::Spin,
-    /// 1/I, 1/(kg m^2); 0 for fixed particles.
     pub inverse_inertia: f64,
 }
 
@@ -161,20 +146,14 @@ pub struct ParticleStore<V: Space = Plane> {
     pub loads: Loads<V>,
     /// Rotations; empty if nothing spins.
     pub rotation: Vec<Rotation<V>>,
-    /// Velocity gains by the forces of the step's beginning; empty unless the scheme predicts velocities.
-    pub gain: Vec<VelocityGain<V>>,
-    /// Spin gains by the torques of the step's beginning; empty unless the scheme predicts velocities.
-    pub spin_gain: Vec<SpinGain<V>>,
+    /// The prediction of velocities.
+    pub prediction: Prediction<V>,
     /// Duration of the second kick, s: half a step if a kick with this step's forces is still to come, else 0.
     pub(crate) half_step: f64,
     /// Forces that systems have added in this step, N; empty if no system adds one.
     pub(crate) added: Vec<V>,
     /// Power of the added forces at the end of the step, W.
     pub(crate) added_power: Option<f64>,
-    /// How far ahead the scheme predicts velocities, s: half a step, or 0.
-    pub lookahead: f64,
-    /// The largest gap that two particles can close in the time `lookahead`, m.
-    pub margin: f64,
     /// The periodic sides of the scene, if it has any.
     pub periodic: Option<Periodic<V>>,
     /// Whether a separate pass after the drift wraps particles into the periodic box. The pass records the energy
@@ -221,10 +200,7 @@ impl<V: Space> Default for ParticleStore<V> {
             species: Vec::new(),
             loads: Loads::default(),
             rotation: Vec::new(),
-            gain: Vec::new(),
-            spin_gain: Vec::new(),
-            lookahead: 0.0,
-            margin: 0.0,
+            prediction: Prediction::default(),
             periodic: None,
             wraps_after_drift: false,
             smallest_share: 0.0,

@@ -6,7 +6,7 @@
 //!
 //! Source: Remmers, "The grain silo", 2009. The force "that i exerts on j" in that text is the force on i.
 
-use crate::contact::centred::{CentredLaw, VelocityPrediction, Window};
+use crate::contact::centred::{VelocityPrediction, Window};
 use crate::contact::damping::Attraction;
 use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::space::Space;
@@ -37,30 +37,6 @@ impl<V: Space> PairLaw<V> for Assignment {
         PairForce::smooth(pair.normal * (self.k * pair.overlap), pair.relative_velocity * -self.b)
     }
 
-    fn elastic_energy(&self, pair: &Pair<V>, _: &Memory<V>) -> f64 {
-        0.5 * self.k * pair.overlap * pair.overlap
-    }
-
-    fn stiffness(&self, _: &Bounce) -> f64 {
-        self.k
-    }
-
-    fn damping(&self, _: &Bounce) -> f64 {
-        self.b
-    }
-
-    fn contact_duration(&self, bounce: &Bounce) -> f64 {
-        let law: &dyn PairLaw<V> = self;
-        Attraction::Allowed.duration(law.damping_ratio(bounce)) / law.frequency(bounce)
-    }
-
-    fn restitution(&self, bounce: &Bounce) -> f64 {
-        let law: &dyn PairLaw<V> = self;
-        Attraction::Allowed.restitution(law.damping_ratio(bounce))
-    }
-}
-
-impl<V: Space> CentredLaw<V> for Assignment {
     /// Like the normal force of [`Composite`](crate::contact::composite::Composite), but with vectors: this drag acts
     /// on the whole relative velocity.
     #[inline(always)]
@@ -82,6 +58,28 @@ impl<V: Space> CentredLaw<V> for Assignment {
         let drag_then = (pair.relative_velocity - gained) * (half * drag_before);
         let velocity = pair.relative_velocity + gained + change + drag_then;
         PairForce::smooth(pair.normal * spring, velocity * (-drag / (1.0 + half * drag)))
+    }
+
+    fn elastic_energy(&self, pair: &Pair<V>, _: &Memory<V>) -> f64 {
+        0.5 * self.k * pair.overlap * pair.overlap
+    }
+
+    fn stiffness(&self, _: &Bounce) -> f64 {
+        self.k
+    }
+
+    fn damping(&self, _: &Bounce) -> f64 {
+        self.b
+    }
+
+    fn contact_duration(&self, bounce: &Bounce) -> f64 {
+        let law: &dyn PairLaw<V> = self;
+        Attraction::Allowed.duration(law.damping_ratio(bounce)) / law.frequency(bounce)
+    }
+
+    fn restitution(&self, bounce: &Bounce) -> f64 {
+        let law: &dyn PairLaw<V> = self;
+        Attraction::Allowed.restitution(law.damping_ratio(bounce))
     }
 }
 

@@ -6,24 +6,39 @@
 
 mod bodies;
 mod contact_output;
+mod events;
 mod memories;
-mod prediction;
 mod spins;
 
 pub use self::bodies::Bodies;
 pub use self::contact_output::ContactOutput;
+pub use self::events::{EventStep, Predict};
 pub use self::memories::MemoryLanes;
-pub use self::prediction::PredictionLanes;
 pub use self::spins::Spins;
-use crate::contact::centred::{VelocityPrediction, Window};
+use crate::contact::centred::VelocityPrediction;
 use crate::contact::history::ContactLosses;
-use crate::contact::lanes::{LANES, PerLane, of_both};
-use crate::contact::{LawRequirements, Pair, PairLaw};
+use crate::contact::lanes::{LANES, PerLane, Scalars, of_both};
+use crate::contact::{LawRequirements, MemoryTimes, Pair, PairForce, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
 use crate::particle::Species;
 use crate::space::{Linear, Space};
 use crate::store::{Rotation, TOTAL_AND_DISSIPATIVE};
+
+/// Returns a number that is negative if the contact may open or close within the step, or, with friction, if its normal
+/// force may change its sign. `even` (s) times the normal speed is the overlap from which neither happens without drag.
+#[inline(always)]
+fn slack<L: LawRequirements, V: Space>(pair: &Pair<V>, force: &PairForce<V>, even: f64) -> f64 {
+    let nearest = even * pair.normal_velocity().abs();
+    let opening = pair.overlap - nearest;
+    if !L::SPIN {
+        return opening;
+    }
+    // The drag of a separating contact reduces the force, so that its sign may change at a larger overlap.
+    let total = force.smooth.dot(pair.normal);
+    let spring = total - force.drag.dot(pair.normal);
+    opening.min(total.min(spring) * pair.overlap - spring * nearest)
+}
 
 /// Contacts i, j side by side; units as in [`Pair`].
 #[derive(Clone, Debug, Default)]
@@ -35,11 +50,16 @@ pub struct Batch<V: Space> {
     pub bodies: Bodies<V>,
     pub spins: Spins<V>,
     pub species: [PerLane<Species>; 2],
-    pub ahead: PredictionLanes<V>,
     pub memory: MemoryLanes<V>,
     /// Whether the contact existed in the previous pass.
     pub is_known: PerLane<bool>,
     pub output: ContactOutput<V>,
+    /// Memories after the evaluation.
+    pub memory_after: MemoryLanes<V>,
+    /// Bits of the lanes with a particle that had no other contact when contacts were last counted.
+    pub lone: u64,
+    /// Overlap beyond the overlap up to which the contact may open or close within the step, m.
+    slack: Scalars,
 }
 
 impl<V: Space> Batch<V> {
@@ -65,16 +85,13 @@ impl<V: Space> Batch<V> {
             let rotations = pair.spins.map(|spin| Rotation { spin, inverse_inertia: 0.0 });
             self.spins.take(lane, rotations.each_ref());
         }
-        if L::PREDICTION {
-            (bodies.inverse_masses[0][lane], bodies.inverse_masses[1][lane]) = pair.ahead.inverse_masses.into();
-            self.ahead.set::<L>(lane, &pair.ahead);
-        }
         self.len += 1;
     }
 
-    /// Returns the contact in a lane as the input of the law, for a step `dt` (s).
+    /// Returns the contact in a lane as the input of the law.
     #[inline(always)]
-    fn pair<L: LawRequirements>(&self, lane: usize, dt: f64) -> Pair<V> {
+    pub fn pair<L: LawRequirements>(&self, lane: usize, times: MemoryTimes) -> Pair<V> {
+        let MemoryTimes { dt, lead, spring_damping } = times;
         let mut pair = Pair {
             normal: self.bodies.normal.get(lane),
             overlap: self.bodies.overlap[lane],
@@ -86,6 +103,8 @@ impl<V: Space> Batch<V> {
             spins: [V::Spin::ZERO; 2],
             species: [Species(0); 2],
             dt,
+            lead,
+            spring_damping,
             ahead: VelocityPrediction::default(),
         };
         if L::RADII {
@@ -98,9 +117,6 @@ impl<V: Space> Batch<V> {
         if L::SPECIES {
             pair.species = [self.species[0][lane], self.species[1][lane]];
         }
-        if L::PREDICTION {
-            pair.ahead = self.ahead.get::<L>(lane, of_both(&self.bodies.inverse_masses, lane));
-        }
         pair
     }
 
@@ -110,40 +126,51 @@ impl<V: Space> Batch<V> {
         self.output.lost::<L>(self.len.min(LANES))
     }
 
+    /// Transposes the loaded spins.
+    #[inline(always)]
+    pub fn spread_spins(&mut self, instructions: Instructions) {
+        let lanes = self.lanes();
+        instructions.run(
+            #[inline(always)]
+            || self.spins.spread(lanes),
+        );
+    }
+
     /// Returns the number of lanes to compute: whole vectors.
     #[inline(always)]
     pub fn lanes(&self) -> usize {
         self.len.next_multiple_of(8).min(LANES)
     }
 
-    /// Evaluates `law` in all lanes. Returns the number of contacts that overlap by more than `deepest` times the sum
-    /// of the radii.
+    /// Evaluates `law` in all lanes. Returns the number of contacts that overlap by more than `deepest` times the sum of the
+    /// radii, and the number with an overlap below `even` (s) times the normal speed.
     #[inline(always)]
-    fn evaluate_lanes<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
+    fn evaluate_lanes<L: PairLaw<V> + LawRequirements, const NUMBERS: usize, const CENTRED: bool>(
         &mut self,
         law: &L,
-        dt: f64,
-        deepest: f64,
-    ) -> u32 {
-        let mut deeper = 0;
-        if L::SPIN {
-            self.spins.spread(self.lanes());
-        }
+        times: MemoryTimes,
+        [deepest, even]: [f64; 2],
+    ) -> (u32, u32) {
+        let (mut deeper, mut near) = (0, 0);
+        // Known to the compiler, so that plain contacts do not pay for centred ones.
+        let times = if CENTRED { times } else { MemoryTimes { dt: times.dt, ..MemoryTimes::default() } };
         for lane in 0..self.lanes() {
-            let pair = self.pair::<L>(lane, dt);
+            let pair = self.pair::<L>(lane, times);
             let mut memory = self.memory.get::<L>(lane);
             let force = law.force(&pair, &mut memory);
-            if L::PREDICTION {
-                self.output.touches[lane] = if Window::of(&pair).touches(pair.overlap) { 1.0 } else { 0.0 };
-            }
             deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
             self.output.store_force::<L>(lane, &pair, &force);
             if NUMBERS == TOTAL_AND_DISSIPATIVE {
                 self.output.store_energy_numbers::<L>(lane, &pair, &force);
             }
-            self.memory.set::<L>(lane, &memory);
+            self.memory_after.set::<L>(lane, &memory);
+            if CENTRED {
+                let slack = slack::<L, V>(&pair, &force, even);
+                self.slack[lane] = slack;
+                near += u32::from(slack < 0.0);
+            }
         }
-        deeper
+        (deeper, near)
     }
 
     /// Evaluates `law` for all contacts of the batch. With [`TOTAL_AND_DISSIPATIVE`] as `NUMBERS` it also stores the
@@ -152,28 +179,34 @@ impl<V: Space> Batch<V> {
     pub fn evaluate<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
         &mut self,
         law: &L,
-        dt: f64,
+        times: MemoryTimes,
         instructions: Instructions,
-        deepest: f64,
-    ) -> bool {
-        let deeper = instructions.run(
-            #[inline(always)]
-            || self.evaluate_lanes::<L, NUMBERS>(law, dt, deepest),
-        );
-        deeper > 0
+        limits: [f64; 2],
+    ) -> (u32, u32) {
+        if times.lead > 0.0 {
+            instructions.run(
+                #[inline(always)]
+                || self.evaluate_lanes::<L, NUMBERS, true>(law, times, limits),
+            )
+        } else {
+            instructions.run(
+                #[inline(always)]
+                || self.evaluate_lanes::<L, NUMBERS, false>(law, times, limits),
+            )
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::Memory;
     use crate::contact::composite::Composite;
     use crate::contact::damping::{Attraction, Coefficient, Damping};
     use crate::contact::force_accumulation::{drag, total};
     use crate::contact::linear::LinearNormal;
     use crate::contact::rolling::NoRolling;
     use crate::contact::tangential::{ConstantStiffness, Lever, SpringSlider};
-    use crate::contact::{Centred, Memory};
     use crate::space::{Linear, Plane, Solid};
     use crate::store::TOTAL;
 
@@ -194,6 +227,8 @@ mod tests {
             spins: [V::narrow_spin(Solid::new(part, 1.0 - part, 3.0 * part)), V::Spin::ZERO],
             species: [Species(0), Species(1)],
             dt: 1e-5,
+            lead: 0.0,
+            spring_damping: 0.0,
             ahead: VelocityPrediction {
                 velocity: along(0.0, -1e-4, 2e-4),
                 spins: [V::narrow_spin(Solid::new(0.1 * part, 0.2, 0.3)), V::Spin::ZERO],
@@ -204,6 +239,8 @@ mod tests {
         }
     }
 
+    const TIMES: MemoryTimes = MemoryTimes { dt: 1e-5, lead: 0.0, spring_damping: 0.0 };
+
     fn check_batch<V: Space, L: PairLaw<V> + LawRequirements>(law: &L) {
         let contacts = 33;
         for instructions in Instructions::all() {
@@ -211,12 +248,11 @@ mod tests {
             for number in 0..contacts {
                 batch.push::<L>(Candidate::new(number, 1), &on_wall(number));
             }
-            assert!(batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, 1e-5, instructions, 0.0));
+            batch.spread_spins(instructions);
+            let (deeper, _) = batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, TIMES, instructions, [0.0, 0.0]);
+            assert!(deeper >= contacts);
             for (lane, number) in (0..contacts).enumerate() {
-                let (mut pair, mut memory) = (on_wall(number), Memory::default());
-                if !L::PREDICTION {
-                    pair.ahead = VelocityPrediction::default();
-                }
+                let (pair, mut memory) = (on_wall(number), Memory::default());
                 let on_i = law.force(&pair, &mut memory);
                 let turning = &on_i.turning;
                 let torque = |friction: V| pair.normal.cross(friction) * -turning.arms[0];
@@ -228,10 +264,10 @@ mod tests {
                     batch.output.torques::<L, TOTAL_AND_DISSIPATIVE>(lane)[0],
                     [torque(turning.friction), torque(turning.friction_drag)]
                 );
-                assert_eq!(batch.memory.get::<L>(lane), memory);
-                assert!(batch.output.is_contact::<L>(lane));
+                assert_eq!(batch.memory_after.get::<L>(lane), memory);
+                assert!(batch.output.is_contact(lane));
             }
-            assert!(!batch.evaluate::<L, TOTAL>(law, 1e-5, instructions, 1.0));
+            assert_eq!(batch.evaluate::<L, TOTAL>(law, TIMES, instructions, [1.0, 0.0]).0, 0);
         }
     }
 
@@ -254,8 +290,6 @@ mod tests {
             };
             check_batch::<Plane, _>(&law);
             check_batch::<Solid, _>(&law);
-            check_batch::<Plane, _>(&Centred(law));
-            check_batch::<Solid, _>(&Centred(law));
         }
     }
 }

@@ -3,7 +3,7 @@
 //! The terms are types, so each combination of terms gets a kernel of its own. An unused term
 //! ([`NoFriction`](super::tangential::NoFriction), [`NoRolling`](super::rolling::NoRolling)) costs no run time.
 
-use crate::contact::centred::{CentredLaw, VelocityPrediction, Window};
+use crate::contact::centred::{VelocityPrediction, Window};
 use crate::contact::rolling::Rolling;
 use crate::contact::tangential::{NormalLoad, Tangential};
 use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
@@ -89,49 +89,6 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         force
     }
 
-    fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        self.normal.energy(pair) + self.tangential.energy(memory) + self.rolling.energy(memory)
-    }
-
-    fn on_contact_end(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
-        [self.tangential.on_contact_end(pair, memory), self.rolling.on_contact_end(pair, memory)]
-    }
-
-    fn needs_mass_root(&self) -> bool {
-        self.normal.needs_mass_root()
-    }
-
-    fn friction(&self, _: &Pair<V>) -> f64 {
-        self.tangential.friction()
-    }
-
-    fn stiffness(&self, bounce: &Bounce) -> f64 {
-        self.normal.stiffness(bounce)
-    }
-
-    fn damping(&self, bounce: &Bounce) -> f64 {
-        self.normal.damping(bounce)
-    }
-
-    fn deepest(&self, bounce: &Bounce) -> f64 {
-        self.normal.deepest(bounce)
-    }
-
-    fn contact_duration(&self, bounce: &Bounce) -> f64 {
-        self.normal.contact_duration(bounce)
-    }
-
-    fn restitution(&self, bounce: &Bounce) -> f64 {
-        self.normal.restitution(bounce)
-    }
-
-    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
-        let normal = [self.normal.stiffness(bounce), self.normal.damping(bounce)];
-        [normal, self.tangential.mode(bounce, normal[1]), self.rolling.mode(bounce)]
-    }
-}
-
-impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite<N, T, R> {
     #[inline(always)]
     fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         let window = Window::of(pair);
@@ -179,5 +136,50 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> CentredLaw<V> for Composite
             self.rolling.add_centred(pair, &load, memory, &mut force.turning);
         }
         force
+    }
+
+    fn even_from(&self) -> f64 {
+        N::EVEN
+    }
+
+    fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        self.normal.energy(pair) + self.tangential.energy(pair, memory) + self.rolling.energy(pair, memory)
+    }
+
+    fn on_contact_end(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
+        [self.tangential.on_contact_end(pair, memory), self.rolling.on_contact_end(pair, memory)]
+    }
+
+    fn needs_mass_root(&self) -> bool {
+        self.normal.needs_mass_root()
+    }
+
+    fn friction(&self, _: &Pair<V>) -> f64 {
+        self.tangential.friction()
+    }
+
+    fn stiffness(&self, bounce: &Bounce) -> f64 {
+        self.normal.stiffness(bounce)
+    }
+
+    fn damping(&self, bounce: &Bounce) -> f64 {
+        self.normal.damping(bounce)
+    }
+
+    fn deepest(&self, bounce: &Bounce) -> f64 {
+        self.normal.deepest(bounce)
+    }
+
+    fn contact_duration(&self, bounce: &Bounce) -> f64 {
+        self.normal.contact_duration(bounce)
+    }
+
+    fn restitution(&self, bounce: &Bounce) -> f64 {
+        self.normal.restitution(bounce)
+    }
+
+    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
+        let normal = [self.normal.stiffness(bounce), self.normal.damping(bounce)];
+        [normal, self.tangential.mode(bounce, normal[1]), self.rolling.mode(bounce)]
     }
 }

@@ -12,7 +12,7 @@ use crate::contact::linear::LinearNormal;
 use crate::contact::rolling::{NoRolling, RollingResistance};
 use crate::contact::table::PairTable;
 use crate::contact::tangential::{ConstantStiffness, Dashpot, Lever, NoFriction, SpringSlider, TangentialDamping};
-use crate::contact::{AnyLaw, CentredLaw, LawRequirements};
+use crate::contact::{AnyLaw, LawRequirements, PairLaw};
 use crate::space::Space;
 use crate::values::{NonNegative, Positive, Restitution};
 
@@ -162,7 +162,7 @@ pub trait LawVisitor<V: Space> {
     type Output;
 
     /// Receives the law.
-    fn take<L: CentredLaw<V> + LawRequirements>(self, law: L) -> Self::Output;
+    fn take<L: PairLaw<V> + LawRequirements>(self, law: L) -> Self::Output;
 }
 
 struct Erase;
@@ -170,7 +170,7 @@ struct Erase;
 impl<V: Space> LawVisitor<V> for Erase {
     type Output = AnyLaw<V>;
 
-    fn take<L: CentredLaw<V> + LawRequirements>(self, law: L) -> AnyLaw<V> {
+    fn take<L: PairLaw<V> + LawRequirements>(self, law: L) -> AnyLaw<V> {
         AnyLaw(Arc::new(law))
     }
 }

@@ -46,9 +46,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
 impl<V: Space> Pair<V> {
     /// Returns the energy that the tangential dashpot dissipates in this step, J.
     #[inline(always)]
-    pub(crate) fn dashpot_loss<L: LawRequirements>(&self, turning: &Turning<V>) -> f64 {
-        let pair = if L::PREDICTION { self.predicted() } else { *self };
-        -turning.friction_drag.dot(pair.sliding_velocity(turning.arms)) * self.dt
+    pub(crate) fn dashpot_loss(&self, turning: &Turning<V>) -> f64 {
+        -turning.friction_drag.dot(self.sliding_velocity(turning.arms)) * self.dt
     }
 }
 
@@ -71,7 +70,7 @@ pub(crate) struct AccumulatorSlice<'a, V: Space> {
     torque: &'a mut [V::Spin],
     each: usize,
     rolling_drag: &'a mut [V::Spin],
-    contacts: &'a mut [u32],
+    contacts: &'a mut [u16],
 }
 
 impl<'a, V: Space> AccumulatorSlice<'a, V> {
@@ -164,16 +163,16 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
     #[inline(always)]
     pub(super) fn add_to_both<L: LawRequirements, const NUMBERS: usize>(&mut self, batch: &Batch<V>) {
         let start = self.rows.start;
-        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.slice;
+        let AccumulatorSlice { force, torque, rolling_drag, .. } = &mut self.slice;
         // Copied to locals so that the compiler can prove that stores do not alias them. Forces and torques have equal
         // length.
         let (forces, mut torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
         if L::SPIN {
             torques = &mut torques[..forces.len()];
         }
-        let (rolling, contacts) = (&mut **rolling_drag, &mut **contacts);
+        let rolling = &mut **rolling_drag;
         let output = &batch.output;
-        for lane in (0..batch.len.min(LANES)).filter(|&lane| output.is_contact::<L>(lane)) {
+        for lane in 0..batch.len.min(LANES) {
             let [first, second] = batch.pairs[lane].both().map(|entry| entry - start);
             let is_here = second < forces.len();
             // All reads come before all writes: the compiler cannot prove that the sums do not alias the batch.
@@ -195,21 +194,15 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
                     rolling[second] -= drag;
                 }
             }
-            if L::PREDICTION {
-                contacts[first] += 1;
-                if is_here {
-                    contacts[second] += 1;
-                }
-            }
         }
     }
 
     /// Adds the forces of a batch to the first particles (`SIDE` 0) or the second particles (`SIDE` 1) alone.
     pub(crate) fn add_to_one<L: LawRequirements, const NUMBERS: usize, const SIDE: usize>(&mut self, batch: &Batch<V>) {
-        let AccumulatorSlice { force, torque, rolling_drag, contacts, .. } = &mut self.slice;
+        let AccumulatorSlice { force, torque, rolling_drag, .. } = &mut self.slice;
         let (forces, torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
         let output = &batch.output;
-        for lane in (0..batch.len.min(LANES)).filter(|&lane| output.is_contact::<L>(lane)) {
+        for lane in 0..batch.len.min(LANES) {
             let entry = batch.pairs[lane].both()[SIDE] - self.rows.start;
             let force = output.force::<NUMBERS>(lane);
             let torque = output.torques::<L, NUMBERS>(lane)[SIDE];
@@ -227,8 +220,21 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
                 let drag = output.rolling_drag_torque.get(lane);
                 rolling_drag[entry] += if SIDE == 0 { drag } else { -drag };
             }
-            if L::PREDICTION {
-                contacts[entry] += 1;
+        }
+    }
+
+    /// Counts the contacts of a batch for the first particles (`FIRST`) and for the second particles (`SECOND`).
+    #[inline(always)]
+    pub(super) fn count<const FIRST: bool, const SECOND: bool>(&mut self, batch: &Batch<V>) {
+        let (start, contacts) = (self.rows.start, &mut *self.slice.contacts);
+        for lane in 0..batch.len.min(LANES) {
+            let touches = u16::from(batch.output.is_contact(lane));
+            let [first, second] = batch.pairs[lane].both().map(|entry| entry.wrapping_sub(start));
+            if FIRST {
+                contacts[first] += touches;
+            }
+            if SECOND && let Some(count) = contacts.get_mut(second) {
+                *count += touches;
             }
         }
     }

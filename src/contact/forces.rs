@@ -8,10 +8,10 @@ use bevy_ecs::prelude::*;
 
 use crate::contact::history::History;
 use crate::contact::kernel::{Pass, ScratchPerThread};
+use crate::contact::prediction::LonePairs;
 use crate::contact::{AnyLaw, LawRequirements, PairLaw};
 use crate::gravity::Gravity;
 use crate::instructions::Instructions;
-use crate::integrate::centred::VelocityPredictionPlugin;
 use crate::integrate::rotation::SpinPlugin;
 use crate::neighbours::Search;
 use crate::space::{Plane, Space};
@@ -34,16 +34,20 @@ pub struct LargestOverlap(pub f64);
 #[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
 pub struct ContactForces;
 
-/// Returns the time by which memories advance in this run of the schedule, s.
-fn memory_step(clock: &Clock) -> f64 {
-    if clock.is_step_zero() { 0.0 } else { clock.dt }
+/// Interval between counts of contacts, in steps. Counts only select the contacts whose prediction is refined.
+const COUNT_INTERVAL: u64 = 8;
+
+/// Returns the time by which memories advance in this run of the schedule, s. In step zero it is the time by which they are
+/// ahead.
+fn memory_step(clock: &Clock, lead: f64) -> f64 {
+    if clock.is_step_zero() { lead } else { clock.dt }
 }
 
 fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     law: Res<Law<L>>,
     (clock, gravity, search): (Res<Clock>, Res<Gravity<V>>, Res<Search<V>>),
     (threads, instructions, mut scratches): (Res<Threads>, Res<Instructions>, ResMut<ScratchPerThread<V>>),
-    (mut walls, mut near): (ResMut<Surfaces<V>>, Local<NearWalls>),
+    (mut walls, mut near, mut lone): (ResMut<Surfaces<V>>, Local<NearWalls>, Local<LonePairs>),
     mut store: ResMut<ParticleStore<V>>,
     mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
@@ -55,7 +59,11 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
         list: &search.list,
         walls: &walls.0,
         near: near.of(&store, &walls.0, have_changed),
-        dt: memory_step(&clock),
+        dt: memory_step(&clock, store.prediction.lead),
+        window: store.prediction.lookahead,
+        starts: clock.is_step_zero(),
+        lone: if store.predicts() { lone.of(&search.list, &store.prediction.lone) } else { &[] },
+        counts: store.predicts() && clock.steps.is_multiple_of(COUNT_INTERVAL),
         gravity: gravity.0,
         instructions: *instructions,
     };
@@ -63,6 +71,9 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     let kept = (&mut scratches.0, !history.is_changed());
     let history = history.bypass_change_detection();
     largest.0 = pass.sum(&mut store, history, &threads, kept, largest.0);
+    if pass.counts {
+        lone.are_old();
+    }
     if !walls.0.is_empty() {
         walls.gather(scratches.0.iter().map(|scratch| &scratch.on_walls[..]));
     }
@@ -101,9 +112,6 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
         // The law of a behaviour may need spins in a scene that has none.
         if L::SPIN && !app.is_plugin_added::<SpinPlugin<V>>() {
             app.add_plugins(SpinPlugin::<V> { inertia: InertiaLaw::usual(V::DIMENSION), space: PhantomData });
-        }
-        if L::PREDICTION && !app.is_plugin_added::<VelocityPredictionPlugin<V>>() {
-            app.add_plugins(VelocityPredictionPlugin { spins: L::SPIN, space: PhantomData::<V> });
         }
         app.insert_resource(Law(self.law.clone()))
             .insert_resource(AnyLaw::<V>(self.law.clone()))

@@ -93,40 +93,31 @@ fn pair_at<V: Space>(store: &ParticleStore<V>, slots: [usize; 2], separation: V,
         spins: slots.map(|slot| store.spin(slot)),
         species: slots.map(|slot| store.species[slot]),
         dt,
+        lead: store.prediction.lead,
+        spring_damping: 0.0,
         ahead: VelocityPrediction::default(),
     }
 }
 
-/// Returns the contact of the movable particle in slot `i` with a wall, if they touch. With `PREDICTION` a contact
-/// within half a step counts too.
+/// Returns the contact of the movable particle in slot `i` with a wall, if they touch within the time `ahead`, s.
 #[inline(always)]
 #[must_use]
-pub fn touching_wall<const PREDICTION: bool, V: Space>(
+pub fn touching_wall<V: Space>(
     store: &ParticleStore<V>,
     i: usize,
     wall: &FlatWall<V>,
     root: bool,
-    dt: f64,
+    ahead: f64,
 ) -> Option<Pair<V>> {
     let body = &store.body[i];
     let line = ContactLine::to_wall(body, wall);
-    let window = if PREDICTION { 0.5 * dt * (body.velocity - wall.velocity).dot(line.normal).abs() } else { 0.0 };
+    let closing = || (store.middle_velocity(i) - wall.velocity).dot(line.normal).abs();
+    let window = if ahead > 0.0 { ahead * closing() } else { 0.0 };
     // Written so that a NaN does not touch.
     if !(line.distance < body.radius + window && wall.is_present) {
         return None;
     }
-    let mut pair = wall_pair_at(store, i, wall, line, root, dt);
-    if PREDICTION {
-        let (gain, spin) = (&store.gain[i], store.spin_gain.get(i).copied().unwrap_or_default());
-        pair.ahead = VelocityPrediction {
-            velocity: gain.velocity,
-            spins: [spin.spin, V::Spin::ZERO],
-            inverse_masses: [body.inverse_mass, 0.0],
-            inverse_inertias: [spin.inverse_inertia, 0.0],
-            only_contact: [gain.only_contact, 0.0],
-        };
-    }
-    Some(pair)
+    Some(wall_pair_at(store, i, wall, line, root, 0.0))
 }
 
 /// Returns the geometry of the movable particle in slot `i` and a wall that it has just left.
@@ -157,6 +148,8 @@ fn wall_pair_at<V: Space>(
         spins: [store.spin(i), V::Spin::ZERO],
         species: [store.species[i], wall.species],
         dt,
+        lead: store.prediction.lead,
+        spring_damping: 0.0,
         ahead: VelocityPrediction::default(),
     }
 }

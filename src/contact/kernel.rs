@@ -51,6 +51,14 @@ pub struct Pass<'a, V: Space, L> {
     pub near: &'a [Candidate],
     /// Time by which memories advance, s.
     pub dt: f64,
+    /// Half a step, s, if contacts are centred, else 0.
+    pub window: f64,
+    /// Whether this is the first pass of a run, whose forces act in half a step only.
+    pub starts: bool,
+    /// Candidates with a particle that had no other contact when contacts were last counted, ascending.
+    pub lone: &'a [Candidate],
+    /// Whether this pass counts contacts.
+    pub counts: bool,
     /// Acceleration of gravity, m/s^2.
     pub gravity: V,
     /// Instruction set of the lane loops.
@@ -72,6 +80,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         deepest: f64,
     ) -> f64 {
         let mut loads = std::mem::take(&mut store.loads);
+        loads.contacts.resize(if self.counts { store.len() } else { 0 }, 0);
         if L::ROLLING && store.tracks_energy {
             loads.rolling_drag.resize(store.len(), V::Spin::ZERO);
         }
@@ -103,7 +112,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
             let near = near.split_off(..own).unwrap_or_default();
             let halo = halo.clone();
             on_walls.clear();
-            let worker = Worker { pass: self, view, task, halo, sums, batch, largest: deepest, near, on_walls };
+            let lone = &self.lone[self.lone.partition_point(|pair| pair.first() < task.rows.start)..];
+            let worker = Worker { pass: self, view, task, halo, sums, batch, largest: deepest, near, lone, on_walls };
             workers.push(move || {
                 let largest = worker.sum(pair_histories, wall_histories, spare);
                 if has_borders {
@@ -115,6 +125,9 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         }
         let largest = threads.share(workers).into_iter().fold(deepest, f64::max);
         store.loads = loads;
+        if self.counts {
+            store.store_lone();
+        }
         largest
     }
 }

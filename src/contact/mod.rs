@@ -27,6 +27,7 @@ pub mod history;
 pub mod kernel;
 pub(crate) mod lanes;
 pub mod linear;
+mod prediction;
 pub mod rolling;
 pub(crate) mod root;
 pub mod spring;
@@ -37,7 +38,7 @@ use std::sync::Arc;
 
 use bevy_ecs::prelude::*;
 
-pub use self::centred::{Centred, CentredLaw, VelocityPrediction};
+pub use self::centred::VelocityPrediction;
 pub use self::config::Contact;
 pub use self::forces::{ContactForces, ContactPlugin, LargestOverlap, Law};
 use crate::particle::Species;
@@ -67,8 +68,25 @@ pub struct Pair<V: Space = Plane> {
     /// Time by which the law advances the memory in this evaluation, s: the step, or 0 if the evaluation must not
     /// advance it.
     pub dt: f64,
-    /// Velocity changes until the end of the step; zero unless the law requires the prediction.
+    /// Time by which the springs of the memory are ahead of the evaluation, s: half a step with [`centred`] contacts, else
+    /// 0.
+    pub lead: f64,
+    /// Numerical damping of tangential and rolling springs, s: a dashpot of this time times the stiffness is added, so that
+    /// [`centred`] contacts without a dashpot gain no energy.
+    pub spring_damping: f64,
+    /// Velocity changes until the end of the step, for [`PairLaw::centred`]; else zero.
     pub ahead: VelocityPrediction<V>,
+}
+
+/// The times by which an evaluation treats memories, s; see [`Pair`].
+#[derive(Clone, Copy, Debug, Default)]
+pub struct MemoryTimes {
+    /// [`Pair::dt`].
+    pub dt: f64,
+    /// [`Pair::lead`].
+    pub lead: f64,
+    /// [`Pair::spring_damping`].
+    pub spring_damping: f64,
 }
 
 impl<V: Space> Pair<V> {
@@ -194,6 +212,19 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     /// Returns the force on i and advances the memory by `pair.dt`.
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V>;
 
+    /// Returns the force on i, averaged over the step centred on the evaluation, and advances the memory by `pair.dt`.
+    /// `pair.overlap` may be a gap, negative, of up to the half-width of the [`Window`](centred::Window). The velocities
+    /// of `pair` are those of the middle of the step.
+    fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
+        if pair.overlap > 0.0 { self.force(&pair.predicted(), memory) } else { PairForce::default() }
+    }
+
+    /// Returns the overlap, in half-widths of the window, from which [`PairLaw::force`] with predicted velocities replaces
+    /// [`PairLaw::centred`].
+    fn even_from(&self) -> f64 {
+        3.0
+    }
+
     /// Returns the energy stored in a contact, J.
     fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
 
@@ -275,10 +306,8 @@ pub trait LawRequirements {
     const ROLLING: bool = false;
     /// [`Memory::stiffness`]: the tangential stiffness, or a number of the law's own.
     const STIFFNESS: bool = false;
-    /// Velocities predicted for the end of the step, and pairs that touch within half a step: [`centred`].
-    const PREDICTION: bool = false;
     /// Whether the kernel needs radius and mass of each particle, not only the sums for the pair.
-    const INDIVIDUAL_BODIES: bool = Self::RADII || Self::SPIN || Self::PREDICTION;
+    const INDIVIDUAL_BODIES: bool = Self::RADII || Self::SPIN;
     /// Whether contacts have a memory.
     const MEMORY: bool = Self::SPRING || Self::ROLLING || Self::STIFFNESS;
 }
@@ -306,6 +335,8 @@ pub(crate) mod tests {
             spins: [0.0, 0.0],
             species: [Species(0); 2],
             dt: 1e-4,
+            lead: 0.0,
+            spring_damping: 0.0,
             ahead: VelocityPrediction::default(),
         }
     }

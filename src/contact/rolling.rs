@@ -10,7 +10,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::contact::spring::{Slider, SliderForce, lost_at_contact_end};
+use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
 use crate::contact::tangential::NormalLoad;
 use crate::contact::{Bounce, Memory, Pair, Turning, VelocityPrediction};
 use crate::space::Space;
@@ -65,7 +65,7 @@ pub trait Rolling: Copy + Send + Sync + 'static {
     );
 
     /// Returns the stored energy, J.
-    fn energy<V: Space>(&self, memory: &Memory<V>) -> f64;
+    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
 
     /// Returns stiffness (N/m) and drag coefficient (N s/m).
     fn mode(&self, bounce: &Bounce) -> [f64; 2];
@@ -103,7 +103,7 @@ impl Rolling for NoRolling {
     #[inline(always)]
     fn add_centred<V: Space>(&self, _: &Pair<V>, _: &NormalLoad, _: &mut Memory<V>, _: &mut Turning<V>) {}
 
-    fn energy<V: Space>(&self, _: &Memory<V>) -> f64 {
+    fn energy<V: Space>(&self, _: &Pair<V>, _: &Memory<V>) -> f64 {
         0.0
     }
 
@@ -122,9 +122,9 @@ impl Rolling for RollingResistance {
     #[inline(always)]
     fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>) {
         let velocity = rolling_velocity(pair);
-        let drag = self.damping.of(pair.reduced_mass);
+        let drag = self.damping.of(pair.reduced_mass) + self.k.get() * pair.spring_damping;
         let slider = Slider { stiffness: self.k.get(), drag, cap: self.friction.get() * normal_force.abs() };
-        let pull = slider.pull(&mut memory.rolling, velocity, pair.normal, pair.dt);
+        let pull = slider.pull(&mut memory.rolling, velocity, pair.normal, [pair.dt, pair.lead]);
         set_torques(pair, &pull, turning);
     }
 
@@ -143,14 +143,15 @@ impl Rolling for RollingResistance {
         let squared = pair.reduced_radius().powi(2);
         let mobilities = [squared * (i + j), squared * (only_contact[0] * i + only_contact[1] * j)];
         let motion = [middle, rolling_velocity(&pair.predicted()) - middle];
-        let mut sweep = load.sweep(motion, mobilities, friction, pair.dt);
+        memory.rolling = at_evaluation(memory.rolling, motion, pair.lead);
+        let mut sweep = load.sweep(motion, mobilities, friction, [pair.dt, pair.lead]);
         sweep.pulled = memory.rolling * -slider.stiffness;
         let pull = slider.pull_centred(&mut memory.rolling, &sweep, pair.normal);
         set_torques(pair, &pull, turning);
     }
 
-    fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {
-        0.5 * self.k.get() * memory.rolling.length_squared()
+    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        0.5 * self.k.get() * (memory.rolling - rolling_velocity(pair) * pair.lead).length_squared()
     }
 
     fn mode(&self, bounce: &Bounce) -> [f64; 2] {
@@ -158,7 +159,8 @@ impl Rolling for RollingResistance {
     }
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        lost_at_contact_end(self.k.get(), memory.rolling, rolling_velocity(pair), pair.dt)
+        let velocity = rolling_velocity(pair);
+        lost_at_contact_end(self.k.get(), memory.rolling - velocity * pair.lead, velocity, pair.dt)
     }
 }
 

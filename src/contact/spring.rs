@@ -43,21 +43,23 @@ pub struct SliderForce<V> {
 }
 
 impl Slider {
-    /// Advances `spring` (m) by `velocity` (m/s) for `dt` (s) and returns the force. `normal` is the normal of the
-    /// tangent plane.
+    /// Advances `spring` (m) by `velocity` (m/s) for `dt` (s) and returns the force. `spring` is `lead` (s) ahead of the
+    /// evaluation. `normal` is the normal of the tangent plane.
     #[inline(always)]
     #[must_use]
-    pub fn pull<V: Space>(&self, spring: &mut V, velocity: V, normal: V, dt: f64) -> SliderForce<V> {
-        let before = *spring;
+    pub fn pull<V: Space>(&self, spring: &mut V, velocity: V, normal: V, [dt, lead]: [f64; 2]) -> SliderForce<V> {
+        let (before, ahead) = (*spring, velocity * lead);
+        // In step zero a spring only gets ahead.
+        let was_ahead = velocity * lead.min(dt - lead);
         let moved = before + velocity * dt;
         let mut after = moved - normal * moved.dot(normal);
         let drag = velocity * -self.drag;
-        let (is_sliding, force) = cut(after * -self.stiffness + drag, self.cap);
+        let (is_sliding, force) = cut((after - ahead) * -self.stiffness + drag, self.cap);
         if is_sliding {
-            after = (force - drag) * (-1.0 / self.stiffness);
+            after = ahead + (force - drag) * (-1.0 / self.stiffness);
         }
         *spring = after;
-        let lost = 0.5 * self.stiffness * (before + after).dot(moved - after);
+        let lost = 0.5 * self.stiffness * (before - was_ahead + after - ahead).dot(moved - after);
         SliderForce { force, drag, lost, is_sliding }
     }
 }
@@ -74,6 +76,8 @@ pub struct TangentialStep<V> {
     pub mobilities: [f64; 2],
     /// Length of the step, s.
     pub dt: f64,
+    /// Time by which the stored spring is ahead of the evaluation, s.
+    pub lead: f64,
     /// The event within the step, if there is one.
     pub event: Option<Event>,
     /// Time during which the spring accumulates, s: the whole step, or from the event to its end, or 0 across a gap.
@@ -126,7 +130,8 @@ impl Slider {
             after = self.spring_at_cap(whole, middle + gained + (whole * share - earlier) * half_lone, after);
         }
         let (is_beyond_average, force) = cut(whole * share, cap);
-        *spring = after;
+        let end = middle + gained + (force - earlier) * half_lone;
+        *spring = if sweep.gathering > 0.0 { after + end * sweep.lead } else { after };
         // The loss is computed as if the spring pulled for the whole step; the reduction by the share counts as dashpot
         // force.
         let lost = 0.5 * self.stiffness * (before + after).dot(before + middle * dt - after);
@@ -155,6 +160,13 @@ impl Slider {
     }
 }
 
+/// Returns the spring at the beginning of the step, m, from the stored spring, which is `lead` (s) ahead of it. `motion` is
+/// the velocity in the middle of the step and its gain until the end, m/s. A new contact has no spring.
+#[inline(always)]
+pub(super) fn at_evaluation<V: Space>(spring: V, [middle, gained]: [V; 2], lead: f64) -> V {
+    if spring == V::ZERO { spring } else { spring - (middle - gained) * lead }
+}
+
 /// Returns the energy lost with the spring of an ended contact, J. `stiffness` in N/m; `velocity` (m/s) is the velocity
 /// of the last step, `dt` (s).
 pub(super) fn lost_at_contact_end<V: Space>(stiffness: f64, spring: V, velocity: V, dt: f64) -> f64 {
@@ -171,10 +183,10 @@ mod tests {
     #[test]
     fn slider_sticks_below_the_cap_and_slides_at_it() {
         let mut spring = Solid::ZERO;
-        let stuck = SLIDER.pull(&mut spring, Solid::X * 0.1, Solid::Z, 1e-3);
+        let stuck = SLIDER.pull(&mut spring, Solid::X * 0.1, Solid::Z, [1e-3, 0.0]);
         assert!(!stuck.is_sliding && spring.distance(Solid::X * 1e-4) < 1e-19);
         assert!(stuck.force.distance(Solid::X * -1.3) < 1e-15, "{}", stuck.force);
-        let slid = SLIDER.pull(&mut spring, Solid::X * 0.5, Solid::Z, 1e-3);
+        let slid = SLIDER.pull(&mut spring, Solid::X * 0.5, Solid::Z, [1e-3, 0.0]);
         assert!(slid.is_sliding && (slid.force + Solid::X * 2.0).length() < 1e-15);
         // The spring carries the part that the dashpot does not: 2.0 = 1e4 S + 3 x 0.5.
         assert!((spring.x - 5e-5).abs() < 1e-18, "{}", spring.x);
@@ -189,7 +201,7 @@ mod tests {
         for step in 0..400 {
             let angle = 0.02 * f64::from(step);
             let velocity = Solid::new(0.6 * angle.sin(), 0.2 * (2.0 * angle).cos(), 0.0);
-            let pull = SLIDER.pull(&mut spring, velocity, Solid::Z, dt);
+            let pull = SLIDER.pull(&mut spring, velocity, Solid::Z, [dt, 0.0]);
             let elastic = pull.force - pull.drag;
             taken -= 0.5 * dt * (before + elastic).dot(velocity);
             before = elastic;
@@ -203,7 +215,7 @@ mod tests {
     #[test]
     fn the_spring_turns_with_the_plane() {
         let mut spring = Solid::new(1e-5, 1e-5, 0.0);
-        let _ = SLIDER.pull(&mut spring, Solid::ZERO, Solid::X, 1e-3);
+        let _ = SLIDER.pull(&mut spring, Solid::ZERO, Solid::X, [1e-3, 0.0]);
         assert_eq!(spring, Solid::new(0.0, 1e-5, 0.0));
     }
 }

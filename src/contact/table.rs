@@ -4,7 +4,7 @@
 //! numbers use the last entry. The kind of law is the same for all pairs and compiled in; only parameters are looked
 //! up.
 
-use crate::contact::{Bounce, CentredLaw, LawRequirements, Memory, Pair, PairForce, PairLaw};
+use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::particle::Species;
 use crate::space::Space;
 
@@ -38,13 +38,6 @@ impl<L> PairTable<L> {
     }
 }
 
-impl<V: Space, L: CentredLaw<V>> CentredLaw<V> for PairTable<L> {
-    #[inline(always)]
-    fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
-        self.of(pair.species).centred(pair, memory)
-    }
-}
-
 impl<L: LawRequirements> LawRequirements for PairTable<L> {
     const SPIN: bool = L::SPIN;
     const SPECIES: bool = true;
@@ -58,6 +51,15 @@ impl<V: Space, L: PairLaw<V>> PairLaw<V> for PairTable<L> {
     #[inline(always)]
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         self.of(pair.species).force(pair, memory)
+    }
+
+    #[inline(always)]
+    fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
+        self.of(pair.species).centred(pair, memory)
+    }
+
+    fn even_from(&self) -> f64 {
+        self.largest(PairLaw::even_from)
     }
 
     fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {

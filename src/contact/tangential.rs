@@ -98,13 +98,20 @@ impl NormalLoad {
     /// the middle of the step and the gain until the end (m/s); `mobilities` in 1/kg.
     #[inline(always)]
     #[must_use]
-    pub fn sweep<V: Space>(&self, motion: [V; 2], mobilities: [f64; 2], friction: f64, dt: f64) -> TangentialStep<V> {
+    pub fn sweep<V: Space>(
+        &self,
+        motion: [V; 2],
+        mobilities: [f64; 2],
+        friction: f64,
+        [dt, lead]: [f64; 2],
+    ) -> TangentialStep<V> {
         let [middle, gained] = motion;
         TangentialStep {
             middle,
             gained,
             mobilities,
             dt,
+            lead,
             event: self.event.map(|(ago, force, opens)| Event { ago, cap: friction * force.abs(), opens }),
             gathering: self.gathering,
             shares: self.shares,
@@ -156,7 +163,7 @@ pub trait Tangential: Copy + Send + Sync + 'static {
     );
 
     /// Returns the stored energy, J.
-    fn energy<V: Space>(&self, _memory: &Memory<V>) -> f64 {
+    fn energy<V: Space>(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> f64 {
         0.0
     }
 

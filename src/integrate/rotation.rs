@@ -64,6 +64,9 @@ fn kick_by<V: Space, const NUMBERS: usize, const SECOND: bool, const FIRST: bool
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) {
+    if store.predicts() {
+        return kick_centred::<V, NUMBERS, SECOND, FIRST>(dt, chunked, store);
+    }
     let ParticleStore { loads, rotation, movable_end: end, .. } = store;
     let sums = chunked.in_chunks(
         &loads.torque.entries::<NUMBERS>()[..*end],
@@ -78,6 +81,37 @@ fn kick_by<V: Space, const NUMBERS: usize, const SECOND: bool, const FIRST: bool
             if FIRST {
                 rotation.spin += gain;
             }
+        },
+    );
+    if SECOND {
+        store.spin_kick_sum = Some(sums.into_iter().fold(V::Spin::ZERO, |sum, one| sum + one));
+    }
+}
+
+/// Like [`kick_by`], and predicts spins.
+fn kick_centred<V: Space, const NUMBERS: usize, const SECOND: bool, const FIRST: bool>(
+    dt: f64,
+    chunked: &ChunkedPass,
+    store: &mut ParticleStore<V>,
+) {
+    store.prediction.middle_spin.resize(store.rotation.len(), V::Spin::ZERO);
+    let ParticleStore { loads, rotation, prediction, movable_end: end, .. } = store;
+    let share = prediction.share;
+    let sums = chunked.in_chunks_of_two(
+        &loads.torque.entries::<NUMBERS>()[..*end],
+        (&mut rotation[..*end], &mut prediction.middle_spin[..*end]),
+        #[inline(always)]
+        |torque, rotation, middle, sum: &mut V::Spin| {
+            let gain = half_kick(torque[0], dt, rotation.inverse_inertia);
+            let mut spin = if SECOND { *middle + gain } else { rotation.spin };
+            if SECOND {
+                *sum += kick_term(torque, spin);
+            }
+            if FIRST {
+                *middle = spin + gain;
+                spin = *middle + gain * share;
+            }
+            rotation.spin = spin;
         },
     );
     if SECOND {

@@ -18,6 +18,7 @@ use std::ops::Add;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
+use crate::integrate::centred;
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Part, Phase, Step};
 use crate::store::{
@@ -27,7 +28,7 @@ use crate::store::{
 
 /// Returns the gain of velocity (m/s) by a force (N) in half a step; `dt` is the step, s.
 #[inline]
-fn half_kick<V: Space>(force: V, dt: f64, inverse_mass: f64) -> V {
+pub(super) fn half_kick<V: Space>(force: V, dt: f64, inverse_mass: f64) -> V {
     force * (0.5 * dt * inverse_mass)
 }
 
@@ -39,6 +40,9 @@ fn drift<V: Space>(
 ) {
     store.half_step = 0.5 * clock.dt;
     store.stale.add(MirrorSet::POSITION.or(MirrorSet::VELOCITY).and(MirrorSet::FREE));
+    if store.predicts() {
+        return centred::drift(clock.dt, &chunked, second.is_pending, &mut store);
+    }
     match (store.tracks_energy, second.is_pending) {
         (true, true) => drift_by::<V, TOTAL_AND_DISSIPATIVE, true>(clock.dt, &chunked, &mut store),
         (true, false) => drift_by::<V, TOTAL_AND_DISSIPATIVE, false>(clock.dt, &chunked, &mut store),
@@ -96,7 +100,9 @@ fn drift_with<V: Space, const NUMBERS: usize, const PENDING: bool>(
 
 /// Makes the second kick. It also sums [`ParticleStore::kick_sum`], which saves a pass.
 fn kick<V: Space>((clock, chunked): (Res<Clock>, ChunkedPass), mut store: ResMut<ParticleStore<V>>) {
-    let sum = if store.tracks_energy {
+    let sum = if std::mem::take(&mut store.prediction.is_ahead) {
+        centred::kick(clock.dt, &chunked, &mut store)
+    } else if store.tracks_energy {
         kick_by::<V, TOTAL_AND_DISSIPATIVE>(clock.dt, &chunked, &mut store)
     } else {
         kick_by::<V, TOTAL>(clock.dt, &chunked, &mut store)

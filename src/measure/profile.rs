@@ -212,7 +212,7 @@ mod tests {
         for (n, &(position, velocity, radius)) in (0u32..).zip(grains) {
             store.id.push(GrainId::grain(n).unwrap());
             store.entity.push(Entity::PLACEHOLDER);
-            store.body.push(Body { position, velocity, radius, inverse_mass: 0.5 });
+            store.body.push(Body { position, velocity, radius, inverse_mass: 0.5, middle: Default::default() });
             store.mass.push(2.0);
             store.species.push(Species(u8::try_from(n % 2).unwrap()));
         }

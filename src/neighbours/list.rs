@@ -26,6 +26,8 @@ pub struct PairList {
     /// For each block: the end of its pairs in `pairs`, and the [end of their slots](end_of).
     blocks: Vec<[usize; 2]>,
     tasks: Vec<Task>,
+    /// Number of changes of the list.
+    version: u64,
 }
 
 /// Rows and pairs that one thread sums.
@@ -48,6 +50,12 @@ impl PairList {
     #[must_use]
     pub fn pairs(&self) -> &[Candidate] {
         &self.pairs
+    }
+
+    /// Returns the number of changes of the list so far.
+    #[must_use]
+    pub fn version(&self) -> u64 {
+        self.version
     }
 
     /// Returns the candidates of block `number`, and the [end](end_of) of their slots.
@@ -114,6 +122,7 @@ impl PairList {
 
     /// Assigns `rows` rows to at most `threads` tasks, in whole blocks of `size` rows.
     pub(super) fn assign_tasks(&mut self, rows: usize, threads: usize, size: usize) {
+        self.version += 1;
         let pairs = &self.pairs;
         let row_of = |border: usize| pairs.partition_point(|pair| pair.first() < border);
         self.blocks.clear();

@@ -109,7 +109,7 @@ impl<V: Space> Search<V> {
             Method::Cells(cells) => {
                 cells.fill(store.body.iter().map(|body| body.position));
                 let range_check = if renumbered { cells.check_range(store) } else { Ok(()) };
-                cells.set_reach(store.margin);
+                cells.set_reach(store.prediction.margin);
                 // The list is made even after an error, so that the state left by the failed step has a valid list.
                 cells.find(store, &mut self.list);
                 self.list.assign_tasks(store.len(), threads.count(), BLOCK);
@@ -138,7 +138,7 @@ impl<V: Space> ParticleStore<V> {
     /// Returns whether the contact law must test this pair.
     fn may_touch(&self, i: usize, j: usize) -> bool {
         // Summed in the same order as in the kernel, so that both agree to the last bit.
-        let reach = self.body[i].radius + self.body[j].radius + self.margin;
+        let reach = self.body[i].radius + self.body[j].radius + self.prediction.margin;
         self.separation(self.body[i].position, self.body[j].position).length_squared() < reach * reach
     }
 }

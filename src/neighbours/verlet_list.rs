@@ -53,23 +53,24 @@ impl<V: Space> VerletList<V> {
 
     /// Returns the nearly exhausted particles if any particle has used up its allowance, else none.
     pub(super) fn exhausted(&mut self, store: &ParticleStore<V>) -> Vec<u32> {
-        if !self.trigger.has_fired(store.travel_meter(), store.margin) {
+        if !self.trigger.has_fired(store.travel_meter(), store.prediction.margin) {
             return Vec::new();
         }
-        let left = |(body, anchor): (&Body<V>, &Anchor<V>)| {
-            // With velocity prediction, pairs that touch within the look-ahead time must be listed too.
-            let ahead = store.lookahead * body.velocity.extent();
+        let left = |(i, (body, anchor)): (usize, (&Body<V>, &Anchor<V>))| {
+            // With centred contacts, pairs that touch within the look-ahead time must be listed too.
+            let ahead = store.prediction.lookahead * store.middle_velocity(i).extent();
             anchor.allowance - ahead - store.separation(body.position, anchor.position).length()
         };
-        let particles = || store.body.iter().zip(&self.anchors);
+        let particles = || store.body.iter().zip(&self.anchors).enumerate();
         let least = particles().map(left).fold(f64::INFINITY, f64::min);
         self.trigger = DisplacementTrigger::for_distance(store.travel_meter(), least);
         if least > 0.0 {
             return Vec::new();
         }
         // Particles that would exhaust their allowance soon are included, so that one update serves them all.
-        let nearly =
-            |&(_, particle): &(u32, (&Body<V>, &Anchor<V>))| left(particle) < NEARLY_EXHAUSTED * particle.1.allowance;
+        let nearly = |&(_, particle): &(u32, (usize, (&Body<V>, &Anchor<V>)))| {
+            left(particle) < NEARLY_EXHAUSTED * particle.1.1.allowance
+        };
         (0u32..).zip(particles()).filter(nearly).map(|(i, _)| i).collect()
     }
 

@@ -137,6 +137,17 @@ pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64
     /// A row of grid cells along x: the cell numbers along the other axes.
     type Row: Copy + Debug + PartialEq + Send + Sync + 'static;
 
+    /// What a body stores of the velocity in the middle of a step. In the plane it fills up a cache line.
+    type Inside: Copy + Default + Debug + Send + Sync + 'static;
+    /// What is stored of it apart from the body: in solid space, whose bodies fill a cache line without it.
+    type Apart: Copy + Default + Debug + Send + Sync + 'static;
+
+    /// Returns the velocity in the middle of a step.
+    fn middle(inside: &Self::Inside, apart: &Self::Apart) -> Self;
+
+    /// Stores the velocity in the middle of a step.
+    fn set_middle(velocity: Self, inside: &mut Self::Inside, apart: &mut Self::Apart);
+
     /// Returns the first components of a padded vector.
     #[must_use]
     fn narrow(padded: Solid) -> Self;

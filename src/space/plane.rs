@@ -34,6 +34,19 @@ impl Linear for Plane {
 impl Space for Plane {
     const COMPONENTS: usize = 2;
     const DIMENSION: Dimension = Dimension::Plane;
+    type Inside = Self;
+    type Apart = ();
+
+    #[inline(always)]
+    fn middle(inside: &Self, (): &()) -> Self {
+        *inside
+    }
+
+    #[inline(always)]
+    fn set_middle(velocity: Self, inside: &mut Self, (): &mut ()) {
+        *inside = velocity;
+    }
+
     type Spin = f64;
     type Row = [i64; 1];
 

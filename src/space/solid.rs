@@ -34,6 +34,19 @@ impl Linear for Solid {
 impl Space for Solid {
     const COMPONENTS: usize = 3;
     const DIMENSION: Dimension = Dimension::Solid;
+    type Inside = ();
+    type Apart = Self;
+
+    #[inline(always)]
+    fn middle((): &(), apart: &Self) -> Self {
+        *apart
+    }
+
+    #[inline(always)]
+    fn set_middle(velocity: Self, (): &mut (), apart: &mut Self) {
+        *apart = velocity;
+    }
+
     type Spin = Self;
     type Row = [i64; 2];
 

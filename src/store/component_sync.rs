@@ -79,7 +79,7 @@ impl<V: Space> ParticleStore<V> {
     fn end_added(&mut self) {
         let rows = self.added.iter().zip(&self.body).enumerate().take(self.movable_end);
         let power = rows.map(|(i, (added, body))| {
-            added.dot(body.velocity + self.loads.force.of(i) * (self.half_step * body.inverse_mass))
+            added.dot(self.middle_velocity(i) + self.loads.force.of(i) * (self.half_step * body.inverse_mass))
         });
         self.added_power = (!self.added.is_empty()).then(|| power.fold(0.0, |sum, power| sum + power));
     }

@@ -96,7 +96,7 @@ impl<V: Space> Mirror<V> for Velocity<V> {
     }
 
     fn write_to(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
-        store.body[i].velocity = self.0;
+        store.set_velocity(i, self.0, false);
         store.is_suspect |= !self.0.is_finite();
     }
 }
@@ -125,8 +125,8 @@ impl<V: Space> Mirror<V> for Spin<V::Spin> {
     }
 
     fn write_to(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
-        if let Some(rotation) = store.rotation.get_mut(i) {
-            rotation.spin = self.0;
+        if i < store.rotation.len() {
+            store.set_spin(i, self.0, false);
             store.is_suspect |= !self.0.is_finite();
         }
     }

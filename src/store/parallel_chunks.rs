@@ -54,6 +54,39 @@ impl ChunkedPass<'_> {
         let shares = read.chunks(share).zip(written.chunks_mut(share));
         self.threads.share(shares.map(|(read, written)| || in_chunks(read, written))).into_iter().flatten().collect()
     }
+
+    /// Like [`Self::in_chunks`], and also writes a third column.
+    pub(crate) fn in_chunks_of_two<A: Sync, B: Send, C: Send, T: Default + Send>(
+        &self,
+        read: &[A],
+        (written, also): (&mut [B], &mut [C]),
+        each: impl Fn(&A, &mut B, &mut C, &mut T) + Sync,
+    ) -> Vec<T> {
+        let instructions = *self.instructions;
+        let chunk = |((read, written), also): ((&[A], &mut [B]), &mut [C])| {
+            instructions.run_narrow(
+                #[inline(always)]
+                || {
+                    let mut sum = T::default();
+                    for ((a, b), c) in read.iter().zip(written).zip(also) {
+                        each(a, b, c, &mut sum);
+                    }
+                    sum
+                },
+            )
+        };
+        let in_chunks = |read: &[A], written: &mut [B], also: &mut [C]| -> Vec<T> {
+            read.chunks(CHUNK).zip(written.chunks_mut(CHUNK)).zip(also.chunks_mut(CHUNK)).map(chunk).collect()
+        };
+        let (chunks, threads) = (written.len().div_ceil(CHUNK), self.threads.count());
+        if threads == 1 || chunks < MIN_SHARED_CHUNKS {
+            return in_chunks(read, written, also);
+        }
+        let share = chunks.div_ceil(threads) * CHUNK;
+        let shares = read.chunks(share).zip(written.chunks_mut(share)).zip(also.chunks_mut(share));
+        let shares = shares.map(|((read, written), also)| || in_chunks(read, written, also));
+        self.threads.share(shares).into_iter().flatten().collect()
+    }
 }
 
 #[cfg(test)]

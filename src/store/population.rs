@@ -160,14 +160,15 @@ impl<V: Space> ParticleStore<V> {
     }
 
     fn write_velocity(&mut self, row: usize, Velocity(v): Velocity<V>, pending: KickPending) {
-        self.body[row].velocity = v - self.pending_kick_gain(row, self.loads.force.of(row), pending);
+        let before_kick = v - self.pending_kick_gain(row, self.loads.force.of(row), pending);
+        self.set_velocity(row, before_kick, pending.0);
         self.is_suspect |= !v.is_finite();
     }
 
     fn write_force(&mut self, row: usize, Force(force): Force<V>, pending: KickPending) {
         let change = self.loads.force.of(row) - force;
         let correction = self.pending_kick_gain(row, change, pending);
-        self.body[row].velocity += correction;
+        self.set_velocity(row, self.body[row].velocity + correction, false);
         if let Some(added) = self.added.get_mut(row) {
             *added -= change;
         }
@@ -177,7 +178,8 @@ impl<V: Space> ParticleStore<V> {
 
     fn write_spin(&mut self, row: usize, Spin(spin): Spin<V::Spin>, pending: KickPending) {
         if row < self.rotation.len() {
-            self.rotation[row].spin = spin - self.pending_spin_gain(row, self.loads.torque.of(row), pending);
+            let before_kick = spin - self.pending_spin_gain(row, self.loads.torque.of(row), pending);
+            self.set_spin(row, before_kick, pending.0);
             self.is_suspect |= !spin.is_finite();
         }
     }
@@ -185,7 +187,7 @@ impl<V: Space> ParticleStore<V> {
     fn write_torque(&mut self, row: usize, Torque(torque): Torque<V::Spin>, pending: KickPending) {
         if row < self.rotation.len() {
             let correction = self.pending_spin_gain(row, self.loads.torque.of(row) - torque, pending);
-            self.rotation[row].spin += correction;
+            self.set_spin(row, self.rotation[row].spin + correction, false);
             self.loads.torque.set(row, torque);
             self.is_suspect |= !torque.is_finite();
         }

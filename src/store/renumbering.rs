@@ -28,10 +28,6 @@ impl<V: Space> ParticleStore<V> {
 /// Interval between checks of the spatial order of slots, in steps.
 pub const SORT_CHECK_INTERVAL: u64 = 1000;
 
-/// The assumed number of contacts of a grain without a count. A grain that has just entered counts as touched by
-/// several.
-pub(crate) const UNKNOWN_CONTACTS: u32 = 2;
-
 fn sort_if_needed<V: Space>(store: Res<ParticleStore<V>>, mut population: ResMut<Population>) {
     if store.is_unsorted() {
         population.renumber();

@@ -12,7 +12,7 @@ use crate::particle::{Fixed, Force, GrainId, Mass, Position, Radius, Slot, Speci
 use crate::space::Space;
 use crate::spin::{Inertia, Spin, Torque};
 use crate::store::spatial_sort::{Place, SpatialOrder};
-use crate::store::{Body, ParticleStore, Rotation, UNKNOWN_CONTACTS};
+use crate::store::{Body, ParticleStore, Rotation};
 
 /// The components of a particle.
 #[derive(QueryData)]
@@ -188,7 +188,8 @@ impl<V: Space> ParticleStore<V> {
     fn make_room(&mut self) {
         let Self { former, tracks_energy, inertia, loads, .. } = self;
         let (size, kept) = (former.len(), &former[..]);
-        let blank = Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0 };
+        let blank =
+            Body { position: V::ZERO, velocity: V::ZERO, radius: 0.0, inverse_mass: 0.0, middle: V::Inside::default() };
         rearrange(&mut self.entity, size, kept, Entity::PLACEHOLDER);
         rearrange(&mut self.body, size, kept, blank);
         rearrange(&mut self.mass, size, kept, 0.0);
@@ -198,8 +199,8 @@ impl<V: Space> ParticleStore<V> {
             rearrange(&mut self.rotation, size, kept, Rotation::default());
             loads.torque.rearrange(size, kept, *tracks_energy);
         }
-        if !loads.contacts.is_empty() {
-            rearrange(&mut loads.contacts, size, kept, UNKNOWN_CONTACTS);
+        if !self.prediction.lone.is_empty() {
+            rearrange(&mut self.prediction.lone, size, kept, 0);
         }
     }
 

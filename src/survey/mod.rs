@@ -97,7 +97,7 @@ impl<'a, V: Space> Survey<'a, V> {
         let (store, root, mut memories) = (self.store, self.law.needs_mass_root(), self.history.read_walls());
         for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
             for (index, wall) in self.walls.iter().enumerate().filter(|&(index, _)| accepts(i, Partner::Wall(index))) {
-                if let Some(pair) = geometry::touching_wall::<false, V>(store, i, wall, root, 0.0) {
+                if let Some(pair) = geometry::touching_wall(store, i, wall, root, 0.0) {
                     let memory = memories.look_up(i, index).unwrap_or_default();
                     visit(i, Partner::Wall(index), &pair, &memory);
                 }

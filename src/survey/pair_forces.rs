@@ -18,7 +18,8 @@
 //!
 //! Limits: the force is no part of the contact law. Friction is not capped by it. Its potential energy does not count
 //! as elastic; the energy balance counts its work as `added_work`. `check` does not know its stiffness. The wall loads
-//! of `walls.csv` do not contain it. Velocities are v(t+dt/2), so damping by such a force is first order. A force
+//! of `walls.csv` do not contain it. Velocities are v(t+dt/2), so damping by such a force is first
+//! order, unless the scheme predicts velocities (`Centred`, with drag or friction in the contact law). A force
 //! without these limits needs its own [`PairLaw`](crate::contact::PairLaw).
 
 use bevy_ecs::prelude::*;

@@ -33,7 +33,7 @@ impl<'a, V: Space> Survey<'a, V> {
         let rows = (0..store.movable_end).filter(|&i| store.is_present(i));
         let with_walls = rows.flat_map(move |i| {
             self.walls.iter().enumerate().filter_map(move |(index, wall)| {
-                let pair = geometry::touching_wall::<false, V>(store, i, wall, root, 0.0)?;
+                let pair = geometry::touching_wall(store, i, wall, root, 0.0)?;
                 Some(Touching { survey: self, row: i, partner: Partner::Wall(index), pair })
             })
         });

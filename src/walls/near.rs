@@ -22,7 +22,7 @@ impl NearWalls {
         if walls.is_empty() {
             return &[];
         }
-        if has_changed || self.trigger.has_fired(store.travel_meter(), store.margin) {
+        if has_changed || self.trigger.has_fired(store.travel_meter(), store.prediction.margin) {
             let grains = &store.body[..store.movable_end];
             let slack = grains.iter().map(|body| body.radius).fold(0.0, f64::max);
             self.pairs.clear();

@@ -10,8 +10,8 @@ use crate::store::TOTAL_AND_DISSIPATIVE;
 /// Forces, torques and losses of contacts, side by side.
 #[derive(Clone, Debug, Default)]
 pub struct ContactOutput<V: Space> {
-    /// Whether the two particles touch: 1 or 0. If 0, the other fields of the lane must not be read.
-    pub touches: Scalars,
+    /// Bits of the lanes whose particles turned out not to touch.
+    gaps: u64,
     /// Force on i, N: the total, and its dissipative part.
     forces: [Lanes<V>; TOTAL_AND_DISSIPATIVE],
     /// n x F_t, N: of the total tangential force, and of its dissipative part. Multiplied by the arms they give
@@ -27,11 +27,28 @@ pub struct ContactOutput<V: Space> {
 }
 
 impl<V: Space> ContactOutput<V> {
-    /// Returns whether the particles in a lane touch. With velocity prediction the law also evaluates pairs that may
-    /// touch within half a step; a pair that does not touch exerts no force.
+    /// Returns whether the particles in a lane touch. With centred contacts a batch also holds pairs that may touch within
+    /// half a step; a pair that does not touch exerts no force.
     #[inline(always)]
-    pub fn is_contact<L: LawRequirements>(&self, lane: usize) -> bool {
-        !L::PREDICTION || self.touches[lane] > 0.0
+    pub fn is_contact(&self, lane: usize) -> bool {
+        self.gaps >> lane & 1 == 0
+    }
+
+    /// Returns whether the particles touch in every lane.
+    #[inline(always)]
+    pub fn all_touch(&self) -> bool {
+        self.gaps == 0
+    }
+
+    /// Marks a lane whose particles do not touch.
+    pub(super) fn no_contact(&mut self, lane: usize) {
+        self.gaps |= 1 << lane;
+    }
+
+    /// Marks all lanes as contacts.
+    #[inline(always)]
+    pub fn clear_gaps(&mut self) {
+        self.gaps = 0;
     }
 
     /// Returns the force on i, N, as an entry of an [`Accumulator`](crate::store::Accumulator).
@@ -74,7 +91,7 @@ impl<V: Space> ContactOutput<V> {
         }
     }
 
-    /// Stores the numbers that only the energy balance needs.
+    /// Stores the numbers that only the energy balance needs. The velocities of `pair` are those of the dashpots.
     #[inline(always)]
     pub(super) fn store_energy_numbers<L: LawRequirements>(
         &mut self,
@@ -86,13 +103,11 @@ impl<V: Space> ContactOutput<V> {
         if L::SPIN {
             let turning = &force.turning;
             self.moments[1].set(lane, pair.normal.cross(turning.friction_drag));
-            let is_contact = self.is_contact::<L>(lane);
-            let lost = |lost: f64| if is_contact { lost } else { 0.0 };
-            self.lost[0][lane] = lost(turning.lost_by_sliding);
-            self.lost[2][lane] = lost(pair.dashpot_loss::<L>(turning));
+            self.lost[0][lane] = turning.lost_by_sliding;
+            self.lost[2][lane] = pair.dashpot_loss(turning);
             if L::ROLLING {
                 self.rolling_drag_torque.set(lane, turning.rolling_drag);
-                self.lost[1][lane] = lost(turning.lost_by_rolling);
+                self.lost[1][lane] = turning.lost_by_rolling;
             }
         }
     }

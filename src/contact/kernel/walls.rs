@@ -9,7 +9,7 @@ use crate::contact::kernel::worker::{Block, Worker};
 use crate::contact::lanes::LANES;
 use crate::contact::{LawRequirements, PairLaw};
 use crate::space::Space;
-use crate::store::{TOTAL, TOTAL_AND_DISSIPATIVE};
+use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::{Surfaces, WallLoad};
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
@@ -24,12 +24,10 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         let root = pass.law.needs_mass_root();
         for &contact in near {
             let ([i, wall], view) = (contact.both(), self.view);
-            let pair = if L::PREDICTION {
-                touching_wall::<true, V>(view, i, &pass.walls[wall], root, pass.dt)
-            } else {
-                touching_wall::<false, V>(view, i, &pass.walls[wall], root, pass.dt)
-            };
-            if let Some(pair) = pair {
+            if let Some(pair) = touching_wall(view, i, &pass.walls[wall], root, pass.window) {
+                if pass.window > 0.0 {
+                    self.batch.lone |= u64::from(view.prediction.lone[i]) << self.batch.len;
+                }
                 self.batch.push::<L>(contact, &pair);
                 if self.batch.len == LANES {
                     self.flush_walls(&mut block);
@@ -50,7 +48,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             self.batch.recall::<L>(cursor, |contact, memory| lost.add(pass.on_wall_contact_end(view, contact, memory)));
         }
         // For a wall contact the reach is the radius of the grain, so the share is 1.
-        if self.evaluate_law(1.0) {
+        if self.evaluate_law(1.0, ParticleStore::predict_with_wall) {
             for lane in 0..self.batch.len {
                 self.largest = self.largest.max(self.batch.bodies.overlap[lane] / self.batch.bodies.reach[lane]);
             }
@@ -68,8 +66,11 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     fn add_to_walls<const NUMBERS: usize>(&mut self) {
         let Self { sums, batch, on_walls, pass, .. } = self;
         sums.add_to_one::<L, NUMBERS, 0>(batch);
+        if pass.counts {
+            sums.count::<true, false>(batch);
+        }
         let block_start = on_walls.len() - pass.walls.len();
-        for lane in (0..batch.len).filter(|&lane| batch.output.is_contact::<L>(lane)) {
+        for lane in (0..batch.len).filter(|&lane| batch.output.is_contact(lane)) {
             let (load, force) =
                 (&mut on_walls[block_start + batch.pairs[lane].second()], batch.output.force::<NUMBERS>(lane));
             load.force -= force[0];

@@ -1,12 +1,12 @@
 //! The work of one thread in the contact pass.
 
-use crate::contact::batch::Batch;
+use crate::contact::batch::{Batch, EventStep, Predict};
 use crate::contact::force_accumulation::ForceAccumulation;
 use crate::contact::geometry::coincident;
 use crate::contact::history::{ContactLosses, HistoryBlock, HistoryCursor};
 use crate::contact::kernel::{HaloImport, Pass};
 use crate::contact::lanes::LANES;
-use crate::contact::{LawRequirements, Memory, PairLaw};
+use crate::contact::{LawRequirements, Memory, MemoryTimes, PairLaw};
 use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{self, Candidate, Task};
 use crate::periodic::{Metric, Open};
@@ -25,6 +25,8 @@ pub(super) struct Worker<'a, V: Space, L> {
     pub(super) largest: f64,
     /// Pairs of an own row and a wall that may touch and are not yet summed.
     pub(super) near: &'a [Candidate],
+    /// Candidates with a lone particle, ascending.
+    pub(super) lone: &'a [Candidate],
     /// Loads on the walls, block by block.
     pub(super) on_walls: &'a mut Vec<WallLoad<V>>,
 }
@@ -74,17 +76,23 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// pairs closer than the prediction margin are added too. Returns the candidates that are left. Branches on overlap
     /// are mispredicted often, so there is none: each candidate is written, and the batch grows only if it counts.
     fn fill_batch<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
-        match self.view.periodic {
-            None => self.fill_batch_by(Open, candidates),
-            Some(periodic) => self.fill_batch_by(periodic, candidates),
+        match (self.view.periodic, self.pass.window > 0.0) {
+            (None, false) => self.fill_batch_by::<false>(Open, candidates),
+            (Some(periodic), false) => self.fill_batch_by::<false>(periodic, candidates),
+            (None, true) => self.fill_batch_by::<true>(Open, candidates),
+            (Some(periodic), true) => self.fill_batch_by::<true>(periodic, candidates),
         }
     }
 
     /// Fills the batch like [`Self::fill_batch`], with separations measured by `metric`.
     #[inline(always)]
-    fn fill_batch_by<'c>(&mut self, metric: impl Metric<V>, candidates: &'c [Candidate]) -> &'c [Candidate] {
+    fn fill_batch_by<'c, const CENTRED: bool>(
+        &mut self,
+        metric: impl Metric<V>,
+        candidates: &'c [Candidate],
+    ) -> &'c [Candidate] {
         let (bodies, batch, pass) = (&self.view.body[..], &mut *self.batch, self.pass);
-        let margin = if L::PREDICTION { self.view.margin } else { 0.0 };
+        let limits = [pass.window, self.view.prediction.margin];
         pass.instructions.run_narrow(
             #[inline(always)]
             || {
@@ -94,10 +102,9 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
                 {
                     let [body, other] = candidate.both().map(|entry| &bodies[entry]);
                     batch.pairs[end] = candidate;
-                    let (squared, reach) = batch.bodies.take::<L>(end, &metric, [body, other]);
-                    let farthest = if L::PREDICTION { reach + margin } else { reach };
+                    let (squared, farthest) = batch.bodies.take::<L, CENTRED>(end, &metric, [body, other], limits);
                     // Written so that a NaN does not touch: the finite-value check reports it at the end of the step.
-                    end += usize::from(squared < farthest * farthest);
+                    end += usize::from(squared < farthest);
                 }
                 batch.len = end;
                 left.as_slice()
@@ -105,10 +112,26 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         )
     }
 
+    /// Marks the contacts with a lone particle, in a batch of own rows. Such batches come in ascending order.
+    #[inline]
+    fn mark_lone(&mut self) {
+        let pairs = &self.batch.pairs[..self.batch.len];
+        let (Some(&last), mut lane) = (pairs.last(), 0) else { return };
+        while let Some((&pair, rest)) = self.lone.split_first()
+            && pair <= last
+        {
+            self.lone = rest;
+            while pairs[lane] < pair {
+                lane += 1;
+            }
+            self.batch.lone |= u64::from(pairs[lane] == pair) << lane;
+        }
+    }
+
     /// Loads the data that the law requires besides bodies: species, spins, velocity prediction.
     #[inline]
     fn load_requirements(&mut self) {
-        if !(L::SPECIES || L::SPIN || L::PREDICTION) {
+        if !(L::SPECIES || L::SPIN) {
             return;
         }
         let (batch, view) = (&mut *self.batch, self.view);
@@ -127,9 +150,6 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
                     if L::SPIN {
                         batch.spins.take(lane, pair.map(|entry| &rotations[entry]));
                     }
-                    if L::PREDICTION {
-                        batch.ahead.describe::<L>(lane, pair, view);
-                    }
                 }
             },
         );
@@ -147,7 +167,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             self.batch.bodies.part_coincident::<L>(self.batch.len, normal);
         }
         // A possible record is detected without division and without the two radii.
-        if self.evaluate_law(self.view.smallest_share) {
+        if self.evaluate_law(self.view.smallest_share, ParticleStore::predict_pair) {
             for (pair, overlap) in self.batch.pairs.iter().zip(self.batch.bodies.overlap.iter()).take(self.batch.len) {
                 let [i, j] = pair.both().map(|entry| self.view.body[entry].radius);
                 self.largest = self.largest.max(overlap / i.min(j));
@@ -158,15 +178,28 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// Evaluates the law in all lanes. Returns whether any overlap may be a record. `smallest_share` is a lower bound
     /// on the smaller radius of a pair divided by the sum of its radii.
     #[inline]
-    pub(super) fn evaluate_law(&mut self, smallest_share: f64) -> bool {
-        let Pass { law, dt, instructions, .. } = *self.pass;
+    pub(super) fn evaluate_law(&mut self, smallest_share: f64, predict: Predict<V>) -> bool {
+        let Pass { law, dt, window, starts, instructions, .. } = *self.pass;
+        let view = self.view;
+        if L::SPIN {
+            self.batch.spread_spins(instructions);
+        }
         // The last factor allows for rounding.
         let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
-        if self.view.tracks_energy {
-            self.batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, dt, instructions, deepest)
+        let even = law.even_from() * window;
+        let times = MemoryTimes { dt, lead: view.prediction.lead, spring_damping: view.prediction.spring_damping };
+        let (deeper, near_events) = if view.tracks_energy {
+            self.batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, times, instructions, [deepest, even])
         } else {
-            self.batch.evaluate::<L, TOTAL>(law, dt, instructions, deepest)
+            self.batch.evaluate::<L, TOTAL>(law, times, instructions, [deepest, even])
+        };
+        self.batch.output.clear_gaps();
+        if window > 0.0 && (near_events > 0 || self.batch.lone != 0) {
+            let step = EventStep { store: view, predict, starts, instructions };
+            self.batch.evaluate_events::<L>(law, MemoryTimes { spring_damping: 0.0, ..times }, &step);
+            self.batch.lone = 0;
         }
+        deeper > 0
     }
 
     /// Adds the forces of the batch to own particles; the first particles of these pairs belong to other threads.
@@ -175,11 +208,17 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             let memory = self.halo.next(self.batch.pairs[lane]).unwrap_or_default();
             self.batch.memory.set::<L>(lane, &memory);
         }
+        for (lane, pair) in self.batch.pairs[..self.batch.len].iter().enumerate() {
+            self.batch.lone |= u64::from(self.pass.lone.binary_search(pair).is_ok()) << lane;
+        }
         self.evaluate_batch();
         if self.view.tracks_energy {
             self.sums.add_to_one::<L, TOTAL_AND_DISSIPATIVE, 1>(self.batch);
         } else {
             self.sums.add_to_one::<L, TOTAL, 1>(self.batch);
+        }
+        if self.pass.counts {
+            self.sums.count::<false, true>(self.batch);
         }
         self.batch.len = 0;
     }
@@ -191,6 +230,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             self.batch
                 .recall::<L>(cursor, |contact, memory| lost.add(self.pass.on_contact_end(self.view, contact, memory)));
         }
+        self.mark_lone();
         self.evaluate_batch();
         self.store_results(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
         let tracks_energy = self.view.tracks_energy;
@@ -205,6 +245,9 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
                 }
             },
         );
+        if self.pass.counts {
+            self.sums.count::<true, true>(self.batch);
+        }
         self.batch.len = 0;
     }
 
@@ -223,14 +266,14 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             return;
         }
         let contacts = &batch.pairs[..batch.len.min(LANES)];
-        if !L::PREDICTION || (0..contacts.len()).all(|lane| batch.output.is_contact::<L>(lane)) {
-            cursor.remember_all::<L>(contacts, &batch.memory);
+        if batch.output.all_touch() {
+            cursor.remember_all::<L>(contacts, &batch.memory_after);
             return;
         }
         cursor.prepare_single::<L>(contacts);
         for (lane, &contact) in contacts.iter().enumerate() {
-            if batch.output.is_contact::<L>(lane) {
-                cursor.remember::<L>(contact, &batch.memory.get::<L>(lane));
+            if batch.output.is_contact(lane) {
+                cursor.remember::<L>(contact, &batch.memory_after.get::<L>(lane));
             } else if batch.is_known[lane] {
                 // The contact has ended, but the law has already advanced its memory. The previous memory gives the
                 // loss.

@@ -45,7 +45,7 @@ impl Tangential for Dashpot {
         let slider = Slider { stiffness: 0.0, drag, cap: self.friction * load.whole.abs() };
         let pull = slider.pull_centred(
             &mut V::default(),
-            &load.sweep(motion, mobilities, self.friction, pair.dt),
+            &load.sweep(motion, mobilities, self.friction, [pair.dt, pair.lead]),
             pair.normal,
         );
         turning.is_sliding = pull.is_sliding;

@@ -4,7 +4,7 @@
 //! A [`Modulus`] gives stiffness and drag, constant or dependent on the contact.
 
 use crate::contact::damping::Coefficient;
-use crate::contact::spring::{Slider, lost_at_contact_end};
+use crate::contact::spring::{Slider, at_evaluation, lost_at_contact_end};
 use crate::contact::tangential::{Lever, NormalLoad, Tangential};
 use crate::contact::{Bounce, Memory, Pair, Turning};
 use crate::space::Space;
@@ -106,13 +106,21 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         turning: &mut Turning<V>,
     ) {
         let (stiffness, drag) = self.modulus.of(pair, normal_drag);
-        if M::VARIES {
-            turning.lost_by_sliding = Self::adapt(stiffness, memory);
-        }
         turning.arms = self.lever.arms(pair);
         let velocity = pair.sliding_velocity(turning.arms);
+        let mut dt = pair.dt;
+        if M::VARIES {
+            if pair.lead > 0.0 {
+                dt *= Self::mean_stiffness(memory.stiffness, stiffness);
+            }
+            let ahead = velocity * pair.lead;
+            memory.spring -= ahead;
+            turning.lost_by_sliding = Self::adapt(stiffness, memory);
+            memory.spring += ahead;
+        }
+        let drag = drag + stiffness * pair.spring_damping;
         let slider = Slider { stiffness, drag, cap: self.friction * normal_force.abs() };
-        let pull = slider.pull(&mut memory.spring, velocity, pair.normal, pair.dt);
+        let pull = slider.pull(&mut memory.spring, velocity, pair.normal, [dt, pair.lead]);
         turning.friction = pull.force;
         turning.friction_drag = pull.drag;
         turning.lost_by_sliding += pull.lost;
@@ -131,7 +139,8 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         let (stiffness, drag) = self.modulus.of(&pair.at_overlap(pair.overlap), load.drag);
         turning.arms = self.lever.arms(pair);
         let (motion, mobilities) = pair.sliding(turning.arms);
-        let mut sweep = load.sweep(motion, mobilities, self.friction, pair.dt);
+        memory.spring = at_evaluation(memory.spring, motion, pair.lead);
+        let mut sweep = load.sweep(motion, mobilities, self.friction, [pair.dt, pair.lead]);
         sweep.pulled = memory.spring * -self.modulus.remembered(memory.stiffness);
         if M::VARIES {
             sweep.gathering *= Self::mean_stiffness(memory.stiffness, stiffness);
@@ -147,13 +156,15 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         turning.is_sliding = pull.is_sliding;
     }
 
-    fn energy<V: Space>(&self, memory: &Memory<V>) -> f64 {
-        0.5 * self.modulus.remembered(memory.stiffness) * memory.spring.length_squared()
+    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        let spring = memory.spring - pair.sliding_velocity(self.lever.arms(pair)) * pair.lead;
+        0.5 * self.modulus.remembered(memory.stiffness) * spring.length_squared()
     }
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
         let velocity = pair.sliding_velocity(self.lever.arms(pair));
-        lost_at_contact_end(self.modulus.remembered(memory.stiffness), memory.spring, velocity, pair.dt)
+        let spring = memory.spring - velocity * pair.lead;
+        lost_at_contact_end(self.modulus.remembered(memory.stiffness), spring, velocity, pair.dt)
     }
 
     fn mode(&self, bounce: &Bounce, normal_drag: f64) -> [f64; 2] {

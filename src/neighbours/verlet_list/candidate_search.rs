@@ -139,6 +139,7 @@ mod tests {
             velocity: Solid::new(0.0, speed, 0.0),
             radius: 0.05 + 0.02 * x,
             inverse_mass: 1.0,
+            middle: (),
         };
         let sides = PeriodicSides { x: Some((0.0, 1.0)), ..PeriodicSides::default() };
         ParticleStore {

@@ -105,7 +105,13 @@ mod tests {
     fn store(places: &[(f64, f64)], fixed: usize, former: Vec<Slot>) -> ParticleStore {
         let body = |&(x, y): &(f64, f64)| {
             let radius = 0.05 + 0.02 * x;
-            Body { position: Plane::new(x, y), velocity: Plane::new(y, 0.1), radius, inverse_mass: 1.0 }
+            Body {
+                position: Plane::new(x, y),
+                velocity: Plane::new(y, 0.1),
+                radius,
+                inverse_mass: 1.0,
+                middle: Plane::ZERO,
+            }
         };
         let id = (0u32..).zip(places).filter_map(|(number, _)| GrainId::grain(number)).collect();
         let body = places.iter().map(body).collect();

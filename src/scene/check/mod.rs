@@ -48,6 +48,10 @@ pub struct Estimates {
     pub pair_limit: f64,
     /// Largest stable step in a dense bed, s.
     pub bed_limit: f64,
+    /// Largest damping rate c/(2 m) of any contact, 1/s.
+    pub damping_rate: f64,
+    /// Numerical damping that tangential and rolling springs need so that a bed without dashpots gains no energy, s.
+    pub spring_damping: f64,
     /// Speed of a grain after a fall to the lowest point of the scene, m/s.
     pub impact_speed: f64,
     /// Overlap over radius in an undamped impact of two smallest grains at that speed.
@@ -91,6 +95,8 @@ impl Estimates {
             restitution: law.restitution(&bounce),
             pair_limit: least(&|pair| pair.lone_limit(scene.integrator)),
             bed_limit: least(&|pair| pair.bed_limit(scene.integrator, scene.space)),
+            damping_rate: pairs.iter().map(SpeciesPair::damping_rate).fold(0.0, f64::max),
+            spring_damping: f64::NAN,
             impact_speed,
             impact_overlap: law.deepest(&Bounce { speed: impact_speed, ..bounce }) / radius,
             static_overlap: carried_at_the_bottom(loaded, radius) / law.stiffness(&bounce) / radius,
@@ -100,6 +106,8 @@ impl Estimates {
             TimeStep::Fixed(dt) => dt.get(),
             TimeStep::Auto { error } => step::automatic(&estimates, error.get()).dt,
         };
+        let damping = |pair: &SpeciesPair| pair.spring_damping(estimates.dt);
+        estimates.spring_damping = pairs.iter().map(damping).fold(0.0, f64::max);
         Some(estimates)
     }
 }
@@ -120,16 +128,22 @@ pub fn hardest(loaded: &Loaded) -> Option<(SpeciesPair, f64)> {
 fn impact_speed(loaded: &Loaded) -> f64 {
     let floor = lowest_point(loaded);
     let g = loaded.scene.gravity.padded().length();
-    let up = loaded.scene.space.count() - 1;
+    let up = up(loaded);
     let fall = |height: f64, speed: f64| (speed * speed + 2.0 * g * (height - floor).max(0.0)).sqrt();
     let start = loaded.grains.iter().map(|grain| fall(grain.position[up], grain.velocity.length()));
     let released = loaded.scene.spawner.iter().map(|s| fall(s.point.padded()[up], s.velocity.padded().length()));
     start.chain(released).fold(0.0, f64::max)
 }
 
+/// The axis that points up: the axis along which gravity is strongest, or the last axis without gravity.
+fn up(loaded: &Loaded) -> usize {
+    let gravity = loaded.scene.gravity.padded();
+    (0..loaded.scene.space.count()).max_by(|&a, &b| gravity[a].abs().total_cmp(&gravity[b].abs())).unwrap_or(0)
+}
+
 fn lowest_point(loaded: &Loaded) -> f64 {
-    let discs = loaded.wall_discs().into_iter().map(|disc| disc.centre.y);
-    let up = loaded.scene.space.count() - 1;
+    let up = up(loaded);
+    let discs = loaded.wall_discs().into_iter().map(|disc| disc.centre[up.min(1)]);
     let surfaces = loaded.scene.walls.iter().filter_map(|wall| match wall {
         Wall::HalfPlane { point, .. } => Some(point.padded()[up]),
         Wall::Segment { from, to, .. } => Some(from.padded()[up].min(to.padded()[up])),

@@ -92,25 +92,61 @@ impl SpeciesPair {
         step::limit(scheme, weight * k, weight * c, self.bounce.reduced_mass)
     }
 
+    /// c/(2 m) along the normal, 1/s.
+    #[must_use]
+    pub fn damping_rate(&self) -> f64 {
+        0.5 * self.law.0.damping(&self.bounce) / self.bounce.reduced_mass
+    }
+
+    /// Numerical damping that tangential and rolling springs need in steps of `dt` (s) so that a bed without dashpots gains
+    /// no energy, s: see [`crate::integrate::centred`].
+    #[must_use]
+    pub fn spring_damping(&self, dt: f64) -> f64 {
+        // The bound of solid space serves both spaces, so that coplanar spheres move like discs.
+        let ([_, tangential, rolling], weights) = (self.motions(), self.bed_weights(Dimension::Solid));
+        let missing = |Pull { k, c, .. }: Pull, weight: f64| {
+            // A dashpot takes more energy than the springs of a coarse step give.
+            if k > 0.0 { 0.25 * weight * k * dt.powi(3) / self.bounce.reduced_mass - c / k } else { 0.0 }
+        };
+        let tangential = missing(tangential, weights.sliding.max(weights.turning));
+        tangential.max(missing(rolling, weights.rolling)).clamp(0.0, 0.5 * dt)
+    }
+
     /// Largest stable step of a grain surrounded by contacts of this kind, s.
     #[must_use]
     pub fn bed_limit(&self, scheme: Integrator, space: Dimension) -> f64 {
-        let [normal, tangential, rolling] = self.motions();
+        let ([normal, tangential, rolling], weights) = (self.motions(), self.bed_weights(space));
         let times = |weight: f64, pull: Pull| Pull { weight, ..pull };
+        let (normal, sliding) = (times(weights.normal, normal), times(weights.sliding, tangential));
+        let straight = if self.is_wall { [vec![normal], vec![sliding]] } else { [vec![normal, sliding], Vec::new()] };
+        let turning = [vec![times(weights.turning, tangential)], vec![times(weights.rolling, rolling)]];
+        let all = straight.iter().chain(&turning);
+        all.map(|pulls| step::in_crowd(scheme, pulls, self.bounce.reduced_mass)).fold(f64::INFINITY, f64::min)
+    }
+
+    /// Weights of the contacts of a grain surrounded by contacts of this kind, in the worst motions.
+    fn bed_weights(&self, space: Dimension) -> BedWeights {
         let (z, d) = match space {
             Dimension::Plane => (6.0, 2.0),
             Dimension::Solid => (12.0, 3.0),
         };
         let around = if self.is_wall { 2.0 } else { z / if space == Dimension::Solid { 1.5 } else { 1.0 } };
-        let straight = if self.is_wall {
-            [vec![times(2.0, normal)], vec![times(2.0, tangential)]]
-        } else {
-            [vec![times(z / d, normal), times(z * (d - 1.0) / d, tangential)], Vec::new()]
-        };
-        let turning = [vec![times(around / self.inertia, tangential)], vec![times(around * self.rolling, rolling)]];
-        let all = straight.iter().chain(&turning);
-        all.map(|pulls| step::in_crowd(scheme, pulls, self.bounce.reduced_mass)).fold(f64::INFINITY, f64::min)
+        BedWeights {
+            normal: if self.is_wall { 2.0 } else { z / d },
+            sliding: if self.is_wall { 2.0 } else { z * (d - 1.0) / d },
+            turning: around / self.inertia,
+            rolling: around * self.rolling,
+        }
     }
+}
+
+/// Weights of the contacts around a grain: along normals and tangents if neighbours move, along tangents and in rolling if
+/// they turn.
+struct BedWeights {
+    normal: f64,
+    sliding: f64,
+    turning: f64,
+    rolling: f64,
 }
 
 /// All pairs of the lightest bodies, meeting at this speed (m/s).
@@ -262,6 +298,24 @@ mod tests {
         assert!(scene("0.0199").is_ok());
         let fault = scene("0.0201").unwrap_err().to_string();
         assert!(fault.contains("species 0 with a wall of species 1") && fault.contains("2.000e-2 s"), "{fault}");
+    }
+
+    #[test]
+    fn damping_rate_and_numerical_damping_agree_with_closed_forms() {
+        // Two grains of 1 kg, so a reduced mass of 0.5 kg; k = 1e4 N/m, c = 2 N s/m.
+        let scene = |tangential: &str| {
+            let keys = "contact: Linear(k: 1.0e4, damping: B(2.0), tangential: Spring(k: 4.0e3, friction: 0.5, ";
+            let rest = "mass: ArealSquare(100.0), step: Fixed(1.0e-3), inertia: Disc";
+            scene(&format!("{keys}damping: {tangential})), {rest}, {}", spawner(2, "Fixed(0.1)"))).unwrap()
+        };
+        let pair = |tangential: &str| all(&scene(tangential), 1.0).remove(0);
+        assert!((pair("B(0.0)").damping_rate() - 2.0).abs() < 1e-14);
+        // The stiffest motion is turning: weight 8/(1/2), so (w dt)^2 = 16 k_t dt^2/m. A quarter of a step of that is missing.
+        let (dt, whole) = (1e-3, 0.25 * 16.0 * 4.0e3 * 1e-9 / 0.5);
+        assert!((pair("B(0.0)").spring_damping(dt) - whole).abs() < 1e-15);
+        // A dashpot of 0.1 N s/m counts as 0.1/k_t, and a strong one leaves nothing to add.
+        assert!((pair("B(0.1)").spring_damping(dt) - (whole - 0.1 / 4.0e3)).abs() < 1e-15);
+        assert!(pair("B(1.0)").spring_damping(dt).abs() < f64::MIN_POSITIVE);
     }
 
     #[test]

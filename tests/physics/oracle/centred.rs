@@ -1,5 +1,10 @@
 //! Forces of a contact under the centred scheme, as documented in `siloflow::contact::centred`.
 //!
+//! Most contacts of a bed act by `plain` with velocities v + beta h a, predicted for the end of the step, and with springs
+//! stored half a step ahead. A contact takes the averaged force below if its overlap is less than 3 w (8 w for Hertz's
+//! law), with w from the predicted velocity, or if one of its particles had at most one contact when contacts were last
+//! counted, in every eighth step. A gap acts only if it is also less than 1.25 h |v_n| with the predicted velocity.
+//!
 //! With h = dt/2, closing speed u in the middle of the step, w = h |u|, current overlap delta and previous overlap
 //! delta_t = delta - dt u:
 //!
@@ -13,11 +18,11 @@
 //!   theta, changed sign.
 
 use crate::oracle::law::{Normal, Rolling, Terms};
-use crate::oracle::plain::{Action, Memory, PairState, adapt, rolling_drag};
+use crate::oracle::plain::{Action, Memory, PairState, adapt, mean_stiffness, plain, rolling_drag};
 use crate::oracle::vector::V;
 
 /// Velocity change of both particles in half a step by the forces of its beginning, and their mobilities.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub struct VelocityPrediction {
     /// h (a_i - a_j), m/s.
     pub velocity: V,
@@ -152,6 +157,24 @@ pub fn centred(
     Some(turn(terms, pair_state, ahead, memory, &load, drag))
 }
 
+/// Returns the action of a contact at the start of the run, averaged over the first half step `half` (s): the spring acts as
+/// it is, drag and friction in the share of the half step in which there is a contact.
+pub fn start(terms: &Terms, pair_state: &PairState, memory: &mut Memory, half: f64) -> Option<Action> {
+    let moved = -half * pair_state.velocity.dot(pair_state.normal);
+    let deepest = pair_state.overlap.max(pair_state.overlap + moved);
+    if deepest <= 0.0 {
+        return None;
+    }
+    let share = if moved == 0.0 { 1.0 } else { (deepest / moved.abs()).min(1.0) };
+    let touching = PairState { overlap: pair_state.overlap.max(0.0), ..*pair_state };
+    let whole = plain(terms, &touching, memory, [half, half, 0.0]);
+    if pair_state.overlap <= 0.0 {
+        *memory = Memory::default();
+    }
+    let spring = pair_state.normal * terms.spring(pair_state.reduced, touching.overlap);
+    Some(Action { force: spring + (whole.force - spring) * share, torques: whole.torques.map(|torque| torque * share) })
+}
+
 /// The assignment's law. Like [`centred`], but with vectors, because its damping acts on the full velocity.
 fn assignment(
     terms: &Terms,
@@ -212,8 +235,10 @@ fn turn(
             middle: pair_state.sliding(pair_state.velocity, spins, levers),
             gained: pair_state.sliding(ahead.velocity, ahead.spins, levers),
             halves: ahead.halves(load.dt, [mobility(0), mobility(1)]),
-            pulled: memory.spring * -stiffness,
+            pulled: V::default(),
         };
+        memory.spring = at_start(memory.spring, &motion, load.dt);
+        motion.pulled = memory.spring * -stiffness;
         let mut load = *load;
         if terms.stiffness_varies() {
             let before = memory.stiffness;
@@ -227,28 +252,23 @@ fn turn(
     }
     if let Some(Rolling { k, damping, mu }) = terms.law.rolling {
         let mobilities = ahead.inverse_inertias.map(|inverse| pair_state.reduced.radius.powi(2) * inverse);
-        let motion = Motion {
+        let mut motion = Motion {
             middle: pair_state.rolling(spins),
             gained: pair_state.rolling(ahead.spins),
             halves: ahead.halves(load.dt, mobilities),
-            pulled: memory.rolling * -k,
+            pulled: V::default(),
         };
+        memory.rolling = at_start(memory.rolling, &motion, load.dt);
+        motion.pulled = memory.rolling * -k;
         let numbers = [k, rolling_drag(damping, pair_state.reduced), mu];
         rolling = slide(&mut memory.rolling, numbers, &motion, load, pair_state.normal);
     }
     pair_state.act(load.averaged[1], friction, levers, rolling)
 }
 
-/// Returns the mean stiffness of a step over the stiffness at its end. From zero the stiffness grows with the square
-/// root of time.
-fn mean_stiffness(before: f64, now: f64) -> f64 {
-    if before >= now {
-        1.0
-    } else if before > 0.0 {
-        0.5 + 0.5 * before / now
-    } else {
-        2.0 / 3.0
-    }
+/// Returns the stretch of a spring at the beginning of the step. Springs are stored half a step ahead; a new one is empty.
+fn at_start(stored: V, motion: &Motion, dt: f64) -> V {
+    if stored == V::default() { stored } else { stored - (motion.middle - motion.gained) * (0.5 * dt) }
 }
 
 /// Advances a slider and returns its averaged force.
@@ -283,6 +303,11 @@ fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoa
     } else if is_beyond {
         after = loaded(whole, middle + gained + (whole * share - earlier) * half_lone, after);
     }
+    let force = (whole * share).cut(mu * load.averaged[1].abs()).0;
+    // Stored half a step ahead, with the velocity of the step's end that this force gives.
+    if load.accumulation_time > 0.0 {
+        after += (middle + gained + (force - earlier) * half_lone) * (0.5 * load.dt);
+    }
     *spring = after;
-    (whole * share).cut(mu * load.averaged[1].abs()).0
+    force
 }

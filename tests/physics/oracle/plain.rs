@@ -74,16 +74,19 @@ impl PairState {
     }
 }
 
-/// Advances a slider by `dt` and returns its force.
-fn slide(spring: &mut V, [k, c, cap]: [f64; 3], velocity: V, normal: V, dt: f64) -> V {
+/// Advances a slider by `dt` and returns its force. The spring is stored `lead` (s) ahead of the evaluation.
+fn slide(spring: &mut V, [k, c, cap]: [f64; 3], velocity: V, normal: V, [dt, lead]: [f64; 2]) -> V {
     let moved = (*spring + velocity * dt).across(normal);
-    let (force, is_beyond) = (moved * -k - velocity * c).cut(cap);
-    *spring = if is_beyond { (force + velocity * c) * (-1.0 / k) } else { moved };
+    let stretched = moved - velocity * lead;
+    let (force, is_beyond) = (stretched * -k - velocity * c).cut(cap);
+    *spring = if is_beyond { (force + velocity * c) * (-1.0 / k) + velocity * lead } else { moved };
     force
 }
 
-/// Returns the action of a contact and advances its memory by `dt`.
-pub fn plain(terms: &Terms, pair_state: &PairState, memory: &mut Memory, dt: f64) -> Action {
+/// Returns the action of a contact and advances its memory by `dt`. Springs are stored `lead` (s) ahead of the evaluation;
+/// then displacement that a stiffening spring gathers counts with the mean stiffness of the step. `damping_time` (s) times
+/// its stiffness is added to the dashpot of each spring.
+pub fn plain(terms: &Terms, pair_state: &PairState, memory: &mut Memory, [dt, lead, damping_time]: [f64; 3]) -> Action {
     let PairState { normal, overlap, velocity, reduced, spins, .. } = *pair_state;
     let spring = terms.spring(reduced, overlap);
     if let Normal::Assignment { b, .. } = terms.law.normal {
@@ -95,19 +98,27 @@ pub fn plain(terms: &Terms, pair_state: &PairState, memory: &mut Memory, dt: f64
     let mut friction = V::default();
     if let Some([stiffness, damping, mu]) = terms.tangential(reduced, overlap, drag) {
         let sliding = pair_state.sliding(velocity, spins, levers);
+        let mut gathering = dt;
         if terms.stiffness_varies() {
+            if lead > 0.0 {
+                gathering *= mean_stiffness(memory.stiffness, stiffness);
+            }
+            // Only the stretch at the evaluation follows the stiffness, not the part that the spring is ahead.
+            memory.spring = memory.spring - sliding * lead;
             adapt(memory, stiffness);
+            memory.spring += sliding * lead;
         }
         friction = if terms.has_spring() {
-            slide(&mut memory.spring, [stiffness, damping, mu * total.abs()], sliding, normal, dt)
+            let damping = damping + stiffness * damping_time;
+            slide(&mut memory.spring, [stiffness, damping, mu * total.abs()], sliding, normal, [gathering, lead])
         } else {
             (sliding * -damping).cut(mu * total.abs()).0
         };
     }
     let mut rolling = V::default();
     if let Some(Rolling { k, damping, mu }) = terms.law.rolling {
-        let numbers = [k, rolling_drag(damping, reduced), mu * total.abs()];
-        rolling = slide(&mut memory.rolling, numbers, pair_state.rolling(spins), normal, dt);
+        let numbers = [k, rolling_drag(damping, reduced) + k * damping_time, mu * total.abs()];
+        rolling = slide(&mut memory.rolling, numbers, pair_state.rolling(spins), normal, [dt, lead]);
     }
     pair_state.act(total, friction, levers, rolling)
 }
@@ -123,4 +134,16 @@ pub fn adapt(memory: &mut Memory, stiffness: f64) {
 /// Returns c of rolling resistance, N s/m.
 pub fn rolling_drag(damping: Damping, reduced: Reduced) -> f64 {
     damping.drag(reduced.mass, 0.0)
+}
+
+/// Returns the mean stiffness of a step over the stiffness at its end. From zero the stiffness grows with the square
+/// root of time.
+pub fn mean_stiffness(before: f64, now: f64) -> f64 {
+    if before >= now {
+        1.0
+    } else if before > 0.0 {
+        0.5 + 0.5 * before / now
+    } else {
+        2.0 / 3.0
+    }
 }

@@ -222,6 +222,7 @@ impl Scene {
             laws: (0..species).map(|a| (0..species).map(|b| terms([a, b])).collect()).collect(),
             scheme: self.scheme,
             dt: DT,
+            prediction: self.prediction(),
             releases: (0..RELEASES)
                 .filter_map(|number| Some((number * RELEASE_EVERY, self.entering_grain()?)))
                 .collect(),

@@ -7,6 +7,7 @@ use glam::DVec3;
 use siloflow::grains::file::GrainRow;
 use siloflow::grains::fill::FixedGrain;
 use siloflow::prelude::*;
+use siloflow::store::ParticleStore;
 
 use crate::oracle::scene::{DT, RELEASE_EVERY, RELEASES, Scene, Surroundings};
 use crate::oracle::simulator::{Body, Shape, Wall};
@@ -85,6 +86,16 @@ impl Scene {
         )
     }
 
+    /// Returns the parameters of the centred scheme that siloflow derives from the scene. Unit tests check them.
+    pub fn prediction(&self) -> [f64; 2] {
+        let mut simulation = self.simulation("VerletList(skin: 0.01)", 1, false);
+        simulation.step();
+        match Dimension::of_world(simulation.world()) {
+            Dimension::Plane => parameters::<Plane>(&simulation),
+            Dimension::Solid => parameters::<Solid>(&simulation),
+        }
+    }
+
     /// Returns the scene as a siloflow simulation.
     pub fn simulation(&self, search: &str, threads: usize, energy_balance: bool) -> Simulation {
         let vector = |v: V| DVec3::from_array(v.0);
@@ -104,4 +115,9 @@ impl Scene {
         }
         Simulation::new(&loaded, &Registry::default(), NonZeroUsize::new(threads).unwrap()).unwrap()
     }
+}
+
+fn parameters<S: Space>(simulation: &Simulation) -> [f64; 2] {
+    let store = simulation.world().resource::<ParticleStore<S>>();
+    [store.prediction.share, store.prediction.spring_damping]
 }

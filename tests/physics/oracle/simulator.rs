@@ -10,9 +10,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::oracle::centred::{VelocityPrediction, centred};
+use crate::oracle::centred::{VelocityPrediction, centred, start};
 use crate::oracle::law::{Reduced, Terms};
-use crate::oracle::plain::{Memory, PairState, plain};
+use crate::oracle::plain::{Action, Memory, PairState, plain};
 use crate::oracle::vector::V;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -39,6 +39,8 @@ pub struct Body {
     pub torque: V,
     /// Number of contacts at the last evaluation.
     pub contacts: usize,
+    /// Whether it had at most one contact when contacts were last counted.
+    pub is_lone: bool,
     /// Whether it has been removed.
     pub is_gone: bool,
 }
@@ -82,6 +84,8 @@ pub struct Simulator {
     pub laws: Vec<Vec<Terms>>,
     pub scheme: Scheme,
     pub dt: f64,
+    /// beta of the centred scheme, and the numerical damping of its springs, s.
+    pub prediction: [f64; 2],
     /// Grains that enter later, each with its number of steps.
     pub releases: Vec<(u64, Body)>,
     pub steps: u64,
@@ -133,10 +137,10 @@ impl Simulator {
         self.remove();
     }
 
-    /// Adds grains that enter. Their first force is their weight, and they count as having several contacts.
+    /// Adds grains that enter. Their first force is their weight, and they do not count as lone.
     fn release(&mut self) {
         for (_, body) in self.releases.iter().filter(|(when, _)| *when == self.steps) {
-            self.bodies.push(Body { force: self.gravity * body.mass, contacts: 2, ..*body });
+            self.bodies.push(Body { force: self.gravity * body.mass, is_lone: false, ..*body });
         }
     }
 
@@ -206,6 +210,9 @@ impl Simulator {
                 }
             }
         }
+        if self.steps.is_multiple_of(8) {
+            self.bodies.iter_mut().for_each(|body| body.is_lone = body.contacts <= 1);
+        }
     }
 
     /// Evaluates the contact of two particles with the given overlap and normal.
@@ -230,9 +237,9 @@ impl Simulator {
         let terms = self.laws[a.species][b.species];
         let mut memory = remembered.remove(&pair).unwrap_or_default();
         let action = if self.scheme == Scheme::Centred {
-            centred(&terms, &pair_state, &ahead([a, b], inverse_masses, dt), &mut memory, dt)
+            self.meet_centred(&terms, &pair_state, [a, b], &mut memory, dt)
         } else {
-            (overlap > 0.0).then(|| plain(&terms, &pair_state, &mut memory, dt))
+            (overlap > 0.0).then(|| plain(&terms, &pair_state, &mut memory, [dt, 0.0, 0.0]))
         };
         let Some(action) = action else { return };
         self.memories.insert(pair, memory);
@@ -242,6 +249,49 @@ impl Simulator {
                 body.torque += action.torques[side];
                 body.contacts += 1;
             }
+        }
+    }
+}
+
+impl Simulator {
+    /// Returns the action of a contact under the centred scheme.
+    fn meet_centred(
+        &self,
+        terms: &Terms,
+        pair_state: &PairState,
+        both: [&Body; 2],
+        memory: &mut Memory,
+        dt: f64,
+    ) -> Option<Action> {
+        let (half, [beta, damping_time]) = (0.5 * self.dt, self.prediction);
+        let gains =
+            if dt == 0.0 { VelocityPrediction::default() } else { ahead(both, both.map(Body::inverse_mass), dt) };
+        let predicted = PairState {
+            velocity: pair_state.velocity + gains.velocity * beta,
+            spins: [0, 1].map(|side| pair_state.spins[side] + gains.spins[side] * beta),
+            ..*pair_state
+        };
+        let even = if terms.law.is_hertz() { 8.0 } else { 3.0 };
+        let closing = -predicted.velocity.dot(predicted.normal);
+        let nearest = even * half * closing.abs();
+        let mut is_even = pair_state.overlap >= nearest;
+        if terms.law.friction.is_some() {
+            // Near a change of the sign of the normal force the cap of friction is zero.
+            let spring = terms.spring(predicted.reduced, predicted.overlap);
+            let drag = terms.drag(predicted.reduced, predicted.overlap);
+            let total = (spring + drag * closing).max(terms.floor());
+            is_even &= total.min(spring) * pair_state.overlap >= spring * nearest;
+        }
+        if dt == 0.0 && is_even {
+            // At the start springs are empty, and stored ahead.
+            Some(plain(terms, pair_state, memory, [half, half, damping_time]))
+        } else if dt == 0.0 {
+            start(terms, pair_state, memory, half)
+        } else if is_even && !both[0].is_lone && !both[1].is_lone {
+            Some(plain(terms, &predicted, memory, [dt, half, damping_time]))
+        } else {
+            let is_far = pair_state.overlap + 1.25 * half * predicted.velocity.dot(predicted.normal).abs() < 0.0;
+            if is_far { None } else { centred(terms, pair_state, &gains, memory, dt) }
         }
     }
 }
@@ -259,6 +309,7 @@ pub const FLAT: Body = Body {
     force: V([0.0; 3]),
     torque: V([0.0; 3]),
     contacts: 0,
+    is_lone: false,
     is_gone: false,
 };
 
@@ -270,6 +321,6 @@ fn ahead(both: [&Body; 2], inverse_masses: [f64; 2], dt: f64) -> VelocityPredict
         spins: both.map(|body| body.torque * (0.5 * dt * body.inverse_inertia())),
         inverse_masses,
         inverse_inertias: both.map(Body::inverse_inertia),
-        lone: both.map(|body| body.contacts <= 1),
+        lone: both.map(|body| body.is_lone),
     }
 }

@@ -1,0 +1,91 @@
+//! Contacts of a batch near an event: for these few the law is evaluated anew, one by one and averaged over the step
+//! ([`centred`](crate::contact::centred)).
+
+use crate::contact::batch::Batch;
+use crate::contact::centred::{Window, force_at_start};
+use crate::contact::lanes::LANES;
+use crate::contact::{LawRequirements, Memory, MemoryTimes, Pair, PairForce, PairLaw};
+use crate::instructions::Instructions;
+use crate::neighbours::list::Candidate;
+use crate::space::Space;
+use crate::store::ParticleStore;
+
+/// Turns a contact with predicted velocities into one with the velocities in the middle of the step and their prediction.
+pub type Predict<V> = fn(&ParticleStore<V>, Candidate, &mut Pair<V>);
+
+impl<V: Space> Batch<V> {
+    /// Returns the bits of the lanes without slack.
+    #[inline]
+    fn near_lanes(&self, instructions: Instructions) -> u64 {
+        let all = instructions.run(
+            #[inline(always)]
+            || {
+                let mut near = 0;
+                for lane in 0..LANES {
+                    near |= u64::from(self.slack[lane] < 0.0) << lane;
+                }
+                near
+            },
+        );
+        all & !(u64::MAX << self.len)
+    }
+
+    /// Evaluates the law anew for the contacts near an event.
+    #[inline(never)]
+    pub fn evaluate_events<L: PairLaw<V> + LawRequirements>(
+        &mut self,
+        law: &L,
+        times: MemoryTimes,
+        step: &EventStep<V>,
+    ) {
+        let mut near = self.lone | self.near_lanes(step.instructions);
+        while near != 0 {
+            let lane = near.trailing_zeros() as usize;
+            near &= near - 1;
+            let (mut pair, mut memory) = (self.pair::<L>(lane, times), self.memory.get::<L>(lane));
+            let force = step.force(law, self.pairs[lane], &mut pair, &mut memory);
+            self.output.store_force::<L>(lane, &pair, &force.unwrap_or_default());
+            if step.store.tracks_energy {
+                self.output.store_energy_numbers::<L>(lane, &pair.predicted(), &force.unwrap_or_default());
+            }
+            if force.is_none() {
+                self.output.no_contact(lane);
+            }
+            self.memory_after.set::<L>(lane, &memory);
+        }
+    }
+}
+
+/// The step in which contacts near an event are evaluated.
+pub struct EventStep<'a, V: Space> {
+    /// The particles.
+    pub store: &'a ParticleStore<V>,
+    /// Adds the velocity prediction to a contact.
+    pub predict: Predict<V>,
+    /// Whether it is step zero.
+    pub starts: bool,
+    /// Instruction set of the lane loops.
+    pub instructions: Instructions,
+}
+
+impl<V: Space> EventStep<'_, V> {
+    /// Returns the averaged force of a contact, or `None` if there is no contact in this step.
+    fn force<L: PairLaw<V>>(
+        &self,
+        law: &L,
+        contact: Candidate,
+        pair: &mut Pair<V>,
+        memory: &mut Memory<V>,
+    ) -> Option<PairForce<V>> {
+        let half = self.store.prediction.lookahead;
+        if self.starts {
+            return force_at_start(law, pair, memory, half);
+        }
+        // The factor allows for the difference of predicted velocities from those of the window.
+        if pair.overlap + 1.25 * half * pair.normal_velocity().abs() < 0.0 {
+            return None;
+        }
+        (self.predict)(self.store, contact, pair);
+        Window::of(pair).touches(pair.overlap).then(|| law.centred(pair, memory))
+    }
+}

@@ -1,0 +1,83 @@
+//! Velocity predictions of single contacts, from the gains in the store.
+
+use crate::contact::Pair;
+use crate::neighbours::list::{Candidate, PairList};
+use crate::space::Space;
+use crate::store::ParticleStore;
+
+impl<V: Space> ParticleStore<V> {
+    /// Turns a contact of two particles with predicted velocities into one with the velocities in the middle of the step
+    /// and their prediction.
+    pub(super) fn predict_pair(&self, contact: Candidate, pair: &mut Pair<V>) {
+        let [i, j] = contact.both();
+        // Differences of the two, so that they change their sign exactly if i and j are exchanged.
+        pair.relative_velocity = self.middle_velocity(i) - self.middle_velocity(j);
+        pair.ahead.velocity = self.gain(i) - self.gain(j);
+        self.describe(i, 0, pair);
+        self.describe(j, 1, pair);
+    }
+
+    /// Like [`Self::predict_pair`], for a contact with a flat wall.
+    pub(super) fn predict_with_wall(&self, contact: Candidate, pair: &mut Pair<V>) {
+        let i = contact.first();
+        pair.relative_velocity -= self.body[i].velocity - self.middle_velocity(i);
+        pair.ahead.velocity = self.gain(i);
+        self.describe(i, 0, pair);
+    }
+
+    /// Velocity gain of particle `i` in half a step by the forces at its beginning, m/s.
+    fn gain(&self, i: usize) -> V {
+        // Predicted velocities contain a share of it.
+        (self.body[i].velocity - self.middle_velocity(i)) * (1.0 / self.prediction.share)
+    }
+
+    /// Sets the numbers of particle `i` at one side of a contact.
+    fn describe(&self, i: usize, side: usize, pair: &mut Pair<V>) {
+        if self.is_fixed(i) {
+            return;
+        }
+        pair.ahead.inverse_masses[side] = self.body[i].inverse_mass;
+        pair.ahead.only_contact[side] = f64::from(self.prediction.lone[i]);
+        if let Some(rotation) = self.rotation.get(i) {
+            let middle = self.prediction.middle_spin[i];
+            pair.ahead.spins[side] = (rotation.spin - middle) * (1.0 / self.prediction.share);
+            pair.ahead.inverse_inertias[side] = rotation.inverse_inertia;
+            pair.spins[side] = middle;
+        }
+    }
+
+    /// Stores which particles have at most one contact, from the counts of the force pass.
+    pub(super) fn store_lone(&mut self) {
+        self.prediction.lone.clear();
+        self.prediction.lone.extend(self.loads.contacts.iter().map(|&contacts| u8::from(contacts <= 1)));
+    }
+}
+
+/// Candidates with a lone particle, ascending.
+#[derive(Default)]
+pub(super) struct LonePairs {
+    pairs: Vec<Candidate>,
+    /// Version of the list that they were chosen from.
+    version: u64,
+    is_old: bool,
+}
+
+impl LonePairs {
+    /// Returns the pairs of a list.
+    pub(super) fn of(&mut self, list: &PairList, lone: &[u8]) -> &[Candidate] {
+        if std::mem::take(&mut self.is_old) || self.version != list.version() {
+            self.version = list.version();
+            self.pairs.clear();
+            self.pairs.extend(list.pairs().iter().filter(|pair| {
+                let [i, j] = pair.both();
+                lone[i] | lone[j] > 0
+            }));
+        }
+        &self.pairs
+    }
+
+    /// States that lone particles have changed.
+    pub(super) fn are_old(&mut self) {
+        self.is_old = true;
+    }
+}

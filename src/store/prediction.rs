@@ -1,0 +1,93 @@
+//! The prediction of velocities, for schemes with centred contacts.
+//!
+//! Between the drift and the kick, [`Body::velocity`](super::Body) and [`Rotation::spin`](super::Rotation) are predicted for
+//! the end of the step. The kick needs the velocities in the middle of the step, so they are kept too. In the plane they
+//! fill up the cache line of the body; in solid space, whose bodies fill one without them, they are stored apart.
+
+use crate::space::{Plane, Space};
+use crate::store::ParticleStore;
+
+/// The state of the prediction. It is empty for other schemes.
+#[derive(Clone, Debug)]
+pub struct Prediction<V: Space = Plane> {
+    /// How far ahead velocities are predicted, s: half a step, or 0 for other schemes.
+    pub lookahead: f64,
+    /// Share of the gain in half a step that predicted velocities contain.
+    pub share: f64,
+    /// Time by which the springs of contact memories are ahead of the evaluation, s.
+    pub lead: f64,
+    /// Numerical damping of tangential and rolling springs, s ([`Pair`](crate::contact::Pair)).
+    pub spring_damping: f64,
+    /// The largest gap that two particles can close in the time `lookahead`, m.
+    pub margin: f64,
+    /// 1 for particles that had at most one contact when contacts were last counted, else 0.
+    pub lone: Vec<u8>,
+    /// Whether velocities are predicted ones.
+    pub(crate) is_ahead: bool,
+    /// Velocities in the middle of the step, m/s, if the bodies do not hold them.
+    pub(crate) middle: Vec<V::Apart>,
+    /// Spins in the middle of the step, rad/s.
+    pub(crate) middle_spin: Vec<V::Spin>,
+}
+
+impl<V: Space> Default for Prediction<V> {
+    fn default() -> Self {
+        Self {
+            lookahead: 0.0,
+            share: 0.0,
+            lead: 0.0,
+            spring_damping: 0.0,
+            margin: 0.0,
+            lone: Vec::new(),
+            is_ahead: false,
+            middle: Vec::new(),
+            middle_spin: Vec::new(),
+        }
+    }
+}
+
+impl<V: Space> ParticleStore<V> {
+    /// Whether velocities are predicted between the drift and the kick.
+    #[inline]
+    #[must_use]
+    pub fn predicts(&self) -> bool {
+        self.prediction.lookahead > 0.0
+    }
+
+    /// Whether the velocity of particle `i` is a predicted one now. Fixed particles gain no velocity.
+    #[inline]
+    fn is_ahead(&self, i: usize) -> bool {
+        self.prediction.is_ahead && i < self.movable_end
+    }
+
+    /// Velocity of particle `i` in the middle of the step, m/s, between the drift and the kick.
+    #[inline]
+    #[must_use]
+    pub fn middle_velocity(&self, i: usize) -> V {
+        if self.is_ahead(i) {
+            V::middle(&self.body[i].middle, &self.prediction.middle[i])
+        } else {
+            self.body[i].velocity
+        }
+    }
+
+    /// Sets the velocity of particle `i`, m/s, and shifts that in the middle of the step by the same difference. If
+    /// `is_pending`, the velocity in the middle of the step becomes the same.
+    pub(super) fn set_velocity(&mut self, i: usize, velocity: V, is_pending: bool) {
+        if self.is_ahead(i) {
+            let shifted = self.middle_velocity(i) + (velocity - self.body[i].velocity);
+            let middle = if is_pending { velocity } else { shifted };
+            V::set_middle(middle, &mut self.body[i].middle, &mut self.prediction.middle[i]);
+        }
+        self.body[i].velocity = velocity;
+    }
+
+    /// Like [`Self::set_velocity`], for the spin, rad/s.
+    pub(super) fn set_spin(&mut self, i: usize, spin: V::Spin, is_pending: bool) {
+        if self.is_ahead(i) {
+            let shifted = self.prediction.middle_spin[i] + (spin - self.rotation[i].spin);
+            self.prediction.middle_spin[i] = if is_pending { spin } else { shifted };
+        }
+        self.rotation[i].spin = spin;
+    }
+}
