@@ -91,9 +91,9 @@ pub(crate) fn add_all<V: Space>(
     }
     if !own_contacts {
         if loaded.is_centred() {
-            let [damping_rate, spring_damping] =
-                Estimates::of(loaded).map_or([0.0; 2], |estimates| [estimates.damping_rate, estimates.spring_damping]);
-            app.add("integrator", VelocityPredictionPlugin { damping_rate, spring_damping, space });
+            let (damping_rates, spring_damping) = Estimates::of(loaded)
+                .map_or(([0.0; 2], 0.0), |estimates| (estimates.damping_rates, estimates.spring_damping));
+            app.add("integrator", VelocityPredictionPlugin { damping_rates, spring_damping, space });
         }
         loaded.contacts().visit::<V, _>(AddContacts { app });
     }

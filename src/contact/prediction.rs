@@ -40,7 +40,7 @@ impl<V: Space> ParticleStore<V> {
         pair.ahead.only_contact[side] = f64::from(self.prediction.lone[i]);
         if let Some(rotation) = self.rotation.get(i) {
             let middle = self.prediction.middle_spin[i];
-            pair.ahead.spins[side] = (rotation.spin - middle) * (1.0 / self.prediction.share);
+            pair.ahead.spins[side] = (rotation.spin - middle) * (1.0 / self.prediction.spin_share);
             pair.ahead.inverse_inertias[side] = rotation.inverse_inertia;
             pair.spins[side] = middle;
         }

@@ -3,7 +3,7 @@
 //!
 //! Positions move as in `verlet`. The forces, however, see velocities that are predicted for the end of the step:
 //! v_p = v(t+dt/2) + beta dt/2 a(t) for every particle, with beta = (1 - q)/(1 + q) and q = b dt. b = c/(2 m_eff) is the
-//! largest damping rate of any contact. So the force of most contacts is the plain force of the law, and
+//! largest damping rate of any contact along its normal; for spins it is the rate of sliding or rolling. So the force of most contacts is the plain force of the law, and
 //! costs nothing more. Contacts that may open or close within the step, and contacts of a grain without another
 //! contact, take an averaged force instead ([`crate::contact::centred`]).
 //!
@@ -127,18 +127,21 @@ fn kick_by<V: Space, const NUMBERS: usize>(dt: f64, chunked: &ChunkedPass, store
     sums.into_iter().fold(V::ZERO, Add::add)
 }
 
-/// The largest damping rate of any contact, 1/s.
+/// The largest damping rates of any contact, 1/s.
 #[derive(Resource, Clone, Copy)]
-struct DampingRate(f64);
+struct DampingRates([f64; 2]);
 
 /// Sets the times of the prediction, and makes room for grains that have entered. A grain that has just entered does not
 /// count as one without another contact.
-fn prepare<V: Space>(clock: Res<Clock>, rate: Res<DampingRate>, mut store: ResMut<ParticleStore<V>>) {
-    let (half, damped, count) = (0.5 * clock.dt, rate.0 * clock.dt, store.body.len());
+fn prepare<V: Space>(clock: Res<Clock>, rates: Res<DampingRates>, mut store: ResMut<ParticleStore<V>>) {
+    let (half, count) = (0.5 * clock.dt, store.body.len());
     let prediction = &mut store.prediction;
     (prediction.lookahead, prediction.lead) = (half, half);
     // At q = 1 a single contact is unstable anyway. A share above zero lets the gain be computed from the prediction.
-    prediction.share = ((1.0 - damped) / (1.0 + damped)).max(0.01);
+    [prediction.share, prediction.spin_share] = rates.0.map(|rate| {
+        let q = rate * clock.dt;
+        ((1.0 - q) / (1.0 + q)).max(0.01)
+    });
     prediction.lone.resize(count, 0);
     if clock.is_step_zero() {
         let fastest = store.body.iter().map(|body| body.velocity.length_squared()).fold(0.0, f64::max);
@@ -148,8 +151,8 @@ fn prepare<V: Space>(clock: Res<Clock>, rate: Res<DampingRate>, mut store: ResMu
 
 /// Velocity prediction for centred contacts, in addition to the integrator.
 pub struct VelocityPredictionPlugin<V: Space> {
-    /// Largest damping rate c/(2 m) of any contact, 1/s.
-    pub damping_rate: f64,
+    /// Largest damping rates of any contact: c/(2 m) along the normal, and of sliding or rolling, 1/s.
+    pub damping_rates: [f64; 2],
     /// Numerical damping of tangential and rolling springs, s.
     pub spring_damping: f64,
     /// The space.
@@ -158,7 +161,7 @@ pub struct VelocityPredictionPlugin<V: Space> {
 
 impl<V: Space> Plugin for VelocityPredictionPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(DampingRate(self.damping_rate));
+        app.insert_resource(DampingRates(self.damping_rates));
         app.world_mut().resource_mut::<ParticleStore<V>>().prediction.spring_damping = self.spring_damping;
         app.add_systems(Step, prepare::<V>.in_set(Part::Engine(Phase::Neighbours)).in_set(VelocitiesPredicted));
     }

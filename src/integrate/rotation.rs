@@ -96,7 +96,7 @@ fn kick_centred<V: Space, const NUMBERS: usize, const SECOND: bool, const FIRST:
 ) {
     store.prediction.middle_spin.resize(store.rotation.len(), V::Spin::ZERO);
     let ParticleStore { loads, rotation, prediction, movable_end: end, .. } = store;
-    let share = prediction.share;
+    let share = prediction.spin_share;
     let sums = chunked.in_chunks_of_two(
         &loads.torque.entries::<NUMBERS>()[..*end],
         (&mut rotation[..*end], &mut prediction.middle_spin[..*end]),

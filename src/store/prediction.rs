@@ -14,6 +14,8 @@ pub struct Prediction<V: Space = Plane> {
     pub lookahead: f64,
     /// Share of the gain in half a step that predicted velocities contain.
     pub share: f64,
+    /// Like `share`, of spins.
+    pub spin_share: f64,
     /// Time by which the springs of contact memories are ahead of the evaluation, s.
     pub lead: f64,
     /// Numerical damping of tangential and rolling springs, s ([`Pair`](crate::contact::Pair)).
@@ -35,6 +37,7 @@ impl<V: Space> Default for Prediction<V> {
         Self {
             lookahead: 0.0,
             share: 0.0,
+            spin_share: 0.0,
             lead: 0.0,
             spring_damping: 0.0,
             margin: 0.0,

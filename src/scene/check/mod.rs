@@ -48,8 +48,8 @@ pub struct Estimates {
     pub pair_limit: f64,
     /// Largest stable step in a dense bed, s.
     pub bed_limit: f64,
-    /// Largest damping rate c/(2 m) of any contact, 1/s.
-    pub damping_rate: f64,
+    /// Largest damping rates of any contact: c/(2 m) along the normal, and of sliding or rolling, 1/s.
+    pub damping_rates: [f64; 2],
     /// Numerical damping that tangential and rolling springs need so that a bed without dashpots gains no energy, s.
     pub spring_damping: f64,
     /// Speed of a grain after a fall to the lowest point of the scene, m/s.
@@ -95,7 +95,7 @@ impl Estimates {
             restitution: law.restitution(&bounce),
             pair_limit: least(&|pair| pair.lone_limit(scene.integrator)),
             bed_limit: least(&|pair| pair.bed_limit(scene.integrator, scene.space)),
-            damping_rate: pairs.iter().map(SpeciesPair::damping_rate).fold(0.0, f64::max),
+            damping_rates: [0, 1].map(|way| pairs.iter().map(|pair| pair.damping_rates()[way]).fold(0.0, f64::max)),
             spring_damping: f64::NAN,
             impact_speed,
             impact_overlap: law.deepest(&Bounce { speed: impact_speed, ..bounce }) / radius,

@@ -92,10 +92,12 @@ impl SpeciesPair {
         step::limit(scheme, weight * k, weight * c, self.bounce.reduced_mass)
     }
 
-    /// c/(2 m) along the normal, 1/s.
+    /// Damping rates of this contact alone: c/(2 m) along the normal, and the same of sliding and rolling with their
+    /// effective masses, whichever is larger, 1/s.
     #[must_use]
-    pub fn damping_rate(&self) -> f64 {
-        0.5 * self.law.0.damping(&self.bounce) / self.bounce.reduced_mass
+    pub fn damping_rates(&self) -> [f64; 2] {
+        let [normal, sliding, rolling] = self.motions().map(|Pull { c, mobility, .. }| 0.5 * c * mobility);
+        [normal, sliding.max(rolling)]
     }
 
     /// Numerical damping that tangential and rolling springs need in steps of `dt` (s) so that a bed without dashpots gains
@@ -309,7 +311,9 @@ mod tests {
             scene(&format!("{keys}damping: {tangential})), {rest}, {}", spawner(2, "Fixed(0.1)"))).unwrap()
         };
         let pair = |tangential: &str| all(&scene(tangential), 1.0).remove(0);
-        assert!((pair("B(0.0)").damping_rate() - 2.0).abs() < 1e-14);
+        assert!((pair("B(0.0)").damping_rates()[0] - 2.0).abs() < 1e-14);
+        // A disc turns with I = m R^2/2, so the contact slides with a third of the mass.
+        assert!((pair("B(1.0)").damping_rates()[1] - 3.0).abs() < 1e-14);
         // The stiffest motion is turning: weight 8/(1/2), so (w dt)^2 = 16 k_t dt^2/m. A quarter of a step of that is missing.
         let (dt, whole) = (1e-3, 0.25 * 16.0 * 4.0e3 * 1e-9 / 0.5);
         assert!((pair("B(0.0)").spring_damping(dt) - whole).abs() < 1e-15);

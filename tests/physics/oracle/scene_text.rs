@@ -7,7 +7,7 @@ use glam::DVec3;
 use siloflow::grains::file::GrainRow;
 use siloflow::grains::fill::FixedGrain;
 use siloflow::prelude::*;
-use siloflow::store::ParticleStore;
+use siloflow::store::{ParticleStore, Prediction};
 
 use crate::oracle::scene::{DT, RELEASE_EVERY, RELEASES, Scene, Surroundings};
 use crate::oracle::simulator::{Body, Shape, Wall};
@@ -87,7 +87,7 @@ impl Scene {
     }
 
     /// Returns the parameters of the centred scheme that siloflow derives from the scene. Unit tests check them.
-    pub fn prediction(&self) -> [f64; 2] {
+    pub fn prediction(&self) -> [f64; 3] {
         let mut simulation = self.simulation("VerletList(skin: 0.01)", 1, false);
         simulation.step();
         match Dimension::of_world(simulation.world()) {
@@ -117,7 +117,8 @@ impl Scene {
     }
 }
 
-fn parameters<S: Space>(simulation: &Simulation) -> [f64; 2] {
-    let store = simulation.world().resource::<ParticleStore<S>>();
-    [store.prediction.share, store.prediction.spring_damping]
+fn parameters<S: Space>(simulation: &Simulation) -> [f64; 3] {
+    let Prediction { share, spin_share, spring_damping, .. } =
+        simulation.world().resource::<ParticleStore<S>>().prediction.clone();
+    [share, spin_share, spring_damping]
 }

@@ -84,8 +84,8 @@ pub struct Simulator {
     pub laws: Vec<Vec<Terms>>,
     pub scheme: Scheme,
     pub dt: f64,
-    /// beta of the centred scheme, and the numerical damping of its springs, s.
-    pub prediction: [f64; 2],
+    /// beta of the centred scheme for velocities and for spins, and the numerical damping of its springs, s.
+    pub prediction: [f64; 3],
     /// Grains that enter later, each with its number of steps.
     pub releases: Vec<(u64, Body)>,
     pub steps: u64,
@@ -263,12 +263,12 @@ impl Simulator {
         memory: &mut Memory,
         dt: f64,
     ) -> Option<Action> {
-        let (half, [beta, damping_time]) = (0.5 * self.dt, self.prediction);
+        let (half, [beta, beta_of_spins, damping_time]) = (0.5 * self.dt, self.prediction);
         let gains =
             if dt == 0.0 { VelocityPrediction::default() } else { ahead(both, both.map(Body::inverse_mass), dt) };
         let predicted = PairState {
             velocity: pair_state.velocity + gains.velocity * beta,
-            spins: [0, 1].map(|side| pair_state.spins[side] + gains.spins[side] * beta),
+            spins: [0, 1].map(|side| pair_state.spins[side] + gains.spins[side] * beta_of_spins),
             ..*pair_state
         };
         let even = if terms.law.is_hertz() { 8.0 } else { 3.0 };
