@@ -141,19 +141,21 @@ impl Window {
 }
 
 /// Returns the force on i averaged over the first half step of a run, `half` (s), or `None` if there is no contact in it.
-/// The first half kick covers only this half step, so a share of the whole step around the evaluation would be wrong.
+/// The first half kick covers only this half step, so a share of the whole step around the evaluation would be wrong. A
+/// grain that moves by more than `reach` (m), the sum of the radii, does not meet its partner but flies through it.
 #[inline(never)]
 pub(in crate::contact) fn force_at_start<V: Space, L: PairLaw<V>>(
     law: &L,
     pair: &Pair<V>,
     memory: &mut Memory<V>,
     half: f64,
+    reach: f64,
 ) -> Option<PairForce<V>> {
     let moved = -half * pair.normal_velocity();
     // The overlap changes from `overlap` to `overlap + moved`.
     let deepest = pair.overlap.max(pair.overlap + moved);
     let share = if moved == 0.0 { 1.0 } else { (deepest / moved.abs()).min(1.0) };
-    if deepest <= 0.0 {
+    if deepest <= 0.0 || pair.overlap <= 0.0 && moved > reach {
         return None;
     }
     let mut force = law.force(&pair.at_overlap(pair.overlap), memory);

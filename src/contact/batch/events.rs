@@ -43,7 +43,11 @@ impl<V: Space> Batch<V> {
             let lane = near.trailing_zeros() as usize;
             near &= near - 1;
             let (mut pair, mut memory) = (self.pair::<L>(lane, times), self.memory.get::<L>(lane));
-            let force = step.force(law, self.pairs[lane], &mut pair, &mut memory);
+            let force = if step.starts {
+                force_at_start(law, &pair, &mut memory, step.store.prediction.lookahead, self.bodies.reach[lane])
+            } else {
+                step.force(law, self.pairs[lane], &mut pair, &mut memory)
+            };
             self.output.store_force::<L>(lane, &pair, &force.unwrap_or_default());
             if step.store.tracks_energy {
                 self.output.store_energy_numbers::<L>(lane, &pair.predicted(), &force.unwrap_or_default());
@@ -78,9 +82,6 @@ impl<V: Space> EventStep<'_, V> {
         memory: &mut Memory<V>,
     ) -> Option<PairForce<V>> {
         let half = self.store.prediction.lookahead;
-        if self.starts {
-            return force_at_start(law, pair, memory, half);
-        }
         // The factor allows for the difference of predicted velocities from those of the window.
         if pair.overlap + 1.25 * half * pair.normal_velocity().abs() < 0.0 {
             return None;
