@@ -1,12 +1,19 @@
 //! Behaviours that read contacts, and that add forces, numbers per contact, and components. In both spaces.
 
+use std::marker::PhantomData;
 use std::num::NonZeroUsize;
 use std::path::Path;
 use std::sync::Arc;
 
 use serde::Deserialize;
 use siloflow::contact::AnyLaw;
+use siloflow::contact::composite::Composite;
+use siloflow::contact::damping::{Attraction as Pull, Damping};
+use siloflow::contact::linear::LinearNormal;
+use siloflow::contact::rolling::NoRolling;
+use siloflow::contact::tangential::NoFriction;
 use siloflow::energy::EnergyFlows;
+use siloflow::integrate::centred::VelocityPredictionPlugin;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
 
@@ -284,5 +291,78 @@ fn contacts_read_one_by_one_equal_the_view_of_all() {
         run.run_steps(1500);
         let seen = run.world_mut().run_system_cached(compare::<Plane>).unwrap();
         assert!(seen > 20, "{seen}");
+    }
+}
+
+/// The linear spring-dashpot of the library as a law of another crate, k = 1e4 N/m and c = 20 N s/m, which may pull. With
+/// `true` its contacts are centred.
+#[derive(Deserialize)]
+struct OwnDashpot(bool);
+
+#[derive(Clone, Copy)]
+struct Wrapped(Composite<LinearNormal, NoFriction, NoRolling>);
+
+impl LawRequirements for Wrapped {
+    const RADII: bool = false;
+}
+
+impl PairLaw for Wrapped {
+    fn force(&self, pair: &Pair, memory: &mut Memory) -> PairForce {
+        self.0.force(pair, memory)
+    }
+    fn centred(&self, pair: &Pair, memory: &mut Memory) -> PairForce {
+        self.0.centred(pair, memory)
+    }
+    fn elastic_energy(&self, pair: &Pair, memory: &Memory) -> f64 {
+        self.0.elastic_energy(pair, memory)
+    }
+    fn stiffness(&self, bounce: &Bounce) -> f64 {
+        PairLaw::<Plane>::stiffness(&self.0, bounce)
+    }
+    fn damping(&self, bounce: &Bounce) -> f64 {
+        PairLaw::<Plane>::damping(&self.0, bounce)
+    }
+    fn contact_duration(&self, bounce: &Bounce) -> f64 {
+        PairLaw::<Plane>::contact_duration(&self.0, bounce)
+    }
+    fn restitution(&self, bounce: &Bounce) -> f64 {
+        PairLaw::<Plane>::restitution(&self.0, bounce)
+    }
+}
+
+impl Behaviour for OwnDashpot {
+    fn brings_contact_law(&self) -> bool {
+        true
+    }
+    fn build(self: Box<Self>, app: &mut App) {
+        let damping = Damping::B(20.0.try_into().unwrap());
+        let normal = LinearNormal::new(1.0e4.try_into().unwrap(), damping, Pull::Allowed);
+        let law = Composite { normal, tangential: NoFriction, rolling: NoRolling };
+        app.add_plugins(ContactPlugin::plane(Arc::new(Wrapped(law))));
+        if self.0 {
+            // Two grains of 0.16 kg: c/(2 m) with the reduced mass of 0.08 kg.
+            let damping_rates = [20.0 / (2.0 * 0.08), 0.0];
+            app.add_plugins(VelocityPredictionPlugin::<Plane> {
+                damping_rates,
+                spring_damping: 0.0,
+                space: PhantomData,
+            });
+        }
+    }
+}
+
+#[test]
+fn a_law_of_another_crate_moves_grains_like_the_same_law_of_the_scene_with_either_scheme() {
+    for (integrator, centred) in [("Centred", true), ("Verlet", false)] {
+        let law = "contact: Linear(k: 1.0e4, damping: B(20.0), attraction: Allowed)";
+        let ends = [String::new(), format!(", behaviours: {{\"it\": ({centred})}}")].map(|more| {
+            let more = format!("{law}, integrator: {integrator}{more}");
+            let mut run = run::<OwnDashpot>(&two(SPACES[0], 0.081, -1.0, &more));
+            assert_eq!(run.run(), End::TimeReached);
+            let mut grains = run.world_mut().query_filtered::<(&Position, &Velocity), With<Grain>>();
+            grains.iter(run.world()).map(|(x, v)| (x.0, v.0)).collect::<Vec<_>>()
+        });
+        assert_eq!(ends[0], ends[1], "{integrator}");
+        assert!(ends[0].iter().any(|(_, v)| v.x > -0.9 && v.x < 0.0), "the grains have not met");
     }
 }
