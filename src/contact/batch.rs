@@ -58,7 +58,7 @@ pub struct Batch<V: Space> {
     pub memory_after: MemoryLanes<V>,
     /// Bits of the lanes with a particle that had no other contact when contacts were last counted.
     pub lone: u64,
-    /// Overlap beyond the overlap up to which the contact may open or close within the step, m.
+    /// Negative for contacts near an event: see the function `slack`.
     slack: Scalars,
 }
 
@@ -126,16 +126,6 @@ impl<V: Space> Batch<V> {
         self.output.lost::<L>(self.len.min(LANES))
     }
 
-    /// Transposes the loaded spins.
-    #[inline(always)]
-    pub fn spread_spins(&mut self, instructions: Instructions) {
-        let lanes = self.lanes();
-        instructions.run(
-            #[inline(always)]
-            || self.spins.spread(lanes),
-        );
-    }
-
     /// Returns the number of lanes to compute: whole vectors.
     #[inline(always)]
     pub fn lanes(&self) -> usize {
@@ -154,6 +144,9 @@ impl<V: Space> Batch<V> {
         let (mut deeper, mut near) = (0, 0);
         // Known to the compiler, so that plain contacts do not pay for centred ones.
         let times = if CENTRED { times } else { MemoryTimes { dt: times.dt, ..MemoryTimes::default() } };
+        if L::SPIN {
+            self.spins.spread(self.lanes());
+        }
         for lane in 0..self.lanes() {
             let pair = self.pair::<L>(lane, times);
             let mut memory = self.memory.get::<L>(lane);
@@ -248,7 +241,6 @@ mod tests {
             for number in 0..contacts {
                 batch.push::<L>(Candidate::new(number, 1), &on_wall(number));
             }
-            batch.spread_spins(instructions);
             let (deeper, _) = batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, TIMES, instructions, [0.0, 0.0]);
             assert!(deeper >= contacts);
             for (lane, number) in (0..contacts).enumerate() {

@@ -93,7 +93,7 @@ fn pair_at<V: Space>(store: &ParticleStore<V>, slots: [usize; 2], separation: V,
         spins: slots.map(|slot| store.spin(slot)),
         species: slots.map(|slot| store.species[slot]),
         dt,
-        lead: store.prediction.lead,
+        lead: store.prediction.lookahead,
         spring_damping: 0.0,
         ahead: VelocityPrediction::default(),
     }
@@ -148,7 +148,7 @@ fn wall_pair_at<V: Space>(
         spins: [store.spin(i), V::Spin::ZERO],
         species: [store.species[i], wall.species],
         dt,
-        lead: store.prediction.lead,
+        lead: store.prediction.lookahead,
         spring_damping: 0.0,
         ahead: VelocityPrediction::default(),
     }

@@ -51,8 +51,6 @@ pub struct Pass<'a, V: Space, L> {
     pub near: &'a [Candidate],
     /// Time by which memories advance, s.
     pub dt: f64,
-    /// Half a step, s, if contacts are centred, else 0.
-    pub window: f64,
     /// Whether this is the first pass of a run, whose forces act in half a step only.
     pub starts: bool,
     /// Candidates with a particle that had no other contact when contacts were last counted, ascending.

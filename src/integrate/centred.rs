@@ -24,107 +24,23 @@
 //! of a dense bed. It is of third order, and zero in scenes with the usual tangential damping.
 
 use std::marker::PhantomData;
-use std::ops::Add;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::integrate::verlet::half_kick;
 use crate::space::Space;
 use crate::step::{Clock, Part, Phase, Step};
-use crate::store::{
-    ChunkedPass, LongestMove, ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE, VelocitiesPredicted, kick_term,
-};
+use crate::store::{ParticleStore, VelocitiesPredicted};
 
-/// Makes the first kick, the drift and the prediction. A pending second kick of the previous step, with its sum, comes
-/// first.
-pub(super) fn drift<V: Space>(dt: f64, chunked: &ChunkedPass, is_pending: bool, store: &mut ParticleStore<V>) {
-    store.prediction.middle.resize(store.body.len(), V::Apart::default());
-    let longest = match (store.tracks_energy, is_pending) {
-        (true, true) => drift_by::<V, TOTAL_AND_DISSIPATIVE, true>(dt, chunked, store),
-        (true, false) => drift_by::<V, TOTAL_AND_DISSIPATIVE, false>(dt, chunked, store),
-        (false, true) => drift_by::<V, TOTAL, true>(dt, chunked, store),
-        (false, false) => drift_by::<V, TOTAL, false>(dt, chunked, store),
-    };
-    store.travel += longest;
-    store.prediction.is_ahead = true;
-    let fixed = store.body[store.movable_end..].iter();
-    let fastest = fixed.map(|body| body.velocity.length_squared()).fold(0.0, f64::max);
-    // Slightly more than any pair can close in a step, so that only the velocities of a pair decide whether it counts.
-    store.prediction.margin = longest.max(dt * fastest.sqrt()) * (1.0 + 1e-6);
-}
-
-/// Drifts under forces with `NUMBERS` accumulators per particle. Returns the longest move, m.
-fn drift_by<V: Space, const NUMBERS: usize, const PENDING: bool>(
-    dt: f64,
-    chunked: &ChunkedPass,
-    store: &mut ParticleStore<V>,
-) -> f64 {
-    match store.periodic.filter(|_| !store.wraps_after_drift) {
-        None => drift_with::<V, NUMBERS, PENDING>(dt, chunked, store, |_| {}),
-        Some(periodic) => drift_with::<V, NUMBERS, PENDING>(dt, chunked, store, |x| periodic.wrap(x)),
+impl<V: Space> ParticleStore<V> {
+    /// Sets the largest gap that can close in half a step of `dt`, s. `longest` is the longest move of a movable particle in
+    /// a step, m.
+    pub(super) fn set_margin(&mut self, longest: f64, dt: f64) {
+        let fixed = self.body[self.movable_end..].iter();
+        let fastest = fixed.map(|body| body.velocity.length_squared()).fold(0.0, f64::max);
+        // Slightly more than any pair can close, so that only the velocities of a pair decide whether it counts.
+        self.prediction.margin = longest.max(dt * fastest.sqrt()) * (1.0 + 1e-6);
     }
-}
-
-/// Drifts, and applies `wrap` to each new position.
-fn drift_with<V: Space, const NUMBERS: usize, const PENDING: bool>(
-    dt: f64,
-    chunked: &ChunkedPass,
-    store: &mut ParticleStore<V>,
-    wrap: impl Fn(&mut V) + Sync,
-) -> f64 {
-    let ParticleStore { body, loads, prediction, movable_end: end, .. } = store;
-    let share = prediction.share;
-    let chunks = chunked.in_chunks_of_two(
-        &loads.force.entries::<NUMBERS>()[..*end],
-        (&mut body[..*end], &mut prediction.middle[..*end]),
-        #[inline(always)]
-        |force, body, apart, (longest, sum): &mut (LongestMove, V)| {
-            let gain = half_kick(force[0], dt, body.inverse_mass);
-            let mut velocity = body.velocity;
-            if PENDING {
-                velocity = V::middle(&body.middle, apart) + gain;
-                *sum += kick_term(force, velocity);
-            }
-            velocity += gain;
-            V::set_middle(velocity, &mut body.middle, apart);
-            let mut position = body.position + velocity * dt;
-            // The move is measured before the position is wrapped.
-            longest.raise(position - body.position);
-            wrap(&mut position);
-            (body.position, body.velocity) = (position, velocity + gain * share);
-        },
-    );
-    let both = |(longest, sum): (LongestMove, V), (other, term)| (longest.or(other), sum + term);
-    let (longest, sum) = chunks.into_iter().fold((LongestMove::default(), V::ZERO), both);
-    if PENDING {
-        store.kick_sum = Some(sum);
-    }
-    longest.length()
-}
-
-/// Makes the second kick and returns [`ParticleStore::kick_sum`].
-pub(super) fn kick<V: Space>(dt: f64, chunked: &ChunkedPass, store: &mut ParticleStore<V>) -> V {
-    if store.tracks_energy {
-        kick_by::<V, TOTAL_AND_DISSIPATIVE>(dt, chunked, store)
-    } else {
-        kick_by::<V, TOTAL>(dt, chunked, store)
-    }
-}
-
-fn kick_by<V: Space, const NUMBERS: usize>(dt: f64, chunked: &ChunkedPass, store: &mut ParticleStore<V>) -> V {
-    let ParticleStore { body, loads, prediction, movable_end: end, .. } = store;
-    let sums = chunked.in_chunks_of_two(
-        &loads.force.entries::<NUMBERS>()[..*end],
-        (&mut body[..*end], &mut prediction.middle[..*end]),
-        #[inline(always)]
-        |force, body, apart, sum: &mut V| {
-            let velocity = V::middle(&body.middle, apart) + half_kick(force[0], dt, body.inverse_mass);
-            *sum += kick_term(force, velocity);
-            body.velocity = velocity;
-        },
-    );
-    sums.into_iter().fold(V::ZERO, Add::add)
 }
 
 /// The largest damping rates of any contact, 1/s.
@@ -134,9 +50,9 @@ struct DampingRates([f64; 2]);
 /// Sets the times of the prediction, and makes room for grains that have entered. A grain that has just entered does not
 /// count as one without another contact.
 fn prepare<V: Space>(clock: Res<Clock>, rates: Res<DampingRates>, mut store: ResMut<ParticleStore<V>>) {
-    let (half, count) = (0.5 * clock.dt, store.body.len());
+    let count = store.body.len();
     let prediction = &mut store.prediction;
-    (prediction.lookahead, prediction.lead) = (half, half);
+    prediction.lookahead = 0.5 * clock.dt;
     // At q = 1 a single contact is unstable anyway. A share above zero lets the gain be computed from the prediction.
     [prediction.share, prediction.spin_share] = rates.0.map(|rate| {
         let q = rate * clock.dt;
@@ -145,7 +61,7 @@ fn prepare<V: Space>(clock: Res<Clock>, rates: Res<DampingRates>, mut store: Res
     prediction.lone.resize(count, 0);
     if clock.is_step_zero() {
         let fastest = store.body.iter().map(|body| body.velocity.length_squared()).fold(0.0, f64::max);
-        store.prediction.margin = clock.dt * fastest.sqrt() * (1.0 + 1e-6);
+        store.set_margin(clock.dt * fastest.sqrt(), clock.dt);
     }
 }
 

@@ -2,6 +2,7 @@
 
 pub mod centred;
 mod euler;
+mod halfway;
 pub mod rotation;
 mod verlet;
 pub mod wrap;

@@ -9,12 +9,13 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
+use crate::integrate::halfway::{Halfway, InTheMiddle, Predicted};
 use crate::particle::{Grain, Mass, Radius};
 use crate::space::{Linear, Space};
 use crate::spin::{Inertia, InertiaLaw, Spin, Torque};
 use crate::step::{Clock, Drifted, Part, Phase, Step};
 use crate::store::{
-    ChunkedPass, Kicked, MirrorSet, OwnObserver, ParticleStore, PendingKick, SpinsDrifted, TOTAL,
+    ChunkedPass, Kicked, MirrorSet, OwnObserver, ParticleStore, PendingKick, Rotation, SpinsDrifted, TOTAL,
     TOTAL_AND_DISSIPATIVE, add_second_kick, kick_term,
 };
 
@@ -51,67 +52,55 @@ fn kick_spins<V: Space, const SECOND: bool, const FIRST: bool>(
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) {
-    if store.tracks_energy {
-        kick_by::<V, TOTAL_AND_DISSIPATIVE, SECOND, FIRST>(dt, chunked, store);
+    if store.predicts() {
+        let halfway = Predicted { share: store.prediction.spin_share };
+        let mut apart = std::mem::take(&mut store.prediction.middle_spin);
+        apart.resize(store.rotation.len(), V::Spin::ZERO);
+        kick_all::<V, Predicted, SECOND, FIRST>(halfway, &mut apart, dt, chunked, store);
+        store.prediction.middle_spin = apart;
     } else {
-        kick_by::<V, TOTAL, SECOND, FIRST>(dt, chunked, store);
+        // Values without size: the vector allocates nothing.
+        let mut apart = vec![(); store.rotation.len()];
+        kick_all::<V, InTheMiddle, SECOND, FIRST>(InTheMiddle, &mut apart, dt, chunked, store);
+    }
+}
+
+fn kick_all<V: Space, H: Halfway<Rotation<V>, V::Spin>, const SECOND: bool, const FIRST: bool>(
+    halfway: H,
+    apart: &mut [H::Apart],
+    dt: f64,
+    chunked: &ChunkedPass,
+    store: &mut ParticleStore<V>,
+) {
+    if store.tracks_energy {
+        kick_by::<V, H, TOTAL_AND_DISSIPATIVE, SECOND, FIRST>(halfway, apart, dt, chunked, store);
+    } else {
+        kick_by::<V, H, TOTAL, SECOND, FIRST>(halfway, apart, dt, chunked, store);
     }
 }
 
 /// Kicks spins by torques with `NUMBERS` accumulators per particle.
-fn kick_by<V: Space, const NUMBERS: usize, const SECOND: bool, const FIRST: bool>(
+fn kick_by<V: Space, H: Halfway<Rotation<V>, V::Spin>, const NUMBERS: usize, const SECOND: bool, const FIRST: bool>(
+    halfway: H,
+    apart: &mut [H::Apart],
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) {
-    if store.predicts() {
-        return kick_centred::<V, NUMBERS, SECOND, FIRST>(dt, chunked, store);
-    }
     let ParticleStore { loads, rotation, movable_end: end, .. } = store;
     let sums = chunked.in_chunks(
         &loads.torque.entries::<NUMBERS>()[..*end],
-        &mut rotation[..*end],
+        (&mut rotation[..*end], &mut apart[..*end]),
         #[inline(always)]
-        |torque, rotation, sum: &mut V::Spin| {
+        |torque, rotation, apart, sum: &mut V::Spin| {
             let gain = half_kick(torque[0], dt, rotation.inverse_inertia);
             if SECOND {
-                rotation.spin += gain;
+                rotation.spin = halfway.middle(rotation, apart) + gain;
                 *sum += kick_term(torque, rotation.spin);
             }
             if FIRST {
-                rotation.spin += gain;
+                halfway.store(rotation.spin + gain, gain, rotation, apart);
             }
-        },
-    );
-    if SECOND {
-        store.spin_kick_sum = Some(sums.into_iter().fold(V::Spin::ZERO, |sum, one| sum + one));
-    }
-}
-
-/// Like [`kick_by`], and predicts spins.
-fn kick_centred<V: Space, const NUMBERS: usize, const SECOND: bool, const FIRST: bool>(
-    dt: f64,
-    chunked: &ChunkedPass,
-    store: &mut ParticleStore<V>,
-) {
-    store.prediction.middle_spin.resize(store.rotation.len(), V::Spin::ZERO);
-    let ParticleStore { loads, rotation, prediction, movable_end: end, .. } = store;
-    let share = prediction.spin_share;
-    let sums = chunked.in_chunks_of_two(
-        &loads.torque.entries::<NUMBERS>()[..*end],
-        (&mut rotation[..*end], &mut prediction.middle_spin[..*end]),
-        #[inline(always)]
-        |torque, rotation, middle, sum: &mut V::Spin| {
-            let gain = half_kick(torque[0], dt, rotation.inverse_inertia);
-            let mut spin = if SECOND { *middle + gain } else { rotation.spin };
-            if SECOND {
-                *sum += kick_term(torque, spin);
-            }
-            if FIRST {
-                *middle = spin + gain;
-                spin = *middle + gain * share;
-            }
-            rotation.spin = spin;
         },
     );
     if SECOND {

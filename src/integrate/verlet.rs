@@ -18,17 +18,17 @@ use std::ops::Add;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::integrate::centred;
+use crate::integrate::halfway::{Halfway, InTheMiddle, Predicted};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Part, Phase, Step};
 use crate::store::{
-    ChunkedPass, Kicked, LongestMove, MirrorSet, ParticleStore, PendingKick, TOTAL, TOTAL_AND_DISSIPATIVE,
+    Body, ChunkedPass, Kicked, LongestMove, MirrorSet, ParticleStore, PendingKick, TOTAL, TOTAL_AND_DISSIPATIVE,
     add_second_kick, kick_term,
 };
 
 /// Returns the gain of velocity (m/s) by a force (N) in half a step; `dt` is the step, s.
 #[inline]
-pub(super) fn half_kick<V: Space>(force: V, dt: f64, inverse_mass: f64) -> V {
+fn half_kick<V: Space>(force: V, dt: f64, inverse_mass: f64) -> V {
     force * (0.5 * dt * inverse_mass)
 }
 
@@ -40,45 +40,74 @@ fn drift<V: Space>(
 ) {
     store.half_step = 0.5 * clock.dt;
     store.stale.add(MirrorSet::POSITION.or(MirrorSet::VELOCITY).and(MirrorSet::FREE));
+    let (dt, is_pending) = (clock.dt, second.is_pending);
     if store.predicts() {
-        return centred::drift(clock.dt, &chunked, second.is_pending, &mut store);
-    }
-    match (store.tracks_energy, second.is_pending) {
-        (true, true) => drift_by::<V, TOTAL_AND_DISSIPATIVE, true>(clock.dt, &chunked, &mut store),
-        (true, false) => drift_by::<V, TOTAL_AND_DISSIPATIVE, false>(clock.dt, &chunked, &mut store),
-        (false, true) => drift_by::<V, TOTAL, true>(clock.dt, &chunked, &mut store),
-        (false, false) => drift_by::<V, TOTAL, false>(clock.dt, &chunked, &mut store),
+        let halfway = Predicted { share: store.prediction.share };
+        let mut apart = std::mem::take(&mut store.prediction.middle);
+        apart.resize(store.body.len(), V::Apart::default());
+        let longest = drift_all(halfway, &mut apart, (dt, is_pending), &chunked, &mut store);
+        store.prediction.middle = apart;
+        store.prediction.is_ahead = true;
+        store.set_margin(longest, dt);
+    } else {
+        // Values without size: the vector allocates nothing.
+        let mut apart = vec![(); store.body.len()];
+        drift_all(InTheMiddle, &mut apart, (dt, is_pending), &chunked, &mut store);
     }
 }
 
+/// Drifts, and makes the pending second kick first. Returns the longest move, m.
+fn drift_all<V: Space, H: Halfway<Body<V>, V>>(
+    halfway: H,
+    apart: &mut [H::Apart],
+    (dt, is_pending): (f64, bool),
+    chunked: &ChunkedPass,
+    store: &mut ParticleStore<V>,
+) -> f64 {
+    let longest = match (store.tracks_energy, is_pending) {
+        (true, true) => drift_by::<V, H, TOTAL_AND_DISSIPATIVE, true>(halfway, apart, dt, chunked, store),
+        (true, false) => drift_by::<V, H, TOTAL_AND_DISSIPATIVE, false>(halfway, apart, dt, chunked, store),
+        (false, true) => drift_by::<V, H, TOTAL, true>(halfway, apart, dt, chunked, store),
+        (false, false) => drift_by::<V, H, TOTAL, false>(halfway, apart, dt, chunked, store),
+    };
+    store.travel += longest;
+    longest
+}
+
 /// Drifts under forces with `NUMBERS` accumulators per particle.
-fn drift_by<V: Space, const NUMBERS: usize, const PENDING: bool>(
+fn drift_by<V: Space, H: Halfway<Body<V>, V>, const NUMBERS: usize, const PENDING: bool>(
+    halfway: H,
+    apart: &mut [H::Apart],
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
-) {
+) -> f64 {
     // The pass is compiled without wrapping too, so that open scenes do not pay for it.
     match store.periodic.filter(|_| !store.wraps_after_drift) {
-        None => drift_with::<V, NUMBERS, PENDING>(dt, chunked, store, |_| {}),
-        Some(periodic) => drift_with::<V, NUMBERS, PENDING>(dt, chunked, store, |x| periodic.wrap(x)),
+        None => drift_with::<V, H, NUMBERS, PENDING>(halfway, apart, dt, chunked, store, |_| {}),
+        Some(periodic) => {
+            drift_with::<V, H, NUMBERS, PENDING>(halfway, apart, dt, chunked, store, |x| periodic.wrap(x))
+        }
     }
 }
 
 /// Drifts, and applies `wrap` to each new position.
-fn drift_with<V: Space, const NUMBERS: usize, const PENDING: bool>(
+fn drift_with<V: Space, H: Halfway<Body<V>, V>, const NUMBERS: usize, const PENDING: bool>(
+    halfway: H,
+    apart: &mut [H::Apart],
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
     wrap: impl Fn(&mut V) + Sync,
-) {
+) -> f64 {
     let ParticleStore { body, loads, movable_end: end, .. } = store;
     let chunks = chunked.in_chunks(
         &loads.force.entries::<NUMBERS>()[..*end],
-        &mut body[..*end],
+        (&mut body[..*end], &mut apart[..*end]),
         #[inline(always)]
-        |force, body, (longest, sum): &mut (LongestMove, V)| {
+        |force, body, apart, (longest, sum): &mut (LongestMove, V)| {
             let gain = half_kick(force[0], dt, body.inverse_mass);
-            let mut velocity = body.velocity + gain;
+            let mut velocity = if PENDING { halfway.middle(body, apart) } else { body.velocity } + gain;
             if PENDING {
                 *sum += kick_term(force, velocity);
                 velocity += gain;
@@ -87,38 +116,62 @@ fn drift_with<V: Space, const NUMBERS: usize, const PENDING: bool>(
             // The move is measured before the position is wrapped.
             longest.raise(position - body.position);
             wrap(&mut position);
-            (body.position, body.velocity) = (position, velocity);
+            body.position = position;
+            halfway.store(velocity, gain, body, apart);
         },
     );
     let both = |(longest, sum): (LongestMove, V), (other, term)| (longest.or(other), sum + term);
     let (longest, sum) = chunks.into_iter().fold((LongestMove::default(), V::ZERO), both);
-    store.travel += longest.length();
     if PENDING {
         store.kick_sum = Some(sum);
     }
+    longest.length()
 }
 
 /// Makes the second kick. It also sums [`ParticleStore::kick_sum`], which saves a pass.
 fn kick<V: Space>((clock, chunked): (Res<Clock>, ChunkedPass), mut store: ResMut<ParticleStore<V>>) {
     let sum = if std::mem::take(&mut store.prediction.is_ahead) {
-        centred::kick(clock.dt, &chunked, &mut store)
-    } else if store.tracks_energy {
-        kick_by::<V, TOTAL_AND_DISSIPATIVE>(clock.dt, &chunked, &mut store)
+        let halfway = Predicted { share: store.prediction.share };
+        let mut apart = std::mem::take(&mut store.prediction.middle);
+        let sum = kick_all(halfway, &mut apart, clock.dt, &chunked, &mut store);
+        store.prediction.middle = apart;
+        sum
     } else {
-        kick_by::<V, TOTAL>(clock.dt, &chunked, &mut store)
+        let mut apart = vec![(); store.body.len()];
+        kick_all(InTheMiddle, &mut apart, clock.dt, &chunked, &mut store)
     };
     store.kick_sum = Some(sum);
     store.stale.add(MirrorSet::VELOCITY.and(MirrorSet::FREE));
 }
 
-fn kick_by<V: Space, const NUMBERS: usize>(dt: f64, chunked: &ChunkedPass, store: &mut ParticleStore<V>) -> V {
+fn kick_all<V: Space, H: Halfway<Body<V>, V>>(
+    halfway: H,
+    apart: &mut [H::Apart],
+    dt: f64,
+    chunked: &ChunkedPass,
+    store: &mut ParticleStore<V>,
+) -> V {
+    if store.tracks_energy {
+        kick_by::<V, H, TOTAL_AND_DISSIPATIVE>(halfway, apart, dt, chunked, store)
+    } else {
+        kick_by::<V, H, TOTAL>(halfway, apart, dt, chunked, store)
+    }
+}
+
+fn kick_by<V: Space, H: Halfway<Body<V>, V>, const NUMBERS: usize>(
+    halfway: H,
+    apart: &mut [H::Apart],
+    dt: f64,
+    chunked: &ChunkedPass,
+    store: &mut ParticleStore<V>,
+) -> V {
     let ParticleStore { body, loads, movable_end: end, .. } = store;
     let sums = chunked.in_chunks(
         &loads.force.entries::<NUMBERS>()[..*end],
-        &mut body[..*end],
+        (&mut body[..*end], &mut apart[..*end]),
         #[inline(always)]
-        |force, body, sum: &mut V| {
-            let velocity = body.velocity + half_kick(force[0], dt, body.inverse_mass);
+        |force, body, apart, sum: &mut V| {
+            let velocity = halfway.middle(body, apart) + half_kick(force[0], dt, body.inverse_mass);
             *sum += kick_term(force, velocity);
             body.velocity = velocity;
         },

@@ -137,9 +137,10 @@ pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64
     /// A row of grid cells along x: the cell numbers along the other axes.
     type Row: Copy + Debug + PartialEq + Send + Sync + 'static;
 
-    /// What a body stores of the velocity in the middle of a step. In the plane it fills up a cache line.
+    /// The velocity in the middle of a step, as a body stores it: in the plane the vector, which fills up a cache line.
     type Inside: Copy + Default + Debug + Send + Sync + 'static;
-    /// What is stored of it apart from the body: in solid space, whose bodies fill a cache line without it.
+    /// The velocity in the middle of a step, as stored apart from the body: in solid space the vector, because a body fills a
+    /// cache line without it.
     type Apart: Copy + Default + Debug + Send + Sync + 'static;
 
     /// Returns the velocity in the middle of a step.

@@ -1,4 +1,4 @@
-//! Passes over two columns on all threads, in chunks of [`CHUNK`] entries.
+//! Passes over three columns on all threads, in chunks of [`CHUNK`] entries.
 //!
 //! Each chunk has its own partial sum. The sums therefore do not depend on the number of threads.
 
@@ -22,41 +22,9 @@ pub(crate) struct ChunkedPass<'w> {
 }
 
 impl ChunkedPass<'_> {
-    /// Calls `each` with the entries of both columns and the partial sum of the chunk. Returns the partial sums, in the
-    /// order of chunks.
-    pub(crate) fn in_chunks<A: Sync, B: Send, T: Default + Send>(
-        &self,
-        read: &[A],
-        written: &mut [B],
-        each: impl Fn(&A, &mut B, &mut T) + Sync,
-    ) -> Vec<T> {
-        let instructions = *self.instructions;
-        let chunk = |(read, written): (&[A], &mut [B])| {
-            instructions.run_narrow(
-                #[inline(always)]
-                || {
-                    let mut sum = T::default();
-                    for (a, b) in read.iter().zip(written) {
-                        each(a, b, &mut sum);
-                    }
-                    sum
-                },
-            )
-        };
-        let in_chunks = |read: &[A], written: &mut [B]| -> Vec<T> {
-            read.chunks(CHUNK).zip(written.chunks_mut(CHUNK)).map(chunk).collect()
-        };
-        let (chunks, threads) = (written.len().div_ceil(CHUNK), self.threads.count());
-        if threads == 1 || chunks < MIN_SHARED_CHUNKS {
-            return in_chunks(read, written);
-        }
-        let share = chunks.div_ceil(threads) * CHUNK;
-        let shares = read.chunks(share).zip(written.chunks_mut(share));
-        self.threads.share(shares.map(|(read, written)| || in_chunks(read, written))).into_iter().flatten().collect()
-    }
-
-    /// Like [`Self::in_chunks`], and also writes a third column.
-    pub(crate) fn in_chunks_of_two<A: Sync, B: Send, C: Send, T: Default + Send>(
+    /// Calls `each` with the entries of all three columns and the partial sum of the chunk. Returns the partial sums, in the
+    /// order of chunks. A column that is not needed may hold `()`, which takes no memory.
+    pub(crate) fn in_chunks<A: Sync, B: Send, C: Send, T: Default + Send>(
         &self,
         read: &[A],
         (written, also): (&mut [B], &mut [C]),
@@ -112,15 +80,17 @@ mod tests {
         let column: Vec<_> = (0..count).map(|number| 1.0 / f64::from(number + 1)).collect();
         let by_chunks: Vec<f64> = column.chunks(CHUNK).map(|chunk| chunk.iter().sum()).collect();
         for threads in [1, 2, 3] {
-            let mut written = vec![1.0; column.len()];
+            let (mut written, mut also) = (vec![1.0; column.len()], vec![1.0; column.len()]);
             let sums = with_threads(threads, |chunked| {
-                chunked.in_chunks(&column, &mut written, |a, b, sum: &mut f64| {
+                chunked.in_chunks(&column, (&mut written, &mut also), |a, b, c, sum: &mut f64| {
                     *b += a;
+                    *c -= a;
                     *sum += a;
                 })
             });
             assert_eq!(sums, by_chunks);
             assert!(written.iter().zip(&column).all(|(b, a)| *b == 1.0 + a));
+            assert!(also.iter().zip(&column).all(|(c, a)| *c == 1.0 - a));
         }
     }
 }

@@ -10,14 +10,13 @@ use crate::store::ParticleStore;
 /// The state of the prediction. It is empty for other schemes.
 #[derive(Clone, Debug)]
 pub struct Prediction<V: Space = Plane> {
-    /// How far ahead velocities are predicted, s: half a step, or 0 for other schemes.
+    /// Time by which velocities are predicted, and by which the springs of contact memories are ahead of the evaluation, s:
+    /// half a step, or 0 for other schemes.
     pub lookahead: f64,
     /// Share of the gain in half a step that predicted velocities contain.
     pub share: f64,
     /// Like `share`, of spins.
     pub spin_share: f64,
-    /// Time by which the springs of contact memories are ahead of the evaluation, s.
-    pub lead: f64,
     /// Numerical damping of tangential and rolling springs, s ([`Pair`](crate::contact::Pair)).
     pub spring_damping: f64,
     /// The largest gap that two particles can close in the time `lookahead`, m.
@@ -38,7 +37,6 @@ impl<V: Space> Default for Prediction<V> {
             lookahead: 0.0,
             share: 0.0,
             spin_share: 0.0,
-            lead: 0.0,
             spring_damping: 0.0,
             margin: 0.0,
             lone: Vec::new(),

@@ -24,8 +24,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         let root = pass.law.needs_mass_root();
         for &contact in near {
             let ([i, wall], view) = (contact.both(), self.view);
-            if let Some(pair) = touching_wall(view, i, &pass.walls[wall], root, pass.window) {
-                if pass.window > 0.0 {
+            if let Some(pair) = touching_wall(view, i, &pass.walls[wall], root, view.prediction.lookahead) {
+                if view.predicts() {
                     self.batch.lone |= u64::from(view.prediction.lone[i]) << self.batch.len;
                 }
                 self.batch.push::<L>(contact, &pair);

@@ -72,11 +72,11 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         self.largest
     }
 
-    /// Adds overlapping candidates to the batch until it is full, and loads their bodies. With velocity prediction,
-    /// pairs closer than the prediction margin are added too. Returns the candidates that are left. Branches on overlap
+    /// Adds overlapping candidates to the batch until it is full, and loads their bodies. With centred
+    /// contacts, gaps that may close in half a step are added too. Returns the candidates that are left. Branches on overlap
     /// are mispredicted often, so there is none: each candidate is written, and the batch grows only if it counts.
     fn fill_batch<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
-        match (self.view.periodic, self.pass.window > 0.0) {
+        match (self.view.periodic, self.view.predicts()) {
             (None, false) => self.fill_batch_by::<false>(Open, candidates),
             (Some(periodic), false) => self.fill_batch_by::<false>(periodic, candidates),
             (None, true) => self.fill_batch_by::<true>(Open, candidates),
@@ -92,7 +92,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         candidates: &'c [Candidate],
     ) -> &'c [Candidate] {
         let (bodies, batch, pass) = (&self.view.body[..], &mut *self.batch, self.pass);
-        let limits = [pass.window, self.view.prediction.margin];
+        let limits = [self.view.prediction.lookahead, self.view.prediction.margin];
         pass.instructions.run_narrow(
             #[inline(always)]
             || {
@@ -128,7 +128,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         }
     }
 
-    /// Loads the data that the law requires besides bodies: species, spins, velocity prediction.
+    /// Loads the data that the law requires besides bodies: species and spins.
     #[inline]
     fn load_requirements(&mut self) {
         if !(L::SPECIES || L::SPIN) {
@@ -179,22 +179,19 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// on the smaller radius of a pair divided by the sum of its radii.
     #[inline]
     pub(super) fn evaluate_law(&mut self, smallest_share: f64, predict: Predict<V>) -> bool {
-        let Pass { law, dt, window, starts, instructions, .. } = *self.pass;
-        let view = self.view;
-        if L::SPIN {
-            self.batch.spread_spins(instructions);
-        }
+        let Pass { law, dt, starts, instructions, .. } = *self.pass;
+        let (view, lookahead) = (self.view, self.view.prediction.lookahead);
         // The last factor allows for rounding.
         let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
-        let even = law.even_from() * window;
-        let times = MemoryTimes { dt, lead: view.prediction.lead, spring_damping: view.prediction.spring_damping };
+        let even = law.even_from() * lookahead;
+        let times = MemoryTimes { dt, lead: lookahead, spring_damping: view.prediction.spring_damping };
         let (deeper, near_events) = if view.tracks_energy {
             self.batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, times, instructions, [deepest, even])
         } else {
             self.batch.evaluate::<L, TOTAL>(law, times, instructions, [deepest, even])
         };
         self.batch.output.clear_gaps();
-        if window > 0.0 && (near_events > 0 || self.batch.lone != 0) {
+        if view.predicts() && (near_events > 0 || self.batch.lone != 0) {
             let step = EventStep { store: view, predict, starts, instructions };
             self.batch.evaluate_events::<L>(law, MemoryTimes { spring_damping: 0.0, ..times }, &step);
             self.batch.lone = 0;

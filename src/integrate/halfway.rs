@@ -1,0 +1,85 @@
+//! The velocity or spin of a particle between the drift and the kick: the one in the middle of the step, or a prediction for
+//! its end beside it ([`centred`](super::centred)). The passes of the integrator are written once for both.
+
+use crate::space::Space;
+use crate::store::{Body, Rotation};
+
+/// How a scheme keeps a velocity or spin, of type `T`, in the record `R` of a particle.
+pub(super) trait Halfway<R, T>: Copy + Sync {
+    /// What is kept apart from the record.
+    type Apart: Copy + Default + Send;
+
+    /// Returns the value in the middle of the step.
+    fn middle(self, record: &R, apart: &Self::Apart) -> T;
+
+    /// Stores the value in the middle of the step. `gain` is its gain in half a step by the present force.
+    fn store(self, middle: T, gain: T, record: &mut R, apart: &mut Self::Apart);
+}
+
+/// The record holds the value in the middle of the step.
+#[derive(Clone, Copy)]
+pub(super) struct InTheMiddle;
+
+/// The record holds a prediction, which contains this share of the gain in half a step.
+#[derive(Clone, Copy)]
+pub(super) struct Predicted {
+    pub(super) share: f64,
+}
+
+impl<V: Space> Halfway<Body<V>, V> for InTheMiddle {
+    type Apart = ();
+
+    #[inline(always)]
+    fn middle(self, body: &Body<V>, (): &()) -> V {
+        body.velocity
+    }
+
+    #[inline(always)]
+    fn store(self, middle: V, _: V, body: &mut Body<V>, (): &mut ()) {
+        body.velocity = middle;
+    }
+}
+
+impl<V: Space> Halfway<Body<V>, V> for Predicted {
+    type Apart = V::Apart;
+
+    #[inline(always)]
+    fn middle(self, body: &Body<V>, apart: &V::Apart) -> V {
+        V::middle(&body.middle, apart)
+    }
+
+    #[inline(always)]
+    fn store(self, middle: V, gain: V, body: &mut Body<V>, apart: &mut V::Apart) {
+        V::set_middle(middle, &mut body.middle, apart);
+        body.velocity = middle + gain * self.share;
+    }
+}
+
+impl<V: Space> Halfway<Rotation<V>, V::Spin> for InTheMiddle {
+    type Apart = ();
+
+    #[inline(always)]
+    fn middle(self, rotation: &Rotation<V>, (): &()) -> V::Spin {
+        rotation.spin
+    }
+
+    #[inline(always)]
+    fn store(self, middle: V::Spin, _: V::Spin, rotation: &mut Rotation<V>, (): &mut ()) {
+        rotation.spin = middle;
+    }
+}
+
+impl<V: Space> Halfway<Rotation<V>, V::Spin> for Predicted {
+    type Apart = V::Spin;
+
+    #[inline(always)]
+    fn middle(self, _: &Rotation<V>, apart: &V::Spin) -> V::Spin {
+        *apart
+    }
+
+    #[inline(always)]
+    fn store(self, middle: V::Spin, gain: V::Spin, rotation: &mut Rotation<V>, apart: &mut V::Spin) {
+        *apart = middle;
+        rotation.spin = middle + gain * self.share;
+    }
+}
