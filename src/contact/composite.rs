@@ -16,6 +16,8 @@ pub trait Normal: Copy + Send + Sync + 'static {
     /// For overlaps of at least this many half-widths of the step, [`Normal::even_drag`] gives the mean drag
     /// coefficient.
     const EVEN: f64;
+    /// Whether the drag coefficient goes to zero with the overlap.
+    const FADES: bool = false;
 
     /// Returns the spring force, N.
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64;
@@ -143,7 +145,8 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
                 Unloading::of([begins, parted], before / -window.closing, &window, overlap, pair.dt)
             };
             let (averaged, mean_drags) = ([force_before, total], [mean_before, mean]);
-            let load = NormalLoad { whole, averaged, shares, drag, mean_drags, gathering, event, unloading };
+            let fades = N::FADES;
+            let load = NormalLoad { whole, averaged, shares, drag, mean_drags, fades, gathering, event, unloading };
             self.tangential.add_centred(pair, &load, memory, &mut force.turning);
             self.rolling.add_centred(pair, &load, memory, &mut force.turning);
         }

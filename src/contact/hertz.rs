@@ -82,6 +82,7 @@ impl Normal for Hertz {
     // `even_drag` takes the mean of delta^(1/4) as its value in the middle times 1 - (w/delta)^2/32. The remainder is
     // 0.02 (w/delta)^4 at this ratio, below 1e-5.
     const EVEN: f64 = 8.0;
+    const FADES: bool = true;
 
     #[inline(always)]
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64 {

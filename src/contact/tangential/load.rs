@@ -18,6 +18,8 @@ pub struct NormalLoad {
     pub drag: f64,
     /// The means of c over these two steps, N s/m.
     pub mean_drags: [f64; 2],
+    /// Whether c goes to zero with the overlap.
+    pub fades: bool,
     /// Time during which springs accumulate, s: the whole step, or from the event to its end, or 0 across a gap.
     pub gathering: f64,
     /// The event of this step at which the contact opened or the normal force changed sign: time from the event to the
@@ -100,6 +102,7 @@ impl NormalLoad {
             spring_shares: self.shares,
             mean_drags: [0.0; 2],
             averaged_caps: self.averaged.map(|force| friction * force.abs()),
+            normal_fades: self.fades,
             pulled: V::ZERO,
             release: None,
         }

@@ -101,6 +101,7 @@ struct NormalLoad {
     shares: [f64; 2],
     /// c_mean before and now, N s/m.
     mean_drags: [f64; 2],
+    is_hertz: bool,
     event: Option<Event>,
     unloading: Option<Unloading>,
     /// Time during which springs accumulate displacement, s.
@@ -167,6 +168,7 @@ pub fn centred(
         averaged: [before, total],
         shares: [normal_motion.share(normal_motion.overlaps[1]), normal_motion.share(normal_motion.overlaps[0])],
         mean_drags: [mean_before, mean],
+        is_hertz: terms.law.is_hertz(),
         event: None,
         unloading: None,
         accumulation_time: if pair_state.overlap > 0.0 { dt } else { 0.0 },
@@ -190,21 +192,40 @@ pub fn centred(
 }
 
 /// Returns the action of a contact at the start of the run, averaged over the first half step `half` (s): the spring acts as
-/// it is, drag and friction in the share of the half step in which there is a contact.
+/// it is, drag and friction with their mean over the part of the half step in which there is a contact.
 pub fn start(terms: &Terms, pair_state: &PairState, memory: &mut Memory, half: f64) -> Option<Action> {
     let moved = -half * pair_state.velocity.dot(pair_state.normal);
-    let deepest = pair_state.overlap.max(pair_state.overlap + moved);
-    if deepest <= 0.0 {
+    let (low, high) =
+        (pair_state.overlap.min(pair_state.overlap + moved), pair_state.overlap.max(pair_state.overlap + moved));
+    if high <= 0.0 {
         return None;
     }
-    let share = if moved == 0.0 { 1.0 } else { (deepest / moved.abs()).min(1.0) };
-    let touching = PairState { overlap: pair_state.overlap.max(0.0), ..*pair_state };
-    let whole = plain(terms, &touching, memory, [half, half, 0.0]);
+    let begin = PairState { overlap: pair_state.overlap.max(0.0), ..*pair_state };
+    let mut action = plain(terms, &begin, memory, [half, half, 0.0]);
+    if moved != 0.0 {
+        let normal = pair_state.normal;
+        let spring = |overlap: f64| normal * terms.spring(pair_state.reduced, overlap);
+        let (low, share) = (low.max(0.0), (high / moved.abs()).min(1.0));
+        action = Action { force: spring(begin.overlap), torques: [V::default(); 2] };
+        // Gauss's rule in the fourth root of the rise of the overlap.
+        let root = 0.6_f64.sqrt();
+        for (node, weight) in [(0.5 - 0.5 * root, 5.0), (0.5, 8.0), (0.5 + 0.5 * root, 5.0)] {
+            let at = PairState { overlap: low + (high - low) * node.powi(4), ..*pair_state };
+            let part = share * weight / 18.0 * 4.0 * node.powi(3);
+            let now = plain(terms, &at, &mut Memory::default(), [half, half, 0.0]);
+            action.force += (now.force - spring(at.overlap)) * part;
+            // The lever is that of the beginning.
+            let moment = normal.cross(now.force.across(normal));
+            for side in [0, 1] {
+                let lever = at.levers(terms.law.at_point)[side] - begin.levers(terms.law.at_point)[side];
+                action.torques[side] += (now.torques[side] + moment * lever) * part;
+            }
+        }
+    }
     if pair_state.overlap <= 0.0 {
         *memory = Memory::default();
     }
-    let spring = pair_state.normal * terms.spring(pair_state.reduced, touching.overlap);
-    Some(Action { force: spring + (whole.force - spring) * share, torques: whole.torques.map(|torque| torque * share) })
+    Some(action)
 }
 
 /// The assignment's law. Like [`centred`], but with vectors, because its damping acts on the full velocity.
@@ -334,7 +355,7 @@ fn at_start(stored: V, motion: &Motion, dt: f64) -> V {
 ///
 /// The velocity at the end of the step is solved implicitly in the slider's own dashpot. The force takes the mean damping
 /// coefficient and is cut at the cap of the averaged normal force. Where the force without averaging is beyond the cap of the
-/// current normal force, S = -(F + c v)/k.
+/// current normal force, S = -(F + c v)/k; except with Hertz's law, this force is then cut and weighted with theta instead.
 fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoad, normal: V) -> V {
     let Motion { middle, gained, halves: [half, half_lone], .. } = *motion;
     let ([counts_before, counts], [c_before, c_mean]) = (motion.spring_shares, motion.mean_drags);
@@ -364,7 +385,8 @@ fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoa
     } else if is_beyond {
         after = loaded(whole, middle + gained + (whole * share - earlier) * half_lone, after);
     }
-    let mut force = (elastic * counts - end * c_mean).cut(mu * load.averaged[1].abs()).0;
+    let average = if is_beyond && !load.is_hertz { whole * share } else { elastic * counts - end * c_mean };
+    let mut force = average.cut(mu * load.averaged[1].abs()).0;
     if let Some(Unloading { lasts, rate, .. }) = load.unloading {
         // The force in the middle of the time before the release, if the slider sticks, averaged over the whole step.
         let [k, c] = motion.unloaded;
