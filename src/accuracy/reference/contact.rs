@@ -83,7 +83,6 @@ pub struct Link {
     moduli: Moduli,
     mu: f64,
     rolling: Option<Rolling>,
-    full: bool,
     attracts: bool,
 }
 
@@ -113,7 +112,6 @@ impl Link {
             moduli: Moduli::new(&system.law, reduced_mass, reduced_radius),
             mu,
             rolling,
-            full: matches!(system.law, Law::Full { .. }),
             attracts: matches!(system.law, Law::Full { .. } | Law::Linear { attracts: true, .. }),
         }
     }
@@ -140,6 +138,11 @@ impl Link {
     /// Whether stiffnesses depend on the overlap. Then the force begins like a root of time.
     pub fn varies(&self) -> bool {
         self.moduli.vary()
+    }
+
+    /// Whether the drag acts on the whole relative velocity.
+    fn is_full(&self) -> bool {
+        matches!(self.moduli, Moduli::Full(_))
     }
 
     fn has_friction(&self) -> bool {
@@ -181,7 +184,7 @@ impl Link {
         if self.normal != Normal::Closed {
             return (DVec2::ZERO, 0.0, 0.0);
         }
-        if self.full {
+        if self.is_full() {
             return (m.n * self.moduli.spring(m.overlap) - m.v * self.moduli.damping(m.overlap), 0.0, 0.0);
         }
         let [along, rolling] = [0, 1].map(|number| match self.slides[number] {
@@ -191,10 +194,12 @@ impl Link {
         (m.n * self.normal_force(m) + m.n.perp() * along, along, self.reduced_radius * rolling)
     }
 
-    /// Returns k_t'/k_t while friction stiffens, else 0, 1/s.
-    fn stiffening(&self, number: usize, m: &Meeting) -> f64 {
-        // k_t goes with the root of the overlap.
-        if number == 0 && self.varies() && !self.unloads { -m.v_n / (2.0 * m.overlap) } else { 0.0 }
+    /// Returns k_t'/k_t of friction if the contact is unloading as `unloads` says, else 0, 1/s. k_t goes with the root of the
+    /// overlap.
+    fn stiffening(&self, number: usize, m: &Meeting, unloads: bool) -> f64 {
+        // The floor is far below the overlap after the first step of a contact.
+        let overlap = m.overlap.max(1e-14 * self.reduced_radius);
+        if number == 0 && self.varies() && self.unloads == unloads { -m.v_n / (2.0 * overlap) } else { 0.0 }
     }
 
     /// Returns the rates of the springs, m/s.
@@ -202,7 +207,7 @@ impl Link {
         [0, 1].map(|number| {
             let sticks = self.normal == Normal::Closed && self.slides[number] == Slide::Stick;
             let exists = sticks && self.slider(number, m.overlap).is_some();
-            if exists { m.slides[number] - s[number] * self.stiffening(number, m) } else { 0.0 }
+            if exists { m.slides[number] - s[number] * self.stiffening(number, m, false) } else { 0.0 }
         })
     }
 
@@ -219,7 +224,7 @@ impl Link {
             Normal::Cut => [events[0], events[1]] = [-m.overlap, self.normal_force(&m)],
             Normal::Closed => {
                 events[0] = if self.attracts { -m.overlap } else { -self.normal_force(&m) };
-                if self.attracts && self.has_friction() && !self.full {
+                if self.attracts && self.has_friction() && !self.is_full() {
                     events[1] = -self.load(&m);
                 }
                 if self.varies() {
@@ -248,7 +253,7 @@ impl Link {
         let rate = |of: &dyn Fn(&Meeting) -> f64| (of(&around[1]) - of(&around[0])) / (2.0 * short);
         let (cap_rate, dashpot_rate) = (rate(&|m| self.cap(number, m)), rate(&dashpot));
         // A softening spring keeps its displacement.
-        let softening = if number == 0 && self.varies() && self.unloads { -m.v_n / (2.0 * m.overlap) } else { 0.0 };
+        let softening = self.stiffening(number, m, true);
         let elastic = sign * self.cap(number, m) + dashpot(m);
         cap_rate - sign * (-k * m.slides[number] + softening * elastic - dashpot_rate)
     }
@@ -308,9 +313,9 @@ impl Link {
     /// The choice compares force and cap a very short time later, because both may begin at zero.
     fn choose_modes(&mut self, m: &Meeting, s: [f64; SLIDERS]) -> [f64; SLIDERS] {
         let delay = 3e-8 * self.reduced_radius / m.v.length().max(f64::MIN_POSITIVE);
-        for number in 0..SLIDERS {
-            let later = Meeting { overlap: m.overlap - delay * m.v_n, ..*m };
-            let trial = self.trial(number, &later, s[number] + delay * m.slides[number]);
+        let later = Meeting { overlap: m.overlap - delay * m.v_n, ..*m };
+        for (number, spring) in s.iter().enumerate() {
+            let trial = self.trial(number, &later, spring + delay * m.slides[number]);
             self.slides[number] =
                 if trial.abs() > self.cap(number, &later) { Slide::Slip(trial.signum()) } else { Slide::Stick };
         }

@@ -6,6 +6,8 @@ use super::{Law, Rolling};
 /// The coefficients of a contact.
 #[derive(Clone, Copy, Debug)]
 pub enum Moduli {
+    /// Of the assignment's law, whose drag acts on the whole velocity: k, b.
+    Full([f64; 2]),
     /// Constant: k, c, k_t, c_t.
     Constant([f64; 4]),
     /// Of Hertz's law: k and S_n over powers of the overlap, k_t over its root, and the factor of damping coefficients.
@@ -16,7 +18,7 @@ impl Moduli {
     /// Returns the coefficients of a contact with these reduced mass (kg) and radius (m).
     pub fn new(law: &Law, mass: f64, radius: f64) -> Self {
         match *law {
-            Law::Full { k, b } => Self::Constant([k, b, 0.0, 0.0]),
+            Law::Full { k, b } => Self::Full([k, b]),
             Law::Linear { k, e, attracts, friction } => {
                 let c = 2.0 * damping_ratio(e, attracts) * (k * mass).sqrt();
                 let (k_t, c_t) = friction.map_or((0.0, 0.0), |f| (f.k, f.share * c));
@@ -44,7 +46,7 @@ impl Moduli {
     /// Returns the force of the normal spring, N.
     pub fn spring(&self, overlap: f64) -> f64 {
         match self {
-            Self::Constant([k, ..]) => k * overlap,
+            Self::Full([k, _]) | Self::Constant([k, ..]) => k * overlap,
             Self::Hertz { force, .. } => force * overlap.max(0.0).powf(1.5),
         }
     }
@@ -52,7 +54,7 @@ impl Moduli {
     /// Returns the normal damping coefficient, N s/m.
     pub fn damping(&self, overlap: f64) -> f64 {
         match self {
-            Self::Constant([_, c, ..]) => *c,
+            Self::Full([_, c]) | Self::Constant([_, c, ..]) => *c,
             Self::Hertz { normal, damping, .. } => damping * (normal * overlap.max(0.0).sqrt()).sqrt(),
         }
     }
@@ -60,6 +62,7 @@ impl Moduli {
     /// Returns stiffness (N/m) and damping coefficient (N s/m) of friction.
     pub fn friction(&self, overlap: f64) -> [f64; 2] {
         match self {
+            Self::Full(_) => [0.0; 2],
             Self::Constant([.., k, c]) => [*k, *c],
             Self::Hertz { tangential, damping, .. } => {
                 let k = tangential * overlap.max(0.0).sqrt();

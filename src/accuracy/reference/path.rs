@@ -272,7 +272,7 @@ fn bisect(value: impl Fn(f64) -> f64, end: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::super::closed::{after_bounce, damping_ratio, duration, flight};
-    use super::super::{Disc, Floor, Friction, Law};
+    use super::super::{Disc, Floor, Friction, Law, Rolling};
     use super::*;
 
     const K: f64 = 1.0e5;
@@ -333,6 +333,34 @@ mod tests {
         let slowed = 0.3 * 1.5;
         assert!((state.v[0] - DVec2::new(3.0 - slowed, 0.5)).length() < 3e-11, "{}", state.v[0]);
         assert!((0.04 * state.w[0] + 2.0 * slowed).abs() < 3e-11, "{}", state.w[0]);
+    }
+
+    #[test]
+    fn impact_of_hertz_has_the_restitution_of_its_law() {
+        // A substitution of time turns the bounce into a linear one, so that e does not depend on the speed.
+        for (e, mu) in [(0.9, 0.5), (0.5, 1.0e3), (0.2, 0.1)] {
+            let law = Law::Hertz { young: 4.0e6, poisson: 0.3, e, mu };
+            let system = System { law, ..rough(DVec2::new(0.5, -1.0)) };
+            // The contact lasts 6 ms.
+            let state = last(&system, 6e-3 / 400.0, 0.02);
+            // Steps of a twentieth of the time since the touch have an error of 1e-10; damping begins with the power 1/4.
+            assert!((state.v[0].y - e).abs() < 1e-8, "{e}: {:e}", state.v[0].y - e);
+        }
+    }
+
+    #[test]
+    fn rolling_resistance_stops_a_disc_as_its_torque_does() {
+        // The disc hits the floor with v_t = 3, slides throughout and turns in one sense. Its rim speed changes by twice the
+        // friction impulse, less twice the impulse of rolling resistance, both proportional to the normal impulse.
+        let mut system = rough(DVec2::new(3.0, -1.0));
+        let rolling = Some(Rolling { k: 1e3 * K, b: 1e5, mu: 0.1 });
+        let friction = Some(Friction { k: 0.3 * K, share: 0.5, mu: 0.3, rolling });
+        system.law = Law::Linear { k: K, e: 0.5, attracts: false, friction };
+        let contact = duration(K, 0.5, false, M[0]);
+        let state = last(&system, contact / 1000.0, 0.0005 + 3.0 * contact);
+        let (slowed, resisted) = (0.3 * 1.5, 0.1 * 1.5);
+        // Rolling sticks at first, before the rolling velocity has loaded the stiff spring and dashpot to the cap.
+        assert!((0.04 * state.w[0] + 2.0 * (slowed - resisted)).abs() < 2e-3, "{}", 0.04 * state.w[0]);
     }
 
     #[test]
