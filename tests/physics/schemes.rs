@@ -314,9 +314,10 @@ fn friction_of_two_simultaneous_contacts_is_of_second_order() {
                 let case = Oblique { rule, e, friction, vt, dashpot, side: true };
                 let ([coarse, fine, plain], order) = oblique_errors(case);
                 // Tolerance as with one contact. The events of two contacts fall at any phase of a step, so the scatter
-                // is sqrt 2 larger. Two cases are of first order: a force that sets in makes another contact stick,
-                // and the slipping dashpot of that contact receives the change one step later. With attraction forbidden
-                // the effect is too small to show.
+                // is sqrt 2 larger. Two cases are of first order: a force that sets in makes another contact stick. The
+                // spring of that contact grows with (cap' - c a)/k in slip and with v in stick. The change comes up to half a
+                // step too early or late, because no contact knows when another one begins. A model of one slider with this
+                // moment known is of second order. With attraction forbidden the effect is too small to show.
                 let sticks_at_once = (rule, e, dashpot, vt) == ("Allowed", 0.2, 0.5, 1.0);
                 let least = if sticks_at_once { 0.85 } else { 1.65 };
                 assert!(order > least, "{case:?}: order {order:.2}, {coarse:e} {fine:e}");
