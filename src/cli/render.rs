@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::{Verdict, say};
+use crate::cli::exit_status::Verdict;
+use crate::cli::say;
 use crate::fault::Fault;
 use crate::writers::png;
 
