@@ -287,7 +287,7 @@ fn closed_and_full_streams_neither_stop_a_run_nor_change_an_exit_status() {
 fn quiet_run_prints_nothing_but_json() {
     let here = tempfile::tempdir().unwrap();
     let silo = path("silo1.ron");
-    let run = ["run", &silo, "--until", "0.1", "--set", "pictures=None", "--quiet"];
+    let run = ["run", &silo, "--until", "0.1", "--set", "pictures=None", "--quiet", "--force"];
     let silent = siloflow(here.path(), &run);
     assert!(silent.stdout.is_empty() && silent.stderr.is_empty(), "{}", text(&silent.stderr));
     let json = siloflow(here.path(), &[&run[..], &["--json"]].concat());
