@@ -92,7 +92,7 @@ pub(super) fn carry_out(method: &mut impl Method, path: &Path, call: &Call) -> R
     }
     directory.publish()?;
     simulation.continue_in(&directory).map_err(|failure| could_not_start(&failure))?;
-    let (end, cost) = drive.to_the_end(&mut simulation);
+    let (end, cost) = drive.until_the_end(&mut simulation);
     Ok(finish(method, &mut simulation, &directory, &end, cost, call.signals))
 }
 
@@ -151,7 +151,7 @@ impl<'a, M: Method> Drive<'a, M> {
         end
     }
 
-    fn to_the_end(mut self, simulation: &mut Simulation) -> (End, Cost) {
+    fn until_the_end(mut self, simulation: &mut Simulation) -> (End, Cost) {
         let start = Instant::now();
         let Self { method, progress, updates, .. } = &mut self;
         let end = simulation.advance_to_end(|world| {

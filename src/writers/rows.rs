@@ -46,13 +46,12 @@ impl Rows {
         // Writing to a string cannot fail.
         let _ = self.buffer.write_fmt(rows);
         let written = self.file.write_all(self.buffer.as_bytes());
-        match written {
-            Ok(()) => self.length += self.buffer.len() as u64,
-            Err(_) => {
-                // A part of the rows may have been written. The run reports the first error.
-                let _ = self.file.set_len(self.length);
-                let _ = self.file.seek(SeekFrom::Start(self.length));
-            }
+        if written.is_ok() {
+            self.length += self.buffer.len() as u64;
+        } else {
+            // A part of the rows may have been written. The run reports the first error.
+            let _ = self.file.set_len(self.length);
+            let _ = self.file.seek(SeekFrom::Start(self.length));
         }
         written
     }

@@ -262,6 +262,7 @@ fn a_second_signal_stops_at_once() {
     // delivered as one.
     let kill = format!("kill -INT {0}; kill -TERM {0}", running.0.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
-    assert_eq!(running.end().code(), Some(143));
+    // The signal that is handled second sets the status.
+    assert!(matches!(running.end().code(), Some(130 | 143)));
     assert!(!run.join("summary.json").exists());
 }

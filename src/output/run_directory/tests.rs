@@ -112,7 +112,9 @@ fn remainders_of_killed_processes_are_removed() {
     let stale = |end: &str, files: &[&str]| {
         let stale = here.path().join(format!(".run.siloflow-{end}"));
         fs::create_dir_all(stale.join(FRAMES)).unwrap();
-        files.iter().for_each(|file| fs::write(stale.join(file), "left").unwrap());
+        for file in files {
+            fs::write(stale.join(file), "left").unwrap();
+        }
     };
     stale("1-1", &[MARKER, SCENE, "frames/00001.svg", "notes.txt"]);
     fs::create_dir(here.path().join(".run.siloflow-2-1")).unwrap();
