@@ -112,6 +112,8 @@ fn finish<M: Method>(
     }
     if let Err(error) = directory.write_summary(&summary) {
         summary.fail(format!("could not write summary.json: {error}"));
+        // The error may be a passing one. If it is not, the error message is all that remains.
+        let _ = directory.write_summary(&summary);
     }
     if let Some(failure) = summary.failure() {
         tracing::error!("{failure}");
