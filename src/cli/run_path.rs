@@ -27,6 +27,7 @@ use crate::output::run_directory::RunDirectory;
 use crate::output::summary::Cost;
 use crate::simulation::Simulation;
 use crate::source::Source;
+use crate::step::Clock;
 
 /// Settings of a run that do not change its result.
 pub(super) struct Call<'a> {
@@ -147,8 +148,11 @@ impl<'a, M: Method> Drive<'a, M> {
 
     fn step_zero(&mut self, simulation: &mut Simulation) -> Option<End> {
         let start = Instant::now();
+        let is_fresh = simulation.world().resource::<Clock>().is_step_zero();
         let end = simulation.step_zero();
-        self.updates = self.method.updates(simulation.world(), self.updates);
+        if is_fresh {
+            self.updates = self.method.updates(simulation.world(), self.updates);
+        }
         self.wall_s += start.elapsed().as_secs_f64();
         end
     }

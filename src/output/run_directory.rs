@@ -34,7 +34,7 @@ use crate::fault::Fault;
 use crate::source::Source;
 use crate::source::places;
 use crate::writers::frame_writer::Guard;
-use crate::writers::whole_file::{PART, part_of, write_with};
+use crate::writers::whole_file::{PART, part_of, remove_if_there, write_with};
 
 /// A run directory that this process has locked.
 #[derive(Debug)]
@@ -135,10 +135,10 @@ impl RunDirectory {
             io::copy(&mut File::open(from)?, &mut File::create_new(now.join(copy_name(key)))?)?;
         }
         fs::write(now.join(SCENE), scene)?;
-        fs::write(part_of(&now.join(SUMMARY)), vec![b'\n'; SUMMARY_RESERVE])
+        self.reserve_summary()
     }
 
-    /// Locks the directory of an earlier run, to continue it. Nothing in it is changed.
+    /// Locks the directory of an earlier run, to continue it. Nothing but the marker is changed.
     ///
     /// # Errors
     /// If there is no run at `path`, or another process uses it.
@@ -156,12 +156,15 @@ impl RunDirectory {
         }
     }
 
-    /// Moves the directory to its place. A run that is there is replaced. From then on a failure of the run leaves its
-    /// traces in the directory.
+    /// Moves the directory to its place, if it is not there. A run that is there is replaced. From then on a failure of the
+    /// run leaves its traces in the directory.
     ///
     /// # Errors
     /// As [`RunDirectory::create`]; everything is then as before.
     pub fn publish(&mut self) -> Result<(), Fault> {
+        if let Place::Published(_) = self.place {
+            return Ok(());
+        }
         // It may have changed since the preparation began. The lock of an old run is held until that run is gone.
         let old = examine(&self.shown, &self.target)?;
         refuse_content(&self.shown, &old, self.replace)?;
@@ -173,6 +176,23 @@ impl RunDirectory {
         })?;
         self.place = Place::Published(marker);
         Ok(())
+    }
+
+    /// Removes `state.csv` and `summary.json` of the part that has run so far, before a reopened run continues.
+    ///
+    /// # Errors
+    /// If a file cannot be removed, or there is no space for a summary.
+    pub fn remove_results(&self) -> io::Result<()> {
+        remove_if_there(&self.now().join(SUMMARY))?;
+        remove_if_there(&self.now().join(STATE))?;
+        self.reserve_summary()
+    }
+
+    /// Occupies the space of the summary.
+    fn reserve_summary(&self) -> io::Result<()> {
+        let part = part_of(&self.now().join(SUMMARY));
+        remove_if_there(&part)?;
+        File::create_new(part)?.write_all(&[b'\n'; SUMMARY_RESERVE])
     }
 
     /// Returns the path of the directory, as the caller gave it.

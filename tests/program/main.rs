@@ -29,6 +29,7 @@ mod friction_scenes;
 mod hard;
 mod instructions;
 mod lattice;
+mod long_runs;
 mod periodic;
 mod pins;
 #[cfg(unix)]

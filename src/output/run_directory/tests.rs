@@ -97,7 +97,12 @@ fn a_directory_in_use_is_refused() {
     drop(first);
     let killed = RunDirectory::create(&path, &source("()"), false).unwrap_err();
     assert!(killed.to_string().contains("a run that was killed"), "{killed}");
-    let reopened = RunDirectory::reopen(&path).unwrap();
+    let mut reopened = RunDirectory::reopen(&path).unwrap();
+    reopened.publish().unwrap();
+    reopened.write_summary(&"first part").unwrap();
+    reopened.remove_results().unwrap();
+    assert!(!path.join(SUMMARY).exists());
+    reopened.write_summary(&"whole").unwrap();
     assert!(in_use(&RunDirectory::create(&path, &source("()"), true).unwrap_err()));
     drop(reopened);
     assert_eq!(RunDirectory::reopen(here.path()).unwrap_err().code(), "run::directory");
