@@ -11,10 +11,11 @@ use crate::cli::exit_status::Verdict;
 use crate::cli::run::{default_directory, run_into};
 use crate::cli::run_path::Call;
 use crate::cli::signals::Signals;
-use crate::cli::{ONE_THREAD, picture_files, say, write_results};
+use crate::cli::{ONE_THREAD, picture_files, refused, say, write_results};
 use crate::compare::report::Report;
 use crate::compare::{Run, compare as compare_runs, pictures, read};
 use crate::fault::Fault;
+use crate::output::run_directory::RunDirectory;
 use crate::scene::load::{self, AnyScene};
 
 /// Arguments of `compare`.
@@ -60,21 +61,37 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
         .collect::<Result<_, _>>()?;
     distinct(&directories, &scenes)?;
     let names = names(&directories);
+    for (directory, _) in directories.iter().zip(&scenes).filter(|(_, scene)| scene.is_some()) {
+        RunDirectory::check(directory, args.force)?;
+    }
     let mut runs: Vec<Option<Run>> = Vec::new();
     for ((directory, scene), name) in directories.iter().zip(&scenes).zip(&names) {
         runs.push(if scene.is_none() { Some(read::run(directory, name)?) } else { None });
     }
     let signals = Signals::catch();
     let call = Call { registry, threads: ONE_THREAD, quiet, force: args.force, signals: &signals };
+    let mut has_run = false;
     for (((run, scene), directory), name) in runs.iter_mut().zip(&mut scenes).zip(&directories).zip(&names) {
         let Some(loaded) = scene else { continue };
-        let verdict = run_into(directory, loaded, &call)?.verdict;
+        let verdict = match run_into(directory, loaded, &call) {
+            Ok(report) => report.verdict,
+            Err(fault) => return refused(fault, has_run),
+        };
+        has_run = true;
         if verdict != Verdict::Done {
             tracing::error!("{name} did not end as it should: nothing was compared");
             return Ok(verdict);
         }
-        *run = Some(read::run(directory, name)?);
+        match read::run(directory, name) {
+            Ok(read) => *run = Some(read),
+            Err(fault) => return refused(fault, has_run),
+        }
     }
+    write_report(args, runs).or_else(|fault| refused(fault, has_run))
+}
+
+/// Compares the runs and writes the results.
+fn write_report(args: &CompareArgs, runs: Vec<Option<Run>>) -> Result<Verdict, Fault> {
     let runs: Vec<Run> = runs.into_iter().flatten().collect();
     let Some((reference, others)) = runs.split_first() else { return Ok(Verdict::Done) };
     let report = compare_runs(reference, others, f64::from(args.looks))?;

@@ -156,6 +156,15 @@ fn show(fault: Fault) {
     say_aside(&format!("{:?}", miette::Report::new(fault)));
 }
 
+/// Returns a fault of the input, or reports it as a failure if the command has already changed something.
+fn refused(fault: Fault, has_changed: bool) -> Result<Verdict, Fault> {
+    if !has_changed {
+        return Err(fault);
+    }
+    show(fault);
+    Ok(Verdict::Failed)
+}
+
 /// Writes the results of a study or comparison: all of them or none. A failure comes after the start, so it is no error of
 /// the call.
 fn write_results(directory: &Path, files: &[(String, Vec<u8>)]) -> Verdict {

@@ -115,8 +115,7 @@ impl RunDirectory {
     /// * `path` holds a run, and `replace` is false; or it is not empty and holds no run.
     /// * A file cannot be read or written.
     pub fn create(path: &Path, source: &Source, replace: bool) -> Result<Self, Fault> {
-        let target = resolve(path)?;
-        refuse_content(path, &examine(path, &target)?, replace)?;
+        let target = Self::check(path, replace)?;
         let stage = Stage::create(&target, &is_own).map_err(|error| could_not_prepare(path, &error))?;
         let directory = Self { shown: path.to_owned(), target, replace, place: Place::Staged(stage) };
         let mut text = source.text.clone();
@@ -125,6 +124,16 @@ impl RunDirectory {
         }
         directory.fill(&text, &source.files).map_err(|error| directory.unwritable(&error))?;
         Ok(directory)
+    }
+
+    /// Checks whether a run at `path` may begin, and returns its absolute path. Nothing is changed.
+    ///
+    /// # Errors
+    /// As [`RunDirectory::create`], for `path`.
+    pub fn check(path: &Path, replace: bool) -> Result<PathBuf, Fault> {
+        let target = resolve(path)?;
+        refuse_content(path, &examine(path, &target)?, replace)?;
+        Ok(target)
     }
 
     /// Writes the files that exist before the first step.
@@ -192,7 +201,7 @@ impl RunDirectory {
     fn reserve_summary(&self) -> io::Result<()> {
         let part = part_of(&self.now().join(SUMMARY));
         remove_if_there(&part)?;
-        File::create_new(part)?.write_all(&[b'\n'; SUMMARY_RESERVE])
+        File::create_new(part)?.write_all(&vec![b'\n'; SUMMARY_RESERVE])
     }
 
     /// Returns the path of the directory, as the caller gave it.

@@ -106,4 +106,10 @@ fn incomparable_arguments_are_refused_before_any_run() {
         assert!(message.contains(code) && message.contains(hint), "{arguments:?}: {message}");
     }
     assert!(!here.path().join("out").exists(), "a file was written");
+    // The directory of the second scene has a run, so the first scene is not run.
+    fs::copy(here.path().join("small.ron"), here.path().join("second.ron")).unwrap();
+    siloflow(here.path(), &["run", "second.ron", "--quiet", "--until", "0.1"]);
+    let output = siloflow(here.path(), &["compare", "small.ron", "second.ron"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("--force") && !here.path().join("out/small").exists());
 }

@@ -135,6 +135,21 @@ fn a_second_run_into_a_directory_is_refused_and_names_the_process() {
 }
 
 #[test]
+fn a_run_whose_directory_was_moved_away_touches_no_other_run() {
+    let here = tempfile::tempdir().unwrap();
+    let silo = path("silo1.ron");
+    let run = ["run", &silo, "--until", "1e6", "--set", "pictures.interval=0.1", "--out", "run"];
+    let first = Running::start(here.path(), "", &run, || Some(here.path().join("run/series.csv")));
+    fs::rename(here.path().join("run"), here.path().join("moved")).unwrap();
+    let fall = path("free-fall.ron");
+    assert!(siloflow(here.path(), &["run", &fall, "--out", "run", "--quiet"]).status.success());
+    let second = content(&here.path().join("run"));
+    assert_eq!(first.end().code(), Some(1));
+    assert_eq!(content(&here.path().join("run")), second);
+    assert!(!here.path().join("moved/summary.json").exists());
+}
+
+#[test]
 fn a_signal_ends_a_run_after_its_step_with_complete_results() {
     let silo = path("silo1.ron");
     let grains = [
