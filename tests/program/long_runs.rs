@@ -63,7 +63,7 @@ fn memory_does_not_grow_with_the_grains_that_have_left() {
             part.map(|(_, resident)| *resident).max().unwrap()
         };
         let (first, later) = (largest(true), largest(false));
-        println!("{departed}: {first} kB in the first tenth, {later} kB later");
+        eprintln!("{departed}: {first} kB in the first tenth, {later} kB later");
         assert!(later as f64 <= 1.1 * first as f64, "{first} kB, then {later} kB");
     }
 }
