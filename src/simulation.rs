@@ -283,8 +283,15 @@ fn advance(world: &mut World) -> Option<End> {
     world.resource::<Outcome>().end().cloned()
 }
 
+/// Largest number of threads of a run. Many more than there are cores would occupy the machine without doing work.
+const MOST_THREADS: usize = 1024;
+
 /// Returns an app with the resources of every run.
 fn app_with_resources(threads: NonZeroUsize) -> Result<App, Fault> {
+    if threads.get() > MOST_THREADS {
+        let message = format!("{threads} threads are more than the limit of {MOST_THREADS}");
+        return Err(Fault::new("call::threads", message).help("ask for fewer with --threads, at most one per core"));
+    }
     let threads = Threads::new(threads).map_err(|error| {
         Fault::new("call::threads", format!("could not start the threads: {error}"))
             .help("ask for fewer with --threads")

@@ -178,6 +178,7 @@ fn bad_input_is_reported_on_stderr_and_writes_no_file() {
         vec!["run", &path("silo1.ron"), "--set", "gone.key=3"],
         vec!["run", &path("silo1.ron"), "--until", "-3"],
         vec!["run", &path("silo1.ron"), "--threads", "0"],
+        vec!["run", &path("silo1.ron"), "--threads", "100000"],
         vec!["render", "no-such-picture.svg"],
         vec!["fly"],
         vec![],
