@@ -9,7 +9,7 @@ use super::reference::{Disc, Law, State, System};
 /// Source of a case's exact solution.
 #[derive(Clone, Copy, Debug)]
 pub enum Truth {
-    /// Closed form of the state at a time (s) after the system's start. No discs touch during the first step.
+    /// Closed form of the state at a time (s) after the system's start. No discs touch before a copy begins.
     Closed(fn(&System, f64) -> State),
     /// Integration by the independent [reference](super::reference).
     Integrated,
@@ -50,6 +50,9 @@ pub struct Case {
     pub measure: Measure,
     /// Finest t_c/dt of the ladder of steps.
     pub finest: f64,
+    /// Time of the first contact, s, if the copies begin within half a step before it. Otherwise they begin within a step
+    /// after the system's start.
+    pub touch: Option<f64>,
 }
 
 /// Number of phases of a step at which copies of a system begin.
@@ -72,7 +75,12 @@ impl Case {
     /// Returns the delay of each copy against the system's start, s.
     fn start_delays(&self, dt: f64) -> Vec<f64> {
         let phases = self.phases();
-        (0..phases).map(|phase| f64::from(phase) / f64::from(phases) * dt).collect()
+        let part = |phase: u32| f64::from(phase) / f64::from(phases);
+        let delay = |phase| match self.touch {
+            Some(touch) => touch - 0.5 * dt * (1.0 - part(phase)),
+            None => part(phase) * dt,
+        };
+        (0..phases).map(delay).collect()
     }
 
     /// Returns the start state and the exact end state of each copy for each of `steps` (s), and an estimate of the

@@ -9,7 +9,7 @@ use glam::DVec2;
 
 use super::Scheme;
 use super::case::{Answer, Case};
-use super::reference::{Floor, Law, State, System};
+use super::reference::{Floor, Law, Rolling, State, System};
 use crate::behaviour::Registry;
 use crate::fault::Fault;
 use crate::grains::file::GrainRow;
@@ -115,10 +115,17 @@ fn scene_text(system: &System, scheme: &Scheme, dt: f64, until: f64) -> String {
             let attraction = if attracts { "Allowed" } else { "Forbidden" };
             let friction = friction.map_or_else(String::new, |f| {
                 let (k, share, mu) = (f.k, f.share, f.mu);
-                format!(", tangential: Spring(k: {k:?}, damping: OfNormal({share:?}), friction: {mu:?})")
+                let rolling = f.rolling.map_or_else(String::new, |Rolling { k, b, mu }| {
+                    format!(", rolling: (k: {k:?}, damping: B({b:?}), friction: {mu:?})")
+                });
+                format!(", tangential: Spring(k: {k:?}, damping: OfNormal({share:?}), friction: {mu:?}){rolling}")
             });
             format!("Linear(k: {k:?}, damping: Restitution({e:?}), attraction: {attraction}{friction})")
         }
+        Law::Hertz { young, poisson, e, mu } => format!(
+            "Hertz(restitution: {e:?}, tangential: Mindlin(friction: {mu:?})), \
+             materials: [(young: {young:?}, poisson: {poisson:?})]"
+        ),
     };
     let mut walls = String::new();
     for Floor { point, normal } in &system.floors {

@@ -5,7 +5,7 @@
 
 use crate::contact::centred::{VelocityPrediction, Window};
 use crate::contact::rolling::Rolling;
-use crate::contact::tangential::{NormalLoad, Tangential};
+use crate::contact::tangential::{NormalLoad, Tangential, Unloading};
 use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::space::Space;
 
@@ -16,6 +16,8 @@ pub trait Normal: Copy + Send + Sync + 'static {
     /// For overlaps of at least this many half-widths of the step, [`Normal::even_drag`] gives the mean drag
     /// coefficient.
     const EVEN: f64;
+    /// Whether the drag coefficient goes to zero with the overlap.
+    const FADES: bool = false;
 
     /// Returns the spring force, N.
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64;
@@ -117,21 +119,34 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
             // Turning normals and rounding may give a new contact a positive overlap at the beginning of the step. A
             // contact without a spring is treated as new.
             let is_new = before <= 0.0 || T::SPRING && before < window.moved && memory.spring == V::ZERO;
+            let drag_at = |overlap: f64| self.normal.drag(&pair.at_overlap(overlap));
+            // The normal force at the beginning of the step, without its lower bound.
+            let begins = spring_before + drag_at(before) * (window.closing - gained);
             let event = if is_new {
                 (overlap > 0.0).then(|| (overlap / window.closing).min(pair.dt)).map(|ago| {
                     // As for the spring, without the velocity that the averaged force of this contact took before the
                     // contact opened.
                     let own = half * force_before;
                     let speed = window.closing + (gained + own) * (1.0 - 2.0 * ago / pair.dt) + 2.0 * own;
-                    (ago, (self.normal.drag(&pair.at_overlap(0.0)) * speed).max(floor), true)
+                    (ago, (drag_at(0.0) * speed).max(floor), true)
                 })
             } else {
-                let earlier = (spring_before + drag * (window.closing - gained)).max(floor);
+                let earlier = begins.max(floor);
                 (overlap > 0.0 && earlier * whole < 0.0).then(|| (pair.dt * whole / (whole - earlier), 0.0, false))
             };
             let gathering = if overlap > 0.0 { event.map_or(pair.dt, |(ago, ..)| ago) } else { 0.0 };
             let shares = [before, overlap].map(|overlap| window.share(overlap));
-            let load = NormalLoad { whole, averaged: [force_before, total], shares, drag, gathering, event };
+            let unloading = if is_new {
+                None
+            } else if overlap > 0.0 {
+                Unloading::of([begins, spring + drag * closing], pair.dt, &window, overlap, pair.dt)
+            } else {
+                let parted = drag_at(0.0) * (window.closing + gained);
+                Unloading::of([begins, parted], before / -window.closing, &window, overlap, pair.dt)
+            };
+            let (averaged, mean_drags) = ([force_before, total], [mean_before, mean]);
+            let fades = N::FADES;
+            let load = NormalLoad { whole, averaged, shares, drag, mean_drags, fades, gathering, event, unloading };
             self.tangential.add_centred(pair, &load, memory, &mut force.turning);
             self.rolling.add_centred(pair, &load, memory, &mut force.turning);
         }

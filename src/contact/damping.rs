@@ -47,6 +47,14 @@ impl Coefficient {
     pub fn of(self, reduced_mass: f64, other: f64) -> f64 {
         self.constant + self.per_mass * reduced_mass + self.per_other * other
     }
+
+    /// Returns the mean coefficient over a step that has a contact in the fraction `share`, N s/m. `mean_other` is the mean
+    /// of x over the whole step.
+    #[inline(always)]
+    #[must_use]
+    pub fn mean(self, reduced_mass: f64, share: f64, mean_other: f64) -> f64 {
+        (self.constant + self.per_mass * reduced_mass) * share + self.per_other * mean_other
+    }
 }
 
 /// Whether the normal force may pull.

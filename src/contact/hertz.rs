@@ -82,6 +82,7 @@ impl Normal for Hertz {
     // `even_drag` takes the mean of delta^(1/4) as its value in the middle times 1 - (w/delta)^2/32. The remainder is
     // 0.02 (w/delta)^4 at this ratio, below 1e-5.
     const EVEN: f64 = 8.0;
+    const FADES: bool = true;
 
     #[inline(always)]
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64 {
@@ -144,6 +145,8 @@ impl Normal for Hertz {
 pub struct Mindlin {
     shear_modulus: f64,
     ratio: f64,
+    /// c_t/c, the same at every overlap.
+    drag_share: f64,
     normal: Hertz,
 }
 
@@ -152,7 +155,8 @@ impl Mindlin {
     #[must_use]
     pub fn new(materials: [Material; 2], normal: Hertz) -> Self {
         let [a, b] = materials;
-        Self { shear_modulus: a.effective_shear_modulus(b), ratio: normal.ratio, normal }
+        let shear_modulus = a.effective_shear_modulus(b);
+        Self { shear_modulus, ratio: normal.ratio, drag_share: (4.0 * shear_modulus / normal.modulus).sqrt(), normal }
     }
 }
 
@@ -163,6 +167,11 @@ impl Modulus for Mindlin {
     fn of<V: Space>(&self, pair: &Pair<V>, _: f64) -> (f64, f64) {
         let k = 8.0 * self.shear_modulus * (pair.reduced_radius() * pair.overlap).sqrt();
         (k, 2.0 * self.ratio * (k * pair.reduced_mass).sqrt())
+    }
+
+    #[inline(always)]
+    fn mean_drag<V: Space>(&self, _: &Pair<V>, _: f64, normal_drag: f64) -> f64 {
+        self.drag_share * normal_drag
     }
 
     fn remembered(&self, memory: f64) -> f64 {

@@ -31,6 +31,7 @@ mod prediction;
 pub mod rolling;
 pub(crate) mod root;
 pub mod spring;
+mod start;
 pub mod table;
 pub mod tangential;
 

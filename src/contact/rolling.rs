@@ -146,6 +146,9 @@ impl Rolling for RollingResistance {
         memory.rolling = at_evaluation(memory.rolling, motion, pair.lead);
         let mut sweep = load.sweep(motion, mobilities, friction, [pair.dt, pair.lead]);
         sweep.pulled = memory.rolling * -slider.stiffness;
+        sweep.mean_drags = load.mean_drags(|share, _| drag * share);
+        let modulus = |_: &Pair<V>| (slider.stiffness, drag);
+        sweep.release = load.unloading.map(|unloading| unloading.release(pair, friction, modulus));
         let pull = slider.pull_centred(&mut memory.rolling, &sweep, pair.normal);
         set_torques(pair, &pull, turning);
     }

@@ -13,7 +13,10 @@
 //! In velocity Verlet the spring takes k (S_old + S_new)/2 . v dt from the motion in a step, with v at the half step.
 //! The part that is not stored is lost: k (S_old + S_new)/2 . (S_old + v dt - S_new). This is exact for a straight
 //! slide, and includes the energy lost when the spring turns. The energy balance computes the dissipation of the
-//! dashpot with the particle velocities at the full step ([`crate::energy`]).
+//! dashpot with the particle velocities at the full step ([`crate::energy`]). [`centred`] has the slider of contacts near
+//! an event.
+
+pub mod centred;
 
 use crate::contact::centred::cut;
 use crate::space::Space;
@@ -62,102 +65,6 @@ impl Slider {
         *spring = after;
         let lost = 0.5 * self.stiffness * (before - was_ahead + after - ahead).dot(moved - after);
         SliderForce { force, drag, lost, is_sliding }
-    }
-}
-
-/// The motion of a centred contact in its tangent plane during a step ([`super::centred`]).
-#[derive(Clone, Copy, Debug)]
-pub struct TangentialStep<V> {
-    /// Velocity in the middle of the step, m/s.
-    pub middle: V,
-    /// Velocity gained from the middle to the end of the step by the forces at its beginning, m/s.
-    pub gained: V,
-    /// Mobilities, 1/kg: the change of the velocity per momentum that the contact transfers. First 1/m_t of the pair,
-    /// then only of its grains without another contact.
-    pub mobilities: [f64; 2],
-    /// Length of the step, s.
-    pub dt: f64,
-    /// Time by which the stored spring is ahead of the evaluation, s.
-    pub lead: f64,
-    /// The event within the step, if there is one.
-    pub event: Option<Event>,
-    /// Time during which the spring accumulates, s: the whole step, or from the event to its end, or 0 across a gap.
-    pub gathering: f64,
-    /// Fractions of the steps centred on the beginning and the end in which the contact exists.
-    pub shares: [f64; 2],
-    /// Caps from the normal forces averaged over these two steps, N. [`Slider::cap`] uses the normal force at the
-    /// evaluation.
-    pub averaged_caps: [f64; 2],
-    /// Spring force at the beginning, N.
-    pub pulled: V,
-}
-
-/// A moment within a step at which the cap jumps or is zero.
-#[derive(Clone, Copy, Debug)]
-pub struct Event {
-    /// Time from the event to the end of the step, s.
-    pub ago: f64,
-    /// Cap at the event, N.
-    pub cap: f64,
-    /// Whether the contact opens at the event.
-    pub opens: bool,
-}
-
-impl Slider {
-    /// Like [`Slider::pull`], but takes the time of the event into account and uses the dashpot velocity at the end of
-    /// the step. That velocity is solved for implicitly in this force; all other forces are lagged. The force is
-    /// multiplied by the contact's share of the step and capped at the averaged cap.
-    #[inline(always)]
-    #[must_use]
-    pub fn pull_centred<V: Space>(&self, spring: &mut V, sweep: &TangentialStep<V>, normal: V) -> SliderForce<V> {
-        let TangentialStep {
-            middle, gained, dt, shares: [share_before, share], averaged_caps: [cap_before, cap], ..
-        } = *sweep;
-        let pulled = sweep.pulled * share_before;
-        let (_, earlier) = cut(pulled - (middle - gained) * (self.drag * share_before), cap_before);
-        let [half, half_lone] = sweep.mobilities.map(|mobility| 0.5 * dt * mobility);
-        let before = *spring;
-        let swept = self.spring_after_event(before, sweep, earlier * half) + middle * sweep.gathering;
-        let mut after = swept - normal * swept.dot(normal);
-        let elastic = after * -self.stiffness;
-        let undragged = middle + gained - (earlier - pulled) * half + (elastic * share - pulled) * half_lone;
-        let end = undragged * (1.0 / (1.0 + half * share * self.drag));
-        let (is_beyond, whole) = cut(elastic - end * self.drag, self.cap);
-        if sweep.gathering <= 0.0 {
-            // Across a gap no spring is kept: an old contact has ended, and a new one starts at its event in the next
-            // step.
-            after = V::ZERO;
-        } else if is_beyond {
-            after = self.spring_at_cap(whole, middle + gained + (whole * share - earlier) * half_lone, after);
-        }
-        let (is_beyond_average, force) = cut(whole * share, cap);
-        let end = middle + gained + (force - earlier) * half_lone;
-        *spring = if sweep.gathering > 0.0 { after + end * sweep.lead } else { after };
-        // The loss is computed as if the spring pulled for the whole step; the reduction by the share counts as dashpot
-        // force.
-        let lost = 0.5 * self.stiffness * (before + after).dot(before + middle * dt - after);
-        let drag = force + after * self.stiffness;
-        SliderForce { force, drag, lost, is_sliding: is_beyond || is_beyond_average }
-    }
-
-    /// Returns the spring that, with a dashpot at `velocity`, gives `force` at the cap. Without stiffness it returns
-    /// `spring`.
-    #[inline(always)]
-    fn spring_at_cap<V: Space>(&self, force: V, velocity: V, spring: V) -> V {
-        if self.stiffness > 0.0 { (force + velocity * self.drag) / -self.stiffness } else { spring }
-    }
-
-    /// Returns the spring after the event, if there was one. `own` is the velocity that the contact's own force of the
-    /// previous step has added in half a step, m/s.
-    #[inline(always)]
-    fn spring_after_event<V: Space>(&self, spring: V, sweep: &TangentialStep<V>, own: V) -> V {
-        let Some(Event { ago, cap, opens }) = sweep.event else { return spring };
-        // A contact that opens within this step has already received its averaged force before opening, over two half
-        // steps.
-        let own = if opens { own } else { V::ZERO };
-        let then = sweep.middle + (sweep.gained - own) * (1.0 - 2.0 * ago / sweep.dt) - own * 2.0;
-        let (is_beyond, force) = cut(spring * -self.stiffness - then * self.drag, cap);
-        if is_beyond { self.spring_at_cap(force, then, spring) } else { spring }
     }
 }
 

@@ -13,14 +13,15 @@
 //! [`Modulus`].
 
 mod dashpot;
+mod load;
 mod spring_slider;
 
 use serde::{Deserialize, Serialize};
 
 pub use self::dashpot::Dashpot;
+pub use self::load::{NormalLoad, Unloading};
 pub use self::spring_slider::{ConstantStiffness, Modulus, SpringSlider};
 use crate::contact::damping::Coefficient;
-use crate::contact::spring::{Event, TangentialStep};
 use crate::contact::{Bounce, Memory, Pair, Turning, VelocityPrediction};
 use crate::space::Space;
 use crate::values::NonNegative;
@@ -71,52 +72,6 @@ impl From<TangentialDamping> for Coefficient {
             TangentialDamping::B(b) => Self { constant: b.get(), ..Self::default() },
             TangentialDamping::PerMass(gamma) => Self { per_mass: gamma.get(), ..Self::default() },
             TangentialDamping::OfNormal(share) => Self { per_other: share.get(), ..Self::default() },
-        }
-    }
-}
-
-/// Normal load: the normal force of a centred contact, as input of its tangential terms.
-#[derive(Clone, Copy, Debug)]
-pub struct NormalLoad {
-    /// The normal force at the evaluation, N.
-    pub whole: f64,
-    /// The normal forces averaged over the steps centred on the beginning and on the end, N.
-    pub averaged: [f64; 2],
-    /// The fractions of these two steps in which the contact exists.
-    pub shares: [f64; 2],
-    /// The normal drag coefficient c at the evaluation, N s/m.
-    pub drag: f64,
-    /// Time during which springs accumulate, s: the whole step, or from the event to its end, or 0 across a gap.
-    pub gathering: f64,
-    /// The event of this step at which the contact opened or the normal force changed sign: time from the event to the
-    /// end of the step (s), normal force just after the event (N), and whether the contact opened.
-    pub event: Option<(f64, f64, bool)>,
-}
-
-impl NormalLoad {
-    /// Returns the tangential step for a motion with coefficient of friction `friction`. `motion` is its velocity in
-    /// the middle of the step and the gain until the end (m/s); `mobilities` in 1/kg.
-    #[inline(always)]
-    #[must_use]
-    pub fn sweep<V: Space>(
-        &self,
-        motion: [V; 2],
-        mobilities: [f64; 2],
-        friction: f64,
-        [dt, lead]: [f64; 2],
-    ) -> TangentialStep<V> {
-        let [middle, gained] = motion;
-        TangentialStep {
-            middle,
-            gained,
-            mobilities,
-            dt,
-            lead,
-            event: self.event.map(|(ago, force, opens)| Event { ago, cap: friction * force.abs(), opens }),
-            gathering: self.gathering,
-            shares: self.shares,
-            averaged_caps: self.averaged.map(|force| friction * force.abs()),
-            pulled: V::ZERO,
         }
     }
 }

@@ -16,7 +16,8 @@
 //!
 //! **Springs.** Tangential and rolling springs gather the predicted velocities, S <- S + dt v_p, and are stored half a step
 //! ahead: their stretch at the evaluation is S - dt/2 v_p. This is the trapezoidal rule. The gathered distance differs
-//! from the true one by at most (dt/2)^2 times the change of the acceleration, however long the contact lasts.
+//! from the true one by at most (dt/2)^2 times the change of the acceleration, however long the contact lasts. A stiffness
+//! that grows with the root of the overlap counts with its exact mean over a step of constant speed.
 //!
 //! **Numerical damping.** A stretch that follows the prediction lags a little. Without any dashpot a sticking contact of
 //! frequency w would gain energy: its amplitude grows by (w dt)^4/8 per step. A dashpot of k dt (w dt)^2/4 outweighs that. So

@@ -60,6 +60,13 @@ fn centred_scheme_is_of_second_order_and_never_worse_than_verlet() {
         "oblique-smooth",
         "oblique-slip",
         "oblique-stick",
+        "oblique-rough",
+        "oblique-stuck",
+        "oblique-rolling",
+        "mindlin-slip",
+        "mindlin-stick",
+        "mindlin-stuck",
+        "bounce-at-start",
         "stacked-pair",
         "slip-to-roll",
         "column",
@@ -70,7 +77,9 @@ fn centred_scheme_is_of_second_order_and_never_worse_than_verlet() {
         let order = centred.order.unwrap();
         // Tolerance as in the test above; a case of several contacts adds their scatter. Errors happen to cancel at
         // single step sizes, which raises a single order. So the order has a lower bound only.
-        assert!(order > 1.75, "{name}: order {order:.2}");
+        // In `oblique-rough` slip at the end lasts 0.03 t_c: steps coarser than that do not resolve it, finer ones do.
+        let least = if name == "oblique-rough" { 1.6 } else { 1.75 };
+        assert!(order > least, "{name}: order {order:.2}");
         for (n, error) in centred.points().into_iter().filter(|point| point.0 > 20.0) {
             let of_plain = error_at(&plain, n);
             assert!(error <= of_plain, "{name}, t_c/{n:.0}: {error:e}, plain {of_plain:e}");
@@ -81,7 +90,19 @@ fn centred_scheme_is_of_second_order_and_never_worse_than_verlet() {
 
 #[test]
 fn verlet_is_of_first_order_in_every_damped_case() {
-    let names = ["chain", "oblique-smooth", "oblique-slip", "oblique-stick", "stacked-pair", "slip-to-roll", "column"];
+    let names = [
+        "chain",
+        "oblique-smooth",
+        "oblique-slip",
+        "oblique-stick",
+        "oblique-rolling",
+        "mindlin-slip",
+        "mindlin-stick",
+        "mindlin-stuck",
+        "stacked-pair",
+        "slip-to-roll",
+        "column",
+    ];
     for name in names {
         let climb = prepare(case(name), true).climb(number("Verlet"));
         let order = climb.order.unwrap();

@@ -30,6 +30,7 @@ pub fn bed() -> Case {
         truth: Truth::Integrated,
         measure: Measure::Place(R),
         finest: 500.0,
+        touch: None,
     }
 }
 

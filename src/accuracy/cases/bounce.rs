@@ -8,6 +8,9 @@ use super::super::reference::{Law, State, System};
 
 const K: f64 = 1.0e5;
 const V: f64 = 1.0;
+/// Time until the contact begins, in contact durations: the grains do not touch within the first step, even if the step is
+/// t_c/5.
+const GAP: f64 = 0.3;
 const MASSES: [f64; 2] = [0.16, 0.09];
 
 const CASES: [(&str, &str, f64, bool); 7] = [
@@ -21,13 +24,16 @@ const CASES: [(&str, &str, f64, bool); 7] = [
 ];
 
 pub(super) fn cases() -> Vec<Case> {
-    CASES.map(|(name, title, e, attracts)| case(name, title, e, attracts)).to_vec()
+    let mut cases = CASES.map(|(name, title, e, attracts)| case(name, title, e, attracts)).to_vec();
+    let mut at_start = case("bounce-at-start", "bounce that begins in the first half step, e = 0.5", 0.5, false);
+    at_start.touch = Some(GAP * at_start.contact_duration);
+    cases.push(at_start);
+    cases
 }
 
 fn case(name: &'static str, title: &'static str, e: f64, attracts: bool) -> Case {
     let contact_duration = duration(K, e, attracts, MASSES[0] * MASSES[1] / (MASSES[0] + MASSES[1]));
-    // With this gap the grains do not touch within the first step, even if the step is t_c/5.
-    let gap = 0.3 * V * contact_duration;
+    let gap = GAP * V * contact_duration;
     let discs = vec![
         disc(0.04, MASSES[0], DVec2::ZERO, DVec2::ZERO),
         disc(0.03, MASSES[1], DVec2::new(0.0, 0.07 + gap), DVec2::new(0.0, -V)),
@@ -41,6 +47,7 @@ fn case(name: &'static str, title: &'static str, e: f64, attracts: bool) -> Case
         truth: Truth::Closed(state_after_bounce),
         measure: Measure::Parting(V),
         finest: 1000.0,
+        touch: None,
     }
 }
 

@@ -46,5 +46,6 @@ fn chain(name: &'static str, title: &'static str, masses: [f64; 3], reduced_mass
         truth: Truth::Integrated,
         measure: Measure::Velocity(V),
         finest: 1000.0,
+        touch: None,
     }
 }

@@ -22,5 +22,6 @@ pub(super) fn case() -> Case {
         truth: Truth::Integrated,
         measure: Measure::Velocity(speed),
         finest: 500.0,
+        touch: None,
     }
 }

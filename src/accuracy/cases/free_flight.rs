@@ -27,6 +27,7 @@ pub(super) fn case() -> Case {
         truth: Truth::Closed(parabola),
         measure: Measure::Place(v.length() * end),
         finest: 200.0,
+        touch: None,
     }
 }
 

@@ -21,6 +21,7 @@ pub(super) fn case() -> Case {
         truth: Truth::Energy,
         measure: Measure::Energy,
         finest: 200.0,
+        touch: None,
     }
 }
 

@@ -1,26 +1,51 @@
-//! Oblique impacts with e = 0.5: two smooth discs, and one disc with friction on a floor.
+//! Oblique impacts: two smooth discs, and one disc with friction on a floor.
 //!
-//! The disc with friction slides throughout in one case and first sticks in the other.
+//! The disc with friction slides throughout, sticks first and slides at the end, or sticks until it parts. The laws are the
+//! spring slider, the spring slider with rolling resistance, and the law of Hertz and Mindlin.
 
 use glam::DVec2;
 
 use super::super::case::{Case, Measure, Truth, disc, linear};
 use super::super::reference::closed::duration;
-use super::super::reference::{Floor, Friction, Law, System};
+use super::super::reference::{Floor, Friction, Law, Rolling, System};
 
 const K: f64 = 1.0e5;
 const E: f64 = 0.5;
 const M: f64 = 0.16;
 const R: f64 = 0.04;
+/// Young's modulus of the law of Hertz and Mindlin, Pa.
+const YOUNG: f64 = 4.0e6;
 
 pub(super) fn cases() -> Vec<Case> {
     // Sliding throughout needs v_t/v_n > mu (1 + 1/q) (1 + e) = 1.35, where q = 1/2 is the moment of inertia over m
     // R^2.
+    let rolling = Some(Rolling { k: 0.1 * K, b: 100.0 * M, mu: 0.2 });
     vec![
         smooth(),
-        rough("oblique-slip", "oblique with friction, sliding", DVec2::new(3.0, -1.0)),
-        rough("oblique-stick", "oblique with friction, sticking", DVec2::new(0.5, -1.0)),
+        rough("oblique-slip", "oblique with friction, sliding", spring(E, 0.3, None), DVec2::new(3.0, -1.0)),
+        rough("oblique-stick", "oblique with friction, sticking", spring(E, 0.3, None), DVec2::new(0.5, -1.0)),
+        rough("oblique-rough", "oblique, mu = 1, e = 0.9", spring(0.9, 1.0, None), DVec2::new(1.0, -1.0)),
+        // At e = 0.5 the tangential spring happens to be empty when the disc parts.
+        rough(
+            "oblique-stuck",
+            "oblique, stuck until parting, e = 0.9",
+            spring(0.9, 1.0e3, None),
+            DVec2::new(1.0, -1.0),
+        ),
+        rough("oblique-rolling", "oblique with rolling resistance", spring(E, 0.5, rolling), DVec2::new(1.0, -1.0)),
+        rough("mindlin-slip", "Hertz and Mindlin, sliding", mindlin(0.1), DVec2::new(1.0, -1.0)),
+        rough("mindlin-stick", "Hertz and Mindlin, sticking", mindlin(0.5), DVec2::new(0.5, -1.0)),
+        rough("mindlin-stuck", "Hertz and Mindlin, stuck until parting", mindlin(1.0e3), DVec2::new(0.5, -1.0)),
     ]
+}
+
+/// Returns the linear law with a spring slider and rolling resistance.
+fn spring(e: f64, mu: f64, rolling: Option<Rolling>) -> Law {
+    Law::Linear { k: K, e, attracts: false, friction: Some(Friction { k: 2.0 / 7.0 * K, share: 0.5, mu, rolling }) }
+}
+
+fn mindlin(mu: f64) -> Law {
+    Law::Hertz { young: YOUNG, poisson: 0.3, e: E, mu }
 }
 
 fn smooth() -> Case {
@@ -39,13 +64,16 @@ fn smooth() -> Case {
         truth: Truth::Integrated,
         measure: Measure::Velocity(1.0),
         finest: 1000.0,
+        touch: None,
     }
 }
 
-fn rough(name: &'static str, title: &'static str, v: DVec2) -> Case {
-    let contact_duration = duration(K, E, false, M);
-    let friction = Some(Friction { k: 2.0 / 7.0 * K, share: 0.5, mu: 0.3 });
-    let law = Law::Linear { k: K, e: E, attracts: false, friction };
+fn rough(name: &'static str, title: &'static str, law: Law, v: DVec2) -> Case {
+    let contact_duration = match law {
+        Law::Linear { e, .. } => duration(K, e, false, M),
+        // Such a contact lasts 5.6 ms at 1 m/s.
+        _ => 5.6e-3,
+    };
     let start = DVec2::new(0.0, R + 0.3 * contact_duration * -v.y);
     let floors = vec![Floor { point: DVec2::ZERO, normal: DVec2::Y }];
     Case {
@@ -57,5 +85,6 @@ fn rough(name: &'static str, title: &'static str, v: DVec2) -> Case {
         truth: Truth::Integrated,
         measure: Measure::Velocity(v.length()),
         finest: 1000.0,
+        touch: None,
     }
 }

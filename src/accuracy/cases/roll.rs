@@ -12,7 +12,8 @@ pub(super) fn case() -> Case {
     // The disc falls for half a contact duration, so that it presses on the floor at once without bouncing far. It
     // slides for about speed/(3 mu g), which is three contact durations.
     let drop = 0.5 * g * (0.5 * contact_duration).powi(2);
-    let law = Law::Linear { k, e, attracts: false, friction: Some(Friction { k: 0.29 * k, share: 0.5, mu: 0.3 }) };
+    let friction = Some(Friction { k: 0.29 * k, share: 0.5, mu: 0.3, rolling: None });
+    let law = Law::Linear { k, e, attracts: false, friction };
     let floors = vec![Floor { point: DVec2::ZERO, normal: DVec2::Y }];
     let discs = vec![disc(radius, mass, DVec2::new(0.0, radius + drop), DVec2::new(speed, 0.0))];
     Case {
@@ -24,5 +25,6 @@ pub(super) fn case() -> Case {
         truth: Truth::Integrated,
         measure: Measure::Velocity(speed),
         finest: 1000.0,
+        touch: None,
     }
 }

@@ -23,5 +23,6 @@ pub(super) fn case() -> Case {
         // The start is about 0.02 of the length away from the rest positions.
         measure: Measure::Place(0.02 * top),
         finest: 1000.0,
+        touch: None,
     }
 }

@@ -10,15 +10,22 @@
 //! * [`Law::Linear`], friction: F_t = -k_t S - c_t v_s with S' = v_s while the contact sticks, F_t = +-mu |F_n| while
 //!   it slips. During slip S follows the force, S = -(F_t + c_t v_s)/k_t. The contact sticks again when S' = v_s would
 //!   reduce the force below the cap.
+//! * Rolling resistance: the same with its own k, c and mu and the velocity v_r = R_eff (w_i - w_j). The torque on i is
+//!   R_eff F_r.
+//! * [`Law::Hertz`]: F_n = 4/3 E* sqrt(R_eff) delta^(3/2) - c v_n, cut at 0, with c = 2 z sqrt(S_n m_eff) and
+//!   S_n = 2 E* sqrt(R_eff delta). Friction has k_t = 8 G* sqrt(R_eff delta), c_t = 2 z sqrt(k_t m_eff). While k_t grows, S
+//!   also obeys S' = -S k_t'/k_t, so that the spring keeps its force.
 //!
 //! Each contact is in a mode (`contact`) in which its force is smooth. [`path`] integrates with the classical
-//! fourth-order Runge-Kutta scheme and ends a step where a mode ends. [`closed`] has the closed forms.
+//! fourth-order Runge-Kutta scheme and ends a step where a mode ends. [`closed`] has the closed forms. `moduli` has the
+//! coefficients of a contact.
 //!
-//! Limits: plane only; the lever arms of friction are the radii; no rolling resistance. Two mode changes of one contact
+//! Limits: plane only; the lever arms of friction are the radii; floors and discs have one material. Two mode changes of one contact
 //! within one step of the reference (a contact shorter than that) are missed.
 
 pub mod closed;
 mod contact;
+mod moduli;
 pub mod path;
 
 use glam::DVec2;
@@ -31,6 +38,19 @@ pub struct Friction {
     /// Tangential damping over normal damping, c_t/c.
     pub share: f64,
     /// Friction coefficient mu.
+    pub mu: f64,
+    /// Rolling resistance, if any.
+    pub rolling: Option<Rolling>,
+}
+
+/// Rolling resistance of [`Law::Linear`].
+#[derive(Clone, Copy, Debug)]
+pub struct Rolling {
+    /// Stiffness, N/m.
+    pub k: f64,
+    /// Damping, N s/m.
+    pub b: f64,
+    /// Friction coefficient.
     pub mu: f64,
 }
 
@@ -54,6 +74,17 @@ pub enum Law {
         attracts: bool,
         /// Friction along the tangent, if any.
         friction: Option<Friction>,
+    },
+    /// Elastic spheres with the damping and the friction of `siloflow::contact::hertz`, without attraction.
+    Hertz {
+        /// Young's modulus, Pa.
+        young: f64,
+        /// Poisson's ratio.
+        poisson: f64,
+        /// Restitution.
+        e: f64,
+        /// Friction coefficient mu.
+        mu: f64,
     },
 }
 
@@ -117,10 +148,13 @@ impl System {
         }
     }
 
-    /// Returns the sum of kinetic, gravitational and elastic energy, J. Elastic energy counts normal springs only.
+    /// Returns the sum of kinetic, gravitational and elastic energy, J. Elastic energy counts linear normal springs only.
     #[must_use]
     pub fn energy(&self, state: &State) -> f64 {
-        let (Law::Full { k, .. } | Law::Linear { k, .. }) = self.law;
+        let k = match self.law {
+            Law::Full { k, .. } | Law::Linear { k, .. } => k,
+            Law::Hertz { .. } => 0.0,
+        };
         let mut energy = 0.0;
         for (i, disc) in self.discs.iter().enumerate() {
             let turning = INERTIA * disc.radius * disc.radius * state.w[i] * state.w[i];

@@ -2,8 +2,9 @@
 //! ([`centred`](crate::contact::centred)).
 
 use crate::contact::batch::Batch;
-use crate::contact::centred::{Window, force_at_start};
+use crate::contact::centred::Window;
 use crate::contact::lanes::LANES;
+use crate::contact::start::force_at_start;
 use crate::contact::{LawRequirements, Memory, MemoryTimes, Pair, PairForce, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;

@@ -43,11 +43,11 @@ impl Tangential for Dashpot {
         let (motion, mobilities) = pair.sliding(turning.arms);
         let drag = self.damping.of(pair.reduced_mass, load.drag);
         let slider = Slider { stiffness: 0.0, drag, cap: self.friction * load.whole.abs() };
-        let pull = slider.pull_centred(
-            &mut V::default(),
-            &load.sweep(motion, mobilities, self.friction, [pair.dt, pair.lead]),
-            pair.normal,
-        );
+        let mut sweep = load.sweep(motion, mobilities, self.friction, [pair.dt, pair.lead]);
+        sweep.mean_drags = load.mean_drags(|share, normal| self.damping.mean(pair.reduced_mass, share, normal));
+        let modulus = |_: &Pair<V>| (0.0, drag);
+        sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, modulus));
+        let pull = slider.pull_centred(&mut V::default(), &sweep, pair.normal);
         turning.is_sliding = pull.is_sliding;
         (turning.friction, turning.friction_drag) = (pull.force, pull.force);
     }

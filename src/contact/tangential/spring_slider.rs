@@ -17,6 +17,10 @@ pub trait Modulus: Copy + Send + Sync + 'static {
     /// Returns k_t (N/m) and c_t (N s/m); `normal_drag` is the normal c, N s/m.
     fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64);
 
+    /// Returns the mean of c_t over a step that has a contact in the fraction `share`, N s/m. `normal_drag` is the mean of the
+    /// normal c.
+    fn mean_drag<V: Space>(&self, pair: &Pair<V>, share: f64, normal_drag: f64) -> f64;
+
     /// Returns the k_t of the last evaluation of a spring, N/m. `memory` is [`Memory::stiffness`], set if the stiffness
     /// varies.
     fn remembered(&self, memory: f64) -> f64;
@@ -40,6 +44,11 @@ impl Modulus for ConstantStiffness {
     #[inline(always)]
     fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64) {
         (self.k, self.damping.of(pair.reduced_mass, normal_drag))
+    }
+
+    #[inline(always)]
+    fn mean_drag<V: Space>(&self, pair: &Pair<V>, share: f64, normal_drag: f64) -> f64 {
+        self.damping.mean(pair.reduced_mass, share, normal_drag)
     }
 
     fn remembered(&self, _: f64) -> f64 {
@@ -68,16 +77,12 @@ pub struct SpringSlider<M> {
 
 impl<M: Modulus> SpringSlider<M> {
     /// Returns the mean stiffness of a step divided by the stiffness at its end. Displacement accumulated while a
-    /// spring stiffens keeps its force. In a new contact the stiffness grows like the square root of time.
+    /// spring stiffens keeps its force. The stiffness grows with the square root of the overlap, so that its mean between a
+    /// and b is 2/3 (a^2 + a b + b^2)/(a + b). The trapezoidal rule instead would be of order 3/2 where a contact begins.
     #[inline(always)]
     fn mean_stiffness(before: f64, now: f64) -> f64 {
-        if before >= now {
-            1.0
-        } else if before == 0.0 {
-            2.0 / 3.0
-        } else {
-            0.5 * (1.0 + before / now)
-        }
+        let ratio = before / now;
+        if before >= now { 1.0 } else { 2.0 / 3.0 * (1.0 + ratio + ratio * ratio) / (1.0 + ratio) }
     }
 
     /// Adapts the spring to a changed stiffness; returns the energy that it loses, J.
@@ -142,10 +147,15 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         memory.spring = at_evaluation(memory.spring, motion, pair.lead);
         let mut sweep = load.sweep(motion, mobilities, self.friction, [pair.dt, pair.lead]);
         sweep.pulled = memory.spring * -self.modulus.remembered(memory.stiffness);
+        sweep.mean_drags = load.mean_drags(|share, normal| self.modulus.mean_drag(pair, share, normal));
+        let modulus = |pair: &Pair<V>| self.modulus.of(pair, load.drag);
+        sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, modulus));
         if M::VARIES {
             sweep.gathering *= Self::mean_stiffness(memory.stiffness, stiffness);
             // A stiffness that varies is zero when a contact opens, and so is the drag: that event has no effect.
             sweep.event = sweep.event.filter(|_| memory.stiffness > 0.0);
+            // So the force of the spring needs no share.
+            sweep.spring_shares = [1.0; 2];
             turning.lost_by_sliding = Self::adapt(stiffness, memory);
         }
         let slider = Slider { stiffness, drag, cap: self.friction * load.whole.abs() };

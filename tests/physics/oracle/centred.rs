@@ -16,6 +16,8 @@
 //! * Friction and rolling resistance are sliders ([`slide`]). Their springs accumulate displacement from the event of
 //!   this step on. The event is the moment at which the contact opened, or at which the full normal force, without
 //!   theta, changed sign.
+//! * If the normal force, as a linear function of time, falls to zero before now + h, a slider that sticks until then acts
+//!   only before this moment ([`Unloading`]).
 
 use crate::oracle::law::{Normal, Rolling, Terms};
 use crate::oracle::plain::{Action, Memory, PairState, adapt, mean_stiffness, plain, rolling_drag};
@@ -97,10 +99,25 @@ struct NormalLoad {
     averaged: [f64; 2],
     /// theta before and now.
     shares: [f64; 2],
+    /// c_mean before and now, N s/m.
+    mean_drags: [f64; 2],
+    is_hertz: bool,
     event: Option<Event>,
+    unloading: Option<Unloading>,
     /// Time during which springs accumulate displacement, s.
     accumulation_time: f64,
     dt: f64,
+}
+
+/// The end of the normal force in the step centred on now.
+#[derive(Clone, Copy)]
+struct Unloading {
+    /// Time from now - h to the end of the force, s.
+    lasts: f64,
+    /// Overlap in the middle of this time, m.
+    overlap: f64,
+    /// Loss of normal force per time, N/s.
+    rate: f64,
 }
 
 /// Motion of a slider: its velocity in the middle of the step and its gain (m/s), h over its masses (s/kg), and its
@@ -111,6 +128,11 @@ struct Motion {
     gained: V,
     halves: [f64; 2],
     pulled: V,
+    /// c_mean of the slider before and now, N s/m, and the shares by which its spring force counts.
+    mean_drags: [f64; 2],
+    spring_shares: [f64; 2],
+    /// Stiffness (N/m) and damping (N s/m) at the overlap of the unloading.
+    unloaded: [f64; 2],
 }
 
 /// Returns the action of a contact, or `None` if it does not act. Advances its memory by `dt`.
@@ -145,34 +167,65 @@ pub fn centred(
         whole,
         averaged: [before, total],
         shares: [normal_motion.share(normal_motion.overlaps[1]), normal_motion.share(normal_motion.overlaps[0])],
+        mean_drags: [mean_before, mean],
+        is_hertz: terms.law.is_hertz(),
         event: None,
+        unloading: None,
         accumulation_time: if pair_state.overlap > 0.0 { dt } else { 0.0 },
         dt,
     };
+    let earlier = spring_before + terms.drag(pair_state.reduced, normal_motion.overlaps[1]) * (closing - gained);
     if pair_state.overlap > 0.0 {
-        let earlier = (spring_before + drag * (closing - gained)).max(terms.floor());
-        load.event = event(terms, pair_state, &normal_motion, memory, [gained, half * before], [earlier, whole], dt);
+        let forces = [earlier.max(terms.floor()), whole];
+        load.event = event(terms, pair_state, &normal_motion, memory, [gained, half * before], forces, dt);
         load.accumulation_time = load.event.map_or(dt, |event| event.ago);
+    }
+    if !begins_now(terms, &normal_motion, memory, dt) {
+        let [later, time] = if pair_state.overlap > 0.0 {
+            [spring + drag * now, dt]
+        } else {
+            [terms.drag(pair_state.reduced, 0.0) * (closing + gained), normal_motion.overlaps[1] / -closing]
+        };
+        load.unloading = unloading([earlier, later], time, &normal_motion, dt);
     }
     Some(turn(terms, pair_state, ahead, memory, &load, drag))
 }
 
 /// Returns the action of a contact at the start of the run, averaged over the first half step `half` (s): the spring acts as
-/// it is, drag and friction in the share of the half step in which there is a contact.
+/// it is, drag and friction with their mean over the part of the half step in which there is a contact.
 pub fn start(terms: &Terms, pair_state: &PairState, memory: &mut Memory, half: f64) -> Option<Action> {
     let moved = -half * pair_state.velocity.dot(pair_state.normal);
-    let deepest = pair_state.overlap.max(pair_state.overlap + moved);
-    if deepest <= 0.0 {
+    let (low, high) =
+        (pair_state.overlap.min(pair_state.overlap + moved), pair_state.overlap.max(pair_state.overlap + moved));
+    if high <= 0.0 {
         return None;
     }
-    let share = if moved == 0.0 { 1.0 } else { (deepest / moved.abs()).min(1.0) };
-    let touching = PairState { overlap: pair_state.overlap.max(0.0), ..*pair_state };
-    let whole = plain(terms, &touching, memory, [half, half, 0.0]);
+    let begin = PairState { overlap: pair_state.overlap.max(0.0), ..*pair_state };
+    let mut action = plain(terms, &begin, memory, [half, half, 0.0]);
+    if moved != 0.0 {
+        let normal = pair_state.normal;
+        let spring = |overlap: f64| normal * terms.spring(pair_state.reduced, overlap);
+        let (low, share) = (low.max(0.0), (high / moved.abs()).min(1.0));
+        action = Action { force: spring(begin.overlap), torques: [V::default(); 2] };
+        // Gauss's rule in the fourth root of the rise of the overlap.
+        let root = 0.6_f64.sqrt();
+        for (node, weight) in [(0.5 - 0.5 * root, 5.0), (0.5, 8.0), (0.5 + 0.5 * root, 5.0)] {
+            let at = PairState { overlap: low + (high - low) * node.powi(4), ..*pair_state };
+            let part = share * weight / 18.0 * 4.0 * node.powi(3);
+            let now = plain(terms, &at, &mut Memory::default(), [half, half, 0.0]);
+            action.force += (now.force - spring(at.overlap)) * part;
+            // The lever is that of the beginning.
+            let moment = normal.cross(now.force.across(normal));
+            for side in [0, 1] {
+                let lever = at.levers(terms.law.at_point)[side] - begin.levers(terms.law.at_point)[side];
+                action.torques[side] += (now.torques[side] + moment * lever) * part;
+            }
+        }
+    }
     if pair_state.overlap <= 0.0 {
         *memory = Memory::default();
     }
-    let spring = pair_state.normal * terms.spring(pair_state.reduced, touching.overlap);
-    Some(Action { force: spring + (whole.force - spring) * share, torques: whole.torques.map(|torque| torque * share) })
+    Some(action)
 }
 
 /// The assignment's law. Like [`centred`], but with vectors, because its damping acts on the full velocity.
@@ -192,6 +245,24 @@ fn assignment(
     Action { force: pair_state.normal * spring - now * drag, torques: [V::default(); 2] }
 }
 
+/// Whether a contact has begun in this step: one with an empty memory and an earlier overlap of less than one step, too.
+fn begins_now(terms: &Terms, normal_motion: &NormalMotion, memory: &Memory, dt: f64) -> bool {
+    let before = normal_motion.overlaps[1];
+    let holds_nothing = terms.has_spring() && memory.spring == V::default();
+    before <= 0.0 || holds_nothing && before < dt * normal_motion.closing
+}
+
+/// Returns the end of a normal force that changes from the first to the second of `forces` within `time`.
+fn unloading([earlier, later]: [f64; 2], time: f64, normal_motion: &NormalMotion, dt: f64) -> Option<Unloading> {
+    if earlier <= 0.0 || later >= earlier {
+        return None;
+    }
+    let rate = (earlier - later) / time;
+    let lasts = (earlier / rate - 0.5 * dt).max(0.0);
+    let overlap = normal_motion.overlaps[0] - normal_motion.closing * 0.5 * (dt - lasts);
+    (lasts < dt).then_some(Unloading { lasts, overlap, rate })
+}
+
 /// Returns the event of an overlapping contact within the step. `gains` are the gain of the closing speed by all forces
 /// and the part of the contact's own force. `forces` are the full normal forces before and now.
 fn event(
@@ -204,10 +275,7 @@ fn event(
     dt: f64,
 ) -> Option<Event> {
     let [gained, own] = gains;
-    let before = normal_motion.overlaps[1];
-    // A contact with an empty memory and an earlier overlap of less than one step has begun in this step.
-    let holds_nothing = terms.has_spring() && memory.spring == V::default();
-    if before <= 0.0 || holds_nothing && before < dt * normal_motion.closing {
+    if begins_now(terms, normal_motion, memory, dt) {
         let ago = dt.min(pair_state.overlap / normal_motion.closing);
         // The contact's own averaged force acted before the contact began.
         let speed = normal_motion.closing + (gained + own) * (1.0 - 2.0 * ago / dt) + 2.0 * own;
@@ -236,6 +304,13 @@ fn turn(
             gained: pair_state.sliding(ahead.velocity, ahead.spins, levers),
             halves: ahead.halves(load.dt, [mobility(0), mobility(1)]),
             pulled: V::default(),
+            mean_drags: terms.mean_tangential_drags(pair_state.reduced, load.shares, load.mean_drags),
+            spring_shares: load.shares,
+            unloaded: load.unloading.map_or([0.0; 2], |unloading| {
+                let [stiffness, damping, _] =
+                    terms.tangential(pair_state.reduced, unloading.overlap, drag).unwrap_or_default();
+                [stiffness, damping]
+            }),
         };
         memory.spring = at_start(memory.spring, &motion, load.dt);
         motion.pulled = memory.spring * -stiffness;
@@ -243,6 +318,8 @@ fn turn(
         if terms.stiffness_varies() {
             let before = memory.stiffness;
             motion.pulled = memory.spring * -before;
+            // The force of a spring whose stiffness fades with the overlap does not jump.
+            motion.spring_shares = [1.0; 2];
             load.accumulation_time *= mean_stiffness(before, stiffness);
             // Where a contact opens it has neither stiffness nor damping.
             load.event = load.event.filter(|_| before > 0.0);
@@ -257,6 +334,9 @@ fn turn(
             gained: pair_state.rolling(ahead.spins),
             halves: ahead.halves(load.dt, mobilities),
             pulled: V::default(),
+            mean_drags: load.shares.map(|share| share * rolling_drag(damping, pair_state.reduced)),
+            spring_shares: load.shares,
+            unloaded: [k, rolling_drag(damping, pair_state.reduced)],
         };
         memory.rolling = at_start(memory.rolling, &motion, load.dt);
         motion.pulled = memory.rolling * -k;
@@ -273,18 +353,20 @@ fn at_start(stored: V, motion: &Motion, dt: f64) -> V {
 
 /// Advances a slider and returns its averaged force.
 ///
-/// The velocity at the end of the step is solved implicitly in the slider's own dashpot. The force is cut at the cap of
-/// the current normal force, weighted with theta, and cut again at the cap of the averaged normal force. Beyond the
-/// first cap S = -(F + c v)/k.
+/// The velocity at the end of the step is solved implicitly in the slider's own dashpot. The force takes the mean damping
+/// coefficient and is cut at the cap of the averaged normal force. Where the force without averaging is beyond the cap of the
+/// current normal force, S = -(F + c v)/k; except with Hertz's law, this force is then cut and weighted with theta instead.
 fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoad, normal: V) -> V {
     let Motion { middle, gained, halves: [half, half_lone], .. } = *motion;
-    let [share_before, share] = load.shares;
-    let pulled = motion.pulled * share_before;
-    let (earlier, _) = (pulled - (middle - gained) * (c * share_before)).cut(mu * load.averaged[0].abs());
+    let ([counts_before, counts], [c_before, c_mean]) = (motion.spring_shares, motion.mean_drags);
+    let share = load.shares[1];
+    let pulled = motion.pulled * counts_before;
+    let (earlier, _) = (pulled - (middle - gained) * c_before).cut(mu * load.averaged[0].abs());
     let loaded = |force: V, velocity: V, otherwise: V| {
         if k > 0.0 { (force + velocity * c) * (-1.0 / k) } else { otherwise }
     };
-    let mut began = *spring;
+    let held = *spring;
+    let mut began = held;
     if let Some(Event { ago, force, opens }) = load.event {
         let own = if opens { earlier * half } else { V::default() };
         let then = middle + (gained - own) * (1.0 - 2.0 * ago / load.dt) - own * 2.0;
@@ -295,15 +377,29 @@ fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoa
     }
     let mut after = (began + middle * load.accumulation_time).across(normal);
     let elastic = after * -k;
-    let predicted = middle + gained - (earlier - pulled) * half + (elastic * share - pulled) * half_lone;
-    let end = predicted * (1.0 / (1.0 + half * share * c));
+    let predicted = middle + gained - (earlier - pulled) * half + (elastic * counts - pulled) * half_lone;
+    let end = predicted * (1.0 / (1.0 + half * c_mean));
     let (whole, is_beyond) = (elastic - end * c).cut(mu * load.whole.abs());
     if load.accumulation_time <= 0.0 {
         after = V::default();
     } else if is_beyond {
         after = loaded(whole, middle + gained + (whole * share - earlier) * half_lone, after);
     }
-    let force = (whole * share).cut(mu * load.averaged[1].abs()).0;
+    let average = if is_beyond && !load.is_hertz { whole * share } else { elastic * counts - end * c_mean };
+    let mut force = average.cut(mu * load.averaged[1].abs()).0;
+    if let Some(Unloading { lasts, rate, .. }) = load.unloading {
+        // The force in the middle of the time before the release, if the slider sticks, averaged over the whole step.
+        let [k, c] = motion.unloaded;
+        let (part, ago) = (lasts / load.dt, 0.5 * (load.dt - lasts));
+        let stretch = held + middle * (load.dt - ago);
+        let stuck = ((stretch * k + (middle + gained * (1.0 - 2.0 * ago / load.dt)) * c) * -part).across(normal);
+        // The cap falls linearly to zero, with this mean over the step.
+        let (size, cap) = (stuck.length(), 0.5 * mu * rate * lasts * part);
+        if size < 2.0 * cap {
+            let rest = if load.event.is_some() { (share - part).max(0.0) } else { 0.0 };
+            force = stuck * (1.0 - size / (4.0 * cap)) + whole * rest;
+        }
+    }
     // Stored half a step ahead, with the velocity of the step's end that this force gives.
     if load.accumulation_time > 0.0 {
         after += (middle + gained + (force - earlier) * half_lone) * (0.5 * load.dt);

@@ -203,6 +203,21 @@ impl Terms {
         })
     }
 
+    /// Returns the means of c_t over two steps, from the shares of these steps in contact and the means of the normal damping
+    /// coefficient.
+    pub fn mean_tangential_drags(&self, reduced: Reduced, shares: [f64; 2], normal: [f64; 2]) -> [f64; 2] {
+        let both = |of: &dyn Fn(usize) -> f64| [of(0), of(1)];
+        match self.law.friction {
+            None => [0.0; 2],
+            Some(Friction::Dashpot { damping, .. } | Friction::Spring { damping, .. }) => match damping {
+                Damping::OfNormal(_) => both(&|step| damping.drag(reduced.mass, normal[step])),
+                _ => both(&|step| damping.drag(reduced.mass, 0.0) * shares[step]),
+            },
+            // Both coefficients go with the root of their stiffness, 8 G* and 2 E* times the same root.
+            Some(Friction::Mindlin { .. }) => normal.map(|mean| mean * (4.0 * self.moduli[1] / self.moduli[0]).sqrt()),
+        }
+    }
+
     /// Whether the tangential stiffness changes while a contact lasts.
     pub fn stiffness_varies(&self) -> bool {
         matches!(self.law.friction, Some(Friction::Mindlin { .. }))

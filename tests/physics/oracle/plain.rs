@@ -136,14 +136,12 @@ pub fn rolling_drag(damping: Damping, reduced: Reduced) -> f64 {
     damping.drag(reduced.mass, 0.0)
 }
 
-/// Returns the mean stiffness of a step over the stiffness at its end. From zero the stiffness grows with the square
-/// root of time.
+/// Returns the mean stiffness of a step over the stiffness at its end. The overlap grows linearly, the stiffness with its
+/// root.
 pub fn mean_stiffness(before: f64, now: f64) -> f64 {
     if before >= now {
-        1.0
-    } else if before > 0.0 {
-        0.5 + 0.5 * before / now
-    } else {
-        2.0 / 3.0
+        return 1.0;
     }
+    let part = before / now;
+    (2.0 / 3.0) * (1.0 + part + part * part) / (1.0 + part)
 }
