@@ -1,6 +1,10 @@
-//! Regular ends of a run: the silo is empty, the bed is at rest (if the scene says so), or the time is over.
+//! Regular ends of a run: the silo is empty, the bed is at rest (if the scene says so), the time is over, or the caller
+//! asked for the end.
 //!
 //! The silo is empty if grains have been released, none is still to be released, and none is inside.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -33,12 +37,39 @@ fn end_when_empty(
     }
 }
 
-fn is_time_over(clock: Res<Clock>, until: Res<Until>) -> bool {
-    clock.has_reached(until.0)
+/// A request of the caller to end the run.
+///
+/// The request is read once per step, before the step begins. All systems of the step therefore agree on whether it is the
+/// last one.
+#[derive(Resource, Default)]
+pub(crate) struct StopRequest {
+    flag: Option<Arc<AtomicUsize>>,
+    is_made: bool,
 }
 
-fn end_at_time(mut outcome: ResMut<Outcome>) {
-    outcome.finish(End::TimeReached);
+impl StopRequest {
+    /// Takes any number other than zero in `flag` as the request.
+    pub(crate) fn watch(&mut self, flag: Arc<AtomicUsize>) {
+        self.flag = Some(flag);
+    }
+
+    /// Reads the flag, at the beginning of a step.
+    pub(crate) fn read(&mut self) {
+        self.is_made |= self.flag.as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed) != 0);
+    }
+
+    /// Whether this step is the last one.
+    pub(crate) fn is_made(&self) -> bool {
+        self.is_made
+    }
+}
+
+fn is_time_over(clock: Res<Clock>, until: Res<Until>, stop: Res<StopRequest>) -> bool {
+    stop.is_made() || clock.has_reached(until.0)
+}
+
+fn end_at_time(clock: Res<Clock>, until: Res<Until>, mut outcome: ResMut<Outcome>) {
+    outcome.finish(if clock.has_reached(until.0) { End::TimeReached } else { End::Interrupted });
 }
 
 /// Ends the run when the bed has come to rest.

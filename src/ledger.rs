@@ -19,6 +19,7 @@
 //! opening.
 
 mod cull;
+mod departures;
 mod grain_accounting;
 
 use std::sync::Arc;
@@ -28,6 +29,7 @@ use bevy_ecs::prelude::*;
 
 use self::cull::CullLine;
 pub use self::cull::{Cull, CullPlugin};
+pub use self::departures::Departures;
 pub use self::grain_accounting::{GrainsAccounted, Ledger, LedgerPlugin, LossRecord, OnLoss};
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::door::DoorState;

@@ -16,6 +16,8 @@ pub enum End {
     AtRest,
     /// Simulated time reached the scene's `until`.
     TimeReached,
+    /// The caller asked for the end, for example because the process received a signal.
+    Interrupted,
     /// The run failed.
     Failed(Failure),
 }
@@ -169,6 +171,7 @@ impl End {
             Self::Empty => "empty",
             Self::AtRest => "at_rest",
             Self::TimeReached => "time_reached",
+            Self::Interrupted => "interrupted",
             Self::Failed(_) => "failed",
         }
     }

@@ -2,6 +2,8 @@
 
 use std::collections::HashSet;
 use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::atomic::AtomicUsize;
 
 use bevy_app::App;
 use bevy_ecs::message::message_update_system;
@@ -9,6 +11,7 @@ use bevy_ecs::prelude::*;
 
 use crate::assembly::{AskedBy, Assembly};
 use crate::behaviour::{Behaviour, Registry};
+use crate::ending::StopRequest;
 use crate::fault::Fault;
 use crate::grains::file::GrainRow;
 use crate::grains::spawner::Pending;
@@ -17,7 +20,9 @@ use crate::instructions::Instructions;
 use crate::lattice;
 use crate::lattice::load::LoadedLattice;
 use crate::messages::GrainReleased;
-use crate::outcome::{End, Outcome};
+use crate::outcome::{End, Failure, Outcome};
+use crate::output::losses::LossesFile;
+use crate::output::run_directory::RunDirectory;
 use crate::particle::{Door, GrainBundle, GrainId, Species, wall_grain};
 use crate::periodic::Periodic;
 use crate::plugins::{AddPaths, add_all, add_behaviours, planar_paths, solid_paths};
@@ -31,6 +36,7 @@ use crate::walls::config::Wall;
 use crate::walls::conveyor::Conveyed;
 use crate::walls::silo_file::Disc;
 use crate::walls::surfaces::{LeavingWalls, Surfaces, WallIndex};
+use crate::writers::frame_writer::FrameWriter;
 
 /// A run in progress.
 pub struct Simulation {
@@ -183,6 +189,33 @@ impl Simulation {
         })
     }
 
+    /// Ends the run with [`End::Interrupted`] once `flag` holds a number other than zero. The flag is read before each step
+    /// after step zero, and that step is then the last one. Signal handlers and other threads may set it.
+    pub fn stop_on(&mut self, flag: Arc<AtomicUsize>) {
+        self.app.world_mut().resource_mut::<StopRequest>().watch(flag);
+    }
+
+    /// Runs step zero, if no step has run yet. Returns the end of the run, if it has ended.
+    pub(crate) fn step_zero(&mut self) -> Option<End> {
+        if self.world().resource::<Clock>().is_step_zero() {
+            return self.advance_while(|_| false);
+        }
+        self.world().resource::<Outcome>().end().cloned()
+    }
+
+    /// Continues to write pictures and lost grains in a directory to which the caller moves the present files.
+    ///
+    /// # Errors
+    /// If a picture could not be written.
+    pub(crate) fn continue_in(&mut self, directory: &RunDirectory) -> Result<(), Failure> {
+        let world = self.app.world_mut();
+        if let Some(mut losses) = world.get_resource_mut::<LossesFile>() {
+            losses.path = directory.losses();
+        }
+        let writer = world.get_resource_mut::<FrameWriter>();
+        writer.map_or(Ok(()), |mut writer| writer.continue_in(directory.frames(), directory.guard()))
+    }
+
     /// Steps until the run ends. `each` receives the world after every step, with components that may be out of date.
     pub(crate) fn advance_to_end(&mut self, mut each: impl FnMut(&World) + Send) -> End {
         loop {
@@ -240,6 +273,7 @@ impl Simulation {
 /// nothing.
 fn advance(world: &mut World) -> Option<End> {
     if world.resource::<Outcome>().end().is_none() {
+        world.resource_mut::<StopRequest>().read();
         store::collect_from_world(world);
         world.run_schedule(Step);
         world.resource_mut::<Clock>().start();
@@ -249,8 +283,15 @@ fn advance(world: &mut World) -> Option<End> {
     world.resource::<Outcome>().end().cloned()
 }
 
+/// Largest number of threads of a run. Many more than there are cores would occupy the machine without doing work.
+const MOST_THREADS: usize = 1024;
+
 /// Returns an app with the resources of every run.
 fn app_with_resources(threads: NonZeroUsize) -> Result<App, Fault> {
+    if threads.get() > MOST_THREADS {
+        let message = format!("{threads} threads are more than the limit of {MOST_THREADS}");
+        return Err(Fault::new("call::threads", message).help("ask for fewer with --threads, at most one per core"));
+    }
     let threads = Threads::new(threads).map_err(|error| {
         Fault::new("call::threads", format!("could not start the threads: {error}"))
             .help("ask for fewer with --threads")
@@ -259,6 +300,7 @@ fn app_with_resources(threads: NonZeroUsize) -> Result<App, Fault> {
     app.insert_resource(threads)
         .insert_resource(Instructions::of_environment()?)
         .init_resource::<Outcome>()
+        .init_resource::<StopRequest>()
         .init_resource::<Pending>()
         // Several systems may end a run. The first one in the fixed order of the step takes effect.
         .allow_ambiguous_resource::<Outcome>();

@@ -97,7 +97,7 @@ def siloflow(command, folder, beta, dt, steps):
     pictures: None,
 )
 """)
-    run(command, ["run", "bounce.ron", "--out", "out", "--quiet"], folder)
+    run(command, ["run", "bounce.ron", "--force", "--out", "out", "--quiet"], folder)
     with open(folder / "out" / "state.csv", newline="") as text:
         rows = sorted((int(row["id"]), float(row["vx"])) for row in csv.DictReader(line for line in text if line[0] != "#"))
     return [v for _, v in rows]

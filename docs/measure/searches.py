@@ -46,7 +46,7 @@ def sh(*command):
 
 def make_bed(options, folder, count):
     out = folder / f"bed{count}"
-    sh(options.siloflow, "run", "scenes/silo1.ron", "--quiet", "--out", out, "--set", f"spawner.count={count}",
+    sh(options.siloflow, "run", "scenes/silo1.ron", "--quiet", "--force", "--out", out, "--set", f"spawner.count={count}",
        "--set", f"spawner.radius=Fixed({RADIUS})", "--set", "spawner.interval=0.04", "--set", "rest.stop=true",
        "--set", "pictures=None")
     return out / "state.csv"
@@ -89,7 +89,7 @@ def instructions(options, folder, bed, search):
     totals = []
     for steps in (FEW, MANY):
         said = sh("valgrind", "--tool=callgrind", f"--callgrind-out-file={folder / 'counts'}", options.siloflow, "run",
-                  "scenes/silo1.ron", "--quiet", "--out", folder / "run", "--set", "spawner.count=0", "--set", "pictures=None",
+                  "scenes/silo1.ron", "--quiet", "--force", "--out", folder / "run", "--set", "spawner.count=0", "--set", "pictures=None",
                   "--set", "rest=None", "--set", "bed=None", "--set", "door=None", "--set", f'grains=(file: "{bed}")',
                   "--set", f"neighbours={search}", "--set", "series=(interval: 1.0e3)", "--until", repr(steps * DT))
         totals.append(int(re.search(r"Collected : (\d+)", said)[1]))

@@ -20,11 +20,11 @@ failed() { # what failed
   exit 1
 }
 bed() { # N: makes a bed of N grains at rest
-  $run run scenes/silo1.ron --quiet --out "$out/bed$1" --set spawner.count="$1" --set 'spawner.radius=Fixed(0.028)' \
+  $run run scenes/silo1.ron --quiet --force --out "$out/bed$1" --set spawner.count="$1" --set 'spawner.radius=Fixed(0.028)' \
     --set spawner.interval=0.04 --set rest.stop=true --set pictures=None >"$out/log" || failed "the bed of $1 grains"
 }
 ns() { # N, search: prints ns per particle-step, and the hash of the state
-  $run run scenes/silo1.ron --quiet --json --out "$out/run" --set spawner.count=0 --set pictures=None --set rest=None \
+  $run run scenes/silo1.ron --quiet --force --json --out "$out/run" --set spawner.count=0 --set pictures=None --set rest=None \
     --set bed=None --set door=None --set "grains=(file: \"$out/bed$1/state.csv\")" --set "neighbours=$2" \
     --set 'series=(interval: 1.0e3)' --until "$(awk "BEGIN { print $steps * 1e-3 }")" >"$out/summary" || return
   tr -d ' ",' <"$out/summary" |

@@ -18,7 +18,7 @@ trap 'rm -rf "$out"' EXIT
 simulate() { # scene, seed: runs it into $out/run
   local status=0
   rm -rf "$out/run"
-  "$SILOFLOW" run "scenes/$1.ron" --seed "$2" --set pictures=None --set on_loss=Continue --out "$out/run" --quiet >/dev/null || status=$?
+  "$SILOFLOW" run "scenes/$1.ron" --seed "$2" --set pictures=None --set on_loss=Continue --out "$out/run" --force --quiet >/dev/null || status=$?
   if ((status == 0)); then return; fi
   if ((status == 1)) && grep -q '"failure": null' "$out/run/summary.json" 2>/dev/null; then return; fi
   echo "seeds.sh: $SILOFLOW run scenes/$1.ron --seed $2 failed with exit status $status" >&2

@@ -149,7 +149,7 @@ def siloflow(folder, seed, command):
     pictures: None,
 )
 """)
-    run(command, ["run", "bed.ron", "--out", "out"], folder)
+    run(command, ["run", "bed.ron", "--force", "--out", "out"], folder)
     final = read_columns(folder / "out" / "state.csv", ("id", "x", "y", "z", "vx", "vy", "vz"))
     final = final[np.argsort(final[:, 0])]
     walls = read_columns(folder / "out" / "walls.csv", ("wall", "time_s", "fz_n"))

@@ -55,7 +55,7 @@ def runs_of(scene):
 
 
 def command(args, scene, words, out):
-    line = [args.siloflow, "run", scene, "--out", out, "--quiet", *args.more]
+    line = [args.siloflow, "run", scene, "--force", "--out", out, "--quiet", *args.more]
     for word in words:
         line += [word] if word.startswith("--") else ["--set", word]
     return [str(word) for word in line]

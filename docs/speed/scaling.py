@@ -82,7 +82,7 @@ def lattice(args, count):
     steps = args.lattice_steps
     scene = args.dir / "lattice.ron"
     scene.write_text(LATTICE.format(low=-half, high=half, until=steps))
-    command = ["taskset", "-c", args.core, args.siloflow, "run", scene, "--out", args.dir / "out", "--quiet", "--json"]
+    command = ["taskset", "-c", args.core, args.siloflow, "run", scene, "--force", "--out", args.dir / "out", "--quiet", "--json"]
     rounds = min(9, max(1, 300_000_000 // (count * steps)))
     summaries = [side.json.loads(side.sh(command)) for _ in range(rounds)]
     costs, sites = [summary["performance"] for summary in summaries], summaries[0]["sites"]

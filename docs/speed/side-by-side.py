@@ -163,7 +163,7 @@ def write_scene(args, name, copies=1):
 def siloflow(args, scene, dt, steps, *more):
     """One run: its summary."""
     out = args.dir / "out"
-    command = ["taskset", "-c", args.core if args.threads == 1 else "0-63", args.siloflow, "run", scene, "--out", out,
+    command = ["taskset", "-c", args.core if args.threads == 1 else "0-63", args.siloflow, "run", scene, "--force", "--out", out,
                "--quiet", "--json", "--until", repr(steps * dt), "--threads", args.threads, *more]
     return json.loads(sh(command)), out
 

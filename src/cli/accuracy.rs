@@ -15,9 +15,9 @@ use crate::accuracy::report::Report;
 use crate::accuracy::scene_study::Question;
 use crate::accuracy::{SCHEMES, cases, cost, figure};
 use crate::behaviour::Registry;
-use crate::cli::{Verdict, say, say_aside, setting};
+use crate::cli::exit_status::Verdict;
+use crate::cli::{picture_files, say, say_aside, setting, write_results};
 use crate::fault::Fault;
-use crate::writers::png;
 
 /// Arguments of `accuracy`.
 #[derive(Args, Debug)]
@@ -104,16 +104,15 @@ fn of_scene(
         registry,
     };
     let study = question.answer(tell)?;
-    let path = args.out.join(&study.scene).with_added_extension("json");
-    let failed = |error: std::io::Error| unwritable(&args.out, &error);
-    std::fs::create_dir_all(&args.out).map_err(failed)?;
-    std::fs::write(&path, json(&study)).map_err(failed)?;
+    let name = format!("{}.json", study.scene);
+    let path = args.out.join(&name);
+    let verdict = write_results(&args.out, &[(name, json(&study).into_bytes())]);
     if args.json {
         say(&json(&study));
     } else {
         say(&format!("{}written to {}\n", study.table(), path.display()));
     }
-    Ok(Verdict::Done)
+    Ok(verdict)
 }
 
 fn of_cases(args: &AccuracyArgs, cases: Vec<Case>, tell: &(dyn Fn(&str) + Sync)) -> Result<Verdict, Fault> {
@@ -130,13 +129,13 @@ fn of_cases(args: &AccuracyArgs, cases: Vec<Case>, tell: &(dyn Fn(&str) + Sync))
     };
     let climbs: Vec<Climb> = tasks.into_par_iter().with_max_len(1).map(climb).collect();
     let report = Report::new(&climbs, &cost);
-    write(&args.out, &report)?;
+    let verdict = write_results(&args.out, &files(&report)?);
     if args.json {
         say(&json(&report));
     } else {
         say(&format!("{}\nwritten to {}\n", report.table(), args.out.display()));
     }
-    Ok(Verdict::Done)
+    Ok(verdict)
 }
 
 fn chosen(names: &[String]) -> Result<Vec<Case>, Fault> {
@@ -158,22 +157,13 @@ fn json(report: &impl serde::Serialize) -> String {
     serde_json::to_string_pretty(report).unwrap_or_default() + "\n"
 }
 
-fn write(out: &Path, report: &Report) -> Result<(), Fault> {
-    let failed = |error: std::io::Error| unwritable(out, &error);
-    std::fs::create_dir_all(out).map_err(failed)?;
-    std::fs::write(out.join("accuracy.csv"), report.csv()).map_err(failed)?;
-    std::fs::write(out.join("accuracy.json"), json(report)).map_err(failed)?;
-    std::fs::write(out.join("accuracy.md"), report.markdown()).map_err(failed)?;
+fn files(report: &Report) -> Result<Vec<(String, Vec<u8>)>, Fault> {
+    let tables = [("csv", report.csv()), ("json", json(report)), ("md", report.markdown())];
+    let mut files: Vec<_> =
+        tables.into_iter().map(|(ending, text)| (format!("accuracy.{ending}"), text.into_bytes())).collect();
     let figures = [("work-precision", Some(figure::work_precision(report))), ("in-time", figure::in_time(report))];
     for (name, svg) in figures.into_iter().filter_map(|(name, svg)| Some((name, svg?))) {
-        let path = out.join(name).with_extension("svg");
-        std::fs::write(&path, svg).map_err(failed)?;
-        png::render_file(&path)?;
+        files.extend(picture_files(name, svg)?);
     }
-    Ok(())
-}
-
-fn unwritable(out: &Path, error: &std::io::Error) -> Fault {
-    Fault::new("accuracy::write", format!("could not write to {}: {error}", out.display()))
-        .help("give another directory with --out")
+    Ok(files)
 }

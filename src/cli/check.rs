@@ -5,7 +5,8 @@ use std::fmt::Write as _;
 use clap::Args;
 
 use crate::behaviour::Registry;
-use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
+use crate::cli::exit_status::Verdict;
+use crate::cli::{ONE_THREAD, SceneArgs, say};
 use crate::fault::Fault;
 use crate::lattice;
 use crate::lattice::load::LoadedLattice;

@@ -7,13 +7,16 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 
 use crate::behaviour::Registry;
+use crate::cli::exit_status::Verdict;
 use crate::cli::run::{default_directory, run_into};
-use crate::cli::{ONE_THREAD, Verdict, say};
+use crate::cli::run_path::Call;
+use crate::cli::signals::Signals;
+use crate::cli::{ONE_THREAD, picture_files, refused, say, write_results};
 use crate::compare::report::Report;
 use crate::compare::{Run, compare as compare_runs, pictures, read};
 use crate::fault::Fault;
+use crate::output::run_directory::RunDirectory;
 use crate::scene::load::{self, AnyScene};
-use crate::writers::png;
 
 /// Arguments of `compare`.
 #[derive(Args, Debug)]
@@ -33,6 +36,9 @@ pub(super) struct CompareArgs {
     /// The runs or scenes to compare with the reference.
     #[arg(required = true)]
     others: Vec<PathBuf>,
+    /// Replace earlier runs in the run directories of the scenes.
+    #[arg(long)]
+    force: bool,
     /// The directory of compare.csv and the pictures.
     #[arg(long, value_name = "DIR", default_value = "out/compare")]
     out: PathBuf,
@@ -48,28 +54,54 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
     let paths: Vec<&Path> = std::iter::once(&args.reference).chain(&args.others).map(PathBuf::as_path).collect();
     // All arguments are checked before the first scene is run.
     let mut scenes = paths.iter().map(|path| scene(path)).collect::<Result<Vec<_>, Fault>>()?;
-    let directories: Vec<PathBuf> =
-        paths.iter().zip(&scenes).map(|(path, scene)| scene.as_ref().map_or(path.into(), default_directory)).collect();
+    let directories: Vec<PathBuf> = paths
+        .iter()
+        .zip(&scenes)
+        .map(|(path, scene)| scene.as_ref().map_or(Ok(path.into()), default_directory))
+        .collect::<Result<_, _>>()?;
     distinct(&directories, &scenes)?;
     let names = names(&directories);
+    for (directory, _) in directories.iter().zip(&scenes).filter(|(_, scene)| scene.is_some()) {
+        RunDirectory::check(directory, args.force)?;
+    }
     let mut runs: Vec<Option<Run>> = Vec::new();
     for ((directory, scene), name) in directories.iter().zip(&scenes).zip(&names) {
         runs.push(if scene.is_none() { Some(read::run(directory, name)?) } else { None });
     }
+    let signals = Signals::catch();
+    let call = Call { registry, threads: ONE_THREAD, quiet, force: args.force, signals: &signals };
+    let mut has_run = false;
     for (((run, scene), directory), name) in runs.iter_mut().zip(&mut scenes).zip(&directories).zip(&names) {
         let Some(loaded) = scene else { continue };
-        if !run_into(directory, loaded, registry, ONE_THREAD, quiet)?.is_done {
+        let verdict = match run_into(directory, loaded, &call) {
+            Ok(report) => report.verdict,
+            Err(fault) => return refused(fault, has_run),
+        };
+        has_run = true;
+        if verdict != Verdict::Done {
             tracing::error!("{name} did not end as it should: nothing was compared");
-            return Ok(Verdict::SimulationFailed);
+            return Ok(verdict);
         }
-        *run = Some(read::run(directory, name)?);
+        match read::run(directory, name) {
+            Ok(read) => *run = Some(read),
+            Err(fault) => return refused(fault, has_run),
+        }
     }
+    write_report(args, runs).or_else(|fault| refused(fault, has_run))
+}
+
+/// Compares the runs and writes the results.
+fn write_report(args: &CompareArgs, runs: Vec<Option<Run>>) -> Result<Verdict, Fault> {
     let runs: Vec<Run> = runs.into_iter().flatten().collect();
     let Some((reference, others)) = runs.split_first() else { return Ok(Verdict::Done) };
     let report = compare_runs(reference, others, f64::from(args.looks))?;
-    write(&args.out, &runs, &report)?;
+    let mut files = vec![("compare.csv".to_owned(), report.csv().into_bytes())];
+    for (name, svg) in pictures::all(&runs, &report) {
+        files.extend(picture_files(name, svg)?);
+    }
+    let verdict = write_results(&args.out, &files);
     show(args, &report);
-    Ok(Verdict::Done)
+    Ok(verdict)
 }
 
 /// The scene at `path`, if the path names a scene.
@@ -116,21 +148,6 @@ fn names(directories: &[PathBuf]) -> Vec<String> {
     let whole = |path: &PathBuf| path.display().to_string();
     let names = short.iter().zip(directories);
     names.map(|(name, path)| name.clone().filter(|_| are_distinct).unwrap_or_else(|| whole(path))).collect()
-}
-
-fn write(out: &Path, runs: &[Run], report: &Report) -> Result<(), Fault> {
-    let failed = |error: std::io::Error| {
-        Fault::new("compare::write", format!("could not write to {}: {error}", out.display()))
-            .help("give another directory with --out")
-    };
-    fs::create_dir_all(out).map_err(failed)?;
-    fs::write(out.join("compare.csv"), report.csv()).map_err(failed)?;
-    for (name, svg) in pictures::all(runs, report) {
-        let path = out.join(format!("{name}.svg"));
-        fs::write(&path, svg).map_err(failed)?;
-        png::render_file(&path)?;
-    }
-    Ok(())
 }
 
 fn show(args: &CompareArgs, report: &Report) {

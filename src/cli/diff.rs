@@ -12,8 +12,9 @@ use clap::Args;
 use serde::Serialize;
 
 use crate::behaviour::Registry;
+use crate::cli::exit_status::Verdict;
 use crate::cli::progress::Progress;
-use crate::cli::{Verdict, say};
+use crate::cli::say;
 use crate::divergence::{Divergence, Pair};
 use crate::fault::Fault;
 use crate::outcome::{End, Outcome};

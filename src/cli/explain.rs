@@ -7,7 +7,8 @@ use bevy_ecs::schedule::ScheduleLabel;
 
 use crate::assembly::AskedBy;
 use crate::behaviour::Registry;
-use crate::cli::{ONE_THREAD, SceneArgs, Verdict, say};
+use crate::cli::exit_status::Verdict;
+use crate::cli::{ONE_THREAD, SceneArgs, say};
 use crate::fault::Fault;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::rules::Rules;
@@ -129,6 +130,7 @@ fn describe_systems(world: &World, text: &mut String) {
 fn describe_outputs(loaded: &Loaded, text: &mut String) {
     let scene = &loaded.scene;
     let _ = write!(text, "\n`run` adds\n  a row of series.csv every {} s", scene.series.interval.get());
+    text.push_str("\n  rows of losses.csv, as often, if more than a hundred grains are lost");
     if scene.walls.iter().any(|wall| !matches!(wall, Wall::Disc { .. })) {
         text.push_str("\n  the forces on flat walls, as often, in walls.csv");
     }

@@ -1,17 +1,19 @@
-//! The command line. Results go to stdout, progress and messages to stderr.
-//!
-//! Exit status: 0 done; 1 the simulation failed, or `diff` found a difference; 2 the input or the call was wrong.
+//! The command line. Results go to stdout, progress and messages to stderr. A stream that is closed or full never stops a
+//! command.
 
 mod accuracy;
 mod check;
 mod compare;
 mod diff;
+mod exit_status;
 mod explain;
 mod progress;
 mod render;
 mod run;
 mod run_grains;
 mod run_lattice;
+mod run_path;
+mod signals;
 mod study;
 
 use std::ffi::OsString;
@@ -24,8 +26,12 @@ use clap::error::{ContextKind, ContextValue};
 use clap::{Args, Parser, Subcommand};
 
 use crate::behaviour::Registry;
+pub use crate::cli::exit_status::EXIT_STATUSES;
+use crate::cli::exit_status::{REFUSED, Verdict};
 use crate::fault::Fault;
+use crate::output::run_directory;
 use crate::scene::load::{self, AnyScene};
+use crate::writers::png;
 
 /// Simulates grain in silos from one scene file, and leaves pictures, figures and data.
 #[derive(Parser, Debug)]
@@ -33,8 +39,7 @@ use crate::scene::load::{self, AnyScene};
     name = "siloflow",
     version,
     max_term_width = 100,
-    after_help = "Exit status: 0 done; 1 the simulation failed (unstable, grains lost, release blocked), or `diff` found \
-                  a difference; 2 the input or the call was wrong.\n\nStart with:  siloflow run scenes/silo1.ron\nPictures:    out/silo1/frames/, \
+    after_help = exit_status::help() + "\n\nStart with:  siloflow run scenes/silo1.ron\nPictures:    out/silo1/frames/, \
                   figures: out/silo1/summary.json, series.csv"
 )]
 struct Cli {
@@ -100,14 +105,6 @@ fn setting(text: &str) -> Result<(String, String), String> {
     Ok((path.trim().to_owned(), value.trim().to_owned()))
 }
 
-/// The result of a command that could be carried out.
-enum Verdict {
-    Done,
-    SimulationFailed,
-    /// `diff` found a difference.
-    Different,
-}
-
 /// Runs the program on the arguments of the process, without further behaviours.
 #[must_use]
 pub fn main() -> ExitCode {
@@ -132,7 +129,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
             if let Some(scene) = scene_without_command(&error) {
                 say_aside(&format!("\n  help: to run a scene, write `siloflow run {scene}`"));
             }
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(2));
+            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(REFUSED));
         }
     };
     start_log(&cli);
@@ -147,13 +144,42 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Render(args) => render::render(args),
     };
     match result {
-        Ok(Verdict::Done) => ExitCode::SUCCESS,
-        Ok(Verdict::SimulationFailed | Verdict::Different) => ExitCode::from(1),
+        Ok(verdict) => verdict.into(),
         Err(fault) => {
-            say_aside(&format!("{:?}", miette::Report::new(fault)));
-            ExitCode::from(2)
+            show(fault);
+            ExitCode::from(REFUSED)
         }
     }
+}
+
+fn show(fault: Fault) {
+    say_aside(&format!("{:?}", miette::Report::new(fault)));
+}
+
+/// Returns a fault of the input, or reports it as a failure if the command has already changed something.
+fn refused(fault: Fault, has_changed: bool) -> Result<Verdict, Fault> {
+    if !has_changed {
+        return Err(fault);
+    }
+    show(fault);
+    Ok(Verdict::Failed)
+}
+
+/// Writes the results of a study or comparison: all of them or none. A failure comes after the start, so it is no error of
+/// the call.
+fn write_results(directory: &Path, files: &[(String, Vec<u8>)]) -> Verdict {
+    let Err(error) = run_directory::write_results(directory, files) else { return Verdict::Done };
+    let message = format!("could not write to {}: {error}", directory.display());
+    show(Fault::new("results::write", message).help("is there space, and may you write there?"));
+    Verdict::Failed
+}
+
+/// Returns a picture as the two files `name.svg` and `name.png`.
+fn picture_files(name: &str, svg: String) -> Result<[(String, Vec<u8>); 2], Fault> {
+    let png = png::encode(&svg).map_err(|error| {
+        Fault::new("results::picture", format!("could not draw {name}: {error}")).help("this is an error of siloflow")
+    })?;
+    Ok([(format!("{name}.svg"), svg.into_bytes()), (format!("{name}.png"), png)])
 }
 
 /// The scene file in the place of a command, if there is one.

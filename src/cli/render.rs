@@ -4,7 +4,8 @@ use std::path::{Path, PathBuf};
 
 use clap::Args;
 
-use crate::cli::{Verdict, say};
+use crate::cli::exit_status::Verdict;
+use crate::cli::{refused, say};
 use crate::fault::Fault;
 use crate::writers::png;
 
@@ -20,10 +21,14 @@ pub(super) struct RenderArgs {
 }
 
 pub(super) fn render(args: &RenderArgs) -> Result<Verdict, Fault> {
-    for path in &args.paths {
-        for svg in pictures(path)? {
-            say(&format!("{}\n", png::render_file(&svg)?.display()));
+    let pictures = args.paths.iter().map(|path| pictures(path)).collect::<Result<Vec<_>, _>>()?;
+    let mut has_written = false;
+    for svg in pictures.iter().flatten() {
+        match png::render_file(svg) {
+            Ok(png) => say(&format!("{}\n", png.display())),
+            Err(fault) => return refused(fault, has_written),
         }
+        has_written = true;
     }
     Ok(Verdict::Done)
 }

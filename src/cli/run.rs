@@ -4,12 +4,13 @@ use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
 use clap::Args;
-use serde::Serialize;
 
 use crate::behaviour::Registry;
-use crate::cli::{SceneArgs, Verdict, run_grains, run_lattice, say};
+use crate::cli::exit_status::Verdict;
+use crate::cli::run_path::{Call, Report, carry_out};
+use crate::cli::signals::Signals;
+use crate::cli::{SceneArgs, say};
 use crate::fault::Fault;
-use crate::output::run_directory::RunDirectory;
 use crate::scene::load::AnyScene;
 
 /// Arguments of `run`.
@@ -20,6 +21,9 @@ pub(super) struct RunArgs {
     /// The run directory. Default: out/<scene name>.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
+    /// Replace an earlier run in the run directory.
+    #[arg(long)]
+    force: bool,
     /// Number of threads. The result does not depend on it, to the last bit.
     #[arg(long, value_name = "N", default_value = "1")]
     pub(super) threads: NonZeroUsize,
@@ -36,14 +40,16 @@ pub(super) struct RunArgs {
 
 pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
     let mut scene = args.load()?;
-    let path = args.out.clone().unwrap_or_else(|| default_directory(&scene));
-    let report = run_into(&path, &mut scene, registry, args.threads, quiet)?;
+    let path = args.out.clone().map_or_else(|| default_directory(&scene), Ok)?;
+    let signals = Signals::catch();
+    let call = Call { registry, threads: args.threads, quiet, force: args.force, signals: &signals };
+    let report = run_into(&path, &mut scene, &call)?;
     if args.json {
         say(&report.json);
     } else if !quiet {
         say(&report.words);
     }
-    Ok(if report.is_done { Verdict::Done } else { Verdict::SimulationFailed })
+    Ok(report.verdict)
 }
 
 impl RunArgs {
@@ -60,44 +66,21 @@ impl RunArgs {
     }
 }
 
-/// Steps a scene to its end and writes the run directory at `path`. A failure of the simulation is logged and stands in
-/// the summary. Afterwards the scene's own list of grains is empty.
-pub(super) fn run_into(
-    path: &Path,
-    scene: &mut AnyScene,
-    registry: &Registry,
-    threads: NonZeroUsize,
-    quiet: bool,
-) -> Result<Report, Fault> {
+/// Steps a scene to its end and writes the run directory at `path`. Afterwards the scene's own list of grains is empty.
+pub(super) fn run_into(path: &Path, scene: &mut AnyScene, call: &Call) -> Result<Report, Fault> {
     match scene {
-        AnyScene::Grains(loaded) => run_grains::run_into(path, loaded, registry, threads, quiet),
-        AnyScene::Lattice(loaded) => run_lattice::run_into(path, loaded, registry, threads, quiet),
+        AnyScene::Grains(loaded) => carry_out(&mut **loaded, path, call),
+        AnyScene::Lattice(loaded) => carry_out(&mut **loaded, path, call),
     }
 }
 
 /// The default run directory of a scene.
-pub(super) fn default_directory(scene: &AnyScene) -> PathBuf {
-    PathBuf::from("out").join(&scene.source().name)
-}
-
-/// The result of a run.
-pub(super) struct Report {
-    /// The summary in words.
-    pub words: String,
-    /// The summary as JSON.
-    pub json: String,
-    /// Whether the run succeeded: no failure, and no lost grain.
-    pub is_done: bool,
-}
-
-impl Report {
-    pub(super) fn new(words: String, summary: &impl Serialize, is_done: bool) -> Self {
-        Self { words, json: serde_json::to_string_pretty(summary).unwrap_or_default() + "\n", is_done }
+pub(super) fn default_directory(scene: &AnyScene) -> Result<PathBuf, Fault> {
+    let name = &scene.source().name;
+    // A scene file `...ron` has the name `..`.
+    if matches!(name.as_str(), "." | "..") {
+        return Err(Fault::new("run::directory", format!("the scene's name, {name}, is no name of a directory"))
+            .help("rename the scene file, or give a directory with --out"));
     }
-}
-
-/// The fault for a run directory that cannot be written.
-pub(super) fn unwritable(directory: &RunDirectory, error: &std::io::Error) -> Fault {
-    Fault::new("run::write", format!("could not write to {}: {error}", directory.path().display()))
-        .help("is there space, and may you write there?")
+    Ok(PathBuf::from("out").join(name))
 }

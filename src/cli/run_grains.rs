@@ -1,23 +1,22 @@
 //! `siloflow run` for a scene of grains.
 
 use std::fmt::Write as _;
+use std::io::{self, Write};
 use std::marker::PhantomData;
-use std::num::NonZeroUsize;
-use std::path::Path;
-use std::time::Instant;
 
 use bevy_ecs::prelude::*;
 
 use crate::assembly::Assembly;
 use crate::behaviour::Registry;
-use crate::cli::progress::{Pace, Progress};
-use crate::cli::run::{Report, unwritable};
+use crate::cli::progress::Pace;
+use crate::cli::run_path::{Call, Method, Outline};
 use crate::fault::Fault;
 use crate::grains::file;
 use crate::ledger::Ledger;
 use crate::outcome::End;
 use crate::output::flow::FlowPlugin;
 use crate::output::frames::{FrameRenderer, FramesPlugin};
+use crate::output::losses::LossesPlugin;
 use crate::output::profiles::ProfilesPlugin;
 use crate::output::run_directory::RunDirectory;
 use crate::output::series::SeriesPlugin;
@@ -28,65 +27,82 @@ use crate::scene::check::step::{Automatic, automatic};
 use crate::scene::check::{self, Estimates};
 use crate::scene::load::Loaded;
 use crate::simulation::Simulation;
+use crate::source::Source;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::step::Clock;
 use crate::store::ParticleStore;
 
-pub(super) fn run_into(
-    path: &Path,
-    loaded: &mut Loaded,
-    registry: &Registry,
-    threads: NonZeroUsize,
-    quiet: bool,
-) -> Result<Report, Fault> {
-    for warning in check::warnings(loaded) {
-        tracing::warn!("{warning}");
+impl Method for Loaded {
+    type Summary = Summary;
+
+    fn source(&self) -> &Source {
+        &self.source
     }
-    if let (TimeStep::Auto { error }, Some(estimates)) = (loaded.scene.step, Estimates::of(loaded)) {
-        let Automatic { dt, reason } = automatic(&estimates, error.get());
-        tracing::info!("step {dt:.1e} s: {reason}");
+
+    fn check(&self, registry: &Registry) -> Result<(), Fault> {
+        for warning in check::warnings(self) {
+            tracing::warn!("{warning}");
+        }
+        if let (TimeStep::Auto { error }, Some(estimates)) = (self.scene.step, Estimates::of(self)) {
+            let Automatic { dt, reason } = automatic(&estimates, error.get());
+            tracing::info!("step {dt:.1e} s: {reason}");
+        }
+        Simulation::check(self, registry)
     }
-    // All errors of the input are found before the first file is written.
-    Simulation::check(loaded, registry)?;
-    let directory = RunDirectory::prepare(path, &loaded.source)?;
-    let mut simulation = build(loaded, registry, threads, &directory)?;
-    // The grains are in the world now.
-    loaded.grains = Vec::new();
-    let (end, cost) = drive(&mut simulation, loaded, quiet);
-    let world = simulation.world_mut();
-    let summary = Summary::of(world, loaded, &end, cost);
-    let written = match loaded.scene.space {
-        Dimension::Plane => directory.finish(|state| file::write_to::<Plane>(world, state), &summary),
-        Dimension::Solid => directory.finish(|state| file::write_to::<Solid>(world, state), &summary),
-    };
-    written.map_err(|error| unwritable(&directory, &error))?;
-    if let Some(failure) = &summary.failure {
-        tracing::error!("{failure}");
+
+    fn build(&mut self, call: &Call, directory: &RunDirectory) -> Result<Simulation, Fault> {
+        let simulation = match self.scene.space {
+            Dimension::Plane => build_in::<Plane>(self, call, directory),
+            Dimension::Solid => build_in::<Solid>(self, call, directory),
+        }?;
+        // The grains are in the world now.
+        self.grains = Vec::new();
+        Ok(simulation)
     }
-    Ok(Report::new(words(&summary, &directory), &summary, summary.is_done()))
+
+    fn updates(&self, world: &World, before: u64) -> u64 {
+        before + movable_grains(world) as u64
+    }
+
+    fn line(&self, world: &World, pace: Pace) -> String {
+        line(world, self.scene.until.get(), pace)
+    }
+
+    fn summary(&self, world: &mut World, end: &End, cost: Cost) -> Summary {
+        Summary::of(world, self, end, cost)
+    }
+
+    fn write_state(&self, world: &mut World, file: &mut dyn Write) -> io::Result<()> {
+        match self.scene.space {
+            Dimension::Plane => file::write_to::<Plane>(world, file),
+            Dimension::Solid => file::write_to::<Solid>(world, file),
+        }
+    }
 }
 
-fn build(
-    loaded: &Loaded,
-    registry: &Registry,
-    threads: NonZeroUsize,
-    directory: &RunDirectory,
-) -> Result<Simulation, Fault> {
-    match loaded.scene.space {
-        Dimension::Plane => build_in::<Plane>(loaded, registry, threads, directory),
-        Dimension::Solid => build_in::<Solid>(loaded, registry, threads, directory),
+impl Outline for Summary {
+    fn failure(&self) -> Option<&str> {
+        self.failure.as_deref()
+    }
+
+    fn fail(&mut self, reason: String) {
+        self.fail_with(reason);
+    }
+
+    fn is_done(&self) -> bool {
+        Self::is_done(self)
+    }
+
+    fn words(&self) -> String {
+        words(self)
     }
 }
 
-fn build_in<V: Space>(
-    loaded: &Loaded,
-    registry: &Registry,
-    threads: NonZeroUsize,
-    directory: &RunDirectory,
-) -> Result<Simulation, Fault> {
-    let outputs = Outputs::<V>::create(loaded, directory).map_err(|error| unwritable(directory, &error))?;
+fn build_in<V: Space>(loaded: &Loaded, call: &Call, directory: &RunDirectory) -> Result<Simulation, Fault> {
+    let outputs = Outputs::<V>::create(loaded, directory).map_err(|error| directory.unwritable(&error))?;
     let more = Box::new(|app: &mut Assembly<'_>| {
         app.add("series", outputs.series);
+        app.add("on_loss", LossesPlugin { path: directory.losses(), space: V::DIMENSION });
         if let Some(walls) = outputs.walls {
             app.add("walls", walls);
         }
@@ -100,7 +116,7 @@ fn build_in<V: Space>(
             app.add("pictures", FramesPlugin::<V>(frames, PhantomData));
         }
     });
-    Simulation::with(loaded, registry, threads, more)
+    Simulation::with(loaded, call.registry, call.threads, more)
 }
 
 /// The files that grow while a scene runs.
@@ -129,21 +145,6 @@ impl<V: Space> Outputs<V> {
     }
 }
 
-/// Steps to the end and shows progress.
-fn drive(simulation: &mut Simulation, loaded: &Loaded, quiet: bool) -> (End, Cost) {
-    let mut progress = Progress::new(quiet);
-    let mut cost = Cost::default();
-    let start = Instant::now();
-    let until = loaded.scene.until.get();
-    let end = simulation.advance_to_end(|world| {
-        cost.particle_steps += movable_grains(world) as u64;
-        progress.look(cost.particle_steps, |pace| line(world, until, pace));
-    });
-    cost.wall_s = start.elapsed().as_secs_f64();
-    progress.finish();
-    (end, cost)
-}
-
 fn line(world: &World, until: f64, pace: Pace) -> String {
     let (time, ledger) = (world.resource::<Clock>().time(), world.resource::<Ledger>());
     let kinetic = match Dimension::of_world(world) {
@@ -167,7 +168,7 @@ fn kinetic<V: Space>(world: &World) -> f64 {
     (0..columns.movable_end).map(|i| columns.kinetic_energy(i)).sum()
 }
 
-fn words(summary: &Summary, directory: &RunDirectory) -> String {
+fn words(summary: &Summary) -> String {
     let grains = &summary.grains;
     let performance = &summary.performance;
     let mut text = String::new();
@@ -204,6 +205,5 @@ fn words(summary: &Summary, directory: &RunDirectory) -> String {
         format!("{:.2} s, {nanoseconds:.1} ns a particle-step, threads: {}", performance.wall_s, performance.threads),
     );
     line("state hash", summary.state_hash.clone());
-    line("written to", directory.path().display().to_string());
     text
 }

@@ -1,14 +1,15 @@
 //! `siloflow run` for a scene of the lattice gas.
 
 use std::fmt::Write as _;
+use std::io::{self, Write};
 use std::num::NonZeroUsize;
-use std::path::Path;
-use std::time::Instant;
+
+use bevy_ecs::prelude::*;
 
 use crate::assembly::Assembly;
 use crate::behaviour::Registry;
-use crate::cli::progress::{Pace, Progress};
-use crate::cli::run::{Report, unwritable};
+use crate::cli::progress::Pace;
+use crate::cli::run_path::{Call, Method, Outline};
 use crate::fault::Fault;
 use crate::lattice::check;
 use crate::lattice::flow::FlowPlugin;
@@ -20,71 +21,77 @@ use crate::lattice::sites::Sites;
 use crate::lattice::summary::{Summary, write_state};
 use crate::outcome::End;
 use crate::output::run_directory::RunDirectory;
+use crate::output::summary::Cost;
 use crate::simulation::Simulation;
+use crate::source::Source;
 use crate::step::Clock;
 
-pub(super) fn run_into(
-    path: &Path,
-    loaded: &LoadedLattice,
-    registry: &Registry,
-    threads: NonZeroUsize,
-    quiet: bool,
-) -> Result<Report, Fault> {
-    for warning in check::warnings(loaded) {
-        tracing::warn!("{warning}");
+impl Method for LoadedLattice {
+    type Summary = Summary;
+
+    fn source(&self) -> &Source {
+        &self.source
     }
-    // All errors of the input are found before the first file is written.
-    Simulation::of_lattice(loaded, registry, NonZeroUsize::MIN)?;
-    let directory = RunDirectory::prepare(path, &loaded.source)?;
-    let mut simulation = build(loaded, registry, threads, &directory)?;
-    let start = Instant::now();
-    let end = drive(&mut simulation, loaded, quiet);
-    let world = simulation.world();
-    let summary = Summary::of(world, loaded, &end, start.elapsed().as_secs_f64());
-    let (sites, gas) = (world.resource::<Sites>(), world.resource::<Gas>());
-    let written = directory.finish(|file| write_state(sites, gas, file), &summary);
-    written.map_err(|error| unwritable(&directory, &error))?;
-    if let Some(failure) = &summary.failure {
-        tracing::error!("{failure}");
+
+    fn check(&self, registry: &Registry) -> Result<(), Fault> {
+        for warning in check::warnings(self) {
+            tracing::warn!("{warning}");
+        }
+        Simulation::of_lattice(self, registry, NonZeroUsize::MIN).map(|_| ())
     }
-    Ok(Report::new(words(&summary, &directory), &summary, summary.failure.is_none()))
+
+    fn build(&mut self, call: &Call, directory: &RunDirectory) -> Result<Simulation, Fault> {
+        let outputs = || -> io::Result<_> {
+            let series = SeriesPlugin::create(self.scene.series, &directory.series())?;
+            let flow = self.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.flow())).transpose()?;
+            Ok((series, flow))
+        };
+        let (series, flow) = outputs().map_err(|error| directory.unwritable(&error))?;
+        let more = Box::new(|app: &mut Assembly<'_>| {
+            app.add("series", series);
+            if let Some(flow) = flow {
+                app.add("flow", flow);
+            }
+            if let Some(pictures) = PicturesPlugin::of(self, directory.frames()) {
+                app.add("pictures", pictures);
+            }
+        });
+        Simulation::of_lattice_with(self, call.registry, call.threads, more)
+    }
+
+    fn updates(&self, world: &World, _: u64) -> u64 {
+        world.resource::<Clock>().steps * world.resource::<Sites>().fluid_count() as u64
+    }
+
+    fn line(&self, world: &World, pace: Pace) -> String {
+        line(world.resource::<Clock>(), world.resource::<Gas>(), self.scene.until, pace)
+    }
+
+    fn summary(&self, world: &mut World, end: &End, cost: Cost) -> Summary {
+        Summary::of(world, self, end, cost.wall_s)
+    }
+
+    fn write_state(&self, world: &mut World, file: &mut dyn Write) -> io::Result<()> {
+        write_state(world.resource::<Sites>(), world.resource::<Gas>(), file)
+    }
 }
 
-fn build(
-    loaded: &LoadedLattice,
-    registry: &Registry,
-    threads: NonZeroUsize,
-    directory: &RunDirectory,
-) -> Result<Simulation, Fault> {
-    let outputs = || -> std::io::Result<_> {
-        let series = SeriesPlugin::create(loaded.scene.series, &directory.series())?;
-        let flow = loaded.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.flow())).transpose()?;
-        Ok((series, flow))
-    };
-    let (series, flow) = outputs().map_err(|error| unwritable(directory, &error))?;
-    let more = Box::new(|app: &mut Assembly<'_>| {
-        app.add("series", series);
-        if let Some(flow) = flow {
-            app.add("flow", flow);
-        }
-        if let Some(pictures) = PicturesPlugin::of(loaded, directory.frames()) {
-            app.add("pictures", pictures);
-        }
-    });
-    Simulation::of_lattice_with(loaded, registry, threads, more)
-}
+impl Outline for Summary {
+    fn failure(&self) -> Option<&str> {
+        self.failure.as_deref()
+    }
 
-/// Steps to the end and shows progress.
-fn drive(simulation: &mut Simulation, loaded: &LoadedLattice, quiet: bool) -> End {
-    let mut progress = Progress::new(quiet);
-    let until = loaded.scene.until;
-    let end = simulation.advance_to_end(|world| {
-        let (clock, sites) = (world.resource::<Clock>(), world.resource::<Sites>());
-        let updates = clock.steps * sites.fluid_count() as u64;
-        progress.look(updates, |pace| line(clock, world.resource::<Gas>(), until, pace));
-    });
-    progress.finish();
-    end
+    fn fail(&mut self, reason: String) {
+        self.fail_with(reason);
+    }
+
+    fn is_done(&self) -> bool {
+        self.failure.is_none()
+    }
+
+    fn words(&self) -> String {
+        words(self)
+    }
 }
 
 #[expect(clippy::cast_precision_loss, reason = "figures for people")]
@@ -99,7 +106,7 @@ fn line(clock: &Clock, gas: &Gas, until: u64, pace: Pace) -> String {
     )
 }
 
-fn words(summary: &Summary, directory: &RunDirectory) -> String {
+fn words(summary: &Summary) -> String {
     let mut text = String::new();
     let mut line = |name: &str, value: String| {
         // Writing to a string cannot fail.
@@ -121,6 +128,5 @@ fn words(summary: &Summary, directory: &RunDirectory) -> String {
         format!("{:.2} s, {speed:.1} M site updates/s, threads: {}", performance.wall_s, performance.threads),
     );
     line("state hash", summary.state_hash.clone());
-    line("written to", directory.path().display().to_string());
     text
 }

@@ -8,14 +8,14 @@ use std::time::Instant;
 use clap::Args;
 use rayon::prelude::*;
 
-use crate::cli::{Verdict, say, say_aside};
+use crate::cli::exit_status::Verdict;
+use crate::cli::{picture_files, say, say_aside, write_results};
 use crate::fault::Fault;
 use crate::lattice_study::figures::Flights;
 use crate::lattice_study::plan::{Case, Plan};
 use crate::lattice_study::replica::Replica;
 use crate::lattice_study::report;
 use crate::lattice_study::results::Results;
-use crate::writers::png;
 
 /// Number of particles thrown for the parabola, and the g of the throw.
 const THROWN: (u64, f64) = (1000, 0.05);
@@ -36,25 +36,18 @@ pub(super) struct StudyArgs {
 
 pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<Verdict, Fault> {
     let (plan, cases) = Plan::read(&args.study)?;
-    let unwritable = |error: std::io::Error| {
-        Fault::new("study::write", format!("could not write to {}: {error}", args.out.display()))
-            .help("is there space, and may you write there?")
-    };
-    std::fs::create_dir_all(&args.out).map_err(unwritable)?;
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let threads = args.threads.unwrap_or_else(cores);
     let start = Instant::now();
     let results = run_all(&plan, cases, threads, quiet)?;
     let seconds = start.elapsed().as_secs_f64();
     let flights = Flights::run(THROWN.0, THROWN.1)?;
-    for (name, content) in report::tables(&plan, &results, &flights) {
-        std::fs::write(args.out.join(name), content).map_err(unwritable)?;
-    }
+    let tables = report::tables(&plan, &results, &flights).into_iter();
+    let mut files: Vec<_> = tables.map(|(name, content)| (name.to_string(), content.into_bytes())).collect();
     for (name, svg) in report::pictures(&plan, &results, &flights) {
-        let path = args.out.join(name).with_extension("svg");
-        std::fs::write(&path, svg).map_err(unwritable)?;
-        png::render_file(&path)?;
+        files.extend(picture_files(&name, svg)?);
     }
+    let verdict = write_results(&args.out, &files);
     let updates: u64 = results.0.iter().map(|replica| replica.updates).sum();
     #[expect(clippy::cast_precision_loss, reason = "a figure for people")]
     let speed = updates as f64 / seconds / 1e6;
@@ -63,7 +56,7 @@ pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<Verdict, Fault> {
         results.0.len(),
         args.out.display()
     ));
-    Ok(Verdict::Done)
+    Ok(verdict)
 }
 
 fn run_all(plan: &Plan, cases: Vec<Case>, threads: NonZeroUsize, quiet: bool) -> Result<Results, Fault> {

@@ -51,9 +51,10 @@ impl Slider {
     #[inline(always)]
     #[must_use]
     pub fn pull<V: Space>(&self, spring: &mut V, velocity: V, normal: V, [dt, lead]: [f64; 2]) -> SliderForce<V> {
-        let (before, ahead) = (*spring, velocity * lead);
-        // In step zero a spring only gets ahead.
-        let was_ahead = velocity * lead.min(dt - lead);
+        // A lead of zero is known to the compiler. In step zero a spring only gets ahead.
+        let [ahead, was_ahead] =
+            if lead > 0.0 { [velocity * lead, velocity * lead.min(dt - lead)] } else { [V::ZERO; 2] };
+        let before = *spring;
         let moved = before + velocity * dt;
         let mut after = moved - normal * moved.dot(normal);
         let drag = velocity * -self.drag;

@@ -1,10 +1,10 @@
 //! Ends a run of the lattice gas: when the silo is empty, when the gas is at rest (if `rest.stop`), `discharge` steps
-//! after the door has opened, or after `until` steps.
+//! after the door has opened, after `until` steps, or at the request of the caller.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::ending::{EmptyTime, end_at_rest};
+use crate::ending::{EmptyTime, StopRequest, end_at_rest};
 use crate::grains::spawner::Pending;
 use crate::lattice::door::DoorState;
 use crate::lattice::gas::Gas;
@@ -26,9 +26,11 @@ fn end_when_empty(
     }
 }
 
-fn end_at_step(clock: Res<Clock>, until: Res<Until>, mut outcome: ResMut<Outcome>) {
+fn end_at_step(clock: Res<Clock>, until: Res<Until>, stop: Res<StopRequest>, mut outcome: ResMut<Outcome>) {
     if clock.steps >= until.0 {
         outcome.finish(End::TimeReached);
+    } else if stop.is_made() {
+        outcome.finish(End::Interrupted);
     }
 }
 

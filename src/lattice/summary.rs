@@ -31,7 +31,8 @@ pub struct Summary {
     pub scene: String,
     /// Method of the scene: `LatticeGas`.
     pub method: &'static str,
-    /// End of the run: `empty`, `at_rest`, `time_reached` for a regular end, `failed` for a failure.
+    /// End of the run: `empty`, `at_rest`, `time_reached` for a regular end, `interrupted` by a signal, `failed` for a
+    /// failure.
     pub status: &'static str,
     /// Cause of a failure.
     pub failure: Option<String>,
@@ -141,5 +142,11 @@ impl Summary {
             },
             state_hash: format!("{:016x}", state_hash(sites, gas)),
         }
+    }
+
+    /// Records a failure that happened after the last step.
+    pub(crate) fn fail_with(&mut self, reason: String) {
+        self.status = "failed";
+        self.failure.get_or_insert(reason);
     }
 }

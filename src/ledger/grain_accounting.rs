@@ -10,6 +10,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::ledger::cull::Culled;
+use crate::ledger::departures::Departures;
 use crate::ledger::format_position;
 use crate::messages::{GrainLost, GrainOut, GrainReleased};
 use crate::outcome::{Failure, Outcome};
@@ -50,30 +51,41 @@ pub struct LossRecord {
 pub struct Ledger {
     /// Number of grains that have entered.
     pub released: u32,
-    /// Times at which grains crossed the orifice, s, ascending.
-    pub out_times: Vec<f64>,
-    /// Lost grains, in order of time.
+    /// Times at which grains crossed the orifice.
+    pub departures: Departures,
+    /// Lost grains, in order of time. An output that writes them to a file may have removed all but the first ones.
     pub lost: Vec<LossRecord>,
+    /// Number of lost grains that are no longer in `lost`.
+    written_losses: u32,
     /// Number of grains removed below the cull line, out or lost.
     pub culled: u32,
-    /// Ids of all grains that are out or lost.
+    /// Ids of the present grains that are out or lost.
     gone: HashSet<GrainId>,
+    /// Ids of grains that a behaviour removed, until their loss is counted.
+    vanished: HashSet<GrainId>,
 }
 
 impl Ledger {
     /// Returns the number of grains that are out.
     #[must_use]
     pub fn out(&self) -> u32 {
-        count(self.out_times.len())
+        self.departures.count()
     }
 
     /// Returns the number of lost grains.
     #[must_use]
     pub fn lost(&self) -> u32 {
-        count(self.lost.len())
+        self.written_losses + count(self.lost.len())
     }
 
-    /// Returns whether a grain is out or lost.
+    /// Removes all lost grains but the first `kept`, and returns them.
+    pub(crate) fn take_losses(&mut self, kept: usize) -> Vec<LossRecord> {
+        let taken = self.lost.split_off(kept.min(self.lost.len()));
+        self.written_losses += count(taken.len());
+        taken
+    }
+
+    /// Returns whether a grain that is present is out or lost.
     #[must_use]
     pub fn is_gone(&self, grain: GrainId) -> bool {
         self.gone.contains(&grain)
@@ -99,11 +111,14 @@ fn report_vanished_grains<V: Space>(
     mut culled: ResMut<Culled>,
     store: Res<ParticleStore<V>>,
     mut lost: MessageWriter<GrainLost<V>>,
-    ledger: Res<Ledger>,
+    mut ledger: ResMut<Ledger>,
 ) {
     for &row in store.vacated() {
         let id = store.id[row];
-        if !culled.0.remove(&id) && !id.is_wall() && !ledger.gone.contains(&id) {
+        // Nothing is kept of a grain that is counted and no longer present, so that the memory of a long run is bounded.
+        let is_counted = culled.0.remove(&id) | ledger.gone.remove(&id);
+        if !is_counted && !id.is_wall() {
+            ledger.vanished.insert(id);
             let way = "removed by a behaviour".to_owned();
             lost.write(GrainLost { id, position: store.body[row].position, way, nearest: None });
         }
@@ -126,11 +141,13 @@ pub(super) fn account_for_grains<V: Space>(
     lost.sort_unstable_by_key(|grain| grain.id);
     for grain in out {
         ledger.gone.insert(grain.id);
-        ledger.out_times.push(time_s);
+        ledger.departures.add(time_s);
     }
     for grain in lost {
         tracing::debug!("t = {time_s:.3} s: {} was lost: {}", grain.id, grain.way);
-        ledger.gone.insert(grain.id);
+        if !ledger.vanished.remove(&grain.id) {
+            ledger.gone.insert(grain.id);
+        }
         ledger.lost.push(LossRecord {
             grain: grain.id.number(),
             step,

@@ -20,15 +20,15 @@ impl Discharge {
     /// Returns the discharge; `None` if fewer than ten grains are out, or if they left in one step.
     #[must_use]
     pub fn of(ledger: &Ledger) -> Option<Self> {
-        let times = &ledger.out_times;
-        if times.len() < 10 {
+        let count = ledger.out();
+        if count < 10 {
             return None;
         }
-        let (tenth, nine_tenths) = (times.len() / 10, times.len() - 1 - times.len() / 10);
-        #[expect(clippy::cast_precision_loss, reason = "grain ids are 31 bits wide")]
-        let grains = (nine_tenths - tenth) as f64;
-        let interval = times[nine_tenths] - times[tenth];
+        let (first, last) = ledger.departures.ends()?;
+        let (tenth, from) = ledger.departures.nearest(count / 10)?;
+        let (nine_tenths, to) = ledger.departures.nearest(count - 1 - count / 10)?;
+        let (grains, interval) = (f64::from(nine_tenths - tenth), to - from);
         // Grains that leave in one step have no rate.
-        (interval > 0.0).then(|| Self { duration_s: times[times.len() - 1] - times[0], rate_per_s: grains / interval })
+        (interval > 0.0).then(|| Self { duration_s: last - first, rate_per_s: grains / interval })
     }
 }

@@ -68,9 +68,13 @@ pub fn due<T: Send + Sync + 'static>(every: Option<Res<Every<T>>>) -> bool {
 /// Registers the clock of the observer `T` with an interval in s.
 pub fn observe_every<T: Send + Sync + 'static>(app: &mut App, interval: f64) {
     app.insert_resource(Every::<T> { interval, next: 0, is_due: false, observer: PhantomData })
-        .add_systems(Step, tick::<T>.in_set(Part::Engine(Phase::Observe)).after(KickAppliedAtEnd));
+        .add_systems(Step, tick::<T>.in_set(ClocksRead));
     register_predictable(app, due::<T>, |clock: Res<Clock>, every: Res<Every<T>>| every.is_due_at(&clock));
 }
+
+/// The set that decides which observers are due in this step, before [`Phase::Observe`].
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub(crate) struct ClocksRead;
 
 /// Adds the stages of [`Phase::Observe`].
 pub struct ObservePlugin;
@@ -78,6 +82,7 @@ pub struct ObservePlugin;
 impl Plugin for ObservePlugin {
     fn build(&self, app: &mut App) {
         app.edit_schedule(Step, |schedule| {
+            schedule.configure_sets(ClocksRead.in_set(Part::Engine(Phase::Observe)).after(KickAppliedAtEnd));
             schedule.configure_sets((ObserveStage::Measure, ObserveStage::Write).chain().in_set(Phase::Observe));
         });
     }

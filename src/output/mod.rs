@@ -2,6 +2,7 @@
 
 pub mod flow;
 pub mod frames;
+pub mod losses;
 pub mod profiles;
 pub mod run_directory;
 pub mod series;

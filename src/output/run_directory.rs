@@ -3,23 +3,60 @@
 //! * Input: `scene.ron`, with `--set` applied, and copies of the files that it names. The names of copies begin with
 //!   `input-`, so that they cannot collide with results.
 //! * Output: `series.csv`, `frames/`, `state.csv` and `summary.json`, and where the scene measures them `walls.csv`,
-//!   `profiles.csv`, `centres.csv` and `flow.csv`.
+//!   `profiles.csv`, `centres.csv`, `flow.csv` and `losses.csv`.
+//! * `.siloflow`: the marker. The process that uses the directory holds a lock on it.
 //!
-//! Files of an earlier run in the directory are removed first. A directory with any other content is refused.
+//! A run directory is prepared beside its place and moved there in one rename, so that it is the directory of one run at
+//! every moment ([`RunDirectory::create`], [`RunDirectory::publish`]). An earlier run is replaced only if the caller
+//! allows it. Files of other programs in the directory are kept.
+//!
+//! Limits: a file system that cannot exchange two directories atomically needs two renames. A mount point and the current
+//! directory cannot be replaced.
 
-use std::fs::{self, File};
-use std::io::{self, BufWriter, Write};
+mod examine;
+mod exchange;
+mod marker;
+mod results;
+mod stage;
+
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use serde::Serialize;
 
+use self::examine::{examine, refuse_content, resolve};
+use self::marker::{Claim, Marker};
+pub use self::results::write_results;
+use self::stage::Stage;
 use crate::fault::Fault;
 use crate::source::Source;
 use crate::source::places;
+use crate::writers::frame_writer::Guard;
+use crate::writers::whole_file::{PART, part_of, remove_if_there, write_with};
 
-/// A run directory.
-#[derive(Clone, Debug)]
-pub struct RunDirectory(PathBuf);
+/// A run directory that this process has locked.
+#[derive(Debug)]
+pub struct RunDirectory {
+    /// The directory as the caller names it.
+    shown: PathBuf,
+    /// The directory, absolute and without symbolic links.
+    target: PathBuf,
+    replace: bool,
+    place: Place,
+}
+
+/// Where a run directory is.
+#[derive(Debug)]
+enum Place {
+    /// Beside its target.
+    Staged(Stage),
+    /// At its target.
+    Published(Marker),
+    /// Nowhere: it could not be published.
+    Gone,
+}
 
 const SCENE: &str = "scene.ron";
 const SERIES: &str = "series.csv";
@@ -28,8 +65,15 @@ const WALLS: &str = "walls.csv";
 const PROFILES: &str = "profiles.csv";
 const CENTRES: &str = "centres.csv";
 const FLOW: &str = "flow.csv";
-const OWN_FILES: [&str; 10] =
-    [SCENE, SERIES, WALLS, PROFILES, CENTRES, FLOW, "state.csv", "summary.json", "input-silo.dat", "input-grains.csv"];
+const LOSSES: &str = "losses.csv";
+const STATE: &str = "state.csv";
+const SUMMARY: &str = "summary.json";
+/// Names of all files that a run writes at the top of its directory.
+const OWN_FILES: [&str; 11] =
+    [SCENE, SERIES, WALLS, PROFILES, CENTRES, FLOW, LOSSES, STATE, SUMMARY, "input-silo.dat", "input-grains.csv"];
+
+/// Bytes that `summary.json.part` occupies from the start, so that a full disk at the end leaves space for the summary.
+const SUMMARY_RESERVE: usize = 32 << 10;
 
 /// Returns the name of the copy of the input file that the scene key `key` names.
 fn copy_name(key: &str) -> &'static str {
@@ -42,125 +86,246 @@ pub fn scene_of(run: &Path) -> PathBuf {
     run.join(SCENE)
 }
 
+/// Whether siloflow writes a file or directory of this path in a run directory.
+fn is_own(path: &Path) -> bool {
+    let complete = path.with_extension("");
+    let complete = if path.extension().is_some_and(|ending| ending == PART) { &*complete } else { path };
+    match complete.strip_prefix(FRAMES) {
+        Ok(picture) if picture == Path::new("") => complete == path,
+        Ok(picture) => {
+            let number = picture.file_stem().unwrap_or_default().as_encoded_bytes();
+            let is_picture = picture.extension().is_some_and(|ending| ending == "svg" || ending == "png");
+            is_picture
+                && picture.components().count() == 1
+                && number.len() >= 5
+                && number.iter().all(u8::is_ascii_digit)
+        }
+        Err(_) => OWN_FILES.iter().any(|name| Path::new(name) == complete),
+    }
+}
+
 impl RunDirectory {
-    /// Creates or clears the directory for a run of a scene, and writes `scene.ron` and copies of the files that it
-    /// names.
+    /// Prepares a run directory beside `path`, with `scene.ron` and copies of the files that it names. `path` itself is
+    /// not changed. Dropping the value without [`RunDirectory::publish`] removes all traces of it.
+    ///
+    /// `replace` allows that a run at `path` is replaced.
     ///
     /// # Errors
-    /// If the directory is not empty and has no earlier run, or if it cannot be written.
-    pub fn prepare(path: &Path, source: &Source) -> Result<Self, Fault> {
-        let directory = Self(path.to_owned());
-        let fault = |error: io::Error| {
-            Fault::new("run::directory", format!("could not prepare the run directory {}: {error}", path.display()))
-                .help("give another one with --out")
-        };
-        let is_empty = fs::read_dir(path).map_or(true, |mut entries| entries.next().is_none());
-        let holds_a_run = [SCENE, SERIES, FRAMES].iter().all(|name| path.join(name).exists());
-        if !is_empty && !holds_a_run {
-            let message = format!("{} is not empty and holds no earlier run", path.display());
-            return Err(
-                Fault::new("run::directory", message).help("give another directory with --out, or empty this one")
-            );
-        }
+    /// * Another process uses `path`.
+    /// * `path` holds a run, and `replace` is false; or it is not empty and holds no run.
+    /// * A file cannot be read or written.
+    pub fn create(path: &Path, source: &Source, replace: bool) -> Result<Self, Fault> {
+        let target = Self::check(path, replace)?;
+        let stage = Stage::create(&target, &is_own).map_err(|error| could_not_prepare(path, &error))?;
+        let directory = Self { shown: path.to_owned(), target, replace, place: Place::Staged(stage) };
         let mut text = source.text.clone();
         for (key, ..) in &source.files {
             text = places::set(&text, key, &format!("{:?}", copy_name(key)))?;
         }
-        fs::create_dir_all(directory.frames()).map_err(fault)?;
-        directory.replace_earlier_run(&source.files).map_err(fault)?;
-        fs::write(directory.0.join(SCENE), text).map_err(fault)?;
+        directory.fill(&text, &source.files).map_err(|error| directory.unwritable(&error))?;
         Ok(directory)
     }
 
-    /// Replaces the files of an earlier run with copies of `files`, which may belong to the earlier run.
-    fn replace_earlier_run(&self, files: &[(&'static str, PathBuf)]) -> io::Result<()> {
-        let complete = |key: &str| self.0.join(copy_name(key));
-        let part = |key: &str| complete(key).with_extension("part");
-        for (key, from) in files {
-            io::copy(&mut File::open(from)?, &mut File::create(part(key))?)?;
-        }
-        self.clear()?;
-        files.iter().try_for_each(|(key, _)| fs::rename(part(key), complete(key)))
+    /// Checks whether a run at `path` may begin, and returns its absolute path. Nothing is changed.
+    ///
+    /// # Errors
+    /// As [`RunDirectory::create`], for `path`.
+    pub fn check(path: &Path, replace: bool) -> Result<PathBuf, Fault> {
+        let target = resolve(path)?;
+        refuse_content(path, &examine(path, &target)?, replace)?;
+        Ok(target)
     }
 
-    /// Removes the files of an earlier run.
-    fn clear(&self) -> io::Result<()> {
-        let ignore_missing = |result: io::Result<()>| match result {
-            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-            _ => Ok(()),
-        };
-        for name in OWN_FILES {
-            ignore_missing(fs::remove_file(self.0.join(name)))?;
+    /// Writes the files that exist before the first step.
+    fn fill(&self, scene: &str, files: &[(&'static str, PathBuf)]) -> io::Result<()> {
+        let now = self.now();
+        fs::create_dir(now.join(FRAMES))?;
+        for (key, from) in files {
+            io::copy(&mut File::open(from)?, &mut File::create_new(now.join(copy_name(key)))?)?;
         }
-        let Ok(frames) = fs::read_dir(self.frames()) else { return Ok(()) };
-        for frame in frames {
-            let path = frame?.path();
-            let is_picture = path.extension().is_some_and(|ending| ending == "svg" || ending == "png");
-            if is_picture {
-                ignore_missing(fs::remove_file(path))?;
+        fs::write(now.join(SCENE), scene)?;
+        self.reserve_summary()
+    }
+
+    /// Locks the directory of an earlier run, to continue it. Nothing but the marker is changed.
+    ///
+    /// # Errors
+    /// If there is no run at `path`, or another process uses it.
+    pub fn reopen(path: &Path) -> Result<Self, Fault> {
+        let target = resolve(path)?;
+        let failed = |message: String| Fault::new("run::directory", message).help("give the directory of a run");
+        let unreadable = |error: io::Error| failed(format!("could not use {}: {error}", path.display()));
+        match Marker::claim(&target).map_err(unreadable)? {
+            Claim::Unmarked => Err(failed(format!("{} holds no run", path.display()))),
+            Claim::Held(holder) => Err(in_use(path, &holder)),
+            Claim::Locked(marker) => {
+                marker.sign().map_err(unreadable)?;
+                Ok(Self { shown: path.to_owned(), target, replace: false, place: Place::Published(marker) })
             }
         }
+    }
+
+    /// Moves the directory to its place, if it is not there. A run that is there is replaced. From then on a failure of the
+    /// run leaves its traces in the directory.
+    ///
+    /// # Errors
+    /// As [`RunDirectory::create`]; everything is then as before.
+    pub fn publish(&mut self) -> Result<(), Fault> {
+        if let Place::Published(_) = self.place {
+            return Ok(());
+        }
+        // It may have changed since the preparation began. The lock of an old run is held until that run is gone.
+        let old = examine(&self.shown, &self.target)?;
+        refuse_content(&self.shown, &old, self.replace)?;
+        let Place::Staged(stage) = std::mem::replace(&mut self.place, Place::Gone) else { return Ok(()) };
+        let marker = stage.publish(&is_own).map_err(|error| {
+            let message = format!("could not move the run directory to {}: {error}", self.shown.display());
+            Fault::new("run::directory", message)
+                .help("a mount point cannot be replaced; give a directory in it with --out")
+        })?;
+        self.place = Place::Published(marker);
         Ok(())
     }
 
-    /// Returns the path of the directory.
-    #[must_use]
-    pub fn path(&self) -> &Path {
-        &self.0
-    }
-
-    /// Returns the path of the directory of pictures.
-    #[must_use]
-    pub fn frames(&self) -> PathBuf {
-        self.0.join(FRAMES)
-    }
-
-    /// Returns the path of `series.csv`.
-    #[must_use]
-    pub fn series(&self) -> PathBuf {
-        self.0.join(SERIES)
-    }
-
-    /// Returns the path of `walls.csv`.
-    #[must_use]
-    pub fn walls(&self) -> PathBuf {
-        self.0.join(WALLS)
-    }
-
-    /// Returns the path of `profiles.csv`.
-    #[must_use]
-    pub fn profiles(&self) -> PathBuf {
-        self.0.join(PROFILES)
-    }
-
-    /// Returns the path of `centres.csv`.
-    #[must_use]
-    pub fn centres(&self) -> PathBuf {
-        self.0.join(CENTRES)
-    }
-
-    /// Returns the path of `flow.csv`.
-    #[must_use]
-    pub fn flow(&self) -> PathBuf {
-        self.0.join(FLOW)
-    }
-
-    /// Writes `state.csv` by calling `write_state`, and `summary.json`.
+    /// Removes `state.csv` and `summary.json` of the part that has run so far, before a reopened run continues.
     ///
     /// # Errors
-    /// If a file cannot be written.
-    pub fn finish(
-        &self,
-        write_state: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-        summary: &impl Serialize,
-    ) -> io::Result<()> {
-        let mut state = BufWriter::new(File::create(self.0.join("state.csv"))?);
-        write_state(&mut state)?;
-        state.flush()?;
-        let json = serde_json::to_string_pretty(summary).map_err(io::Error::other)?;
-        // The summary gets its final name only when it is complete.
-        let (part, complete) = (self.0.join("summary.json.part"), self.0.join("summary.json"));
-        fs::write(&part, json + "\n")?;
+    /// If a file cannot be removed, or there is no space for a summary.
+    pub fn remove_results(&self) -> io::Result<()> {
+        remove_if_there(&self.now().join(SUMMARY))?;
+        remove_if_there(&self.now().join(STATE))?;
+        self.reserve_summary()
+    }
+
+    /// Occupies the space of the summary.
+    fn reserve_summary(&self) -> io::Result<()> {
+        let part = part_of(&self.now().join(SUMMARY));
+        remove_if_there(&part)?;
+        File::create_new(part)?.write_all(&vec![b'\n'; SUMMARY_RESERVE])
+    }
+
+    /// Returns the path of the directory, as the caller gave it.
+    #[must_use]
+    pub fn path(&self) -> &Path {
+        &self.shown
+    }
+
+    /// The directory as it is now.
+    fn now(&self) -> &Path {
+        match &self.place {
+            Place::Staged(stage) => &stage.path,
+            Place::Published(_) | Place::Gone => &self.target,
+        }
+    }
+
+    /// Returns the path of the directory of pictures. It changes when the directory is published.
+    #[must_use]
+    pub fn frames(&self) -> PathBuf {
+        self.now().join(FRAMES)
+    }
+
+    /// Returns the path of `series.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn series(&self) -> PathBuf {
+        self.now().join(SERIES)
+    }
+
+    /// Returns the path of `walls.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn walls(&self) -> PathBuf {
+        self.now().join(WALLS)
+    }
+
+    /// Returns the path of `profiles.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn profiles(&self) -> PathBuf {
+        self.now().join(PROFILES)
+    }
+
+    /// Returns the path of `centres.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn centres(&self) -> PathBuf {
+        self.now().join(CENTRES)
+    }
+
+    /// Returns the path of `flow.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn flow(&self) -> PathBuf {
+        self.now().join(FLOW)
+    }
+
+    /// Returns the path of `losses.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn losses(&self) -> PathBuf {
+        self.now().join(LOSSES)
+    }
+
+    /// Writes `state.csv` by calling `write_state`.
+    ///
+    /// # Errors
+    /// If the file cannot be written, or if this is no longer the directory of the run.
+    pub fn write_state(&self, write_state: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+        self.guard()()?;
+        write_with(&self.now().join(STATE), write_state)
+    }
+
+    /// Writes `summary.json`, into the space that is reserved for it.
+    ///
+    /// # Errors
+    /// If the file cannot be written, or if this is no longer the directory of the run.
+    pub fn write_summary(&self, summary: &impl Serialize) -> io::Result<()> {
+        self.guard()()?;
+        let json = serde_json::to_string_pretty(summary).map_err(io::Error::other)? + "\n";
+        let complete = self.now().join(SUMMARY);
+        let part = part_of(&complete);
+        let mut file = OpenOptions::new().write(true).create(true).truncate(false).open(&part)?;
+        file.write_all(json.as_bytes())?;
+        file.set_len(json.len() as u64)?;
+        // The summary says that the run is over, so it gets its name only when it is on the disk.
+        file.sync_all()?;
         fs::rename(part, complete)
     }
+
+    /// The fault of a directory that cannot be written before it is published.
+    #[must_use]
+    pub fn unwritable(&self, error: &io::Error) -> Fault {
+        could_not_prepare(&self.shown, error)
+    }
+
+    /// Returns a function that checks that no other run has taken the place of this directory.
+    #[must_use]
+    pub fn guard(&self) -> Guard {
+        let place = match &self.place {
+            Place::Staged(stage) => stage.marker.place(&stage.path),
+            Place::Published(marker) => marker.place(&self.target),
+            Place::Gone => None,
+        };
+        Arc::new(move || match &place {
+            Some(place) if place.is_unchanged() => Ok(()),
+            _ => Err(io::Error::other("the directory was moved or removed during the run")),
+        })
+    }
 }
+
+impl Drop for RunDirectory {
+    /// Removes a directory that was not published.
+    fn drop(&mut self) {
+        if let Place::Staged(stage) = &self.place {
+            stage.discard(&is_own);
+        }
+    }
+}
+
+fn could_not_prepare(path: &Path, error: &io::Error) -> Fault {
+    Fault::new("run::directory", format!("could not prepare the run directory {}: {error}", path.display()))
+        .help("nothing was changed; is there space, may you write there? Or give another directory with --out")
+}
+
+/// The fault of a directory that another process uses.
+fn in_use(path: &Path, holder: &str) -> Fault {
+    Fault::new("run::in_use", format!("{} is in use by {holder}", path.display()))
+        .help("wait for its end, or give another directory with --out")
+}
+
+#[cfg(test)]
+mod tests;

@@ -19,6 +19,7 @@ use crate::measure::discharge::Discharge;
 use crate::measure::totals;
 use crate::neighbours::Rebuilds;
 use crate::outcome::End;
+use crate::output::losses::IN_SUMMARY;
 use crate::output::state_hash;
 use crate::rest::RestDetector;
 use crate::scene::load::Loaded;
@@ -36,7 +37,8 @@ pub struct Summary {
     pub format: u32,
     /// Name of the scene.
     pub scene: String,
-    /// `empty`, `at_rest` or `time_reached` if the run succeeded; `grains_lost` or `failed` if not.
+    /// `empty`, `at_rest` or `time_reached` if the run succeeded; `interrupted` by a signal; `grains_lost` or `failed` if
+    /// not.
     pub status: &'static str,
     /// Reason of a failure.
     pub failure: Option<String>,
@@ -68,7 +70,7 @@ pub struct Summary {
     pub performance: Performance,
     /// Hash of the final state of the grains, as 16 hexadecimal digits.
     pub state_hash: String,
-    /// Records of all lost grains.
+    /// Records of the first hundred lost grains.
     pub losses: Vec<LossRecord>,
 }
 
@@ -161,7 +163,8 @@ impl Summary {
             End::Failed(failure) => Some(failure.to_string()),
             _ => None,
         };
-        let status = if ledger.lost() > 0 && failure.is_none() { "grains_lost" } else { end.word() };
+        let is_over = failure.is_none() && *end != End::Interrupted;
+        let status = if ledger.lost() > 0 && is_over { "grains_lost" } else { end.word() };
         #[expect(clippy::cast_precision_loss, reason = "a rounded result suffices")]
         let speed = cost.particle_steps as f64 / cost.wall_s.max(f64::MIN_POSITIVE);
         Self {
@@ -205,8 +208,14 @@ impl Summary {
                 contact_law: loaded.scene.contact,
             },
             state_hash,
-            losses: ledger.lost.clone(),
+            losses: ledger.lost.iter().take(IN_SUMMARY).cloned().collect(),
         }
+    }
+
+    /// Records a failure that happened after the last step.
+    pub(crate) fn fail_with(&mut self, reason: String) {
+        self.status = "failed";
+        self.failure.get_or_insert(reason);
     }
 
     /// Returns whether the run succeeded: it did not fail and lost no grain.

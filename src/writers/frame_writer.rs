@@ -6,22 +6,27 @@
 //! at the end of the run, which blocks until all pictures are written.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
 use bevy_ecs::prelude::*;
 
 use crate::outcome::{Failure, Outcome};
-use crate::writers::png;
 use crate::writers::svg::Picture;
+use crate::writers::{png, whole_file};
+
+/// Checks that the directory of the pictures is still that of the run.
+pub type Guard = Arc<dyn Fn() -> std::io::Result<()> + Send + Sync>;
 
 /// Largest number of queued pictures.
 pub const MAX_WAITING_PICTURES: usize = 4;
 
 /// Writes numbered pictures into a directory.
-#[derive(Resource, Debug)]
+#[derive(Resource)]
 pub struct FrameWriter {
     directory: PathBuf,
+    guard: Option<Guard>,
     png: bool,
     /// Number of pictures so far.
     count: u32,
@@ -40,7 +45,7 @@ impl FrameWriter {
     /// Returns a frame writer for `directory` that has written no picture; with `png` it also writes PNGs.
     #[must_use]
     pub fn new(directory: PathBuf, png: bool) -> Self {
-        Self { directory, png, count: 0, drawing_thread: None }
+        Self { directory, guard: None, png, count: 0, drawing_thread: None }
     }
 
     /// Queues a picture. If the run has ended, this is the last picture and the call blocks until all are written.
@@ -59,12 +64,23 @@ impl FrameWriter {
         self.count += 1;
         let drawing_thread = match self.drawing_thread.take() {
             Some(drawing_thread) => drawing_thread,
-            None => DrawingThread::start(self.png).map_err(|error| failed(&path, &error))?,
+            None => DrawingThread::start(self.png, self.guard.clone()).map_err(|error| failed(&path, &error))?,
         };
         // Sending fails only if the drawing thread has ended with an error, which `close` returns.
         let is_sent = drawing_thread.queue.send((path, picture)).is_ok();
         self.drawing_thread = Some(drawing_thread);
         if is_sent { Ok(()) } else { self.close() }
+    }
+
+    /// Blocks until all pictures are written. Later pictures go to `directory`, to which the caller moves the present ones.
+    /// `guard` is called before each of them.
+    ///
+    /// # Errors
+    /// If a picture could not be written.
+    pub fn continue_in(&mut self, directory: PathBuf, guard: Guard) -> Result<(), Failure> {
+        self.directory = directory;
+        self.guard = Some(guard);
+        self.close()
     }
 
     /// Blocks until all pictures are written.
@@ -90,22 +106,24 @@ impl Drop for FrameWriter {
 }
 
 impl DrawingThread {
-    fn start(png: bool) -> std::io::Result<Self> {
+    fn start(png: bool, guard: Option<Guard>) -> std::io::Result<Self> {
         let (queue, pictures) = sync_channel(MAX_WAITING_PICTURES);
-        let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(move || draw_all(&pictures, png))?;
+        let draw = move || draw_all(&pictures, png, guard.as_ref());
+        let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(draw)?;
         Ok(Self { queue, thread })
     }
 }
 
 /// Draws and writes pictures until the queue is closed.
-fn draw_all(pictures: &Receiver<(PathBuf, Picture)>, png: bool) -> Result<(), Failure> {
+fn draw_all(pictures: &Receiver<(PathBuf, Picture)>, png: bool, guard: Option<&Guard>) -> Result<(), Failure> {
     pictures.iter().try_for_each(|(path, picture)| {
+        guard.map_or(Ok(()), |guard| guard()).map_err(|error| failed(&path, &error))?;
         let svg = picture.to_svg();
-        std::fs::write(&path, &svg).map_err(|error| failed(&path, &error))?;
+        whole_file::write(&path, svg.as_bytes()).map_err(|error| failed(&path, &error))?;
         if png {
             let path = path.with_extension("png");
             let bytes = png::encode(&svg).map_err(|reason| failed(&path, &reason))?;
-            std::fs::write(&path, bytes).map_err(|error| failed(&path, &error))?;
+            whole_file::write(&path, &bytes).map_err(|error| failed(&path, &error))?;
         }
         Ok(())
     })

@@ -9,6 +9,7 @@ pub mod plot;
 pub mod png;
 pub mod rows;
 pub mod svg;
+pub mod whole_file;
 
 /// Version of the format of `summary.json`.
 pub const SUMMARY_FORMAT: u32 = 1;

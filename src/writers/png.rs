@@ -8,6 +8,7 @@ use resvg::tiny_skia::{Pixmap, PremultipliedColorU8, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 
 use crate::fault::Fault;
+use crate::writers::whole_file;
 
 fn options() -> &'static Options<'static> {
     static OPTIONS: OnceLock<Options<'static>> = OnceLock::new();
@@ -64,7 +65,7 @@ pub fn render_file(path: &Path) -> Result<PathBuf, Fault> {
         Fault::new("render::svg", format!("could not draw {path_text}: {error}")).help("is it an SVG document?")
     })?;
     let target = path.with_extension("png");
-    std::fs::write(&target, png).map_err(|error| {
+    whole_file::write(&target, &png).map_err(|error| {
         Fault::new("render::write", format!("could not write {}: {error}", target.display()))
             .help("check free disk space and write permission")
     })?;

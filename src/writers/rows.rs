@@ -1,9 +1,10 @@
-//! A CSV file that grows by rows. Every row is flushed at once, so that it survives a crash of the run.
+//! A CSV file that grows by rows. All rows of a call are written at once, so that they survive a crash of the run. If the
+//! disk is full, the file is cut to its last complete rows.
 
-use std::fmt;
+use std::fmt::{self, Write as _};
 use std::fs::File;
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::io::{Seek as _, SeekFrom, Write as _};
+use std::path::Path;
 use std::sync::Mutex;
 
 use crate::outcome::{Failure, Outcome};
@@ -12,27 +13,47 @@ use crate::space::Space;
 /// An open CSV file.
 #[derive(Debug)]
 pub struct Rows {
-    path: PathBuf,
-    file: BufWriter<File>,
+    /// Name of the file in the run directory, for messages. The directory may be moved during a run.
+    name: String,
+    file: File,
+    /// Bytes of complete rows.
+    length: u64,
+    buffer: String,
 }
 
 impl Rows {
     /// Creates the file at `path` with its header.
     ///
     /// # Errors
-    /// If the file cannot be written.
+    /// If the file exists or cannot be written.
     pub fn create(path: &Path, header: &str) -> std::io::Result<Self> {
-        let mut rows = Self { path: path.to_owned(), file: BufWriter::new(File::create(path)?) };
-        writeln!(rows.file, "{header}")?;
-        rows.file.flush()?;
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        // `create_new` never follows a symbolic link.
+        let mut rows = Self { name, file: File::create_new(path)?, length: 0, buffer: String::new() };
+        rows.write(format_args!("{header}\n"))?;
         Ok(rows)
     }
 
     /// Adds rows, each with its line break. A write error makes the run fail.
     pub fn append(&mut self, rows: fmt::Arguments<'_>, outcome: &mut Outcome) {
-        if let Err(error) = self.file.write_fmt(rows).and_then(|()| self.file.flush()) {
-            outcome.fail(Failure::Output { path: self.path.display().to_string(), reason: error.to_string() });
+        if let Err(error) = self.write(rows) {
+            outcome.fail(Failure::Output { path: self.name.clone(), reason: error.to_string() });
         }
+    }
+
+    fn write(&mut self, rows: fmt::Arguments<'_>) -> std::io::Result<()> {
+        self.buffer.clear();
+        // Writing to a string cannot fail.
+        let _ = self.buffer.write_fmt(rows);
+        let written = self.file.write_all(self.buffer.as_bytes());
+        if written.is_ok() {
+            self.length += self.buffer.len() as u64;
+        } else {
+            // A part of the rows may have been written. The run reports the first error.
+            let _ = self.file.set_len(self.length);
+            let _ = self.file.seek(SeekFrom::Start(self.length));
+        }
+        written
     }
 }
 

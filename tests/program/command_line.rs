@@ -48,7 +48,10 @@ fn run_directory_is_complete_and_can_be_run_again() {
     let mut names: Vec<_> =
         fs::read_dir(&run).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
     names.sort();
-    assert_eq!(names, ["frames", "input-silo.dat", "scene.ron", "series.csv", "state.csv", "summary.json"]);
+    assert_eq!(
+        names,
+        [".siloflow", "frames", "input-silo.dat", "scene.ron", "series.csv", "state.csv", "summary.json"]
+    );
     // Frames at 0 and 1 s and at the end, each with its PNG.
     for frame in ["00000", "00001", "00002"] {
         assert!(fs::read_to_string(run.join(format!("frames/{frame}.svg"))).unwrap().ends_with("</svg>\n"));
@@ -97,10 +100,10 @@ fn run_directory_is_complete_and_can_be_run_again() {
     let second: Value = serde_json::from_slice(&again.stdout).unwrap();
     assert_eq!(second["state_hash"], first["state_hash"]);
     assert!(again.stderr.is_empty(), "{}", text(&again.stderr));
-    // A run into the directory of an earlier run clears it first.
+    // A run that replaces an earlier one keeps nothing of it.
     let shorter = siloflow(
         here.path(),
-        &["run", &path("silo1.ron"), "--until", "0.1", "--out", "again", "--set", "pictures=None"],
+        &["run", &path("silo1.ron"), "--until", "0.1", "--out", "again", "--set", "pictures=None", "--force"],
     );
     assert!(shorter.status.success());
     assert_eq!(fs::read_dir(here.path().join("again/frames")).unwrap().count(), 0);
@@ -110,7 +113,7 @@ fn run_directory_is_complete_and_can_be_run_again() {
 fn run_directory_can_be_run_again_into_itself() {
     let here = tempfile::tempdir().unwrap();
     let run = |scene: &str| {
-        let output = siloflow(here.path(), &["run", scene, "--until", "0.1", "--out", "run", "--quiet"]);
+        let output = siloflow(here.path(), &["run", scene, "--until", "0.1", "--out", "run", "--quiet", "--force"]);
         assert!(output.status.success(), "{}", text(&output.stderr));
         let copy = fs::read_to_string(here.path().join("run/input-grains.csv")).unwrap();
         (summary(&here.path().join("run"))["state_hash"].clone(), copy)
@@ -175,6 +178,7 @@ fn bad_input_is_reported_on_stderr_and_writes_no_file() {
         vec!["run", &path("silo1.ron"), "--set", "gone.key=3"],
         vec!["run", &path("silo1.ron"), "--until", "-3"],
         vec!["run", &path("silo1.ron"), "--threads", "0"],
+        vec!["run", &path("silo1.ron"), "--threads", "100000"],
         vec!["render", "no-such-picture.svg"],
         vec!["fly"],
         vec![],
@@ -240,29 +244,51 @@ fn door_without_flanking_wall_discs_causes_a_warning() {
 }
 
 #[test]
-fn closed_stderr_neither_stops_a_run_nor_changes_an_exit_status() {
+fn help_and_documentation_list_every_exit_status() {
+    let squeezed = |text: &str| text.split_whitespace().collect::<Vec<_>>().join(" ");
+    let help = squeezed(&text(&siloflow(crate::root(), &["--help"]).stdout));
+    let page = fs::read_to_string(crate::root().join("docs/reference/command-line.md")).unwrap();
+    for (status, meaning) in siloflow::cli::EXIT_STATUSES {
+        assert!(help.contains(&format!("{status} {meaning}")), "{status}: {help}");
+        assert!(page.contains(&format!("| {status} | {meaning} |")), "{status}");
+    }
+}
+
+#[test]
+#[cfg(unix)]
+fn closed_and_full_streams_neither_stop_a_run_nor_change_an_exit_status() {
     let here = tempfile::tempdir().unwrap();
     let silo = path("silo1.ron");
+    let run = ["run", &silo, "--until", "0.1", "--set", "pictures=None", "--out", "run", "--force"];
     for (arguments, status) in [
         // This run warns before it starts.
-        (vec!["run", &silo, "--until", "0.1", "--set", "pictures=None", "--out", "run"], 0),
+        (run.to_vec(), 0),
+        ([&run[..], &["--json", "-vv"]].concat(), 0),
         (vec!["check", &silo, "--set", "gravty=1"], 2),
+        (vec!["explain", &silo], 0),
+        (vec!["--help"], 0),
         (vec![silo.as_str()], 2),
     ] {
-        let (reader, closed) = std::io::pipe().unwrap();
-        drop(reader);
-        let mut command = std::process::Command::new(env!("CARGO_BIN_EXE_siloflow"));
-        let output = command.args(&arguments).current_dir(&here).stderr(closed).output().unwrap();
-        assert_eq!(output.status.code(), Some(status), "{arguments:?}");
+        for is_full in [false, true] {
+            let stream = || {
+                let full = || fs::OpenOptions::new().write(true).open("/dev/full").unwrap();
+                if is_full { std::process::Stdio::from(full()) } else { std::io::pipe().unwrap().1.into() }
+            };
+            let mut command = Command::new(env!("CARGO_BIN_EXE_siloflow"));
+            command.args(&arguments).current_dir(&here).stdout(stream()).stderr(stream());
+            assert_eq!(command.status().unwrap().code(), Some(status), "{arguments:?}");
+            if arguments[0] == "run" {
+                assert_eq!(summary(&here.path().join("run"))["failure"], serde_json::Value::Null);
+            }
+        }
     }
-    assert_eq!(summary(&here.path().join("run"))["failure"], serde_json::Value::Null);
 }
 
 #[test]
 fn quiet_run_prints_nothing_but_json() {
     let here = tempfile::tempdir().unwrap();
     let silo = path("silo1.ron");
-    let run = ["run", &silo, "--until", "0.1", "--set", "pictures=None", "--quiet"];
+    let run = ["run", &silo, "--until", "0.1", "--set", "pictures=None", "--quiet", "--force"];
     let silent = siloflow(here.path(), &run);
     assert!(silent.stdout.is_empty() && silent.stderr.is_empty(), "{}", text(&silent.stderr));
     let json = siloflow(here.path(), &[&run[..], &["--json"]].concat());
@@ -290,7 +316,7 @@ fn lost_grain_stops_the_run_unless_on_loss_is_continue() {
     assert_eq!(stopped.status.code(), Some(1));
     let first = summary(&here.path().join("run"));
     assert_eq!((&first["status"], first["losses"].as_array().unwrap().len()), (&Value::from("failed"), 1));
-    let continued = siloflow(here.path(), &[&["run", &literal], &few[..]].concat());
+    let continued = siloflow(here.path(), &[&["run", &literal, "--force"], &few[..]].concat());
     assert_eq!(continued.status.code(), Some(1));
     let second = summary(&here.path().join("run"));
     assert_eq!((&second["status"], second["losses"].as_array().unwrap().len()), (&Value::from("grains_lost"), 5));

@@ -44,8 +44,11 @@ fn flow_field_is_sampled_in_cells_and_points_down() {
     // Grains that are out do not count. The centre of a grain is out at y = 0, and a cell is 0.2 m.
     assert!(cells.iter().all(|cell| cell[1] > -0.2 && cell[2] == cells[0][2]), "{cells:?}");
     // A run without the key removes the file.
-    siloflow(here.path(), &["run", "small.ron", "--quiet", "--set", "flow=None", "--until", "0.1"]);
+    siloflow(here.path(), &["run", "small.ron", "--quiet", "--set", "flow=None", "--until", "0.1", "--force"]);
     assert!(!flow.exists());
+    // A scene is run again only into a directory without a run.
+    let refused = siloflow(here.path(), &["compare", "small.ron", "small.ron", "--quiet"]);
+    assert_eq!(refused.status.code(), Some(2));
 }
 
 #[test]
@@ -103,4 +106,10 @@ fn incomparable_arguments_are_refused_before_any_run() {
         assert!(message.contains(code) && message.contains(hint), "{arguments:?}: {message}");
     }
     assert!(!here.path().join("out").exists(), "a file was written");
+    // The directory of the second scene has a run, so the first scene is not run.
+    fs::copy(here.path().join("small.ron"), here.path().join("second.ron")).unwrap();
+    siloflow(here.path(), &["run", "second.ron", "--quiet", "--until", "0.1"]);
+    let output = siloflow(here.path(), &["compare", "small.ron", "second.ron"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("--force") && !here.path().join("out/small").exists());
 }

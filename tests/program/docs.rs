@@ -207,7 +207,7 @@ fn summaries_fit_the_schema() {
             .arg("run")
             .arg(crate::scene(scene))
             .args(more)
-            .args(["--json", "--quiet", "--out", "run"])
+            .args(["--json", "--quiet", "--force", "--out", "run"])
             .current_dir(&here)
             .output()
             .unwrap();

@@ -624,7 +624,7 @@ fn watchdog_keeps_written_results_and_exits_with_1() {
         assert!(run.join(file).exists(), "{file}");
     }
     assert_eq!(fs::read_to_string(run.join("series.csv")).unwrap().lines().count(), 2, "the row of step 0");
-    let output = siloflow(here.path(), &["run", &path, "--set", "watchdog=None"]);
+    let output = siloflow(here.path(), &["run", &path, "--force", "--set", "watchdog=None"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let output = siloflow(here.path(), &["run", &path, "--set", "watchdog=(energy: 0.0)"]);
     assert_eq!(output.status.code(), Some(2));

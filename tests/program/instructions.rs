@@ -11,7 +11,18 @@ use crate::command_line::text;
 /// Runs a short scene of frictional spheres with this value of the variable.
 fn run(directory: &Path, instructions: &str) -> Output {
     Command::new(env!("CARGO_BIN_EXE_siloflow"))
-        .args(["run", "chute3d.ron", "--until", "0.02", "--set", "pictures=None", "--json", "--quiet", "--out"])
+        .args([
+            "run",
+            "chute3d.ron",
+            "--until",
+            "0.02",
+            "--set",
+            "pictures=None",
+            "--json",
+            "--quiet",
+            "--force",
+            "--out",
+        ])
         .arg(directory.join("run"))
         .current_dir(crate::root().join("scenes"))
         .env(VARIABLE, instructions)

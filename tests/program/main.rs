@@ -23,12 +23,17 @@ mod diff;
 mod divergence;
 #[cfg(unix)]
 mod docs;
+#[cfg(unix)]
+mod faults;
 mod friction_scenes;
 mod hard;
 mod instructions;
 mod lattice;
+mod long_runs;
 mod periodic;
 mod pins;
+#[cfg(unix)]
+mod run_directory;
 mod scenes;
 mod searches;
 mod silo_file;

@@ -123,7 +123,7 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
             turning.lost_by_sliding = Self::adapt(stiffness, memory);
             memory.spring += ahead;
         }
-        let drag = drag + stiffness * pair.spring_damping;
+        let drag = if pair.lead > 0.0 { drag + stiffness * pair.spring_damping } else { drag };
         let slider = Slider { stiffness, drag, cap: self.friction * normal_force.abs() };
         let pull = slider.pull(&mut memory.spring, velocity, pair.normal, [dt, pair.lead]);
         turning.friction = pull.force;

@@ -1,0 +1,48 @@
+//! Exit statuses of all commands.
+
+use std::process::ExitCode;
+
+/// Every exit status with its meaning, as `--help` and the documentation state them.
+pub const EXIT_STATUSES: [(&str, &str); 6] = [
+    ("0", "done"),
+    (
+        "1",
+        "the simulation failed (unstable, grains lost, release blocked), a file could not be written after the start, or \
+         `diff` found a difference",
+    ),
+    ("2", "the input or the call was wrong, and nothing was changed"),
+    ("129", "interrupted by SIGHUP"),
+    ("130", "interrupted by SIGINT (Ctrl-C)"),
+    ("143", "interrupted by SIGTERM"),
+];
+
+/// The result of a command that could be carried out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Verdict {
+    Done,
+    /// The simulation failed, or a file could not be written after the start.
+    Failed,
+    /// `diff` found a difference.
+    Different,
+    /// A signal of this number came.
+    Interrupted(u8),
+}
+
+/// The exit status of a wrong input or call.
+pub(super) const REFUSED: u8 = 2;
+
+impl From<Verdict> for ExitCode {
+    fn from(verdict: Verdict) -> Self {
+        Self::from(match verdict {
+            Verdict::Done => 0,
+            Verdict::Failed | Verdict::Different => 1,
+            Verdict::Interrupted(signal) => 128u8.saturating_add(signal),
+        })
+    }
+}
+
+/// Returns the table for `--help`.
+pub(super) fn help() -> String {
+    let rows = EXIT_STATUSES.map(|(status, meaning)| format!("{status} {meaning}"));
+    format!("Exit status: {}.", rows.join("; "))
+}

@@ -1,0 +1,91 @@
+//! `losses.csv`: every lost grain, if more than [`IN_SUMMARY`] are lost. The first ones stand in `summary.json` too.
+//!
+//! | column | unit | meaning |
+//! |---|---|---|
+//! | `grain` | | id of the grain |
+//! | `step`, `time_s` | s | step and simulated time at which the loss was found |
+//! | `x_m`, `y_m`, `z_m` | m | position; z in solid space only |
+//! | `nearest_wall_grain` | | number in the silo file; empty if there is none |
+//! | `way` | | how the grain was lost, in words |
+//!
+//! Rows are written together with the rows of `series.csv`. The file is made when the first rows are due, so that a run
+//! without losses has no file.
+
+use std::fmt::Write as _;
+use std::path::PathBuf;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use crate::ledger::{Ledger, LossRecord};
+use crate::measure::{ClocksRead, due};
+use crate::outcome::{Failure, Outcome};
+use crate::scene::outputs::Series;
+use crate::space::Dimension;
+use crate::step::{Part, Phase, Step};
+use crate::writers::rows::Rows;
+
+/// Largest number of lost grains that the summary lists.
+pub const IN_SUMMARY: usize = 100;
+
+/// The file of lost grains.
+#[derive(Resource)]
+pub(crate) struct LossesFile {
+    /// The path at which the file will be made.
+    pub(crate) path: PathBuf,
+    rows: Option<Rows>,
+    header: &'static str,
+}
+
+fn write_rows(mut ledger: ResMut<Ledger>, mut file: ResMut<LossesFile>, mut outcome: ResMut<Outcome>) {
+    if ledger.lost.len() <= IN_SUMMARY {
+        return;
+    }
+    let mut text = String::new();
+    let LossesFile { path, rows, header } = &mut *file;
+    let rows = match rows {
+        Some(rows) => rows,
+        None => match Rows::create(path, header) {
+            Ok(created) => {
+                ledger.lost[..IN_SUMMARY].iter().for_each(|loss| add(&mut text, loss));
+                rows.insert(created)
+            }
+            Err(error) => {
+                let path = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                return outcome.fail(Failure::Output { path, reason: error.to_string() });
+            }
+        },
+    };
+    ledger.take_losses(IN_SUMMARY).iter().for_each(|loss| add(&mut text, loss));
+    rows.append(format_args!("{text}"), &mut outcome);
+}
+
+/// Adds the row of a lost grain. No description contains a quotation mark.
+fn add(text: &mut String, loss: &LossRecord) {
+    let LossRecord { grain, step, time_s, position_m, way, nearest_wall_grain } = loss;
+    let position = position_m.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",");
+    let nearest = nearest_wall_grain.map_or_else(String::new, |number| number.to_string());
+    // Writing to a string cannot fail.
+    let _ = writeln!(text, "{grain},{step},{time_s:.9},{position},{nearest},\"{way}\"");
+}
+
+/// Writes `losses.csv`.
+pub struct LossesPlugin {
+    /// Path of the file.
+    pub path: PathBuf,
+    /// The space of the scene.
+    pub space: Dimension,
+}
+
+impl Plugin for LossesPlugin {
+    fn build(&self, app: &mut App) {
+        let header = match self.space {
+            Dimension::Plane => "grain,step,time_s,x_m,y_m,nearest_wall_grain,way",
+            Dimension::Solid => "grain,step,time_s,x_m,y_m,z_m,nearest_wall_grain,way",
+        };
+        // Before all observers, because these read the grain accounting.
+        let stage = Part::Engine(Phase::Observe);
+        app.insert_resource(LossesFile { path: self.path.clone(), rows: None, header })
+            .add_systems(Step, write_rows.in_set(stage).after(ClocksRead).run_if(due::<Series>));
+    }
+}

@@ -1,0 +1,283 @@
+//! The run directory as users meet it: runs that exist, two runs at once, signals.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, ExitStatus, Stdio};
+use std::thread::sleep;
+use std::time::Duration;
+
+use serde_json::Value;
+
+use crate::command_line::{siloflow, text};
+
+fn path(name: &str) -> String {
+    crate::scene(name).display().to_string()
+}
+
+/// Returns all files below a directory with their content, in order.
+pub fn content(directory: &Path) -> Vec<(PathBuf, Vec<u8>)> {
+    let mut all = Vec::new();
+    for entry in fs::read_dir(directory).unwrap().map(|entry| entry.unwrap().path()) {
+        if entry.is_dir() {
+            all.extend(content(&entry));
+        } else {
+            all.push((entry.clone(), fs::read(entry).unwrap()));
+        }
+    }
+    all.sort();
+    all
+}
+
+fn summary(run: &Path) -> Value {
+    serde_json::from_str(&fs::read_to_string(run.join("summary.json")).unwrap()).unwrap()
+}
+
+/// A run that does not end by itself.
+struct Running(Child);
+
+impl Running {
+    /// Starts a run and blocks until the file `sign` has content.
+    fn start(directory: &Path, shell: &str, arguments: &[&str], sign: impl Fn() -> Option<PathBuf>) -> Self {
+        let mut command = Command::new("sh");
+        command.args(["-c", &format!("{shell} exec \"$@\""), "sh", env!("CARGO_BIN_EXE_siloflow")]);
+        command.args(arguments).current_dir(directory).stdout(Stdio::null()).stderr(Stdio::null());
+        let mut run = Self(command.spawn().unwrap());
+        while sign().and_then(|sign| fs::metadata(sign).ok()).is_none_or(|found| found.len() == 0) {
+            assert_eq!(run.0.try_wait().unwrap(), None, "the run has ended");
+            sleep(Duration::from_millis(5));
+        }
+        run
+    }
+
+    fn signal(&self, name: &str) {
+        let sent = Command::new("sh").args(["-c", &format!("kill -{name} {}", self.0.id())]).status().unwrap();
+        assert!(sent.success());
+    }
+
+    fn end(mut self) -> ExitStatus {
+        self.0.wait().unwrap()
+    }
+}
+
+impl Drop for Running {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+#[test]
+fn an_earlier_run_is_replaced_only_with_force() {
+    let here = tempfile::tempdir().unwrap();
+    let run = |more: &[&str]| siloflow(here.path(), &[&["run", &path("free-fall.ron"), "--quiet"], more].concat());
+    assert!(run(&[]).status.success());
+    let before = content(here.path());
+    let again = run(&["--set", "step=Fixed(0.002)"]);
+    let said = text(&again.stderr);
+    assert_eq!(again.status.code(), Some(2), "{said}");
+    assert!(said.contains("out/free-fall holds a finished run"), "{said}");
+    assert!(said.contains("--force") && said.contains("--out"), "{said}");
+    assert_eq!(content(here.path()), before);
+    // A call that cannot start leaves the earlier run as it is, even with `--force`.
+    for wrong in [&["--set", "gravty=1"][..], &["--until", "-3"]] {
+        assert_eq!(run(&[&["--force"], wrong].concat()).status.code(), Some(2), "{wrong:?}");
+        assert_eq!(content(here.path()), before);
+    }
+    assert!(run(&["--force", "--set", "step=Fixed(0.002)"]).status.success());
+    assert!(fs::read_to_string(here.path().join("out/free-fall/scene.ron")).unwrap().contains("0.002"));
+}
+
+#[test]
+fn a_scene_without_a_usable_name_and_the_current_directory_are_refused() {
+    let here = tempfile::tempdir().unwrap();
+    fs::copy(path("free-fall.ron"), here.path().join("...ron")).unwrap();
+    fs::copy(path("free-fall.csv"), here.path().join("free-fall.csv")).unwrap();
+    let before = content(here.path());
+    for arguments in [&["run", "...ron"][..], &["run", "...ron", "--out", "."], &["run", "...ron", "--out", ""]] {
+        let output = siloflow(here.path(), arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}: {}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("--out"), "{arguments:?}: {}", text(&output.stderr));
+    }
+    assert_eq!(content(here.path()), before);
+    assert!(siloflow(here.path(), &["run", "...ron", "--out", "run", "--quiet"]).status.success());
+}
+
+#[test]
+fn a_second_run_into_a_directory_is_refused_and_names_the_process() {
+    let here = tempfile::tempdir().unwrap();
+    let silo = path("silo1.ron");
+    let run = [
+        "run",
+        &silo,
+        "--until",
+        "1e6",
+        "--set",
+        "rest=None",
+        "--set",
+        "door=None",
+        "--set",
+        "bed=None",
+        "--out",
+        "run",
+    ];
+    let first = Running::start(here.path(), "", &run, || Some(here.path().join("run/series.csv")));
+    let scene = fs::read(here.path().join("run/scene.ron")).unwrap();
+    let second = siloflow(here.path(), &[&run[..], &["--force", "--seed", "9"]].concat());
+    let said = text(&second.stderr).split_whitespace().collect::<Vec<_>>().join(" ");
+    assert_eq!(second.status.code(), Some(2), "{said}");
+    assert!(said.contains(&format!("run is in use by process {}", first.0.id())), "{said}");
+    assert_eq!(fs::read(here.path().join("run/scene.ron")).unwrap(), scene);
+    assert_eq!(fs::read_dir(here.path()).unwrap().count(), 1);
+    first.signal("KILL");
+    first.end();
+    let third = siloflow(here.path(), &run);
+    assert!(text(&third.stderr).contains("a run that was killed"), "{}", text(&third.stderr));
+}
+
+#[test]
+fn a_run_whose_directory_was_moved_away_touches_no_other_run() {
+    let here = tempfile::tempdir().unwrap();
+    let silo = path("silo1.ron");
+    let run = ["run", &silo, "--until", "1e6", "--set", "pictures.interval=0.1", "--out", "run"];
+    let first = Running::start(here.path(), "", &run, || Some(here.path().join("run/series.csv")));
+    fs::rename(here.path().join("run"), here.path().join("moved")).unwrap();
+    let fall = path("free-fall.ron");
+    assert!(siloflow(here.path(), &["run", &fall, "--out", "run", "--quiet"]).status.success());
+    let second = content(&here.path().join("run"));
+    assert_eq!(first.end().code(), Some(1));
+    assert_eq!(content(&here.path().join("run")), second);
+    assert!(!here.path().join("moved/summary.json").exists());
+}
+
+#[test]
+fn a_signal_ends_a_run_after_its_step_with_complete_results() {
+    let silo = path("silo1.ron");
+    let grains = [
+        "run",
+        &silo,
+        "--until",
+        "1e6",
+        "--set",
+        "rest=None",
+        "--set",
+        "door=None",
+        "--set",
+        "bed=None",
+        "--out",
+        "run",
+    ];
+    let flow = path("mass-flow.ron");
+    let lattice = [
+        "run",
+        &flow,
+        "--until",
+        "100000000",
+        "--set",
+        "rest=None",
+        "--set",
+        "discharge=None",
+        "--set",
+        "door=None",
+        "--out",
+        "run",
+    ];
+    for (arguments, column) in [(&grains[..], "time_s"), (&lattice[..], "steps")] {
+        for (signal, status) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
+            let here = tempfile::tempdir().unwrap();
+            let run = here.path().join("run");
+            let running = Running::start(here.path(), "", arguments, || Some(run.join("series.csv")));
+            running.signal(signal);
+            assert_eq!(running.end().code(), Some(status), "{signal}");
+            let summary = summary(&run);
+            assert_eq!((&summary["status"], &summary["failure"]), (&"interrupted".into(), &Value::Null), "{signal}");
+            let series = fs::read_to_string(run.join("series.csv")).unwrap();
+            let last = series.lines().last().unwrap().split(',').next().unwrap().parse::<f64>().unwrap();
+            assert!((last - summary[column].as_f64().unwrap()).abs() < 1e-9, "{last}: {summary}");
+            assert!(fs::metadata(run.join("state.csv")).unwrap().len() > 20);
+            assert!(!run.join("summary.json.part").exists());
+        }
+    }
+}
+
+#[test]
+fn an_ignored_signal_stays_ignored() {
+    let here = tempfile::tempdir().unwrap();
+    let silo = path("silo1.ron");
+    let run = [
+        "run",
+        &silo,
+        "--until",
+        "1e6",
+        "--set",
+        "rest=None",
+        "--set",
+        "door=None",
+        "--set",
+        "bed=None",
+        "--out",
+        "run",
+    ];
+    let sign = || Some(here.path().join("run/series.csv"));
+    let running = Running::start(here.path(), "trap '' HUP;", &run, sign);
+    running.signal("HUP");
+    running.signal("TERM");
+    assert_eq!(running.end().code(), Some(143));
+    assert_eq!(summary(&here.path().join("run"))["status"], "interrupted");
+}
+
+/// Arguments of a run with steps of seconds: every pair of many grains is examined.
+fn slow_run(silo: &str) -> Vec<&str> {
+    let fill = "fill=[(low: (-0.9, 1.3), high: (0.9, 3.0), spacing: 0.012, count: 15000, radius: Fixed(0.002))]";
+    vec![
+        "run",
+        silo,
+        "--set",
+        fill,
+        "--set",
+        "neighbours=AllPairs",
+        "--set",
+        "step=Fixed(1e-6)",
+        "--set",
+        "spawner=None",
+        "--set",
+        "pictures=None",
+        "--set",
+        "rest=None",
+        "--set",
+        "door=None",
+        "--set",
+        "bed=None",
+        "--out",
+        "run",
+    ]
+}
+
+#[test]
+fn a_signal_before_the_first_step_leaves_no_trace() {
+    let here = tempfile::tempdir().unwrap();
+    let silo = path("silo1.ron");
+    let staged = || {
+        let entries = fs::read_dir(here.path()).ok()?;
+        let mut paths = entries.filter_map(|entry| Some(entry.ok()?.path()));
+        paths.find(|path| path.to_string_lossy().contains(".run.siloflow-")).map(|path| path.join("series.csv"))
+    };
+    let running = Running::start(here.path(), "", &slow_run(&silo), staged);
+    running.signal("TERM");
+    assert_eq!(running.end().code(), Some(143));
+    assert_eq!(fs::read_dir(here.path()).unwrap().count(), 0);
+}
+
+#[test]
+fn a_second_signal_stops_at_once() {
+    let here = tempfile::tempdir().unwrap();
+    let silo = path("silo1.ron");
+    let run = here.path().join("run");
+    let running = Running::start(here.path(), "", &slow_run(&silo), || Some(run.join("series.csv")));
+    // The step in progress and the last one take much longer than the time between the signals. Equal signals would be
+    // delivered as one.
+    let kill = format!("kill -INT {0}; kill -TERM {0}", running.0.id());
+    assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
+    // The signal that is handled second sets the status.
+    assert!(matches!(running.end().code(), Some(130 | 143)));
+    assert!(!run.join("summary.json").exists());
+}
