@@ -6,7 +6,7 @@
 //! a step. Predicted velocities correct the first for all contacts ([`crate::integrate::centred`]). The forces of this
 //! module correct the second. They are for contacts near an event:
 //!
-//! * the overlap is less than [`PairLaw::even_from`] half-widths w of the step, so that
+//! * the overlap is less than [`even_from`](crate::contact::PairLaw::even_from) half-widths w of the step, so that
 //!   the contact may open or close;
 //! * with friction, the normal force may change its sign within the step, so that the cap is zero there;
 //! * a grain of the contact had no other contact when contacts were last counted, which happens every eighth step. Then all
