@@ -38,8 +38,10 @@ struct Running(Child);
 impl Running {
     /// Starts a run and blocks until the file `sign` has content.
     fn start(directory: &Path, shell: &str, arguments: &[&str], sign: impl Fn() -> Option<PathBuf>) -> Self {
-        let mut command = Command::new("sh");
-        command.args(["-c", &format!("{shell} exec \"$@\""), "sh", env!("CARGO_BIN_EXE_siloflow")]);
+        // A job in the background of a script ignores SIGINT, and so would the run.
+        let mut command = Command::new("env");
+        command.args(["--default-signal=HUP,INT,TERM", "sh", "-c", &format!("{shell} exec \"$@\"")]);
+        command.args(["sh", env!("CARGO_BIN_EXE_siloflow")]);
         command.args(arguments).current_dir(directory).stdout(Stdio::null()).stderr(Stdio::null());
         let mut run = Self(command.spawn().unwrap());
         while sign().and_then(|sign| fs::metadata(sign).ok()).is_none_or(|found| found.len() == 0) {
