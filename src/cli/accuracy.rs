@@ -16,7 +16,7 @@ use crate::accuracy::scene_study::Question;
 use crate::accuracy::{SCHEMES, cases, cost, figure};
 use crate::behaviour::Registry;
 use crate::cli::exit_status::Verdict;
-use crate::cli::{picture_files, say, say_aside, setting, write_results};
+use crate::cli::{check_results, picture_files, say, say_aside, setting, write_results};
 use crate::fault::Fault;
 
 /// Arguments of `accuracy`.
@@ -65,6 +65,7 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 pub(super) fn accuracy(args: &AccuracyArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
+    check_results(&args.out)?;
     let start = Instant::now();
     let tell = |what: &str| {
         if !quiet {

@@ -11,7 +11,7 @@ use crate::cli::exit_status::Verdict;
 use crate::cli::run::{default_directory, run_into};
 use crate::cli::run_path::Call;
 use crate::cli::signals::Signals;
-use crate::cli::{ONE_THREAD, picture_files, refused, say, write_results};
+use crate::cli::{ONE_THREAD, check_results, picture_files, refused, say, write_results};
 use crate::compare::report::Report;
 use crate::compare::{Run, compare as compare_runs, pictures, read};
 use crate::fault::Fault;
@@ -68,6 +68,7 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
     for ((directory, scene), name) in directories.iter().zip(&scenes).zip(&names) {
         runs.push(if scene.is_none() { Some(read::run(directory, name)?) } else { None });
     }
+    check_results(&args.out)?;
     let signals = Signals::catch();
     let call = Call { registry, threads: ONE_THREAD, quiet, force: args.force, signals: &signals };
     let mut has_run = false;

@@ -165,12 +165,21 @@ fn refused(fault: Fault, has_changed: bool) -> Result<Verdict, Fault> {
     Ok(Verdict::Failed)
 }
 
+/// Checks that results can be written to a directory, before the work for them begins.
+fn check_results(directory: &Path) -> Result<(), Fault> {
+    run_directory::check_results(directory).map_err(|error| unwritable(directory, &error))
+}
+
+fn unwritable(directory: &Path, error: &std::io::Error) -> Fault {
+    Fault::new("results::write", format!("could not write to {}: {error}", directory.display()))
+        .help("is there space, and may you write there? Or give another directory with --out")
+}
+
 /// Writes the results of a study or comparison: all of them or none. A failure comes after the start, so it is no error of
 /// the call.
 fn write_results(directory: &Path, files: &[(String, Vec<u8>)]) -> Verdict {
     let Err(error) = run_directory::write_results(directory, files) else { return Verdict::Done };
-    let message = format!("could not write to {}: {error}", directory.display());
-    show(Fault::new("results::write", message).help("is there space, and may you write there?"));
+    show(unwritable(directory, &error));
     Verdict::Failed
 }
 

@@ -82,7 +82,8 @@ impl Outline for Summary {
     }
 
     fn fail(&mut self, reason: String) {
-        self.fail_with(reason);
+        self.status = "failed";
+        self.failure.get_or_insert(reason);
     }
 
     fn is_done(&self) -> bool {

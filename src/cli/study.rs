@@ -9,7 +9,7 @@ use clap::Args;
 use rayon::prelude::*;
 
 use crate::cli::exit_status::Verdict;
-use crate::cli::{picture_files, say, say_aside, write_results};
+use crate::cli::{check_results, picture_files, say, say_aside, write_results};
 use crate::fault::Fault;
 use crate::lattice_study::figures::Flights;
 use crate::lattice_study::plan::{Case, Plan};
@@ -36,6 +36,7 @@ pub(super) struct StudyArgs {
 
 pub(super) fn study(args: &StudyArgs, quiet: bool) -> Result<Verdict, Fault> {
     let (plan, cases) = Plan::read(&args.study)?;
+    check_results(&args.out)?;
     let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
     let threads = args.threads.unwrap_or_else(cores);
     let start = Instant::now();

@@ -6,7 +6,7 @@ use crate::store::{Body, Rotation};
 
 /// How a scheme keeps a velocity or spin, of type `T`, in the record `R` of a particle.
 pub(super) trait Halfway<R, T>: Copy + Sync {
-    /// What is kept apart from the record.
+    /// The data of a particle that the scheme keeps apart from the record.
     type Apart: Copy + Default + Send;
 
     /// Returns the value in the middle of the step.

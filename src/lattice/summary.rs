@@ -143,10 +143,4 @@ impl Summary {
             state_hash: format!("{:016x}", state_hash(sites, gas)),
         }
     }
-
-    /// Records a failure that happened after the last step.
-    pub(crate) fn fail_with(&mut self, reason: String) {
-        self.status = "failed";
-        self.failure.get_or_insert(reason);
-    }
 }

@@ -2,7 +2,7 @@
 //!
 //! The first [`CAPACITY`] times are kept. Beyond that, every second time is kept, then every fourth, and so on. A time that is
 //! kept is exact, and its number among all departures is known. A quantile is taken at the nearest kept time, so its number is
-//! off by at most 1/[`CAPACITY`] of all departures.
+//! off by at most 2/[`CAPACITY`] of all departures.
 
 /// Largest number of times that are kept.
 const CAPACITY: usize = 1 << 16;

@@ -60,11 +60,12 @@ fn write_rows(mut ledger: ResMut<Ledger>, mut file: ResMut<LossesFile>, mut outc
     rows.append(format_args!("{text}"), &mut outcome);
 }
 
-/// Adds the row of a lost grain. No description contains a quotation mark.
+/// Adds the row of a lost grain. The description is quoted, because a behaviour may have written it.
 fn add(text: &mut String, loss: &LossRecord) {
     let LossRecord { grain, step, time_s, position_m, way, nearest_wall_grain } = loss;
     let position = position_m.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",");
     let nearest = nearest_wall_grain.map_or_else(String::new, |number| number.to_string());
+    let way = way.replace('"', "\"\"");
     // Writing to a string cannot fail.
     let _ = writeln!(text, "{grain},{step},{time_s:.9},{position},{nearest},\"{way}\"");
 }

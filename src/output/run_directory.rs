@@ -28,7 +28,7 @@ use serde::Serialize;
 
 use self::examine::{examine, refuse_content, resolve};
 use self::marker::{Claim, Marker};
-pub use self::results::write_results;
+pub use self::results::{check_results, write_results};
 use self::stage::Stage;
 use crate::fault::Fault;
 use crate::source::Source;

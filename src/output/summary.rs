@@ -212,12 +212,6 @@ impl Summary {
         }
     }
 
-    /// Records a failure that happened after the last step.
-    pub(crate) fn fail_with(&mut self, reason: String) {
-        self.status = "failed";
-        self.failure.get_or_insert(reason);
-    }
-
     /// Returns whether the run succeeded: it did not fail and lost no grain.
     #[must_use]
     pub fn is_done(&self) -> bool {

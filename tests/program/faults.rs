@@ -1,8 +1,8 @@
 //! Kills and errors at every system call that changes files, injected by strace. Without strace these tests do nothing but
 //! say so.
 //!
-//! Each case starts from a directory with a finished run and a file of another program, and replaces the run. Whatever
-//! happens, the directory is the old run or the new one, no file is torn, the other file is kept, and the next run works.
+//! Each case starts from a directory with a finished run and a file of another program, and replaces the run. After each
+//! fault the directory is the old run or the new one, no file is torn, the other file is kept, and the next run works.
 
 use std::fs;
 use std::path::Path;

@@ -108,20 +108,7 @@ fn a_scene_without_a_usable_name_and_the_current_directory_are_refused() {
 fn a_second_run_into_a_directory_is_refused_and_names_the_process() {
     let here = tempfile::tempdir().unwrap();
     let silo = path("silo1.ron");
-    let run = [
-        "run",
-        &silo,
-        "--until",
-        "1e6",
-        "--set",
-        "rest=None",
-        "--set",
-        "door=None",
-        "--set",
-        "bed=None",
-        "--out",
-        "run",
-    ];
+    let run = endless_run(&silo);
     let first = Running::start(here.path(), "", &run, || Some(here.path().join("run/series.csv")));
     let scene = fs::read(here.path().join("run/scene.ron")).unwrap();
     let second = siloflow(here.path(), &[&run[..], &["--force", "--seed", "9"]].concat());
@@ -154,20 +141,7 @@ fn a_run_whose_directory_was_moved_away_touches_no_other_run() {
 #[test]
 fn a_signal_ends_a_run_after_its_step_with_complete_results() {
     let silo = path("silo1.ron");
-    let grains = [
-        "run",
-        &silo,
-        "--until",
-        "1e6",
-        "--set",
-        "rest=None",
-        "--set",
-        "door=None",
-        "--set",
-        "bed=None",
-        "--out",
-        "run",
-    ];
+    let grains = endless_run(&silo);
     let flow = path("mass-flow.ron");
     let lattice = [
         "run",
@@ -205,26 +179,19 @@ fn a_signal_ends_a_run_after_its_step_with_complete_results() {
 fn an_ignored_signal_stays_ignored() {
     let here = tempfile::tempdir().unwrap();
     let silo = path("silo1.ron");
-    let run = [
-        "run",
-        &silo,
-        "--until",
-        "1e6",
-        "--set",
-        "rest=None",
-        "--set",
-        "door=None",
-        "--set",
-        "bed=None",
-        "--out",
-        "run",
-    ];
+    let run = endless_run(&silo);
     let sign = || Some(here.path().join("run/series.csv"));
     let running = Running::start(here.path(), "trap '' HUP;", &run, sign);
     running.signal("HUP");
     running.signal("TERM");
     assert_eq!(running.end().code(), Some(143));
     assert_eq!(summary(&here.path().join("run"))["status"], "interrupted");
+}
+
+/// Arguments of a run that only a signal ends.
+fn endless_run(silo: &str) -> Vec<&str> {
+    let never = ["--until", "1e6", "--set", "rest=None", "--set", "door=None", "--set", "bed=None"];
+    [&["run", silo], &never[..], &["--out", "run"]].concat()
 }
 
 /// Arguments of a run with steps of seconds: every pair of many grains is examined.
@@ -282,4 +249,22 @@ fn a_second_signal_stops_at_once() {
     // The signal that is handled second sets the status.
     assert!(matches!(running.end().code(), Some(130 | 143)));
     assert!(!run.join("summary.json").exists());
+}
+
+#[test]
+fn results_that_cannot_be_written_are_refused_before_the_work_for_them() {
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("notes.txt"), "mine").unwrap();
+    let plan = path("studies/lattice-gas.ron");
+    let before = content(here.path());
+    for command in [&["accuracy", "bounce-0.5"][..], &["study", &plan]] {
+        for out in ["notes.txt", "notes.txt/results"] {
+            let output = siloflow(here.path(), &[command, &["--out", out]].concat());
+            let said = text(&output.stderr);
+            assert_eq!(output.status.code(), Some(2), "{command:?}: {said}");
+            assert!(said.contains("results::write") && said.contains("--out"), "{command:?}: {said}");
+            assert!(!said.contains("reference solutions") && !said.contains(" runs"), "{command:?}: {said}");
+        }
+    }
+    assert_eq!(content(here.path()), before);
 }

@@ -6,11 +6,11 @@ use super::{Law, Rolling};
 /// The coefficients of a contact.
 #[derive(Clone, Copy, Debug)]
 pub enum Moduli {
-    /// Of the assignment's law, whose drag acts on the whole velocity: k, b.
+    /// Coefficients k and b of the assignment's law. Its drag acts on the whole velocity.
     Full([f64; 2]),
-    /// Constant: k, c, k_t, c_t.
+    /// Constant coefficients k, c, k_t and c_t.
     Constant([f64; 4]),
-    /// Of Hertz's law: k and S_n over powers of the overlap, k_t over its root, and the factor of damping coefficients.
+    /// Factors of Hertz's law: of the force, of S_n, of k_t, and of the damping coefficients.
     Hertz { force: f64, normal: f64, tangential: f64, damping: f64 },
 }
 

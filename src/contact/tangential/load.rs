@@ -44,8 +44,8 @@ pub struct Unloading {
 
 impl Unloading {
     /// Returns the end of a normal force that falls from the first of `forces` to the second (N) within `span` (s) from the
-    /// beginning of the step, if it falls to zero before the end of the centred step. `overlap` (m) is the one at the
-    /// evaluation.
+    /// beginning of the step, if it falls to zero before the end of the centred step. `overlap` (m) is the overlap at
+    /// the evaluation.
     #[must_use]
     pub fn of([before, after]: [f64; 2], span: f64, window: &Window, overlap: f64, dt: f64) -> Option<Self> {
         if before <= 0.0 || after >= before {

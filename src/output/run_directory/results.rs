@@ -25,6 +25,25 @@ pub fn write_results(directory: &Path, files: &[(String, Vec<u8>)]) -> io::Resul
     files.iter().try_for_each(|(name, content)| whole_file::write(&directory.join(name), content))
 }
 
+/// Checks that a directory of results can be made or replaced. Leaves no trace.
+///
+/// # Errors
+/// If the directory does not exist and cannot be made.
+pub fn check_results(directory: &Path) -> io::Result<()> {
+    let is_own = |_: &Path| false;
+    let Ok(target) = resolve(directory) else { return fs::metadata(directory).map(|_| ()) };
+    if target.exists() && !target.is_dir() {
+        return Err(io::ErrorKind::NotADirectory.into());
+    }
+    match Stage::create(&target, &is_own) {
+        Ok(stage) => stage.discard(&is_own),
+        // The files of a directory that cannot be replaced are written one by one.
+        Err(_) if target.is_dir() => {}
+        Err(error) => return Err(error),
+    }
+    Ok(())
+}
+
 /// Replaces the directory. Returns whether that was possible.
 fn replace(directory: &Path, files: &[(String, Vec<u8>)]) -> io::Result<bool> {
     let is_own = |path: &Path| files.iter().any(|(name, _)| Path::new(name) == path);

@@ -85,7 +85,7 @@ impl Stage {
         self.replace(is_own)
     }
 
-    /// Exchanges the stage with the directory that is there, and empties that.
+    /// Exchanges the stage with the directory that is there, and empties the old directory.
     fn replace(&self, is_own: IsOwn) -> io::Result<()> {
         for entry in fs::read_dir(&self.target)? {
             let name = entry?.file_name();
@@ -125,7 +125,7 @@ fn aside(stage: &Path) -> PathBuf {
     stage.with_added_extension("old")
 }
 
-/// Removes what killed processes left beside `target`.
+/// Removes stages of `target` that killed processes left.
 fn remove_stale(parent: &Path, target: &Path, is_own: IsOwn) -> io::Result<()> {
     let prefix = stage_name(target.file_name().unwrap_or_default(), "");
     let prefix = prefix.as_os_str().as_encoded_bytes();
