@@ -116,14 +116,15 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     #[inline]
     fn mark_lone(&mut self) {
         let pairs = &self.batch.pairs[..self.batch.len];
-        let Some(&last) = pairs.last() else { return };
+        let (Some(&last), mut lane) = (pairs.last(), 0) else { return };
         while let Some((&pair, rest)) = self.lone.split_first()
             && pair <= last
         {
             self.lone = rest;
-            if let Ok(lane) = pairs.binary_search(&pair) {
-                self.batch.lone |= 1 << lane;
+            while pairs[lane] < pair {
+                lane += 1;
             }
+            self.batch.lone |= u64::from(pairs[lane] == pair) << lane;
         }
     }
 
