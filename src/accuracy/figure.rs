@@ -85,6 +85,8 @@ fn panel<'a>(
             let colour = colour(1 + number(&name));
             Curve { name, colour, points: shown(points), has_line: true, has_dots: true }
         })
+        // The legend lists only what the panel shows.
+        .filter(|curve| !curve.points.is_empty())
         .collect();
     let all: Vec<_> = curves.iter().flat_map(|curve| curve.points.iter().copied()).collect();
     let rings = all.iter().zip(pareto(&all)).filter(|(_, is_on_it)| *is_on_it).map(|(point, _)| *point);
