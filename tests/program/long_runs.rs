@@ -87,7 +87,7 @@ fn a_hundred_million_particle_steps_pass() {
 fn ten_thousand_pictures_pass() {
     let here = tempfile::tempdir().unwrap();
     let fall = crate::scene("free-fall.ron").display().to_string();
-    let settings = ["step=Fixed(1.0e-4)", "pictures.interval=1.0e-4", "pictures.width=40.0", "pictures.png=true"];
+    let settings = ["step=Fixed(1.0e-4)", "pictures.interval=1.0e-4", "pictures.width=50.0", "pictures.png=true"];
     let set: Vec<_> = settings.iter().flat_map(|setting| ["--set", setting]).collect();
     let output = siloflow(here.path(), &[&["run", &fall, "--quiet", "--out", "run"], &set[..]].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
