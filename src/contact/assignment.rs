@@ -72,6 +72,11 @@ impl<V: Space> PairLaw<V> for Assignment {
         self.b
     }
 
+    fn modes(&self, _: &Bounce) -> [[f64; 2]; 3] {
+        // The drag acts along the tangent too, where there is no spring.
+        [[self.k, self.b], [0.0, self.b], [0.0; 2]]
+    }
+
     fn contact_duration(&self, bounce: &Bounce) -> f64 {
         let law: &dyn PairLaw<V> = self;
         Attraction::Allowed.duration(law.damping_ratio(bounce)) / law.frequency(bounce)

@@ -41,7 +41,7 @@
 //! Stability of a single linear contact, in the normal and in the tangential direction: w0 dt < min(2, 1/zeta). The
 //! motion has det = (1 - h c/m)/(1 + h c/m) and trace = (2 - (w0 dt)^2)/(1 + h c/m), and an error of F_t is multiplied
 //! by -h c/m in each step. Velocity Verlet with lagged drag has a lower limit at every zeta. With several contacts the
-//! order is reversed ([`crate::scene::check::step`]). `tests/physics/schemes.rs` compares these limits with simulations.
+//! order is reversed ([`crate::scene::check::crowd`]). `tests/physics/schemes.rs` compares these limits with simulations.
 //!
 //! Limits:
 //!

@@ -12,7 +12,8 @@
 //! step's beginning. For two equal grains that is c/m_eff = 2 c/m. In a packing, z neighbours at rest damp a grain at the
 //! rate c z/(d m) in d dimensions, which is 2 to 3 c/m. So the factor of a pair serves a packing as well.
 //! beta = 1 - O(dt), so any beta of this form keeps the order. Its value decides accuracy and stability: n contacts that
-//! share a motion are stable for n ((w0 dt)^2 + 8 zeta w0 dt/(1 + zeta w0 dt)) < 4 ([`crate::scene::check::step`]).
+//! share a motion along their normals are stable for n ((w0 dt)^2 + 8 zeta w0 dt/(1 + zeta w0 dt)) < 4. `scene::check::crowd` has
+//! the limit with friction.
 //!
 //! **Springs.** Tangential and rolling springs gather the predicted velocities, S <- S + dt v_p, and are stored half a step
 //! ahead: their stretch at the evaluation is S - dt/2 v_p. This is the trapezoidal rule. The gathered distance differs
@@ -48,17 +49,21 @@ impl<V: Space> ParticleStore<V> {
 #[derive(Resource, Clone, Copy)]
 struct DampingRates([f64; 2]);
 
+/// Returns the share beta of the velocity gain in half a step of `dt` (s) that is predicted, for a damping rate (1/s).
+#[must_use]
+pub fn prediction_share(rate: f64, dt: f64) -> f64 {
+    let q = rate * dt;
+    // At q = 1 a single contact is unstable anyway. A share above zero lets the gain be computed from the prediction.
+    ((1.0 - q) / (1.0 + q)).max(0.01)
+}
+
 /// Sets the times of the prediction, and makes room for grains that have entered. A grain that has just entered does not
 /// count as one without another contact.
 fn prepare<V: Space>(clock: Res<Clock>, rates: Res<DampingRates>, mut store: ResMut<ParticleStore<V>>) {
     let count = store.body.len();
     let prediction = &mut store.prediction;
     prediction.lookahead = 0.5 * clock.dt;
-    // At q = 1 a single contact is unstable anyway. A share above zero lets the gain be computed from the prediction.
-    [prediction.share, prediction.spin_share] = rates.0.map(|rate| {
-        let q = rate * clock.dt;
-        ((1.0 - q) / (1.0 + q)).max(0.01)
-    });
+    [prediction.share, prediction.spin_share] = rates.0.map(|rate| prediction_share(rate, clock.dt));
     prediction.lone.resize(count, 0);
     if clock.is_step_zero() {
         let fastest = store.body.iter().map(|body| body.velocity.length_squared()).fold(0.0, f64::max);

@@ -19,6 +19,7 @@ mod bounce;
 mod channels;
 mod column;
 mod conservation;
+mod crowd;
 mod free_fall;
 mod friction;
 mod grazing;

@@ -10,6 +10,7 @@
 //! * The door: without wall discs on both sides it has no orifice through which a grain could count as out.
 //! * The path: a grain that moves farther than a wall is thick in one step may pass it undetected.
 
+pub mod crowd;
 pub mod leaks;
 pub mod species_pairs;
 pub mod step;

@@ -17,7 +17,8 @@ use crate::contact::{AnyLaw, Bounce};
 use crate::grains::spawner::RadiusLaw;
 use crate::integrate::Integrator;
 use crate::random::Stream;
-use crate::scene::check::step::{self, Pull};
+use crate::scene::check::crowd::{Motion, Pull};
+use crate::scene::check::step;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane};
 use crate::walls::config::Wall;
@@ -53,7 +54,8 @@ impl SpeciesPair {
         let reduced = |x: f64, y: f64| 1.0 / (1.0 / x + 1.0 / y);
         let reduced_mass = reduced(first.mass, second.mass);
         let reduced_radius = reduced(first.radius, second.radius);
-        let inertia = loaded.inertia().factor();
+        // Grains that do not spin have no moment of inertia that a contact could turn.
+        let inertia = if loaded.scene.contact.spins() { loaded.inertia().factor() } else { f64::INFINITY };
         let turning = |body: Body| (reduced_radius / body.radius).powi(2) * reduced_mass / body.mass;
         Self {
             // Estimates use no directions, so the law in the plane serves both spaces.
@@ -66,13 +68,13 @@ impl SpeciesPair {
         }
     }
 
-    /// The three motions with the weights of a single contact: normal, tangential, rolling.
+    /// The three ways to move with the weights of a single contact: normal, tangential, rolling.
     fn motions(&self) -> [Pull; 3] {
         let modes = self.law.0.modes(&self.bounce);
         let mobilities = [1.0, 1.0 + 1.0 / self.inertia, self.rolling];
         std::array::from_fn(|way| {
             let ([k, c], weight) = (modes[way], mobilities[way]);
-            Pull { weight, k, c, mobility: weight / self.bounce.reduced_mass }
+            Pull { weight, k, c, mobility: weight / self.bounce.reduced_mass, gathers: way > 0 }
         })
     }
 
@@ -118,12 +120,21 @@ impl SpeciesPair {
     #[must_use]
     pub fn bed_limit(&self, scheme: Integrator, space: Dimension) -> f64 {
         let ([normal, tangential, rolling], weights) = (self.motions(), self.bed_weights(space));
-        let times = |weight: f64, pull: Pull| Pull { weight, ..pull };
-        let (normal, sliding) = (times(weights.normal, normal), times(weights.sliding, tangential));
-        let straight = if self.is_wall { [vec![normal], vec![sliding]] } else { [vec![normal, sliding], Vec::new()] };
-        let turning = [vec![times(weights.turning, tangential)], vec![times(weights.rolling, rolling)]];
-        let all = straight.iter().chain(&turning);
-        all.map(|pulls| step::in_crowd(scheme, pulls, self.bounce.reduced_mass)).fold(f64::INFINITY, f64::min)
+        let [straight, turning] = self.damping_rates();
+        let limit = |pulls: &[(f64, Pull)], rate: f64| {
+            let pulls: Vec<_> = pulls.iter().map(|&(weight, pull)| Pull { weight, ..pull }).collect();
+            let motion = Motion { pulls: &pulls, mass: self.bounce.reduced_mass, rate };
+            motion.limit(scheme, |dt| self.spring_damping(dt))
+        };
+        let (normal, sliding) = ((weights.normal, normal), (weights.sliding, tangential));
+        let translation = if self.is_wall {
+            limit(&[normal], straight).min(limit(&[sliding], straight))
+        } else {
+            limit(&[normal, sliding], straight)
+        };
+        let turning =
+            limit(&[(weights.turning, tangential)], turning).min(limit(&[(weights.rolling, rolling)], turning));
+        translation.min(turning)
     }
 
     /// Weights of the contacts of a grain surrounded by contacts of this kind, in the worst motions.
@@ -320,6 +331,18 @@ mod tests {
         // A dashpot of 0.1 N s/m counts as 0.1/k_t, and a strong one leaves nothing to add.
         assert!((pair("B(0.1)").spring_damping(dt) - (whole - 0.1 / 4.0e3)).abs() < 1e-15);
         assert!(pair("B(1.0)").spring_damping(dt).abs() < f64::MIN_POSITIVE);
+    }
+
+    #[test]
+    fn drag_on_the_whole_relative_velocity_counts_along_tangents_too() {
+        // Discs of m = 0.16 kg, so m_eff = 0.08 kg; z = 6 neighbours: springs count 3 times, drag 6 times.
+        let keys = "contact: Assignment(k: 1.0e4, b: 5.0), mass: ArealSquare(100.0), step: Fixed(1.0e-4)";
+        let pair = all(&scene(&format!("{keys}, {}", spawner(2, "Fixed(0.04)"))).unwrap(), 1.0).remove(0);
+        let [verlet, centred] =
+            [Integrator::Verlet, Integrator::Centred].map(|scheme| pair.bed_limit(scheme, Dimension::Plane));
+        assert!((3.0e4 * verlet * verlet + 60.0 * verlet - 0.32).abs() < 1e-12, "{verlet}");
+        let drag = 120.0 * centred / (1.0 + 5.0 * centred / 0.16);
+        assert!((3.0e4 * centred * centred + drag - 0.32).abs() < 1e-9, "{centred}");
     }
 
     #[test]

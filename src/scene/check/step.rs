@@ -8,18 +8,7 @@
 //! | `Centred` ([`crate::contact::centred`]) | min(2/w0, 1/beta) |
 //! | `ExplicitEuler` | 2 beta/w0^2, never without drag; overdamped 2/(beta + sqrt(beta^2 - w0^2)) |
 //!
-//! In a crowd ([`in_crowd`]) the motion that first becomes unstable changes its sign in each step. If contacts take part in
-//! it with weights W, and m is its mass, the limit is
-//!
-//! * sum W (k dt^2 + 2 c dt) = 4 m with lagged drag, which for one contact is the limit above;
-//! * sum W (k dt^2 + 4 c dt/(1 + b)) = 4 m centred, with b = c dt/(2 m_c) and the reduced mass m_c of that contact alone. The
-//!   drag at the end of the step is implicit in the contact's own force, and lags for all others. With the second difference
-//!   s_(n+1) = x_(n+1) - 2 x_n + x_(n-1) the motion is s_(n+2) = -(K dt^2/m) x_(n+1) - (C dt/m) (x_(n+1) - x_n +
-//!   (1 - b)/(1 + b) s_(n+1)/2), and x_n = (-1)^n gives the limit. The other two roots stay within the unit
-//!   circle up to that step (Jury's conditions).
-//!
-//! So in a crowd with b < 1 `Centred` needs shorter steps than `Verlet`, down to half where drag decides. For a single
-//! contact it allows longer steps, because it then includes the change of the spring force.
+//! [`crate::scene::check::crowd`] has the limits of several contacts.
 //!
 //! An automatic step is the shortest of three, rounded down to two digits:
 //!
@@ -48,57 +37,6 @@ pub fn limit(scheme: Integrator, k: f64, c: f64, mass: f64) -> f64 {
         Integrator::ExplicitEuler if beta < w0 => 2.0 * beta / (w0 * w0),
         Integrator::ExplicitEuler => 2.0 / (beta + (beta * beta - w0 * w0).sqrt()),
     }
-}
-
-/// Contribution of contacts of one kind to a motion.
-#[derive(Clone, Copy, Debug)]
-pub struct Pull {
-    /// Weight of a contact, times the number of contacts.
-    pub weight: f64,
-    /// k, N/m.
-    pub k: f64,
-    /// c, N s/m.
-    pub c: f64,
-    /// Mobility of the contact: acceleration per unit of its own force, 1/kg.
-    pub mobility: f64,
-}
-
-/// Largest stable step, s, of a motion with this mass (kg) in which these contacts take part.
-#[must_use]
-pub fn in_crowd(scheme: Integrator, pulls: &[Pull], mass: f64) -> f64 {
-    if scheme == Integrator::ExplicitEuler {
-        let [k, c] = [|pull: &Pull| pull.k, |pull: &Pull| pull.c]
-            .map(|figure| pulls.iter().map(|pull| pull.weight * figure(pull)).sum::<f64>());
-        return limit(scheme, k, c, mass);
-    }
-    let is_centred = scheme == Integrator::Centred;
-    let load = |dt: f64| -> f64 {
-        let of_one = |&Pull { weight, k, c, mobility }: &Pull| {
-            let drag = if is_centred { 4.0 / (1.0 + 0.5 * mobility * c * dt) } else { 2.0 };
-            weight * dt * (k * dt + drag * c)
-        };
-        pulls.iter().map(of_one).sum()
-    };
-    // Springs alone or lagged drag alone give the limit. Centred drag alone saturates at 2 W/mobility, which may stay below
-    // 4 m at any step. The sum of all terms grows with the step.
-    let total = |figure: fn(&Pull) -> f64| pulls.iter().map(|pull| pull.weight * figure(pull)).sum::<f64>();
-    let [springs, drags] = [total(|pull| pull.k), total(|pull| pull.c)];
-    let mut high = (2.0 * (mass / springs).sqrt()).min(if is_centred { f64::INFINITY } else { 2.0 * mass / drags });
-    if !high.is_finite() {
-        high = mass / drags;
-        while high.is_finite() && load(high) < 4.0 * mass {
-            high *= 2.0;
-        }
-    }
-    if !high.is_finite() {
-        return f64::INFINITY;
-    }
-    let mut low = 0.0;
-    for _ in 0..80 {
-        let middle = 0.5 * (low + high);
-        if load(middle) < 4.0 * mass { low = middle } else { high = middle }
-    }
-    high
 }
 
 /// An automatic step.
@@ -157,51 +95,6 @@ mod tests {
             assert!((limit(Integrator::ExplicitEuler, 1.0, 2.0 * zeta, 1.0) - explicit).abs() < 1e-6, "{zeta}");
         }
         assert!((limit(Integrator::ExplicitEuler, 0.0, 2.0, 1.0) - 1.0).abs() < 1e-15, "drag alone");
-    }
-
-    /// `n` equal contacts in a motion of mass 1, each with this k and c and a reduced mass of 1.
-    fn crowd(scheme: Integrator, n: f64, k: f64, c: f64) -> f64 {
-        in_crowd(scheme, &[Pull { weight: n, k, c, mobility: 1.0 }], 1.0)
-    }
-
-    #[test]
-    fn in_a_crowd_the_spectral_radius_passes_one_at_the_limit() {
-        // x_n = lambda^n in the recurrence: p(lambda) = lambda^3 + (a + 2 B + B r - 2) lambda^2 + (1 - 2 B - 2 B r) lambda + B r.
-        let radius = |n: f64, zeta: f64, dt: f64| {
-            let (spring, own) = (n * dt * dt, zeta * dt);
-            let [drag, rest] = [2.0 * n * own, n * own * (1.0 - own) / (1.0 + own)];
-            let factors = [spring + drag + rest - 2.0, 1.0 - drag - 2.0 * rest, rest];
-            // Iterates the recurrence itself, rescaled on the way, so that no root finder has to be trusted.
-            let (mut last, mut log, steps) = ([1.0, -0.7, 0.4], 0.0f64, 20_000);
-            for _ in 0..steps {
-                let next = -(factors[0] * last[2] + factors[1] * last[1] + factors[2] * last[0]);
-                let size = [last[1], last[2], next].iter().fold(0.0f64, |size, x: &f64| size.max(x.abs()));
-                last = [last[1] / size, last[2] / size, next / size];
-                log += size.ln();
-            }
-            (log / f64::from(steps)).exp()
-        };
-        for n in [1.0, 2.0, 3.0, 6.0] {
-            for zeta in [0.01, 0.1, 0.3, 0.5, 1.0, 3.0] {
-                let limit = crowd(Integrator::Centred, n, 1.0, 2.0 * zeta);
-                let [below, above] = [0.99, 1.01].map(|share| radius(n, zeta, share * limit));
-                assert!(below < 1.0 && above > 1.0 + 1e-4, "{n} contacts, zeta {zeta}: {below} {above}");
-                assert!(limit < crowd(Integrator::Verlet, n, 1.0, 2.0 * zeta), "{n} contacts, zeta {zeta}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_crowd_of_one_is_the_lone_contact_with_lagged_drag_and_without_drag() {
-        for (k, c) in [(1.0, 0.0), (1.0, 0.4), (1.0, 6.0), (0.0, 1.0)] {
-            let lone = limit(Integrator::Verlet, k, c, 1.0);
-            assert!((crowd(Integrator::Verlet, 1.0, k, c) / lone - 1.0).abs() < 1e-14, "{k} {c}");
-        }
-        assert!((crowd(Integrator::Centred, 4.0, 1.0, 0.0) - 1.0).abs() < 1e-14);
-        // 8 N beta dt = 4 (1 + beta dt).
-        assert!((crowd(Integrator::Centred, 3.0, 0.0, 2.0) - 0.2).abs() < 1e-14, "drag alone");
-        let nothing = crowd(Integrator::Centred, 3.0, 0.0, 0.0);
-        assert!(nothing.is_infinite() && crowd(Integrator::Verlet, 3.0, 0.0, 0.0).is_infinite());
     }
 
     #[test]
