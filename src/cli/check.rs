@@ -12,7 +12,7 @@ use crate::lattice;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::sites::Sites;
 use crate::scene::TimeStep;
-use crate::scene::check::step::automatic;
+use crate::scene::check::automatic::automatic;
 use crate::scene::check::{self, Estimates};
 use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;

@@ -23,7 +23,7 @@ use crate::output::series::SeriesPlugin;
 use crate::output::summary::{Cost, Energy, Summary, movable_grains};
 use crate::output::walls::WallForcesPlugin;
 use crate::scene::TimeStep;
-use crate::scene::check::step::{Automatic, automatic};
+use crate::scene::check::automatic::{Automatic, automatic};
 use crate::scene::check::{self, Estimates};
 use crate::scene::load::Loaded;
 use crate::simulation::Simulation;

@@ -12,7 +12,7 @@ use crate::integrate::Integrator;
 use crate::lattice::load::LoadedLattice;
 use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
-use crate::scene::check::Estimates;
+use crate::scene::check::{Estimates, automatic};
 use crate::scene::{Method, Scene, TimeStep, rules};
 use crate::source::Source;
 use crate::space::{Dimension, Solid, Space};
@@ -114,6 +114,7 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
     }
     loaded.fill();
     rules::check(&loaded)?;
+    loaded.choose_scheme();
     Ok(loaded)
 }
 
@@ -122,6 +123,16 @@ impl Loaded {
     #[must_use]
     pub fn fault(&self, code: &'static str, key: &str, message: impl Into<String>) -> Fault {
         self.source.fault(code, key, message)
+    }
+
+    /// Chooses the scheme of a scene with an automatic step that names no scheme.
+    fn choose_scheme(&mut self) {
+        if let TimeStep::Auto { error } = self.scene.step
+            && self.source.value_of("integrator").is_none()
+            && self.grain_radii().is_some()
+        {
+            self.scene.integrator = automatic::cheaper(|scheme| Estimates::with(self, scheme), error.get());
+        }
     }
 
     /// Creates the grains of `fill`.

@@ -131,7 +131,7 @@ pub struct Scene {
 pub enum TimeStep {
     /// A fixed time step, s.
     Fixed(Positive),
-    /// The largest step that keeps impacts within an error: [`crate::scene::check::step`].
+    /// The largest step that keeps the rms error of impacts within a bound: [`crate::scene::check::automatic`].
     Auto {
         /// Root-mean-square error of the velocities after an impact, over the impact speed.
         error: ImpactError,

@@ -15,6 +15,7 @@
 )]
 
 mod accuracy;
+mod automatic;
 mod bounce;
 mod channels;
 mod column;

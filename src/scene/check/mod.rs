@@ -10,12 +10,13 @@
 //! * The door: without wall discs on both sides it has no orifice through which a grain could count as out.
 //! * The path: a grain that moves farther than a wall is thick in one step may pass it undetected.
 
+pub mod automatic;
 pub mod crowd;
 pub mod leaks;
 pub mod species_pairs;
 pub mod step;
 
-use crate::contact::Bounce;
+use crate::contact::{Bounce, Contact};
 use crate::fault::Warning;
 use crate::integrate::Integrator;
 use crate::scene::TimeStep;
@@ -33,10 +34,13 @@ pub struct Estimates {
     pub dt: f64,
     /// The scheme.
     pub scheme: Integrator,
-    /// Whether contacts are without drag and friction.
-    pub is_elastic: bool,
-    /// w0 of the fastest contact, 1/s.
-    pub frequency: f64,
+    /// The scene's contact law.
+    pub contact: Contact,
+    /// The shortest contact duration, or half period of a contact's tangential or rolling spring in units of that of its normal
+    /// spring, times the duration of that contact, s.
+    pub shortest_swing: f64,
+    /// Lowest restitution of a head-on impact of any pair.
+    pub lowest_restitution: f64,
     /// Radius of the smallest grain, m.
     pub radius: f64,
     /// Mass of the smallest grain, kg.
@@ -67,6 +71,12 @@ impl Estimates {
     /// Estimates for a scene; `None` if it has no grains.
     #[must_use]
     pub fn of(loaded: &Loaded) -> Option<Self> {
+        Self::with(loaded, loaded.scene.integrator)
+    }
+
+    /// Estimates for a scene with another scheme; `None` if it has no grains.
+    #[must_use]
+    pub fn with(loaded: &Loaded, scheme: Integrator) -> Option<Self> {
         let (radius, _) = loaded.grain_radii()?;
         let scene = &loaded.scene;
         let lightest = loaded.grains.iter().map(|grain| grain.mass).fold(f64::INFINITY, f64::min);
@@ -83,19 +93,19 @@ impl Estimates {
         let reduced_mass = if lightest.is_finite() { lightest } else { mass };
         let bounce = Bounce { reduced_mass, reduced_radius: 0.5 * radius, speed };
         let least = |of: &dyn Fn(&SpeciesPair) -> f64| pairs.iter().map(of).fold(f64::INFINITY, f64::min);
-        let fastest = pairs.iter().map(|pair| pair.law.0.frequency(&pair.bounce)).fold(0.0, f64::max);
         let shortest = least(&|pair| pair.law.0.contact_duration(&pair.bounce));
         let mut estimates = Self {
             dt: f64::NAN,
-            scheme: scene.integrator,
-            is_elastic: loaded.is_elastic(),
-            frequency: if pairs.is_empty() { law.frequency(&bounce) } else { fastest },
+            scheme,
+            contact: scene.contact,
+            shortest_swing: least(&SpeciesPair::shortest_swing),
             radius,
             mass,
             contact_duration: if pairs.is_empty() { law.contact_duration(&bounce) } else { shortest },
             restitution: law.restitution(&bounce),
-            pair_limit: least(&|pair| pair.lone_limit(scene.integrator)),
-            bed_limit: least(&|pair| pair.bed_limit(scene.integrator, scene.space)),
+            lowest_restitution: least(&|pair| pair.law.0.restitution(&pair.bounce)).min(1.0),
+            pair_limit: least(&|pair| pair.lone_limit(scheme)),
+            bed_limit: least(&|pair| pair.bed_limit(scheme, scene.space)),
             damping_rates: [0, 1].map(|way| pairs.iter().map(|pair| pair.damping_rates()[way]).fold(0.0, f64::max)),
             spring_damping: f64::NAN,
             impact_speed,
@@ -105,7 +115,7 @@ impl Estimates {
         };
         estimates.dt = match scene.step {
             TimeStep::Fixed(dt) => dt.get(),
-            TimeStep::Auto { error } => step::automatic(&estimates, error.get()).dt,
+            TimeStep::Auto { error } => automatic::automatic(&estimates, error.get()).dt,
         };
         let damping = |pair: &SpeciesPair| pair.spring_damping(estimates.dt);
         estimates.spring_damping = pairs.iter().map(damping).fold(0.0, f64::max);

@@ -78,6 +78,15 @@ impl SpeciesPair {
         })
     }
 
+    /// Contact duration, s, shortened to the share that the half period of the fastest of tangential and rolling spring has in that of
+    /// the normal spring, all without drag.
+    #[must_use]
+    pub fn shortest_swing(&self) -> f64 {
+        let [normal, others @ ..] = self.motions().map(|way| (way.k * way.mobility).sqrt());
+        let share = others.into_iter().fold(1.0, |share: f64, other| share.min(normal / other));
+        self.law.0.contact_duration(&self.bounce) * share
+    }
+
     /// Largest stable step along the normal, s. No cap bounds the force of an unstable normal motion.
     #[must_use]
     pub fn normal_limit(&self, scheme: Integrator) -> f64 {
