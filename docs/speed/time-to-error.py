@@ -14,7 +14,8 @@ damping of Hertz contacts differs between the programs. With the linear laws bot
 error are interpolated (both axes logarithmic) between the steps run; t_c/(n + pi/8) never divides t_c.
 
 **Laws**, all with attraction: linear without friction; linear with friction (mu = 0.5, k_t = 2/7 k, gamma_t = gamma/2); Hertz and
-Mindlin (mu = 0.5; damping of LAMMPS: tsuji). e = 0.9, 0.5, 0.2.
+Mindlin (mu = 0.5; LAMMPS: mindlin/force, damping tsuji; its mindlin without /force does not converge, because a contact that
+slips in its first step stretches a spring of nearly zero stiffness). e = 0.9, 0.5, 0.2.
 
 **Time.** Steps times the nanoseconds per particle-step that docs/speed/side-by-side.py measures in the beds W1 and W2, both programs
 alternately on one core, siloflow with its energy balance. Every case is multiplied by both. --ns reads them from an earlier table.
