@@ -69,13 +69,14 @@ impl Motion<'_> {
         }
         let gathering = total(|pull| if pull.gathers { pull.k } else { 0.0 });
         let sums = [springs - gathering, gathering, drags];
-        let is_stable = |dt: f64| self.is_stable_centred(sums, dt, spring_damping(dt));
+        let numerical = |dt: f64| if gathering > 0.0 { spring_damping(dt) } else { 0.0 };
+        let is_stable = |dt: f64| self.is_stable_centred(sums, dt, numerical(dt));
         // Every motion is stable at first, and unstable where a spring alone changes the velocity by four times itself.
-        let (mut low, mut high) = (0.0, 1.0e-3 / fastest);
+        let (mut low, mut high) = (0.0, 0.05 / fastest);
         while is_stable(high) {
-            (low, high) = (high, 1.02 * high);
+            (low, high) = (high, 1.05 * high);
         }
-        for _ in 0..60 {
+        for _ in 0..50 {
             let middle = 0.5 * (low + high);
             if is_stable(middle) { low = middle } else { high = middle }
         }
