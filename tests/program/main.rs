@@ -27,6 +27,8 @@ mod docs;
 mod faults;
 mod friction_scenes;
 mod hard;
+#[cfg(unix)]
+mod hostile;
 mod instructions;
 mod lattice;
 mod long_runs;
