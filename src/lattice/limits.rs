@@ -78,7 +78,7 @@ pub(super) fn view(loaded: &LoadedLattice) -> (Vector, Vector) {
 
 /// Returns the outputs of a scene.
 #[expect(clippy::cast_precision_loss, reason = "a number of sites")]
-pub(super) fn outputs(loaded: &LoadedLattice) -> Vec<Output> {
+pub(crate) fn outputs(loaded: &LoadedLattice) -> Vec<Output> {
     let scene = &loaded.scene;
     let interval = f64::from(scene.series.interval.get());
     let mut outputs =

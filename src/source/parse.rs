@@ -74,6 +74,11 @@ fn number_for_choice<T: DeserializeOwned>(name: &str, text: &str, error: &Spanne
 
 /// The name of the list that is most like a misspelt one, if any is like it.
 fn closest<'a>(found: &str, names: &[&'a str]) -> Option<&'a str> {
+    // A name that is longer than all keys is like none of them.
+    let longest = 2 * names.iter().map(|name| name.len()).max()?;
+    if found.len() > longest {
+        return None;
+    }
     let likeness = |name: &str| strsim::jaro_winkler(&found.to_lowercase(), &name.to_lowercase());
     let best = names.iter().map(|name| (likeness(name), *name)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     (best.0 > 0.85).then_some(best.1)

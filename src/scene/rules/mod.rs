@@ -18,7 +18,7 @@ use crate::neighbours::Neighbours;
 use crate::scene::check;
 use crate::scene::load::Loaded;
 use crate::scene::{Scene, TimeStep};
-use crate::space::Solid;
+use crate::space::{Dimension, Solid};
 use crate::values::FiniteVector;
 use crate::walls::config::Wall;
 
@@ -30,6 +30,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     contacts(loaded)?;
     ids(loaded)?;
     walls(loaded)?;
+    wall_discs(loaded)?;
     periodic(loaded)?;
     spawner(loaded)?;
     door_and_rest(loaded)?;
@@ -171,6 +172,26 @@ fn walls(loaded: &Loaded) -> Result<(), Fault> {
             .help("give two different points, a normal with a direction, edges and belts at right angles"));
     }
     Ok(())
+}
+
+/// Most wall discs of a planar scene. Each pair of them is compared, to find the outline.
+const MOST_WALL_DISCS: usize = 20_000;
+
+fn wall_discs(loaded: &Loaded) -> Result<(), Fault> {
+    let counts = [
+        ("silo.file", loaded.silo.wall.len() + loaded.silo.door.len()),
+        ("fill", loaded.fixed.len()),
+        ("walls", loaded.scene.walls.len()),
+    ];
+    let total: usize = counts.iter().map(|(_, count)| count).sum();
+    let Some((key, _)) = counts.into_iter().max_by_key(|(_, count)| *count).filter(|_| total > MOST_WALL_DISCS) else {
+        return Ok(());
+    };
+    if loaded.scene.space == Dimension::Solid && key != "walls" {
+        return Ok(());
+    }
+    let message = format!("{total} walls and wall grains are more than the limit of {MOST_WALL_DISCS}");
+    Err(loaded.fault("scene::out_of_range", key, message).help("describe the walls by segments, or by larger discs"))
 }
 
 /// Whether a vector is zero, or its square under- or overflows.
