@@ -1,14 +1,17 @@
 //! Conversion of SVG to PNG. The font is part of the program, so labels do not depend on fonts of the machine.
 //!
-//! A document may come from elsewhere. Nothing but its text is read: links to images are not followed, and images inside the
-//! document are left out. A document is refused if it has
+//! A document may come from elsewhere. Nothing but its text is read, and only what siloflow's own pictures consist of is drawn. A
+//! document is refused if it has
 //!
-//! * more than 64 MiB, or more than [`MOST_PIXELS`], or more than about a million elements (a limit of usvg);
-//! * effects that draw into layers of their own: filters, masks, clip paths, patterns, and opacity of groups. siloflow's
-//!   pictures have none of them, and a short document can nest them so that it takes any time and memory.
+//! * more than 64 MiB, more than [`MOST_PIXELS`], or about a million elements (a limit of usvg);
+//! * elements other than [`ELEMENTS`], so no images, links, styles, masks and patterns; or opacity or filters of groups. A short
+//!   document can nest such effects so that it takes any time and memory;
+//! * a label of more than [`LONGEST_LABEL`] characters, whose time grows with the square of its length;
+//! * coordinates beyond [`FARTHEST`], for which tiny-skia panics.
 //!
 //! [`render_file`] also gives up after [`LONGEST_DRAWING`].
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::sync::{Arc, OnceLock};
@@ -16,6 +19,7 @@ use std::time::Duration;
 
 use ::png::{ColorType, Compression, Encoder, EncodingError};
 use resvg::tiny_skia::{Pixmap, PremultipliedColorU8, Transform};
+use resvg::usvg::roxmltree::{self, Document};
 use resvg::usvg::{Group, ImageHrefResolver, Node, Options, Tree, fontdb};
 
 use crate::fault::Fault;
@@ -27,6 +31,19 @@ pub const MOST_PIXELS: f64 = 5.0e7;
 
 /// Most shapes of a PNG, below the limit of usvg, 1,000,000 elements.
 pub const MOST_SHAPES: usize = 900_000;
+
+/// Most pixels along a side of a PNG.
+const LONGEST_SIDE: u32 = 200_000;
+
+/// Elements of siloflow's pictures and figures.
+const ELEMENTS: [&str; 12] =
+    ["svg", "g", "rect", "circle", "line", "path", "polygon", "polyline", "text", "tspan", "linearGradient", "stop"];
+
+/// Most characters of a label.
+const LONGEST_LABEL: usize = 1000;
+
+/// Largest coordinate of a shape, px. [`svg`](crate::writers::svg) writes no larger ones.
+pub const FARTHEST: f64 = 1.0e7;
 
 /// Longest time for which [`render_file`] draws a file.
 pub const LONGEST_DRAWING: Duration = Duration::from_secs(60);
@@ -52,43 +69,70 @@ fn options() -> &'static Options<'static> {
 /// Returns an SVG document as PNG, with the width and height of the document.
 ///
 /// # Errors
-/// If it is not a valid SVG document, too large to draw, or has effects that are not drawn.
+/// If it is not a valid SVG document, or has something that is not drawn.
 pub fn encode(svg: &str) -> Result<Vec<u8>, String> {
-    let tree = Tree::from_str(svg, options()).map_err(|error| error.to_string())?;
-    if has_layers(&tree) {
-        return Err("filters, masks, clip paths, patterns and opacity of groups are not drawn".to_owned());
+    let document = Document::parse(svg).map_err(|error| error.to_string())?;
+    check_elements(&document)?;
+    let tree = Tree::from_xmltree(&document, options()).map_err(|error| error.to_string())?;
+    check_groups(&tree)?;
+    let size = tree.size().to_int_size();
+    let (width, height) = (size.width(), size.height());
+    if width.max(height) > LONGEST_SIDE || f64::from(width) * f64::from(height) > MOST_PIXELS {
+        return Err(format!("{width} x {height} pixels are more than the limit of {MOST_PIXELS:e}"));
     }
-    let size = tree.size();
-    if f64::from(size.width()) * f64::from(size.height()) > MOST_PIXELS {
-        return Err(format!("{} x {} pixels are more than the limit of {MOST_PIXELS:e}", size.width(), size.height()));
-    }
-    let size = size.to_int_size();
-    let mut pixels = Pixmap::new(size.width(), size.height()).ok_or("the picture has no area")?;
-    resvg::render(&tree, Transform::identity(), &mut pixels.as_mut());
+    let mut pixels = Pixmap::new(width, height).ok_or("the picture has no area")?;
+    // A defect of the renderer is an error of this picture only.
+    let draw = AssertUnwindSafe(|| resvg::render(&tree, Transform::identity(), &mut pixels.as_mut()));
+    catch_unwind(draw).map_err(|_| "the renderer failed".to_owned())?;
     compressed(pixels).map_err(|error| error.to_string())
 }
 
-/// Whether a document has effects that need a layer of pixels of their own.
-fn has_layers(tree: &Tree) -> bool {
+/// Checks the elements of a document, and the lengths of its labels.
+fn check_elements(document: &Document) -> Result<(), String> {
+    for element in document.descendants().filter(roxmltree::Node::is_element) {
+        let name = element.tag_name().name();
+        if !ELEMENTS.contains(&name) {
+            return Err(format!(
+                "the element `{name}` is not drawn; pictures of siloflow have only {}",
+                ELEMENTS.join(", ")
+            ));
+        }
+        let texts = || element.descendants().filter(roxmltree::Node::is_text).filter_map(|text| text.text());
+        if name == "text" && texts().map(|text| text.chars().count()).sum::<usize>() > LONGEST_LABEL {
+            return Err(format!("a label has more than {LONGEST_LABEL} characters"));
+        }
+    }
+    Ok(())
+}
+
+/// Checks that no group needs a layer of pixels of its own, and that shapes are not too far away.
+fn check_groups(tree: &Tree) -> Result<(), String> {
     let mut groups: Vec<&Group> = vec![tree.root()];
     while let Some(group) = groups.pop() {
         if group.should_isolate() {
-            return true;
+            return Err("filters and opacity of groups are not drawn".to_owned());
         }
-        groups.extend(group.children().iter().filter_map(|node| match node {
-            Node::Group(group) => Some(&**group),
-            _ => None,
-        }));
+        for node in group.children() {
+            let bounds = node.abs_bounding_box();
+            let farthest = [bounds.left(), bounds.top(), bounds.right(), bounds.bottom()].map(|x| f64::from(x.abs()));
+            // A circle at the limit reaches twice as far.
+            if farthest.into_iter().fold(0.0, f64::max) > 2.5 * FARTHEST {
+                return Err(format!("a shape reaches farther than {FARTHEST:e} px"));
+            }
+            if let Node::Group(group) = node {
+                groups.push(group);
+            }
+        }
     }
-    !(tree.filters().is_empty()
-        && tree.masks().is_empty()
-        && tree.clip_paths().is_empty()
-        && tree.patterns().is_empty())
+    Ok(())
 }
 
 /// Calls [`encode`] in a thread of its own, and waits for it at most `longest`. A thread that takes longer goes on until the
 /// process ends.
-fn encode_within(svg: String, longest: Duration) -> Result<Vec<u8>, String> {
+///
+/// # Errors
+/// As [`encode`]; also if the time is over.
+pub fn encode_within(svg: String, longest: Duration) -> Result<Vec<u8>, String> {
     let (sender, result) = channel();
     let draw = move || {
         // After the time is over, nobody waits for the result.
@@ -166,10 +210,11 @@ mod tests {
         let here = tempfile::tempdir().unwrap();
         let other = here.path().join("other.svg");
         std::fs::write(&other, document(r#"<rect width="80" height="20"/>"#)).unwrap();
-        // The same rectangle inside the document.
-        let inside = "data:image/svg+xml;base64,PHN2ZyB4bWxucz0iaHR0cDovL3d3dy53My5vcmcvMjAwMC9zdmciIHdpZHRoPSI4MCIgaGVpZ2h0PSIyMCI+PHJlY3Qgd2lkdGg9IjgwIiBoZWlnaHQ9IjIwIi8+PC9zdmc+";
-        for href in [other.to_str().unwrap(), "/dev/zero", inside] {
-            assert_eq!(dark_pixels(&format!(r#"<image width="80" height="20" href="{href}"/>"#)), 0, "{href}");
+        for href in [other.to_str().unwrap(), "/dev/zero"] {
+            let image = document(&format!(r#"<image width="80" height="20" href="{href}"/>"#));
+            assert!(encode(&image).unwrap_err().contains("`image` is not drawn"), "{href}");
+            let tree = Tree::from_str(&image, options()).unwrap();
+            assert!(tree.root().children().is_empty(), "the resolver itself reads nothing");
         }
         let entity = format!(r#"<!DOCTYPE svg [<!ENTITY a SYSTEM "{}">]>"#, other.display());
         assert!(encode(&(entity + &document("<text>&a;</text>"))).is_err());
@@ -182,12 +227,20 @@ mod tests {
         for layer in [
             r#"<g opacity="0.5"><rect width="9" height="9"/></g>"#,
             r##"<clipPath id="a"><rect width="5" height="5"/></clipPath><rect width="9" height="9" clip-path="url(#a)"/>"##,
-            r##"<filter id="a"><feGaussianBlur stdDeviation="5"/></filter><rect width="9" height="9" filter="url(#a)"/>"##,
+            r#"<g filter="blur(5)"><rect width="9" height="9"/></g>"#,
+            r##"<g id="a"/><use href="#a"/>"##,
+            "<style>rect { fill: red }</style>",
         ] {
             assert!(encode(&document(layer)).unwrap_err().contains("not drawn"), "{layer}");
         }
         let deep = document(&format!("{}{}", "<g>".repeat(20_000), "</g>".repeat(20_000)));
         assert!(encode_within(deep, LONGEST_DRAWING).is_err());
+        assert!(encode(&document(&format!("<text>{}</text>", "a".repeat(2000)))).unwrap_err().contains("label"));
+        for shape in [r#"<circle r="1e30"/>"#, r#"<line x1="0" y1="0" x2="1e9" y2="9" stroke="red"/>"#] {
+            assert!(encode(&document(shape)).unwrap_err().contains("farther"), "{shape}");
+        }
+        let thin = r#"<svg xmlns="http://www.w3.org/2000/svg" width="1e-3" height="1e10"><circle r="9"/></svg>"#;
+        assert!(encode(thin).unwrap_err().contains("limit"));
         let slow = encode_within(document(&"<rect width='80' height='20'/>".repeat(100_000)), Duration::from_nanos(1));
         assert!(slow.unwrap_err().contains("longer than"));
     }

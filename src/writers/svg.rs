@@ -7,6 +7,7 @@ use std::fmt::Write as _;
 use crate::space::Vector;
 use crate::text::{LONGEST_QUOTATION, cut, for_xml};
 use crate::writers::colour::{Rgb, hex};
+use crate::writers::png::FARTHEST;
 
 /// A picture to be drawn.
 #[derive(Clone, Debug, Default)]
@@ -118,9 +119,11 @@ impl Paper<'_> {
         self.svg.push('\n');
     }
 
-    /// Returns the position in px of a point in m.
+    /// Returns the position in px of a point in m. A point far outside of the picture is moved to where renderers can follow.
     fn at(&self, x: Vector) -> Vector {
-        Vector::new((x.x - self.picture.low.x) * self.scale, self.top + (self.picture.high.y - x.y) * self.scale)
+        let x =
+            Vector::new((x.x - self.picture.low.x) * self.scale, self.top + (self.picture.high.y - x.y) * self.scale);
+        x.clamp(Vector::splat(-FARTHEST), Vector::splat(FARTHEST))
     }
 
     fn frame(&mut self) {
@@ -151,7 +154,7 @@ impl Paper<'_> {
             self.put(format_args!(r##"<g stroke="#222222" stroke-width="{width:.2}">"##));
         }
         for &(centre, radius, colour) in &self.picture.discs {
-            let (c, r) = (self.at(centre), radius * self.scale);
+            let (c, r) = (self.at(centre), (radius * self.scale).min(FARTHEST));
             self.put(format_args!(r#"<circle cx="{:.2}" cy="{:.2}" r="{r:.2}" fill="{}"/>"#, c.x, c.y, hex(colour)));
         }
         if self.picture.outlined {

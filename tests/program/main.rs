@@ -16,6 +16,7 @@
 mod accuracy;
 mod architecture;
 mod behaviours;
+mod checks;
 mod command_line;
 mod compare;
 mod contact_behaviours;
