@@ -46,12 +46,14 @@ fn overlaps_at_the_start_are_found() {
 
 #[test]
 fn grains_inside_walls_and_doubled_wall_grains_are_found() {
-    assert_eq!(codes(&format!("{FLOOR}, {}", block(-0.15, ""))), ["check::starts_in_wall"]);
+    assert_eq!(codes(&format!("{FLOOR}, {}", block(-0.17, ""))), ["check::starts_in_wall"]);
     let disc = "walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0)), Disc(centre: (0.0, 0.5), radius: 0.2)]";
     assert!(codes(&format!("{disc}, {}", block(0.4, ""))).contains(&"check::starts_in_wall"));
-    assert_eq!(codes(&format!("{disc}, {}", block(0.0, ""))), [""; 0]);
+    // A lone disc in the open is also reported as leaky.
+    let once = codes(&format!("{disc}, {}", block(0.0, "")));
+    assert!(!once.contains(&"check::starts_in_wall") && !once.contains(&"check::duplicate_wall_grains"), "{once:?}");
     let twice = disc.replace("Disc(", "Disc(centre: (0.0, 0.5), radius: 0.2), Disc(");
-    assert_eq!(codes(&format!("{twice}, {}", block(0.0, ""))), ["check::duplicate_wall_grains"]);
+    assert!(codes(&format!("{twice}, {}", block(0.0, ""))).contains(&"check::duplicate_wall_grains"));
 }
 
 #[test]

@@ -30,7 +30,7 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
     let is_closed = has_thin_walls
         && !has_door
         && match scene.space {
-            Dimension::Plane => leaks::way_out(loaded).is_none(),
+            Dimension::Plane => leaks::way_out(loaded).is_none() && !starts_beside(loaded),
             Dimension::Solid => true,
         };
     if !is_closed {
@@ -41,6 +41,22 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
             help: "add `cull: (below: ...)`, in m, below all walls".to_owned(),
         });
     }
+}
+
+/// Whether a grain of a planar scene starts to the left or right of all discs and segments.
+fn starts_beside(loaded: &Loaded) -> bool {
+    let discs = loaded.wall_discs().into_iter().map(|disc| [disc.centre.x; 2]);
+    let segments = loaded.scene.walls.iter().filter_map(|wall| match wall {
+        Wall::Segment { from, to, .. } => {
+            Some([from.padded().x.min(to.padded().x), from.padded().x.max(to.padded().x)])
+        }
+        _ => None,
+    });
+    let ends = |[low, high]: [f64; 2], [from, to]: [f64; 2]| [low.min(from), high.max(to)];
+    let [low, high] = discs.chain(segments).fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+    let released = loaded.scene.spawner.iter().map(|spawner| spawner.point.padded().x);
+    let mut starts = loaded.grains.iter().map(|grain| grain.position.x).chain(released);
+    loaded.scene.periodic.x.is_none() && starts.any(|x| !(low..=high).contains(&x))
 }
 
 /// Whether half-planes and periodic sides leave a direction downwards.
