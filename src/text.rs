@@ -29,9 +29,9 @@ pub fn for_terminal(text: &str) -> Cow<'_, str> {
     }
     let escaped = text.chars().fold(String::with_capacity(text.len() + 16), |mut escaped, c| {
         if acts_on_a_terminal(c) {
-            escaped.extend(c.escape_unicode())
+            escaped.extend(c.escape_unicode());
         } else {
-            escaped.push(c)
+            escaped.push(c);
         }
         escaped
     });

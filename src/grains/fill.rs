@@ -85,7 +85,7 @@ impl Fill {
         let capacity = self.capacity(dimension);
         let wanted = self.count.map_or(capacity, f64::from).min(capacity);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e7, not negative")]
-        let size = (wanted <= MOST_GRAINS as f64).then_some(wanted as u32);
+        let size = (wanted <= f64::from(MOST_GRAINS)).then_some(wanted as u32);
         size
     }
 
@@ -102,7 +102,7 @@ impl Fill {
         let count = self.size(dimension).unwrap_or(0);
         // A longer row than there are grains makes no difference.
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped; at most 1e7")]
-        let [columns, rows, _] = self.cells(dimension).map(|cells| cells.clamp(1.0, MOST_GRAINS as f64) as u32);
+        let [columns, rows, _] = self.cells(dimension).map(|cells| cells.clamp(1.0, f64::from(MOST_GRAINS)) as u32);
         let random = Stream::new(seed, &format!("fill {number}"));
         let mut quotas = self.radius.quotas(count);
         let axes =

@@ -27,8 +27,8 @@ pub fn changes(first: &Source, second: &Source) -> Vec<Change> {
     let mut listed = FxHashSet::default();
     let [ours, theirs] = [first, second].map(|source| &source.places);
     let text = |source: &Source, place: Option<&Place>| place.map(|place| source.text_of(place).to_owned());
-    let both = ours.all().iter().map(|place| (ours, place, [Some(place), ours.same_in(place, theirs)]));
-    let only_in_second = theirs.all().iter().filter(|place| theirs.same_in(place, ours).is_none());
+    let both = ours.all().iter().map(|place| (ours, place, [Some(place), theirs.same(place)]));
+    let only_in_second = theirs.all().iter().filter(|place| ours.same(place).is_none());
     for (places, place, pair) in both.chain(only_in_second.map(|place| (theirs, place, [None, Some(place)]))) {
         let is_whole = places.parents(place).next().is_none();
         let values = [text(first, pair[0]), text(second, pair[1])];

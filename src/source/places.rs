@@ -118,9 +118,9 @@ impl Places {
         (self.path(place) == path).then_some(place)
     }
 
-    /// The value of another text that has the same path as `place` of these ones.
-    pub(super) fn same_in<'a>(&self, place: &Place, other: &'a Self) -> Option<&'a Place> {
-        other.by_hash.get(&place.hash).map(|&number| &other.all[number])
+    /// The value here that has the same path as `place` of another text.
+    pub(super) fn same(&self, place: &Place) -> Option<&Place> {
+        self.by_hash.get(&place.hash).map(|&number| &self.all[number])
     }
 
     /// The value with this path, or its nearest parent that stands in the text.

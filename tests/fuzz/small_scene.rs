@@ -18,38 +18,15 @@ impl Choices {
         values[usize::from(self.0[key]) % values.len()]
     }
 
-    /// The text of the scene.
-    fn text(&self) -> String {
-        let is_solid = self.0[0].is_multiple_of(2);
-        let pick = |key: usize, plane: &[&'static str], solid: &[&'static str]| {
-            self.of(key, if is_solid { solid } else { plane })
-        };
-        let contact = self.of(
-            1,
-            &[
-                "Assignment(k: 1.0e4, b: 5.0)",
-                "Linear(k: 1.0e5, damping: Restitution(0.5))",
-                "Linear(k: 1.0e5, damping: B(0.0), tangential: Spring(k: 5.0e4, damping: B(1.0), friction: 0.5), rolling: (k: 10.0, damping: B(0.0), friction: 0.1))",
-                "Linear(k: 1.0e-3, damping: PerMass(1.0e3), tangential: Dashpot(damping: B(1.0), friction: 2.0))",
-                "Hertz(restitution: 0.3, tangential: Mindlin(friction: 0.4)), materials: [(young: 1.0e7, poisson: 0.3)]",
-                "Hertz(restitution: 1.0), materials: [(young: 1.0e12, poisson: -0.9)]",
-            ],
-        );
+    /// One of the values of the scene's space.
+    fn pick(&self, key: usize, plane: &[&'static str], solid: &[&'static str]) -> &'static str {
+        self.of(key, if self.0[0].is_multiple_of(2) { solid } else { plane })
+    }
+
+    /// The keys `fill`, `spawner` and `walls`.
+    fn bodies(&self) -> String {
         let keys = [
-            pick(0, &["space: Plane"], &["space: Solid"]).to_owned(),
-            format!("contact: {contact}"),
-            format!(
-                "gravity: {}",
-                pick(
-                    2,
-                    &["(0.0, -9.81)", "(0.0, 0.0)", "(1.0e3, 2.0)"],
-                    &["(0.0, 0.0, -9.81)", "(0.0, 0.0, 0.0)", "(5.0, 0.0, 1.0e-9)"]
-                )
-            ),
-            format!("mass: {}", self.of(3, &["Sphere(2500.0)", "Disc(1.0)", "ArealSquare(1.0e6)", "Sphere(1.0e-6)"])),
-            format!("integrator: {}", self.of(4, &["Centred", "Verlet", "SymplecticEuler", "ExplicitEuler"])),
-            format!("step: {}", self.of(5, &["Auto(error: 1.0e-3)", "Fixed(1.0e-5)", "Fixed(1.0e-3)", "Fixed(1.0)"])),
-            pick(
+            self.pick(
                 6,
                 &[
                     "fill: []",
@@ -65,7 +42,7 @@ impl Choices {
             .replace("RADIUS", &format!("radius: {}", self.of(7, RADII)))
             .replace(
                 "VELOCITY",
-                pick(
+                self.pick(
                     8,
                     &["jitter: 0.0", "jitter: 0.02", "velocity: (100.0, 0.0)", "agitation: (5.0, 5.0)", "fixed: true"],
                     &[
@@ -77,7 +54,7 @@ impl Choices {
                     ],
                 ),
             ),
-            pick(
+            self.pick(
                 9,
                 &[
                     "spawner: None",
@@ -91,7 +68,7 @@ impl Choices {
             .replace("RADIUS", &format!("radius: {}", self.of(7, RADII))),
             format!(
                 "walls: [{}]",
-                pick(
+                self.pick(
                     10,
                     &[
                         "",
@@ -107,6 +84,38 @@ impl Choices {
                     ],
                 )
             ),
+        ];
+        keys.join(",\n")
+    }
+
+    /// The text of the scene.
+    fn text(&self) -> String {
+        let contact = self.of(
+            1,
+            &[
+                "Assignment(k: 1.0e4, b: 5.0)",
+                "Linear(k: 1.0e5, damping: Restitution(0.5))",
+                "Linear(k: 1.0e5, damping: B(0.0), tangential: Spring(k: 5.0e4, damping: B(1.0), friction: 0.5), rolling: (k: 10.0, damping: B(0.0), friction: 0.1))",
+                "Linear(k: 1.0e-3, damping: PerMass(1.0e3), tangential: Dashpot(damping: B(1.0), friction: 2.0))",
+                "Hertz(restitution: 0.3, tangential: Mindlin(friction: 0.4)), materials: [(young: 1.0e7, poisson: 0.3)]",
+                "Hertz(restitution: 1.0), materials: [(young: 1.0e12, poisson: -0.9)]",
+            ],
+        );
+        let keys = [
+            self.pick(0, &["space: Plane"], &["space: Solid"]).to_owned(),
+            format!("contact: {contact}"),
+            format!(
+                "gravity: {}",
+                self.pick(
+                    2,
+                    &["(0.0, -9.81)", "(0.0, 0.0)", "(1.0e3, 2.0)"],
+                    &["(0.0, 0.0, -9.81)", "(0.0, 0.0, 0.0)", "(5.0, 0.0, 1.0e-9)"]
+                )
+            ),
+            format!("mass: {}", self.of(3, &["Sphere(2500.0)", "Disc(1.0)", "ArealSquare(1.0e6)", "Sphere(1.0e-6)"])),
+            format!("integrator: {}", self.of(4, &["Centred", "Verlet", "SymplecticEuler", "ExplicitEuler"])),
+            format!("step: {}", self.of(5, &["Auto(error: 1.0e-3)", "Fixed(1.0e-5)", "Fixed(1.0e-3)", "Fixed(1.0)"])),
+            self.bodies(),
             format!("periodic: ({})", self.of(11, &["", "", "x: (-0.5, 0.5)", "x: (-0.5, 0.5), y: (0.0, 1.0)"])),
             format!(
                 "neighbours: {}",

@@ -54,7 +54,7 @@ fn rows(source: impl io::Read, kind: Kind) -> Result<Vec<GrainRow>, Defect> {
                 format!("the id {} occurs twice", row.id.number()),
             ));
         }
-        if rows.len() == MOST_GRAINS {
+        if rows.len() == MOST_GRAINS as usize {
             let message = format!("the file has more than {MOST_GRAINS} grains, the limit of a scene");
             return Err(line.defect("grain_file::too_many", "id", message));
         }

@@ -26,7 +26,7 @@ pub fn fill(loaded: &Loaded) -> Result<(), Fault> {
         }
         let size = fill.size(scene.space).map_or(usize::MAX, |size| size as usize);
         total = total.saturating_add(size);
-        if total > MOST_GRAINS {
+        if total > MOST_GRAINS as usize {
             return Err(too_many(loaded, index, fill));
         }
         let wanted = fill.count.unwrap_or(1) as usize;

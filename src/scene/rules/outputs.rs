@@ -22,8 +22,8 @@ pub(super) fn pictures(loaded: &Loaded) -> Result<(), Fault> {
         return Ok(());
     }
     let pixels = expected::pixels(loaded);
-    // The comparison also holds for a view without a size.
-    if !(pixels <= MOST_PIXELS) {
+    // A view without a size has no number of pixels.
+    if pixels.is_nan() || pixels > MOST_PIXELS {
         let message =
             format!("a picture would have {pixels:.2e} pixels, more than the limit of {MOST_PIXELS:e} for PNG");
         return Err(loaded
