@@ -36,11 +36,11 @@ pub const MOST_SHAPES: usize = 900_000;
 const LONGEST_SIDE: u32 = 200_000;
 
 /// Elements of siloflow's pictures and figures.
-const ELEMENTS: [&str; 12] =
+pub const ELEMENTS: [&str; 12] =
     ["svg", "g", "rect", "circle", "line", "path", "polygon", "polyline", "text", "tspan", "linearGradient", "stop"];
 
 /// Most characters of a label.
-const LONGEST_LABEL: usize = 1000;
+pub const LONGEST_LABEL: usize = 1000;
 
 /// Largest coordinate of a shape, px. [`svg`](crate::writers::svg) writes no larger ones.
 pub const FARTHEST: f64 = 1.0e7;

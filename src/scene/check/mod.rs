@@ -9,7 +9,7 @@
 //!   and is compressed by that force over k.
 //! * The door: without wall discs on both sides it has no orifice through which a grain could count as out.
 //! * The path: a grain that moves farther than a wall is thick, or than a grain is wide, in one step may pass it undetected.
-//! * The start ([`start`]) and the fall ([`falling`]): overlaps, places inside and outside of walls, grains that fall for ever.
+//! * The start (`check/start.rs`) and the fall (`check/falling.rs`): overlaps, places inside and outside of walls, grains that fall for ever.
 //! * The output: a warning if the run would write more than [`MOST_BYTES`] up to `until`.
 
 mod falling;
