@@ -1,6 +1,5 @@
 //! Loads a scene: applies `--set` to its text, parses it, reads its files and checks its rules.
 
-use std::fs;
 use std::path::Path;
 
 use crate::contact::config::{Contact, Contacts};
@@ -14,7 +13,7 @@ use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
 use crate::scene::check::{Estimates, automatic};
 use crate::scene::{Method, Scene, TimeStep, rules};
-use crate::source::Source;
+use crate::source::{Source, files};
 use crate::space::{Dimension, Solid, Space};
 use crate::spin::InertiaLaw;
 use crate::values::Positive;
@@ -103,7 +102,8 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
     rules::space(&loaded)?;
     if let Some(silo) = loaded.scene.silo.clone() {
         let path = loaded.source.name_file("silo.file", &silo.file);
-        let text = fs::read_to_string(&path).map_err(|error| loaded.source.unreadable("silo.file", &path, &error))?;
+        let text = files::read_text(&path, files::SILO_BYTES)
+            .map_err(|error| loaded.source.unreadable("silo.file", &path, &error))?;
         loaded.silo = silo_file::parse(&path.display().to_string(), &text, silo.unit)?;
     }
     if let Some(grains) = loaded.scene.grains.clone() {
@@ -112,6 +112,8 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
         let grains = file::read(&path.display().to_string(), &path, kind);
         loaded.grains = grains.map_err(|error| loaded.source.unreadable("grains.file", &path, &error))??;
     }
+    // Before any grain is created.
+    rules::fill(&loaded)?;
     loaded.fill();
     rules::check(&loaded)?;
     loaded.choose_scheme();
@@ -250,7 +252,7 @@ impl Loaded {
     }
 
     /// Radii of all fixed discs and spheres, m.
-    fn fixed_radii(&self) -> impl Iterator<Item = f64> {
+    pub(super) fn fixed_radii(&self) -> impl Iterator<Item = f64> {
         let own = self.scene.walls.iter().filter_map(|wall| match wall {
             Wall::Disc { radius, .. } => Some(radius.get()),
             _ => None,

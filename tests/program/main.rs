@@ -16,6 +16,7 @@
 mod accuracy;
 mod architecture;
 mod behaviours;
+mod checks;
 mod command_line;
 mod compare;
 mod contact_behaviours;
@@ -27,6 +28,8 @@ mod docs;
 mod faults;
 mod friction_scenes;
 mod hard;
+#[cfg(unix)]
+mod hostile;
 mod instructions;
 mod lattice;
 mod long_runs;
