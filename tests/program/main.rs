@@ -16,6 +16,7 @@
 mod accuracy;
 mod architecture;
 mod behaviours;
+mod checkpoints;
 mod command_line;
 mod compare;
 mod contact_behaviours;
@@ -26,12 +27,15 @@ mod docs;
 #[cfg(unix)]
 mod faults;
 mod friction_scenes;
+mod from_run;
 mod hard;
 mod instructions;
 mod lattice;
 mod long_runs;
 mod periodic;
 mod pins;
+#[cfg(unix)]
+mod resume;
 #[cfg(unix)]
 mod run_directory;
 mod scenes;
