@@ -1,9 +1,15 @@
-//! A fault in the input: its message, its place and a remedy.
+//! A fault in the input: its message, its place and a remedy. Messages show text of the input only as
+//! [`text`](crate::text) makes it safe.
+
+mod excerpt;
 
 use std::fmt;
 use std::ops::Range;
 
-use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+use miette::{Diagnostic, LabeledSpan, SourceCode};
+
+use crate::fault::excerpt::Excerpt;
+use crate::text::{LONGEST_QUOTATION, cut, message};
 
 /// An error of the input: a stable code, a message, a help line and, if known, the place in a file.
 #[derive(Clone, Debug)]
@@ -15,42 +21,34 @@ struct Inner {
     message: String,
     help: Option<String>,
     key: Option<String>,
-    place: Option<Place>,
-}
-
-#[derive(Clone, Debug)]
-struct Place {
-    source: NamedSource<String>,
-    range: Range<usize>,
+    place: Option<Excerpt>,
 }
 
 impl Fault {
     /// A fault with the stable `code` (`area::name`).
     #[must_use]
-    pub fn new(code: &'static str, message: impl Into<String>) -> Self {
-        Self(Box::new(Inner { code, message: message.into(), help: None, key: None, place: None }))
+    pub fn new(code: &'static str, text: impl Into<String>) -> Self {
+        Self(Box::new(Inner { code, message: message(&text.into()), help: None, key: None, place: None }))
     }
 
     /// Adds the help line.
     #[must_use]
     pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.0.help = Some(help.into());
+        self.0.help = Some(message(&help.into()));
         self
     }
 
     /// Names the scene key that is at fault.
     #[must_use]
     pub fn key(mut self, key: impl Into<String>) -> Self {
-        self.0.key = Some(key.into());
+        self.0.key = Some(message(&cut(&key.into(), LONGEST_QUOTATION)));
         self
     }
 
     /// Points at a byte range of `text`, the content of the file `name`.
     #[must_use]
     pub fn at(mut self, name: &str, text: &str, range: Range<usize>) -> Self {
-        let source = NamedSource::new(name, text.to_owned());
-        let end = range.end.min(text.len());
-        self.0.place = Some(Place { source, range: range.start.min(end)..end });
+        self.0.place = Some(Excerpt::new(name, text, range));
         self
     }
 
@@ -69,10 +67,7 @@ impl Fault {
     /// Line and column of the place, both counted from 1.
     #[must_use]
     pub fn line_and_column(&self) -> Option<(usize, usize)> {
-        let place = self.0.place.as_ref()?;
-        let before = &place.source.inner()[..place.range.start];
-        let line_start = before.rfind('\n').map_or(0, |newline| newline + 1);
-        Some((before.matches('\n').count() + 1, before[line_start..].chars().count() + 1))
+        self.0.place.as_ref().map(|place| (place.line + 1, place.column + 1))
     }
 }
 
@@ -97,12 +92,12 @@ impl Diagnostic for Fault {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.0.place.as_ref().map(|place| &place.source as &dyn SourceCode)
+        self.0.place.as_ref().map(|place| place as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
         let place = self.0.place.as_ref()?;
-        let label = LabeledSpan::new_with_span(Some("here".to_owned()), place.range.clone());
+        let label = LabeledSpan::new_with_span(Some("here".to_owned()), place.place.clone());
         Some(Box::new(std::iter::once(label)))
     }
 }
@@ -120,6 +115,6 @@ pub struct Warning {
 
 impl fmt::Display for Warning {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}: {}; {}", self.code, self.message, self.help)
+        write!(f, "{}: {}; {}", self.code, message(&self.message), message(&self.help))
     }
 }

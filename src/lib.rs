@@ -76,6 +76,7 @@ pub mod step;
 pub mod store;
 pub mod survey;
 pub(crate) mod table_sort;
+pub mod text;
 pub mod threads;
 pub mod values;
 pub mod walls;

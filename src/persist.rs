@@ -244,12 +244,14 @@ pub fn restore(world: &mut World, sections: &[Section], unknown: UnknownState) -
             return Err(format!("it holds {name}, which this scene does not have"));
         }
         let count = decode(content(ENTITIES).ok_or("it does not say how many entities there are")?)?;
+        // Every entity has a component whose value takes a byte.
+        let most = sections.iter().map(|(_, bytes)| bytes.len()).sum();
         // Entities that plugins have made are among the saved ones.
         let made: Vec<_> = EntityNumbers::of(world, &registered.components()).entities().collect();
         for entity in made {
             world.despawn(entity);
         }
-        let entities = SavedEntities::spawn(world, count)?;
+        let entities = SavedEntities::spawn(world, count, most)?;
         let mut in_order: Vec<_> = registered.entries.iter().collect();
         in_order.sort_by_key(|entry| !entry.is_component);
         for Entry { name, restore, .. } in in_order {

@@ -14,8 +14,10 @@ use crate::lattice::sites::Sites;
 use crate::scene::TimeStep;
 use crate::scene::check::step::automatic;
 use crate::scene::check::{self, Estimates};
+use crate::scene::expected::{self, BYTES_PER_GRAIN};
 use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;
+use crate::writers::volume::{self, Output, Volume};
 
 /// Arguments of `check`.
 #[derive(Args, Debug)]
@@ -58,6 +60,17 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<Verdict, Fa
 
 /// Adds the estimates of a scene of grains. Writing to a string cannot fail.
 fn describe(loaded: &Loaded, text: &mut String) {
+    let (grains, fixed) = (loaded.grains.len(), loaded.fixed.len());
+    #[expect(clippy::cast_precision_loss, reason = "a number of grains")]
+    let megabytes = (grains + fixed) as f64 * BYTES_PER_GRAIN / 1e6;
+    let _ = writeln!(
+        text,
+        "start             {grains} grains, {fixed} wall grains of `fill`, about {megabytes:.1} MB of memory"
+    );
+    if let Some(dt) = expected::known_step(loaded) {
+        let steps = loaded.scene.until.get() / dt;
+        describe_output(&expected::outputs(loaded, dt), steps, text);
+    }
     let Some(e) = Estimates::of(loaded) else { return };
     let _ = write!(
         text,
@@ -83,6 +96,20 @@ fn describe(loaded: &Loaded, text: &mut String) {
     }
 }
 
+/// Adds what a run writes, if it lasts to `until`. Writing to a string cannot fail.
+fn describe_output(outputs: &[Output], steps: f64, text: &mut String) {
+    let Volume { rows, pictures, bytes } = volume::total(outputs, steps);
+    let figure = |x: f64| if x < 1e6 { format!("{x:.0}") } else { format!("{x:.1e}") };
+    let _ = writeln!(
+        text,
+        "output to `until` {} steps: about {} rows, {} pictures, {} MB",
+        figure(steps),
+        figure(rows),
+        figure(pictures),
+        figure((bytes / 1e6).ceil())
+    );
+}
+
 fn describe_lattice(loaded: &LoadedLattice, text: &mut String) {
     let sites = &loaded.sites;
     let (columns, rows) = Sites::extent(&loaded.outline(), sites.spacing);
@@ -97,4 +124,6 @@ fn describe_lattice(loaded: &LoadedLattice, text: &mut String) {
         lattice::check::diffuse_layer(loaded)
             .map_or("none: no gravity".to_owned(), |layer| format!("about {layer:.2} m thick (12/g sites)")),
     );
+    #[expect(clippy::cast_precision_loss, reason = "a number of steps")]
+    describe_output(&lattice::limits::outputs(loaded), loaded.scene.until as f64, text);
 }

@@ -55,11 +55,11 @@ pub(super) struct DiffArgs {
 
 /// The report that `--json` prints.
 #[derive(Serialize)]
-struct Report<'a> {
+struct Report {
     same: bool,
     first: String,
     second: String,
-    keys: Vec<Change<'a>>,
+    keys: Vec<Change>,
     /// Steps done when the comparison ended.
     steps: u64,
     time_s: f64,

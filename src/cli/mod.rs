@@ -32,6 +32,7 @@ use crate::cli::exit_status::{REFUSED, Verdict};
 use crate::fault::Fault;
 use crate::output::run_directory;
 use crate::scene::load::{self, AnyScene};
+use crate::text::for_terminal;
 use crate::writers::png;
 
 /// Simulates grain in silos from one scene file, and leaves pictures, figures and data.
@@ -229,11 +230,11 @@ fn say_aside(line: &str) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// Writes a result to stdout. A closed pipe is not an error.
+/// Writes a result to stdout, with text from scenes and file names made safe for a terminal. A closed pipe is not an error.
 fn say(text: &str) {
     use std::io::Write as _;
     let mut stdout = std::io::stdout().lock();
-    let _ = stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush());
+    let _ = stdout.write_all(for_terminal(text).as_bytes()).and_then(|()| stdout.flush());
 }
 
 const ONE_THREAD: NonZeroUsize = NonZeroUsize::MIN;

@@ -7,7 +7,6 @@
 //! * `flow.csv`: `x_m`, `y_m`, `samples`, `count`, and `vx`, `vy` in `_m_per_s` or `_m_per_step`.
 //! * `scene.ron`: wall grains, for pictures; optional.
 
-use std::fs;
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord};
@@ -19,6 +18,7 @@ use crate::compare::field::Field;
 use crate::fault::Fault;
 use crate::measure::flow::FlowMeans;
 use crate::scene::load::{self, AnyScene};
+use crate::source::files;
 use crate::space::Vector;
 use crate::walls::silo_file::Disc;
 
@@ -74,7 +74,7 @@ fn outlines(scene: &AnyScene) -> (Vec<Disc>, Vec<(Vector, Vector)>) {
 }
 
 fn summary(path: &Path) -> Result<Value, Fault> {
-    let text = fs::read_to_string(path).map_err(|error| {
+    let text = files::read_text(path, files::RESULT_BYTES).map_err(|error| {
         Fault::new("compare::no_summary", format!("could not read {}: {error}", path.display()))
             .help("a run writes it when it ends: has this one ended? `siloflow run` makes run directories")
     })?;
@@ -113,7 +113,7 @@ struct Table {
 impl Table {
     fn read(path: &Path, help: &str) -> Result<Self, Fault> {
         let path_text = path.display().to_string();
-        let text = fs::read_to_string(path).map_err(|error| {
+        let text = files::read_text(path, files::RESULT_BYTES).map_err(|error| {
             Fault::new("compare::unreadable", format!("could not read {path_text}: {error}")).help(help)
         })?;
         let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
@@ -157,7 +157,7 @@ mod tests {
     fn directory(files: &[(&str, &str)]) -> tempfile::TempDir {
         let here = tempfile::tempdir().unwrap();
         for (name, text) in files {
-            fs::write(here.path().join(name), text).unwrap();
+            std::fs::write(here.path().join(name), text).unwrap();
         }
         here
     }

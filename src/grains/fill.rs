@@ -8,6 +8,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::grains::MOST_GRAINS;
 use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
 use crate::grains::spawner::RadiusLaw;
@@ -58,29 +59,34 @@ pub struct FixedGrain {
     pub species: Species,
 }
 
-/// Largest accepted number of grains, and of cells along an axis. More are a typing error, or exceed the memory of a
-/// machine.
-const MAX_GRAINS: f64 = 1e7;
-
 impl Fill {
-    /// Returns the number of lattice cells along each axis.
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e7, not negative")]
-    fn cells(&self, dimension: Dimension) -> [u32; 3] {
+    /// Returns the number of lattice cells along each axis, as whole numbers of any size; infinite if the box is too long for
+    /// a number.
+    fn cells(&self, dimension: Dimension) -> [f64; 3] {
         let (low, high) = (self.low.padded(), self.high.padded());
         // The corners of a box far from the origin are rounded themselves.
         let round_off = (low.abs() + high.abs()) * f64::EPSILON;
         let size = high - low + round_off;
-        let along = |axis: usize| (size[axis] / self.spacing.get() * (1.0 + 1e-12)).clamp(0.0, MAX_GRAINS) as u32;
-        [along(0), along(1), if dimension == Dimension::Solid { along(2) } else { 1 }]
+        let along = |axis: usize| (size[axis] / self.spacing.get() * (1.0 + 1e-12)).floor().max(0.0);
+        [along(0), along(1), if dimension == Dimension::Solid { along(2) } else { 1.0 }]
     }
 
-    /// Returns the number of grains; `None` if they are too many.
+    /// Returns the number of grains that fit; it may be infinite.
+    #[must_use]
+    pub fn capacity(&self, dimension: Dimension) -> f64 {
+        let cells = self.cells(dimension);
+        // Zero times infinity is no number.
+        if cells.contains(&0.0) { 0.0 } else { cells.into_iter().product() }
+    }
+
+    /// Returns the number of grains; `None` if they are more than [`MOST_GRAINS`].
     #[must_use]
     pub fn size(&self, dimension: Dimension) -> Option<u32> {
-        let capacity = self.cells(dimension).into_iter().map(f64::from).product::<f64>();
+        let capacity = self.capacity(dimension);
         let wanted = self.count.map_or(capacity, f64::from).min(capacity);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most 1e7, not negative")]
-        (wanted <= MAX_GRAINS).then_some(wanted as u32)
+        let size = (wanted <= f64::from(MOST_GRAINS)).then_some(wanted as u32);
+        size
     }
 
     /// Returns the grains, with ids from `first_id` on, until ids run out. `number` is the number of this `fill` in the
@@ -94,7 +100,9 @@ impl Fill {
         first_id: u32,
     ) -> Vec<GrainRow> {
         let count = self.size(dimension).unwrap_or(0);
-        let [columns, rows, _] = self.cells(dimension).map(|cells| cells.max(1));
+        // A longer row than there are grains makes no difference.
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped; at most 1e7")]
+        let [columns, rows, _] = self.cells(dimension).map(|cells| cells.clamp(1.0, f64::from(MOST_GRAINS)) as u32);
         let random = Stream::new(seed, &format!("fill {number}"));
         let mut quotas = self.radius.quotas(count);
         let axes =
@@ -140,6 +148,19 @@ mod tests {
         let near = |n: usize, x: f64, y: f64, z: f64| grains[n].position.distance(Solid::new(x, y, z)) < 1e-16;
         assert!(near(0, 0.05, 0.05, 0.05) && near(3, 0.05, 0.15, 0.05) && near(11, 0.25, 0.15, 0.15));
         assert_eq!((grains[0].id, grains[11].id), (GrainId::grain(5).unwrap(), GrainId::grain(16).unwrap()));
+    }
+
+    #[test]
+    fn boxes_of_any_size_have_a_capacity_and_a_count_bounds_their_grains() {
+        let long = |count: &str| {
+            fill(&format!("(low: (0.0, 0.0), high: (1.0e10, 1.0), spacing: 1.0, radius: Fixed(0.3){count})"))
+        };
+        assert_eq!((long("").capacity(Dimension::Plane), long("").size(Dimension::Plane)), (1.0e10, None));
+        let few = long(", count: 3");
+        assert_eq!(few.size(Dimension::Plane), Some(3));
+        assert_eq!(few.grains(Dimension::Plane, None, 1, 0, 1)[2].position, Solid::new(2.5, 0.5, 0.0));
+        let endless = fill("(low: (-1.7e308, 0.0), high: (1.7e308, 0.1), spacing: 1.0, radius: Fixed(0.3))");
+        assert_eq!((endless.capacity(Dimension::Plane), endless.size(Dimension::Plane)), (0.0, Some(0)));
     }
 
     #[test]

@@ -5,3 +5,7 @@ pub mod fill;
 pub(crate) mod grain_snapshot;
 pub mod mass;
 pub mod spawner;
+
+/// Most grains at the start of a scene, from its file and all its fills: more exceed the memory of most machines, or are a typing
+/// error.
+pub const MOST_GRAINS: u32 = 10_000_000;

@@ -27,6 +27,7 @@ pub mod draws;
 pub mod enter;
 pub(crate) mod flow;
 pub mod gas;
+pub(crate) mod limits;
 pub mod load;
 pub mod observables;
 pub mod outline;

@@ -13,6 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::lattice::door::DoorState;
 use crate::lattice::gas::Gas;
+use crate::lattice::limits;
 use crate::lattice::load::LoadedLattice;
 use crate::lattice::sites::Sites;
 use crate::lattice::velocities::in_bonds;
@@ -151,10 +152,8 @@ impl PicturesPlugin {
     pub fn of(loaded: &LoadedLattice, directory: PathBuf) -> Option<Self> {
         let pictures = loaded.scene.pictures.clone()?;
         let title = if loaded.scene.title.is_empty() { &loaded.source.name } else { &loaded.scene.title };
-        let (low, high) = loaded.outline().bounds();
-        let margin = Vector::splat(0.04 * (high - low).max_element());
+        let view = limits::view(loaded);
         let door = loaded.scene.door.map(|door| (door.from.get(), door.to.get()));
-        let view = (low - margin, high + margin);
         Some(Self(PictureSettings { pictures, title: title.clone(), view, door }, directory))
     }
 }

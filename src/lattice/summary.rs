@@ -21,7 +21,7 @@ use crate::step::Clock;
 use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
 use crate::writers::fnv::Fnv;
-use crate::writers::peak::peak_memory;
+use crate::writers::memory::peak_memory;
 
 /// The content of `summary.json`.
 #[derive(Debug, Serialize)]

@@ -5,21 +5,19 @@ use std::collections::HashSet;
 use crate::fault::Fault;
 use crate::lattice::door::DoorOpens;
 use crate::lattice::enter::Thrown;
+use crate::lattice::limits;
 use crate::lattice::load::{LoadedLattice, polygon};
 use crate::lattice::outline::distance;
 use crate::lattice::rules::Rules;
 use crate::lattice::scene::LatticeScene;
-use crate::lattice::sites::Sites;
 use crate::source::Source;
-
-/// Largest number of stored sites, about 3 GB.
-const MOST_SITES: usize = 200_000_000;
 
 /// Checks the polygons, the door and the number of sites, before the sites are created.
 ///
 /// # Errors
 /// The first rule that is broken, pointing at the key.
 pub(super) fn shapes(scene: &LatticeScene, rules: &Rules, source: &Source) -> Result<(), Fault> {
+    limits::corners(scene, source)?;
     let named = scene.inserts.iter().enumerate().map(|(n, corners)| (format!("inserts[{n}]"), corners));
     for (key, corners) in std::iter::once(("outline".to_owned(), &scene.outline)).chain(named) {
         let is_planar = corners.iter().all(|corner| corner.count() == 2);
@@ -42,12 +40,7 @@ pub(super) fn shapes(scene: &LatticeScene, rules: &Rules, source: &Source) -> Re
         let message = "expected two different points (x, y) as the ends of the door";
         return Err(source.fault("scene::degenerate_wall", "door", message).help("give `from` and `to`, in m"));
     }
-    let (columns, rows) = Sites::extent(&polygon(&scene.outline), rules.spacing.get());
-    if Sites::stored(columns, rows) > MOST_SITES {
-        let message = format!("{columns} columns of {rows} sites, with a margin, are more than {MOST_SITES} sites");
-        return Err(source.fault("scene::out_of_range", "method.spacing", message).help("give a larger spacing, in m"));
-    }
-    Ok(())
+    limits::sites(scene, rules, source)
 }
 
 /// Checks a scene after its sites have been created.
@@ -154,12 +147,7 @@ fn particles(loaded: &LoadedLattice) -> Result<(), Fault> {
 }
 
 fn outputs(loaded: &LoadedLattice) -> Result<(), Fault> {
-    if let Some(pictures) = &loaded.scene.pictures
-        && !(50.0..=20_000.0).contains(&pictures.width.get())
-    {
-        let message = "expected a width of 50 to 20000 px";
-        return Err(loaded.fault("scene::out_of_range", "pictures.width", message, "480 is a good width"));
-    }
+    limits::check(loaded)?;
     let Some(flow) = loaded.scene.flow else { return Ok(()) };
     if flow.from >= flow.to {
         let message = format!("the window is empty: it begins at {} and ends at {}", flow.from.get(), flow.to.get());

@@ -23,7 +23,8 @@ use crate::outcome::Outcome;
 use crate::particle::{Door, Grain, Radius, Slot, Species};
 use crate::scene::load::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
-use crate::space::{Dimension, Plane, Solid, Space, Vector};
+use crate::scene::view::{self, corners};
+use crate::space::{Dimension, Space, Vector};
 use crate::step::{Clock, Step};
 use crate::store::Body;
 use crate::survey::{Partner, Survey, SurveyParam};
@@ -128,7 +129,7 @@ impl FrameRenderer {
     #[must_use]
     pub fn of(loaded: &Loaded, directory: PathBuf) -> Option<Self> {
         let pictures = loaded.scene.pictures.clone()?;
-        let view = pictures.view.map_or_else(|| full_view(loaded), |(low, high)| (low.get(), high.get()));
+        let view = view::of(loaded, &pictures);
         let title = if loaded.scene.title.is_empty() { loaded.source.name.clone() } else { loaded.scene.title.clone() };
         let species = match loaded.scene.spawner.as_ref().map(|spawner| &spawner.radius) {
             Some(RadiusLaw::Fixed(radius)) => vec![format!("R = {} m", radius.get())],
@@ -215,49 +216,6 @@ impl FrameRenderer {
             }
         }
     }
-}
-
-/// Returns the corners of a flat wall in order; for a half-plane, its point.
-fn corners<V: Space>(wall: &Surface<V>) -> Vec<V> {
-    match *wall {
-        Surface::Segment { from, to } => vec![from, to],
-        Surface::HalfPlane { point, .. } => vec![point],
-        Surface::Panel { corner, along, across } => {
-            vec![corner, corner + along, corner + along + across, corner + across]
-        }
-    }
-}
-
-/// Returns the corners of a view (m) that contains all walls, the initial grains, the spawner and the cull line.
-fn full_view(loaded: &Loaded) -> (Vector, Vector) {
-    match loaded.scene.space {
-        Dimension::Plane => full_view_in::<Plane>(loaded),
-        Dimension::Solid => full_view_in::<Solid>(loaded),
-    }
-}
-
-fn full_view_in<V: Space>(loaded: &Loaded) -> (Vector, Vector) {
-    let disc = |centre: Vector, radius: f64| [centre - Vector::splat(radius), centre + Vector::splat(radius)];
-    let paper = |x: Solid| V::narrow(x).on_paper();
-    let mut corners: Vec<Vector> = Vec::new();
-    corners.extend(loaded.wall_discs().iter().chain(&loaded.silo.door).flat_map(|d| disc(d.centre, d.radius)));
-    corners.extend(loaded.grains.iter().flat_map(|g| disc(paper(g.position), g.radius)));
-    corners.extend(loaded.fixed.iter().flat_map(|g| disc(paper(g.position), g.radius)));
-    if let (Some(spawner), Some((_, largest))) = (&loaded.scene.spawner, loaded.grain_radii()) {
-        corners.extend(disc(spawner.point.get::<V>().on_paper(), largest));
-    }
-    let surfaces = loaded.surfaces::<V>();
-    corners.extend(surfaces.iter().flat_map(|wall| self::corners(&wall.surface)).map(Space::on_paper));
-    if let (Some(cull), Some(any)) = (loaded.scene.cull, corners.first().copied()) {
-        corners.push(Vector::new(any.x, cull.below.get()));
-    }
-    let low = corners.iter().copied().reduce(Vector::min).unwrap_or(Vector::ZERO);
-    let high = corners.iter().copied().reduce(Vector::max).unwrap_or(Vector::ONE);
-    // The view is at least half as wide as it is high, so that the header fits.
-    let size = high - low;
-    let margin = Vector::splat(0.04 * size.max_element().max(1e-6));
-    let widen = Vector::new((0.25 * size.y - 0.5 * size.x).max(0.0), 0.0);
-    (low - margin - widen, high + margin + widen)
 }
 
 /// Draws the pictures of a run.

@@ -215,7 +215,7 @@ impl RunDirectory {
         fs::create_dir(now.join(FRAMES))?;
         for (key, from) in &source.files {
             let mut copy = File::create_new(now.join(copy_name(key)))?;
-            match source.text_of(key) {
+            match source.text_for(key) {
                 Some(text) => copy.write_all(text.as_bytes())?,
                 None => io::copy(&mut File::open(from)?, &mut copy).map(|_| ())?,
             }

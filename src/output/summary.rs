@@ -30,7 +30,7 @@ use crate::step::Clock;
 use crate::store::ParticleStore;
 use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
-use crate::writers::peak::peak_memory;
+use crate::writers::memory::peak_memory;
 
 /// Content of `summary.json`.
 #[derive(Debug, Serialize)]

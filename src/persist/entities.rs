@@ -1,12 +1,13 @@
 //! Entities in saved state: each saved entity has a number, and a component is a column of values over these numbers.
 
+use std::ops::Range;
+
 use bevy_ecs::archetype::{Archetype, ArchetypeEntity};
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::prelude::*;
 use rustc_hash::FxHashMap;
-use serde::{Deserialize, Serialize};
 
-use crate::persist::{Persistent, Problem, decode, encode};
+use crate::persist::{Persistent, Problem, encode};
 
 /// The numbers of the saved entities: all that have a registered component.
 pub struct EntityNumbers(FxHashMap<Entity, u32>);
@@ -37,18 +38,21 @@ impl EntityNumbers {
     }
 }
 
-/// Largest number of entities that a checkpoint may ask for: ids of grains have 31 bits.
-const MOST_ENTITIES: u32 = 1 << 31;
-
 /// The entities that stand for the saved ones, by their numbers.
 pub struct SavedEntities(Vec<Entity>);
 
 impl SavedEntities {
-    pub(super) fn spawn(world: &mut World, count: u32) -> Result<Self, Problem> {
-        if count > MOST_ENTITIES {
-            return Err(format!("it has {count} entities, more than can be"));
+    /// Spawns the entities, at most `most`.
+    pub(super) fn spawn(world: &mut World, count: u32, most: usize) -> Result<Self, Problem> {
+        if count as usize > most {
+            return Err(format!("it has {count} entities, more than it can hold"));
         }
         Ok(Self(world.spawn_batch((0..count).map(|_| ())).collect()))
+    }
+
+    /// Returns the entities with these numbers; `None` if one does not exist.
+    fn in_range(&self, numbers: Range<u32>) -> Option<&[Entity]> {
+        self.0.get(numbers.start as usize..numbers.end as usize)
     }
 
     /// Returns the entity with a number.
@@ -56,20 +60,6 @@ impl SavedEntities {
     pub fn get(&self, number: u32) -> Option<Entity> {
         self.0.get(number as usize).copied()
     }
-}
-
-/// The values of a component.
-#[derive(Serialize, Deserialize)]
-struct Column<C> {
-    /// First number and length of each run of successive entities.
-    runs: Vec<[u32; 2]>,
-    values: Vec<C>,
-}
-
-#[derive(Serialize)]
-struct ColumnOf<'a, C> {
-    runs: Vec<[u32; 2]>,
-    values: Vec<&'a C>,
 }
 
 pub(super) fn save_column<C: Component + Persistent>(
@@ -87,18 +77,35 @@ pub(super) fn save_column<C: Component + Persistent>(
             _ => runs.push([number, 1]),
         }
     }
-    encode(&ColumnOf { runs, values: rows.into_iter().map(|(_, value)| value).collect() })
+    let bytes = encode(&runs)?;
+    rows.into_iter()
+        .try_fold(bytes, |bytes, (_, value)| postcard::to_extend(value, bytes))
+        .map_err(|error| error.to_string())
 }
 
+/// Restores the column of a component: the first number and the length of each run of successive entities, then a value for
+/// each of these entities.
 pub(super) fn restore_column<C: Component + Persistent>(
     world: &mut World,
     bytes: &[u8],
     entities: &SavedEntities,
 ) -> Result<(), Problem> {
-    let Column::<C> { runs, values } = decode(bytes)?;
-    let numbers = runs.into_iter().flat_map(|[first, length]| (0..length).map(move |more| first.saturating_add(more)));
-    let found: Option<Vec<Entity>> = numbers.take(values.len()).map(|number| entities.get(number)).collect();
-    let found = found.filter(|found| found.len() == values.len()).ok_or("its entities do not exist")?;
-    world.insert_batch(found.into_iter().zip(values));
+    let (runs, mut rest) = postcard::take_from_bytes::<Vec<[u32; 2]>>(bytes).map_err(|error| error.to_string())?;
+    let (mut column, mut end) = (Vec::new(), 0);
+    for [first, length] in runs {
+        let numbers = first..first.checked_add(length).filter(|_| first >= end).ok_or(NO_ENTITY)?;
+        end = numbers.end;
+        for entity in entities.in_range(numbers).ok_or(NO_ENTITY)? {
+            let (value, more) = postcard::take_from_bytes::<C>(rest).map_err(|error| error.to_string())?;
+            rest = more;
+            column.push((*entity, value));
+        }
+    }
+    if !rest.is_empty() {
+        return Err("there are more bytes than the column has".to_owned());
+    }
+    world.insert_batch(column);
     Ok(())
 }
+
+const NO_ENTITY: &str = "its entities do not exist";

@@ -1,6 +1,5 @@
 //! Loads a scene: applies `--set` to its text, parses it, reads its files and checks its rules.
 
-use std::fs;
 use std::path::Path;
 
 use crate::contact::config::{Contact, Contacts};
@@ -15,7 +14,7 @@ use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
 use crate::scene::check::Estimates;
 use crate::scene::{Method, Scene, TimeStep, rules};
-use crate::source::Source;
+use crate::source::{Source, files};
 use crate::space::{Dimension, Solid, Space};
 use crate::spin::InertiaLaw;
 use crate::values::Positive;
@@ -157,14 +156,15 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
     rules::space(&loaded)?;
     if let Some(silo) = loaded.scene.silo.clone() {
         let path = loaded.source.name_file("silo.file", &silo.file);
-        let text = fs::read_to_string(&path).map_err(|error| loaded.source.unreadable("silo.file", &path, &error))?;
+        let text = files::read_text(&path, files::SILO_BYTES)
+            .map_err(|error| loaded.source.unreadable("silo.file", &path, &error))?;
         loaded.silo = silo_file::parse(&path.display().to_string(), &text, silo.unit)?;
     }
     if let Some(grains) = loaded.scene.grains.clone() {
         let path = loaded.source.name_file("grains.file", &grains.file);
         let kind = Kind { dimension: loaded.scene.space, spins: loaded.scene.contact.spins() };
         let name = path.display().to_string();
-        loaded.grains = match loaded.source.text_of("grains.file") {
+        loaded.grains = match loaded.source.text_for("grains.file") {
             Some(text) => file::parse(&name, text, kind)?,
             None => file::read(&name, &path, kind)
                 .map_err(|error| loaded.source.unreadable("grains.file", &path, &error))??,
@@ -173,6 +173,8 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
             loaded.contacts_at_start = read_contacts(&mut loaded.source, &contacts)?;
         }
     }
+    // Before any grain is created.
+    rules::fill(&loaded)?;
     loaded.fill();
     rules::check(&loaded)?;
     Ok(loaded)
@@ -182,9 +184,12 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
 fn read_contacts(source: &mut Source, file: &Path) -> Result<Vec<Remembered>, Fault> {
     let key = "grains.contacts";
     let path = source.name_file(key, file);
-    let rows = match source.text_of(key) {
+    let rows = match source.text_for(key) {
         Some(text) => remembered::read(text.as_bytes()),
-        None => remembered::read(fs::File::open(&path).map_err(|error| source.unreadable(key, &path, &error))?),
+        None => remembered::read(
+            files::BoundedFile::open(&path, files::GRAIN_BYTES)
+                .map_err(|error| source.unreadable(key, &path, &error))?,
+        ),
     };
     rows.map_err(|problem| {
         source
@@ -315,7 +320,7 @@ impl Loaded {
     }
 
     /// Radii of all fixed discs and spheres, m.
-    fn fixed_radii(&self) -> impl Iterator<Item = f64> {
+    pub(super) fn fixed_radii(&self) -> impl Iterator<Item = f64> {
         let own = self.scene.walls.iter().filter_map(|wall| match wall {
             Wall::Disc { radius, .. } => Some(radius.get()),
             _ => None,

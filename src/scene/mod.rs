@@ -5,9 +5,11 @@
 //! byte range of each key, for messages and for `--set`, comes from [`source`](crate::source).
 
 pub mod check;
+pub mod expected;
 pub mod load;
 pub mod outputs;
 pub mod rules;
+pub mod view;
 
 use std::collections::BTreeMap;
 

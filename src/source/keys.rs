@@ -1,6 +1,7 @@
 //! Lists the keys in which the texts of two scenes differ. `1e4` and `10000.0` count as different; comments and layout
 //! do not.
 
+use rustc_hash::FxHashSet;
 use serde::Serialize;
 
 use crate::source::Source;
@@ -8,9 +9,9 @@ use crate::source::places::Place;
 
 /// A key with different values, as the texts spell them. A value is `None` if the text lacks the key.
 #[derive(Debug, PartialEq, Eq, Serialize)]
-pub struct Change<'a> {
+pub struct Change {
     /// Path of the key.
-    pub key: &'a str,
+    pub key: String,
     /// Value in the first text.
     pub first: Option<String>,
     /// Value in the second text.
@@ -20,17 +21,24 @@ pub struct Change<'a> {
 /// The keys with different values: in the order of the first text, then keys of the second text alone. Keys within a
 /// listed key are not listed.
 #[must_use]
-pub fn changes<'a>(first: &'a Source, second: &'a Source) -> Vec<Change<'a>> {
+pub fn changes(first: &Source, second: &Source) -> Vec<Change> {
     let mut changes: Vec<Change> = Vec::new();
-    let only_in_second = second.places.all().iter().filter(|place| first.places.get(&place.path).is_none());
-    for Place { path, .. } in first.places.all().iter().chain(only_in_second) {
-        let is_within = |outer: &Change| path.strip_prefix(outer.key).is_some_and(|rest| rest.starts_with(['.', '[']));
-        let values = [first, second].map(|source| source.value_of(path));
-        if path.is_empty() || values[0].map(head) == values[1].map(head) || changes.iter().any(is_within) {
+    // Hashes of the listed paths.
+    let mut listed = FxHashSet::default();
+    let [ours, theirs] = [first, second].map(|source| &source.places);
+    let text = |source: &Source, place: Option<&Place>| place.map(|place| source.text_of(place).to_owned());
+    let both = ours.all().iter().map(|place| (ours, place, [Some(place), theirs.same(place)]));
+    let only_in_second = theirs.all().iter().filter(|place| ours.same(place).is_none());
+    for (places, place, pair) in both.chain(only_in_second.map(|place| (theirs, place, [None, Some(place)]))) {
+        let is_whole = places.parents(place).next().is_none();
+        let values = [text(first, pair[0]), text(second, pair[1])];
+        let is_same = values[0].as_deref().map(head) == values[1].as_deref().map(head);
+        if is_whole || is_same || places.parents(place).any(|parent| listed.contains(&parent.hash)) {
             continue;
         }
-        let [first, second] = values.map(|value| value.map(on_one_line));
-        changes.push(Change { key: path, first, second });
+        listed.insert(place.hash);
+        let [first, second] = values.map(|value| value.as_deref().map(on_one_line));
+        changes.push(Change { key: places.path(place), first, second });
     }
     changes
 }
@@ -68,11 +76,11 @@ mod tests {
         assert_eq!(
             found,
             [
-                ("law", text("B(5.0)"), text("Restitution(5.0)")),
-                ("walls[1].r", text("2"), text("3")),
-                ("step", text("Fixed( 1e-3)"), None),
-                ("title", text("\"a(b\""), text("\"a(c\"")),
-                ("seed", None, text("1")),
+                ("law".to_owned(), text("B(5.0)"), text("Restitution(5.0)")),
+                ("walls[1].r".to_owned(), text("2"), text("3")),
+                ("step".to_owned(), text("Fixed( 1e-3)"), None),
+                ("title".to_owned(), text("\"a(b\""), text("\"a(c\"")),
+                ("seed".to_owned(), None, text("1")),
             ]
         );
         assert_eq!(changes(&first, &first), []);

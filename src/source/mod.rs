@@ -1,17 +1,17 @@
 //! The text of a scene: its origin, the byte range of each key, and the files that it names.
 
+pub mod files;
 pub mod keys;
 pub mod parse;
 pub mod places;
 
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use serde::de::DeserializeOwned;
 
 use crate::fault::Fault;
-use crate::source::places::Places;
+use crate::source::places::{Place, Places};
 
 /// A scene's text, with `--set` applied.
 #[derive(Debug)]
@@ -33,9 +33,9 @@ impl Source {
     /// Reads the file at `path`.
     ///
     /// # Errors
-    /// If it cannot be read.
+    /// If it cannot be read, is not a regular file, or is too large.
     pub fn read(path: &Path) -> Result<Self, Fault> {
-        let text = fs::read_to_string(path).map_err(|error| {
+        let text = files::read_text(path, files::SCENE_BYTES).map_err(|error| {
             Fault::new("scene::unreadable", format!("could not read {}: {error}", path.display()))
                 .help("give the path of a scene, a RON file such as scenes/silo1.ron")
         })?;
@@ -104,7 +104,12 @@ impl Source {
     /// The text of the value of `key`.
     #[must_use]
     pub fn value_of(&self, key: &str) -> Option<&str> {
-        self.places.get(key).map(|place| self.text[place.value.clone()].trim())
+        self.places.get(key).map(|place| self.text_of(place))
+    }
+
+    /// The text of a value.
+    fn text_of(&self, place: &Place) -> &str {
+        self.text[place.value.clone()].trim()
     }
 
     /// Records a file that `key` names, and returns its path.
@@ -116,7 +121,7 @@ impl Source {
 
     /// Returns the text that stands for the file that `key` names, if there is one.
     #[must_use]
-    pub fn text_of(&self, key: &str) -> Option<&str> {
+    pub fn text_for(&self, key: &str) -> Option<&str> {
         self.texts.iter().find(|(of, _)| *of == key).map(|(_, text)| &**text)
     }
 

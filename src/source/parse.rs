@@ -6,6 +6,7 @@ use serde::de::DeserializeOwned;
 
 use crate::fault::Fault;
 use crate::source::places::Places;
+use crate::text::{LONGEST_QUOTATION, cut};
 
 /// RON options of scenes: optional keys need no `Some`, and `LatticeGas((p: ...))` needs no second brackets.
 #[must_use]
@@ -68,11 +69,16 @@ fn number_for_choice<T: DeserializeOwned>(name: &str, text: &str, error: &Spanne
         format!("the choices here are: {}", expected.join(", "))
     };
     let fault = Fault::new("scene::wrong_type", format!("`{number}` is a number, and a choice is expected here"));
-    Some(fault.help(help).at(name, text, place.value.clone()).key(&place.path))
+    Some(fault.help(help).at(name, text, place.value.clone()).key(places.path(place)))
 }
 
 /// The name of the list that is most like a misspelt one, if any is like it.
 fn closest<'a>(found: &str, names: &[&'a str]) -> Option<&'a str> {
+    // A name that is longer than all keys is like none of them.
+    let longest = 2 * names.iter().map(|name| name.len()).max()?;
+    if found.len() > longest {
+        return None;
+    }
     let likeness = |name: &str| strsim::jaro_winkler(&found.to_lowercase(), &name.to_lowercase());
     let best = names.iter().map(|name| (likeness(name), *name)).max_by(|a, b| a.0.total_cmp(&b.0))?;
     (best.0 > 0.85).then_some(best.1)
@@ -96,7 +102,8 @@ pub fn explain(name: &str, text: &str, error: &SpannedError, offset: usize) -> F
         Error::MissingStructField { .. } => places.innermost_section(last),
         _ => places.innermost(last).or_else(|| places.innermost(start)),
     };
-    let here = place.map_or("", |place| &place.path);
+    let here = place.map_or(String::new(), |place| places.path(place));
+    let here = here.as_str();
     let (code, key, message, help) = match place.map(|place| (&text[place.value.clone()], place.value.start)) {
         // Where a whole number is expected, ron reads `10.5` as 10 and then reports a missing comma.
         Some((value, from)) if from < start && !value.contains(['(', '[', '{']) && misses_separator(&error.code) => (
@@ -154,7 +161,7 @@ fn describe(error: &Error, here: &str) -> (&'static str, String, String, String)
         Error::InvalidValueForType { expected, found } => (
             "scene::wrong_type",
             here.to_owned(),
-            format!("expected {expected}, got {found}"),
+            format!("expected {expected}, got {}", cut(found, LONGEST_QUOTATION)),
             "give a value of that type".to_owned(),
         ),
         Error::ExpectedFloat

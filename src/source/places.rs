@@ -7,13 +7,19 @@
 
 use std::ops::Range;
 
+use rustc_hash::FxHashMap;
+
 use crate::fault::Fault;
 
-/// One value of the text.
+/// One value of the text. Its key path is [`Places::path`].
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Place {
-    /// The key path; empty for the whole scene.
-    pub path: String,
+    /// Number of the value that this one is a part of; `None` for the whole scene.
+    parent: Option<usize>,
+    /// The last part of the key path. Whole paths are not stored: in a long key, their length would multiply.
+    segment: Segment,
+    /// Hash of the key path.
+    pub(super) hash: u64,
     /// The byte range of the value.
     pub value: Range<usize>,
     /// The byte range from the key, if it has one, to the end of the value.
@@ -29,9 +35,46 @@ struct Room {
     is_map: bool,
 }
 
+/// The part of a key path that leads from a value to one of its parts.
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Segment {
+    /// The whole scene.
+    Whole,
+    /// A key.
+    Key(Box<str>),
+    /// A value of `(...)` or `{...}` without a key, by its number: `.0`.
+    Item(usize),
+    /// An element of a list: `[0]`.
+    Element(usize),
+}
+
+impl Segment {
+    /// Returns the text of the segment, as it continues the path of a parent that is the whole scene or not.
+    fn text(&self, parent_is_whole: bool) -> String {
+        match self {
+            Self::Whole => String::new(),
+            Self::Key(key) => format!("{}{key}", if parent_is_whole { "" } else { "." }),
+            Self::Item(number) => format!(".{number}"),
+            Self::Element(number) => format!("[{number}]"),
+        }
+    }
+}
+
+/// The hash of an empty path.
+const EMPTY_HASH: u64 = 0xcbf2_9ce4_8422_2325;
+
+/// Continues the hash of a path (FNV-1a), so that equal paths have equal hashes.
+fn hashed(start: u64, more: &str) -> u64 {
+    more.bytes().fold(start, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3))
+}
+
 /// All values of a text, outer before inner.
 #[derive(Clone, Debug)]
-pub struct Places(Vec<Place>);
+pub struct Places {
+    all: Vec<Place>,
+    /// Number of the first value with each hash.
+    by_hash: FxHashMap<u64, usize>,
+}
 
 impl Places {
     /// Scans a RON text.
@@ -39,20 +82,45 @@ impl Places {
     pub fn scan(text: &str) -> Self {
         let mut scanner = Scanner { text, at: 0, depth: 0, places: Vec::new() };
         scanner.skip_attributes();
-        scanner.value(String::new(), None);
-        Self(scanner.places)
+        scanner.value(None, Segment::Whole, None);
+        let mut by_hash = FxHashMap::default();
+        for (number, place) in scanner.places.iter().enumerate() {
+            by_hash.entry(place.hash).or_insert(number);
+        }
+        Self { all: scanner.places, by_hash }
     }
 
     /// All values, in the order of the text, outer before inner.
     #[must_use]
     pub fn all(&self) -> &[Place] {
-        &self.0
+        &self.all
+    }
+
+    /// The key path of a value; empty for the whole scene.
+    #[must_use]
+    pub fn path(&self, place: &Place) -> String {
+        let chain: Vec<&Place> = std::iter::once(place).chain(self.parents(place)).collect();
+        chain.iter().rev().fold(String::new(), |path, place| {
+            let segment = place.segment.text(path.is_empty());
+            path + &segment
+        })
+    }
+
+    /// The values around a value, from the inside out.
+    pub(super) fn parents<'a>(&'a self, place: &'a Place) -> impl Iterator<Item = &'a Place> {
+        std::iter::successors(place.parent, |&parent| self.all[parent].parent).map(|parent| &self.all[parent])
     }
 
     /// The value with this path.
     #[must_use]
     pub fn get(&self, path: &str) -> Option<&Place> {
-        self.0.iter().find(|place| place.path == path)
+        let place = &self.all[*self.by_hash.get(&hashed(EMPTY_HASH, path))?];
+        (self.path(place) == path).then_some(place)
+    }
+
+    /// The value here that has the same path as `place` of another text.
+    pub(super) fn same(&self, place: &Place) -> Option<&Place> {
+        self.by_hash.get(&place.hash).map(|&number| &self.all[number])
     }
 
     /// The value with this path, or its nearest parent that stands in the text.
@@ -80,7 +148,7 @@ impl Places {
     }
 
     fn around(&self, offset: usize) -> impl Iterator<Item = &Place> {
-        self.0.iter().filter(move |place| place.entry.start <= offset && offset <= place.entry.end)
+        self.all.iter().filter(move |place| place.entry.start <= offset && offset <= place.entry.end)
     }
 }
 
@@ -206,13 +274,13 @@ impl Scanner<'_> {
         rest.starts_with('"') || rest.starts_with("r\"") || rest.starts_with("r#")
     }
 
-    fn value(&mut self, path: String, entry_start: Option<usize>) {
+    fn value(&mut self, parent: Option<usize>, segment: Segment, entry_start: Option<usize>) {
         self.skip_blanks();
         let start = self.at;
         if self.enters_some() {
             // `Some(...)` is equivalent to its content.
             self.depth += 1;
-            self.value(path, entry_start.or(Some(start)));
+            self.value(parent, segment, entry_start.or(Some(start)));
             self.depth -= 1;
             self.skip_blanks();
             self.skip(')');
@@ -220,7 +288,10 @@ impl Scanner<'_> {
         }
         let index = self.places.len();
         let entry = entry_start.unwrap_or(start);
-        self.places.push(Place { path: path.clone(), value: start..start, entry: entry..start, room: None });
+        let hash = parent.map_or(EMPTY_HASH, |parent| {
+            hashed(self.places[parent].hash, &segment.text(self.places[parent].parent.is_none()))
+        });
+        self.places.push(Place { parent, segment, hash, value: start..start, entry: entry..start, room: None });
         if self.is_string() {
             self.skip_string();
         } else {
@@ -228,9 +299,9 @@ impl Scanner<'_> {
             let name_end = self.at;
             self.skip_blanks();
             match self.peek() {
-                Some('(') => self.fields(&path, index, ')'),
-                Some('{') if name_end == start => self.fields(&path, index, '}'),
-                Some('[') if name_end == start => self.fields(&path, index, ']'),
+                Some('(') => self.fields(index, ')'),
+                Some('{') if name_end == start => self.fields(index, '}'),
+                Some('[') if name_end == start => self.fields(index, ']'),
                 _ => self.at = name_end,
             }
         }
@@ -253,7 +324,7 @@ impl Scanner<'_> {
     }
 
     /// Scans the content of brackets: keys and values, or values alone.
-    fn fields(&mut self, path: &str, index: usize, close: char) {
+    fn fields(&mut self, index: usize, close: char) {
         if self.depth == DEEPEST {
             self.at = self.text.len();
             return;
@@ -269,13 +340,12 @@ impl Scanner<'_> {
                 break;
             }
             if let Some(key) = self.key(close) {
-                let separator = if path.is_empty() { "" } else { "." };
-                self.value(format!("{path}{separator}{key}"), Some(here));
+                self.value(Some(index), Segment::Key(key.into()), Some(here));
                 room = room.map(|room| Room { at: self.at, is_first: false, ..room });
             } else {
                 room = None;
-                let child = if close == ']' { format!("{path}[{number}]") } else { format!("{path}.{number}") };
-                self.value(child, None);
+                let child = if close == ']' { Segment::Element(number) } else { Segment::Item(number) };
+                self.value(Some(index), child, None);
                 number += 1;
             }
             self.skip_blanks();
@@ -348,8 +418,8 @@ Scene(
             assert_eq!(value(TEXT, path), expected);
         }
         let places = Places::scan(TEXT);
-        assert_eq!(places.innermost(TEXT.find("1.0e4").unwrap()).unwrap().path, "contact.k");
-        assert_eq!(places.nearest("contact.gone.deep").unwrap().path, "contact");
+        assert_eq!(places.path(places.innermost(TEXT.find("1.0e4").unwrap()).unwrap()), "contact.k");
+        assert_eq!(places.path(places.nearest("contact.gone.deep").unwrap()), "contact");
     }
 
     #[test]
@@ -373,7 +443,15 @@ Scene(
     #[test]
     fn a_hundred_thousand_brackets_are_no_trouble() {
         let text = "(".repeat(100_000);
-        assert!(Places::scan(&text).0.len() <= 2 * DEEPEST);
+        assert!(Places::scan(&text).all().len() <= 2 * DEEPEST);
+    }
+
+    #[test]
+    fn a_long_key_around_many_values_takes_their_memory_once() {
+        let text = format!("({}: [{}])", "k".repeat(100_000), "1,".repeat(40_000));
+        let places = Places::scan(&text);
+        assert_eq!(places.all().len(), 40_002);
+        assert!(places.get(&format!("{}[39999]", "k".repeat(100_000))).is_some());
     }
 
     proptest! {

@@ -4,11 +4,12 @@
 pub mod colour;
 pub mod fnv;
 pub mod frame_writer;
-pub mod peak;
+pub mod memory;
 pub mod plot;
 pub mod png;
 pub mod rows;
 pub mod svg;
+pub mod volume;
 pub mod whole_file;
 
 /// Version of the format of `summary.json`.

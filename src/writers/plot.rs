@@ -2,6 +2,8 @@
 
 use std::fmt::Write as _;
 
+use crate::text::for_xml;
+
 /// An axis of a panel.
 #[derive(Clone, Debug)]
 pub struct Axis {
@@ -87,7 +89,7 @@ const SIZE: (f64, f64) = (520.0, 400.0);
 const MARGIN: (f64, f64, f64, f64) = (72.0, 44.0, 16.0, 56.0);
 
 fn text(svg: &mut String, x: f64, y: f64, anchor: &str, turn: &str, words: &str) {
-    let words = words.replace('&', "&amp;").replace('<', "&lt;");
+    let words = for_xml(words);
     // Writing to a string cannot fail; the same holds below.
     let _ = writeln!(
         svg,

@@ -5,7 +5,9 @@
 use std::fmt::Write as _;
 
 use crate::space::Vector;
+use crate::text::{LONGEST_QUOTATION, cut, for_xml};
 use crate::writers::colour::{Rgb, hex};
+use crate::writers::png::FARTHEST;
 
 /// A picture to be drawn.
 #[derive(Clone, Debug, Default)]
@@ -67,6 +69,20 @@ struct Paper<'a> {
     svg: String,
 }
 
+/// Returns the height in px of the header, for a width in px and a number of lines.
+fn top(width: f64, lines: usize) -> f64 {
+    #[expect(clippy::cast_precision_loss, reason = "a few lines of text")]
+    let lines = lines.max(1) as f64;
+    (lines * 1.35 + 0.7) * TEXT * width
+}
+
+/// Returns the number of pixels of a picture of this width (px), with this view (m) and number of lines in its header.
+#[must_use]
+pub fn pixels(width: f64, (low, high): (Vector, Vector), lines: usize) -> f64 {
+    let size = high - low;
+    width * (top(width, lines) + width / size.x * size.y)
+}
+
 impl Picture {
     /// Returns the picture as an SVG document.
     #[must_use]
@@ -79,9 +95,7 @@ impl Picture {
             Legend::Classes(classes) => classes.len(),
             Legend::Scale { .. } => 2,
         };
-        #[expect(clippy::cast_precision_loss, reason = "a few lines of text")]
-        let rows = self.header.len().max(legend_rows).max(1) as f64;
-        let top = (rows * 1.35 + 0.7) * text;
+        let top = top(self.width, self.header.len().max(legend_rows));
         let height = top + size.y * scale;
         let mut paper = Paper { picture: self, scale, top, height, svg: String::new() };
         paper.frame();
@@ -105,9 +119,11 @@ impl Paper<'_> {
         self.svg.push('\n');
     }
 
-    /// Returns the position in px of a point in m.
+    /// Returns the position in px of a point in m. A point far outside of the picture is moved to where renderers can follow.
     fn at(&self, x: Vector) -> Vector {
-        Vector::new((x.x - self.picture.low.x) * self.scale, self.top + (self.picture.high.y - x.y) * self.scale)
+        let x =
+            Vector::new((x.x - self.picture.low.x) * self.scale, self.top + (self.picture.high.y - x.y) * self.scale);
+        x.clamp(Vector::splat(-FARTHEST), Vector::splat(FARTHEST))
     }
 
     fn frame(&mut self) {
@@ -138,7 +154,7 @@ impl Paper<'_> {
             self.put(format_args!(r##"<g stroke="#222222" stroke-width="{width:.2}">"##));
         }
         for &(centre, radius, colour) in &self.picture.discs {
-            let (c, r) = (self.at(centre), radius * self.scale);
+            let (c, r) = (self.at(centre), (radius * self.scale).min(FARTHEST));
             self.put(format_args!(r#"<circle cx="{:.2}" cy="{:.2}" r="{r:.2}" fill="{}"/>"#, c.x, c.y, hex(colour)));
         }
         if self.picture.outlined {
@@ -167,7 +183,7 @@ impl Paper<'_> {
     }
 
     fn text(&mut self, x: f64, y: f64, size: f64, anchor: &str, text: &str) {
-        let text = text.replace('&', "&amp;").replace('<', "&lt;");
+        let text = for_xml(&cut(text, LONGEST_QUOTATION));
         self.put(format_args!(
             r##"<text x="{x:.2}" y="{y:.2}" font-size="{size:.2}" font-family="sans-serif" text-anchor="{anchor}" fill="#222222">{text}</text>"##
         ));
@@ -250,7 +266,7 @@ mod tests {
             low: Vector::ZERO,
             high: Vector::new(2.0, 1.0),
             width,
-            header: vec!["a < b & c".to_owned()],
+            header: vec!["a < b & c ]]> \u{1b}".to_owned()],
             cells: vec![([0, 0, 255], vec![(Vector::ZERO, Vector::splat(0.5))])],
             labels: vec![(Vector::new(1.0, 0.5), "half".to_owned())],
             discs: vec![(Vector::new(0.5, 0.25), 0.1, [255, 0, 0])],
@@ -265,7 +281,19 @@ mod tests {
         assert!(svg.contains(r##"<circle cx="50.00" cy="86.48" r="10.00" fill="#ff0000"/>"##), "{svg}");
         assert!(svg.contains(r##"<path d="M0.0 111.5H50.0V61.5H0.0Z" fill="#0000ff""##), "{svg}");
         assert!(svg.contains(r#"<text x="100.00" y="61.48""#) && svg.contains(">half<"), "{svg}");
-        assert!(svg.contains("a &lt; b &amp; c"));
+        assert!(svg.contains("a &lt; b &amp; c ]]&gt; \u{fffd}"));
         assert!(svg.contains(">0.5 m<"));
+        assert!((pixels(200.0, (Vector::ZERO, Vector::new(2.0, 1.0)), 1) - 200.0 * (2.05 * 5.6 + 100.0)).abs() < 1e-9);
+    }
+
+    #[test]
+    fn every_title_can_be_drawn() {
+        let titles =
+            ["]]>", "<!--", "\u{0}\u{1b}[2J\u{ffff}", "\u{202e}\u{200d}\u{301}", "🌾 صومعة 谷仓", &"&".repeat(100_000)];
+        for title in titles {
+            let svg = Picture { header: vec![title.to_owned()], ..picture(100.0) }.to_svg();
+            assert!(svg.len() < 5_000, "{}", svg.len());
+            crate::writers::png::encode(&svg).unwrap_or_else(|error| panic!("{title:?}: {error}"));
+        }
     }
 }

@@ -17,6 +17,7 @@ mod accuracy;
 mod architecture;
 mod behaviours;
 mod checkpoints;
+mod checks;
 mod command_line;
 mod compare;
 mod contact_behaviours;
@@ -29,6 +30,8 @@ mod faults;
 mod friction_scenes;
 mod from_run;
 mod hard;
+#[cfg(unix)]
+mod hostile;
 mod instructions;
 mod lattice;
 mod long_runs;

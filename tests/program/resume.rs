@@ -189,7 +189,7 @@ fn interrupted_run(here: &Path) -> PathBuf {
             &silo,
             "--quiet",
             "--until",
-            "2.0",
+            "40",
             "--checkpoint-every",
             "0.0002",
             "--out",

@@ -1,16 +1,17 @@
 //! Reads grain files row by row. The text of a file is longer than its grains, so it is never held as a whole.
 
 use std::collections::BTreeSet;
-use std::fs::{self, File};
-use std::io;
+use std::io::{self, Read as _};
 use std::ops::Range;
 use std::path::Path;
 
 use csv::{ReaderBuilder, StringRecord};
 
 use crate::fault::Fault;
+use crate::grains::MOST_GRAINS;
 use crate::grains::file::{ALWAYS, GrainRow, Kind, SOLID, SPIN};
 use crate::particle::{GrainId, Species};
+use crate::source::files::{BoundedFile, GRAIN_BYTES};
 use crate::space::Solid;
 
 /// Parses the text of a grain file. `name` is the file's name in messages.
@@ -26,11 +27,15 @@ pub fn parse(name: &str, text: &str, kind: Kind) -> Result<Vec<GrainRow>, Fault>
 /// # Errors
 /// The outer error if the file cannot be read, the inner one as for [`parse`].
 pub fn read(name: &str, path: &Path, kind: Kind) -> io::Result<Result<Vec<GrainRow>, Fault>> {
-    match rows(File::open(path)?, kind) {
+    match rows(BoundedFile::open(path, GRAIN_BYTES)?, kind) {
         Ok(rows) => Ok(Ok(rows)),
         Err(Defect { at: Place::Unreadable(error), .. }) => Err(error),
-        // The file is read again to show the place.
-        Err(defect) => Ok(Err(defect.fault(name, &String::from_utf8_lossy(&fs::read(path)?)))),
+        // The file is read again, up to the defect and a little beyond, to show the place.
+        Err(defect) => {
+            let mut bytes = Vec::new();
+            BoundedFile::open(path, GRAIN_BYTES)?.take(defect.shown_bytes()).read_to_end(&mut bytes)?;
+            Ok(Err(defect.fault(name, &String::from_utf8_lossy(&bytes))))
+        }
     }
 }
 
@@ -48,6 +53,10 @@ fn rows(source: impl io::Read, kind: Kind) -> Result<Vec<GrainRow>, Defect> {
                 "id",
                 format!("the id {} occurs twice", row.id.number()),
             ));
+        }
+        if rows.len() == MOST_GRAINS as usize {
+            let message = format!("the file has more than {MOST_GRAINS} grains, the limit of a scene");
+            return Err(line.defect("grain_file::too_many", "id", message));
         }
         rows.push(row);
     }
@@ -102,6 +111,15 @@ impl Defect {
             _ => Place::Byte(at),
         };
         Self { code: "grain_file::syntax", message, help: "separate values by commas".to_owned(), at }
+    }
+
+    /// Number of bytes of the file that a message about this defect needs: up to the place, and some lines.
+    fn shown_bytes(&self) -> u64 {
+        const BEYOND: u64 = 1 << 16;
+        match self.at {
+            Place::Unreadable(_) | Place::Header => BEYOND,
+            Place::Byte(at) | Place::Cell(at, _) => (at as u64).saturating_add(BEYOND),
+        }
     }
 
     fn fault(self, name: &str, text: &str) -> Fault {

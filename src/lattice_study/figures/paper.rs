@@ -6,6 +6,7 @@ use std::fmt::Write as _;
 
 use crate::lattice::velocities::in_bonds;
 use crate::space::Vector;
+use crate::text::for_xml;
 use crate::writers::colour::{Rgb, hex};
 
 /// Colour of text, outlines and particles at rest.
@@ -111,7 +112,7 @@ impl Paper {
     }
 
     pub fn text(&mut self, at: Vector, size: f64, anchor: Anchor, text: &str) {
-        let text = escaped(text);
+        let text = for_xml(text);
         self.write(at, size, anchor, &text);
     }
 
@@ -119,12 +120,12 @@ impl Paper {
     pub fn formula(&mut self, at: Vector, size: f64, anchor: Anchor, text: &str) {
         let (down, small) = (0.22 * size, 0.75 * size);
         let mut parts = text.split('_');
-        let mut written = escaped(parts.next().unwrap_or_default());
+        let mut written = for_xml(parts.next().unwrap_or_default());
         for part in parts {
             let (digits, rest) = part.split_at(part.find(|c: char| !c.is_ascii_digit()).unwrap_or(part.len()));
             let _ = write!(written, r#"<tspan dy="{down:.1}" font-size="{small:.1}">{digits}</tspan>"#);
             if !rest.is_empty() {
-                let _ = write!(written, r#"<tspan dy="-{down:.1}">{}</tspan>"#, escaped(rest));
+                let _ = write!(written, r#"<tspan dy="-{down:.1}">{}</tspan>"#, for_xml(rest));
             }
         }
         self.write(at, size, anchor, &written);
@@ -141,10 +142,6 @@ impl Paper {
             at.x, at.y, hex(INK)
         ));
     }
-}
-
-fn escaped(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
 /// Position of a lattice in the document: its site (0, 0), and the length of a bond, px.

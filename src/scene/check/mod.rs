@@ -8,10 +8,14 @@
 //! * The bed: its weight over its base area is a pressure p. A contact at the bottom carries 2 R p (in solid space 4 R^2 p)
 //!   and is compressed by that force over k.
 //! * The door: without wall discs on both sides it has no orifice through which a grain could count as out.
-//! * The path: a grain that moves farther than a wall is thick in one step may pass it undetected.
+//! * The path: a grain that moves farther than a wall is thick, or than a grain is wide, in one step may pass it undetected.
+//! * The start (`check/start.rs`) and the fall (`check/falling.rs`): overlaps, places inside and outside of walls, grains that fall for ever.
+//! * The output: a warning if the run would write more than [`MOST_BYTES`] up to `until`.
 
+mod falling;
 pub mod leaks;
 pub mod species_pairs;
+mod start;
 pub mod step;
 
 use crate::contact::Bounce;
@@ -19,11 +23,13 @@ use crate::fault::Warning;
 use crate::integrate::Integrator;
 use crate::scene::TimeStep;
 use crate::scene::check::species_pairs::SpeciesPair;
+use crate::scene::expected;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane};
 use crate::walls::config::Wall;
 use crate::walls::outline::Outline;
 use crate::watchdog::LARGE_OVERLAP;
+use crate::writers::volume::{self, MOST_BYTES};
 
 /// Estimates of a scene with grains, SI.
 #[derive(Clone, Copy, Debug)]
@@ -198,9 +204,13 @@ fn extent(loaded: &Loaded, axis: usize) -> Option<f64> {
 pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
     let mut warnings = Vec::new();
     renamed_keys(loaded, &mut warnings);
+    start::examine(loaded, &mut warnings);
     let Some(estimates) = Estimates::of(loaded) else { return warnings };
     step(&estimates, &mut warnings);
     softness(loaded, &estimates, &mut warnings);
+    fast(loaded, &estimates, &mut warnings);
+    falling::examine(loaded, &mut warnings);
+    output(loaded, &estimates, &mut warnings);
     if let Some(place) = leaks::way_out(loaded) {
         warnings.push(Warning {
             code: "check::leaky_walls",
@@ -209,6 +219,16 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
                 estimates.radius, place.x, place.y
             ),
             help: "close the gap, or release larger grains".to_owned(),
+        });
+    }
+    if let Some(width) = door_width(loaded, estimates.radius).filter(|&width| width < 2.0 * estimates.radius) {
+        warnings.push(Warning {
+            code: "check::narrow_door",
+            message: format!(
+                "the door is {width:.3} m wide, and the smallest grain {:.3} m: no grain can leave",
+                2.0 * estimates.radius
+            ),
+            help: "widen the door, or release smaller grains".to_owned(),
         });
     }
     if !has_orifice(loaded, estimates.radius) {
@@ -235,6 +255,23 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
         }
     }
     warnings
+}
+
+/// The free width of the narrowest door, m: between the wall discs that flank it, or of a panel; `None` without a door.
+fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
+    let panels = loaded.scene.walls.iter().filter_map(|wall| match wall {
+        Wall::Panel { along, across, door: true, .. } => Some(along.padded().length().min(across.padded().length())),
+        _ => None,
+    });
+    let discs = loaded.wall_discs();
+    let orifice = if loaded.silo.door.is_empty() {
+        None
+    } else {
+        Outline::new(&discs, &loaded.silo.door, &loaded.surfaces(), radius).orifice()
+    };
+    let radius_at = |x| discs.iter().find(|disc| disc.centre == x).map_or(0.0, |disc| disc.radius);
+    let between = orifice.map(|link| link.from.distance(link.to) - radius_at(link.from) - radius_at(link.to));
+    panels.chain(between).reduce(f64::min)
 }
 
 /// Whether a door of discs is flanked by wall discs, or there is no such door.
@@ -310,11 +347,16 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
             help: "raise the stiffness: the contact law is meant for small overlaps".to_owned(),
         });
     }
+}
+
+/// Warns of grains and walls that may pass each other within one step.
+fn fast(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>) {
     // For a flat wall: the distance of a centre from first touch to the other side.
     let flat = loaded.scene.walls.iter().any(|wall| !matches!(wall, Wall::Disc { .. })).then_some(0.0);
-    let discs = loaded.wall_discs().into_iter().map(|disc| disc.radius);
+    let discs = loaded.fixed_radii();
     let thickness = estimates.radius + discs.chain(flat).fold(f64::INFINITY, f64::min);
-    let way = estimates.impact_speed * estimates.dt;
+    let driven = loaded.fixed.iter().map(|grain| grain.velocity.length()).fold(0.0, f64::max);
+    let way = (estimates.impact_speed + driven) * estimates.dt;
     if thickness.is_finite() && way > thickness {
         warnings.push(Warning {
             code: "check::fast_grains",
@@ -322,6 +364,29 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
                 "a grain moves up to {way:.3} m in a step, and may pass a wall of {thickness:.3} m unseen"
             ),
             help: "lower `step`".to_owned(),
+        });
+    } else if loaded.grains.len() > 1 && 2.0 * way > 2.0 * estimates.radius {
+        warnings.push(Warning {
+            code: "check::fast_grains",
+            message: format!(
+                "two grains approach by up to {:.3} m in a step, and may pass each other unseen: a grain is {:.3} m wide",
+                2.0 * way,
+                2.0 * estimates.radius
+            ),
+            help: "lower `step`".to_owned(),
+        });
+    }
+}
+
+/// Warns if a run that lasts to `until` would write very much. Shorter runs are judged by the rules.
+fn output(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>) {
+    let steps = loaded.scene.until.get() / estimates.dt;
+    let bytes = volume::total(&expected::outputs(loaded, estimates.dt), steps).bytes;
+    if bytes > MOST_BYTES {
+        warnings.push(Warning {
+            code: "check::much_output",
+            message: format!("a run that lasts to `until` would write about {:.1e} GB", bytes / 1e9),
+            help: "lengthen `pictures.interval` or `series.interval`, or lower `until`".to_owned(),
         });
     }
 }

@@ -111,7 +111,8 @@ impl SpeciesPair {
             if k > 0.0 { 0.25 * weight * k * dt.powi(3) / self.bounce.reduced_mass - c / k } else { 0.0 }
         };
         let tangential = missing(tangential, weights.sliding.max(weights.turning));
-        tangential.max(missing(rolling, weights.rolling)).clamp(0.0, 0.5 * dt)
+        // Not `clamp`, which panics if the step is not a number.
+        tangential.max(missing(rolling, weights.rolling)).min(0.5 * dt).max(0.0)
     }
 
     /// Largest stable step of a grain surrounded by contacts of this kind, s.

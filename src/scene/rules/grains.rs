@@ -1,14 +1,22 @@
 //! Rules on grains that a scene creates: enough room and ids, radii and masses.
 
 use crate::fault::Fault;
+use crate::grains::MOST_GRAINS;
+use crate::grains::fill::Fill;
 use crate::grains::spawner::RadiusLaw;
 use crate::particle::GrainId;
+use crate::scene::expected::BYTES_PER_GRAIN;
 use crate::scene::load::Loaded;
 use crate::scene::rules::is_box;
+use crate::writers::memory::available_memory;
 
-pub(super) fn fill(loaded: &Loaded) -> Result<(), Fault> {
+/// Checks all fills before their grains are created.
+///
+/// # Errors
+/// The first entry that is wrong, or with which the grains become too many.
+pub fn fill(loaded: &Loaded) -> Result<(), Fault> {
     let scene = &loaded.scene;
-    let mut wanted: usize = 0;
+    let mut total = loaded.grains.len();
     for (index, fill) in scene.fill.iter().enumerate() {
         let key = |name: &str| format!("fill[{index}].{name}");
         if !is_box(fill.low, fill.high) {
@@ -16,13 +24,14 @@ pub(super) fn fill(loaded: &Loaded) -> Result<(), Fault> {
                 .fault("scene::empty_box", &key("low"), "the lower corner must be below the upper one along every axis")
                 .help("corners are in m"));
         }
-        let Some(length) = fill.size(scene.space) else {
-            return Err(loaded
-                .fault("scene::out_of_range", &key("spacing"), "more than 1e7 grains would fit")
-                .help("is the spacing, in m, right? A `count` bounds the number"));
-        };
-        if length < fill.count.unwrap_or(1) {
-            let message = format!("{} grains are wanted, but {length} fit", fill.count.unwrap_or(1));
+        let size = fill.size(scene.space).map_or(usize::MAX, |size| size as usize);
+        total = total.saturating_add(size);
+        if total > MOST_GRAINS as usize {
+            return Err(too_many(loaded, index, fill));
+        }
+        let wanted = fill.count.unwrap_or(1) as usize;
+        if size < wanted {
+            let message = format!("{wanted} grains are wanted, but {size} fit");
             return Err(loaded
                 .fault("scene::out_of_range", &key("high"), message)
                 .help("raise the box, or lower the spacing"));
@@ -33,10 +42,55 @@ pub(super) fn fill(loaded: &Loaded) -> Result<(), Fault> {
                 .help("add for example `mass: Sphere(2500.0)`, m = rho 4/3 pi R^3 in kg/m^3"));
         }
         radii(loaded, &key("radius"), &fill.radius, fill.species)?;
-        wanted += if fill.fixed { 0 } else { length as usize };
+    }
+    memory(loaded, total)
+}
+
+/// The grains of the start must fit into the memory that is available.
+fn memory(loaded: &Loaded, grains: usize) -> Result<(), Fault> {
+    #[expect(clippy::cast_precision_loss, reason = "a number of grains and of bytes")]
+    let (needed, available) =
+        (grains as f64 * BYTES_PER_GRAIN, available_memory().map_or(f64::INFINITY, |bytes| bytes as f64));
+    if needed <= available {
+        return Ok(());
+    }
+    let sizes = loaded.scene.fill.iter().map(|fill| fill.size(loaded.scene.space).unwrap_or(0) as usize);
+    let largest = sizes.enumerate().max_by_key(|&(_, size)| size).filter(|&(_, size)| size > loaded.grains.len());
+    let key = largest.map_or_else(|| "grains.file".to_owned(), |(index, _)| format!("fill[{index}]"));
+    let message = format!(
+        "{grains} grains need about {:.1} GB of memory, and {:.1} GB are available",
+        needed / 1e9,
+        available / 1e9
+    );
+    Err(loaded.fault("scene::memory", &key, message).help("start with fewer grains"))
+}
+
+/// The fault for the entry of `fill` with which a scene has more grains than the limit.
+fn too_many(loaded: &Loaded, index: usize, fill: &Fill) -> Fault {
+    let (key, what) = match fill.count {
+        Some(count) => ("count", format!("{count} more grains")),
+        None => ("spacing", format!("as many grains as fit, {:.3e},", fill.capacity(loaded.scene.space))),
+    };
+    let message = format!("with {what} the scene starts with more than {MOST_GRAINS} grains, the limit");
+    loaded
+        .fault("scene::out_of_range", &format!("fill[{index}].{key}"), message)
+        .help("is the spacing, in m, right? A `count` bounds the number of grains of a fill")
+}
+
+/// Every grain of the fills must have got an id.
+pub(super) fn ids(loaded: &Loaded) -> Result<(), Fault> {
+    let scene = &loaded.scene;
+    let movable = scene.fill.iter().enumerate().filter(|(_, fill)| !fill.fixed);
+    let mut wanted: usize = 0;
+    for (index, fill) in movable {
+        wanted += fill.size(scene.space).unwrap_or(0) as usize;
         if wanted > loaded.grains.len() {
             return Err(loaded
-                .fault("scene::out_of_range", &key("count"), "there are not enough ids left for these grains")
+                .fault(
+                    "scene::out_of_range",
+                    &format!("fill[{index}].count"),
+                    "there are not enough ids left for these grains",
+                )
                 .help("ids go up to 2147483647: give the grains of the file lower ones"));
         }
     }
@@ -61,6 +115,11 @@ pub(super) fn spawner(loaded: &Loaded) -> Result<(), Fault> {
 
 /// Shares must sum to one, and a range must begin at its smaller end.
 fn radii(loaded: &Loaded, key: &str, law: &RadiusLaw, first_species: u8) -> Result<(), Fault> {
+    if matches!(law, RadiusLaw::Mixture(sizes) if sizes.is_empty()) {
+        return Err(loaded
+            .fault("scene::out_of_range", key, "the mixture has no sizes")
+            .help("write (radius in m, share) for each size"));
+    }
     if let RadiusLaw::Mixture(sizes) = law
         && sizes.len() + usize::from(first_species) > 256
     {

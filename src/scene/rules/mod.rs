@@ -2,12 +2,14 @@
 
 mod contacts;
 mod grains;
+mod outputs;
 mod space;
 
+pub use self::grains::fill;
 pub use self::space::space;
 
 use self::contacts::contacts;
-use self::grains::{fill, spawner};
+use self::grains::{ids, spawner};
 use crate::contact::Contact;
 use crate::door::{DoorMotion, DoorOpens};
 use crate::fault::Fault;
@@ -16,7 +18,7 @@ use crate::neighbours::Neighbours;
 use crate::scene::check;
 use crate::scene::load::Loaded;
 use crate::scene::{Scene, TimeStep};
-use crate::space::Solid;
+use crate::space::{Dimension, Solid};
 use crate::values::FiniteVector;
 use crate::walls::config::Wall;
 
@@ -26,18 +28,22 @@ use crate::walls::config::Wall;
 /// The first broken rule, with the key at fault.
 pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     contacts(loaded)?;
-    fill(loaded)?;
+    ids(loaded)?;
     walls(loaded)?;
+    wall_discs(loaded)?;
     periodic(loaded)?;
     spawner(loaded)?;
     door_and_rest(loaded)?;
     energy_balance(loaded)?;
     cells(loaded)?;
     profiles(loaded)?;
+    outputs::bins(loaded)?;
     flow(loaded)?;
-    pictures_and_bed(loaded)?;
+    view_and_bed(loaded)?;
+    outputs::pictures(loaded)?;
     // Last, because the estimates rely on keys that the other rules check.
-    step(loaded)
+    step(loaded)?;
+    outputs::volume(loaded)
 }
 
 /// A fixed step must be stable for every pair that can meet; an automatic step needs a scheme that supports it.
@@ -67,6 +73,9 @@ fn step(loaded: &Loaded) -> Result<(), Fault> {
                 .fault("scene::unstable_step", "step", message)
                 .help("lower the step, soften the contacts, or let `Auto(error: 1.0e-3)` choose"))
         }
+        TimeStep::Auto { .. } if !loaded.step().is_normal() => Err(loaded
+            .fault("scene::auto_step", "step", "no step can be estimated for contacts and grains of this kind")
+            .help("are masses, radii and stiffness in SI units? Or give `Fixed(...)`, in s")),
         _ => Ok(()),
     }
 }
@@ -165,6 +174,26 @@ fn walls(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Most wall discs of a planar scene. Each pair of them is compared, to find the outline.
+const MOST_WALL_DISCS: usize = 20_000;
+
+fn wall_discs(loaded: &Loaded) -> Result<(), Fault> {
+    let counts = [
+        ("silo.file", loaded.silo.wall.len() + loaded.silo.door.len()),
+        ("fill", loaded.fixed.len()),
+        ("walls", loaded.scene.walls.len()),
+    ];
+    let total: usize = counts.iter().map(|(_, count)| count).sum();
+    let Some((key, _)) = counts.into_iter().max_by_key(|(_, count)| *count).filter(|_| total > MOST_WALL_DISCS) else {
+        return Ok(());
+    };
+    if loaded.scene.space == Dimension::Solid && key != "walls" {
+        return Ok(());
+    }
+    let message = format!("{total} walls and wall grains are more than the limit of {MOST_WALL_DISCS}");
+    Err(loaded.fault("scene::out_of_range", key, message).help("describe the walls by segments, or by larger discs"))
+}
+
 /// Whether a vector is zero, or its square under- or overflows.
 fn has_no_direction(v: Solid) -> bool {
     !v.length_squared().is_normal()
@@ -247,7 +276,7 @@ fn is_box(low: FiniteVector, high: FiniteVector) -> bool {
     (0..low.count()).all(|axis| low.padded()[axis] < high.padded()[axis])
 }
 
-fn pictures_and_bed(loaded: &Loaded) -> Result<(), Fault> {
+fn view_and_bed(loaded: &Loaded) -> Result<(), Fault> {
     let scene = &loaded.scene;
     let view = scene.pictures.as_ref().and_then(|pictures| pictures.view);
     let bed = scene.bed.map(|bed| (bed.low, bed.high));
@@ -264,13 +293,6 @@ fn pictures_and_bed(loaded: &Loaded) -> Result<(), Fault> {
         return Err(loaded
             .fault("scene::missing_key", "rest", "the bed is measured at rest, but nothing detects rest")
             .help("add `rest: (speed: 2.0e-3, energy: 1.0e-6, hold: 0.1)`, or remove `bed`"));
-    }
-    if let Some(pictures) = &scene.pictures
-        && !(50.0..=20_000.0).contains(&pictures.width.get())
-    {
-        return Err(loaded
-            .fault("scene::out_of_range", "pictures.width", "expected a width of 50 to 20000 px")
-            .help("600 is a good width"));
     }
     Ok(())
 }

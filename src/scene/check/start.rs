@@ -1,0 +1,216 @@
+//! Examines the start of a run: deep overlaps, grains inside walls, wall grains at one place, and the release point.
+//!
+//! An overlap counts from [`LARGE_OVERLAP`] of the smaller radius on, because a bed at rest has small ones. Pairs that meet
+//! through a periodic side are not examined, nor more than [`PATIENCE`] bodies.
+
+use rustc_hash::FxHashMap;
+
+use crate::fault::Warning;
+use crate::scene::load::Loaded;
+use crate::space::{Dimension, Plane, Solid, Space};
+use crate::walls::config::Wall;
+use crate::walls::surfaces::Surface;
+use crate::watchdog::LARGE_OVERLAP;
+
+/// Most bodies that are examined, and most pairs of them. More would take seconds.
+const PATIENCE: [usize; 2] = [2_000_000, 50_000_000];
+
+/// A disc or sphere at the start.
+struct Body {
+    centre: Solid,
+    radius: f64,
+    /// Id of a grain; `None` for a wall grain.
+    grain: Option<u32>,
+}
+
+/// Adds the warnings about the start.
+pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+    let bodies = bodies(loaded);
+    if bodies.len() <= PATIENCE[0] {
+        pairs(&bodies, warnings);
+    }
+    let distances = |x: Solid| match loaded.scene.space {
+        Dimension::Plane => to_flat_walls::<Plane>(loaded, x),
+        Dimension::Solid => to_flat_walls::<Solid>(loaded, x),
+    };
+    let grains = bodies.iter().filter(|body| body.grain.is_some());
+    let grains: Vec<_> = grains.map(|body| (body, distances(body.centre))).collect();
+    let behind = grains.iter().filter(|(_, [half, _])| *half <= 0.0).map(|(body, _)| *body);
+    inside(behind.collect(), "behind a half-plane", warnings);
+    let pressed = |(body, [half, thin]): &(&Body, [f64; 2])| {
+        *half > 0.0 && body.radius - half.min(*thin) > LARGE_OVERLAP * body.radius
+    };
+    let pressed: Vec<_> = grains.iter().filter(|grain| pressed(grain)).map(|(body, _)| *body).collect();
+    if let Some(first) = pressed.first() {
+        overlapping(pressed.len(), &format!("{} and a flat wall at {}", name(first), place(first.centre)), warnings);
+    }
+    release(loaded, &bodies, distances, warnings);
+}
+
+fn bodies(loaded: &Loaded) -> Vec<Body> {
+    let disc = |centre: Solid, radius: f64| Body { centre, radius, grain: None };
+    let silo = loaded.silo.wall.iter().chain(&loaded.silo.door).map(|d| disc(d.centre.extend(0.0), d.radius));
+    let own = loaded.scene.walls.iter().filter_map(|wall| match wall {
+        Wall::Disc { centre, radius, .. } => Some(disc(centre.padded(), radius.get())),
+        _ => None,
+    });
+    let fixed = loaded.fixed.iter().map(|grain| disc(grain.position, grain.radius));
+    let grains = loaded.grains.iter().map(|grain| Body {
+        centre: grain.position,
+        radius: grain.radius,
+        grain: Some(grain.id.number()),
+    });
+    silo.chain(own).chain(fixed).chain(grains).collect()
+}
+
+fn name(body: &Body) -> String {
+    body.grain.map_or("a wall grain".to_owned(), |id| format!("grain {id}"))
+}
+
+fn place(x: Solid) -> String {
+    format!("({}, {}, {}) m", x.x, x.y, x.z)
+}
+
+/// Least distance (m) to a half-plane, negative behind it, and to a segment or panel.
+fn to_flat_walls<V: Space>(loaded: &Loaded, x: Solid) -> [f64; 2] {
+    loaded.surfaces::<V>().iter().fold([f64::INFINITY; 2], |[half, thin], wall| {
+        let distance = wall.surface.distance(V::narrow(x));
+        match wall.surface {
+            Surface::HalfPlane { .. } => [half.min(distance), thin],
+            Surface::Segment { .. } | Surface::Panel { .. } => [half, thin.min(distance)],
+        }
+    })
+}
+
+/// Calls `visit` with pairs of bodies that touch, until there are too many pairs. A body is compared with those in its cell and
+/// in the cells around, and a cell is as wide as the largest body.
+fn touching<'a>(bodies: &'a [Body], mut visit: impl FnMut(&'a Body, &'a Body, f64)) {
+    let width = 2.0 * bodies.iter().map(|body| body.radius).fold(0.0, f64::max);
+    #[expect(clippy::cast_possible_truncation, reason = "saturates far outside any scene")]
+    let cell = |x: Solid| (x / width).floor().to_array().map(|number| number as i64);
+    let mut cells: FxHashMap<[i64; 3], Vec<usize>> = FxHashMap::default();
+    let mut left = PATIENCE[1];
+    for (number, body) in bodies.iter().enumerate() {
+        let [x, y, z] = cell(body.centre);
+        for around in 0..27 {
+            let key = [
+                x.saturating_add(around % 3 - 1),
+                y.saturating_add(around / 3 % 3 - 1),
+                z.saturating_add(around / 9 - 1),
+            ];
+            for &other in cells.get(&key).into_iter().flatten() {
+                left -= 1;
+                if left == 0 {
+                    return;
+                }
+                let distance = body.centre.distance(bodies[other].centre);
+                if distance < body.radius + bodies[other].radius {
+                    visit(&bodies[other], body, distance);
+                }
+            }
+        }
+        cells.entry([x, y, z]).or_default().push(number);
+    }
+}
+
+fn pairs(bodies: &[Body], warnings: &mut Vec<Warning>) {
+    let (mut deep, mut deepest, mut within, mut doubled) = (0, (0.0, String::new()), Vec::new(), (0, String::new()));
+    touching(bodies, |a, b, distance| {
+        let smaller = a.radius.min(b.radius);
+        let share = (a.radius + b.radius - distance) / smaller;
+        if a.grain.is_none() && b.grain.is_none() {
+            if distance <= 1e-6 * smaller {
+                doubled.0 += 1;
+                doubled.1 = place(a.centre);
+            }
+        } else if a.grain.is_none() && distance < a.radius {
+            // Wall grains come first, so the second body is the grain.
+            within.push(b);
+        } else if share > LARGE_OVERLAP {
+            deep += 1;
+            if share > deepest.0 {
+                deepest = (share, format!("{} and {} at {}", name(a), name(b), place(b.centre)));
+            }
+        }
+    });
+    if doubled.0 > 0 {
+        warnings.push(Warning {
+            code: "check::duplicate_wall_grains",
+            message: format!(
+                "{} pairs of wall grains stand at one place, one at {}: contacts there count twice",
+                doubled.0, doubled.1
+            ),
+            help: "remove one of the two".to_owned(),
+        });
+    }
+    inside(within, "inside a wall grain", warnings);
+    if deep > 0 {
+        overlapping(deep, &deepest.1, warnings);
+    }
+}
+
+fn inside(grains: Vec<&Body>, what: &str, warnings: &mut Vec<Warning>) {
+    if let Some(first) = grains.first() {
+        warnings.push(Warning {
+            code: "check::starts_in_wall",
+            message: format!("the centre of {} starts {what}, at {}", name(first), place(first.centre)),
+            help: "move the grain: it will be pushed out at high speed, or through the wall".to_owned(),
+        });
+    }
+}
+
+fn overlapping(count: usize, example: &str, warnings: &mut Vec<Warning>) {
+    warnings.push(Warning {
+        code: "check::overlaps_at_start",
+        message: format!("{count} contacts start with an overlap of more than {LARGE_OVERLAP} of the smaller radius, for example {example}"),
+        help: "move them apart: their elastic energy is released at the start".to_owned(),
+    });
+}
+
+/// A release needs room, and a place inside the walls.
+fn release(loaded: &Loaded, bodies: &[Body], distances: impl Fn(Solid) -> [f64; 2], warnings: &mut Vec<Warning>) {
+    let Some(spawner) = loaded.scene.spawner.as_ref().filter(|spawner| spawner.count > 0) else { return };
+    let (point, jitter) = (spawner.point.padded(), spawner.jitter.map_or(0.0, |jitter| jitter.padded().length()));
+    let (smallest, _) = spawner.radius.range();
+    let [half, thin] = distances(point);
+    let walls = || bodies.iter().filter(|body| body.grain.is_none());
+    let room = walls().map(|wall| wall.centre.distance(point) - wall.radius).fold(half.min(thin), f64::min);
+    if room + jitter < smallest {
+        warnings.push(Warning {
+            code: "check::no_room_to_release",
+            message: format!(
+                "the release point is {room:.3} m from a wall, and the smallest grain has a radius of {smallest} m"
+            ),
+            help: "move `spawner.point` away from the wall".to_owned(),
+        });
+    }
+    // Half-planes have no ends, so they bound no box.
+    let flat = loaded.scene.walls.iter().flat_map(|wall| match wall {
+        Wall::Segment { from, to, .. } => vec![from.padded(), to.padded()],
+        Wall::Panel { corner, along, across, .. } => {
+            let corner = corner.padded();
+            vec![corner, corner + along.padded(), corner + across.padded(), corner + along.padded() + across.padded()]
+        }
+        _ => Vec::new(),
+    });
+    let corners: Vec<Solid> = walls().map(|wall| wall.centre).chain(flat).collect();
+    let bounds = corners.iter().copied().reduce(Solid::min).zip(corners.iter().copied().reduce(Solid::max));
+    let Some((low, high)) = bounds.filter(|_| half.is_infinite()) else { return };
+    let up = super::up(loaded);
+    let beside =
+        |axis: usize| loaded.scene.periodic.axes()[axis].is_none() && !(low[axis]..=high[axis]).contains(&point[axis]);
+    let is_outside =
+        (0..loaded.scene.space.count()).any(|axis| if axis == up { point[axis] < low[axis] } else { beside(axis) });
+    if is_outside {
+        warnings.push(Warning {
+            code: "check::release_outside",
+            message: format!(
+                "the release point {} is outside the walls, which reach from {} to {}",
+                place(point),
+                place(low),
+                place(high)
+            ),
+            help: "move `spawner.point` into the silo, or above it".to_owned(),
+        });
+    }
+}

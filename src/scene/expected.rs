@@ -1,0 +1,103 @@
+//! What a scene will need, estimated before any of it is allocated or written: memory, rows, pictures and disk.
+//!
+//! | figure | estimate |
+//! |---|---|
+//! | memory | [`BYTES_PER_GRAIN`] for each grain at the start, the most that was measured (docs/explanation/speed.md) |
+//! | rows, pictures | the number of intervals in a number of steps, at most one for each step |
+//! | disk | the length of such rows and shapes, times their number |
+
+use crate::scene::TimeStep;
+use crate::scene::check::Estimates;
+use crate::scene::load::Loaded;
+use crate::scene::view;
+use crate::values::Positive;
+use crate::writers::svg;
+use crate::writers::volume::Output;
+
+/// Memory of a grain, B.
+pub const BYTES_PER_GRAIN: f64 = 1000.0;
+
+/// Length of a row of `series.csv`, of `walls.csv`, and of `centres.csv` or `profiles.csv`, B.
+const ROW_BYTES: [f64; 3] = [250.0, 80.0, 150.0];
+
+/// Length of a disc in an SVG picture, and of a picture without discs, B.
+const PICTURE_BYTES: [f64; 2] = [65.0, 2000.0];
+
+/// Length of a PNG over its number of pixels, B.
+const PNG_BYTES: f64 = 0.1;
+
+/// Number of lines above a picture.
+fn header_lines(loaded: &Loaded) -> usize {
+    // Title, time, accounting, and the scale of bonds; or the sizes of a mixture.
+    loaded.largest_species().saturating_add(1).max(4)
+}
+
+/// Returns the number of pixels of a picture.
+#[must_use]
+pub fn pixels(loaded: &Loaded) -> f64 {
+    loaded
+        .scene
+        .pictures
+        .as_ref()
+        .map_or(0.0, |pictures| svg::pixels(pictures.width.get(), view::of(loaded, pictures), header_lines(loaded)))
+}
+
+/// Returns the number of discs of a late picture: wall grains, grains of the start, and grains to be released.
+#[must_use]
+pub fn shapes(loaded: &Loaded) -> usize {
+    let released = loaded.scene.spawner.as_ref().map_or(0, |spawner| spawner.count as usize);
+    let walls = loaded.silo.wall.len() + loaded.silo.door.len() + loaded.fixed.len() + loaded.scene.walls.len();
+    loaded.grains.len() + walls + released
+}
+
+/// Returns the time step, s, if it is known: an automatic step without grains is not.
+#[must_use]
+pub fn known_step(loaded: &Loaded) -> Option<f64> {
+    match loaded.scene.step {
+        TimeStep::Fixed(dt) => Some(dt.get()),
+        TimeStep::Auto { .. } => Estimates::of(loaded).map(|estimates| estimates.dt),
+    }
+}
+
+/// Returns the outputs of a scene with this step (s).
+#[must_use]
+#[expect(clippy::cast_precision_loss, reason = "numbers of walls, species, bins and discs")]
+pub fn outputs(loaded: &Loaded, dt: f64) -> Vec<Output> {
+    let scene = &loaded.scene;
+    let species = loaded.largest_species() as f64 + 1.0;
+    let flat =
+        scene.walls.iter().filter(|wall| !matches!(wall, crate::walls::config::Wall::Disc { .. })).count() as f64;
+    let centres = if scene.profiles.is_empty() { 0.0 } else { species };
+    let mut outputs = vec![Output {
+        key: "series.interval".to_owned(),
+        interval: scene.series.interval.get() / dt,
+        rows: 1.0 + flat + centres,
+        pictures: 0.0,
+        bytes: ROW_BYTES[0] + flat * ROW_BYTES[1] + centres * ROW_BYTES[2],
+    }];
+    for (index, profile) in scene.profiles.iter().enumerate() {
+        let rows = f64::from(profile.bins) * (species + 1.0);
+        outputs.push(Output {
+            key: format!("profiles[{index}].average"),
+            interval: profile.average.map_or(f64::INFINITY, Positive::get) / dt,
+            rows,
+            pictures: 0.0,
+            bytes: rows * ROW_BYTES[2],
+        });
+    }
+    if let Some(pictures) = &scene.pictures {
+        let interval = pictures.interval.get();
+        // A picture in the middle of the run: half of the grains that will be released.
+        let released = scene.spawner.as_ref().map_or(0.0, |spawner| 0.5 * f64::from(spawner.count));
+        let discs = (shapes(loaded) as f64 - released).max(0.0);
+        let png = if pictures.png { PNG_BYTES * pixels(loaded) } else { 0.0 };
+        outputs.push(Output {
+            key: "pictures.interval".to_owned(),
+            interval: interval / dt,
+            rows: 0.0,
+            pictures: 1.0,
+            bytes: PICTURE_BYTES[1] + discs * PICTURE_BYTES[0] + png,
+        });
+    }
+    outputs
+}

@@ -1,0 +1,93 @@
+//! Rules on what a run writes: the size of pictures, and how often it writes rows and pictures.
+
+use crate::fault::Fault;
+use crate::scene::expected;
+use crate::scene::load::Loaded;
+use crate::values::Positive;
+use crate::writers::png::{MOST_PIXELS, MOST_SHAPES};
+use crate::writers::volume;
+
+/// Most bins of all profiles, each counted for every species: their sums take about 100 B a bin.
+const MOST_BINS: usize = 5_000_000;
+
+/// A PNG must not have too many pixels, nor too many shapes.
+pub(super) fn pictures(loaded: &Loaded) -> Result<(), Fault> {
+    let Some(pictures) = &loaded.scene.pictures else { return Ok(()) };
+    if !(50.0..=20_000.0).contains(&pictures.width.get()) {
+        return Err(loaded
+            .fault("scene::out_of_range", "pictures.width", "expected a width of 50 to 20000 px")
+            .help("600 is a good width"));
+    }
+    if !pictures.png {
+        return Ok(());
+    }
+    let pixels = expected::pixels(loaded);
+    // A view without a size has no number of pixels.
+    if pixels.is_nan() || pixels > MOST_PIXELS {
+        let message =
+            format!("a picture would have {pixels:.2e} pixels, more than the limit of {MOST_PIXELS:e} for PNG");
+        return Err(loaded
+            .fault("scene::out_of_range", "pictures.width", message)
+            .help("lower the width, give a `view`, or write SVG only with `png: false`"));
+    }
+    let shapes = expected::shapes(loaded);
+    if shapes > MOST_SHAPES {
+        let message = format!("a picture may have {shapes} discs, more than the limit of {MOST_SHAPES} for PNG");
+        return Err(loaded
+            .fault("scene::out_of_range", "pictures.png", message)
+            .help("write SVG only with `png: false`"));
+    }
+    Ok(())
+}
+
+/// Nothing is written more often than the run makes steps, and not too much within the first steps of a run.
+pub(super) fn volume(loaded: &Loaded) -> Result<(), Fault> {
+    let Some(dt) = expected::known_step(loaded) else { return Ok(()) };
+    for (key, interval) in intervals(loaded) {
+        // Rounding, and a step that was lowered a little, are no errors.
+        if interval < 0.5 * dt {
+            let message =
+                format!("{interval:e} s is shorter than the step of {dt:e} s, and nothing happens between two steps");
+            return Err(loaded
+                .fault("scene::out_of_range", &key, message)
+                .help("give at least the step, for one row or picture in each step"));
+        }
+    }
+    let mut outputs = expected::outputs(loaded, dt);
+    // A default interval that does not fit a long step is no error of the scene.
+    outputs.retain(|output| output.key != "pictures.interval" || loaded.source.value_of(&output.key).is_some());
+    if let Some((key, message)) = volume::excess(&outputs, loaded.scene.until.get() / dt) {
+        return Err(loaded.fault("scene::too_much_output", key, message).help("give a longer time"));
+    }
+    Ok(())
+}
+
+/// The intervals (s) that stand in the scene, with their keys.
+fn intervals(loaded: &Loaded) -> Vec<(String, f64)> {
+    let scene = &loaded.scene;
+    let mut all = vec![("series.interval".to_owned(), scene.series.interval)];
+    all.extend(scene.pictures.iter().map(|pictures| ("pictures.interval".to_owned(), pictures.interval)));
+    all.extend(scene.flow.iter().map(|flow| ("flow.sample".to_owned(), flow.sample)));
+    let profiles = scene.profiles.iter().enumerate();
+    all.extend(profiles.map(|(index, profile)| (format!("profiles[{index}].sample"), profile.sample)));
+    all.retain(|(key, _)| loaded.source.value_of(key).is_some());
+    all.into_iter().map(|(key, interval): (String, Positive)| (key, interval.get())).collect()
+}
+
+/// All bins are kept in memory.
+pub(super) fn bins(loaded: &Loaded) -> Result<(), Fault> {
+    let species = loaded.largest_species().saturating_add(2);
+    let mut total: usize = 0;
+    for (index, profile) in loaded.scene.profiles.iter().enumerate() {
+        total = total.saturating_add(species.saturating_mul(usize::from(profile.bins)));
+        if total > MOST_BINS {
+            let message = format!(
+                "with these bins all profiles have {total} bins of all species, more than the limit of {MOST_BINS}"
+            );
+            return Err(loaded
+                .fault("scene::out_of_range", &format!("profiles[{index}].bins"), message)
+                .help("give fewer bins or profiles"));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,102 @@
+//! Reads the files of a scene: regular files only, up to a stated number of bytes.
+//!
+//! A device or a pipe may have no end, and a pipe may wait for ever.
+
+use std::fs::{self, File};
+use std::io::{self, Read};
+use std::path::Path;
+
+/// Most bytes of a scene. The values of such a text take at most about 300 MB.
+pub const SCENE_BYTES: u64 = 4 << 20;
+
+/// Most bytes of a silo file: over a million discs.
+pub const SILO_BYTES: u64 = 64 << 20;
+
+/// Most bytes of a grain file: over ten million grains.
+pub const GRAIN_BYTES: u64 = 4 << 30;
+
+/// Most bytes of a result that another command reads: a picture, a summary, a table.
+pub const RESULT_BYTES: u64 = 64 << 20;
+
+/// An open regular file that holds no more than a number of bytes.
+#[derive(Debug)]
+pub struct BoundedFile {
+    file: File,
+    most: u64,
+    left: u64,
+}
+
+impl BoundedFile {
+    /// Opens the regular file at `path`, which may hold at most `most` bytes.
+    ///
+    /// # Errors
+    /// If it cannot be opened, is not a regular file, or is larger.
+    pub fn open(path: &Path, most: u64) -> io::Result<Self> {
+        // Before opening, which waits if this is a pipe without a writer.
+        check(&fs::metadata(path)?, most)?;
+        let file = File::open(path)?;
+        check(&file.metadata()?, most)?;
+        Ok(Self { file, most, left: most })
+    }
+}
+
+impl Read for BoundedFile {
+    /// A file may grow while it is read, and some files of the system do not tell their size.
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.file.read(buffer)?;
+        self.left = self.left.checked_sub(count as u64).ok_or_else(|| too_large(self.most))?;
+        Ok(count)
+    }
+}
+
+/// Reads the regular file at `path` as text of at most `most` bytes.
+///
+/// # Errors
+/// As [`BoundedFile::open`]; also if it is not UTF-8.
+pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
+    let mut text = String::new();
+    BoundedFile::open(path, most)?.read_to_string(&mut text)?;
+    Ok(text)
+}
+
+fn check(file: &fs::Metadata, most: u64) -> io::Result<()> {
+    if file.is_dir() {
+        return Err(io::Error::new(io::ErrorKind::IsADirectory, "it is a directory"));
+    }
+    if !file.is_file() {
+        return Err(io::Error::other("it is not a regular file, but a device, a pipe or a socket"));
+    }
+    if file.len() > most { Err(too_large(most)) } else { Ok(()) }
+}
+
+fn too_large(most: u64) -> io::Error {
+    io::Error::new(io::ErrorKind::FileTooLarge, format!("it is larger than the limit of {} MiB", most >> 20))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_regular_files_within_the_limit_are_read() {
+        let here = tempfile::tempdir().unwrap();
+        let path = here.path().join("a.ron");
+        fs::write(&path, "12345").unwrap();
+        assert_eq!(read_text(&path, 5).unwrap(), "12345");
+        assert!(read_text(&path, 4).unwrap_err().to_string().contains("larger than the limit"));
+        assert!(read_text(here.path(), 5).unwrap_err().to_string().contains("directory"));
+        let mut growing = BoundedFile { file: File::open(&path).unwrap(), most: 4, left: 4 };
+        assert_eq!(growing.read_to_string(&mut String::new()).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_and_pipes_are_refused_at_once() {
+        let here = tempfile::tempdir().unwrap();
+        let pipe = here.path().join("pipe");
+        assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+        for path in [Path::new("/dev/zero"), &pipe] {
+            assert!(read_text(path, 5).unwrap_err().to_string().contains("not a regular file"));
+        }
+    }
+}

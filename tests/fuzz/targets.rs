@@ -1,0 +1,76 @@
+//! The targets: each takes any text. A fault is shown as the program shows it, because showing has panicked before.
+
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use siloflow::fault::Fault;
+use siloflow::grains::file::{self, Kind};
+use siloflow::lattice::load::LoadedLattice;
+use siloflow::prelude::*;
+use siloflow::scene::check;
+use siloflow::source::Source;
+use siloflow::walls::silo_file::{self, LengthUnit};
+use siloflow::writers::png;
+
+/// Most particles or sites of a scene that is stepped.
+const SMALL: usize = 300;
+
+/// Files that scenes of the corpus name.
+fn files() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/files")
+}
+
+fn show<T>(result: Result<T, Fault>) -> Option<T> {
+    result.map_err(|fault| drop(format!("{fault}\n{:?}", miette::Report::new(fault.clone())))).ok()
+}
+
+pub fn scene(text: &str) {
+    with_settings(text, &[]);
+}
+
+fn with_settings(text: &str, settings: &[(String, String)]) {
+    let source = Source::new("mutant.ron", "mutant", &files(), text.to_owned());
+    let registry = Registry::default();
+    if source.value_of("method").is_some_and(|method| method.starts_with("LatticeGas")) {
+        let Some(loaded) = show(LoadedLattice::new(source, settings)) else { return };
+        drop(siloflow::lattice::check::warnings(&loaded));
+        if loaded.sites.kinds.len() <= 100 * SMALL
+            && let Some(mut run) = show(Simulation::of_lattice(&loaded, &registry, NonZeroUsize::MIN))
+        {
+            run.run_steps(3);
+        }
+        return;
+    }
+    let Some(loaded) = show(load::from_text("mutant.ron", "mutant", &files(), text.to_owned(), settings)) else {
+        return;
+    };
+    drop(check::warnings(&loaded));
+    if loaded.grains.len() + loaded.fixed.len() + loaded.silo.wall.len() <= SMALL
+        && let Some(mut run) = show(Simulation::new(&loaded, &registry, NonZeroUsize::MIN))
+    {
+        run.run_steps(3);
+    }
+}
+
+pub fn silo(text: &str) {
+    show(silo_file::parse("mutant.dat", text, LengthUnit::Centimetre));
+}
+
+pub fn grains(text: &str) {
+    for (dimension, spins) in [(Dimension::Plane, false), (Dimension::Solid, true)] {
+        show(file::parse("mutant.csv", text, Kind { dimension, spins }));
+    }
+}
+
+/// The first line is `PATH=VALUE`, as on the command line.
+pub fn setting(text: &str) {
+    const SCENE: &str = include_str!("corpus/scene/silo.ron");
+    let (path, value) = text.split_once('=').unwrap_or((text, ""));
+    with_settings(SCENE, &[(path.trim().to_owned(), value.trim().to_owned())]);
+}
+
+pub fn picture(text: &str) {
+    let start = std::time::Instant::now();
+    drop(png::encode_within(text.to_owned(), std::time::Duration::from_secs(5)));
+    assert!(start.elapsed().as_secs() < 5, "{:?}", start.elapsed());
+}

@@ -1,0 +1,126 @@
+//! Warnings of `check` about the start of a scene, its walls and its speeds: each has a scene that causes it, and a scene next to
+//! it that does not.
+
+use std::path::Path;
+
+use siloflow::prelude::*;
+use siloflow::scene::check;
+
+const FLOOR: &str = "walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))]";
+
+/// Codes of the warnings of a planar scene with these keys. Files are read from `directory`.
+fn codes_in(directory: &Path, keys: &str) -> Vec<&'static str> {
+    let keys = if keys.contains("step:") { keys.to_owned() } else { format!("step: Fixed(1.0e-5), {keys}") };
+    let text = format!(
+        "(gravity: (0.0, -9.81), contact: Linear(k: 1.0e7, damping: Restitution(0.5)), mass: Disc(100.0), until: 1.0, {keys})"
+    );
+    let loaded = load::from_text("a.ron", "a", directory, text, &[]).unwrap();
+    check::warnings(&loaded).into_iter().map(|warning| warning.code).collect()
+}
+
+fn codes(keys: &str) -> Vec<&'static str> {
+    codes_in(Path::new(""), keys)
+}
+
+fn block(low: f64, more: &str) -> String {
+    format!("fill: [(low: (0.0, {low}), high: (0.3, {}), spacing: 0.1, radius: Fixed(0.05){more})]", low + 0.3)
+}
+
+fn spawner(x: f64, y: f64) -> String {
+    format!("spawner: (point: ({x:?}, {y:?}), velocity: (0.0, -1.0), interval: 1.0, count: 1, radius: Fixed(0.05))")
+}
+
+#[test]
+fn overlaps_at_the_start_are_found() {
+    assert_eq!(codes(&format!("{FLOOR}, {}", block(0.0, ""))), [""; 0]);
+    let doubled = |high: f64| {
+        let fill =
+            |low: f64| format!("(low: (0.0, {low}), high: (0.3, {}), spacing: 0.1, radius: Fixed(0.05))", low + 0.1);
+        format!("{FLOOR}, fill: [{}, {}]", fill(0.0), fill(high))
+    };
+    assert_eq!(codes(&doubled(0.05)), ["check::overlaps_at_start"]);
+    assert_eq!(codes(&doubled(0.1)), [""; 0]);
+    // With a flat wall.
+    assert_eq!(codes(&format!("{FLOOR}, {}", block(-0.03, ""))), ["check::overlaps_at_start"]);
+}
+
+#[test]
+fn grains_inside_walls_and_doubled_wall_grains_are_found() {
+    assert_eq!(codes(&format!("{FLOOR}, {}", block(-0.17, ""))), ["check::starts_in_wall"]);
+    let disc = "walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0)), Disc(centre: (0.0, 0.5), radius: 0.2)]";
+    assert!(codes(&format!("{disc}, {}", block(0.4, ""))).contains(&"check::starts_in_wall"));
+    // A lone disc in the open is also reported as leaky.
+    let once = codes(&format!("{disc}, {}", block(0.0, "")));
+    assert!(!once.contains(&"check::starts_in_wall") && !once.contains(&"check::duplicate_wall_grains"), "{once:?}");
+    let twice = disc.replace("Disc(", "Disc(centre: (0.0, 0.5), radius: 0.2), Disc(");
+    assert!(codes(&format!("{twice}, {}", block(0.0, ""))).contains(&"check::duplicate_wall_grains"));
+}
+
+#[test]
+fn release_points_outside_and_in_walls_are_found() {
+    let walls = "walls: [Segment(from: (-1.0, 0.0), to: (1.0, 0.0)), Segment(from: (-1.0, 0.0), to: (-1.0, 2.0)), \
+                 Segment(from: (1.0, 0.0), to: (1.0, 2.0))]";
+    let at = |x: f64, y: f64| codes(&format!("{walls}, {}", spawner(x, y)));
+    assert_eq!((at(0.0, 1.0), at(0.0, 3.0)), (vec![], vec![]));
+    for (x, y) in [(1.5, 1.0), (0.0, -1.0)] {
+        assert!(at(x, y).contains(&"check::release_outside"), "{:?}", at(x, y));
+    }
+    assert!(at(0.97, 1.0).contains(&"check::no_room_to_release"));
+}
+
+#[test]
+fn doors_narrower_than_a_grain_are_found() {
+    let here = tempfile::tempdir().unwrap();
+    let check = |half: f64| {
+        let file = format!("2 1\n-{half} 0 0.05\n{half} 0 0.05\n0 0 0.02\n");
+        std::fs::write(here.path().join("door.dat"), file).unwrap();
+        let keys = "silo: (file: \"door.dat\", unit: Metre), door: (opens: At(0.5)), cull: (below: -1.0)";
+        codes_in(here.path(), &format!("{keys}, {}", spawner(0.0, 0.5)))
+    };
+    assert!(check(0.09).contains(&"check::narrow_door") && !check(0.11).contains(&"check::narrow_door"));
+}
+
+#[test]
+fn speeds_that_pass_a_wall_or_a_grain_in_one_step_are_found() {
+    let bullets = |speed: f64| format!("step: Fixed(1.0e-4), {}", block(0.0, &format!(", velocity: ({speed:?}, 0.0)")));
+    let code = "check::fast_grains";
+    assert!(codes(&bullets(600.0)).contains(&code) && !codes(&bullets(100.0)).contains(&code));
+    let wall = |speed: f64| format!("walls: [Segment(from: (9.0, 0.0), to: (9.0, 1.0))], {}", bullets(speed));
+    assert!(codes(&wall(600.0)).contains(&code) && !codes(&wall(100.0)).contains(&code));
+}
+
+#[test]
+fn grains_that_can_fall_for_ever_are_found() {
+    let code = "check::falls_for_ever";
+    let with =
+        |walls: &str, more: &str| codes(&format!("walls: [{walls}], {more}, {}", block(1.0, ""))).contains(&code);
+    let plane = |normal: &str| format!("HalfPlane(point: (0.0, 0.0), normal: {normal})");
+    let slope = plane("(1.0, 1.0)");
+    let none = "cull: None";
+    assert!(!with(&plane("(0.0, 1.0)"), none), "a floor holds");
+    assert!(with(&plane("(1.0, 0.0)"), none) && with(&slope, none), "a wall and a slope do not");
+    assert!(!with(&format!("{slope}, {}", plane("(-1.0, 1.0)")), none), "two slopes hold");
+    assert!(with(&format!("{slope}, {}", plane("(-1.0, -1.1)")), none), "unless they are open below");
+    assert!(!with(&slope, "cull: (below: -1.0)") && !with(&slope, "periodic: (x: (-5.0, 5.0))"));
+    let segments = "Segment(from: (-1.0, 0.0), to: (1.0, 0.0)), Segment(from: (-1.0, 0.0), to: (-1.0, 2.0)), \
+                    Segment(from: (1.0, 0.0), to: (1.0, 2.0))";
+    assert!(!with(segments, none));
+    assert!(with("Segment(from: (-1.0, 0.0), to: (0.1, 0.0))", none));
+    assert!(!codes(&block(1.0, "")).contains(&code), "without walls grains are meant to fly");
+}
+
+#[test]
+fn a_run_that_would_write_very_much_is_named() {
+    let text = |until: &str| {
+        format!(
+            "(gravity: (0.0, -9.81), contact: Linear(k: 1.0e7, damping: Restitution(0.5)), mass: Disc(100.0), until: {until}, \
+             step: Fixed(1.0e-5), {FLOOR}, {})",
+            block(0.0, "")
+        )
+    };
+    let code = |until: &str| {
+        let loaded = load::from_text("a.ron", "a", Path::new(""), text(until), &[]).unwrap();
+        check::warnings(&loaded).into_iter().any(|warning| warning.code == "check::much_output")
+    };
+    assert!(!code("1.0e3") && code("1.0e9"));
+}
