@@ -25,6 +25,7 @@ use siloflow::output::series::SeriesPlugin;
 use siloflow::prelude::*;
 use siloflow::scene::outputs::Series;
 use siloflow::store::ParticleStore;
+use siloflow::writers::rows::RowsPlace;
 use stopwatch::{PARTS, Stopwatch};
 
 use self::crystal::{Crystal, R, run_further};
@@ -150,7 +151,7 @@ fn rare_work(criterion: &mut Criterion) {
 fn outputs(criterion: &mut Criterion) {
     let bed = Crystal::of(false, 10_000);
     let directory = tempfile::tempdir().expect("a directory for outputs");
-    let series = directory.path().join("series.csv");
+    let series = RowsPlace { path: directory.path().join("series.csv"), is_continued: false };
     let mut group = group(criterion, "outputs, discs, 10000", bed.grains);
     for (name, pictures) in [
         ("a row of series.csv", "None"),

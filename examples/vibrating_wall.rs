@@ -10,7 +10,7 @@
 use std::f64::consts::TAU;
 use std::process::ExitCode;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use siloflow::prelude::*;
 
 /// The scene's `behaviours: {"vibrating_wall": (...)}`.
@@ -24,7 +24,7 @@ pub struct VibratingWall {
 }
 
 /// Position of a wall grain without vibration, m.
-#[derive(Component)]
+#[derive(Component, Serialize, Deserialize)]
 struct Home(Vector);
 
 #[derive(Resource)]
@@ -62,6 +62,8 @@ impl Behaviour for VibratingWall {
     }
 
     fn build(self: Box<Self>, app: &mut App) {
+        // Saved with checkpoints, because a wall grain is not at home when a run is resumed.
+        app.persist_component::<Home>();
         app.insert_resource(Vibration(*self))
             .add_systems(Step, (remember_home.in_set(Phase::Spawn), vibrate.in_set(Phase::Drift).after(ClockAdvanced)));
     }

@@ -4,6 +4,8 @@
 //! that nothing can happen before a particle moves a distance d sets the trigger to d. It is skipped until the sum has
 //! grown by d. Results are the same as with a pass in every step. A renumbering fires every trigger.
 
+use serde::{Deserialize, Serialize};
+
 /// The distance that particles can have moved; see
 /// [`Particles::travel_meter`](crate::particles::Particles::travel_meter).
 #[derive(Clone, Copy, Debug)]
@@ -15,7 +17,7 @@ pub struct TravelMeter {
 }
 
 /// Fires when a particle may have moved a given distance.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub struct DisplacementTrigger {
     generation: u64,
     fires_at: f64,

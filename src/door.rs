@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::messages::{CameToRest, DoorOpened};
 use crate::particle::{Door, Fixed, Position, Radius, Velocity};
+use crate::persist::PersistApp as _;
 use crate::rest::RestDetection;
 use crate::space::Vector;
 use crate::step::{Clock, Phase, Step};
@@ -59,7 +60,7 @@ pub struct DoorState {
 }
 
 /// A sliding motion: velocity (m/s) and end time (s).
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 struct Slide {
     velocity: Vector,
     until: f64,
@@ -150,6 +151,13 @@ pub struct DoorPlugin(pub DoorControl);
 impl Plugin for DoorPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(DoorState { control: self.0, open_time: None, sliding: None });
+        app.persist_part::<DoorState, _>(
+            |door| Ok((door.open_time, door.sliding)),
+            |door, state| {
+                (door.open_time, door.sliding) = state;
+                Ok(())
+            },
+        );
         if self.0.opens != DoorOpens::Never {
             app.add_systems(
                 Step,

@@ -8,11 +8,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::grains::spawner::Pending;
 use crate::ledger::{GrainsAccounted, Ledger};
 use crate::messages::CameToRest;
 use crate::outcome::{End, Outcome};
+use crate::persist::PersistApp as _;
 use crate::step::{Clock, Phase, Step, time_moves};
 use crate::store::reads_velocities_when;
 
@@ -20,7 +22,7 @@ use crate::store::reads_velocities_when;
 struct Until(f64);
 
 /// Time at which the silo was found empty, s.
-#[derive(Resource, Default, Debug)]
+#[derive(Resource, Default, Debug, Deserialize, Serialize)]
 pub struct EmptyTime(pub Option<f64>);
 
 fn end_when_empty(
@@ -93,7 +95,7 @@ pub struct EndingPlugin {
 
 impl Plugin for EndingPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(Until(self.until)).init_resource::<EmptyTime>().add_systems(
+        app.insert_resource(Until(self.until)).init_resource::<EmptyTime>().persist::<EmptyTime>().add_systems(
             Step,
             (end_when_empty, end_at_time.run_if(is_time_over))
                 .chain()

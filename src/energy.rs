@@ -32,13 +32,14 @@ use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use self::energy_flows::{
     add_initial_overlap_energy, add_leaving_wall_energy, add_released_energy, add_removed_energy,
 };
 use self::work::{Powers, TurningPowers, add_behaviour_work, add_contact_work, add_friction_loss, add_lifted_energy};
 use crate::integrate::wrap::Wrapped;
+use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Part, Phase, Step, is_step_zero};
 use crate::store::{
@@ -48,7 +49,7 @@ use crate::store::{
 use crate::walls::surfaces::walls_leave;
 
 /// Energy flows since the start, J. This resource exists if the energy balance is kept.
-#[derive(Resource, Clone, Copy, Debug, Default, Serialize)]
+#[derive(Resource, Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct EnergyFlows {
     /// Energy of grains that entered.
     pub released: f64,
@@ -73,7 +74,7 @@ impl EnergyFlows {
 }
 
 /// Parts of `dissipated` that normal damping has not caused, in scenes with spin, J.
-#[derive(Resource, Clone, Copy, Debug, Default, Serialize)]
+#[derive(Resource, Clone, Copy, Debug, Default, Serialize, Deserialize)]
 pub struct Channels {
     /// Loss by friction: tangential dashpots and sliding.
     pub tangential: f64,
@@ -94,6 +95,8 @@ impl<V: Space> Plugin for EnergyPlugin<V> {
         app.world_mut().resource_mut::<ParticleStore<V>>().tracks_energy = true;
         app.init_resource::<EnergyFlows>()
             .init_resource::<Powers>()
+            .persist::<EnergyFlows>()
+            .persist::<Powers>()
             .add_systems(
                 Renumber,
                 (
@@ -111,7 +114,10 @@ pub struct SpinEnergyPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for SpinEnergyPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.init_resource::<Channels>().init_resource::<TurningPowers>();
+        app.init_resource::<Channels>()
+            .init_resource::<TurningPowers>()
+            .persist::<Channels>()
+            .persist::<TurningPowers>();
         after_kicks(app, || add_friction_loss::<V>.in_set(EnergyBalanced).after(add_contact_work::<V>).into_configs());
         // The loss by rolling resistance depends on spins, and no kick sums it.
         reads_velocities_when(app, |store: Res<ParticleStore<V>>| !store.loads.rolling_drag.is_empty());

@@ -26,6 +26,7 @@ use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use self::cull::CullLine;
 pub use self::cull::{Cull, CullPlugin};
@@ -37,17 +38,19 @@ use crate::messages::{GrainLost, GrainOut};
 use crate::particle::{Grain, GrainId};
 use crate::particles::Particles;
 use crate::periodic::Periodic;
+use crate::persist::PersistApp as _;
 use crate::space::{Plane, Space};
 use crate::step::{Phase, Step};
 use crate::store::{ParticleStore, Renumber, Renumbering, renumber};
 use crate::walls::paths::{Crossing, Paths};
 
 /// State of each particle in the grain accounting, by slot.
-#[derive(Resource)]
+#[derive(Resource, Deserialize, Serialize)]
+#[serde(bound = "")]
 struct GrainStates<V: Space>(Vec<GrainState<V>>);
 
 /// State of one particle in the grain accounting.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 enum GrainState<V> {
     /// The particle is not a grain.
     NotAGrain,
@@ -70,6 +73,10 @@ pub struct Enclosure<V: Space = Plane> {
     pub smallest_radius: f64,
 }
 
+/// Fires when a grain may have moved far enough for a check of its path.
+#[derive(Resource, Default, Deserialize, Serialize)]
+struct PathTrigger(DisplacementTrigger);
+
 /// Reorders the states by the new slots after a renumbering.
 fn reorder_states<V: Space>(
     store: Res<ParticleStore<V>>,
@@ -91,9 +98,9 @@ fn watch_paths<V: Space>(
     mut out: MessageWriter<GrainOut<V>>,
     mut lost: MessageWriter<GrainLost<V>>,
     mut states: ResMut<GrainStates<V>>,
-    mut trigger: Local<DisplacementTrigger>,
+    mut trigger: ResMut<PathTrigger>,
 ) {
-    if !trigger.has_fired(particles.travel_meter(), 0.0) {
+    if !trigger.0.has_fired(particles.travel_meter(), 0.0) {
         return;
     }
     let (mut longest, mut lowest) = (0.0f64, f64::INFINITY);
@@ -144,7 +151,7 @@ fn watch_paths<V: Space>(
     }
     // No grain is due for a check before some particle has moved this far.
     let distance_left = limit_squared.sqrt() - longest.sqrt();
-    *trigger = DisplacementTrigger::for_distance(particles.travel_meter(), distance_left.min(lowest - cull_height));
+    trigger.0 = DisplacementTrigger::for_distance(particles.travel_meter(), distance_left.min(lowest - cull_height));
 }
 
 /// Returns the description of a loss. If the grain moved too far (m) in one step for a force to stop it, the
@@ -214,6 +221,9 @@ pub struct PathsPlugin<V: Space> {
 impl<V: Space> Plugin for PathsPlugin<V> {
     fn build(&self, app: &mut App) {
         app.insert_resource(GrainStates::<V>(Vec::new()))
+            .init_resource::<PathTrigger>()
+            .persist::<GrainStates<V>>()
+            .persist::<PathTrigger>()
             .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
             .add_systems(Renumber, reorder_states::<V>.in_set(Renumbering).after(renumber::<V>))
             .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(grain_accounting::account_for_grains::<V>));

@@ -63,6 +63,7 @@ pub mod output;
 pub mod particle;
 pub mod particles;
 pub mod periodic;
+pub mod persist;
 pub mod plugins;
 pub mod random;
 pub mod rest;
@@ -100,6 +101,7 @@ pub mod prelude {
     pub use crate::outcome::{End, Failure, Outcome};
     pub use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
     pub use crate::particles::{Motion, Particles};
+    pub use crate::persist::PersistApp;
     pub use crate::scene::load::{self, Loaded};
     pub use crate::simulation::Simulation;
     pub use crate::space::{Dimension, Linear, Plane, Solid, Space, Vector};

@@ -24,6 +24,7 @@
 use std::fmt;
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::space::{Plane, Space};
 
@@ -31,7 +32,7 @@ use crate::space::{Plane, Space};
 ///
 /// Grains count from 0 or carry the ids of their file. Ids of wall grains and door grains are larger than the ids of
 /// all grains.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize, Serialize)]
 #[component(immutable)]
 #[require(Slot)]
 pub struct GrainId(u32);
@@ -59,6 +60,12 @@ impl GrainId {
         Self(number.expect("fewer than 2^31 wall grains"))
     }
 
+    /// Like [`GrainId::wall`], `None` if there cannot be so many.
+    #[must_use]
+    pub(crate) fn numbered_wall(number: u32) -> Option<Self> {
+        number.checked_add(Self::FIRST_WALL).map(Self)
+    }
+
     /// The number among particles of this kind: grains as in their file, wall grains from 1.
     #[must_use]
     pub fn number(self) -> u32 {
@@ -80,7 +87,7 @@ impl fmt::Display for GrainId {
 }
 
 /// Index of a particle in the particle store ([`ParticleStore`](crate::store::ParticleStore)).
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 pub struct Slot(u32);
 
 impl Default for Slot {
@@ -108,49 +115,52 @@ impl Slot {
 }
 
 /// Centre, m.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[component(summary_tick)]
+#[serde(bound = "")]
 pub struct Position<V: Space = Plane>(pub V);
 
 /// Velocity of the centre, m/s. Between [`Phase::Drift`](crate::step::Phase::Drift) and
 /// [`Phase::Kick`](crate::step::Phase::Kick) it is v(t+dt/2), elsewhere v(t).
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[component(summary_tick)]
+#[serde(bound = "")]
 pub struct Velocity<V: Space = Plane>(pub V);
 
 /// Sum of the forces, N, at the last evaluation. The acceleration is this force divided by [`Mass`].
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[component(summary_tick)]
+#[serde(bound = "")]
 pub struct Force<V: Space = Plane>(pub V);
 
 /// Radius, m.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[component(immutable)]
 pub struct Radius(pub f64);
 
 /// Mass, kg.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[component(immutable)]
 pub struct Mass(pub f64);
 
 /// Kind of a grain or wall: 0 for the first size of a mixture, 1 for the second. It selects colours in pictures, groups
 /// in averages, and the material in scenes with several materials.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[component(immutable)]
 pub struct Species(pub u8);
 
 /// Marks a particle that can move and that the ledger counts.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub struct Grain;
 
 /// Marks a particle that no force moves: a wall grain, or a grain that a behaviour holds. A system that moves it sets
 /// both its [`Position`] and its [`Velocity`]. This is a table component, so that passes over grains run over
 /// contiguous columns.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub struct Fixed;
 
 /// Marks a part of the door: a wall grain, or a flat wall.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, Deserialize, Serialize)]
 #[component(storage = "SparseSet")]
 pub struct Door;
 

@@ -20,6 +20,7 @@ use crate::grains::spawner::Pending;
 use crate::gravity::Gravity;
 use crate::messages::CameToRest;
 use crate::particles::Motion;
+use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 use crate::store::register_predictable;
@@ -93,6 +94,13 @@ pub struct RestPlugin<V: Space>(pub Rest, pub PhantomData<V>);
 
 impl<V: Space> Plugin for RestPlugin<V> {
     fn build(&self, app: &mut App) {
+        app.persist_part::<RestDetector, _>(
+            |detector| Ok((detector.quiet_since, detector.rest_time)),
+            |detector, times| {
+                (detector.quiet_since, detector.rest_time) = times;
+                Ok(())
+            },
+        );
         app.insert_resource(RestDetector { thresholds: self.0, quiet_since: None, rest_time: None }).add_systems(
             Step,
             detect::<V>

@@ -11,6 +11,7 @@ use bevy_ecs::prelude::*;
 
 use crate::assembly::{AskedBy, Assembly};
 use crate::behaviour::{Behaviour, Registry};
+use crate::contact::ContactsAtStart;
 use crate::ending::StopRequest;
 use crate::fault::Fault;
 use crate::grains::file::GrainRow;
@@ -21,10 +22,13 @@ use crate::lattice;
 use crate::lattice::load::LoadedLattice;
 use crate::messages::GrainReleased;
 use crate::outcome::{End, Failure, Outcome};
+use crate::output::checkpoint::{self, Checkpoints};
+use crate::output::cost::RunCost;
 use crate::output::losses::LossesFile;
 use crate::output::run_directory::RunDirectory;
 use crate::particle::{Door, GrainBundle, GrainId, Species, wall_grain};
 use crate::periodic::Periodic;
+use crate::persist::{self, PersistApp as _, Problem, Section, UnknownState};
 use crate::plugins::{AddPaths, add_all, add_behaviours, planar_paths, solid_paths};
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
@@ -55,7 +59,7 @@ impl Simulation {
     /// * Systems of behaviours conflict or are in no phase.
     /// * The environment selects [`instructions`](crate::instructions) that this machine lacks.
     pub fn new(loaded: &Loaded, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
-        Self::with(loaded, registry, threads, Box::new(|_| {}))
+        Self::with(loaded, registry, threads, Box::new(|_| {}), None)
     }
 
     /// Like [`Simulation::new`], with plugins of the calling program: outputs, for example, which read and do not
@@ -69,22 +73,83 @@ impl Simulation {
         threads: NonZeroUsize,
         more: impl FnOnce(&mut App),
     ) -> Result<Self, Fault> {
-        Self::with(loaded, registry, threads, Box::new(|assembly| assembly.add_with("the program", more)))
+        Self::with(loaded, registry, threads, Box::new(|assembly| assembly.add_with("the program", more)), None)
     }
 
-    /// Like [`Simulation::with_plugins`], for plugins that record the scene keys that requested them.
+    /// Like [`Simulation::with_plugins`], for plugins that record the scene keys that requested them. With `saved` it continues
+    /// a saved state.
     pub(crate) fn with(
         loaded: &Loaded,
         registry: &Registry,
         threads: NonZeroUsize,
         more: Additions<'_>,
+        saved: Option<(&[Section], UnknownState)>,
     ) -> Result<Self, Fault> {
         let mut app = Self::assemble(loaded, registry, threads, more)?;
-        match loaded.scene.space {
-            Dimension::Plane => spawn_particles::<Plane>(app.world_mut(), loaded),
-            Dimension::Solid => spawn_particles::<Solid>(app.world_mut(), loaded),
+        match (saved, loaded.scene.space) {
+            (Some((saved, unknown)), _) => restore(app.world_mut(), saved, unknown)?,
+            (None, Dimension::Plane) => spawn_particles::<Plane>(app.world_mut(), loaded),
+            (None, Dimension::Solid) => spawn_particles::<Solid>(app.world_mut(), loaded),
         }
         Self::complete_with_store(app, loaded)
+    }
+
+    /// Returns the whole state, from which [`Simulation::restored`] continues to the same bits. The format is that of this
+    /// version of siloflow.
+    ///
+    /// # Errors
+    /// If a value of the state cannot be encoded.
+    pub fn save(&mut self) -> Result<Vec<Section>, Problem> {
+        self.refresh();
+        persist::save(self.app.world_mut())
+    }
+
+    /// Builds the app that the scene needs, with the state that [`Simulation::save`] returned for the same scene.
+    ///
+    /// # Errors
+    /// * As [`Simulation::new`].
+    /// * The state is that of another scene.
+    pub fn restored(
+        loaded: &Loaded,
+        registry: &Registry,
+        threads: NonZeroUsize,
+        saved: &[Section],
+    ) -> Result<Self, Fault> {
+        Self::with(loaded, registry, threads, Box::new(|_| {}), Some((saved, UnknownState::Refuse)))
+    }
+
+    /// The cost of a run of the command line.
+    pub(crate) fn cost_mut(&mut self) -> Mut<'_, RunCost> {
+        self.app.world_mut().resource_mut::<RunCost>()
+    }
+
+    /// Like [`Simulation::restored`], for the lattice gas.
+    ///
+    /// # Errors
+    /// As [`Simulation::restored`].
+    pub fn restored_lattice(
+        loaded: &LoadedLattice,
+        registry: &Registry,
+        threads: NonZeroUsize,
+        saved: &[Section],
+    ) -> Result<Self, Fault> {
+        Self::of_lattice_with(loaded, registry, threads, Box::new(|_| {}), Some((saved, UnknownState::Refuse)))
+    }
+
+    /// Takes checkpoints from now on.
+    pub(crate) fn take_checkpoints(&mut self, checkpoints: Checkpoints) {
+        self.app.insert_resource(checkpoints);
+    }
+
+    /// Returns the state that behaviours write and that no checkpoint would save, as text; `None` if there is none.
+    pub(crate) fn unsaved_state(&mut self) -> Option<String> {
+        let found = persist::unregistered(self.app.world_mut());
+        let words = found.into_iter().map(|(state, system)| match system {
+            Some(system) => format!("{state}, written by {system}"),
+            None => state,
+        });
+        let words: Vec<_> = words.collect();
+        (!words.is_empty()).then(|| words.join("; "))
     }
 
     /// Checks whether [`Simulation::new`] would succeed, without spawning a grain.
@@ -124,7 +189,7 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::new`].
     pub fn of_lattice(loaded: &LoadedLattice, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
-        Self::of_lattice_with(loaded, registry, threads, Box::new(|_| {}))
+        Self::of_lattice_with(loaded, registry, threads, Box::new(|_| {}), None)
     }
 
     /// Like [`Simulation::of_lattice`], with plugins of the caller.
@@ -133,6 +198,7 @@ impl Simulation {
         registry: &Registry,
         threads: NonZeroUsize,
         more: Additions<'_>,
+        saved: Option<(&[Section], UnknownState)>,
     ) -> Result<Self, Fault> {
         let behaviours = registry.of_lattice(loaded)?;
         let mut app = app_with_resources(threads)?;
@@ -141,6 +207,9 @@ impl Simulation {
         add_behaviours(&mut assembly, behaviours);
         more(&mut assembly);
         assembly.finish();
+        if let Some((saved, unknown)) = saved {
+            restore(app.world_mut(), saved, unknown)?;
+        }
         // There are no particles, so no component mirrors the store.
         Self::complete(app, |_, _| Ok(()))
     }
@@ -156,6 +225,9 @@ impl Simulation {
                 schedule.graph().systems.iter().map(|(system, ..)| system).filter(|system| !known.contains(system));
             let asked_by = new.map(|system| ((schedule.label(), system), "components in use".to_owned()));
             world.resource_mut::<AskedBy>().0.extend(asked_by);
+            if !world.resource::<Clock>().is_step_zero() {
+                forget_restoration(schedule, world);
+            }
             schedule.initialize(world).map(|_| ()).map_err(|error| {
                 let message = error.to_string(schedule.graph(), world);
                 Fault::new("behaviour::schedule", format!("the systems of this scene cannot be ordered: {message}"))
@@ -178,7 +250,7 @@ impl Simulation {
 
     /// Steps until the run ends or `each` returns false. `each` receives the world after every step, with components
     /// that may be out of date.
-    fn advance_while(&mut self, mut each: impl FnMut(&World) -> bool + Send) -> Option<End> {
+    fn advance_while(&mut self, mut each: impl FnMut(&mut World) -> bool + Send) -> Option<End> {
         Threads::run(self.app.world_mut(), |world| {
             loop {
                 let end = advance(world);
@@ -217,9 +289,9 @@ impl Simulation {
     }
 
     /// Steps until the run ends. `each` receives the world after every step, with components that may be out of date.
-    pub(crate) fn advance_to_end(&mut self, mut each: impl FnMut(&World) + Send) -> End {
+    pub(crate) fn advance_to_end(&mut self, mut each: impl FnMut(&mut World) + Send) -> End {
         loop {
-            let continues = |world: &World| {
+            let continues = |world: &mut World| {
                 each(world);
                 true
             };
@@ -250,7 +322,7 @@ impl Simulation {
         if !continues(self.world()) {
             return self.world().resource::<Outcome>().end().cloned();
         }
-        let end = self.advance_while(continues);
+        let end = self.advance_while(|world| continues(world));
         self.refresh();
         end
     }
@@ -269,12 +341,33 @@ impl Simulation {
     }
 }
 
+fn restore(world: &mut World, saved: &[Section], unknown: UnknownState) -> Result<(), Fault> {
+    persist::restore(world, saved, unknown).map_err(|problem| {
+        Fault::new("checkpoint::state", format!("the saved state does not fit this scene: {problem}"))
+            .help("continue it with the program and the scene that saved it")
+    })
+}
+
+/// Lets the systems see the restored state as old: it was added and changed before the run was saved.
+fn forget_restoration(schedule: &mut Schedule, world: &mut World) {
+    let now = world.increment_change_tick();
+    let graph = schedule.graph_mut();
+    graph.initialize(world);
+    let systems: Vec<_> = graph.systems.iter().map(|(system, ..)| system).collect();
+    for system in systems {
+        if let Some(system) = graph.systems.get_mut(system) {
+            system.set_last_run(now);
+        }
+    }
+}
+
 /// Runs step zero if it has not run, else one step. Returns the end of the run once there is one; from then on it does
 /// nothing.
 fn advance(world: &mut World) -> Option<End> {
     if world.resource::<Outcome>().end().is_none() {
         world.resource_mut::<StopRequest>().read();
         store::collect_from_world(world);
+        checkpoint::at_border(world);
         world.run_schedule(Step);
         world.resource_mut::<Clock>().start();
         world.clear_trackers();
@@ -302,6 +395,9 @@ fn app_with_resources(threads: NonZeroUsize) -> Result<App, Fault> {
         .init_resource::<Outcome>()
         .init_resource::<StopRequest>()
         .init_resource::<Pending>()
+        .persist::<Pending>()
+        .derived::<Outcome>()
+        .derived::<StopRequest>()
         // Several systems may end a run. The first one in the fixed order of the step takes effect.
         .allow_ambiguous_resource::<Outcome>();
     Ok(app)
@@ -316,6 +412,12 @@ fn add_plugins<V: Space>(
     assembly.provide(Gravity(loaded.scene.gravity.get::<V>()));
     assembly.provide(Surfaces(loaded.surfaces::<V>()));
     assembly.provide(LeavingWalls::default());
+    if !loaded.contacts_at_start.is_empty() {
+        assembly.provide(ContactsAtStart(loaded.contacts_at_start.clone()));
+    }
+    assembly.add_with("walls", |app| {
+        app.persist_component::<WallIndex>().persist::<Surfaces<V>>().persist::<LeavingWalls>();
+    });
     add_all::<V>(assembly, loaded, behaviours, paths);
 }
 

@@ -11,17 +11,19 @@ use serde::{Deserialize, Serialize};
 use crate::space::{Dimension, Linear, Space};
 
 /// Angular velocity, rad/s. In the plane it is a number, positive counter-clockwise.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[component(summary_tick)]
+#[serde(bound = "")]
 pub struct Spin<W: Linear = f64>(pub W);
 
 /// Torque about the centre, N m, at the last evaluation.
-#[derive(Component, Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[component(summary_tick)]
+#[serde(bound = "")]
 pub struct Torque<W: Linear = f64>(pub W);
 
 /// Moment of inertia about the centre, kg m^2.
-#[derive(Component, Clone, Copy, Debug, PartialEq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[component(immutable)]
 pub struct Inertia(pub f64);
 

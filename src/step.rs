@@ -6,9 +6,11 @@
 //! The first run of the schedule is *step zero*. Time does not advance, and [`Phase::Drift`] and [`Phase::Kick`] do not
 //! run. The other phases evaluate the forces (and so the accelerations) of the initial state and observe it.
 
+use crate::persist::PersistApp as _;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
+use serde::{Deserialize, Serialize};
 
 /// The schedule that a simulation runs once per step.
 #[derive(ScheduleLabel, Clone, Debug, PartialEq, Eq, Hash)]
@@ -83,7 +85,7 @@ pub enum ForceStage {
 }
 
 /// Simulated time. `time` is always `steps * dt`, so it does not accumulate round-off.
-#[derive(Resource, Clone, Copy, Debug)]
+#[derive(Resource, Clone, Copy, Debug, Deserialize, Serialize)]
 pub struct Clock {
     /// The time step, s.
     pub dt: f64,
@@ -167,7 +169,7 @@ pub struct Drifted;
 
 impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
-        app.add_schedule(serial(Step)).insert_resource(Clock::new(self.dt));
+        app.add_schedule(serial(Step)).insert_resource(Clock::new(self.dt)).persist::<Clock>();
         app.edit_schedule(Step, |schedule| {
             let mut last = None;
             for phase in Phase::ALL {

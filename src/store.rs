@@ -29,10 +29,12 @@ mod predictable_conditions;
 mod prediction;
 mod renumbering;
 mod reorder;
+mod saved;
 mod spatial_sort;
 mod sync_plan;
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 pub use self::accumulator::Accumulator;
 pub(crate) use self::accumulator::{TOTAL, TOTAL_AND_DISSIPATIVE, kick_term};
@@ -79,7 +81,8 @@ pub struct Body<V: Space = Plane> {
 }
 
 /// Forces and torques on particles, summed over their contacts. Sums that the scene does not need are empty.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
 pub struct Loads<V: Space = Plane> {
     /// Total: forces of contacts, walls and weight, N. Dissipative part: dashpots along normals and, if grains spin,
     /// across them.
@@ -106,8 +109,9 @@ impl<V: Space> Default for Loads<V> {
 
 /// Rotation of a particle; stored only in scenes with spin. In solid space the kernel loads these four numbers at once,
 /// in this order.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 #[repr(C)]
+#[serde(bound = "")]
 pub struct Rotation<V: Space = Plane> {
     /// Angular velocity, rad/s, at the same time as the velocity.
     pub spin: V::Spin,

@@ -55,6 +55,7 @@ use crate::gravity::Gravity;
 use crate::ledger::GrainsAccounted;
 use crate::outcome::{End, Failure, Outcome};
 use crate::particle::GrainId;
+use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 use crate::store::register_predictable;
@@ -90,7 +91,7 @@ pub const APPARENT: f64 = 0.5625;
 const ROUND_OFF: f64 = 1e-9;
 
 /// Limits and state of the watchdog.
-#[derive(Resource, Debug)]
+#[derive(Resource, Debug, Deserialize, Serialize)]
 struct WatchdogState {
     /// Steps between two checks of the energy.
     every: u64,
@@ -262,6 +263,7 @@ impl<V: Space> Plugin for WatchdogPlugin<V> {
             bound: 0.0,
             has_warned: overlap.is_none(),
         });
+        app.persist::<WatchdogState>();
         // After the energy balance of the step is complete, and before the end of the run is written.
         app.add_systems(
             Step,

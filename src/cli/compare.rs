@@ -70,7 +70,15 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
     }
     check_results(&args.out)?;
     let signals = Signals::catch();
-    let call = Call { registry, threads: ONE_THREAD, quiet, force: args.force, signals: &signals };
+    let call = Call {
+        registry,
+        threads: ONE_THREAD,
+        quiet,
+        force: args.force,
+        signals: &signals,
+        checkpoint_every: None,
+        parent: None,
+    };
     let mut has_run = false;
     for (((run, scene), directory), name) in runs.iter_mut().zip(&mut scenes).zip(&directories).zip(&names) {
         let Some(loaded) = scene else { continue };

@@ -134,7 +134,7 @@ fn end_together(scenes: &mut [AnyScene; 2]) -> f64 {
 
 /// Steps both runs to the first difference or to the end, and shows progress.
 fn compare(pair: &mut Pair, until: f64, quiet: bool) -> Option<Divergence> {
-    let mut progress = Progress::new(quiet);
+    let mut progress = Progress::new(quiet, 0.0, 0);
     let divergence = pair.first_divergence(u64::MAX, |world: &World| {
         let clock = world.resource::<Clock>();
         progress.look(clock.steps, |pace| {

@@ -7,6 +7,7 @@ mod compare;
 mod diff;
 mod exit_status;
 mod explain;
+mod from;
 mod progress;
 mod render;
 mod run;
@@ -94,10 +95,15 @@ impl SceneArgs {
 
     /// Loads the scene with further settings.
     fn load_with(&self, more: &[(String, String)]) -> Result<AnyScene, Fault> {
+        load::any(&self.scene, &self.settings(more))
+    }
+
+    /// Returns all settings, with further ones.
+    fn settings(&self, more: &[(String, String)]) -> Vec<(String, String)> {
         let mut settings = self.set.clone();
         settings.extend(self.seed.map(|seed| ("seed".to_owned(), seed.to_string())));
         settings.extend_from_slice(more);
-        load::any(&self.scene, &settings)
+        settings
     }
 }
 

@@ -14,6 +14,7 @@ pub(super) struct Progress {
     bar: Option<ProgressBar>,
     plain: bool,
     stride: u32,
+    before_s: f64,
     start: Instant,
     next: Instant,
     last: (Instant, u64),
@@ -24,7 +25,7 @@ pub(super) struct Progress {
 pub(super) struct Pace {
     /// Millions of updates a second since the last line.
     pub millions_per_s: f64,
-    /// Wall clock since the start, s.
+    /// Wall clock since the start of the run, s.
     pub elapsed: f64,
 }
 
@@ -36,7 +37,8 @@ impl Pace {
 }
 
 impl Progress {
-    pub(super) fn new(quiet: bool) -> Self {
+    /// Starts to show the progress of a run that has taken `before_s` seconds and made `updates` updates.
+    pub(super) fn new(quiet: bool, before_s: f64, updates: u64) -> Self {
         let on_terminal = std::io::stderr().is_terminal();
         let bar = (on_terminal && !quiet).then(|| {
             let bar = ProgressBar::with_draw_target(None, ProgressDrawTarget::stderr_with_hz(5));
@@ -47,7 +49,15 @@ impl Progress {
         });
         let now = Instant::now();
         let patience = if on_terminal { Duration::from_millis(300) } else { Duration::from_secs(1) };
-        Self { bar, plain: !on_terminal && !quiet, stride: 0, start: now, next: now + patience, last: (now, 0) }
+        Self {
+            bar,
+            plain: !on_terminal && !quiet,
+            stride: 0,
+            before_s,
+            start: now,
+            next: now + patience,
+            last: (now, updates),
+        }
     }
 
     /// Shows the line that `describe` makes, if enough time has passed. `updates` is the number of updates so far.
@@ -80,7 +90,7 @@ impl Progress {
         let seconds = now.duration_since(self.last.0).as_secs_f64().max(1e-9);
         Pace {
             millions_per_s: (updates - self.last.1) as f64 / seconds / 1e6,
-            elapsed: now.duration_since(self.start).as_secs_f64(),
+            elapsed: self.before_s + now.duration_since(self.start).as_secs_f64(),
         }
     }
 

@@ -3,21 +3,33 @@
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 
-use clap::Args;
+use clap::{ArgGroup, Args};
 
 use crate::behaviour::Registry;
 use crate::cli::exit_status::Verdict;
-use crate::cli::run_path::{Call, Report, carry_out};
+use crate::cli::from::Origin;
+use crate::cli::run_path::{Call, Report, carry_on, carry_out};
 use crate::cli::signals::Signals;
 use crate::cli::{SceneArgs, say};
 use crate::fault::Fault;
-use crate::scene::load::AnyScene;
+use crate::output::checkpoint::find;
+use crate::output::run_directory::{RunDirectory, scene_of};
+use crate::scene::load::{self, AnyScene};
+use crate::values::NonNegative;
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]
+#[command(group(ArgGroup::new("start").required(true).args(["scene", "resume"])))]
 pub(super) struct RunArgs {
     #[command(flatten)]
-    scene: SceneArgs,
+    scene: Option<SceneArgs>,
+    /// Continue the interrupted run in this directory from its latest checkpoint, to the bits of a run without
+    /// interruption.
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["set", "seed", "from", "out", "force", "until", "png"])]
+    resume: Option<PathBuf>,
+    /// Start with the grains and contacts of the run in this directory, instead of the scene's own grains at the start.
+    #[arg(long, value_name = "DIR")]
+    from: Option<PathBuf>,
     /// The run directory. Default: out/<scene name>.
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -33,17 +45,35 @@ pub(super) struct RunArgs {
     /// Write PNGs beside the SVG snapshots. Short for `--set pictures.png=true`.
     #[arg(long)]
     png: bool,
+    /// Wall-clock time between checkpoints, minutes. Default: `checkpoint.every` of the scene, or else 10.
+    #[arg(long, value_name = "MINUTES", value_parser = minutes)]
+    checkpoint_every: Option<NonNegative>,
     /// Print the summary as JSON instead of in words.
     #[arg(long)]
     pub(super) json: bool,
 }
 
+fn minutes(text: &str) -> Result<NonNegative, String> {
+    let number: f64 = text.parse().map_err(|_| "expected a number of minutes, for example 30")?;
+    NonNegative::try_from(number)
+}
+
 pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
-    let mut scene = args.load()?;
-    let path = args.out.clone().map_or_else(|| default_directory(&scene), Ok)?;
     let signals = Signals::catch();
-    let call = Call { registry, threads: args.threads, quiet, force: args.force, signals: &signals };
-    let report = run_into(&path, &mut scene, &call)?;
+    let RunArgs { threads, force, checkpoint_every, .. } = *args;
+    let origin = args.from.as_ref().map(|run| Origin::of(run, registry)).transpose()?;
+    let parent = origin.as_ref().map(|origin| origin.parent.clone());
+    let call = Call { registry, threads, quiet, force, signals: &signals, checkpoint_every, parent };
+    let report = match (&args.resume, &args.scene) {
+        (Some(directory), _) => resume(directory, &call)?,
+        (None, Some(scene)) => {
+            let mut scene = args.load(scene, origin)?;
+            let path = args.out.clone().map_or_else(|| default_directory(&scene), Ok)?;
+            run_into(&path, &mut scene, &call)?
+        }
+        // The command line asks for one of them.
+        (None, None) => return Err(Fault::new("call::scene", "no scene is given").help("siloflow run SCENE.ron")),
+    };
     if args.json {
         say(&report.json);
     } else if !quiet {
@@ -52,17 +82,36 @@ pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Ve
     Ok(report.verdict)
 }
 
+/// Continues the run in a directory from its latest checkpoint.
+fn resume(path: &Path, call: &Call) -> Result<Report, Fault> {
+    let directory = RunDirectory::reopen(path)?;
+    let checkpoint = find::latest(path)?;
+    if checkpoint.header.is_final {
+        return Err(Fault::new("checkpoint::final", format!("the run in {} is over", path.display()))
+            .help("start a new one from its state with `siloflow run SCENE --from DIR`"));
+    }
+    tracing::info!("continuing after step {}, t = {:.6}", checkpoint.header.steps, checkpoint.header.time);
+    let mut scene = load::named(&scene_of(path), &checkpoint.header.scene)?;
+    match &mut scene {
+        AnyScene::Grains(loaded) => carry_on(&mut **loaded, &directory, &checkpoint, call),
+        AnyScene::Lattice(loaded) => carry_on(&mut **loaded, &directory, &checkpoint, call),
+    }
+}
+
 impl RunArgs {
     /// Loads the scene, with the settings that the short options stand for.
-    fn load(&self) -> Result<AnyScene, Fault> {
+    fn load(&self, scene: &SceneArgs, origin: Option<Origin>) -> Result<AnyScene, Fault> {
         let mut more: Vec<_> = self.until.map(|until| ("until".to_owned(), until.to_string())).into_iter().collect();
         if self.png {
             // If `pictures` is missing or `None`, the whole section is added.
-            let has_section = self.scene.load()?.source().value_of("pictures").is_some_and(|value| value != "None");
+            let has_section = scene.load()?.source().value_of("pictures").is_some_and(|value| value != "None");
             let (key, value) = if has_section { ("pictures.png", "true") } else { ("pictures", "(png: true)") };
             more.push((key.to_owned(), value.to_owned()));
         }
-        self.scene.load_with(&more)
+        match origin {
+            Some(origin) => origin.load(&scene.scene, &scene.settings(&more)).map(AnyScene::Grains),
+            None => scene.load_with(&more),
+        }
     }
 }
 

@@ -14,14 +14,17 @@ use crate::fault::Fault;
 use crate::grains::file;
 use crate::ledger::Ledger;
 use crate::outcome::End;
+use crate::output::cost::CostPlugin;
 use crate::output::flow::FlowPlugin;
 use crate::output::frames::{FrameRenderer, FramesPlugin};
 use crate::output::losses::LossesPlugin;
+use crate::output::parent::ParentPlugin;
 use crate::output::profiles::ProfilesPlugin;
 use crate::output::run_directory::RunDirectory;
 use crate::output::series::SeriesPlugin;
 use crate::output::summary::{Cost, Energy, Summary, movable_grains};
 use crate::output::walls::WallForcesPlugin;
+use crate::persist::{CheckpointConfig, Section, UnknownState};
 use crate::scene::TimeStep;
 use crate::scene::check::automatic::{Automatic, automatic};
 use crate::scene::check::{self, Estimates};
@@ -50,14 +53,18 @@ impl Method for Loaded {
         Simulation::check(self, registry)
     }
 
-    fn build(&mut self, call: &Call, directory: &RunDirectory) -> Result<Simulation, Fault> {
+    fn build(&mut self, call: &Call, directory: &RunDirectory, saved: Option<&[Section]>) -> Result<Simulation, Fault> {
         let simulation = match self.scene.space {
-            Dimension::Plane => build_in::<Plane>(self, call, directory),
-            Dimension::Solid => build_in::<Solid>(self, call, directory),
+            Dimension::Plane => build_in::<Plane>(self, call, directory, saved),
+            Dimension::Solid => build_in::<Solid>(self, call, directory, saved),
         }?;
         // The grains are in the world now.
         self.grains = Vec::new();
         Ok(simulation)
+    }
+
+    fn checkpoint(&self) -> Option<CheckpointConfig> {
+        self.scene.checkpoint
     }
 
     fn updates(&self, world: &World, before: u64) -> u64 {
@@ -99,9 +106,16 @@ impl Outline for Summary {
     }
 }
 
-fn build_in<V: Space>(loaded: &Loaded, call: &Call, directory: &RunDirectory) -> Result<Simulation, Fault> {
+fn build_in<V: Space>(
+    loaded: &Loaded,
+    call: &Call,
+    directory: &RunDirectory,
+    saved: Option<&[Section]>,
+) -> Result<Simulation, Fault> {
     let outputs = Outputs::<V>::create(loaded, directory).map_err(|error| directory.unwritable(&error))?;
     let more = Box::new(|app: &mut Assembly<'_>| {
+        app.add("always", CostPlugin);
+        app.add("always", ParentPlugin(call.parent.clone()));
         app.add("series", outputs.series);
         app.add("on_loss", LossesPlugin { path: directory.losses(), space: V::DIMENSION });
         if let Some(walls) = outputs.walls {
@@ -117,7 +131,7 @@ fn build_in<V: Space>(loaded: &Loaded, call: &Call, directory: &RunDirectory) ->
             app.add("pictures", FramesPlugin::<V>(frames, PhantomData));
         }
     });
-    Simulation::with(loaded, call.registry, call.threads, more)
+    Simulation::with(loaded, call.registry, call.threads, more, saved.map(|saved| (saved, UnknownState::Refuse)))
 }
 
 /// The files that grow while a scene runs.

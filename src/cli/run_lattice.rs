@@ -20,8 +20,10 @@ use crate::lattice::series::SeriesPlugin;
 use crate::lattice::sites::Sites;
 use crate::lattice::summary::{Summary, write_state};
 use crate::outcome::End;
+use crate::output::cost::CostPlugin;
 use crate::output::run_directory::RunDirectory;
 use crate::output::summary::Cost;
+use crate::persist::{CheckpointConfig, Section, UnknownState};
 use crate::simulation::Simulation;
 use crate::source::Source;
 use crate::step::Clock;
@@ -40,7 +42,7 @@ impl Method for LoadedLattice {
         Simulation::of_lattice(self, registry, NonZeroUsize::MIN).map(|_| ())
     }
 
-    fn build(&mut self, call: &Call, directory: &RunDirectory) -> Result<Simulation, Fault> {
+    fn build(&mut self, call: &Call, directory: &RunDirectory, saved: Option<&[Section]>) -> Result<Simulation, Fault> {
         let outputs = || -> io::Result<_> {
             let series = SeriesPlugin::create(self.scene.series, &directory.series())?;
             let flow = self.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.flow())).transpose()?;
@@ -48,6 +50,7 @@ impl Method for LoadedLattice {
         };
         let (series, flow) = outputs().map_err(|error| directory.unwritable(&error))?;
         let more = Box::new(|app: &mut Assembly<'_>| {
+            app.add("always", CostPlugin);
             app.add("series", series);
             if let Some(flow) = flow {
                 app.add("flow", flow);
@@ -56,7 +59,17 @@ impl Method for LoadedLattice {
                 app.add("pictures", pictures);
             }
         });
-        Simulation::of_lattice_with(self, call.registry, call.threads, more)
+        Simulation::of_lattice_with(
+            self,
+            call.registry,
+            call.threads,
+            more,
+            saved.map(|saved| (saved, UnknownState::Refuse)),
+        )
+    }
+
+    fn checkpoint(&self) -> Option<CheckpointConfig> {
+        self.scene.checkpoint
     }
 
     fn updates(&self, world: &World, _: u64) -> u64 {

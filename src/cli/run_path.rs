@@ -12,7 +12,6 @@
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
 use std::path::Path;
-use std::time::Instant;
 
 use bevy_ecs::prelude::*;
 use serde::Serialize;
@@ -23,11 +22,16 @@ use crate::cli::progress::{Pace, Progress};
 use crate::cli::signals::Signals;
 use crate::fault::Fault;
 use crate::outcome::{End, Failure};
+use crate::output::checkpoint::file::Checkpoint;
+use crate::output::checkpoint::{self, Checkpoints};
+use crate::output::cost::RunCost;
+use crate::output::parent::Parent;
 use crate::output::run_directory::RunDirectory;
 use crate::output::summary::Cost;
+use crate::persist::{CheckpointConfig, Section};
 use crate::simulation::Simulation;
 use crate::source::Source;
-use crate::step::Clock;
+use crate::values::NonNegative;
 
 /// Settings of a run that do not change its result.
 pub(super) struct Call<'a> {
@@ -37,6 +41,10 @@ pub(super) struct Call<'a> {
     /// Whether an earlier run in the directory is replaced.
     pub force: bool,
     pub signals: &'a Signals,
+    /// The run from whose state this run starts.
+    pub parent: Option<Parent>,
+    /// Time between checkpoints, minutes, if the call gives it.
+    pub checkpoint_every: Option<NonNegative>,
 }
 
 /// A loaded scene of one method.
@@ -46,7 +54,10 @@ pub(super) trait Method: Sync {
     /// Logs warnings, and finds all errors of the input.
     fn check(&self, registry: &Registry) -> Result<(), Fault>;
     /// Builds the simulation with its outputs in `directory`.
-    fn build(&mut self, call: &Call, directory: &RunDirectory) -> Result<Simulation, Fault>;
+    /// With `saved` it continues that state.
+    fn build(&mut self, call: &Call, directory: &RunDirectory, saved: Option<&[Section]>) -> Result<Simulation, Fault>;
+    /// The scene key `checkpoint`.
+    fn checkpoint(&self) -> Option<CheckpointConfig>;
     /// Returns the number of updates after a step, from the number before it.
     fn updates(&self, world: &World, before: u64) -> u64;
     /// Returns the line of the progress.
@@ -80,10 +91,10 @@ pub(super) struct Report {
 pub(super) fn carry_out(method: &mut impl Method, path: &Path, call: &Call) -> Result<Report, Fault> {
     method.check(call.registry)?;
     let mut directory = RunDirectory::create(path, method.source(), call.force)?;
-    let mut simulation = method.build(call, &directory)?;
+    let mut simulation = method.build(call, &directory, None)?;
+    let config = checkpoint_config(method, &mut simulation, call)?;
     simulation.stop_on(call.signals.flag());
-    let mut drive = Drive::start(method, call.quiet);
-    let first = drive.step_zero(&mut simulation);
+    let first = step_zero(method, &mut simulation);
     simulation.continue_in(&directory).map_err(|failure| could_not_start(&failure))?;
     if let Some(End::Failed(failure @ Failure::Output { .. })) = first {
         return Err(could_not_start(&failure));
@@ -92,10 +103,67 @@ pub(super) fn carry_out(method: &mut impl Method, path: &Path, call: &Call) -> R
         return Ok(Report { words: String::new(), json: String::new(), verdict: Verdict::Interrupted(signal) });
     }
     directory.publish()?;
+    Ok(run_on(method, simulation, &directory, config, call))
+}
+
+/// Continues a run from a checkpoint in its directory.
+pub(super) fn carry_on(
+    method: &mut impl Method,
+    directory: &RunDirectory,
+    checkpoint: &Checkpoint,
+    call: &Call,
+) -> Result<Report, Fault> {
+    let mut simulation = method.build(call, directory, Some(&checkpoint.sections))?;
+    let config = checkpoint_config(method, &mut simulation, call)?;
+    simulation.stop_on(call.signals.flag());
+    directory.remove_results().map_err(|error| directory.unwritable(&error))?;
+    Ok(run_on(method, simulation, directory, config, call))
+}
+
+/// Steps a simulation, whose directory is in its place, to the end.
+fn run_on<M: Method>(
+    method: &M,
+    mut simulation: Simulation,
+    directory: &RunDirectory,
+    config: Option<CheckpointConfig>,
+    call: &Call,
+) -> Report {
     // No picture is queued, so this cannot fail.
-    let _ = simulation.continue_in(&directory);
-    let (end, cost) = drive.until_the_end(&mut simulation);
-    Ok(finish(method, &mut simulation, &directory, &end, cost, call.signals))
+    let _ = simulation.continue_in(directory);
+    if let Some(config) = config {
+        let scene = method.source().name.clone();
+        let is_chosen = call.checkpoint_every.is_some() || method.source().value_of("checkpoint.every").is_some();
+        let (place, guard) = (directory.checkpoints(), directory.guard());
+        simulation.take_checkpoints(Checkpoints::new(place, guard, scene, config, is_chosen));
+    }
+    let (end, cost) = step_to_the_end(method, &mut simulation, call.quiet);
+    finish(method, &mut simulation, directory, &end, cost, call.signals)
+}
+
+/// Returns how checkpoints are taken; `None` if the scene wants none, or has state that no checkpoint would save.
+fn checkpoint_config(
+    method: &impl Method,
+    simulation: &mut Simulation,
+    call: &Call,
+) -> Result<Option<CheckpointConfig>, Fault> {
+    let config = match call.checkpoint_every {
+        Some(every) => Some(CheckpointConfig { every, ..method.checkpoint().unwrap_or_default() }),
+        None => method.checkpoint(),
+    };
+    let Some(unsaved) = config.and_then(|_| simulation.unsaved_state()) else { return Ok(config) };
+    let message = format!("checkpoints would not save all state: {unsaved}");
+    if call.checkpoint_every.is_none() && method.source().value_of("checkpoint").is_none() {
+        tracing::warn!("no checkpoints: {message}; a behaviour saves it with `app.persist::<...>()`");
+        return Ok(None);
+    }
+    let fault = match call.checkpoint_every {
+        Some(_) => Fault::new("checkpoint::unsaved_state", message),
+        None => method.source().fault("checkpoint::unsaved_state", "checkpoint", message),
+    };
+    Err(fault.help(
+        "in the plugin that owns it, call `app.persist::<...>()`, `app.persist_component::<...>()` or, for a cache, \
+         `app.derived::<...>()`",
+    ))
 }
 
 /// Ends a run: writes its state and its summary. The state is that of the end of the last step.
@@ -117,8 +185,10 @@ fn finish<M: Method>(
         // The error may be a passing one. If it is not, the error message is all that remains.
         let _ = directory.write_summary(&summary);
     }
-    if let Some(failure) = summary.failure() {
-        tracing::error!("{failure}");
+    match summary.failure() {
+        Some(failure) => tracing::error!("{failure}"),
+        // A run that is killed before this checkpoint is complete can be resumed from an earlier one.
+        None => checkpoint::at_end(world),
     }
     let verdict = match (summary.failure(), end, signals.received()) {
         (None, End::Interrupted, Some(signal)) => Verdict::Interrupted(signal),
@@ -134,39 +204,26 @@ fn could_not_start(failure: &Failure) -> Fault {
     Fault::new("run::start", failure.to_string()).help("nothing was changed; is there space, and may you write there?")
 }
 
-/// The stepping of a run: its progress and its cost.
-struct Drive<'a, M> {
-    method: &'a M,
-    progress: Progress,
-    updates: u64,
-    wall_s: f64,
+/// Runs step zero and counts its cost.
+fn step_zero(method: &impl Method, simulation: &mut Simulation) -> Option<End> {
+    simulation.cost_mut().resume();
+    let end = simulation.step_zero();
+    simulation.cost_mut().pause();
+    simulation.cost_mut().updates = method.updates(simulation.world(), 0);
+    end
 }
 
-impl<'a, M: Method> Drive<'a, M> {
-    fn start(method: &'a M, quiet: bool) -> Self {
-        Self { method, progress: Progress::new(quiet), updates: 0, wall_s: 0.0 }
-    }
-
-    fn step_zero(&mut self, simulation: &mut Simulation) -> Option<End> {
-        let start = Instant::now();
-        let is_fresh = simulation.world().resource::<Clock>().is_step_zero();
-        let end = simulation.step_zero();
-        if is_fresh {
-            self.updates = self.method.updates(simulation.world(), self.updates);
-        }
-        self.wall_s += start.elapsed().as_secs_f64();
-        end
-    }
-
-    fn until_the_end(mut self, simulation: &mut Simulation) -> (End, Cost) {
-        let start = Instant::now();
-        let Self { method, progress, updates, .. } = &mut self;
-        let end = simulation.advance_to_end(|world| {
-            *updates = method.updates(world, *updates);
-            progress.look(*updates, |pace| method.line(world, pace));
-        });
-        self.wall_s += start.elapsed().as_secs_f64();
-        self.progress.finish();
-        (end, Cost { wall_s: self.wall_s, particle_steps: self.updates })
-    }
+/// Steps to the end of the run, and shows the progress.
+fn step_to_the_end(method: &impl Method, simulation: &mut Simulation, quiet: bool) -> (End, Cost) {
+    simulation.cost_mut().resume();
+    let Cost { wall_s, particle_steps } = simulation.cost_mut().cost();
+    let mut progress = Progress::new(quiet, wall_s, particle_steps);
+    let end = simulation.advance_to_end(|world| {
+        let updates = method.updates(world, world.resource::<RunCost>().updates);
+        world.resource_mut::<RunCost>().updates = updates;
+        progress.look(updates, |pace| method.line(world, pace));
+    });
+    let cost = simulation.cost_mut().cost();
+    progress.finish();
+    (end, cost)
 }

@@ -5,8 +5,10 @@ use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::contact::history::History;
+use crate::contact::history::remembered::Remembered;
 use crate::contact::kernel::{Pass, ScratchPerThread};
 use crate::contact::prediction::LonePairs;
 use crate::contact::{AnyLaw, LawRequirements, PairLaw};
@@ -14,10 +16,11 @@ use crate::gravity::Gravity;
 use crate::instructions::Instructions;
 use crate::integrate::rotation::SpinPlugin;
 use crate::neighbours::Search;
+use crate::persist::PersistApp as _;
 use crate::space::{Plane, Space};
 use crate::spin::InertiaLaw;
-use crate::step::{Clock, ForceStage, Step};
-use crate::store::{MirrorSet, ParticleStore, Renumber, Renumbering, renumber};
+use crate::step::{Clock, ForceStage, Part, Phase, Step, is_step_zero};
+use crate::store::{MirrorSet, ParticleStore, Renumber, Renumbering, VelocitiesPredicted, renumber};
 use crate::threads::Threads;
 use crate::walls::near::NearWalls;
 use crate::walls::surfaces::Surfaces;
@@ -27,7 +30,7 @@ use crate::walls::surfaces::Surfaces;
 pub struct Law<L>(pub Arc<L>);
 
 /// The largest overlap of the run so far divided by the smaller radius of its pair, over grains and walls.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Deserialize, Serialize)]
 pub struct LargestOverlap(pub f64);
 
 /// System set of the contact pass.
@@ -83,6 +86,21 @@ fn move_memories<V: Space, L: LawRequirements>(store: Res<ParticleStore<V>>, mut
     history.move_to_new_slots::<L>(&store);
 }
 
+/// Memories of contacts that exist at the start of a run.
+#[derive(Resource, Default)]
+pub struct ContactsAtStart(pub Vec<Remembered>);
+
+/// Takes over the memories of contacts that exist at the start.
+fn recall_from_start<V: Space, L: LawRequirements>(
+    store: Res<ParticleStore<V>>,
+    start: Option<ResMut<ContactsAtStart>>,
+    mut history: ResMut<History<V>>,
+) {
+    if let Some(mut start) = start {
+        history.replace::<L>(&store, &std::mem::take(&mut start.0));
+    }
+}
+
 /// Adds contacts with the law `law`, between particles and with flat walls. Laws from other crates are added here:
 /// `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
 pub struct ContactPlugin<V: Space, L: PairLaw<V>> {
@@ -118,8 +136,18 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
             .init_resource::<ScratchPerThread<V>>()
             .init_resource::<LargestOverlap>()
             .init_resource::<Instructions>()
+            .persist::<History<V>>()
+            .persist::<LargestOverlap>()
+            .derived::<ScratchPerThread<V>>()
             .add_systems(Step, contact_forces::<V, L>.in_set(ForceStage::Contacts).in_set(ContactForces));
         if L::MEMORY {
+            app.derived::<ContactsAtStart>().add_systems(
+                Step,
+                recall_from_start::<V, L>
+                    .in_set(Part::Engine(Phase::Neighbours))
+                    .after(VelocitiesPredicted)
+                    .run_if(is_step_zero),
+            );
             app.add_systems(Renumber, move_memories::<V, L>.in_set(Renumbering).after(renumber::<V>));
         }
     }

@@ -11,10 +11,12 @@
 
 mod block;
 mod cursor;
+pub mod remembered;
 
 use std::ops::AddAssign;
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 pub use self::block::HistoryBlock;
 pub use self::cursor::HistoryCursor;
@@ -24,7 +26,7 @@ use crate::space::{Plane, Space};
 use crate::store::ParticleStore;
 
 /// Energy lost in contacts in one step, J.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub struct ContactLosses {
     /// Lost to sliding.
     pub sliding: f64,
@@ -52,7 +54,8 @@ impl AddAssign for ContactLosses {
 }
 
 /// The memories of all contacts between particles and with flat walls.
-#[derive(Resource, Clone, Debug)]
+#[derive(Resource, Clone, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
 pub struct History<V: Space = Plane> {
     /// History blocks of contacts between particles.
     pair_blocks: Vec<HistoryBlock<V>>,
@@ -197,7 +200,7 @@ pub(super) mod tests {
     }
 
     /// Returns a store of grains with the ids `names`, after a renumbering from the ids `before`.
-    fn store(names: &[u32], before: &[u32]) -> ParticleStore {
+    pub fn store(names: &[u32], before: &[u32]) -> ParticleStore {
         let id = names.iter().map(|&name| GrainId::grain(name).unwrap()).collect();
         let former = |name| before.iter().zip(0..).find(|(before, _)| *before == name).map(|(_, slot)| Slot::new(slot));
         let former = names.iter().map(|name| former(name).unwrap_or_default()).collect();

@@ -41,7 +41,7 @@ use bevy_ecs::prelude::*;
 
 pub use self::centred::VelocityPrediction;
 pub use self::config::Contact;
-pub use self::forces::{ContactForces, ContactPlugin, LargestOverlap, Law};
+pub use self::forces::{ContactForces, ContactPlugin, ContactsAtStart, LargestOverlap, Law};
 use crate::particle::Species;
 use crate::space::{Plane, Space};
 

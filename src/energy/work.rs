@@ -5,6 +5,7 @@
 use std::ops::Add;
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::contact::history::History;
 use crate::energy::{Channels, EnergyFlows};
@@ -14,7 +15,7 @@ use crate::store::{CHUNK, ParticleStore, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::Surfaces;
 
 /// Powers at the end of the last step, W.
-#[derive(Resource, Clone, Copy, Debug, Default)]
+#[derive(Resource, Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub(super) struct Powers {
     wall: f64,
     added: f64,
@@ -22,7 +23,7 @@ pub(super) struct Powers {
 }
 
 /// Powers of the torques of tangential and rolling dashpots at the end of the last step, W.
-#[derive(Resource, Clone, Copy, Debug, Default)]
+#[derive(Resource, Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub(super) struct TurningPowers {
     turning: f64,
     rolling: f64,

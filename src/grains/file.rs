@@ -26,6 +26,8 @@ use crate::space::{Dimension, Solid, Space};
 pub struct GrainFile {
     /// Path of the CSV file, relative to the scene file.
     pub file: PathBuf,
+    /// Path of a CSV file with memories of contacts between these grains and with walls, relative to the scene file.
+    pub contacts: Option<PathBuf>,
 }
 
 /// One grain, SI.

@@ -20,6 +20,7 @@ use crate::outcome::{Failure, Outcome};
 use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use crate::particles::Particles;
 use crate::periodic::Periodic;
+use crate::persist::PersistApp as _;
 use crate::random::Stream;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
@@ -127,11 +128,11 @@ impl RadiusLaw {
 }
 
 /// Number of grains still to be released by any source. The rest detector and the end of a run depend on it.
-#[derive(Resource, Default, Debug)]
+#[derive(Resource, Default, Debug, Deserialize, Serialize)]
 pub struct Pending(pub u32);
 
 /// Delays of releases, for the summary.
-#[derive(Resource, Default, Debug, Clone, Copy, Serialize)]
+#[derive(Resource, Default, Debug, Clone, Copy, Serialize, Deserialize)]
 pub struct ReleaseDelays {
     /// Number of releases that were delayed because their place was occupied.
     pub delayed_releases: u32,
@@ -156,7 +157,7 @@ struct SpawnerState<V: Space> {
 }
 
 /// A grain to be released.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Deserialize, Serialize)]
 struct Candidate<V> {
     id: GrainId,
     position: V,
@@ -273,6 +274,13 @@ pub struct SpawnerPlugin<V: Space> {
 impl<V: Space> Plugin for SpawnerPlugin<V> {
     fn build(&self, app: &mut App) {
         app.world_mut().resource_mut::<Pending>().0 += self.config.count;
+        app.persist::<ReleaseDelays>().persist_part::<SpawnerState<V>, _>(
+            |state| Ok((state.quotas.clone(), state.next_id, state.due, state.is_blocked, state.next)),
+            |state, saved| {
+                (state.quotas, state.next_id, state.due, state.is_blocked, state.next) = saved;
+                Ok(())
+            },
+        );
         app.init_resource::<ReleaseDelays>().insert_resource(SpawnerState::<V> {
             config: self.config.clone(),
             mass: self.mass,

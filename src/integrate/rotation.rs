@@ -11,6 +11,7 @@ use bevy_ecs::prelude::*;
 
 use crate::integrate::halfway::{Halfway, InTheMiddle, Predicted};
 use crate::particle::{Grain, Mass, Radius};
+use crate::persist::PersistApp as _;
 use crate::space::{Linear, Space};
 use crate::spin::{Inertia, InertiaLaw, Spin, Torque};
 use crate::step::{Clock, Drifted, Part, Phase, Step};
@@ -139,6 +140,10 @@ pub struct SpinPlugin<V: Space> {
 impl<V: Space> Plugin for SpinPlugin<V> {
     fn build(&self, app: &mut App) {
         app.world_mut().resource_mut::<ParticleStore<V>>().inertia = Some(self.inertia);
+        app.persist_component::<Spin<V::Spin>>()
+            .persist_component::<Torque<V::Spin>>()
+            .persist_component::<Inertia>()
+            .derived::<OwnObserver>();
         app.world_mut().spawn((Observer::new(add_rotation_components::<V>), OwnObserver));
         app.add_systems(Step, first_kick::<V>.in_set(Part::Engine(Phase::Drift)).in_set(SpinsDrifted).after(Drifted));
         add_second_kick(app, second_kick::<V>.after(Kicked));

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::lattice::rest::RestDetection;
 use crate::lattice::sites::Sites;
 use crate::messages::{CameToRest, DoorOpened};
+use crate::persist::PersistApp as _;
 use crate::space::Vector;
 use crate::step::{Clock, Phase, Step};
 use crate::values::FiniteVector;
@@ -89,6 +90,13 @@ pub(super) struct DoorPlugin(pub Door);
 impl Plugin for DoorPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(DoorState { opens: self.0.opens, open_step: None });
+        app.persist_part::<DoorState, _>(
+            |door| Ok(door.open_step),
+            |door, open_step| {
+                door.open_step = open_step;
+                Ok(())
+            },
+        );
         if self.0.opens != DoorOpens::Never {
             app.add_systems(Step, open.in_set(Phase::Control).after(RestDetection).run_if(is_closed));
         }

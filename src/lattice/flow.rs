@@ -5,8 +5,6 @@
 //! `flow.from` to `flow.to`. All particles have equal weight. Velocities are in m per step: `vx_m_per_step`,
 //! `vy_m_per_step`.
 
-use std::path::Path;
-
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
@@ -16,8 +14,9 @@ use crate::lattice::velocities::{in_bonds, momentum};
 use crate::measure::flow::{Flow, FlowField};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
+use crate::persist::PersistApp as _;
 use crate::step::Step;
-use crate::writers::rows::{Rows, TakenOnce};
+use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
 
 #[derive(Resource)]
 struct FlowSampler {
@@ -52,9 +51,9 @@ pub(crate) struct FlowPlugin {
 }
 
 impl FlowPlugin {
-    /// Creates the file at `path` with its header.
-    pub fn create(config: Flow, path: &Path) -> std::io::Result<Self> {
-        let file = Rows::create(path, "x_m,y_m,samples,count,vx_m_per_step,vy_m_per_step")?;
+    /// Creates the file with its header, or continues it.
+    pub fn create(config: Flow, place: &RowsPlace) -> std::io::Result<Self> {
+        let file = Rows::at(place, "x_m,y_m,samples,count,vx_m_per_step,vy_m_per_step")?;
         let field = FlowField::new(config.cell.get());
         Ok(Self { config, sampler: TakenOnce::new(FlowSampler { config, field, file }) })
     }
@@ -64,6 +63,13 @@ impl Plugin for FlowPlugin {
     fn build(&self, app: &mut App) {
         let Some(sampler) = self.sampler.open() else { return };
         observe_every::<Flow>(app, self.config.sample.get());
+        app.persist_part::<FlowSampler, _>(
+            |sampler| Ok((sampler.file.saved()?, sampler.field.clone())),
+            |sampler, (length, field)| {
+                sampler.field = field;
+                sampler.file.restore(length)
+            },
+        );
         app.insert_resource(sampler).add_systems(Step, sample.in_set(ObserveStage::Write).run_if(due::<Flow>));
     }
 }

@@ -5,11 +5,12 @@
 //! the next states.
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::lattice::sites::{Kind, Sites};
 
 /// All particles of the lattice. The lists have an element for each stored site.
-#[derive(Resource, Clone, Debug)]
+#[derive(Resource, Clone, Debug, Deserialize, Serialize)]
 pub struct Gas {
     /// State of each site: bit i is set if there is a particle with velocity i. 0 at walls and sinks.
     pub(super) states: Vec<u16>,

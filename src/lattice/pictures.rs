@@ -161,6 +161,7 @@ impl PicturesPlugin {
 impl Plugin for PicturesPlugin {
     fn build(&self, app: &mut App) {
         observe_every::<Pictures>(app, f64::from(self.0.pictures.interval.get()));
+        FrameWriter::persist(app);
         app.insert_resource(self.0.clone())
             .insert_resource(FrameWriter::new(self.1.clone(), self.0.pictures.png))
             .add_systems(Step, write_picture.in_set(ObserveStage::Write).run_if(due::<Pictures>));

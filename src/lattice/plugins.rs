@@ -21,6 +21,7 @@ use crate::lattice::stop::stop;
 use crate::lattice::trickle::trickle;
 use crate::measure::ObservePlugin;
 use crate::messages::{CameToRest, DoorOpened};
+use crate::persist::PersistApp as _;
 use crate::step::{Clock, ForceStage, Phase, Step, StepPlugin, time_moves};
 use crate::threads::Threads;
 
@@ -65,6 +66,9 @@ pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice) {
     app.provide(Table(Collisions::shared()));
     app.provide(sites.clone());
     app.provide(gas);
+    app.add_with("always", |app| {
+        app.persist::<Gas>().persist::<Sites>();
+    });
 }
 
 struct LatticeMessages;

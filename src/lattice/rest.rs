@@ -14,6 +14,7 @@ use crate::lattice::gas::Gas;
 use crate::lattice::series::means;
 use crate::lattice::sites::Sites;
 use crate::messages::CameToRest;
+use crate::persist::PersistApp as _;
 use crate::step::{Clock, Phase, Step};
 use crate::values::Positive;
 
@@ -75,6 +76,13 @@ pub(super) struct RestPlugin(pub Rest);
 
 impl Plugin for RestPlugin {
     fn build(&self, app: &mut App) {
+        app.persist_part::<RestDetector, _>(
+            |detector| Ok((detector.since, detector.rest_step)),
+            |detector, state| {
+                (detector.since, detector.rest_step) = state;
+                Ok(())
+            },
+        );
         app.insert_resource(RestDetector { config: self.0, since: None, rest_step: None })
             .add_systems(Step, detect.in_set(Phase::Control).in_set(RestDetection).run_if(everything_has_entered));
     }

@@ -12,6 +12,7 @@ use crate::lattice::rest::Rest;
 use crate::lattice::rules::Rules;
 use crate::lattice::series::Series;
 use crate::measure::flow::Flow;
+use crate::persist::{CheckpointConfig, default_checkpoint};
 use crate::values::FiniteVector;
 
 /// The simulation method of a scene.
@@ -61,6 +62,9 @@ pub struct LatticeScene {
     /// The rows of `series.csv`.
     #[serde(default)]
     pub series: Series,
+    /// Checkpoints; `None` writes no checkpoints.
+    #[serde(default = "default_checkpoint")]
+    pub checkpoint: Option<CheckpointConfig>,
     /// The pictures; `None` writes no pictures.
     #[serde(default = "default_pictures")]
     pub pictures: Option<Pictures>,

@@ -11,21 +11,20 @@
 //!
 //! All particles are counted for each row. The run fails if the count differs from entered minus out.
 
-use std::num::NonZeroU32;
-use std::path::Path;
-
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
+use std::num::NonZeroU32;
 
 use crate::lattice::gas::Gas;
 use crate::lattice::sites::Sites;
 use crate::lattice::velocities::{in_bonds, momentum};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::{Failure, Outcome};
+use crate::persist::PersistApp as _;
 use crate::space::Vector;
 use crate::step::{Clock, Step};
-use crate::writers::rows::{Rows, TakenOnce};
+use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
 
 /// The scene's key `series`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -121,9 +120,9 @@ pub(crate) struct SeriesPlugin {
 }
 
 impl SeriesPlugin {
-    /// Creates the file at `path` with its header.
-    pub fn create(config: Series, path: &Path) -> std::io::Result<Self> {
-        Ok(Self { config, file: TakenOnce::new(SeriesFile { rows: Rows::create(path, HEADER)?, last: None }) })
+    /// Creates the file with its header, or continues it.
+    pub fn create(config: Series, place: &RowsPlace) -> std::io::Result<Self> {
+        Ok(Self { config, file: TakenOnce::new(SeriesFile { rows: Rows::at(place, HEADER)?, last: None }) })
     }
 }
 
@@ -131,6 +130,13 @@ impl Plugin for SeriesPlugin {
     fn build(&self, app: &mut App) {
         let Some(file) = self.file.open() else { return };
         observe_every::<Series>(app, f64::from(self.config.interval.get()));
+        app.persist_part::<SeriesFile, _>(
+            |series| Ok((series.rows.saved()?, series.last)),
+            |series, (length, last)| {
+                series.last = last;
+                series.rows.restore(length)
+            },
+        );
         app.insert_resource(file).add_systems(Step, write_row.in_set(ObserveStage::Write).run_if(due::<Series>));
     }
 }

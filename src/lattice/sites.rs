@@ -15,6 +15,7 @@
 //! lid if one of its blocked directions leads above the highest fluid site.
 
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::lattice::outline::{Polygon, distance, nearest_tangent};
 use crate::lattice::reflection::{MirrorSet, Reflection};
@@ -22,7 +23,7 @@ use crate::lattice::velocities::{FLANKS, STEPS, directions, in_bonds};
 use crate::space::Vector;
 
 /// The kind of a site.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub enum Kind {
     /// Holds particles.
     Fluid,
@@ -41,7 +42,7 @@ const MARGIN: usize = 6;
 const DOORWAY: f64 = 3.0;
 
 /// A run: consecutive fluid sites of a column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 pub struct Run {
     /// Index of the lowest site.
     pub start: usize,
@@ -52,7 +53,7 @@ pub struct Run {
 }
 
 /// A fluid site with blocked directions.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 pub struct Edge {
     /// Index of the site.
     pub site: usize,
@@ -65,7 +66,7 @@ pub struct Edge {
 }
 
 /// All sites of the lattice.
-#[derive(Resource, Clone, Debug)]
+#[derive(Resource, Clone, Debug, Deserialize, Serialize)]
 pub struct Sites {
     /// Distance between nearest neighbours, m.
     pub spacing: f64,

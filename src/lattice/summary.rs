@@ -16,6 +16,7 @@ use crate::lattice::rest::RestDetector;
 use crate::lattice::rules::Rules;
 use crate::lattice::sites::Sites;
 use crate::outcome::End;
+use crate::persist::CheckpointFigures;
 use crate::step::Clock;
 use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
@@ -50,6 +51,8 @@ pub struct Summary {
     pub empty_step: Option<u64>,
     /// Cost of the run.
     pub performance: Performance,
+    /// Checkpoints during the run; `null` if none was taken.
+    pub checkpoints: Option<CheckpointFigures>,
     /// Hash of the final state ([`state_hash`]), as 16 hexadecimal digits.
     pub state_hash: String,
 }
@@ -140,6 +143,7 @@ impl Summary {
                 threads: world.resource::<Threads>().count(),
                 rules: loaded.rules,
             },
+            checkpoints: world.get_resource().copied(),
             state_hash: format!("{:016x}", state_hash(sites, gas)),
         }
     }

@@ -13,6 +13,7 @@ use crate::ledger::{GrainState, GrainStates, Ledger, watch_paths};
 use crate::messages::GrainLost;
 use crate::particle::GrainId;
 use crate::particles::Particles;
+use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Phase, Step};
 use crate::store::PlainCommands;
@@ -27,8 +28,12 @@ pub struct Cull {
 }
 
 /// Ids of grains that the culler has despawned, until the store reports their removal.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Deserialize, Serialize)]
 pub(super) struct Culled(pub(super) HashSet<GrainId>);
+
+/// Fires when a grain may be below the cull line.
+#[derive(Resource, Default, Deserialize, Serialize)]
+struct CullTrigger(DisplacementTrigger);
 
 /// Height of `cull.below`, m.
 #[derive(Resource)]
@@ -41,9 +46,9 @@ fn cull<V: Space>(
     mut ledger: ResMut<Ledger>,
     mut culled: ResMut<Culled>,
     mut lost: MessageWriter<GrainLost<V>>,
-    mut trigger: Local<DisplacementTrigger>,
+    mut trigger: ResMut<CullTrigger>,
 ) {
-    if !trigger.has_fired(particles.travel_meter(), 0.0) {
+    if !trigger.0.has_fired(particles.travel_meter(), 0.0) {
         return;
     }
     let mut lowest = f64::INFINITY;
@@ -62,7 +67,7 @@ fn cull<V: Space>(
         }
     }
     // No grain can be below the line before one has moved this far.
-    *trigger = DisplacementTrigger::for_distance(particles.travel_meter(), lowest - line.0);
+    trigger.0 = DisplacementTrigger::for_distance(particles.travel_meter(), lowest - line.0);
 }
 
 /// Removes grains below the cull line.
@@ -70,14 +75,17 @@ pub struct CullPlugin<V: Space>(pub Cull, pub PhantomData<V>);
 
 impl<V: Space> Plugin for CullPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(CullLine(self.0.below.get())).add_systems(
-            Step,
-            cull::<V>
-                .in_set(Phase::Cull)
-                .in_set(PlainCommands)
-                .after(count_released)
-                .after(watch_paths::<V>)
-                .before(account_for_grains::<V>),
-        );
+        app.insert_resource(CullLine(self.0.below.get()))
+            .init_resource::<CullTrigger>()
+            .persist::<CullTrigger>()
+            .add_systems(
+                Step,
+                cull::<V>
+                    .in_set(Phase::Cull)
+                    .in_set(PlainCommands)
+                    .after(count_released)
+                    .after(watch_paths::<V>)
+                    .before(account_for_grains::<V>),
+            );
     }
 }

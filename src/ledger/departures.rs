@@ -4,11 +4,13 @@
 //! kept is exact, and its number among all departures is known. A quantile is taken at the nearest kept time, so its number is
 //! off by at most 2/[`CAPACITY`] of all departures.
 
+use serde::{Deserialize, Serialize};
+
 /// Largest number of times that are kept.
 const CAPACITY: usize = 1 << 16;
 
 /// Times of departure, ascending.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Departures {
     count: u32,
     /// The times of the departures number 0, `stride`, 2 `stride`, ..., s.

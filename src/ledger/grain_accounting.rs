@@ -15,6 +15,7 @@ use crate::ledger::format_position;
 use crate::messages::{GrainLost, GrainOut, GrainReleased};
 use crate::outcome::{Failure, Outcome};
 use crate::particle::GrainId;
+use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 use crate::store::{BeforeRenumbering, ParticleStore, Renumber};
@@ -30,7 +31,7 @@ pub enum OnLoss {
 }
 
 /// Record of one lost grain.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct LossRecord {
     /// Id of the grain.
     pub grain: u32,
@@ -47,7 +48,7 @@ pub struct LossRecord {
 }
 
 /// Counts of released, out and lost grains.
-#[derive(Resource, Default, Debug)]
+#[derive(Resource, Default, Debug, Deserialize, Serialize)]
 pub struct Ledger {
     /// Number of grains that have entered.
     pub released: u32,
@@ -179,6 +180,8 @@ impl<V: Space> Plugin for LedgerPlugin<V> {
         app.init_resource::<Ledger>()
             .insert_resource(OnLossSetting(self.0))
             .init_resource::<Culled>()
+            .persist::<Ledger>()
+            .persist::<Culled>()
             .add_systems(Renumber, report_vanished_grains::<V>.in_set(BeforeRenumbering))
             .add_systems(
                 Step,

@@ -15,6 +15,7 @@ use serde::{Deserialize, Serialize};
 use crate::measure::ObserveStage;
 use crate::messages::CameToRest;
 use crate::particles::Particles;
+use crate::persist::PersistApp as _;
 use crate::space::Vector;
 use crate::step::Step;
 use crate::store::PlainCommands;
@@ -31,7 +32,7 @@ pub struct Bed {
 }
 
 /// Results of the measurement.
-#[derive(Resource, Clone, Copy, Debug, Serialize)]
+#[derive(Resource, Clone, Copy, Debug, Serialize, Deserialize)]
 pub struct BedFigures {
     /// Mean height of the surface above the origin, m.
     pub fill_height_m: f64,
@@ -105,6 +106,7 @@ pub struct BedPlugin(pub Bed);
 impl Plugin for BedPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(Window(self.0))
+            .persist::<BedFigures>()
             .add_systems(Step, measure.in_set(ObserveStage::Measure).in_set(PlainCommands));
     }
 }

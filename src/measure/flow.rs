@@ -57,7 +57,7 @@ impl Flow {
 }
 
 /// Sums over one cell.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 struct Sums {
     count: u64,
     mass: f64,
@@ -82,7 +82,7 @@ pub struct FlowMeans {
 }
 
 /// Sums of a flow field so far.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct FlowField {
     cell: f64,
     samples: u64,

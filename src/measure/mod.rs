@@ -16,6 +16,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::outcome::Outcome;
+use crate::persist::PersistApp as _;
 use crate::step::{Clock, Part, Phase, Step};
 use crate::store::{KickAppliedAtEnd, register_predictable};
 
@@ -67,6 +68,13 @@ pub fn due<T: Send + Sync + 'static>(every: Option<Res<Every<T>>>) -> bool {
 
 /// Registers the clock of the observer `T` with an interval in s.
 pub fn observe_every<T: Send + Sync + 'static>(app: &mut App, interval: f64) {
+    app.persist_part::<Every<T>, _>(
+        |every| Ok((every.next, every.is_due)),
+        |every, state| {
+            (every.next, every.is_due) = state;
+            Ok(())
+        },
+    );
     app.insert_resource(Every::<T> { interval, next: 0, is_due: false, observer: PhantomData })
         .add_systems(Step, tick::<T>.in_set(ClocksRead));
     register_predictable(app, due::<T>, |clock: Res<Clock>, every: Res<Every<T>>| every.is_due_at(&clock));

@@ -20,6 +20,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use crate::particle::Species;
+use crate::persist::Problem;
 use crate::space::{Dimension, Space};
 use crate::store::ParticleStore;
 use crate::values::{Finite, NonNegative, Positive};
@@ -71,7 +72,7 @@ impl Axis {
 }
 
 /// Sums over one species in one bin.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 struct Sums<V> {
     count: u64,
     volume: f64,
@@ -106,6 +107,14 @@ pub struct Sampler<V: Space> {
     pub samples: u64,
 }
 
+/// The sums of a [`Sampler`] in a checkpoint.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
+pub(crate) struct SavedSampler<V: Space> {
+    bins: Vec<Sums<V>>,
+    samples: u64,
+}
+
 /// Returns the volume (m^3) or area (m^2) of a grain below a plane at `h` (m) from its centre.
 fn below(dimension: Dimension, radius: f64, h: f64) -> f64 {
     let h = h.clamp(-radius, radius);
@@ -122,6 +131,20 @@ impl<V: Space> Sampler<V> {
     #[must_use]
     pub fn new(profile: Profile, section: f64) -> Self {
         Self { profile, section, bins: vec![Sums::default(); usize::from(profile.bins)], samples: 0 }
+    }
+
+    /// Returns the sums so far, for a checkpoint.
+    pub(crate) fn saved(&self) -> SavedSampler<V> {
+        SavedSampler { bins: self.bins.clone(), samples: self.samples }
+    }
+
+    /// Continues from saved sums.
+    pub(crate) fn restore(&mut self, saved: SavedSampler<V>) -> Result<(), Problem> {
+        if saved.bins.len() != self.bins.len() {
+            return Err("the number of bins differs".to_owned());
+        }
+        (self.bins, self.samples) = (saved.bins, saved.samples);
+        Ok(())
     }
 
     fn width(&self) -> f64 {

@@ -1,12 +1,14 @@
 //! Candidate pairs: pairs that may touch, as neighbour lists and contact histories key them.
 
+use serde::{Deserialize, Serialize};
+
 use std::fmt;
 
 /// Candidate pair: two slots with the lower one first, or a slot and the index of a flat wall.
 ///
 /// Both indices are packed into one `u64`, so that a pair is read, written and compared as one number. Pairs are
 /// ordered by the first index, then by the second.
-#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
 pub struct Candidate(u64);
 
 impl Candidate {

@@ -24,6 +24,7 @@ use self::verlet_list::VerletList;
 use crate::neighbours::list::BLOCK;
 use crate::outcome::{Failure, Outcome};
 use crate::periodic::Periodic;
+use crate::persist::PersistApp as _;
 use crate::space::{Plane, Space};
 use crate::step::{Clock, Part, Phase, Step};
 use crate::store::{ParticleStore, VelocitiesPredicted};
@@ -64,7 +65,7 @@ pub enum Method<V: Space> {
 }
 
 /// Counts how often cells were filled or the list was rebuilt.
-#[derive(Resource, Default, Debug, Clone, Copy)]
+#[derive(Resource, Default, Debug, Clone, Copy, Deserialize, Serialize)]
 pub struct Rebuilds(pub u64);
 
 /// Neighbour search of a run, with its latest result.
@@ -185,6 +186,8 @@ impl<V: Space> Plugin for NeighboursPlugin<V> {
     fn build(&self, app: &mut App) {
         app.insert_resource(Search::new(self.kind, self.periodic, self.largest_radius))
             .init_resource::<Rebuilds>()
+            .derived::<Search<V>>()
+            .persist::<Rebuilds>()
             .add_systems(Step, update_search::<V>.in_set(Part::Engine(Phase::Neighbours)).after(VelocitiesPredicted));
     }
 }

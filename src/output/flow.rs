@@ -14,8 +14,6 @@
 //! Rows are sorted by y, then x. The window is in terms of the discharge and not of time, so that runs and models that
 //! flow at different speeds are compared at equal filling.
 
-use std::path::Path;
-
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
@@ -24,9 +22,10 @@ use crate::measure::flow::{Flow, FlowField};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
 use crate::particles::Motion;
+use crate::persist::PersistApp as _;
 use crate::space::Plane;
 use crate::step::Step;
-use crate::writers::rows::{Rows, TakenOnce};
+use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
 
 #[derive(Resource)]
 struct FlowSampler {
@@ -62,12 +61,12 @@ pub struct FlowPlugin {
 }
 
 impl FlowPlugin {
-    /// Creates the file at `path` with its header.
+    /// Creates the file with its header, or continues it.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn create(config: Flow, path: &Path) -> std::io::Result<Self> {
-        let (field, file) = (FlowField::new(config.cell.get()), Rows::create(path, HEADER)?);
+    pub fn create(config: Flow, place: &RowsPlace) -> std::io::Result<Self> {
+        let (field, file) = (FlowField::new(config.cell.get()), Rows::at(place, HEADER)?);
         Ok(Self { config, sampler: TakenOnce::new(FlowSampler { config, field, file }) })
     }
 }
@@ -76,6 +75,13 @@ impl Plugin for FlowPlugin {
     fn build(&self, app: &mut App) {
         let Some(sampler) = self.sampler.open() else { return };
         observe_every::<Flow>(app, self.config.sample.get());
+        app.persist_part::<FlowSampler, _>(
+            |sampler| Ok((sampler.file.saved()?, sampler.field.clone())),
+            |sampler, (length, field)| {
+                sampler.field = field;
+                sampler.file.restore(length)
+            },
+        );
         app.insert_resource(sampler).add_systems(Step, sample.in_set(ObserveStage::Write).run_if(due::<Flow>));
     }
 }

@@ -224,6 +224,7 @@ pub struct FramesPlugin<V: Space>(pub FrameRenderer, pub PhantomData<V>);
 impl<V: Space> Plugin for FramesPlugin<V> {
     fn build(&self, app: &mut App) {
         observe_every::<Pictures>(app, self.0.pictures.interval.get());
+        FrameWriter::persist(app);
         app.insert_resource(self.0.clone())
             .insert_resource(FrameWriter::new(self.0.directory.clone(), self.0.pictures.png))
             .add_systems(Step, draw_frame::<V>.in_set(ObserveStage::Write).run_if(due::<Pictures>));

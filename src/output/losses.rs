@@ -20,10 +20,13 @@ use bevy_ecs::prelude::*;
 use crate::ledger::{Ledger, LossRecord};
 use crate::measure::{ClocksRead, due};
 use crate::outcome::{Failure, Outcome};
+use crate::persist::PersistApp as _;
+use crate::persist::Problem;
 use crate::scene::outputs::Series;
 use crate::space::Dimension;
 use crate::step::{Part, Phase, Step};
 use crate::writers::rows::Rows;
+use crate::writers::whole_file::remove_if_there;
 
 /// Largest number of lost grains that the summary lists.
 pub const IN_SUMMARY: usize = 100;
@@ -35,6 +38,17 @@ pub(crate) struct LossesFile {
     pub(crate) path: PathBuf,
     rows: Option<Rows>,
     header: &'static str,
+}
+
+impl LossesFile {
+    /// Continues the file with the first `length` bytes, or removes it if there was none.
+    fn restore(&mut self, length: Option<u64>) -> Result<(), Problem> {
+        let failed = |error: std::io::Error| format!("could not continue {}: {error}", self.path.display());
+        match length {
+            Some(length) => self.rows.insert(Rows::reopen(&self.path).map_err(failed)?).restore(length),
+            None => remove_if_there(&self.path).map_err(failed),
+        }
+    }
 }
 
 fn write_rows(mut ledger: ResMut<Ledger>, mut file: ResMut<LossesFile>, mut outcome: ResMut<Outcome>) {
@@ -86,6 +100,7 @@ impl Plugin for LossesPlugin {
         };
         // Before all observers, because these read the grain accounting.
         let stage = Part::Engine(Phase::Observe);
+        app.persist_part::<LossesFile, _>(|file| file.rows.as_ref().map(Rows::saved).transpose(), LossesFile::restore);
         app.insert_resource(LossesFile { path: self.path.clone(), rows: None, header })
             .add_systems(Step, write_rows.in_set(stage).after(ClocksRead).run_if(due::<Series>));
     }

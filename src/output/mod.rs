@@ -1,8 +1,11 @@
 //! Output of a run in its run directory: CSV rows, pictures, the final state and the summary.
 
+pub mod checkpoint;
+pub mod cost;
 pub mod flow;
 pub mod frames;
 pub mod losses;
+pub mod parent;
 pub mod profiles;
 pub mod run_directory;
 pub mod series;

@@ -15,22 +15,23 @@
 //! ...). Along a periodic axis the centre is the mean of the wrapped positions, which has little meaning.
 
 use std::fmt::Write as _;
-use std::path::Path;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::measure::profile::{Profile, Sampler};
+use crate::measure::profile::{Profile, Sampler, SavedSampler};
 use crate::measure::{ObserveStage, due};
 use crate::outcome::Outcome;
 use crate::particle::Species;
 use crate::particles::Motion;
+use crate::persist::PersistApp as _;
+use crate::persist::Problem;
 use crate::scene::outputs::Series;
 use crate::space::Space;
 use crate::step::{Clock, Step};
 use crate::store::register_predictable;
 use crate::values::{NonNegative, Positive};
-use crate::writers::rows::{Rows, TakenOnce, numbers};
+use crate::writers::rows::{Rows, RowsPlace, TakenOnce, numbers};
 
 /// A profile that is being averaged, of one species or of all.
 #[derive(Clone)]
@@ -96,7 +97,27 @@ fn has_work<V: Space>(clock: Res<Clock>, profiles: Res<Profiles<V>>, outcome: Re
     outcome.end().is_some() || running.any(|profile| profile.is_due(&clock) || profile.is_full(&clock))
 }
 
+/// State of a running average: its sums, the number of samples since the start, and the times of its first and last sample.
+type SavedAverage<V> = (SavedSampler<V>, u64, [f64; 2]);
+
+impl<V: Space> Profiles<V> {
+    fn restore(&mut self, (length, averages): (u64, Vec<SavedAverage<V>>)) -> Result<(), Problem> {
+        if averages.len() != self.running.len() {
+            return Err("the number of profiles differs".to_owned());
+        }
+        for (running, (sums, samples_taken, [from, to])) in self.running.iter_mut().zip(averages) {
+            (running.samples_taken, running.from, running.to) = (samples_taken, from, to);
+            running.sampler.restore(sums)?;
+        }
+        self.file.restore(length)
+    }
+}
+
 impl<V: Space> Running<V> {
+    fn saved(&self) -> SavedAverage<V> {
+        (self.sampler.saved(), self.samples_taken, [self.from, self.to])
+    }
+
     #[expect(clippy::cast_precision_loss, reason = "2^53 samples are out of reach")]
     fn is_due(&self, clock: &Clock) -> bool {
         let Profile { sample, from, .. } = self.sampler.profile;
@@ -156,7 +177,7 @@ fn write_centres<V: Space>(
 pub struct ProfilesPlugin<V: Space>(TakenOnce<(Profiles<V>, Centres)>);
 
 impl<V: Space> ProfilesPlugin<V> {
-    /// Creates the files with their headers.
+    /// Creates the files with their headers, or continues them.
     ///
     /// `profiles` has each profile with the cross-section of the sampled region (m^2, or m in the plane). `species` is
     /// the largest species of the scene.
@@ -166,14 +187,14 @@ impl<V: Space> ProfilesPlugin<V> {
     pub fn create(
         profiles: &[(Profile, f64)],
         species: u8,
-        profiles_path: &Path,
-        centres_path: &Path,
+        profiles_place: &RowsPlace,
+        centres_place: &RowsPlace,
     ) -> std::io::Result<Self> {
         let header = format!(
             "profile,from_s,to_s,samples,place_m,species,count,packing_fraction,{},temperature_m2_per_s2",
             axes::<V>("v", "_m_per_s")
         );
-        let file = Rows::create(profiles_path, &header)?;
+        let file = Rows::at(profiles_place, &header)?;
         let all = (species > 0).then_some(None);
         let kinds: Vec<_> = (0..=species).map(|number| Some(Species(number))).chain(all).collect();
         let running = (1..).zip(profiles).flat_map(|(number, &(profile, section))| {
@@ -189,7 +210,7 @@ impl<V: Space> ProfilesPlugin<V> {
         });
         let running = running.collect();
         let header = format!("time_s,species,count,mass_kg,{},{}", axes::<V>("", "_m"), axes::<V>("v", "_m_per_s"));
-        let centres = Centres { file: Rows::create(centres_path, &header)?, species };
+        let centres = Centres { file: Rows::at(centres_place, &header)?, species };
         Ok(Self(TakenOnce::new((Profiles { file, running }, centres))))
     }
 }
@@ -197,6 +218,11 @@ impl<V: Space> ProfilesPlugin<V> {
 impl<V: Space> Plugin for ProfilesPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some((profiles, centres)) = self.0.open() else { return };
+        app.persist_part::<Centres, _>(|centres| centres.file.saved(), |centres, length| centres.file.restore(length));
+        app.persist_part::<Profiles<V>, _>(
+            |profiles| Ok((profiles.file.saved()?, profiles.running.iter().map(Running::saved).collect())),
+            Profiles::restore,
+        );
         app.insert_resource(profiles).insert_resource(centres);
         register_predictable(app, has_work::<V>, has_work::<V>);
         app.add_systems(

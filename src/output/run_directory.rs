@@ -33,7 +33,9 @@ use self::stage::Stage;
 use crate::fault::Fault;
 use crate::source::Source;
 use crate::source::places;
+use crate::writers::fnv::Fnv;
 use crate::writers::frame_writer::Guard;
+use crate::writers::rows::RowsPlace;
 use crate::writers::whole_file::{PART, part_of, remove_if_there, write_with};
 
 /// A run directory that this process has locked.
@@ -61,6 +63,8 @@ enum Place {
 const SCENE: &str = "scene.ron";
 const SERIES: &str = "series.csv";
 const FRAMES: &str = "frames";
+const CHECKPOINTS: &str = "checkpoints";
+const CHECKPOINT_ENDING: &str = "checkpoint";
 const WALLS: &str = "walls.csv";
 const PROFILES: &str = "profiles.csv";
 const CENTRES: &str = "centres.csv";
@@ -69,21 +73,86 @@ const LOSSES: &str = "losses.csv";
 const STATE: &str = "state.csv";
 const SUMMARY: &str = "summary.json";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 11] =
-    [SCENE, SERIES, WALLS, PROFILES, CENTRES, FLOW, LOSSES, STATE, SUMMARY, "input-silo.dat", "input-grains.csv"];
+const OWN_FILES: [&str; 8] = [SERIES, WALLS, PROFILES, CENTRES, FLOW, LOSSES, STATE, SUMMARY];
+
+/// Names of the files that hold the input of a run.
+pub const INPUT_FILES: [&str; 4] = [SCENE, "input-silo.dat", "input-grains.csv", "input-contacts.csv"];
 
 /// Bytes that `summary.json.part` occupies from the start, so that a full disk at the end leaves space for the summary.
 const SUMMARY_RESERVE: usize = 32 << 10;
 
 /// Returns the name of the copy of the input file that the scene key `key` names.
 fn copy_name(key: &str) -> &'static str {
-    if key == "silo.file" { "input-silo.dat" } else { "input-grains.csv" }
+    match key {
+        "silo.file" => "input-silo.dat",
+        "grains.contacts" => "input-contacts.csv",
+        _ => "input-grains.csv",
+    }
 }
 
 /// Returns the path of the scene in a run directory.
 #[must_use]
 pub fn scene_of(run: &Path) -> PathBuf {
     run.join(SCENE)
+}
+
+/// Returns the hash of the scene in a run directory and of the copies of the files that it names.
+///
+/// # Errors
+/// If a file cannot be read.
+pub fn hash_of_input(run: &Path) -> io::Result<u64> {
+    let mut hash = Fnv::default();
+    for name in INPUT_FILES {
+        match File::open(run.join(name)) {
+            Ok(file) => {
+                hash.update(name.as_bytes());
+                hash.update_from(file)?;
+            }
+            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+            Err(error) => return Err(error),
+        }
+    }
+    Ok(hash.value())
+}
+
+/// Returns the directory of the checkpoints in a run directory.
+#[must_use]
+pub fn checkpoints_directory(run: &Path) -> PathBuf {
+    run.join(CHECKPOINTS)
+}
+
+/// Returns the name of the checkpoint after a number of steps. Names sort in the order of steps.
+#[must_use]
+pub fn checkpoint_name(steps: u64) -> String {
+    format!("{steps:016}.{CHECKPOINT_ENDING}")
+}
+
+/// Whether a checkpoint may have this name.
+fn is_checkpoint(name: &Path) -> bool {
+    let number = name.file_stem().unwrap_or_default().as_encoded_bytes();
+    name.extension().is_some_and(|ending| ending == CHECKPOINT_ENDING)
+        && number.len() >= 16
+        && number.iter().all(u8::is_ascii_digit)
+}
+
+/// Returns the checkpoints in a directory, the latest first. Links and other files are left out.
+///
+/// # Errors
+/// If the directory cannot be read; a missing one is empty.
+pub fn checkpoints_in(directory: &Path) -> io::Result<Vec<PathBuf>> {
+    let entries = match fs::read_dir(directory) {
+        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
+        entries => entries?,
+    };
+    let mut paths = Vec::new();
+    for entry in entries {
+        let entry = entry?;
+        if entry.file_type()?.is_file() && is_checkpoint(Path::new(&entry.file_name())) {
+            paths.push(entry.path());
+        }
+    }
+    paths.sort_unstable_by(|a, b| b.cmp(a));
+    Ok(paths)
 }
 
 /// Whether siloflow writes a file or directory of this path in a run directory.
@@ -100,7 +169,11 @@ fn is_own(path: &Path) -> bool {
                 && number.len() >= 5
                 && number.iter().all(u8::is_ascii_digit)
         }
-        Err(_) => OWN_FILES.iter().any(|name| Path::new(name) == complete),
+        Err(_) => match complete.strip_prefix(CHECKPOINTS) {
+            Ok(inside) if inside == Path::new("") => complete == path,
+            Ok(inside) => inside.components().count() == 1 && is_checkpoint(inside),
+            Err(_) => OWN_FILES.iter().chain(&INPUT_FILES).any(|name| Path::new(name) == complete),
+        },
     }
 }
 
@@ -122,7 +195,7 @@ impl RunDirectory {
         for (key, ..) in &source.files {
             text = places::set(&text, key, &format!("{:?}", copy_name(key)))?;
         }
-        directory.fill(&text, &source.files).map_err(|error| directory.unwritable(&error))?;
+        directory.fill(&text, source).map_err(|error| directory.unwritable(&error))?;
         Ok(directory)
     }
 
@@ -137,11 +210,15 @@ impl RunDirectory {
     }
 
     /// Writes the files that exist before the first step.
-    fn fill(&self, scene: &str, files: &[(&'static str, PathBuf)]) -> io::Result<()> {
+    fn fill(&self, scene: &str, source: &Source) -> io::Result<()> {
         let now = self.now();
         fs::create_dir(now.join(FRAMES))?;
-        for (key, from) in files {
-            io::copy(&mut File::open(from)?, &mut File::create_new(now.join(copy_name(key)))?)?;
+        for (key, from) in &source.files {
+            let mut copy = File::create_new(now.join(copy_name(key)))?;
+            match source.text_for(key) {
+                Some(text) => copy.write_all(text.as_bytes())?,
+                None => io::copy(&mut File::open(from)?, &mut copy).map(|_| ())?,
+            }
         }
         fs::write(now.join(SCENE), scene)?;
         self.reserve_summary()
@@ -204,6 +281,12 @@ impl RunDirectory {
         File::create_new(part)?.write_all(&vec![b'\n'; SUMMARY_RESERVE])
     }
 
+    /// Returns the path of the directory, absolute and without symbolic links.
+    #[must_use]
+    pub fn absolute(&self) -> &Path {
+        &self.target
+    }
+
     /// Returns the path of the directory, as the caller gave it.
     #[must_use]
     pub fn path(&self) -> &Path {
@@ -224,34 +307,45 @@ impl RunDirectory {
         self.now().join(FRAMES)
     }
 
-    /// Returns the path of `series.csv`. It changes when the directory is published.
+    /// Returns the path of the directory of checkpoints. It changes when the directory is published.
     #[must_use]
-    pub fn series(&self) -> PathBuf {
-        self.now().join(SERIES)
+    pub fn checkpoints(&self) -> PathBuf {
+        checkpoints_directory(self.now())
     }
 
-    /// Returns the path of `walls.csv`. It changes when the directory is published.
-    #[must_use]
-    pub fn walls(&self) -> PathBuf {
-        self.now().join(WALLS)
+    /// Returns the place of a file of rows.
+    fn rows(&self, name: &str) -> RowsPlace {
+        RowsPlace { path: self.now().join(name), is_continued: matches!(self.place, Place::Published(_)) }
     }
 
-    /// Returns the path of `profiles.csv`. It changes when the directory is published.
+    /// Returns the place of `series.csv`. It changes when the directory is published.
     #[must_use]
-    pub fn profiles(&self) -> PathBuf {
-        self.now().join(PROFILES)
+    pub fn series(&self) -> RowsPlace {
+        self.rows(SERIES)
     }
 
-    /// Returns the path of `centres.csv`. It changes when the directory is published.
+    /// Returns the place of `walls.csv`. It changes when the directory is published.
     #[must_use]
-    pub fn centres(&self) -> PathBuf {
-        self.now().join(CENTRES)
+    pub fn walls(&self) -> RowsPlace {
+        self.rows(WALLS)
     }
 
-    /// Returns the path of `flow.csv`. It changes when the directory is published.
+    /// Returns the place of `profiles.csv`. It changes when the directory is published.
     #[must_use]
-    pub fn flow(&self) -> PathBuf {
-        self.now().join(FLOW)
+    pub fn profiles(&self) -> RowsPlace {
+        self.rows(PROFILES)
+    }
+
+    /// Returns the place of `centres.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn centres(&self) -> RowsPlace {
+        self.rows(CENTRES)
+    }
+
+    /// Returns the place of `flow.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn flow(&self) -> RowsPlace {
+        self.rows(FLOW)
     }
 
     /// Returns the path of `losses.csv`. It changes when the directory is published.

@@ -15,8 +15,6 @@
 //!
 //! The columns of the flows and of the balance error exist only if the scene tracks the energy balance.
 
-use std::path::Path;
-
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
@@ -26,11 +24,12 @@ use crate::ledger::Ledger;
 use crate::measure::totals::Totals;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
+use crate::persist::PersistApp as _;
 use crate::scene::outputs::Series;
 use crate::space::Space;
 use crate::step::{Clock, Step};
 use crate::survey::SurveyParam;
-use crate::writers::rows::{Rows, TakenOnce};
+use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
 
 /// Returns the header of the file; `tracks_energy` adds the columns of the energy balance.
 fn header(tracks_energy: bool) -> String {
@@ -92,12 +91,12 @@ pub struct SeriesPlugin<V: Space> {
 }
 
 impl<V: Space> SeriesPlugin<V> {
-    /// Creates the file at `path` with its header. `tracks_energy` must be set if the scene tracks the energy balance.
+    /// Creates the file with its header, or continues it. `tracks_energy` must be set if the scene tracks the energy balance.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn create(config: Series, tracks_energy: bool, path: &Path) -> std::io::Result<Self> {
-        let file = TakenOnce::new(SeriesFile { rows: Rows::create(path, &header(tracks_energy))?, last: None });
+    pub fn create(config: Series, tracks_energy: bool, place: &RowsPlace) -> std::io::Result<Self> {
+        let file = TakenOnce::new(SeriesFile { rows: Rows::at(place, &header(tracks_energy))?, last: None });
         Ok(Self { config, file, space: std::marker::PhantomData })
     }
 }
@@ -106,6 +105,13 @@ impl<V: Space> Plugin for SeriesPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some(file) = self.file.open() else { return };
         observe_every::<Series>(app, self.config.interval.get());
+        app.persist_part::<SeriesFile, _>(
+            |series| Ok((series.rows.saved()?, series.last)),
+            |series, (length, last)| {
+                series.last = last;
+                series.rows.restore(length)
+            },
+        );
         app.insert_resource(file).add_systems(Step, write_row::<V>.in_set(ObserveStage::Write).run_if(due::<Series>));
     }
 }

@@ -20,7 +20,9 @@ use crate::measure::totals;
 use crate::neighbours::Rebuilds;
 use crate::outcome::End;
 use crate::output::losses::IN_SUMMARY;
+use crate::output::parent::Parent;
 use crate::output::state_hash;
+use crate::persist::CheckpointFigures;
 use crate::rest::RestDetector;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane, Solid};
@@ -68,6 +70,10 @@ pub struct Summary {
     pub energy: Energy,
     /// Cost of the run.
     pub performance: Performance,
+    /// The run from whose state this run started; `null` if it started by itself.
+    pub parent: Option<Parent>,
+    /// Checkpoints during the run; `null` if none was taken.
+    pub checkpoints: Option<CheckpointFigures>,
     /// Hash of the final state of the grains, as 16 hexadecimal digits.
     pub state_hash: String,
     /// Records of the first hundred lost grains.
@@ -207,6 +213,8 @@ impl Summary {
                 integrator: loaded.scene.integrator,
                 contact_law: loaded.scene.contact,
             },
+            parent: world.get_resource().cloned(),
+            checkpoints: world.get_resource().copied(),
             state_hash,
             losses: ledger.lost.iter().take(IN_SUMMARY).cloned().collect(),
         }

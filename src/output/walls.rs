@@ -8,18 +8,17 @@
 //!
 //! The force is the instantaneous force of the step, not an average over the interval.
 
-use std::path::Path;
-
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::measure::{ObserveStage, due};
 use crate::outcome::Outcome;
+use crate::persist::PersistApp as _;
 use crate::scene::outputs::Series;
 use crate::space::{Dimension, Space};
 use crate::step::{Clock, Step};
 use crate::walls::surfaces::Surfaces;
-use crate::writers::rows::{Rows, TakenOnce, numbers};
+use crate::writers::rows::{Rows, RowsPlace, TakenOnce, numbers};
 
 #[derive(Resource)]
 struct WallsFile(Rows);
@@ -40,20 +39,21 @@ fn write_rows<V: Space>(
 pub struct WallForcesPlugin<V: Space>(TakenOnce<WallsFile>, std::marker::PhantomData<V>);
 
 impl<V: Space> WallForcesPlugin<V> {
-    /// Creates the file at `path` with its header.
+    /// Creates the file with its header, or continues it.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn create(path: &Path) -> std::io::Result<Self> {
+    pub fn create(place: &RowsPlace) -> std::io::Result<Self> {
         let is_solid = V::DIMENSION == Dimension::Solid;
         let header = if is_solid { "time_s,wall,fx_n,fy_n,fz_n" } else { "time_s,wall,fx_n,fy_n" };
-        Ok(Self(TakenOnce::new(WallsFile(Rows::create(path, header)?)), std::marker::PhantomData))
+        Ok(Self(TakenOnce::new(WallsFile(Rows::at(place, header)?)), std::marker::PhantomData))
     }
 }
 
 impl<V: Space> Plugin for WallForcesPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some(file) = self.0.open() else { return };
+        app.persist_part::<WallsFile, _>(|file| file.0.saved(), |file, length| file.0.restore(length));
         app.insert_resource(file).add_systems(Step, write_rows::<V>.in_set(ObserveStage::Write).run_if(due::<Series>));
     }
 }

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use crate::contact::config::{Contact, Contacts};
+use crate::contact::history::remembered::{self, Remembered};
 use crate::fault::Fault;
 use crate::grains::file::{self, GrainRow, Kind};
 use crate::grains::fill::FixedGrain;
@@ -32,6 +33,8 @@ pub struct Loaded {
     pub silo: SiloGeometry,
     /// The grains at the start.
     pub grains: Vec<GrainRow>,
+    /// Memories of contacts at the start.
+    pub contacts_at_start: Vec<Remembered>,
     /// Wall grains of `fill`.
     pub fixed: Vec<FixedGrain>,
 }
@@ -61,11 +64,55 @@ impl AnyScene {
 /// # Errors
 /// If a file cannot be read or has wrong content, or if the scene breaks a rule.
 pub fn any(path: &Path, settings: &[(String, String)]) -> Result<AnyScene, Fault> {
-    let source = Source::read(path)?;
+    any_from(Source::read(path)?, settings)
+}
+
+/// Loads a scene of grains that starts with the grains and contacts of another run, given as the texts of files. They replace
+/// the scene's own grains at the start; fixed grains of `fill` stay. `note` is a comment for the scene's text.
+///
+/// # Errors
+/// Like [`load`].
+pub fn started_from(
+    path: &Path,
+    settings: &[(String, String)],
+    grains: String,
+    contacts: String,
+    note: &str,
+) -> Result<Box<Loaded>, Fault> {
+    let AnyScene::Grains(loaded) = any(path, settings)? else {
+        return Err(Fault::new("scene::method", "a run of the lattice gas cannot start from grains")
+            .help("give a scene of grains"));
+    };
+    let fixed: Vec<_> = loaded.scene.fill.iter().filter(|fill| fill.fixed).collect();
+    let fill = ron::to_string(&fixed).map_err(|error| Fault::new("scene::fill", error.to_string()))?;
+    let mut more = settings.to_vec();
+    let files = "(file: \"grains.csv\", contacts: \"contacts.csv\")";
+    more.push(("grains".to_owned(), files.to_owned()));
+    if !loaded.scene.fill.is_empty() {
+        more.push(("fill".to_owned(), fill));
+    }
+    let mut source = Source::read(path)?;
+    source.texts = vec![("grains.file", grains), ("grains.contacts", contacts)];
+    let mut started = from_source(source, &more)?;
+    started.source.text.insert_str(0, &format!("// {note}\n"));
+    Ok(Box::new(started))
+}
+
+fn any_from(source: Source, settings: &[(String, String)]) -> Result<AnyScene, Fault> {
     if source.value_of("method").is_some_and(|method| method.starts_with("LatticeGas")) {
         return LoadedLattice::new(source, settings).map(Box::new).map(AnyScene::Lattice);
     }
     from_source(source, settings).map(Box::new).map(AnyScene::Grains)
+}
+
+/// Loads the scene at `path` under another name than that of its file.
+///
+/// # Errors
+/// Like [`any`].
+pub fn named(path: &Path, name: &str) -> Result<AnyScene, Fault> {
+    let mut source = Source::read(path)?;
+    name.clone_into(&mut source.name);
+    any_from(source, &[])
 }
 
 /// Loads a scene of grains.
@@ -97,7 +144,14 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
             .fault("scene::method", "method", "this is not a scene of grains")
             .help("a scene's method is part of its file, not of a setting"));
     }
-    let mut loaded = Loaded { scene, source, silo: SiloGeometry::default(), grains: Vec::new(), fixed: Vec::new() };
+    let mut loaded = Loaded {
+        scene,
+        source,
+        silo: SiloGeometry::default(),
+        grains: Vec::new(),
+        contacts_at_start: Vec::new(),
+        fixed: Vec::new(),
+    };
     // Vectors have a checked number of components before any other code reads them.
     rules::space(&loaded)?;
     if let Some(silo) = loaded.scene.silo.clone() {
@@ -109,8 +163,15 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
     if let Some(grains) = loaded.scene.grains.clone() {
         let path = loaded.source.name_file("grains.file", &grains.file);
         let kind = Kind { dimension: loaded.scene.space, spins: loaded.scene.contact.spins() };
-        let grains = file::read(&path.display().to_string(), &path, kind);
-        loaded.grains = grains.map_err(|error| loaded.source.unreadable("grains.file", &path, &error))??;
+        let name = path.display().to_string();
+        loaded.grains = match loaded.source.text_for("grains.file") {
+            Some(text) => file::parse(&name, text, kind)?,
+            None => file::read(&name, &path, kind)
+                .map_err(|error| loaded.source.unreadable("grains.file", &path, &error))??,
+        };
+        if let Some(contacts) = grains.contacts {
+            loaded.contacts_at_start = read_contacts(&mut loaded.source, &contacts)?;
+        }
     }
     // Before any grain is created.
     rules::fill(&loaded)?;
@@ -118,6 +179,24 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
     rules::check(&loaded)?;
     loaded.choose_scheme();
     Ok(loaded)
+}
+
+/// Reads the file that the key `grains.contacts` names.
+fn read_contacts(source: &mut Source, file: &Path) -> Result<Vec<Remembered>, Fault> {
+    let key = "grains.contacts";
+    let path = source.name_file(key, file);
+    let rows = match source.text_for(key) {
+        Some(text) => remembered::read(text.as_bytes()),
+        None => remembered::read(
+            files::BoundedFile::open(&path, files::GRAIN_BYTES)
+                .map_err(|error| source.unreadable(key, &path, &error))?,
+        ),
+    };
+    rows.map_err(|problem| {
+        source
+            .fault("scene::contacts", key, format!("{} is no file of contacts: {problem}", path.display()))
+            .help("`siloflow run SCENE --from DIR` writes such files")
+    })
 }
 
 impl Loaded {

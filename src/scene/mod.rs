@@ -32,6 +32,7 @@ use crate::measure::flow::Flow;
 use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
 use crate::periodic::PeriodicSides;
+use crate::persist::{CheckpointConfig, default_checkpoint};
 use crate::rest::Rest;
 use crate::scene::outputs::{Pictures, Series};
 use crate::space::Dimension;
@@ -120,6 +121,9 @@ pub struct Scene {
     /// The rows of `series.csv`.
     #[serde(default)]
     pub series: Series,
+    /// Checkpoints; `None` for none.
+    #[serde(default = "default_checkpoint")]
+    pub checkpoint: Option<CheckpointConfig>,
     /// The snapshots; `None` for none.
     #[serde(default = "default_pictures")]
     pub pictures: Option<Pictures>,

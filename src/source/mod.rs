@@ -22,6 +22,8 @@ pub struct Source {
     pub text: String,
     /// Files that the scene names, as key and path. A run keeps copies of them.
     pub files: Vec<(&'static str, PathBuf)>,
+    /// Texts that stand for named files, by key.
+    pub texts: Vec<(&'static str, String)>,
     path: String,
     directory: PathBuf,
     places: Places,
@@ -50,6 +52,7 @@ impl Source {
             name: name.to_owned(),
             text,
             files: Vec::new(),
+            texts: Vec::new(),
             path: path.to_owned(),
             directory: directory.to_owned(),
             places,
@@ -114,6 +117,12 @@ impl Source {
         let path = self.directory.join(file);
         self.files.push((key, path.clone()));
         path
+    }
+
+    /// Returns the text that stands for the file that `key` names, if there is one.
+    #[must_use]
+    pub fn text_for(&self, key: &str) -> Option<&str> {
+        self.texts.iter().find(|(of, _)| *of == key).map(|(_, text)| &**text)
     }
 
     /// The fault for a named file that cannot be read.

@@ -15,6 +15,7 @@ use std::fmt::Debug;
 use std::iter::Sum;
 use std::ops::{Add, AddAssign, Div, IndexMut, Mul, Neg, Sub, SubAssign};
 
+use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 
 /// The plane: (x, y), y is up.
@@ -70,6 +71,8 @@ pub trait Linear:
     + SubAssign
     + Mul<f64, Output = Self>
     + Sum
+    + Serialize
+    + DeserializeOwned
 {
     /// Zero.
     const ZERO: Self;

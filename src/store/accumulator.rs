@@ -5,6 +5,8 @@
 //! no storage for the dissipative part, and no code reads it. Hot loops use entries of a length known at compile time:
 //! [`TOTAL`] or [`TOTAL_AND_DISSIPATIVE`] numbers.
 
+use serde::{Deserialize, Serialize};
+
 use crate::space::Linear;
 use crate::store::Slot;
 
@@ -23,7 +25,7 @@ pub(crate) fn kick_term<T: Linear, const NUMBERS: usize>(entry: &[T; NUMBERS], m
 }
 
 /// One accumulator entry per particle.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Accumulator<T> {
     numbers: Vec<T>,
     /// Numbers per entry.

@@ -15,6 +15,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::system::{SystemId, SystemState};
 
 use crate::fault::Fault;
+use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Part, Phase, Step};
 use crate::store::ParticleStore;
@@ -143,6 +144,7 @@ pub(super) fn add<V: Space>(app: &mut App) {
     world.init_resource::<ReadsPlaces>();
     world.init_resource::<ReadsMotion>();
     world.init_resource::<PredictableConditions>();
+    app.derived::<BetweenSteps>().derived::<Plan>();
 }
 
 /// Derives the sync plan of a complete schedule, and adds refresh and write-back systems to the phases that need them.

@@ -21,6 +21,7 @@ use bevy_ecs::schedule::{BoxedCondition, ScheduleConfigs, ScheduleLabel, SystemC
 use bevy_ecs::system::ScheduleSystem;
 
 use crate::outcome::Outcome;
+use crate::persist::PersistApp as _;
 use crate::step::{Drifted, Part, Phase, Step, is_step_zero, serial, time_moves};
 use crate::store::SpinsDrifted;
 use crate::store::renumbering::KicksApplied;
@@ -128,6 +129,8 @@ pub(crate) fn after_kicks(app: &mut App, systems: impl Fn() -> ScheduleConfigs<S
 /// Adds the schedule and the systems that defer kicks.
 pub(super) fn add(app: &mut App) {
     app.add_schedule(serial(DeferredKick)).init_resource::<PendingKick>();
+    // A checkpoint applies a pending kick first.
+    app.derived::<PendingKick>().derived::<VelocityReaders>();
     app.world_mut().init_resource::<VelocityReaders>();
     app.edit_schedule(Step, |schedule| {
         let late_systems =

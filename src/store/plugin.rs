@@ -7,8 +7,10 @@ use bevy_ecs::prelude::*;
 
 use crate::gravity::Gravity;
 use crate::instructions::Instructions;
+use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
+use crate::persist::PersistApp as _;
 use crate::space::Space;
-use crate::store::{MirrorSet, ParticleStore, component_sync, deferred_kick, population, renumbering};
+use crate::store::{MirrorSet, ParticleStore, component_sync, deferred_kick, population, renumbering, saved};
 
 /// Why contiguous iteration cannot fail: all particle components are stored in tables.
 pub(crate) const DENSE: &str = "table components are contiguous";
@@ -83,6 +85,18 @@ impl<V: Space> Plugin for StorePlugin<V> {
     fn build(&self, app: &mut App) {
         // Chunked passes over the store need the instructions.
         app.init_resource::<ParticleStore<V>>().init_resource::<Instructions>();
+        app.persist_component::<GrainId>()
+            .persist_component::<Slot>()
+            .persist_component::<Position<V>>()
+            .persist_component::<Velocity<V>>()
+            .persist_component::<Force<V>>()
+            .persist_component::<Radius>()
+            .persist_component::<Mass>()
+            .persist_component::<Species>()
+            .persist_component::<Grain>()
+            .persist_component::<Fixed>()
+            .persist_component::<Door>();
+        saved::register::<V>(app);
         population::add::<V>(app.world_mut());
         renumbering::add::<V>(app);
         component_sync::add::<V>(app);

@@ -24,9 +24,9 @@ use crate::store::{LongestMove, ParticleStore};
 #[derive(Resource, Default)]
 pub(crate) struct Population {
     /// Entities that entered, were fixed or freed, or got another radius, mass, species or moment of inertia.
-    touched: Vec<Entity>,
+    pub(super) touched: Vec<Entity>,
     /// Whether the order of slots is out of date, or a particle has left.
-    is_out_of_date: bool,
+    pub(super) is_out_of_date: bool,
 }
 
 impl Population {

@@ -3,8 +3,10 @@
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
+use serde::{Deserialize, Serialize};
 
 use crate::particle::Slot;
+use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Clock, Part, Phase, Step, serial};
 use crate::store::ParticleStore;
@@ -40,7 +42,7 @@ pub(crate) fn has_renumbered(count: Res<Renumberings>, mut last_seen: Local<u64>
 }
 
 /// Number of renumberings.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Deserialize, Serialize)]
 pub(crate) struct Renumberings(u64);
 
 /// Run condition: true every [`SORT_CHECK_INTERVAL`] steps.
@@ -96,7 +98,7 @@ pub(crate) struct FirstRenumbering;
 
 /// Adds the renumbering to the step.
 pub(super) fn add<V: Space>(app: &mut App) {
-    app.init_resource::<Renumberings>().add_schedule(serial(Renumber));
+    app.init_resource::<Renumberings>().persist::<Renumberings>().add_schedule(serial(Renumber));
     app.edit_schedule(Renumber, |schedule| {
         schedule.configure_sets((KicksApplied, BeforeRenumbering, Renumbering).chain());
     });

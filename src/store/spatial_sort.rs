@@ -10,6 +10,8 @@
 //! [`GRAINS_PER_SLICE`] grains per slice and is at least [`MIN_BEAM_WIDTH`] cells wide, so that few grains are at its
 //! side. Grains at a side are loaded again for the next beam.
 
+use serde::{Deserialize, Serialize};
+
 use crate::space::Space;
 
 /// Grains of a slice that fit easily into the cache, about one per cell. A step needs about 200 B per grain, so two
@@ -21,7 +23,7 @@ const MIN_BEAM_WIDTH: f64 = 8.0;
 
 /// The cell size (m), the axes by descending extent, and the width of beams along the second axis in cells, if there
 /// are beams.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 pub struct SpatialOrder {
     cell: f64,
     axes: [usize; 3],

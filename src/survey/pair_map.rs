@@ -8,7 +8,7 @@
 //! use siloflow::prelude::*;
 //!
 //! /// For how long each contact has lasted, s.
-//! #[derive(Resource, Default)]
+//! #[derive(Resource, Default, serde::Serialize, serde::Deserialize)]
 //! struct Ages(PairMap<f64>);
 //!
 //! fn age(contacts: ContactView, clock: Res<Clock>, mut ages: ResMut<Ages>) {
@@ -16,13 +16,14 @@
 //! }
 //!
 //! # fn build(app: &mut App) {
-//! app.init_resource::<Ages>().add_systems(Step, age.in_set(Phase::Observe));
+//! app.init_resource::<Ages>().persist::<Ages>().add_systems(Step, age.in_set(Phase::Observe));
 //! # }
 //! ```
 //!
 //! A contact law uses [`Memory`](crate::contact::Memory) instead, which is part of the force pass.
 
 use rustc_hash::FxHashMap;
+use serde::{Deserialize, Serialize};
 
 use crate::particle::GrainId;
 use crate::space::Space;
@@ -30,11 +31,12 @@ use crate::survey::touching::Touching;
 use crate::survey::view::{ContactView, Touched};
 
 /// A value of type `T` for each contact.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct PairMap<T> {
     /// Values of the last visit.
     values: FxHashMap<(GrainId, Touched), T>,
     /// Values of the previous visit; empty between visits.
+    #[serde(skip)]
     previous: FxHashMap<(GrainId, Touched), T>,
 }
 

@@ -25,6 +25,7 @@
 
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
+use serde::{Deserialize, Serialize};
 
 use crate::contact::Memory;
 use crate::particle::GrainId;
@@ -34,7 +35,7 @@ use crate::survey::touching::Touching;
 use crate::survey::{Partner, Survey, SurveyParam};
 
 /// Partner of a grain in a contact.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Deserialize, Serialize)]
 pub enum Touched {
     /// A grain or a wall grain.
     Particle(GrainId),

@@ -7,13 +7,15 @@ use std::marker::PhantomData;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::particle::{Fixed, Position, Velocity};
+use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 
 /// Marks a wall grain that moves at constant velocity.
-#[derive(Component, Clone, Copy, Debug, Default)]
+#[derive(Component, Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub struct Conveyed;
 
 type Belt = (With<Conveyed>, With<Fixed>);
@@ -29,6 +31,6 @@ pub struct ConveyorPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for ConveyorPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.add_systems(Step, convey::<V>.in_set(Phase::Drift));
+        app.persist_component::<Conveyed>().add_systems(Step, convey::<V>.in_set(Phase::Drift));
     }
 }

@@ -15,6 +15,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::lifecycle::HookContext;
 use bevy_ecs::prelude::*;
 use bevy_ecs::world::DeferredWorld;
+use serde::{Deserialize, Serialize};
 
 use crate::particle::Species;
 use crate::space::{COINCIDENT, PARTED, Plane, Space};
@@ -22,7 +23,8 @@ use crate::step::{Part, Phase, Step};
 use crate::store::AfterDeferredKick;
 
 /// A flat surface.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
 pub enum Surface<V: Space = Plane> {
     /// Solid behind the surface.
     HalfPlane {
@@ -50,7 +52,7 @@ pub enum Surface<V: Space = Plane> {
 }
 
 /// Load of the grains on a wall in the present step.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub struct WallLoad<V> {
     /// Force on the wall, N.
     pub force: V,
@@ -66,7 +68,8 @@ impl<V: Space> AddAssign for WallLoad<V> {
 }
 
 /// A flat wall of the scene.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
 pub struct FlatWall<V: Space = Plane> {
     /// Geometry.
     pub surface: Surface<V>,
@@ -141,17 +144,18 @@ impl<V: Space> Surface<V> {
 }
 
 /// Flat walls, in the order of the scene.
-#[derive(Resource, Clone, Debug)]
+#[derive(Resource, Clone, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
 pub struct Surfaces<V: Space = Plane>(pub Vec<FlatWall<V>>);
 
 /// Marks the entity of a flat wall by its index in [`Surfaces`]. After the entity is despawned, the wall is absent from
 /// the next step on.
-#[derive(Component, Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[component(immutable, on_remove = record_leaving_wall)]
 pub struct WallIndex(pub usize);
 
 /// Walls whose entities have been despawned since the last step.
-#[derive(Resource, Clone, Debug, Default)]
+#[derive(Resource, Clone, Debug, Default, Deserialize, Serialize)]
 pub(crate) struct LeavingWalls(pub(crate) Vec<usize>);
 
 /// Records a wall whose entity is despawned.

@@ -1,5 +1,7 @@
 //! The 64-bit FNV-1a hash, which has the same value on every machine.
 
+use std::io::{self, Read};
+
 /// A 64-bit FNV-1a hash in progress.
 pub struct Fnv(u64);
 
@@ -14,6 +16,20 @@ impl Fnv {
     #[must_use]
     pub fn value(&self) -> u64 {
         self.0
+    }
+
+    /// Adds all bytes of a file.
+    ///
+    /// # Errors
+    /// If it cannot be read.
+    pub fn update_from(&mut self, mut file: impl Read) -> io::Result<()> {
+        let mut buffer = vec![0; 1 << 16];
+        loop {
+            match file.read(&mut buffer)? {
+                0 => return Ok(()),
+                length => self.update(&buffer[..length]),
+            }
+        }
     }
 
     /// Adds `bytes` to the hash.

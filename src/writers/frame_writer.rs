@@ -10,9 +10,11 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
+use bevy_app::App;
 use bevy_ecs::prelude::*;
 
 use crate::outcome::{Failure, Outcome};
+use crate::persist::PersistApp as _;
 use crate::writers::svg::Picture;
 use crate::writers::{png, whole_file};
 
@@ -46,6 +48,30 @@ impl FrameWriter {
     #[must_use]
     pub fn new(directory: PathBuf, png: bool) -> Self {
         Self { directory, guard: None, png, count: 0, drawing_thread: None }
+    }
+
+    /// Saves the number of pictures with each checkpoint. A restored run removes all later pictures.
+    pub(crate) fn persist(app: &mut App) {
+        app.persist_part::<Self, _>(
+            |writer| Ok(writer.count),
+            |writer, count| {
+                writer.count = count;
+                writer.remove_later().map_err(|error| format!("could not remove later pictures: {error}"))
+            },
+        );
+    }
+
+    /// Removes pictures whose number is not below the count.
+    fn remove_later(&self) -> std::io::Result<()> {
+        for entry in std::fs::read_dir(&self.directory)? {
+            let path = entry?.path();
+            let is_picture = path.extension().is_some_and(|ending| ending == "svg" || ending == "png");
+            let number = path.file_stem().and_then(|stem| stem.to_str()?.parse::<u32>().ok());
+            if is_picture && number.is_some_and(|number| number >= self.count) {
+                whole_file::remove_if_there(&path)?;
+            }
+        }
+        Ok(())
     }
 
     /// Queues a picture. If the run has ended, this is the last picture and the call blocks until all are written.

@@ -4,11 +4,21 @@
 use std::fmt::{self, Write as _};
 use std::fs::File;
 use std::io::{Seek as _, SeekFrom, Write as _};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use crate::outcome::{Failure, Outcome};
+use crate::persist::Problem;
 use crate::space::Space;
+
+/// The path of a CSV file.
+#[derive(Clone, Debug)]
+pub struct RowsPlace {
+    /// The path.
+    pub path: PathBuf,
+    /// Whether the file belongs to a run that is continued, and so exists.
+    pub is_continued: bool,
+}
 
 /// An open CSV file.
 #[derive(Debug)]
@@ -22,6 +32,14 @@ pub struct Rows {
 }
 
 impl Rows {
+    /// Creates the file at `path` with its header, or opens it if the run is continued.
+    ///
+    /// # Errors
+    /// If the file cannot be written, or a new one exists.
+    pub fn at(place: &RowsPlace, header: &str) -> std::io::Result<Self> {
+        if place.is_continued { Self::reopen(&place.path) } else { Self::create(&place.path, header) }
+    }
+
     /// Creates the file at `path` with its header.
     ///
     /// # Errors
@@ -32,6 +50,43 @@ impl Rows {
         let mut rows = Self { name, file: File::create_new(path)?, length: 0, buffer: String::new() };
         rows.write(format_args!("{header}\n"))?;
         Ok(rows)
+    }
+
+    /// Opens the file at `path`, to continue it. [`Rows::restore`] says from where.
+    ///
+    /// # Errors
+    /// If it is no regular file or cannot be written.
+    pub fn reopen(path: &Path) -> std::io::Result<Self> {
+        if !std::fs::symlink_metadata(path)?.is_file() {
+            return Err(std::io::Error::other(format!("{} is no regular file", path.display())));
+        }
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let mut file = File::options().write(true).open(path)?;
+        let length = file.seek(SeekFrom::End(0))?;
+        Ok(Self { name, file, length, buffer: String::new() })
+    }
+
+    /// Returns the bytes of all rows so far, once they are on the disk.
+    ///
+    /// # Errors
+    /// If they cannot be brought there.
+    pub fn saved(&self) -> Result<u64, Problem> {
+        self.file.sync_data().map_err(|error| format!("could not sync {}: {error}", self.name))?;
+        Ok(self.length)
+    }
+
+    /// Removes all rows beyond the first `length` bytes.
+    ///
+    /// # Errors
+    /// If the file is shorter, or cannot be cut.
+    pub fn restore(&mut self, length: u64) -> Result<(), Problem> {
+        if length > self.length {
+            return Err(format!("{} has {} bytes, but {length} had been written", self.name, self.length));
+        }
+        let cut = self.file.set_len(length).and_then(|()| self.file.seek(SeekFrom::Start(length)));
+        cut.map_err(|error| format!("could not cut {}: {error}", self.name))?;
+        self.length = length;
+        Ok(())
     }
 
     /// Adds rows, each with its line break. A write error makes the run fail.

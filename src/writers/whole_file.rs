@@ -42,6 +42,24 @@ pub fn write_with(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Resul
     })
 }
 
+/// Like [`write_with`], and returns only when the file and its name are on the disk.
+///
+/// # Errors
+/// As [`write_with`].
+pub fn write_synced(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let part = part_of(path);
+    remove_if_there(&part)?;
+    let mut file = File::create_new(&part)?;
+    let written = content(&mut file).and_then(|()| file.sync_all());
+    drop(file);
+    written.and_then(|()| fs::rename(&part, path)).inspect_err(|_| {
+        let _ = fs::remove_file(&part);
+    })?;
+    // Some systems cannot sync a directory.
+    let _ = path.parent().map(|directory| File::open(directory).and_then(|directory| directory.sync_all()));
+    Ok(())
+}
+
 /// Removes a file or a symbolic link, if there is one.
 ///
 /// # Errors

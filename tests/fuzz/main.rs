@@ -7,6 +7,7 @@
 //! | `grains` | a grain file |
 //! | `setting` | the two sides of `--set PATH=VALUE` |
 //! | `picture` | an SVG document for `render` |
+//! | `checkpoint` | a saved state and the file of one, with bytes changed, cut or repeated; it has no corpus, because a checkpoint belongs to the version that wrote it |
 //!
 //! `corpus/TARGET` holds the inputs from which mutants are made, among them every input that once failed. A test runs all of
 //! them unchanged. bolero makes the mutants: under `cargo test` a short run of random ones, and as many as wanted by
@@ -21,6 +22,7 @@
 
 #![allow(missing_docs, clippy::unwrap_used, reason = "tests")]
 
+mod checkpoint;
 mod edit;
 mod small_scene;
 mod targets;
@@ -30,6 +32,7 @@ use std::path::{Path, PathBuf};
 
 use bolero::check;
 
+use crate::checkpoint::Change;
 use crate::edit::{Edit, edited};
 
 /// A target and its name, which is the name of its directory in the corpus.
@@ -104,4 +107,16 @@ fn setting() {
 #[test]
 fn picture() {
     mutants("picture", targets::picture);
+}
+
+#[test]
+fn checkpoint() {
+    let seeds = checkpoint::seeds();
+    check!()
+        .with_type::<(u8, u8, Vec<Change>)>()
+        .with_max_len(200)
+        .with_shrink_time(std::time::Duration::ZERO)
+        .for_each(|(seed, part, changes)| {
+            checkpoint::target(&seeds[usize::from(*seed) % seeds.len()], *part, &changes[..changes.len().min(4)]);
+        });
 }

@@ -50,7 +50,16 @@ fn run_directory_is_complete_and_can_be_run_again() {
     names.sort();
     assert_eq!(
         names,
-        [".siloflow", "frames", "input-silo.dat", "scene.ron", "series.csv", "state.csv", "summary.json"]
+        [
+            ".siloflow",
+            "checkpoints",
+            "frames",
+            "input-silo.dat",
+            "scene.ron",
+            "series.csv",
+            "state.csv",
+            "summary.json"
+        ]
     );
     // Frames at 0 and 1 s and at the end, each with its PNG.
     for frame in ["00000", "00001", "00002"] {

@@ -16,6 +16,7 @@
 mod accuracy;
 mod architecture;
 mod behaviours;
+mod checkpoints;
 mod checks;
 mod command_line;
 mod compare;
@@ -27,6 +28,7 @@ mod docs;
 #[cfg(unix)]
 mod faults;
 mod friction_scenes;
+mod from_run;
 mod hard;
 #[cfg(unix)]
 mod hostile;
@@ -35,6 +37,8 @@ mod lattice;
 mod long_runs;
 mod periodic;
 mod pins;
+#[cfg(unix)]
+mod resume;
 #[cfg(unix)]
 mod run_directory;
 mod scenes;

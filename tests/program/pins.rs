@@ -51,12 +51,12 @@ const LATTICE: &str = "LatticeGas";
 
 /// A row of the table.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-struct Row {
+pub struct Row {
     scene: String,
     scheme: String,
     until: String,
     set: String,
-    hash: String,
+    pub hash: String,
 }
 
 impl Row {
@@ -71,11 +71,16 @@ impl Row {
         more.chain(scheme).chain([("until".to_owned(), self.until.clone())]).collect()
     }
 
+    /// Loads the scene with the settings of the row.
+    pub fn load(&self) -> Result<AnyScene, siloflow::fault::Fault> {
+        loading::any(&scene(&self.scene), &self.settings())
+    }
+
     /// Returns the hash at the end of the run, or the reason why there is none.
     fn found(&self) -> String {
         let one = NonZeroUsize::MIN;
         let registry = Registry::default();
-        let run = match loading::any(&scene(&self.scene), &self.settings()) {
+        let run = match self.load() {
             Err(fault) => return format!("refused {}", fault.code()),
             Ok(AnyScene::Lattice(loaded)) => Simulation::of_lattice(&loaded, &registry, one).map(|mut run| {
                 run.run();
@@ -125,6 +130,12 @@ fn write(rows: &[Row]) {
         writer.serialize(row).unwrap();
     }
     fs::write(table(), writer.into_inner().unwrap()).unwrap();
+}
+
+/// Returns the rows, or none if they hold for another target.
+pub fn rows_of_this_target() -> Vec<Row> {
+    let (pinned_for, rows) = read();
+    if pinned_for == target() { rows } else { Vec::new() }
 }
 
 /// Returns scene and scheme of every required row, with the scene's own `until`.

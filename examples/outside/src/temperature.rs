@@ -4,7 +4,7 @@
 //! mass m has the heat capacity c m. Walls do not conduct. The temperatures of two isolated grains approach each other
 //! as exp(-h t (1/(c m_i) + 1/(c m_j))). The sum of c m T is conserved.
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 use siloflow::prelude::*;
 
 /// The scene's `behaviours: {"conduction": (...)}`.
@@ -22,11 +22,11 @@ pub struct Conduction {
 }
 
 /// Temperature of a grain, K.
-#[derive(Component, Clone, Copy, Debug)]
+#[derive(Component, Clone, Copy, Debug, Deserialize, Serialize)]
 pub struct Temperature(pub f64);
 
 /// Times in s, each with the largest difference of two temperatures in K.
-#[derive(Resource, Default)]
+#[derive(Resource, Default, Deserialize, Serialize)]
 pub struct Differences(pub Vec<(f64, f64)>);
 
 /// Grains without a temperature.
@@ -93,6 +93,8 @@ impl Behaviour for Conduction {
 
     fn build(self: Box<Self>, app: &mut App) {
         observe_every::<Differences>(app, self.interval);
+        // Saved with checkpoints.
+        app.persist_component::<Temperature>().persist::<Differences>();
         app.insert_resource(*self).init_resource::<Differences>().add_systems(
             Step,
             (

@@ -1,5 +1,7 @@
 //! History blocks: memories of the contacts of consecutive rows, in the order in which the kernel visits them.
 
+use serde::{Deserialize, Serialize};
+
 use std::ops::Range;
 
 use crate::contact::batch::MemoryLanes;
@@ -10,7 +12,8 @@ use crate::neighbours::list::Candidate;
 use crate::space::Space;
 
 /// Memories of the contacts of consecutive rows. Vectors that the law does not require stay empty.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
 pub struct HistoryBlock<V: Space> {
     /// Ascending.
     pub(super) contacts: Vec<Candidate>,

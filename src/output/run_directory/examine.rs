@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::fault::Fault;
 use crate::output::run_directory::marker::{Claim, MARKER, Marker};
-use crate::output::run_directory::{FRAMES, SCENE, SERIES, SUMMARY, in_use, is_own};
+use crate::output::run_directory::{CHECKPOINTS, FRAMES, SCENE, SERIES, SUMMARY, in_use, is_own};
 
 /// Content of the place where a run directory shall be.
 #[derive(Debug)]
@@ -71,7 +71,7 @@ pub(super) fn examine(shown: &Path, target: &Path) -> Result<Content, Fault> {
     for entry in entries {
         let entry = entry.map_err(failed)?;
         let (name, kind) = (entry.file_name(), entry.file_type().map_err(failed)?);
-        let is_expected = if name == FRAMES { kind.is_dir() } else { kind.is_file() };
+        let is_expected = if name == FRAMES || name == CHECKPOINTS { kind.is_dir() } else { kind.is_file() };
         if (is_own(Path::new(&name)) || name == MARKER) && !is_expected {
             odd = Some(name.clone());
         }
@@ -99,8 +99,14 @@ pub(super) fn refuse_content(shown: &Path, content: &Content, replace: bool) -> 
     match content {
         Content::Run { is_finished, .. } if !replace => {
             let what = if *is_finished { "a finished run" } else { "a run that was killed" };
-            Err(Fault::new("run::exists", format!("{shown} holds {what}"))
-                .help("keep it and give another directory with --out DIR, or replace it with --force"))
+            let help = match is_finished {
+                true => "keep it and give another directory with --out DIR, or replace it with --force",
+                false => {
+                    "continue it with --resume DIR, keep it and give another directory with --out DIR, or replace it with \
+                     --force"
+                }
+            };
+            Err(Fault::new("run::exists", format!("{shown} holds {what}")).help(help))
         }
         Content::Foreign(entry) => {
             let message = format!(

@@ -10,7 +10,7 @@ fn source(text: &str) -> Source {
 /// Creates, publishes and finishes a run.
 fn run(path: &Path, scene: &str, replace: bool) -> Result<RunDirectory, Fault> {
     let mut directory = RunDirectory::create(path, &source(scene), replace)?;
-    fs::write(directory.series(), "rows").unwrap();
+    fs::write(directory.series().path, "rows").unwrap();
     fs::write(directory.frames().join("00000.svg"), scene).unwrap();
     directory.publish()?;
     directory.write_state(|file| file.write_all(b"state")).unwrap();

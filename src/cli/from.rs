@@ -1,0 +1,85 @@
+//! `siloflow run SCENE --from DIR`: starts a run with the grains and contacts of another run.
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use bevy_ecs::prelude::*;
+
+use crate::behaviour::Registry;
+use crate::contact::history::History;
+use crate::contact::history::remembered;
+use crate::fault::Fault;
+use crate::grains::file;
+use crate::ledger::Ledger;
+use crate::output::checkpoint::find;
+use crate::output::parent::Parent;
+use crate::output::run_directory::{RunDirectory, scene_of};
+use crate::output::state_hash;
+use crate::particle::{Grain, GrainId};
+use crate::persist::UnknownState;
+use crate::scene::load::{self, AnyScene, Loaded};
+use crate::simulation::Simulation;
+use crate::space::{Dimension, Plane, Solid, Space};
+use crate::store::ParticleStore;
+
+/// The state of a run from which another starts.
+pub(super) struct Origin {
+    pub parent: Parent,
+    /// The grains as the text of a grain file.
+    pub grains: String,
+    /// The memories of contacts as the text of a file.
+    pub contacts: String,
+}
+
+impl Origin {
+    /// Reads the latest checkpoint of the run in a directory. Grains that are out or lost are left out.
+    ///
+    /// # Errors
+    /// * The directory holds no run, or no checkpoint that can be used; or another process uses it.
+    /// * The run is one of the lattice gas, or needs a behaviour that is not registered.
+    pub(super) fn of(path: &Path, registry: &Registry) -> Result<Self, Fault> {
+        let directory = RunDirectory::reopen(path)?;
+        let checkpoint = find::latest(path)?;
+        let AnyScene::Grains(loaded) = load::named(&scene_of(path), &checkpoint.header.scene)? else {
+            let message = format!("{} is a run of the lattice gas, which has no grains", path.display());
+            return Err(Fault::new("checkpoint::method", message).help("give the directory of a run of grains"));
+        };
+        let saved = (&checkpoint.sections[..], UnknownState::Skip);
+        let mut run = Simulation::with(&loaded, registry, NonZeroUsize::MIN, Box::new(|_| {}), Some(saved))?;
+        let parent = Parent {
+            run: directory.absolute().display().to_string(),
+            scene: checkpoint.header.scene.clone(),
+            steps: checkpoint.header.steps,
+            time_s: checkpoint.header.time,
+            state_hash: format!("{:016x}", state_hash::of_world(run.world_mut())),
+        };
+        let (grains, contacts) = match loaded.scene.space {
+            Dimension::Plane => texts::<Plane>(run.world_mut()),
+            Dimension::Solid => texts::<Solid>(run.world_mut()),
+        }?;
+        Ok(Self { parent, grains, contacts })
+    }
+
+    /// Loads the scene at `path` with the grains and contacts of this state.
+    pub(super) fn load(&self, path: &Path, settings: &[(String, String)]) -> Result<Box<Loaded>, Fault> {
+        load::started_from(path, settings, self.grains.clone(), self.contacts.clone(), &self.parent.note())
+    }
+}
+
+/// Returns the grains and the memories of contacts of a world.
+fn texts<V: Space>(world: &mut World) -> Result<(String, String), Fault> {
+    let grains: Vec<_> =
+        world.query_filtered::<(Entity, &GrainId), With<Grain>>().iter(world).map(|(e, id)| (e, *id)).collect();
+    let ledger = world.resource::<Ledger>();
+    let gone: Vec<_> = grains.into_iter().filter(|(_, id)| ledger.is_gone(*id)).collect();
+    for (grain, _) in gone {
+        world.despawn(grain);
+    }
+    let grains = file::write::<V>(world);
+    let rows = match world.get_resource::<History<V>>() {
+        Some(history) => history.remembered(world.resource::<ParticleStore<V>>()),
+        None => Vec::new(),
+    };
+    let contacts = remembered::write(&rows).map_err(|problem| Fault::new("checkpoint::contacts", problem))?;
+    Ok((grains, contacts))
+}

@@ -1,0 +1,213 @@
+//! Memories by the ids of their particles, so that they can pass from one run to another: as rows of a CSV file.
+//!
+//! | column | unit | meaning |
+//! |---|---|---|
+//! | `grain` | | id of a grain |
+//! | `with` | | kind of its partner: `grain`, `wall_grain` or `wall` |
+//! | `number` | | the partner's id; for a wall grain its number, for a flat wall its number in the scene, both from 1 |
+//! | `spring_x`, `spring_y`, `spring_z` | m | tangential spring, seen from `grain` |
+//! | `rolling_x`, `rolling_y`, `rolling_z` | m | rolling spring |
+//! | `stiffness` | N/m | tangential stiffness at the last evaluation, for laws whose stiffness changes |
+//!
+//! Numbers are written with enough digits to be read back to the same bits.
+
+use std::collections::HashMap;
+use std::io;
+
+use serde::{Deserialize, Serialize};
+
+use crate::contact::history::{History, HistoryBlock, rewrite};
+use crate::contact::{LawRequirements, Memory};
+use crate::neighbours::list::Candidate;
+use crate::particle::GrainId;
+use crate::space::{Solid, Space};
+use crate::store::ParticleStore;
+
+/// Kind of the partner of a contact.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PartnerKind {
+    /// A grain.
+    Grain,
+    /// A wall grain.
+    WallGrain,
+    /// A flat wall.
+    Wall,
+}
+
+/// The memory of a contact: one row of the file.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Remembered {
+    /// Number of a grain.
+    pub grain: u32,
+    /// Kind of its partner.
+    pub with: PartnerKind,
+    /// Number of its partner.
+    pub number: u32,
+    spring_x: f64,
+    spring_y: f64,
+    spring_z: f64,
+    rolling_x: f64,
+    rolling_y: f64,
+    rolling_z: f64,
+    stiffness: f64,
+}
+
+impl Remembered {
+    fn new<V: Space>(grain: GrainId, (with, number): (PartnerKind, u32), memory: &Memory<V>) -> Self {
+        let (spring, rolling) = (memory.spring.spread(), memory.rolling.spread());
+        Self {
+            grain: grain.number(),
+            with,
+            number,
+            spring_x: spring.x,
+            spring_y: spring.y,
+            spring_z: spring.z,
+            rolling_x: rolling.x,
+            rolling_y: rolling.y,
+            rolling_z: rolling.z,
+            stiffness: memory.stiffness,
+        }
+    }
+
+    /// The memory, seen from `grain`.
+    fn memory<V: Space>(&self) -> Memory<V> {
+        Memory {
+            spring: V::narrow(Solid::new(self.spring_x, self.spring_y, self.spring_z)),
+            rolling: V::narrow(Solid::new(self.rolling_x, self.rolling_y, self.rolling_z)),
+            stiffness: self.stiffness,
+        }
+    }
+
+    fn is_finite(&self) -> bool {
+        let numbers = [self.spring_x, self.spring_y, self.spring_z, self.rolling_x, self.rolling_y, self.rolling_z];
+        numbers.iter().all(|number| number.is_finite()) && self.stiffness.is_finite()
+    }
+}
+
+/// Reads a file of memories.
+///
+/// # Errors
+/// The reason, with the line.
+pub fn read(file: impl io::Read) -> Result<Vec<Remembered>, String> {
+    let mut rows = Vec::new();
+    for row in csv::Reader::from_reader(file).into_deserialize() {
+        let row: Remembered = row.map_err(|error| error.to_string())?;
+        if !row.is_finite() {
+            return Err(format!("row {}: every number must be finite", rows.len() + 1));
+        }
+        rows.push(row);
+    }
+    Ok(rows)
+}
+
+/// Returns the text of a file of memories.
+///
+/// # Errors
+/// If a row cannot be written.
+pub fn write(rows: &[Remembered]) -> Result<String, String> {
+    let mut writer = csv::Writer::from_writer(Vec::new());
+    rows.iter().try_for_each(|row| writer.serialize(row)).map_err(|error| error.to_string())?;
+    let bytes = writer.into_inner().map_err(|error| error.to_string())?;
+    String::from_utf8(bytes).map_err(|error| error.to_string())
+}
+
+impl<V: Space> History<V> {
+    /// Returns the memories of all contacts of the present grains, in the order of slots.
+    #[must_use]
+    pub fn remembered(&self, store: &ParticleStore<V>) -> Vec<Remembered> {
+        let partner = |id: GrainId| {
+            let kind = if id.is_wall() { PartnerKind::WallGrain } else { PartnerKind::Grain };
+            (kind, id.number())
+        };
+        let are_present = |slots: &[usize]| slots.iter().all(|&slot| store.is_present(slot));
+        let pairs = self.pair_blocks.iter().flat_map(HistoryBlock::all);
+        let pairs = pairs.filter(|(contact, _)| are_present(&contact.both()));
+        let pairs = pairs.map(|(contact, memory)| {
+            let [i, j] = contact.both();
+            Remembered::new(store.id[i], partner(store.id[j]), &memory)
+        });
+        let walls = self.wall_blocks.iter().flat_map(HistoryBlock::all);
+        let walls = walls.filter(|(contact, _)| are_present(&[contact.first()]));
+        let walls = walls.filter_map(|(contact, memory)| {
+            let wall = u32::try_from(contact.second() + 1).ok()?;
+            Some(Remembered::new(store.id[contact.first()], (PartnerKind::Wall, wall), &memory))
+        });
+        pairs.chain(walls).collect()
+    }
+
+    /// Replaces all memories. Rows of particles that the store does not have are left out.
+    pub(in crate::contact) fn replace<L: LawRequirements>(&mut self, store: &ParticleStore<V>, rows: &[Remembered]) {
+        let slots: HashMap<GrainId, u32> = store.id.iter().copied().zip(0..).collect();
+        let slot = |id: Option<GrainId>| slots.get(&id?).copied();
+        let (mut pairs, mut walls) = (Vec::new(), Vec::new());
+        for row in rows {
+            let Some(i) = slot(GrainId::grain(row.grain)) else { continue };
+            let memory = row.memory::<V>();
+            let j = match row.with {
+                PartnerKind::Grain => slot(GrainId::grain(row.number)),
+                PartnerKind::WallGrain => slot(GrainId::numbered_wall(row.number)),
+                PartnerKind::Wall => {
+                    walls.extend(row.number.checked_sub(1).map(|wall| (Candidate::new(i, wall), memory)));
+                    None
+                }
+            };
+            if let Some(j) = j.filter(|&j| j != i) {
+                let memory = if i > j { memory.seen_from_partner() } else { memory };
+                pairs.push((Candidate::new(i.min(j), i.max(j)), memory));
+            }
+        }
+        for (blocks, mut contacts) in [(&mut self.pair_blocks, pairs), (&mut self.wall_blocks, walls)] {
+            // A contact that occurs twice keeps its first row.
+            contacts.sort_by_key(|(contact, _)| *contact);
+            contacts.dedup_by_key(|(contact, _)| *contact);
+            rewrite::<V, L>(blocks, store, contacts);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::history::tests::{Springs, memory, store};
+
+    #[test]
+    fn memories_pass_from_one_order_of_slots_to_another() {
+        let ids: Vec<u32> = (0..1500).collect();
+        let before = store(&ids, &[]);
+        let mut history = History::default();
+        for contact in [[0, 1], [3, 700], [1200, 1400]] {
+            let block = &mut history.blocks_mut(&before).0[contact[0] as usize / 1024];
+            block.push::<Springs>(contact.into(), &memory(0.1 + f64::from(contact[0])));
+        }
+        history.blocks_mut(&before).1[0].push::<Springs>([5, 2].into(), &memory(7.0));
+        let text = write(&history.remembered(&before)).unwrap();
+        let rows = read(text.as_bytes()).unwrap();
+        assert_eq!((rows.len(), &rows), (4, &history.remembered(&before)));
+        // In the reverse order, and without grain 700.
+        let reversed: Vec<u32> = (0..1500).rev().filter(|&id| id != 700).collect();
+        let after = store(&reversed, &[]);
+        let slot = |id: u32| reversed.iter().position(|&other| other == id).unwrap();
+        let mut passed = History::default();
+        passed.replace::<Springs>(&after, &rows);
+        let spring = |a: u32, b: u32| passed.of_pair(slot(a), slot(b)).map(|memory| memory.spring.x);
+        assert_eq!([spring(0, 1), spring(1200, 1400), spring(3, 4)], [Some(-0.1), Some(-1200.1), None]);
+        assert_eq!(passed.of_wall(slot(5), 2).map(|memory| memory.spring.x), Some(7.0));
+        assert_eq!(passed.remembered(&after).len(), 3);
+    }
+
+    #[test]
+    fn wrong_files_are_refused_with_their_line() {
+        let header = "grain,with,number,spring_x,spring_y,spring_z,rolling_x,rolling_y,rolling_z,stiffness\n";
+        for (row, word) in [
+            ("1,grain,2,0,0,0,0,0,0,inf\n", "finite"),
+            ("1,stone,2,0,0,0,0,0,0,0\n", "line: 2"),
+            ("1,grain,2,0,0,0,0,0,0\n", "line: 2"),
+        ] {
+            let problem = read(format!("{header}{row}").as_bytes()).unwrap_err();
+            assert!(problem.contains(word), "{problem}");
+        }
+        assert!(read("grain,with\n1,grain\n".as_bytes()).is_err());
+    }
+}

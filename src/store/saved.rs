@@ -1,0 +1,168 @@
+//! The saved form of the particle store, between two steps: no kick is pending, and velocities belong to the end of the step.
+//!
+//! Slots are saved as they are, because they fix the order of sums and depend on the positions at the last renumbering. What
+//! the scene decides (inertia, periodic sides, the energy balance) and what only lives within a step (velocities in its middle)
+//! is not saved.
+
+use bevy_app::App;
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::particle::{GrainId, Slot, Species};
+use crate::persist::{EntityNumbers, PersistWith as _, Problem, SavedEntities, encode};
+use crate::space::Space;
+use crate::store::population::Population;
+use crate::store::{Body, Loads, MirrorSet, ParticleStore, Rotation, SpatialOrder};
+
+/// A body without its velocity in the middle of the step.
+#[derive(Clone, Copy, Deserialize, Serialize)]
+#[serde(bound = "")]
+struct SavedBody<V: Space> {
+    position: V,
+    velocity: V,
+    radius: f64,
+    inverse_mass: f64,
+}
+
+/// The numbers of [`Prediction`](crate::store::Prediction) that change during a run.
+#[derive(Deserialize, Serialize)]
+struct SavedPrediction {
+    numbers: [f64; 4],
+    lone: Vec<u8>,
+}
+
+/// The store as it is saved.
+#[derive(Deserialize, Serialize)]
+#[serde(bound = "")]
+struct SavedStore<V: Space> {
+    id: Vec<GrainId>,
+    /// Numbers of the entities; `None` for particles that have left.
+    entity: Vec<Option<u32>>,
+    vacated: Vec<usize>,
+    body: Vec<SavedBody<V>>,
+    mass: Vec<f64>,
+    species: Vec<Species>,
+    loads: Loads<V>,
+    rotation: Vec<Rotation<V>>,
+    prediction: SavedPrediction,
+    half_step: f64,
+    added: Vec<V>,
+    added_power: Option<f64>,
+    lifted: f64,
+    is_suspect: bool,
+    smallest_share: f64,
+    movable_end: usize,
+    generation: u64,
+    travel: f64,
+    kick_sum: Option<V>,
+    spin_kick_sum: Option<V::Spin>,
+    order: SpatialOrder,
+}
+
+/// The population as it is saved: the touched entities, and whether the order of slots is out of date.
+type SavedPopulation = (Vec<u32>, bool);
+
+/// Registers the store and the population.
+pub(super) fn register<V: Space>(app: &mut App) {
+    app.persist_with::<ParticleStore<V>, SavedStore<V>>(
+        |world, numbers| encode(&world.resource::<ParticleStore<V>>().to_saved(numbers)).map(Some),
+        |world, saved, entities| world.resource_mut::<ParticleStore<V>>().restore(saved, entities),
+    );
+    app.persist_with::<Population, SavedPopulation>(
+        |world, numbers| encode(&world.resource::<Population>().to_saved(numbers)).map(Some),
+        |world, saved, entities| {
+            world.resource_mut::<Population>().restore(saved, entities);
+            Ok(())
+        },
+    );
+}
+
+impl<V: Space> ParticleStore<V> {
+    fn to_saved(&self, numbers: &EntityNumbers) -> SavedStore<V> {
+        let body = |body: &Body<V>| {
+            let Body { position, velocity, radius, inverse_mass, middle: _ } = *body;
+            SavedBody { position, velocity, radius, inverse_mass }
+        };
+        let prediction = &self.prediction;
+        SavedStore {
+            id: self.id.clone(),
+            entity: self.entity.iter().map(|&entity| numbers.get(entity)).collect(),
+            vacated: self.vacated.clone(),
+            body: self.body.iter().map(body).collect(),
+            mass: self.mass.clone(),
+            species: self.species.clone(),
+            loads: self.loads.clone(),
+            rotation: self.rotation.clone(),
+            prediction: SavedPrediction {
+                numbers: [prediction.lookahead, prediction.share, prediction.spin_share, prediction.margin],
+                lone: prediction.lone.clone(),
+            },
+            half_step: self.half_step,
+            added: self.added.clone(),
+            added_power: self.added_power,
+            lifted: self.lifted,
+            is_suspect: self.is_suspect,
+            smallest_share: self.smallest_share,
+            movable_end: self.movable_end,
+            generation: self.generation,
+            travel: self.travel,
+            kick_sum: self.kick_sum,
+            spin_kick_sum: self.spin_kick_sum,
+            order: self.order,
+        }
+    }
+
+    fn restore(&mut self, saved: SavedStore<V>, entities: &SavedEntities) -> Result<(), Problem> {
+        let rows = saved.id.len();
+        let spins = if self.inertia.is_some() { rows } else { 0 };
+        let has_all = [saved.entity.len(), saved.body.len(), saved.mass.len(), saved.species.len()] == [rows; 4]
+            && saved.rotation.len() == spins
+            && saved.movable_end <= rows;
+        if !has_all {
+            return Err("its columns differ in length".to_owned());
+        }
+        let entity = |number: Option<u32>| match number {
+            Some(number) => entities.get(number).ok_or("an entity does not exist"),
+            None => Ok(Entity::PLACEHOLDER),
+        };
+        self.entity = saved.entity.into_iter().map(entity).collect::<Result<_, _>>()?;
+        let body = |SavedBody { position, velocity, radius, inverse_mass }| Body {
+            position,
+            velocity,
+            radius,
+            inverse_mass,
+            middle: V::Inside::default(),
+        };
+        self.body = saved.body.into_iter().map(body).collect();
+        self.id = saved.id;
+        // No cache holds slots from before the restore.
+        (self.former, self.altered) = (vec![Slot::default(); rows], Vec::new());
+        (self.vacated, self.mass, self.species) = (saved.vacated, saved.mass, saved.species);
+        (self.loads, self.rotation) = (saved.loads, saved.rotation);
+        let prediction = &mut self.prediction;
+        [prediction.lookahead, prediction.share, prediction.spin_share, prediction.margin] = saved.prediction.numbers;
+        prediction.lone = saved.prediction.lone;
+        if prediction.lookahead > 0.0 {
+            prediction.middle = vec![V::Apart::default(); rows];
+            prediction.middle_spin = vec![V::Spin::default(); spins];
+        }
+        (self.half_step, self.lifted, self.is_suspect) = (saved.half_step, saved.lifted, saved.is_suspect);
+        (self.added, self.added_power) = (saved.added, saved.added_power);
+        (self.smallest_share, self.movable_end) = (saved.smallest_share, saved.movable_end);
+        (self.generation, self.travel, self.order) = (saved.generation, saved.travel, saved.order);
+        (self.kick_sum, self.spin_kick_sum) = (saved.kick_sum, saved.spin_kick_sum);
+        self.stale = MirrorSet::ALL;
+        Ok(())
+    }
+}
+
+impl Population {
+    fn to_saved(&self, numbers: &EntityNumbers) -> SavedPopulation {
+        (self.touched.iter().filter_map(|&entity| numbers.get(entity)).collect(), self.is_out_of_date)
+    }
+
+    fn restore(&mut self, (touched, is_out_of_date): SavedPopulation, entities: &SavedEntities) {
+        self.touched = touched.into_iter().filter_map(|number| entities.get(number)).collect();
+        self.is_out_of_date = is_out_of_date;
+    }
+}

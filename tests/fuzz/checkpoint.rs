@@ -1,0 +1,106 @@
+//! The target `checkpoint`: a saved state in which bytes of one part are changed, and the file of such a state.
+
+use std::num::NonZeroUsize;
+use std::path::Path;
+
+use bolero::TypeGenerator;
+use siloflow::lattice::load::LoadedLattice;
+use siloflow::output::checkpoint::file::{self, FORMAT, Header};
+use siloflow::persist::Section;
+use siloflow::prelude::*;
+use siloflow::source::Source;
+
+/// One change of bytes. Places are shares of the length, in 65,536ths.
+#[derive(Clone, Debug, TypeGenerator)]
+pub enum Change {
+    /// Replaces a byte.
+    Byte { at: u16, value: u8 },
+    /// Removes some bytes.
+    Remove { at: u16, length: u8 },
+    /// Repeats some bytes at another place.
+    Repeat { from: u16, length: u8, at: u16 },
+}
+
+fn changed(bytes: &mut Vec<u8>, change: &Change) {
+    let length = bytes.len();
+    let place = |share: u16| length * usize::from(share) / 65_536;
+    match *change {
+        Change::Byte { at, value } => {
+            if let Some(byte) = bytes.get_mut(place(at)) {
+                *byte = value;
+            }
+        }
+        Change::Remove { at, length: count } => {
+            let from = place(at);
+            bytes.drain(from..length.min(from + usize::from(count)));
+        }
+        Change::Repeat { from, length: count, at } => {
+            let (from, at) = (place(from), place(at));
+            let part = bytes[from..length.min(from + usize::from(count))].to_vec();
+            bytes.splice(at..at, part);
+        }
+    }
+}
+
+/// A scene, and its state after some steps.
+pub enum Seed {
+    Grains(Box<Loaded>, Vec<Section>),
+    Gas(Box<LoadedLattice>, Vec<Section>),
+}
+
+const ONE: NonZeroUsize = NonZeroUsize::MIN;
+
+/// Returns the seeds: a frictional box in mid-release, and a gas.
+pub fn seeds() -> Vec<Seed> {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
+    let settings = [
+        ("spawner.count", "20"),
+        (
+            "contact",
+            "Linear(k: 1.0e4, damping: Restitution(0.5), tangential: Spring(k: 3.0e3, damping: OfNormal(0.5), friction: 0.5))",
+        ),
+    ];
+    let settings = settings.map(|(key, value)| (key.to_owned(), value.to_owned()));
+    let grains = load::load(&root.join("silo1.ron"), &settings).unwrap();
+    let mut run = Simulation::new(&grains, &Registry::default(), ONE).unwrap();
+    run.run_steps(700);
+    let saved = run.save().unwrap();
+    let source = Source::read(&root.join("funnel-flow.ron")).unwrap();
+    let gas = LoadedLattice::new(source, &[]).unwrap();
+    let mut run = Simulation::of_lattice(&gas, &Registry::default(), ONE).unwrap();
+    run.run_steps(5);
+    let of_gas = run.save().unwrap();
+    vec![Seed::Grains(Box::new(grains), saved), Seed::Gas(Box::new(gas), of_gas)]
+}
+
+/// Restores a changed state, and reads a changed file. Both may be refused, and neither may panic.
+pub fn target(seed: &Seed, part: u8, changes: &[Change]) {
+    let (Seed::Grains(_, sections) | Seed::Gas(_, sections)) = seed;
+    let mut sections = sections.clone();
+    let part = usize::from(part) % sections.len();
+    for change in changes {
+        changed(&mut sections[part].1, change);
+    }
+    match seed {
+        Seed::Grains(loaded, _) => drop(Simulation::restored(loaded, &Registry::default(), ONE, &sections)),
+        Seed::Gas(loaded, _) => drop(Simulation::restored_lattice(loaded, &Registry::default(), ONE, &sections)),
+    }
+    let header = Header {
+        format: FORMAT,
+        version: String::new(),
+        program: 0,
+        input: 0,
+        scene: String::new(),
+        steps: 0,
+        time: 0.0,
+        is_final: false,
+    };
+    let mut bytes = Vec::new();
+    file::write(&mut bytes, &header, &sections[part..=part]).unwrap();
+    assert!(file::read_from(&bytes).is_ok());
+    let whole = bytes.clone();
+    for change in changes {
+        changed(&mut bytes, change);
+    }
+    assert!(bytes == whole || file::read_from(&bytes).is_err());
+}
