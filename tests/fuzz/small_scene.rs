@@ -1,5 +1,5 @@
-//! A property: every small scene that is accepted does its steps without a panic, and every number stays finite. The scenes are
-//! built from choices of sensible and of odd values; most of them are accepted.
+//! A property: every small scene that is accepted does its steps without a panic, and every number stays finite, unless `check`
+//! warns of an unstable step. The scenes are built from choices of sensible and of odd values; most of them are accepted.
 
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -147,6 +147,9 @@ const RADII: &[&str] = &["Fixed(0.04)", "Uniform(0.001, 0.04)", "Mixture([(0.04,
 /// Most steps of a scene.
 const STEPS: u64 = 20;
 
+/// Warnings of a step that is too large.
+const UNSTABLE: [&str; 3] = ["check::unstable_step", "check::unstable_bed", "check::fast_grains"];
+
 #[test]
 fn every_accepted_small_scene_steps_with_finite_numbers() {
     let shown = std::cell::Cell::new([0u32; 2]);
@@ -157,10 +160,15 @@ fn every_accepted_small_scene_steps_with_finite_numbers() {
         let loaded = load::from_text("small.ron", "small", Path::new(""), text.clone(), &[]);
         counts.set([seen + 1, accepted + u32::from(loaded.is_ok())]);
         let Ok(loaded) = loaded else { return };
-        drop(siloflow::scene::check::warnings(&loaded));
+        // An unstable step may let speeds grow beyond all numbers. The user is warned of it, and the run stops.
+        let is_warned =
+            siloflow::scene::check::warnings(&loaded).iter().any(|warning| UNSTABLE.contains(&warning.code));
         let mut run =
             Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN).expect("an accepted scene can be built");
         let end = run.run_steps(STEPS);
+        if is_warned {
+            return;
+        }
         assert!(!matches!(end, Some(End::Failed(Failure::NotFinite { .. }))), "{end:?} of\n{text}");
         let totals = totals::of_world(run.world());
         assert!(totals.energy().is_finite() && totals.largest_speed.is_finite(), "{totals:?} of\n{text}");
