@@ -22,7 +22,7 @@
 //! | a component, also one without data | [`persist_component`](PersistApp::persist_component) |
 //! | a cache that is rebuilt from other state | [`derived`](PersistApp::derived) |
 //!
-//! What systems write and no line registers is found by [`unregistered`], from the access that systems declare and from the
+//! [`unregistered`] finds state that systems write and that no line registers, from the access that systems declare and from the
 //! components that entities have.
 //!
 //! Limits:

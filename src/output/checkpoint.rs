@@ -20,7 +20,7 @@ use bevy_ecs::prelude::*;
 use self::file::{FORMAT, Header};
 use crate::ending::StopRequest;
 use crate::outcome::{End, Outcome};
-use crate::output::run_directory::{checkpoint_name, checkpoints_in, hash_of_input};
+use crate::output::run_directory::{checkpoint_name, checkpoints_in, hash_of_input, remove_incomplete_checkpoints};
 use crate::persist;
 use crate::persist::{CheckpointConfig, CheckpointFigures};
 use crate::step::Clock;
@@ -128,8 +128,9 @@ impl Checkpoints {
         Ok(())
     }
 
-    /// Removes all but the latest `keep` checkpoints.
+    /// Removes all but the latest `keep` checkpoints, and incomplete ones of killed processes.
     fn remove_old(&self, keep: usize) -> io::Result<()> {
+        remove_incomplete_checkpoints(&self.directory)?;
         checkpoints_in(&self.directory)?.iter().skip(keep).try_for_each(|path| remove_if_there(path))
     }
 }

@@ -155,6 +155,21 @@ pub fn checkpoints_in(directory: &Path) -> io::Result<Vec<PathBuf>> {
     Ok(paths)
 }
 
+/// Removes checkpoints that a killed process has left incomplete.
+///
+/// # Errors
+/// If the directory cannot be read, or a file cannot be removed.
+pub fn remove_incomplete_checkpoints(directory: &Path) -> io::Result<()> {
+    for entry in fs::read_dir(directory)? {
+        let path = entry?.path();
+        let is_part = path.extension().is_some_and(|ending| ending == PART);
+        if is_part && is_checkpoint(Path::new(path.file_stem().unwrap_or_default())) {
+            remove_if_there(&path)?;
+        }
+    }
+    Ok(())
+}
+
 /// Whether siloflow writes a file or directory of this path in a run directory.
 fn is_own(path: &Path) -> bool {
     let complete = path.with_extension("");

@@ -1,4 +1,4 @@
-//! What a scene will need, estimated before any of it is allocated or written: memory, rows, pictures and disk.
+//! Estimates of the memory, rows, pictures and disk space of a scene, before any of it is allocated or written.
 //!
 //! | figure | estimate |
 //! |---|---|

@@ -1,7 +1,7 @@
 //! How much a run may write: rows, pictures and bytes, and their limits.
 //!
 //! `until` is often far later than the end of a run, or stands for a run without end. So the limits apply to the first
-//! [`HORIZON`] steps, or to all steps up to `until` if they are fewer. What a run writes after them is a matter of its user.
+//! [`HORIZON`] steps, or to all steps up to `until` if they are fewer. The output of later steps is not limited.
 
 /// Number of steps to which the limits apply.
 pub const HORIZON: f64 = 1.0e6;

@@ -294,9 +294,13 @@ fn a_damaged_or_foreign_checkpoint_is_refused() {
     // With one whole checkpoint the run goes on.
     fs::write(&older, &old).unwrap();
     fs::write(&newer, &new[..50]).unwrap();
+    // A kill during a checkpoint leaves an incomplete one. The next checkpoint removes it.
+    let incomplete = out.join("checkpoints/0000000000000001.checkpoint.part");
+    fs::write(&incomplete, "half").unwrap();
     let done = siloflow(here.path(), &["run", "--resume", "run"]);
     assert!(done.status.success() && text(&done.stderr).contains("an earlier checkpoint is used"), "{done:?}");
     assert_eq!(checkpoints(&out).len(), 1);
+    assert!(!incomplete.exists());
 }
 
 #[test]
