@@ -4,6 +4,8 @@
 //! simulated seconds unless the key says `wall`. Energies are in J. `null` marks an event that did not happen or a
 //! quantity that the scene does not measure.
 
+use std::collections::BTreeMap;
+
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
@@ -39,6 +41,9 @@ pub struct Summary {
     pub format: u32,
     /// Name of the scene.
     pub scene: String,
+    /// Values of the scene's parameters. The key is absent if the scene has none.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, f64>,
     /// `empty`, `at_rest` or `time_reached` if the run succeeded; `interrupted` by a signal; `grains_lost` or `failed` if
     /// not.
     pub status: &'static str,
@@ -176,6 +181,7 @@ impl Summary {
         Self {
             format: SUMMARY_FORMAT,
             scene: loaded.source.name.clone(),
+            parameters: loaded.scene.parameters.clone(),
             status,
             failure,
             steps: clock.steps,

@@ -52,6 +52,9 @@ pub struct Scene {
     /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
+    /// Named values for expressions: [`crate::source::parameters`].
+    #[serde(default)]
+    pub parameters: BTreeMap<String, f64>,
     /// Grains here; scenes of another method have other keys.
     #[serde(default)]
     pub method: Method,

@@ -35,6 +35,7 @@ mod hostile;
 mod instructions;
 mod lattice;
 mod long_runs;
+mod parameters;
 mod periodic;
 mod pins;
 #[cfg(unix)]

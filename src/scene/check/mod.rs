@@ -213,7 +213,7 @@ fn extent(loaded: &Loaded, axis: usize) -> Option<f64> {
 /// Warnings about effects that the author of the scene may not want.
 #[must_use]
 pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
-    let mut warnings = Vec::new();
+    let mut warnings = loaded.source.unused_parameters();
     renamed_keys(loaded, &mut warnings);
     start::examine(loaded, &mut warnings);
     let Some(estimates) = Estimates::of(loaded) else { return warnings };
