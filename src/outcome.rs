@@ -14,6 +14,16 @@ pub enum End {
     Empty,
     /// The bed came to rest, and the scene requests nothing after that.
     AtRest,
+    /// The door is open, and no grain has left for a time.
+    FlowEnded {
+        /// The scene's `still`, s.
+        still_s: f64,
+    },
+    /// A number of grains have left.
+    OutReached {
+        /// The number that the scene asked for.
+        count: u32,
+    },
     /// Simulated time reached the scene's `until`.
     TimeReached,
     /// The caller asked for the end, for example because the process received a signal.
@@ -164,12 +174,20 @@ impl Outcome {
 }
 
 impl End {
+    /// Whether the run ended regularly: it did not fail and was not interrupted.
+    #[must_use]
+    pub fn is_regular(&self) -> bool {
+        !matches!(self, Self::Interrupted | Self::Failed(_))
+    }
+
     /// The name of this end in `summary.json`.
     #[must_use]
     pub fn word(&self) -> &'static str {
         match self {
             Self::Empty => "empty",
             Self::AtRest => "at_rest",
+            Self::FlowEnded { .. } => "end_of_flow",
+            Self::OutReached { .. } => "out_reached",
             Self::TimeReached => "time_reached",
             Self::Interrupted => "interrupted",
             Self::Failed(_) => "failed",

@@ -32,6 +32,7 @@ use crate::scene::check::Estimates;
 use crate::scene::load::Loaded;
 use crate::space::{Solid, Space};
 use crate::step::{ForceStage, Step, StepPlugin};
+use crate::stop::StopPlugin;
 use crate::store::{StorePlugin, clear_forces};
 use crate::table_sort::TableSortPlugin;
 use crate::walls::conveyor::ConveyorPlugin;
@@ -59,9 +60,13 @@ pub(crate) fn add_all<V: Space>(
         .add("always", ObservePlugin)
         .add("neighbours", NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius })
         .add("integrator", IntegratorPlugin { kind: scene.integrator, space })
-        .add("until", EndingPlugin { until: scene.until.get(), at_rest: scene.rest.is_some_and(|rest| rest.stop) })
+        .add("until", EndingPlugin { until: scene.until.get() })
         .add("always", FinitePlugin(space))
         .add("always", LedgerPlugin(scene.on_loss, space));
+    let conditions = scene.stop_conditions();
+    if !conditions.is_empty() {
+        app.add(if scene.stop.is_empty() { "rest.stop" } else { "stop" }, StopPlugin(conditions));
+    }
     if scene.energy_balance {
         app.add("energy_balance", EnergyPlugin(space));
     }

@@ -196,6 +196,9 @@ fn words(summary: &Summary) -> String {
         "grains",
         format!("{} released, {} inside, {} out, {} lost", grains.released, grains.inside, grains.out, grains.lost),
     );
+    if let Some(stop) = &summary.stop {
+        line("stopped", format!("{stop}; {} grains inside, {:.4} kg", grains.inside, grains.inside_kg));
+    }
     let moments =
         [("at rest", summary.rest_time_s), ("door opened", summary.door_open_time_s), ("empty", summary.empty_time_s)];
     for (name, time) in moments {

@@ -324,6 +324,18 @@ impl Loaded {
         self.silo.wall.iter().copied().chain(own).chain(fixed).collect()
     }
 
+    /// Whether a wall of solid space is a door.
+    #[must_use]
+    pub fn has_door_panel(&self) -> bool {
+        self.scene.walls.iter().any(|wall| matches!(wall, Wall::Panel { door: true, .. }))
+    }
+
+    /// Whether grains can leave through a door: of discs of the silo file, or of a panel.
+    #[must_use]
+    pub fn has_outlet(&self) -> bool {
+        !self.silo.door.is_empty() || self.has_door_panel()
+    }
+
     /// The flat walls.
     #[must_use]
     pub fn surfaces<V: Space>(&self) -> Vec<FlatWall<V>> {

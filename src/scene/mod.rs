@@ -37,6 +37,7 @@ use crate::rest::Rest;
 use crate::scene::outputs::{Pictures, Series};
 use crate::space::Dimension;
 use crate::spin::InertiaLaw;
+use crate::stop::StopCondition;
 use crate::values::{FiniteVector, ImpactError, Positive};
 use crate::walls::config::Wall;
 use crate::walls::silo_file::Silo;
@@ -114,6 +115,9 @@ pub struct Scene {
     pub energy_balance: bool,
     /// Latest end of the run, s of simulated time.
     pub until: Positive,
+    /// Conditions that end the run before `until`.
+    #[serde(default)]
+    pub stop: Vec<StopCondition>,
     /// Measures fill height and packing fraction at rest.
     pub bed: Option<Bed>,
     /// Averages over bins along an axis.
@@ -133,6 +137,15 @@ pub struct Scene {
     /// Behaviours that the program registered, each with keys of its own.
     #[serde(default)]
     pub behaviours: BTreeMap<String, Box<RawValue>>,
+}
+
+impl Scene {
+    /// The conditions that end the run early: `stop`, and rest if `rest.stop` asks for it.
+    #[must_use]
+    pub fn stop_conditions(&self) -> Vec<StopCondition> {
+        let at_rest = self.rest.is_some_and(|rest| rest.stop) && !self.stop.contains(&StopCondition::AtRest);
+        self.stop.iter().copied().chain(at_rest.then_some(StopCondition::AtRest)).collect()
+    }
 }
 
 /// The scene's `step`.

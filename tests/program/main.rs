@@ -45,6 +45,7 @@ mod run_directory;
 mod scenes;
 mod searches;
 mod silo_file;
+mod stops;
 mod synchronisation;
 mod without_energy_balance;
 

@@ -23,11 +23,12 @@ pub mod step;
 use crate::contact::{Bounce, Contact};
 use crate::fault::Warning;
 use crate::integrate::Integrator;
-use crate::scene::TimeStep;
 use crate::scene::check::species_pairs::SpeciesPair;
 use crate::scene::expected;
 use crate::scene::load::Loaded;
+use crate::scene::{Scene, TimeStep};
 use crate::space::{Dimension, Plane};
+use crate::stop::StopCondition;
 use crate::walls::config::Wall;
 use crate::walls::outline::Outline;
 use crate::watchdog::LARGE_OVERLAP;
@@ -215,6 +216,7 @@ fn extent(loaded: &Loaded, axis: usize) -> Option<f64> {
 pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
     let mut warnings = loaded.source.unused_parameters();
     renamed_keys(loaded, &mut warnings);
+    stop(loaded, &mut warnings);
     start::examine(loaded, &mut warnings);
     let Some(estimates) = Estimates::of(loaded) else { return warnings };
     step(&estimates, &mut warnings);
@@ -289,6 +291,25 @@ fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
 fn has_orifice(loaded: &Loaded, radius: f64) -> bool {
     loaded.silo.door.is_empty()
         || Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.surfaces(), radius).orifice().is_some()
+}
+
+/// Conditions of `stop` that no grain of the scene can fulfil. Behaviours may release further grains.
+fn stop(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+    let Scene { stop, spawner, behaviours, .. } = &loaded.scene;
+    let start = u32::try_from(loaded.grains.len()).unwrap_or(u32::MAX);
+    let all = spawner.iter().fold(start, |sum, spawner| sum.saturating_add(spawner.count));
+    for condition in stop {
+        if let StopCondition::Out(count) = *condition
+            && count > all
+            && behaviours.is_empty()
+        {
+            warnings.push(Warning {
+                code: "check::stop_out_of_reach",
+                message: format!("`stop` waits for {count} grains to leave, and the scene has {all}"),
+                help: "the run ends when the silo is empty, or at `until`: lower the number".to_owned(),
+            });
+        }
+    }
 }
 
 /// Keys that still have an old name.

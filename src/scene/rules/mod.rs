@@ -4,6 +4,7 @@ mod contacts;
 mod grains;
 mod outputs;
 mod space;
+mod stop;
 
 pub use self::grains::fill;
 pub use self::space::space;
@@ -34,6 +35,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     periodic(loaded)?;
     spawner(loaded)?;
     door_and_rest(loaded)?;
+    stop::stop(loaded)?;
     energy_balance(loaded)?;
     cells(loaded)?;
     profiles(loaded)?;
@@ -206,8 +208,8 @@ fn is_oblique(a: Solid, b: Solid) -> bool {
 
 fn door_and_rest(loaded: &Loaded) -> Result<(), Fault> {
     let Scene { door, rest, gravity, .. } = &loaded.scene;
-    let panel = loaded.scene.walls.iter().any(|wall| matches!(wall, Wall::Panel { door: true, .. }));
-    if door.is_some() && loaded.silo.door.is_empty() && !panel {
+    let panel = loaded.has_door_panel();
+    if door.is_some() && !loaded.has_outlet() {
         return Err(loaded
             .fault("scene::no_door", "door", "there is no door to open: no silo file announces door grains")
             .help(
