@@ -114,6 +114,21 @@ pub enum Failure {
         /// The particle or wall that blocks the release point.
         blocker: String,
     },
+    /// A feed found no place for a grain.
+    #[error(
+        "step {step}: `feed[{feed}]` found no free place for {grain} in {waited_s:.3} s; its region may be full: lower \
+         `feed[{feed}].rate` or `total`, enlarge or raise the region, or raise `feed[{feed}].tries` or `timeout`"
+    )]
+    FeedBlocked {
+        /// The step in which the time limit was exceeded.
+        step: u64,
+        /// Number of the feed.
+        feed: usize,
+        /// The grain that waits.
+        grain: GrainId,
+        /// Its waiting time, s.
+        waited_s: f64,
+    },
     /// A particle is too large for the cells.
     #[error(
         "particles touch at up to {needed} m but cells have side {size} m, so contacts would be missed: the search \

@@ -16,6 +16,7 @@ use crate::door::{DoorPlugin, Orifice};
 use crate::ending::EndingPlugin;
 use crate::energy::{AddedWorkPlugin, EnergyPlugin, LeavingWallsEnergyPlugin, LiftPlugin, SpinEnergyPlugin};
 use crate::finite::FinitePlugin;
+use crate::grains::feed::FeedPlugin;
 use crate::grains::spawner::SpawnerPlugin;
 use crate::integrate::IntegratorPlugin;
 use crate::integrate::centred::VelocityPredictionPlugin;
@@ -108,6 +109,10 @@ pub(crate) fn add_all<V: Space>(
     if let (Some(config), Some(mass)) = (scene.spawner.clone(), scene.mass) {
         let first_id = loaded.first_free_id();
         app.add("spawner", SpawnerPlugin { config, mass, seed: scene.seed, first_id, space });
+    }
+    if let Some(mass) = scene.mass.filter(|_| !scene.feed.is_empty()) {
+        let (first_id, inertia) = (loaded.first_free_id(), scene.contact.spins().then(|| loaded.inertia()));
+        app.add("feed", FeedPlugin { feeds: scene.feed.clone(), mass, inertia, seed: scene.seed, first_id, space });
     }
     if let Some(rest) = scene.rest {
         app.add("rest", RestPlugin(rest, space));

@@ -13,6 +13,7 @@ use crate::contact::{Contact, LargestOverlap};
 use crate::door::DoorState;
 use crate::ending::EmptyTime;
 use crate::energy::{Channels, EnergyFlows};
+use crate::grains::feed::FeedFigures;
 use crate::grains::spawner::ReleaseDelays;
 use crate::integrate::Integrator;
 use crate::ledger::{Ledger, LossRecord};
@@ -71,6 +72,9 @@ pub struct Summary {
     pub bed: Option<BedFigures>,
     /// Flow through the orifice.
     pub discharge: Option<Discharge>,
+    /// What each feed has done. The key is absent if the scene has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feed: Option<FeedFigures>,
     /// Delayed releases.
     pub releases: Option<ReleaseDelays>,
     /// Energy balance, J.
@@ -230,6 +234,7 @@ impl Summary {
             coordination: totals.coordination,
             bed: world.get_resource().copied(),
             discharge: Discharge::of(ledger),
+            feed: world.get_resource().cloned(),
             releases: world.get_resource().copied(),
             energy: Energy {
                 kinetic: totals.kinetic,

@@ -20,6 +20,7 @@ use crate::contact::Contact;
 use crate::contact::config::PairOfSpecies;
 use crate::contact::hertz::Material;
 use crate::door::DoorControl;
+use crate::grains::feed::Feed;
 use crate::grains::file::GrainFile;
 use crate::grains::fill::Fill;
 use crate::grains::mass::MassLaw;
@@ -98,6 +99,9 @@ pub struct Scene {
     pub fill: Vec<Fill>,
     /// Releases grains one by one.
     pub spawner: Option<Spawner>,
+    /// Releases grains at a rate in a region.
+    #[serde(default)]
+    pub feed: Vec<Feed>,
     /// Detects rest.
     pub rest: Option<Rest>,
     /// Opens the door.

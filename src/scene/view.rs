@@ -41,6 +41,10 @@ fn full_view_in<V: Space>(loaded: &Loaded) -> (Vector, Vector) {
     if let (Some(spawner), Some((_, largest))) = (&loaded.scene.spawner, loaded.grain_radii()) {
         corners.extend(disc(spawner.point.get::<V>().on_paper(), largest));
     }
+    for feed in &loaded.scene.feed {
+        let ((low, high), (_, largest)) = (feed.region.bounds(), feed.radius.range());
+        corners.extend([low, high].into_iter().flat_map(|corner| disc(paper(corner), largest)));
+    }
     let surfaces = loaded.surfaces::<V>();
     corners.extend(surfaces.iter().flat_map(|wall| self::corners(&wall.surface)).map(Space::on_paper));
     if let (Some(cull), Some(any)) = (loaded.scene.cull, corners.first().copied()) {

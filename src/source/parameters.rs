@@ -5,7 +5,7 @@
 //! spawner: (point: (0.0, "= height - half"), count: "= round(200 * height)", ...),
 //! ```
 //!
-//! In a scene with this key, every string that begins with `=` is an [expression](super::expression), and its value takes its
+//! In a scene with this key, every string that begins with `=` is an expression (`source/expression.rs`), and its value takes its
 //! place before the text is parsed. A whole value is written without a decimal point, so that it also serves as a count. A raw
 //! string (`r"= ..."`) stays a text. A scene without this key is parsed as it is written.
 //!
@@ -82,7 +82,7 @@ pub(super) fn resolve(name: &str, text: &str, places: &Places) -> Result<Option<
     let Some(section) = places.get(KEY).filter(|section| text[section.value.clone()].starts_with('{')) else {
         return Ok(None);
     };
-    let scene = Text { name, text, places };
+    let scene = Written { name, text, places };
     let parameters = scene.parameters(section)?;
     let mut values = scene.evaluate_all(&parameters)?;
     let mut resolved = Resolved::default();
@@ -129,13 +129,13 @@ impl Values {
     }
 }
 
-struct Text<'a> {
+struct Written<'a> {
     name: &'a str,
     text: &'a str,
     places: &'a Places,
 }
 
-impl<'a> Text<'a> {
+impl<'a> Written<'a> {
     fn fault(&self, code: &'static str, place: &Place, message: String) -> Fault {
         let range = place.value.clone();
         Fault::new(code, message).key(self.places.path(place)).at(self.name, self.text, range)

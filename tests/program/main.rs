@@ -27,6 +27,7 @@ mod divergence;
 mod docs;
 #[cfg(unix)]
 mod faults;
+mod feeds;
 mod friction_scenes;
 mod from_run;
 mod hard;

@@ -10,7 +10,7 @@ pub use self::grains::fill;
 pub use self::space::space;
 
 use self::contacts::contacts;
-use self::grains::{ids, spawner};
+use self::grains::{feed, ids, spawner};
 use crate::contact::Contact;
 use crate::door::{DoorMotion, DoorOpens};
 use crate::fault::Fault;
@@ -34,6 +34,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     wall_discs(loaded)?;
     periodic(loaded)?;
     spawner(loaded)?;
+    feed(loaded)?;
     door_and_rest(loaded)?;
     stop::stop(loaded)?;
     energy_balance(loaded)?;
