@@ -1,4 +1,4 @@
-//! `walls.csv`: the force of the grains on each flat wall, one row per wall every `series.interval` seconds.
+//! `walls.csv`: the force of the grains on each wall surface, one row per wall every `series.interval` seconds.
 //!
 //! | column | unit | meaning |
 //! |---|---|---|

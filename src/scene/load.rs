@@ -20,7 +20,7 @@ use crate::spin::InertiaLaw;
 use crate::values::Positive;
 use crate::walls::config::Wall;
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
-use crate::walls::surfaces::FlatWall;
+use crate::walls::surfaces::SurfaceWall;
 
 /// A scene of grains that is ready to run.
 #[derive(Debug)]
@@ -295,12 +295,7 @@ impl Loaded {
             RadiusLaw::Mixture(sizes) => sizes.len().saturating_sub(1),
             _ => 0,
         });
-        let walls = self.scene.walls.iter().map(|wall| match *wall {
-            Wall::HalfPlane { species, .. }
-            | Wall::Segment { species, .. }
-            | Wall::Panel { species, .. }
-            | Wall::Disc { species, .. } => usize::from(species),
-        });
+        let walls = self.scene.walls.iter().map(|wall| usize::from(wall.species()));
         let silo = self.scene.silo.iter().map(|silo| usize::from(silo.species));
         let grains = self.grains.iter().map(|grain| usize::from(grain.species.0));
         let fixed = self.fixed.iter().map(|grain| usize::from(grain.species.0));
@@ -324,10 +319,10 @@ impl Loaded {
         self.silo.wall.iter().copied().chain(own).chain(fixed).collect()
     }
 
-    /// The flat walls.
+    /// The wall surfaces.
     #[must_use]
-    pub fn surfaces<V: Space>(&self) -> Vec<FlatWall<V>> {
-        self.scene.walls.iter().filter_map(Wall::flat).collect()
+    pub fn surfaces<V: Space>(&self) -> Vec<SurfaceWall<V>> {
+        self.scene.walls.iter().filter_map(Wall::surface).collect()
     }
 
     /// Radii of all fixed discs and spheres, m.

@@ -185,7 +185,7 @@ fn run_beyond_the_limit_is_refused_or_stops_and_names_the_grain() {
         let End::Failed(failure) = run.run() else { panic!("b = {b}: {:?}", balance(&run)) };
         let message = failure.to_string();
         assert!(message.starts_with("step ") && message.contains("grain 1"), "{message}");
-        assert!(message.contains("lower `step`") || message.contains("through a flat wall"), "{message}");
+        assert!(message.contains("lower `step`") || message.contains("through a wall surface"), "{message}");
     }
 }
 
