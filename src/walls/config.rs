@@ -127,27 +127,26 @@ pub enum Wall {
 }
 
 impl Wall {
-    /// Returns the shape, or `None` for a disc, which is a wall grain.
-    #[must_use]
-    pub fn shape<V: Space>(&self) -> Option<Surface<V>> {
+    /// Returns the shape, or `None` for a disc, which is a wall grain. `vector` converts the vectors of the scene.
+    fn shape<V: Space>(&self, vector: impl Fn(FiniteVector) -> V) -> Option<Surface<V>> {
         let radius = |radius: NonNegative| radius.get();
         Some(match *self {
             Self::HalfPlane { point, normal, .. } => {
-                Surface::HalfPlane(HalfPlane { point: point.get(), normal: normal.get::<V>().unit_or_zero() })
+                Surface::HalfPlane(HalfPlane { point: vector(point), normal: vector(normal).unit_or_zero() })
             }
-            Self::Segment { from, to, .. } => Surface::Segment(Segment { from: from.get(), to: to.get() }),
+            Self::Segment { from, to, .. } => Surface::Segment(Segment { from: vector(from), to: vector(to) }),
             Self::Panel { corner, along, across, .. } => {
-                Surface::Panel(Panel { corner: corner.get(), along: along.get(), across: across.get() })
+                Surface::Panel(Panel { corner: vector(corner), along: vector(along), across: vector(across) })
             }
             Self::Cylinder { from, to, radius, .. } => {
-                Surface::Revolved(Revolved::between(from.get(), to.get(), [radius.get(); 2]))
+                Surface::Revolved(Revolved::between(vector(from), vector(to), [radius.get(); 2]))
             }
             Self::Cone { from, to, radii, .. } => {
-                Surface::Revolved(Revolved::between(from.get(), to.get(), <[_; 2]>::from(radii).map(radius)))
+                Surface::Revolved(Revolved::between(vector(from), vector(to), <[_; 2]>::from(radii).map(radius)))
             }
             Self::Annulus { centre, normal, inner, outer, .. } => {
                 let radii = [inner.map_or(0.0, radius), outer.get()];
-                Surface::Revolved(Revolved::ring(centre.get(), normal.get(), radii))
+                Surface::Revolved(Revolved::ring(vector(centre), vector(normal), radii))
             }
             Self::Disc { .. } => return None,
         })
@@ -156,7 +155,7 @@ impl Wall {
     /// Returns the wall surface, or `None` for a disc.
     #[must_use]
     pub fn surface<V: Space>(&self) -> Option<SurfaceWall<V>> {
-        let surface = self.shape::<V>()?;
+        let surface = self.shape(FiniteVector::get::<V>)?;
         let velocity = match self {
             Self::HalfPlane { velocity: Some(velocity), .. } => velocity.get(),
             _ => V::ZERO,
@@ -177,7 +176,7 @@ impl Wall {
     /// Returns the lowest and the highest coordinates of a surface with ends, m; z is 0 in the plane.
     #[must_use]
     pub fn bounds(&self) -> Option<[Solid; 2]> {
-        self.shape::<Solid>()?.bounds()
+        self.shape::<Solid>(FiniteVector::padded)?.bounds()
     }
 
     /// Returns the material.
