@@ -1,6 +1,6 @@
 //! Door controller: decides when the door opens, and opens it.
 //!
-//! The door consists of the wall grains and flat walls ([`WallIndex`](crate::walls::surfaces::WallIndex)) marked
+//! The door consists of the wall grains and wall surfaces ([`WallIndex`](crate::walls::surfaces::WallIndex)) marked
 //! [`Door`]. It opens when the bed has come to rest, at a given time, or never. It is removed at once, or it slides
 //! along the orifice at a constant speed until the orifice is clear, and drags the grains that it touches.
 

@@ -2,7 +2,7 @@
 //!
 //! * *Out*: the path of the grain crossed the orifice while the door was open. The orifice is the line between the two
 //!   wall grains that flank the door.
-//! * *Lost*: its path crossed the line between neighbouring wall grains elsewhere, the closed door or a flat wall; or
+//! * *Lost*: its path crossed the line between neighbouring wall grains elsewhere, the closed door or a wall surface; or
 //!   it left the bounding box of the walls over the top; or it fell below `cull.below` without crossing the orifice. A
 //!   loss is reported with id, step, position and nearest wall grain.
 //!
@@ -11,7 +11,7 @@
 //! nothing. A grain that passes through a wall within one step, without touching it, is found in that step, and the
 //! report states how far it moved.
 //!
-//! In solid space the walls are flat walls, the orifice is the place of a door panel, and grains cannot leave over a
+//! In solid space the walls are wall surfaces, the orifice is the place of a door panel, and grains cannot leave over a
 //! top. Moving wall grains ([`crate::walls::conveyor`]) have no lines. A system that releases a grain must write
 //! `GrainReleased`; otherwise the grain is not counted.
 //!
@@ -181,7 +181,7 @@ fn fate<V: Space>(
         Some(Crossing::Wall { from, to }) => {
             format!("through the wall between {} and {} m", format_position(from), format_position(to))
         }
-        Some(Crossing::FlatWall) => "through a flat wall".to_owned(),
+        Some(Crossing::Surface) => "through a wall surface".to_owned(),
         None => paths.beyond(before, here)?.to_owned(),
     };
     Some(Fate::Lost(way))

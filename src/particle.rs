@@ -159,7 +159,7 @@ pub struct Grain;
 #[derive(Component, Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub struct Fixed;
 
-/// Marks a part of the door: a wall grain, or a flat wall.
+/// Marks a part of the door: a wall grain, or a wall surface.
 #[derive(Component, Clone, Copy, Debug, Default, Deserialize, Serialize)]
 #[component(storage = "SparseSet")]
 pub struct Door;

@@ -38,7 +38,7 @@ use crate::store::{StorePlugin, clear_forces};
 use crate::table_sort::TableSortPlugin;
 use crate::walls::conveyor::ConveyorPlugin;
 use crate::walls::outline::Outline;
-use crate::walls::paths::FlatWalls;
+use crate::walls::paths::SurfaceWalls;
 use crate::walls::surfaces::LeavingWallsPlugin;
 use crate::watchdog::WatchdogPlugin;
 
@@ -192,6 +192,6 @@ pub(crate) fn solid_paths(app: &mut Assembly, loaded: &Loaded) {
     let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
     let walls = loaded.surfaces();
     if !walls.is_empty() {
-        app.add("walls", PathsPlugin { paths: Arc::new(FlatWalls(walls)), smallest_radius });
+        app.add("walls", PathsPlugin { paths: Arc::new(SurfaceWalls(walls)), smallest_radius });
     }
 }

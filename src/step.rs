@@ -73,7 +73,7 @@ impl Phase {
 /// The stages of [`Phase::Forces`], in their order, which is also the order of summation for each grain.
 #[derive(SystemSet, Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ForceStage {
-    /// Weight; then contacts between grains, and between grains and wall grains; then contacts with flat walls, in the
+    /// Weight; then contacts between grains, and between grains and wall grains; then contacts with wall surfaces, in the
     /// scene's order.
     Contacts,
     /// Weight of particles without contacts. For grains the weight is the first term of the contact sums instead.

@@ -243,7 +243,7 @@ fn deepest<V: Space>(survey: &Survey<V>) -> Option<(GrainId, String)> {
     let store = survey.store;
     contact.map(|(i, partner)| match partner {
         Partner::Particle(j) => (store.id[i], store.id[j].to_string()),
-        Partner::Wall(_) => (store.id[i], "a flat wall".to_owned()),
+        Partner::Wall(_) => (store.id[i], "a wall surface".to_owned()),
     })
 }
 

@@ -63,7 +63,7 @@ pub struct Batch<V: Space> {
 }
 
 impl<V: Space> Batch<V> {
-    /// Adds a contact with a flat wall, with its geometry. The reach is set to the radius of i.
+    /// Adds a contact with a wall surface, with its geometry. The reach is set to the radius of i.
     #[inline(always)]
     pub fn push<L: LawRequirements>(&mut self, contact: Candidate, pair: &Pair<V>) {
         let (lane, bodies) = (self.len, &mut self.bodies);
@@ -203,7 +203,7 @@ mod tests {
     use crate::space::{Linear, Plane, Solid};
     use crate::store::TOTAL;
 
-    /// Returns the contact of grain `number`, of radius 1 to 5 cm, with a flat wall. The values vary with the number,
+    /// Returns the contact of grain `number`, of radius 1 to 5 cm, with a wall surface. The values vary with the number,
     /// and every other grain is fast enough to slide.
     fn on_wall<V: Space>(number: u32) -> Pair<V> {
         let part = f64::from(number % 17) / 17.0;

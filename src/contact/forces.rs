@@ -101,7 +101,7 @@ fn recall_from_start<V: Space, L: LawRequirements>(
     }
 }
 
-/// Adds contacts with the law `law`, between particles and with flat walls. Laws from other crates are added here:
+/// Adds contacts with the law `law`, between particles and with wall surfaces. Laws from other crates are added here:
 /// `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
 pub struct ContactPlugin<V: Space, L: PairLaw<V>> {
     law: Arc<L>,

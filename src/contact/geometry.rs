@@ -1,10 +1,10 @@
-//! Contact geometry between two particles, and between a particle and a flat wall.
+//! Contact geometry between two particles, and between a particle and a wall surface.
 //!
 //! Two particles touch when |x_ij| < R_i + R_j. Overlap R_i + R_j - |x_ij|, normal x_ij/|x_ij|, relative velocity
 //! v_i - v_j, reduced mass 1/(1/m_i + 1/m_j).
 //!
-//! For a wall, x_j is its nearest point. R_j is 0 in the overlap and infinite in the curvature, and 1/m_j = 0. A
-//! half-space has its own normal, and its distance is negative inside.
+//! For a wall, x_j is its nearest point, R_j is 0 in the overlap, and 1/m_j = 0. Its curvature is the mean curvature of
+//! the surface ([`Nearest`]). A half-space has its own normal, and its distance is negative inside.
 //!
 //! One inverse root gives all lengths (`ContactLine`), here and in the kernel's lanes (`batch/bodies.rs`). So surveys
 //! of contacts and the force pass agree to the last bit.
@@ -14,7 +14,9 @@ use crate::contact::{Pair, VelocityPrediction};
 use crate::particle::GrainId;
 use crate::space::{COINCIDENT, Linear, PARTED, Space};
 use crate::store::{Body, ParticleStore};
-use crate::walls::surfaces::{FlatWall, Nearest};
+use crate::walls::seams::continued_by;
+use crate::walls::shapes::{Nearest, Shape as _};
+use crate::walls::surfaces::SurfaceWall;
 
 /// The contact quantities that follow from the separation and the masses alone.
 pub(super) struct ContactLine<V> {
@@ -38,15 +40,40 @@ impl<V: Space> ContactLine<V> {
         let distance = squared * inverse_distance;
         Self { normal: separation * inverse_distance, distance, reduced_mass: inverse_product * distance }
     }
+}
 
-    /// Computes the line from a wall to a particle.
+/// A particle and the nearest point of a wall.
+struct WallLine<V> {
+    line: ContactLine<V>,
+    /// Mean curvature at the nearest point, 1/m.
+    curvature: f64,
+    /// Vector from a nearest point on an edge to the centre, m.
+    edge: Option<V>,
+}
+
+impl<V: Space> WallLine<V> {
     #[inline(always)]
-    fn to_wall(body: &Body<V>, wall: &FlatWall<V>) -> Self {
+    fn new(body: &Body<V>, wall: &SurfaceWall<V>) -> Self {
         match wall.surface.nearest(body.position) {
-            Nearest::Point(away) => Self::new(away, body.inverse_mass),
-            Nearest::Half { normal, distance } => Self { normal, distance, reduced_mass: 1.0 / body.inverse_mass },
+            Nearest::Point { away, curvature, at_edge } => {
+                Self { line: ContactLine::new(away, body.inverse_mass), curvature, edge: at_edge.then_some(away) }
+            }
+            Nearest::Half { normal, distance } => {
+                let line = ContactLine { normal, distance, reduced_mass: 1.0 / body.inverse_mass };
+                Self { line, curvature: 0.0, edge: None }
+            }
         }
     }
+}
+
+/// A movable particle beside a wall.
+pub(crate) enum WallTouch<V: Space> {
+    /// They do not touch.
+    Apart,
+    /// The nearest point is on an edge, and the wall with this index has the contact instead.
+    ContinuedBy(usize),
+    /// They touch.
+    Touches(Pair<V>),
 }
 
 /// Returns the contact of the particles in slots `i` and `j` if they overlap and at least one can move. `root` asks for
@@ -99,52 +126,58 @@ fn pair_at<V: Space>(store: &ParticleStore<V>, slots: [usize; 2], separation: V,
     }
 }
 
-/// Returns the contact of the movable particle in slot `i` with a wall, if they touch within the time `ahead`, s.
+/// Returns the contact of the movable particle in slot `i` with wall `index`, if they touch within the time `ahead`, s.
+/// `near` are the walls near the particle.
 #[inline(always)]
 #[must_use]
-pub fn touching_wall<V: Space>(
+pub(crate) fn touching_wall<V: Space>(
     store: &ParticleStore<V>,
     i: usize,
-    wall: &FlatWall<V>,
-    root: bool,
-    ahead: f64,
-) -> Option<Pair<V>> {
-    let body = &store.body[i];
-    let line = ContactLine::to_wall(body, wall);
-    let closing = || (store.middle_velocity(i) - wall.velocity).dot(line.normal).abs();
+    (walls, index): (&[SurfaceWall<V>], usize),
+    near: impl Iterator<Item = usize>,
+    (root, ahead): (bool, f64),
+) -> WallTouch<V> {
+    let (body, wall) = (&store.body[i], &walls[index]);
+    let beside = WallLine::new(body, wall);
+    let closing = || (store.middle_velocity(i) - wall.velocity).dot(beside.line.normal).abs();
     let window = if ahead > 0.0 { ahead * closing() } else { 0.0 };
     // Written so that a NaN does not touch.
-    if !(line.distance < body.radius + window && wall.is_present) {
-        return None;
+    if !(beside.line.distance < body.radius + window && wall.is_present) {
+        return WallTouch::Apart;
     }
-    Some(wall_pair_at(store, i, wall, line, root, 0.0))
+    if let Some(away) = beside.edge
+        && let Some(other) = continued_by(walls, index, near, (body.position, body.radius), away)
+    {
+        return WallTouch::ContinuedBy(other);
+    }
+    WallTouch::Touches(wall_pair_at(store, i, wall, &beside, root, 0.0))
 }
 
 /// Returns the geometry of the movable particle in slot `i` and a wall that it has just left.
-pub(super) fn ended_wall_pair<V: Space>(store: &ParticleStore<V>, i: usize, wall: &FlatWall<V>, dt: f64) -> Pair<V> {
-    wall_pair_at(store, i, wall, ContactLine::to_wall(&store.body[i], wall), true, dt)
+pub(super) fn ended_wall_pair<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, dt: f64) -> Pair<V> {
+    wall_pair_at(store, i, wall, &WallLine::new(&store.body[i], wall), true, dt)
 }
 
-/// Returns the geometry of the movable particle in slot `i` and a wall at the end of `line`.
+/// Returns the geometry of the movable particle in slot `i` and a wall beside it.
 #[inline(always)]
 fn wall_pair_at<V: Space>(
     store: &ParticleStore<V>,
     i: usize,
-    wall: &FlatWall<V>,
-    line: ContactLine<V>,
+    wall: &SurfaceWall<V>,
+    beside: &WallLine<V>,
     root: bool,
     dt: f64,
 ) -> Pair<V> {
     let body = &store.body[i];
-    let ContactLine { normal, distance, reduced_mass } = line;
+    let ContactLine { normal, distance, reduced_mass } = beside.line;
     Pair {
         normal,
         overlap: body.radius - distance,
-        relative_velocity: body.velocity - wall.velocity,
+        relative_velocity: body.velocity - wall.velocity_at(|| body.position - normal * distance),
         reduced_mass,
         root: if root { reduced_mass.sqrt() } else { 0.0 },
         radii: [body.radius, f64::INFINITY],
-        inverse_reach: 0.0,
+        inverse_reach: beside.curvature / (1.0 + body.radius * beside.curvature),
         spins: [store.spin(i), V::Spin::ZERO],
         species: [store.species[i], wall.species],
         dt,

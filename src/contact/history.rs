@@ -53,13 +53,13 @@ impl AddAssign for ContactLosses {
     }
 }
 
-/// The memories of all contacts between particles and with flat walls.
+/// The memories of all contacts between particles and with wall surfaces.
 #[derive(Resource, Clone, Debug, Deserialize, Serialize)]
 #[serde(bound = "")]
 pub struct History<V: Space = Plane> {
     /// History blocks of contacts between particles.
     pair_blocks: Vec<HistoryBlock<V>>,
-    /// History blocks of contacts with flat walls; the partner is the index of the wall.
+    /// History blocks of contacts with wall surfaces; the partner is the index of the wall.
     wall_blocks: Vec<HistoryBlock<V>>,
 }
 
@@ -79,7 +79,7 @@ impl<V: Space> History<V> {
             .look_up(Candidate::new(u32::try_from(low).ok()?, u32::try_from(i.max(j)).ok()?))
     }
 
-    /// Returns the memory of the contact of slot `i` with a flat wall.
+    /// Returns the memory of the contact of slot `i` with a wall surface.
     #[must_use]
     pub fn of_wall(&self, i: usize, wall: usize) -> Option<Memory<V>> {
         self.wall_blocks.get(i / BLOCK)?.look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
@@ -91,7 +91,7 @@ impl<V: Space> History<V> {
         HistoryReader { blocks: &self.pair_blocks, block: 0, position: 0 }
     }
 
-    /// Returns a reader of contacts with flat walls, for look-ups in ascending order.
+    /// Returns a reader of contacts with wall surfaces, for look-ups in ascending order.
     #[must_use]
     pub fn read_walls(&self) -> HistoryReader<'_, V> {
         HistoryReader { blocks: &self.wall_blocks, block: 0, position: 0 }
@@ -106,7 +106,7 @@ impl<V: Space> History<V> {
     }
 
     /// Returns the history blocks for the particles of `store`: of contacts between particles, and of contacts with
-    /// flat walls.
+    /// wall surfaces.
     pub fn blocks_mut(&mut self, store: &ParticleStore<V>) -> (&mut [HistoryBlock<V>], &mut [HistoryBlock<V>]) {
         (resized(&mut self.pair_blocks, store), resized(&mut self.wall_blocks, store))
     }

@@ -1,4 +1,4 @@
-//! The contact pass: sums the contact forces between particles and with flat walls.
+//! The contact pass: sums the contact forces between particles and with wall surfaces.
 //!
 //! Each pair (i, j) with i < j is evaluated once, in ascending order of i, then of j, and added to both particles. So
 //! each particle receives the forces of its partners in ascending order of slots. The pass alternates between three
@@ -37,7 +37,7 @@ use crate::neighbours::list::{BLOCK, Candidate, PairList};
 use crate::space::{Linear, Space};
 use crate::store::ParticleStore;
 use crate::threads::Threads;
-use crate::walls::surfaces::FlatWall;
+use crate::walls::surfaces::SurfaceWall;
 
 /// The input of a contact pass besides the particle store.
 pub struct Pass<'a, V: Space, L> {
@@ -45,8 +45,8 @@ pub struct Pass<'a, V: Space, L> {
     pub law: &'a L,
     /// Candidate pairs.
     pub list: &'a PairList,
-    /// The flat walls.
-    pub walls: &'a [FlatWall<V>],
+    /// The wall surfaces.
+    pub walls: &'a [SurfaceWall<V>],
     /// Pairs of a particle and a wall that may touch, ascending.
     pub near: &'a [Candidate],
     /// Time by which memories advance, s.

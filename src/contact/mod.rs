@@ -11,7 +11,7 @@
 //!
 //! [`kernel`] iterates over the candidate pairs in the same way for every law and every neighbour search. [`history`]
 //! keeps the memories of contacts between steps. [`crate::survey`] shows contacts to other systems. Contacts with walls
-//! obey the same law, with a partner of zero curvature and infinite mass ([`crate::walls::surfaces`]).
+//! obey the same law, with a partner of infinite mass ([`crate::walls::surfaces`]).
 
 pub mod assignment;
 pub(crate) mod batch;
@@ -58,9 +58,10 @@ pub struct Pair<V: Space = Plane> {
     pub reduced_mass: f64,
     /// sqrt(reduced mass), kg^(1/2). May be zero unless [`PairLaw::needs_mass_root`] returns `true`.
     pub root: f64,
-    /// R_i and R_j, m. R_j is infinite for a flat wall. May be zero unless the law requires radii.
+    /// R_i and R_j, m. R_j is infinite for a wall surface. May be zero unless the law requires radii.
     pub radii: [f64; 2],
-    /// 1/(R_i + R_j), 1/m: 0 for a flat wall. May be zero unless the law requires radii.
+    /// 1/(R_i + R_j), 1/m; for a wall surface of mean curvature H, H/(1 + R_i H). May be zero unless the law requires
+    /// radii.
     pub inverse_reach: f64,
     /// Spins of i and j, rad/s; zero unless the law requires spins.
     pub spins: [V::Spin; 2],
@@ -106,12 +107,12 @@ impl<V: Space> Pair<V> {
         }
     }
 
-    /// Returns R_i R_j/(R_i + R_j), m; R_i against a flat wall.
+    /// Returns R_i R_j/(R_i + R_j), m; R_i/(1 + R_i H) against a wall surface of mean curvature H.
     #[inline(always)]
     #[must_use]
     pub fn reduced_radius(&self) -> f64 {
         let [i, j] = self.radii;
-        if j.is_infinite() { i } else { i * j * self.inverse_reach }
+        if j.is_infinite() { i * (1.0 - i * self.inverse_reach) } else { i * j * self.inverse_reach }
     }
 
     /// Returns (v_i - v_j).n, m/s: negative while i and j approach.

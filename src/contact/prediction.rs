@@ -17,7 +17,7 @@ impl<V: Space> ParticleStore<V> {
         self.describe(j, 1, pair);
     }
 
-    /// Like [`Self::predict_pair`], for a contact with a flat wall.
+    /// Like [`Self::predict_pair`], for a contact with a wall surface.
     pub(super) fn predict_with_wall(&self, contact: Candidate, pair: &mut Pair<V>) {
         let i = contact.first();
         pair.relative_velocity -= self.body[i].velocity - self.middle_velocity(i);

@@ -32,12 +32,12 @@ pub enum Lever {
     /// At one radius from the centre.
     #[default]
     Radius,
-    /// At the contact point: l_i = R_i - delta R_j/(R_i + R_j); R - delta on a flat wall.
+    /// At the contact point: l_i = R_i - delta R_j/(R_i + R_j); R - delta on a wall surface.
     ContactPoint,
 }
 
 impl Lever {
-    /// Returns the arms of i and j, m; the arm of a flat wall is 0.
+    /// Returns the arms of i and j, m; the arm of a wall surface is 0.
     #[inline(always)]
     #[must_use]
     pub fn arms<V: Space>(self, pair: &Pair<V>) -> [f64; 2] {

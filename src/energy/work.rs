@@ -68,9 +68,9 @@ pub(super) fn add_contact_work<V: Space>(
         let added = store.added.get(store.movable_end + i).copied().unwrap_or(V::ZERO);
         wall -= (*force - added).dot(body.velocity);
     }
-    for belt in &walls.0 {
-        dissipation -= belt.load.drag.dot(belt.velocity);
-        wall -= belt.load.force.dot(belt.velocity);
+    for moving in &walls.0 {
+        dissipation -= moving.load.drag.dot(moving.velocity) + moving.load.drag_torque.dot(moving.spin);
+        wall -= moving.load.force.dot(moving.velocity) + moving.load.torque.dot(moving.spin);
     }
     if !clock.is_step_zero() {
         flows.dissipated += 0.5 * clock.dt * (last.dissipation + dissipation);

@@ -250,7 +250,7 @@ fn blocker<V: Space>(grain: &Candidate<V>, particles: &Particles<V>, walls: &Sur
     }
     let wall =
         walls.0.iter().position(|wall| wall.is_present && wall.surface.distance(grain.position) < grain.radius)?;
-    Some(format!("flat wall {} of the scene", wall + 1))
+    Some(format!("wall surface {} of the scene", wall + 1))
 }
 
 fn release_due<V: Space>(clock: Res<Clock>, state: Res<SpawnerState<V>>, pending: Res<Pending>) -> bool {

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use std::fmt;
 
-/// Candidate pair: two slots with the lower one first, or a slot and the index of a flat wall.
+/// Candidate pair: two slots with the lower one first, or a slot and the index of a wall surface.
 ///
 /// Both indices are packed into one `u64`, so that a pair is read, written and compared as one number. Pairs are
 /// ordered by the first index, then by the second.
@@ -32,6 +32,16 @@ impl Candidate {
     #[must_use]
     pub fn second(self) -> usize {
         self.0 as u32 as usize
+    }
+
+    /// Returns the pair of the same first index with another partner.
+    ///
+    /// # Panics
+    /// If the partner does not fit into 32 bits.
+    #[must_use]
+    pub(crate) fn with_partner(self, partner: usize) -> Self {
+        let partner = u32::try_from(partner).expect("fewer than 2^32 partners");
+        Self(self.0 >> 32 << 32 | u64::from(partner))
     }
 
     /// Returns both indices.

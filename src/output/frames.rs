@@ -23,12 +23,14 @@ use crate::outcome::Outcome;
 use crate::particle::{Door, Grain, Radius, Slot, Species};
 use crate::scene::load::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
-use crate::scene::view::{self, corners};
+use crate::scene::view;
 use crate::space::{Dimension, Space, Vector};
 use crate::step::{Clock, Step};
 use crate::store::Body;
 use crate::survey::{Partner, Survey, SurveyParam};
 use crate::values::Positive;
+use crate::walls::shapes::Shape as _;
+use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::surfaces::{Surface, Surfaces};
 use crate::writers::colour::{self, Rgb};
 use crate::writers::frame_writer::FrameWriter;
@@ -201,21 +203,17 @@ impl FrameRenderer {
     /// A half-plane parallel to the direction of projection is drawn as a line through the whole view. Other
     /// half-planes are left out.
     fn lines<V: Space>(&self, wall: &Surface<V>) -> Vec<(Vector, Vector)> {
-        match *wall {
-            Surface::Segment { from, to } => vec![(from.on_paper(), to.on_paper())],
-            Surface::HalfPlane { normal, .. } if normal.depth().abs() > 1e-9 => Vec::new(),
-            Surface::HalfPlane { point, normal } => {
-                let (point, normal) = (point.on_paper(), normal.on_paper());
-                let reach = self.view.0.distance(self.view.1) * normal.perp();
-                let middle = 0.5 * (self.view.0 + self.view.1);
-                let foot = middle - (middle - point).dot(normal) * normal;
-                vec![(foot - reach, foot + reach)]
-            }
-            Surface::Panel { .. } => {
-                let corners = corners(wall);
-                (0..4).map(|n| (corners[n].on_paper(), corners[(n + 1) % 4].on_paper())).collect()
-            }
+        let Surface::HalfPlane(HalfPlane { point, normal }) = *wall else {
+            return wall.lines().into_iter().map(|[a, b]| (a.on_paper(), b.on_paper())).collect();
+        };
+        if normal.depth().abs() > 1e-9 {
+            return Vec::new();
         }
+        let (point, normal) = (point.on_paper(), normal.on_paper());
+        let reach = self.view.0.distance(self.view.1) * normal.perp();
+        let middle = 0.5 * (self.view.0 + self.view.1);
+        let foot = middle - (middle - point).dot(normal) * normal;
+        vec![(foot - reach, foot + reach)]
     }
 }
 

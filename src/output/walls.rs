@@ -1,12 +1,14 @@
-//! `walls.csv`: the force of the grains on each flat wall, one row per wall every `series.interval` seconds.
+//! `walls.csv`: the force of the grains on each wall surface, one row per wall every `series.interval` seconds.
 //!
 //! | column | unit | meaning |
 //! |---|---|---|
 //! | `time_s` | s | simulated time |
 //! | `wall` | | number of the wall among the scene's `walls`, from 1, not counting discs |
 //! | `fx_n`, `fy_n`, `fz_n` | N | force *on the wall*: on a floor under gravity it points down; z in solid space only |
+//! | `tx_nm`, `ty_nm`, `tz_nm` | N m | torque of this force about the wall's reference point; in the plane z only |
 //!
-//! The force is the instantaneous force of the step, not an average over the interval.
+//! The reference point is the `point` of a half-plane, the `from` of a segment, cylinder or cone, the `corner` of a panel
+//! and the `centre` of an annulus. Force and torque are those of the step, not averages over the interval.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -30,8 +32,8 @@ fn write_rows<V: Space>(
     mut outcome: ResMut<Outcome>,
 ) {
     for (number, wall) in (1..).zip(&walls.0) {
-        let force = numbers(wall.load.force);
-        file.0.append(format_args!("{:.9},{number},{force}\n", clock.time()), &mut outcome);
+        let (force, torque) = (numbers(wall.load.force), numbers(wall.load.torque));
+        file.0.append(format_args!("{:.9},{number},{force},{torque}\n", clock.time()), &mut outcome);
     }
 }
 
@@ -45,7 +47,8 @@ impl<V: Space> WallForcesPlugin<V> {
     /// If the file cannot be written.
     pub fn create(place: &RowsPlace) -> std::io::Result<Self> {
         let is_solid = V::DIMENSION == Dimension::Solid;
-        let header = if is_solid { "time_s,wall,fx_n,fy_n,fz_n" } else { "time_s,wall,fx_n,fy_n" };
+        let header =
+            if is_solid { "time_s,wall,fx_n,fy_n,fz_n,tx_nm,ty_nm,tz_nm" } else { "time_s,wall,fx_n,fy_n,tz_nm" };
         Ok(Self(TakenOnce::new(WallsFile(Rows::at(place, header)?)), std::marker::PhantomData))
     }
 }

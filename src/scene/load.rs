@@ -21,7 +21,7 @@ use crate::spin::InertiaLaw;
 use crate::values::Positive;
 use crate::walls::config::Wall;
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
-use crate::walls::surfaces::FlatWall;
+use crate::walls::surfaces::SurfaceWall;
 
 /// A scene of grains that is ready to run.
 #[derive(Debug)]
@@ -339,12 +339,7 @@ impl Loaded {
         let spawner = self.scene.spawner.iter().map(|spawner| sizes(&spawner.radius));
         let feeds = self.scene.feed.iter().map(|feed| usize::from(feed.species) + sizes(&feed.radius));
         let mixture = spawner.chain(feeds).max().unwrap_or(0);
-        let walls = self.scene.walls.iter().map(|wall| match *wall {
-            Wall::HalfPlane { species, .. }
-            | Wall::Segment { species, .. }
-            | Wall::Panel { species, .. }
-            | Wall::Disc { species, .. } => usize::from(species),
-        });
+        let walls = self.scene.walls.iter().map(|wall| usize::from(wall.species()));
         let silo = self.scene.silo.iter().map(|silo| usize::from(silo.species));
         let grains = self.grains.iter().map(|grain| usize::from(grain.species.0));
         let fixed = self.fixed.iter().map(|grain| usize::from(grain.species.0));
@@ -368,22 +363,22 @@ impl Loaded {
         self.silo.wall.iter().copied().chain(own).chain(fixed).collect()
     }
 
-    /// Whether a wall of solid space is a door.
+    /// Whether a wall surface is a door.
     #[must_use]
-    pub fn has_door_panel(&self) -> bool {
-        self.scene.walls.iter().any(|wall| matches!(wall, Wall::Panel { door: true, .. }))
+    pub fn has_door_surface(&self) -> bool {
+        self.scene.walls.iter().any(Wall::is_door)
     }
 
-    /// Whether grains can leave through a door: of discs of the silo file, or of a panel.
+    /// Whether grains can leave through a door: of discs of the silo file, or a wall surface.
     #[must_use]
     pub fn has_outlet(&self) -> bool {
-        !self.silo.door.is_empty() || self.has_door_panel()
+        !self.silo.door.is_empty() || self.has_door_surface()
     }
 
-    /// The flat walls.
+    /// The wall surfaces.
     #[must_use]
-    pub fn surfaces<V: Space>(&self) -> Vec<FlatWall<V>> {
-        self.scene.walls.iter().filter_map(Wall::flat).collect()
+    pub fn surfaces<V: Space>(&self) -> Vec<SurfaceWall<V>> {
+        self.scene.walls.iter().filter_map(Wall::surface).collect()
     }
 
     /// Radii of all fixed discs and spheres, m.

@@ -89,7 +89,7 @@ pub struct Scene {
     pub neighbours: Option<Neighbours>,
     /// A silo file: wall grains and door grains.
     pub silo: Option<Silo>,
-    /// Further discs, and flat walls.
+    /// Further discs, and wall surfaces.
     #[serde(default)]
     pub walls: Vec<Wall>,
     /// A file with the grains at the start.

@@ -3,19 +3,8 @@
 use crate::scene::load::Loaded;
 use crate::scene::outputs::Pictures;
 use crate::space::{Dimension, Plane, Solid, Space, Vector};
+use crate::walls::shapes::Shape as _;
 use crate::walls::surfaces::Surface;
-
-/// Returns the corners of a flat wall in order; for a half-plane, its point.
-#[must_use]
-pub fn corners<V: Space>(wall: &Surface<V>) -> Vec<V> {
-    match *wall {
-        Surface::Segment { from, to } => vec![from, to],
-        Surface::HalfPlane { point, .. } => vec![point],
-        Surface::Panel { corner, along, across } => {
-            vec![corner, corner + along, corner + along + across, corner + across]
-        }
-    }
-}
 
 /// Returns lower left and upper right corner (m) of the pictures: as the scene gives them, or around all of it.
 #[must_use]
@@ -46,7 +35,8 @@ fn full_view_in<V: Space>(loaded: &Loaded) -> (Vector, Vector) {
         corners.extend([low, high].into_iter().flat_map(|corner| disc(paper(corner), largest)));
     }
     let surfaces = loaded.surfaces::<V>();
-    corners.extend(surfaces.iter().flat_map(|wall| self::corners(&wall.surface)).map(Space::on_paper));
+    let ends = |surface: &Surface<V>| surface.bounds().unwrap_or([surface.reference(); 2]);
+    corners.extend(surfaces.iter().flat_map(|wall| ends(&wall.surface)).map(Space::on_paper));
     if let (Some(cull), Some(any)) = (loaded.scene.cull, corners.first().copied()) {
         corners.push(Vector::new(any.x, cull.below.get()));
     }

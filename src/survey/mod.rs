@@ -11,20 +11,21 @@ pub mod view;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
+use crate::contact::geometry::WallTouch;
 use crate::contact::history::History;
 use crate::contact::{AnyLaw, Memory, Pair, PairLaw, geometry};
 use crate::neighbours::Search;
 use crate::particles::Motion;
 use crate::space::{Plane, Space};
 use crate::store::ParticleStore;
-use crate::walls::surfaces::{FlatWall, Surfaces};
+use crate::walls::surfaces::{SurfaceWall, Surfaces};
 
 /// Partner of a particle in a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Partner {
     /// The particle in this slot.
     Particle(usize),
-    /// The flat wall with this index.
+    /// The wall surface with this index.
     Wall(usize),
 }
 
@@ -59,8 +60,8 @@ pub struct Survey<'a, V: Space = Plane> {
     pub store: &'a ParticleStore<V>,
     /// Candidate pairs.
     pub search: &'a Search<V>,
-    /// Flat walls.
-    pub walls: &'a [FlatWall<V>],
+    /// Wall surfaces.
+    pub walls: &'a [SurfaceWall<V>],
     /// Contact law.
     pub law: &'a dyn PairLaw<V>,
     /// Contact history.
@@ -94,14 +95,23 @@ impl<'a, V: Space> Survey<'a, V> {
         mut visit: impl FnMut(usize, Partner, &Pair<V>, &Memory<V>),
     ) {
         self.visit_pairs(&accepts, &mut visit);
-        let (store, root, mut memories) = (self.store, self.law.needs_mass_root(), self.history.read_walls());
+        let (store, mut memories) = (self.store, self.history.read_walls());
         for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
-            for (index, wall) in self.walls.iter().enumerate().filter(|&(index, _)| accepts(i, Partner::Wall(index))) {
-                if let Some(pair) = geometry::touching_wall(store, i, wall, root, 0.0) {
+            for index in (0..self.walls.len()).filter(|&index| accepts(i, Partner::Wall(index))) {
+                if let Some(pair) = self.contact_with_wall(i, index) {
                     let memory = memories.look_up(i, index).unwrap_or_default();
                     visit(i, Partner::Wall(index), &pair, &memory);
                 }
             }
+        }
+    }
+
+    /// Returns the contact of the movable particle in slot `i` with wall `index`.
+    fn contact_with_wall(&self, i: usize, index: usize) -> Option<Pair<V>> {
+        let limits = (self.law.needs_mass_root(), 0.0);
+        match geometry::touching_wall(self.store, i, (self.walls, index), 0..self.walls.len(), limits) {
+            WallTouch::Touches(pair) => Some(pair),
+            WallTouch::ContinuedBy(_) | WallTouch::Apart => None,
         }
     }
 

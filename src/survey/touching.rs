@@ -21,19 +21,19 @@ pub struct Touching<'a, V: Space = Plane> {
 
 impl<'a, V: Space> Survey<'a, V> {
     /// Iterates over all contacts of particles that are present: first between particles, in ascending order of slots,
-    /// then with flat walls.
+    /// then with wall surfaces.
     pub fn touching(self) -> impl Iterator<Item = Touching<'a, V>> {
-        let (store, root) = (self.store, self.law.needs_mass_root());
+        let store = self.store;
         let between = self.search.list.pairs().iter().filter_map(move |candidate| {
             let [i, j] = candidate.both();
-            let pair = geometry::touching(store, i, j, root);
+            let pair = geometry::touching(store, i, j, self.law.needs_mass_root());
             let are_present = store.is_present(i) && store.is_present(j);
             Some(Touching { survey: self, row: i, partner: Partner::Particle(j), pair: pair? }).filter(|_| are_present)
         });
         let rows = (0..store.movable_end).filter(|&i| store.is_present(i));
         let with_walls = rows.flat_map(move |i| {
-            self.walls.iter().enumerate().filter_map(move |(index, wall)| {
-                let pair = geometry::touching_wall(store, i, wall, root, 0.0)?;
+            (0..self.walls.len()).filter_map(move |index| {
+                let pair = self.contact_with_wall(i, index)?;
                 Some(Touching { survey: self, row: i, partner: Partner::Wall(index), pair })
             })
         });

@@ -39,7 +39,7 @@ use crate::survey::{Partner, Survey, SurveyParam};
 pub enum Touched {
     /// A grain or a wall grain.
     Particle(GrainId),
-    /// A flat wall, by its number in the scene, counted from 1 without discs.
+    /// A wall surface, by its number in the scene, counted from 1 without discs.
     Wall(usize),
 }
 
@@ -71,7 +71,7 @@ pub struct ContactState<V: Space = Plane> {
 }
 
 impl<V: Space> Survey<'_, V> {
-    /// Returns all contacts in ascending order of ids; contacts with flat walls come last. `dt` is the time step, s.
+    /// Returns all contacts in ascending order of ids; contacts with wall surfaces come last. `dt` is the time step, s.
     #[must_use]
     pub fn view(&self, dt: f64) -> Vec<ContactState<V>> {
         // The states are large. Sorting them by a second copy would take most of the time.
@@ -108,7 +108,7 @@ pub struct ContactView<'w, V: Space = Plane> {
 }
 
 impl<V: Space> ContactView<'_, V> {
-    /// Iterates over the contacts in the order of the store; contacts with flat walls come last. The geometry of each
+    /// Iterates over the contacts in the order of the store; contacts with wall surfaces come last. The geometry of each
     /// contact is computed, its memory and force only on request.
     pub fn iter(&self) -> impl Iterator<Item = Touching<'_, V>> {
         self.survey_param.survey().touching()

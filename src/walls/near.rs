@@ -7,7 +7,7 @@ use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
-use crate::walls::surfaces::FlatWall;
+use crate::walls::surfaces::SurfaceWall;
 
 /// Pairs of a slot and a wall index, ascending.
 #[derive(Debug, Default)]
@@ -18,7 +18,12 @@ pub struct NearWalls {
 
 impl NearWalls {
     /// Returns the present pairs; updates them if needed.
-    pub fn of<V: Space>(&mut self, store: &ParticleStore<V>, walls: &[FlatWall<V>], has_changed: bool) -> &[Candidate] {
+    pub fn of<V: Space>(
+        &mut self,
+        store: &ParticleStore<V>,
+        walls: &[SurfaceWall<V>],
+        has_changed: bool,
+    ) -> &[Candidate] {
         if walls.is_empty() {
             return &[];
         }

@@ -10,9 +10,12 @@ use rustc_hash::FxHashMap;
 
 use crate::neighbours::cells::floor;
 use crate::space::{Plane, Vector};
-use crate::walls::paths::{Crossing, Paths, enters};
+use crate::walls::paths::{Crossing, Paths};
+use crate::walls::shapes::Shape as _;
+use crate::walls::shapes::half_plane::HalfPlane;
+use crate::walls::shapes::segment::Segment;
 use crate::walls::silo_file::Disc;
-use crate::walls::surfaces::{FlatWall, Surface};
+use crate::walls::surfaces::{Surface, SurfaceWall};
 
 /// A line that encloses grains.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,25 +34,28 @@ pub struct Outline {
     cell: f64,
     /// Indices of the links in each cell. Queried for every grain that has moved some distance, so the hash is fast.
     links_by_cell: FxHashMap<[i64; 2], Vec<usize>>,
-    half_planes: Vec<Surface>,
+    half_planes: Vec<HalfPlane>,
     orifice: Option<Link>,
     bounds: Option<[Vector; 2]>,
 }
 
 impl Outline {
-    /// Makes the outline of wall discs, door discs and flat walls, for grains of radius `smallest` (m) or more.
+    /// Makes the outline of wall discs, door discs and wall surfaces, for grains of radius `smallest` (m) or more.
     #[must_use]
-    pub fn new(walls: &[Disc], door: &[Disc], surfaces: &[FlatWall], smallest: f64) -> Self {
+    pub fn new(walls: &[Disc], door: &[Disc], surfaces: &[SurfaceWall], smallest: f64) -> Self {
         let mut links = disc_links(walls, smallest);
         let mut corners: Vec<_> = walls.iter().map(|disc| disc.centre).collect();
         for surface in surfaces {
-            if let Surface::Segment { from, to } = surface.surface {
+            if let Surface::Segment(Segment { from, to }) = surface.surface {
                 links.push(Link { from, to });
                 corners.extend([from, to]);
             }
         }
-        let half_planes =
-            surfaces.iter().map(|wall| wall.surface).filter(|s| matches!(s, Surface::HalfPlane { .. })).collect();
+        let half_plane = |wall: &SurfaceWall| match wall.surface {
+            Surface::HalfPlane(shape) => Some(shape),
+            _ => None,
+        };
+        let half_planes = surfaces.iter().filter_map(half_plane).collect();
         let bounds = corners.iter().copied().reduce(Vector::min).zip(corners.iter().copied().reduce(Vector::max));
         let longest = links.iter().map(|link| link.from.distance(link.to)).fold(smallest, f64::max);
         let mut outline = Self {
@@ -118,7 +124,7 @@ impl Paths<Plane> for Outline {
             }
         }
         for plane in &self.half_planes {
-            consider(enters(plane, from, to), Crossing::FlatWall);
+            consider(plane.crossing(from, to), Crossing::Surface);
         }
         first.map(|(_, crossing)| crossing)
     }
@@ -245,7 +251,7 @@ mod tests {
         assert_eq!(outline.beyond(inside, Vector::new(1.0, -0.1)), Some("past the lower end of the walls"));
         assert_eq!(outline.beyond(Vector::new(-1.0, 1.0), Vector::new(-2.0, 1.0)), None, "the grain was never inside");
         let wall = Wall::HalfPlane { point: Vector::ZERO.into(), normal: Vector::Y.into(), velocity: None, species: 0 };
-        let floor = wall.flat().unwrap();
+        let floor = wall.surface().unwrap();
         let open = Outline::new(&discs(&[(0.0, 2.0)]), &[], &[floor], 0.1);
         assert_eq!(open.beyond(Vector::new(0.0, 3.0), Vector::new(1.0, 3.0)), None, "a floor has no lateral bounds");
     }

@@ -1,15 +1,16 @@
 //! Paths of grains: the lines or faces that they must not cross, and the way out.
 //!
-//! In the plane, the lines are an [`Outline`](crate::walls::outline::Outline) of wall grains and flat walls. In solid
-//! space the faces are [`FlatWalls`] alone, and the way out is the place of a door panel.
+//! In the plane, the lines are an [`Outline`](crate::walls::outline::Outline) of wall grains and wall surfaces. In solid
+//! space the faces are [`SurfaceWalls`] alone, and the way out is the place of a door.
 
 use crate::space::{Solid, Space};
-use crate::walls::surfaces::{FlatWall, Surface};
+use crate::walls::shapes::Shape as _;
+use crate::walls::surfaces::SurfaceWall;
 
 /// Line or face that a path crosses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Crossing<V> {
-    /// The way out: the line between the flanks of the door, or a panel of the door.
+    /// The way out: the line between the flanks of the door, or a surface of the door.
     Orifice,
     /// A wall line between two points, m.
     Wall {
@@ -18,8 +19,8 @@ pub enum Crossing<V> {
         /// The other end.
         to: V,
     },
-    /// A half-plane or a panel.
-    FlatWall,
+    /// A wall surface.
+    Surface,
 }
 
 /// Bounds of the region of the grains.
@@ -31,46 +32,20 @@ pub trait Paths<V: Space>: Send + Sync {
     fn beyond(&self, before: V, here: V) -> Option<&'static str>;
 }
 
-/// The flat walls of a solid scene.
+/// The wall surfaces of a solid scene.
 #[derive(Clone, Debug)]
-pub struct FlatWalls(pub Vec<FlatWall<Solid>>);
+pub struct SurfaceWalls(pub Vec<SurfaceWall<Solid>>);
 
-/// Returns where a path passes from the free side of a half-space into it, as a share of the path (0 to 1).
-pub(super) fn enters<V: Space>(surface: &Surface<V>, from: V, to: V) -> Option<f64> {
-    let (before, after) = (surface.distance(from), surface.distance(to));
-    (before >= 0.0 && after < 0.0).then(|| before / (before - after))
-}
-
-/// Returns where a path passes through a panel, as a share of the path (0 to 1).
-fn pierces(corner: Solid, along: Solid, across: Solid, from: Solid, to: Solid) -> Option<f64> {
-    let normal = along.cross(across);
-    let (before, after) = ((from - corner).dot(normal), (to - corner).dot(normal));
-    if (before < 0.0) == (after < 0.0) {
-        return None;
-    }
-    let share = before / (before - after);
-    let at = from + (to - from) * share - corner;
-    let inside = |edge: Solid| (0.0..=1.0).contains(&(at.dot(edge) / edge.length_squared()));
-    (inside(along) && inside(across)).then_some(share)
-}
-
-impl Paths<Solid> for FlatWalls {
+impl Paths<Solid> for SurfaceWalls {
     fn crossing(&self, from: Solid, to: Solid) -> Option<Crossing<Solid>> {
         let crossed = self.0.iter().filter_map(|wall| {
-            let (share, crossing) = match wall.surface {
-                Surface::HalfPlane { .. } => (enters(&wall.surface, from, to)?, Crossing::FlatWall),
-                Surface::Panel { corner, along, across } => {
-                    let crossing = if wall.is_door { Crossing::Orifice } else { Crossing::FlatWall };
-                    (pierces(corner, along, across, from, to)?, crossing)
-                }
-                Surface::Segment { .. } => return None,
-            };
-            Some((share, crossing))
+            let crossing = if wall.is_door { Crossing::Orifice } else { Crossing::Surface };
+            Some((wall.surface.crossing(from, to)?, crossing))
         });
         crossed.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, crossing)| crossing)
     }
 
-    /// Always `None`: gaps between flat walls are legal, and the cull line catches grains that fall through.
+    /// Always `None`: gaps between wall surfaces are legal, and the cull line catches grains that fall through.
     fn beyond(&self, _: Solid, _: Solid) -> Option<&'static str> {
         None
     }
@@ -80,23 +55,25 @@ impl Paths<Solid> for FlatWalls {
 mod tests {
     use super::*;
     use crate::particle::Species;
-    use crate::walls::surfaces::WallLoad;
+    use crate::walls::shapes::half_plane::HalfPlane;
+    use crate::walls::shapes::panel::Panel;
+    use crate::walls::surfaces::Surface;
 
-    fn wall(surface: Surface<Solid>, is_door: bool) -> FlatWall<Solid> {
-        let (species, load) = (Species(0), WallLoad::default());
-        FlatWall { surface, velocity: Solid::ZERO, species, is_door, is_present: true, load }
+    fn wall(surface: Surface<Solid>, is_door: bool) -> SurfaceWall<Solid> {
+        SurfaceWall { is_door, ..SurfaceWall::still(surface, Species(0)) }
     }
 
     #[test]
     fn the_way_out_is_where_the_door_was() {
-        let panel = |x: f64| Surface::Panel { corner: Solid::new(x, 0.0, 0.0), along: Solid::X, across: Solid::Y };
-        let floor = Surface::HalfPlane { point: Solid::new(0.0, 0.0, -1.0), normal: Solid::Z };
-        let walls = FlatWalls(vec![wall(panel(0.0), false), wall(panel(1.0), true), wall(floor, false)]);
+        let panel =
+            |x: f64| Surface::Panel(Panel { corner: Solid::new(x, 0.0, 0.0), along: Solid::X, across: Solid::Y });
+        let floor = Surface::HalfPlane(HalfPlane { point: Solid::new(0.0, 0.0, -1.0), normal: Solid::Z });
+        let walls = SurfaceWalls(vec![wall(panel(0.0), false), wall(panel(1.0), true), wall(floor, false)]);
         let down = |x: f64, to: f64| walls.crossing(Solid::new(x, 0.5, 0.1), Solid::new(x, 0.5, to));
         assert_eq!(down(1.5, -0.1), Some(Crossing::Orifice));
-        assert_eq!(down(0.5, -0.1), Some(Crossing::FlatWall));
+        assert_eq!(down(0.5, -0.1), Some(Crossing::Surface));
         assert_eq!(down(2.5, -0.1), None);
-        assert_eq!(down(2.5, -1.1), Some(Crossing::FlatWall));
+        assert_eq!(down(2.5, -1.1), Some(Crossing::Surface));
         assert_eq!(walls.crossing(Solid::new(1.5, 0.5, -0.1), Solid::new(1.5, 0.5, 0.1)), Some(Crossing::Orifice));
     }
 }

@@ -1,12 +1,11 @@
-//! Flat walls: half-planes, segments and panels, under the same contact law as contacts between grains.
+//! Wall surfaces: walls other than fixed grains, under the same contact law as contacts between grains.
 //!
-//! The wall has no curvature and infinite mass. The overlap is delta = R - d, with d the distance from the centre of
-//! the grain to the wall. The normal points from the wall to the centre. The reduced mass is the mass of the grain.
+//! The wall has infinite mass. The overlap is delta = R - d, with d the distance from the centre of the grain to the
+//! wall. The normal points from the nearest point of the wall to the centre. The reduced mass is the mass of the grain.
 //!
-//! A half-plane (in solid space: a half-space) is solid behind its surface at any depth, and may move along itself like
-//! a belt. A segment and a panel, its rectangle in solid space, are thin and act on both sides. A grain above the seam
-//! of two panels in one plane touches both, so a floor should be one panel. The force pass sums contacts with walls
-//! ([`crate::contact`]).
+//! Walls may turn about their axis, and half-planes may move along themselves like a belt. Both keep the shape in its
+//! place. The force pass sums contacts with walls ([`crate::contact`]). Where walls meet, a grain touches each of them
+//! only at a point that is nearest on both ([`seams`](crate::walls::seams)).
 
 use std::marker::PhantomData;
 use std::ops::AddAssign;
@@ -18,63 +17,123 @@ use bevy_ecs::world::DeferredWorld;
 use serde::{Deserialize, Serialize};
 
 use crate::particle::Species;
-use crate::space::{COINCIDENT, PARTED, Plane, Space};
+use crate::space::{Linear, Plane, Space};
 use crate::step::{Part, Phase, Step};
 use crate::store::AfterDeferredKick;
+use crate::walls::shapes::half_plane::HalfPlane;
+use crate::walls::shapes::panel::Panel;
+use crate::walls::shapes::revolved::Revolved;
+use crate::walls::shapes::segment::Segment;
+use crate::walls::shapes::{Nearest, Shape};
 
-/// A flat surface.
+/// The shape of a wall.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(bound = "")]
 pub enum Surface<V: Space = Plane> {
     /// Solid behind the surface.
-    HalfPlane {
-        /// A point of the surface, m.
-        point: V,
-        /// Unit normal into the free half.
-        normal: V,
-    },
+    HalfPlane(HalfPlane<V>),
     /// Thin line between two points.
-    Segment {
-        /// One end, m.
-        from: V,
-        /// The other end, m.
-        to: V,
-    },
-    /// A thin rectangle.
-    Panel {
-        /// One corner, m.
-        corner: V,
-        /// One edge, m.
-        along: V,
-        /// The other edge, m.
-        across: V,
-    },
+    Segment(Segment<V>),
+    /// A thin rectangle of solid space.
+    Panel(Panel<V>),
+    /// A thin cylinder, cone, frustum or ring of solid space.
+    Revolved(Revolved<V>),
+}
+
+impl<V: Space> Surface<V> {
+    /// Returns the point about which torques on the wall are measured, m.
+    #[must_use]
+    pub fn reference(&self) -> V {
+        match self {
+            Self::HalfPlane(shape) => shape.point,
+            Self::Segment(shape) => shape.from,
+            Self::Panel(shape) => shape.corner,
+            Self::Revolved(shape) => shape.base,
+        }
+    }
+
+    fn shape(&self) -> &dyn Shape<V> {
+        match self {
+            Self::HalfPlane(shape) => shape,
+            Self::Segment(shape) => shape,
+            Self::Panel(shape) => shape,
+            Self::Revolved(shape) => shape,
+        }
+    }
+
+    /// Returns the distance of a point from the wall, m; negative inside a half-plane.
+    #[inline]
+    #[must_use]
+    pub fn distance(&self, x: V) -> f64 {
+        self.nearest(x).distance()
+    }
+}
+
+impl<V: Space> Shape<V> for Surface<V> {
+    #[inline(always)]
+    fn nearest(&self, x: V) -> Nearest<V> {
+        match self {
+            Self::HalfPlane(shape) => shape.nearest(x),
+            Self::Segment(shape) => shape.nearest(x),
+            Self::Panel(shape) => shape.nearest(x),
+            Self::Revolved(shape) => shape.nearest(x),
+        }
+    }
+
+    fn bounds(&self) -> Option<[V; 2]> {
+        self.shape().bounds()
+    }
+
+    fn crossing(&self, from: V, to: V) -> Option<f64> {
+        self.shape().crossing(from, to)
+    }
+
+    fn lines(&self) -> Vec<[V; 2]> {
+        self.shape().lines()
+    }
 }
 
 /// Load of the grains on a wall in the present step.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
-pub struct WallLoad<V> {
+#[serde(bound = "")]
+pub struct WallLoad<V: Space> {
     /// Force on the wall, N.
     pub force: V,
     /// Dissipative part of the force, from normal and tangential dashpots, N.
     pub drag: V,
+    /// Torque of the force about [`Surface::reference`], N m.
+    pub torque: V::Spin,
+    /// Torque of the dissipative part, N m.
+    pub drag_torque: V::Spin,
+}
+
+impl<V: Space> WallLoad<V> {
+    /// Adds a force on the wall and its dissipative part, N, at the point `arm` (m) from the reference point.
+    #[inline]
+    pub(crate) fn add(&mut self, force: V, drag: V, arm: V) {
+        *self += Self { force, drag, torque: arm.cross(force), drag_torque: arm.cross(drag) };
+    }
 }
 
 impl<V: Space> AddAssign for WallLoad<V> {
     fn add_assign(&mut self, more: Self) {
         self.force += more.force;
         self.drag += more.drag;
+        self.torque += more.torque;
+        self.drag_torque += more.drag_torque;
     }
 }
 
-/// A flat wall of the scene.
+/// A wall surface of the scene.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(bound = "")]
-pub struct FlatWall<V: Space = Plane> {
+pub struct SurfaceWall<V: Space = Plane> {
     /// Geometry.
     pub surface: Surface<V>,
     /// Velocity along the wall, m/s.
     pub velocity: V,
+    /// Angular velocity of a surface of revolution about its axis, rad/s.
+    pub spin: V::Spin,
     /// Material.
     pub species: Species,
     /// Whether the wall is the door.
@@ -85,70 +144,38 @@ pub struct FlatWall<V: Space = Plane> {
     pub load: WallLoad<V>,
 }
 
-/// Position of a surface relative to a centre.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Nearest<V> {
-    /// Vector from the nearest point of a thin surface to the centre, m. It is never zero: for a centre on the surface
-    /// it is a very short vector to one side.
-    Point(V),
-    /// Normal and distance of a half-space.
-    Half {
-        /// Unit normal into the free half.
-        normal: V,
-        /// Distance from the surface, m; negative inside.
-        distance: f64,
-    },
-}
+impl<V: Space> SurfaceWall<V> {
+    /// Returns a wall at rest that is not the door.
+    #[must_use]
+    pub fn still(surface: Surface<V>, species: Species) -> Self {
+        Self {
+            surface,
+            velocity: V::ZERO,
+            spin: V::Spin::ZERO,
+            species,
+            is_door: false,
+            is_present: true,
+            load: WallLoad::default(),
+        }
+    }
 
-/// Returns the point of an edge nearest to a centre, as a share of the edge (0 to 1).
-#[inline]
-fn foot_share<V: Space>(from_corner: V, edge: V) -> f64 {
-    (from_corner.dot(edge) / edge.length_squared()).clamp(0.0, 1.0)
-}
-
-impl<V: Space> Surface<V> {
-    /// Returns the position of the surface relative to `x` (m).
+    /// Returns the velocity of the wall at one of its points, m/s.
     #[inline(always)]
-    #[must_use]
-    pub fn nearest(&self, x: V) -> Nearest<V> {
-        let away = match *self {
-            Self::HalfPlane { point, normal } => return Nearest::Half { normal, distance: (x - point).dot(normal) },
-            Self::Segment { from, to } => x - (from + (to - from) * foot_share(x - from, to - from)),
-            Self::Panel { corner, along, across } => {
-                x - (corner + along * foot_share(x - corner, along) + across * foot_share(x - corner, across))
-            }
-        };
-        Nearest::Point(if away.length_squared() < COINCIDENT { self.side() * PARTED } else { away })
-    }
-
-    /// Returns the unit vector along which a thin surface pushes a centre that lies exactly on it.
-    #[cold]
-    fn side(&self) -> V {
-        let across = match *self {
-            Self::HalfPlane { normal, .. } => normal,
-            Self::Segment { from, to } => (to - from).any_perpendicular(),
-            Self::Panel { along, across, .. } => V::narrow(along.spread().cross(across.spread())),
-        };
-        across.unit_or_zero()
-    }
-
-    /// Returns the distance of a point from the wall, m; negative inside a half-plane.
-    #[inline]
-    #[must_use]
-    pub fn distance(&self, x: V) -> f64 {
-        match self.nearest(x) {
-            Nearest::Point(away) => away.length(),
-            Nearest::Half { distance, .. } => distance,
+    pub(crate) fn velocity_at(&self, point: impl FnOnce() -> V) -> V {
+        if self.spin == V::Spin::ZERO {
+            self.velocity
+        } else {
+            self.velocity + (point() - self.surface.reference()).turned_by(self.spin)
         }
     }
 }
 
-/// Flat walls, in the order of the scene.
+/// Wall surfaces, in the order of the scene.
 #[derive(Resource, Clone, Debug, Deserialize, Serialize)]
 #[serde(bound = "")]
-pub struct Surfaces<V: Space = Plane>(pub Vec<FlatWall<V>>);
+pub struct Surfaces<V: Space = Plane>(pub Vec<SurfaceWall<V>>);
 
-/// Marks the entity of a flat wall by its index in [`Surfaces`]. After the entity is despawned, the wall is absent from
+/// Marks the entity of a wall surface by its index in [`Surfaces`]. After the entity is despawned, the wall is absent from
 /// the next step on.
 #[derive(Component, Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
 #[component(immutable, on_remove = record_leaving_wall)]
@@ -186,39 +213,5 @@ impl<V: Space> Plugin for LeavingWallsPlugin<V> {
     fn build(&self, app: &mut App) {
         let remove = remove_walls::<V>.in_set(Part::Engine(Phase::Drift)).after(AfterDeferredKick).run_if(walls_leave);
         app.add_systems(Step, remove);
-    }
-}
-
-#[cfg(test)]
-#[expect(clippy::float_cmp, reason = "exact values")]
-mod tests {
-    use super::*;
-    use crate::space::{Solid, Vector};
-
-    #[test]
-    fn a_segment_is_round_at_its_ends_and_two_sided() {
-        let wall = Surface::Segment { from: Vector::ZERO, to: Vector::new(2.0, 0.0) };
-        assert_eq!(wall.nearest(Vector::new(1.0, -0.5)), Nearest::Point(Vector::new(0.0, -0.5)));
-        assert_eq!(wall.nearest(Vector::new(5.0, 4.0)), Nearest::Point(Vector::new(3.0, 4.0)));
-        assert_eq!(wall.distance(Vector::new(5.0, 4.0)), 5.0);
-        assert_eq!(wall.nearest(Vector::new(1.0, 0.0)), Nearest::Point(Vector::Y * PARTED));
-    }
-
-    #[test]
-    fn a_half_plane_measures_depth() {
-        let wall = Surface::HalfPlane { point: Vector::new(0.0, 1.0), normal: Vector::Y };
-        let nearest = Nearest::Half { normal: Vector::Y, distance: -0.75 };
-        assert_eq!(wall.nearest(Vector::new(7.0, 0.25)), nearest);
-    }
-
-    #[test]
-    fn a_panel_has_a_face_edges_and_corners() {
-        let wall =
-            Surface::Panel { corner: Solid::ZERO, along: Solid::new(2.0, 0.0, 0.0), across: Solid::new(0.0, 1.0, 0.0) };
-        assert_eq!(wall.nearest(Solid::new(1.0, 0.5, 0.3)), Nearest::Point(Solid::Z * 0.3));
-        assert_eq!(wall.nearest(Solid::new(1.0, 0.5, -0.3)), Nearest::Point(Solid::Z * -0.3));
-        assert_eq!(wall.nearest(Solid::new(1.0, 4.0, 4.0)), Nearest::Point(Solid::new(0.0, 3.0, 4.0)));
-        assert_eq!(wall.distance(Solid::new(-2.0, -1.0, 2.0)), 3.0);
-        assert_eq!(wall.nearest(Solid::new(1.0, 0.5, 0.0)), Nearest::Point(Solid::Z * PARTED));
     }
 }

@@ -9,7 +9,7 @@ use std::sync::Mutex;
 
 use crate::outcome::{Failure, Outcome};
 use crate::persist::Problem;
-use crate::space::Space;
+use crate::space::Linear;
 
 /// The path of a CSV file.
 #[derive(Clone, Debug)]
@@ -113,8 +113,8 @@ impl Rows {
 }
 
 /// Returns the components of a vector as comma-separated cells of a row.
-pub(crate) fn numbers<V: Space>(v: V) -> String {
-    v.components().iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(",")
+pub(crate) fn numbers<V: Linear>(v: V) -> String {
+    (0..V::COUNT).map(|axis| format!("{:e}", v.component(axis))).collect::<Vec<_>>().join(",")
 }
 
 /// A value that a plugin moves into the world. A plugin is built through a shared reference, so the value needs a cell.

@@ -41,6 +41,7 @@ mod shear;
 mod sheared_bed;
 mod spring_slider;
 mod symmetry;
+mod wall_shapes;
 
 use std::num::NonZeroUsize;
 use std::path::Path;

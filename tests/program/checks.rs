@@ -40,7 +40,7 @@ fn overlaps_at_the_start_are_found() {
     };
     assert_eq!(codes(&doubled(0.05)), ["check::overlaps_at_start"]);
     assert_eq!(codes(&doubled(0.1)), [""; 0]);
-    // With a flat wall.
+    // With a wall surface.
     assert_eq!(codes(&format!("{FLOOR}, {}", block(-0.03, ""))), ["check::overlaps_at_start"]);
 }
 

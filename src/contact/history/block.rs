@@ -107,6 +107,33 @@ impl<V: Space> HistoryBlock<V> {
         }
     }
 
+    /// Gives the memory of a contact to the contact of the same row with `other`, unless that has one. The first `passed`
+    /// contacts are left alone.
+    pub(super) fn rename<L: LawRequirements>(&mut self, passed: usize, contact: Candidate, other: usize) {
+        fn move_entry<T>(column: &mut [T], from: usize, to: usize) {
+            if from < to {
+                column[from..to].rotate_left(1);
+            } else {
+                column[to..=from].rotate_right(1);
+            }
+        }
+        let renamed = contact.with_partner(other);
+        let left = &self.contacts[passed..];
+        let (Ok(from), Err(to)) = (left.binary_search(&contact), left.binary_search(&renamed)) else { return };
+        let (from, to) = (passed + from, passed + to);
+        self.contacts[from] = renamed;
+        move_entry(&mut self.contacts, from, to);
+        if L::SPRING {
+            move_entry(&mut self.spring, from, to);
+        }
+        if L::ROLLING {
+            move_entry(&mut self.rolling, from, to);
+        }
+        if L::STIFFNESS {
+            move_entry(&mut self.stiffness, from, to);
+        }
+    }
+
     /// Appends the contacts of `others` for which `is_wanted` returns true. They must come after the last one in order.
     pub(in crate::contact) fn copy<L: LawRequirements>(
         &mut self,

@@ -77,6 +77,14 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         None
     }
 
+    /// Gives the memory of a contact with a wall that has not been visited to the contact of the same row with the wall
+    /// `other`, unless that contact has a memory of its own.
+    #[cold]
+    pub(in crate::contact) fn rename<L: LawRequirements>(&mut self, contact: Candidate, other: usize) {
+        let before = if self.is_rewriting { &mut *self.spare } else { &mut *self.block };
+        before.rename::<L>(self.passed, contact, other);
+    }
+
     /// Returns the memory that a recalled contact had in the previous pass.
     pub(in crate::contact) fn previous(&self, contact: Candidate) -> Option<Memory<V>> {
         self.spare.look_up(contact).filter(|_| self.is_rewriting)

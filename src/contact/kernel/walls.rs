@@ -1,13 +1,14 @@
-//! Contacts with flat walls in the contact pass: block by block, in ascending order of rows, then in the scene's order
+//! Contacts with wall surfaces in the contact pass: block by block, in ascending order of rows, then in the scene's order
 //! of walls.
 //!
 //! The loads on walls are summed too ([`WallLoad`]). A load is the force *on the wall*: the load on a floor under
 //! gravity points down.
 
-use crate::contact::geometry::touching_wall;
+use crate::contact::geometry::{WallTouch, touching_wall};
 use crate::contact::kernel::worker::{Block, Worker};
 use crate::contact::lanes::LANES;
-use crate::contact::{LawRequirements, PairLaw};
+use crate::contact::{LawRequirements, Pair, PairLaw};
+use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::{Surfaces, WallLoad};
@@ -21,23 +22,52 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         if !near.is_empty() {
             self.on_walls.resize(self.on_walls.len() + pass.walls.len(), WallLoad::default());
         }
-        let root = pass.law.needs_mass_root();
-        for &contact in near {
-            let ([i, wall], view) = (contact.both(), self.view);
-            if let Some(pair) = touching_wall(view, i, &pass.walls[wall], root, view.prediction.lookahead) {
-                if view.predicts() {
-                    self.batch.lone |= u64::from(view.prediction.lone[i]) << self.batch.len;
+        let mut beside_several = Vec::new();
+        for row in near.chunk_by(|a, b| a.first() == b.first()) {
+            if let &[contact] = row {
+                if let WallTouch::Touches(pair) = self.touch(contact, row) {
+                    self.push_wall(contact, &pair, &mut block);
                 }
-                self.batch.push::<L>(contact, &pair);
-                if self.batch.len == LANES {
-                    self.flush_walls(&mut block);
+                continue;
+            }
+            // Memories follow the grain over a seam before any contact of the grain is recalled.
+            for &contact in row {
+                match self.touch(contact, row) {
+                    WallTouch::Touches(pair) => beside_several.push((contact, pair)),
+                    WallTouch::ContinuedBy(other) if L::MEMORY => block.cursor.rename::<L>(contact, other),
+                    WallTouch::ContinuedBy(_) | WallTouch::Apart => {}
                 }
+            }
+            for (contact, pair) in beside_several.drain(..) {
+                self.push_wall(contact, &pair, &mut block);
             }
         }
         if self.batch.len > 0 {
             self.flush_walls(&mut block);
         }
         block.cursor.end::<L>(block.lost, |contact, memory| pass.on_wall_contact_end(self.view, contact, memory));
+    }
+
+    /// Returns the contact of a grain with a wall. `row` are the pairs of the grain with walls near it.
+    #[inline(always)]
+    fn touch(&self, contact: Candidate, row: &[Candidate]) -> WallTouch<V> {
+        let [i, wall] = contact.both();
+        let near = row.iter().map(|contact| contact.second());
+        let limits = (self.pass.law.needs_mass_root(), self.view.prediction.lookahead);
+        touching_wall(self.view, i, (self.pass.walls, wall), near, limits)
+    }
+
+    /// Adds a contact to the batch, and evaluates the batch if it is full.
+    #[inline(always)]
+    fn push_wall(&mut self, contact: Candidate, pair: &Pair<V>, block: &mut Block<'_, V>) {
+        let view = self.view;
+        if view.predicts() {
+            self.batch.lone |= u64::from(view.prediction.lone[contact.first()]) << self.batch.len;
+        }
+        self.batch.push::<L>(contact, pair);
+        if self.batch.len == LANES {
+            self.flush_walls(block);
+        }
     }
 
     /// Evaluates the batch, adds its forces to grains and walls, and stores memories and losses.
@@ -64,19 +94,18 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
 
     /// Adds the forces of the batch to grains and walls; `NUMBERS` per accumulator entry.
     fn add_to_walls<const NUMBERS: usize>(&mut self) {
-        let Self { sums, batch, on_walls, pass, .. } = self;
+        let Self { sums, batch, on_walls, pass, view, .. } = self;
         sums.add_to_one::<L, NUMBERS, 0>(batch);
         if pass.counts {
             sums.count::<true, false>(batch);
         }
         let block_start = on_walls.len() - pass.walls.len();
         for lane in (0..batch.len).filter(|&lane| batch.output.is_contact(lane)) {
-            let (load, force) =
-                (&mut on_walls[block_start + batch.pairs[lane].second()], batch.output.force::<NUMBERS>(lane));
-            load.force -= force[0];
-            if let Some(&drag) = force.get(1) {
-                load.drag -= drag;
-            }
+            let ([i, wall], force) = (batch.pairs[lane].both(), batch.output.force::<NUMBERS>(lane));
+            let body = &view.body[i];
+            let point = body.position - batch.bodies.normal.get(lane) * (body.radius - batch.bodies.overlap[lane]);
+            let drag = force.get(1).copied().unwrap_or(V::ZERO);
+            on_walls[block_start + wall].add(-force[0], -drag, point - pass.walls[wall].surface.reference());
         }
     }
 }

@@ -1,13 +1,14 @@
 //! Searches for a gap through which a grain could leave rigid walls with a closed door.
 //!
 //! A flood fill runs over a square grid with a spacing of a quarter of the smallest grain's radius R. It starts where
-//! grains start. Grid points nearer than R + R_w to a wall grain, or R to a flat wall, are blocked. If the fill reaches
+//! grains start. Grid points nearer than R + R_w to a wall grain, or R to a wall surface, are blocked. If the fill reaches
 //! the bounding box of the walls other than at its top, the walls leak. Limit: a gap whose free width is less than the
 //! diagonal of the grid, a third of the radius, may be overlooked.
 
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Vector};
 use crate::walls::outline::Outline;
+use crate::walls::shapes::segment::Segment;
 use crate::walls::surfaces::Surface;
 
 /// Largest number of grid points; more would take several seconds.
@@ -32,8 +33,8 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     };
     let blocked_by_discs: f64 = discs.iter().map(|disc| points(Vector::ZERO, disc.radius + radius)).sum();
     let blocked_by_segments = surfaces.iter().map(|surface| match *surface {
-        Surface::Segment { from, to } => points(to - from, radius),
-        Surface::HalfPlane { .. } | Surface::Panel { .. } => 0.0,
+        Surface::Segment(Segment { from, to }) => points(to - from, radius),
+        Surface::HalfPlane(_) | Surface::Panel(_) | Surface::Revolved(_) => 0.0,
     });
     if points(high - low, radius) + blocked_by_discs + blocked_by_segments.sum::<f64>() > PATIENCE {
         return None;
@@ -45,12 +46,12 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
         field.block(disc.centre, disc.centre, disc.radius + radius, |x| x.distance(disc.centre));
     }
     for surface in &surfaces {
-        if let Surface::Segment { from, to } = *surface {
+        if let Surface::Segment(Segment { from, to }) = *surface {
             field.block(from, to, radius, |x| surface.distance(x));
         }
     }
     let behind =
-        |x: Vector| surfaces.iter().any(|wall| matches!(wall, Surface::HalfPlane { .. }) && wall.distance(x) < radius);
+        |x: Vector| surfaces.iter().any(|wall| matches!(wall, Surface::HalfPlane(_)) && wall.distance(x) < radius);
     let starts =
         loaded.scene.spawner.iter().map(|s| s.point.get()).chain(loaded.grains.iter().map(|g| g.position.truncate()));
     let fed = loaded.scene.feed.iter().map(|feed| feed.region.point([0.5; 3]).truncate());

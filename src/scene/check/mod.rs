@@ -169,11 +169,7 @@ fn lowest_point(loaded: &Loaded) -> f64 {
     let discs = loaded.wall_discs().into_iter().map(|disc| disc.centre[up.min(1)]);
     let surfaces = loaded.scene.walls.iter().filter_map(|wall| match wall {
         Wall::HalfPlane { point, .. } => Some(point.padded()[up]),
-        Wall::Segment { from, to, .. } => Some(from.padded()[up].min(to.padded()[up])),
-        Wall::Panel { corner, along, across, .. } => {
-            Some(corner.padded()[up] + along.padded()[up].min(0.0) + across.padded()[up].min(0.0))
-        }
-        Wall::Disc { .. } => None,
+        _ => wall.bounds().map(|[low, _]| low[up]),
     });
     let lowest = discs.chain(surfaces).fold(f64::INFINITY, f64::min);
     let grains = loaded.grains.iter().map(|grain| grain.position[up]).fold(f64::INFINITY, f64::min);
@@ -278,10 +274,15 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
     warnings
 }
 
-/// The free width of the narrowest door, m: between the wall discs that flank it, or of a panel; `None` without a door.
+/// The free width of the narrowest door, m: between the wall discs that flank it, or of a surface; `None` without a door.
 fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
-    let panels = loaded.scene.walls.iter().filter_map(|wall| match wall {
-        Wall::Panel { along, across, door: true, .. } => Some(along.padded().length().min(across.padded().length())),
+    let surfaces = loaded.scene.walls.iter().filter(|wall| wall.is_door()).filter_map(|wall| match wall {
+        Wall::Panel { along, across, .. } => Some(along.padded().length().min(across.padded().length())),
+        Wall::Annulus { outer, .. } => Some(2.0 * outer.get()),
+        Wall::Cylinder { from, to, radius, .. } => Some((2.0 * radius.get()).min(to.padded().distance(from.padded()))),
+        Wall::Cone { from, to, radii, .. } => {
+            Some((2.0 * radii.0.get().max(radii.1.get())).min(to.padded().distance(from.padded())))
+        }
         _ => None,
     });
     let discs = loaded.wall_discs();
@@ -292,7 +293,7 @@ fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
     };
     let radius_at = |x| discs.iter().find(|disc| disc.centre == x).map_or(0.0, |disc| disc.radius);
     let between = orifice.map(|link| link.from.distance(link.to) - radius_at(link.from) - radius_at(link.to));
-    panels.chain(between).reduce(f64::min)
+    surfaces.chain(between).reduce(f64::min)
 }
 
 /// Whether a door of discs is flanked by wall discs, or there is no such door.
@@ -414,7 +415,7 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
 
 /// Warns of grains and walls that may pass each other within one step.
 fn fast(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>) {
-    // For a flat wall: the distance of a centre from first touch to the other side.
+    // For a wall surface: the distance of a centre from first touch to the other side.
     let flat = loaded.scene.walls.iter().any(|wall| !matches!(wall, Wall::Disc { .. })).then_some(0.0);
     let discs = loaded.fixed_radii();
     let thickness = estimates.radius + discs.chain(flat).fold(f64::INFINITY, f64::min);

@@ -2,7 +2,7 @@
 //!
 //! A pair has a law, a reduced mass m and, with I = q m R^2, three mobilities (acceleration of the contact per unit force):
 //! 1/m along the normal, (1 + 1/q)/m along the tangent, and R_eff^2 (1/I_i + 1/I_j) in rolling. The last is 1/(4 q m) for
-//! equal grains and 1/(q m) on a flat wall. Its step limits ([`step`]):
+//! equal grains and 1/(q m) on a wall surface. Its step limits ([`step`]):
 //!
 //! * Single contact: each of the three motions by itself.
 //! * Dense bed: a grain has z = 6 equal neighbours, in solid space 12. Since (a - b)^2 <= 2 a^2 + 2 b^2 for the motion of two
@@ -245,9 +245,7 @@ fn to_come(loaded: &Loaded) -> Vec<(u8, Body)> {
 fn walls(loaded: &Loaded) -> Vec<(u8, Body)> {
     let own = loaded.scene.walls.iter().map(|wall| match *wall {
         Wall::Disc { radius, species, .. } => (species, radius.get()),
-        Wall::HalfPlane { species, .. } | Wall::Segment { species, .. } | Wall::Panel { species, .. } => {
-            (species, f64::INFINITY)
-        }
+        _ => (wall.species(), f64::INFINITY),
     });
     let of_silo = loaded.scene.silo.as_ref().map_or(0, |silo| silo.species);
     let silo = loaded.silo.wall.iter().chain(&loaded.silo.door).map(|disc| (of_silo, disc.radius));

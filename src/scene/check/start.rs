@@ -30,8 +30,8 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
         pairs(&bodies, warnings);
     }
     let distances = |x: Solid| match loaded.scene.space {
-        Dimension::Plane => to_flat_walls::<Plane>(loaded, x),
-        Dimension::Solid => to_flat_walls::<Solid>(loaded, x),
+        Dimension::Plane => to_surfaces::<Plane>(loaded, x),
+        Dimension::Solid => to_surfaces::<Solid>(loaded, x),
     };
     let grains = bodies.iter().filter(|body| body.grain.is_some());
     let grains: Vec<_> = grains.map(|body| (body, distances(body.centre))).collect();
@@ -42,7 +42,7 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
     };
     let pressed: Vec<_> = grains.iter().filter(|grain| pressed(grain)).map(|(body, _)| *body).collect();
     if let Some(first) = pressed.first() {
-        overlapping(pressed.len(), &format!("{} and a flat wall at {}", name(first), place(first.centre)), warnings);
+        overlapping(pressed.len(), &format!("{} and a wall surface at {}", name(first), place(first.centre)), warnings);
     }
     release(loaded, &bodies, distances, warnings);
 }
@@ -71,13 +71,13 @@ fn place(x: Solid) -> String {
     format!("({}, {}, {}) m", x.x, x.y, x.z)
 }
 
-/// Least distance (m) to a half-plane, negative behind it, and to a segment or panel.
-fn to_flat_walls<V: Space>(loaded: &Loaded, x: Solid) -> [f64; 2] {
+/// Least distance (m) to a half-plane, negative behind it, and to a thin wall.
+fn to_surfaces<V: Space>(loaded: &Loaded, x: Solid) -> [f64; 2] {
     loaded.surfaces::<V>().iter().fold([f64::INFINITY; 2], |[half, thin], wall| {
         let distance = wall.surface.distance(V::narrow(x));
         match wall.surface {
-            Surface::HalfPlane { .. } => [half.min(distance), thin],
-            Surface::Segment { .. } | Surface::Panel { .. } => [half, thin.min(distance)],
+            Surface::HalfPlane(_) => [half.min(distance), thin],
+            Surface::Segment(_) | Surface::Panel(_) | Surface::Revolved(_) => [half, thin.min(distance)],
         }
     })
 }
@@ -185,15 +185,8 @@ fn release(loaded: &Loaded, bodies: &[Body], distances: impl Fn(Solid) -> [f64; 
         });
     }
     // Half-planes have no ends, so they bound no box.
-    let flat = loaded.scene.walls.iter().flat_map(|wall| match wall {
-        Wall::Segment { from, to, .. } => vec![from.padded(), to.padded()],
-        Wall::Panel { corner, along, across, .. } => {
-            let corner = corner.padded();
-            vec![corner, corner + along.padded(), corner + across.padded(), corner + along.padded() + across.padded()]
-        }
-        _ => Vec::new(),
-    });
-    let corners: Vec<Solid> = walls().map(|wall| wall.centre).chain(flat).collect();
+    let thin_walls = loaded.scene.walls.iter().filter_map(Wall::bounds).flatten();
+    let corners: Vec<Solid> = walls().map(|wall| wall.centre).chain(thin_walls).collect();
     let bounds = corners.iter().copied().reduce(Solid::min).zip(corners.iter().copied().reduce(Solid::max));
     let Some((low, high)) = bounds.filter(|_| half.is_infinite()) else { return };
     let up = super::up(loaded);

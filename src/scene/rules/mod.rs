@@ -168,11 +168,25 @@ fn walls(loaded: &Loaded) -> Result<(), Fault> {
             Wall::Panel { along, across, .. } if is_oblique(along.padded(), across.padded()) => {
                 ("across", "the edges of a panel must be at right angles to each other")
             }
+            Wall::Cylinder { from, to, .. } | Wall::Cone { from, to, .. }
+                if has_no_direction(to.padded() - from.padded()) =>
+            {
+                ("to", "the axis has no length")
+            }
+            Wall::Cone { radii, .. } if radii.0.get() == 0.0 && radii.1.get() == 0.0 => {
+                ("radii", "the cone has no width")
+            }
+            Wall::Annulus { normal, .. } if has_no_direction(normal.padded()) => {
+                ("normal", "the normal has no direction")
+            }
+            Wall::Annulus { inner: Some(inner), outer, .. } if inner.get() >= outer.get() => {
+                ("inner", "the hole is as wide as the ring")
+            }
             _ => continue,
         };
-        return Err(loaded
-            .fault("scene::degenerate_wall", &format!("walls[{index}].{key}"), message)
-            .help("give two different points, a normal with a direction, edges and belts at right angles"));
+        return Err(loaded.fault("scene::degenerate_wall", &format!("walls[{index}].{key}"), message).help(
+            "give two different points, a normal with a direction, edges and belts at right angles, inner < outer",
+        ));
     }
     Ok(())
 }
@@ -209,18 +223,18 @@ fn is_oblique(a: Solid, b: Solid) -> bool {
 
 fn door_and_rest(loaded: &Loaded) -> Result<(), Fault> {
     let Scene { door, rest, gravity, .. } = &loaded.scene;
-    let panel = loaded.has_door_panel();
+    let surface = loaded.has_door_surface();
     if door.is_some() && !loaded.has_outlet() {
         return Err(loaded
             .fault("scene::no_door", "door", "there is no door to open: no silo file announces door grains")
             .help(
                 "remove `door`, or give a silo file whose first line has a second count above 0, or in solid space a \
-                 wall `Panel(..., door: true)`",
+                 wall with `door: true`",
             ));
     }
-    if panel && matches!(door.map(|door| door.how), Some(DoorMotion::Slide(_))) {
+    if surface && matches!(door.map(|door| door.how), Some(DoorMotion::Slide(_))) {
         return Err(loaded
-            .fault("scene::no_slide", "door.how", "a panel cannot slide")
+            .fault("scene::no_slide", "door.how", "only door grains of a silo file slide")
             .help("write `how: Remove`, or leave the key out"));
     }
     if door.is_some_and(|door| door.opens == DoorOpens::AtRest) && rest.is_none() {

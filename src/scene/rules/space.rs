@@ -33,8 +33,8 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
         }
     }
     let is_solid = scene.space == Dimension::Solid;
-    let panel = scene.walls.iter().position(|wall| matches!(wall, Wall::Panel { .. }));
     let disc = scene.feed.iter().position(|feed| matches!(feed.region, Region::Disc { .. }));
+    let solid_wall = scene.walls.iter().position(Wall::is_solid);
     let misplaced = [
         (is_solid && scene.silo.is_some(), "silo".to_owned(), "a silo file describes discs in the plane"),
         (
@@ -54,9 +54,9 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
         ),
         (!is_solid && scene.periodic.z.is_some(), "periodic.z".to_owned(), "the plane has no z"),
         (
-            !is_solid && panel.is_some(),
-            format!("walls[{}]", panel.unwrap_or(0)),
-            "a panel is a rectangle in solid space",
+            !is_solid && solid_wall.is_some(),
+            format!("walls[{}]", solid_wall.unwrap_or(0)),
+            "panels, cylinders, cones and rings are walls of solid space",
         ),
     ];
     match misplaced.into_iter().find(|(wrong, ..)| *wrong) {
@@ -69,24 +69,14 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
 
 /// All vectors of a scene that must match its space, with their keys.
 fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
-    let mut all = vec![("gravity".to_owned(), scene.gravity)];
+    let of_walls = scene.walls.iter().enumerate().flat_map(|(index, wall)| {
+        wall.vectors().into_iter().map(move |(name, vector)| (format!("walls[{index}].{name}"), vector))
+    });
+    let mut all: Vec<_> = std::iter::once(("gravity".to_owned(), scene.gravity)).chain(of_walls).collect();
     let mut add = |key: String, vectors: &[(&str, Option<FiniteVector>)]| {
         let given = vectors.iter().filter_map(|&(name, vector)| Some((format!("{key}{name}"), vector?)));
         all.extend(given);
     };
-    for (index, wall) in scene.walls.iter().enumerate() {
-        let key = format!("walls[{index}].");
-        match *wall {
-            Wall::HalfPlane { point, normal, velocity, .. } => {
-                add(key, &[("point", Some(point)), ("normal", Some(normal)), ("velocity", velocity)]);
-            }
-            Wall::Segment { from, to, .. } => add(key, &[("from", Some(from)), ("to", Some(to))]),
-            Wall::Panel { corner, along, across, .. } => {
-                add(key, &[("corner", Some(corner)), ("along", Some(along)), ("across", Some(across))]);
-            }
-            Wall::Disc { centre, .. } => add(key, &[("centre", Some(centre))]),
-        }
-    }
     if let Some(spawner) = &scene.spawner {
         let vectors =
             [("point", Some(spawner.point)), ("jitter", spawner.jitter), ("velocity", Some(spawner.velocity))];

@@ -26,8 +26,7 @@ pub(super) fn stop(loaded: &Loaded) -> Result<(), Fault> {
             StopCondition::Out(_) if !loaded.has_outlet() => (
                 "scene::no_door",
                 "no grain will ever be out: the scene has no door",
-                "give a silo file whose first line has a second count above 0, or in solid space a wall \
-                 `Panel(..., door: true)`",
+                "give a silo file whose first line has a second count above 0, or in solid space a wall with `door: true`",
             ),
             _ => continue,
         };

@@ -3,7 +3,7 @@
 //!
 //! * Assignment: k delta n - b v. Other laws: F_n = max(spring - c v_n, floor) with v_n = v.n.
 //! * Sliding velocity v_t = v - v_n n - (l_i w_i + l_j w_j) x n. The lever is l = R, or R_i - delta R_j/(R_i + R_j) to
-//!   the contact point. On a flat wall it is R - delta, and the wall's own lever is 0.
+//!   the contact point. On a wall surface it is R - delta, and the wall's own lever is 0.
 //! * Slider: S <- S + v dt, projected into the tangent plane; F = -k S - c v. Beyond mu |F_n| the force is cut and S =
 //!   -(F + c v)/k. A dashpot has no S. Where k varies (Mindlin), a stiffening spring keeps its force, S <- S
 //!   k_before/k; a softening spring keeps its displacement.
@@ -14,7 +14,7 @@
 use crate::oracle::law::{Damping, Normal, Reduced, Rolling, Terms};
 use crate::oracle::vector::V;
 
-/// Two particles in contact, seen from i. j may be a flat wall, which has no curvature.
+/// Two particles in contact, seen from i. j may be a wall surface, which has no curvature.
 #[derive(Clone, Copy, Debug)]
 pub struct PairState {
     /// Unit vector from j to i.

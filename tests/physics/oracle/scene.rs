@@ -165,7 +165,7 @@ impl Scene {
         if self.around == Surroundings::Hole { LOW + 0.037 } else { f64::NEG_INFINITY }
     }
 
-    /// Adds the flat walls.
+    /// Adds the wall surfaces.
     fn surround(&mut self, up: usize, high: [f64; 2]) {
         let towards = |axis: usize, length: f64| {
             let mut v = V::default();

@@ -296,7 +296,7 @@ impl Simulator {
     }
 }
 
-/// A flat wall as a body that forces do not move.
+/// A wall surface as a body that forces do not move.
 pub const FLAT: Body = Body {
     position: V([0.0; 3]),
     velocity: V([0.0; 3]),

@@ -1,0 +1,53 @@
+//! Half-plane; in solid space a half-space. It is solid behind its surface, at any depth.
+
+use serde::{Deserialize, Serialize};
+
+use crate::space::{Plane, Space};
+use crate::walls::shapes::{Nearest, Shape};
+
+/// Solid behind a line, or in solid space behind a plane.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
+pub struct HalfPlane<V: Space = Plane> {
+    /// A point of the surface, m.
+    pub point: V,
+    /// Unit normal into the free half.
+    pub normal: V,
+}
+
+impl<V: Space> Shape<V> for HalfPlane<V> {
+    #[inline(always)]
+    fn nearest(&self, x: V) -> Nearest<V> {
+        Nearest::Half { normal: self.normal, distance: (x - self.point).dot(self.normal) }
+    }
+
+    fn bounds(&self) -> Option<[V; 2]> {
+        None
+    }
+
+    /// A path crosses the surface if it leads from the free half into the solid one.
+    fn crossing(&self, from: V, to: V) -> Option<f64> {
+        let [before, after] = [from, to].map(|x| self.nearest(x).distance());
+        (before >= 0.0 && after < 0.0).then(|| before / (before - after))
+    }
+
+    /// None: the surface has no ends, so a drawing cuts it at the border of the view.
+    fn lines(&self) -> Vec<[V; 2]> {
+        Vec::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::Vector;
+
+    #[test]
+    fn a_half_plane_measures_depth() {
+        let wall = HalfPlane { point: Vector::new(0.0, 1.0), normal: Vector::Y };
+        let nearest = Nearest::Half { normal: Vector::Y, distance: -0.75 };
+        assert_eq!(wall.nearest(Vector::new(7.0, 0.25)), nearest);
+        assert_eq!(wall.crossing(Vector::new(0.0, 2.0), Vector::new(3.0, 0.0)), Some(0.5));
+        assert_eq!(wall.crossing(Vector::new(0.0, 0.0), Vector::new(0.0, 2.0)), None);
+    }
+}

@@ -1,0 +1,96 @@
+//! Shapes of wall surfaces, one file each.
+//!
+//! A shape knows its nearest point to a centre, its bounds, where a path passes through it, and the lines that a drawing
+//! shows of it. All but the half-plane are thin: they push grains away on both sides.
+
+pub mod half_plane;
+pub mod panel;
+pub mod revolved;
+pub mod segment;
+
+use crate::space::{COINCIDENT, PARTED, Space};
+
+/// Position of a shape relative to a centre.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Nearest<V> {
+    /// The nearest point of a thin shape.
+    Point {
+        /// Vector from the nearest point to the centre, m. It is never zero: for a centre on the shape it is a very
+        /// short vector to one side.
+        away: V,
+        /// Mean of the two principal curvatures at the nearest point, 1/m: positive if the shape bulges towards the
+        /// centre, negative if it is hollow, 0 if it is flat or if the point is on an edge.
+        curvature: f64,
+        /// Whether the nearest point lies on an edge, where another shape may continue this one.
+        at_edge: bool,
+    },
+    /// Normal and distance of a half-plane.
+    Half {
+        /// Unit normal into the free half.
+        normal: V,
+        /// Distance from the surface, m; negative inside.
+        distance: f64,
+    },
+}
+
+impl<V: Space> Nearest<V> {
+    /// Returns the nearest point of a flat thin shape. `side` returns the unit vector along which the shape pushes a
+    /// centre that lies exactly on it.
+    #[inline(always)]
+    fn flat(away: V, at_edge: bool, side: impl FnOnce() -> V) -> Self {
+        Self::Point { away: parted(away, side), curvature: 0.0, at_edge }
+    }
+
+    /// Returns the distance, m; negative inside a half-plane.
+    #[inline]
+    #[must_use]
+    pub fn distance(&self) -> f64 {
+        match self {
+            Self::Point { away, .. } => away.length(),
+            Self::Half { distance, .. } => *distance,
+        }
+    }
+}
+
+/// Returns `away`, or a very short vector to one side if `away` is zero.
+#[inline(always)]
+fn parted<V: Space>(away: V, side: impl FnOnce() -> V) -> V {
+    if away.length_squared() < COINCIDENT { side() * PARTED } else { away }
+}
+
+/// A shape of a wall surface.
+pub trait Shape<V: Space> {
+    /// Returns the position of the shape relative to `x` (m).
+    fn nearest(&self, x: V) -> Nearest<V>;
+
+    /// Returns the lowest and the highest coordinates of the shape, m; `None` if it has no ends.
+    fn bounds(&self) -> Option<[V; 2]>;
+
+    /// Returns where the straight path passes through the shape, as a share of the path (0 to 1); `None` if it does not,
+    /// or if the shape has no area.
+    fn crossing(&self, from: V, to: V) -> Option<f64>;
+
+    /// Returns the lines of the shape in a drawing, m: the edges of a panel; of a surface of revolution its section with
+    /// the plane of the drawing.
+    fn lines(&self) -> Vec<[V; 2]>;
+}
+
+/// Returns the box around points.
+fn box_around<V: Space>(points: &[V]) -> Option<[V; 2]> {
+    let join =
+        |choose: fn(f64, f64) -> f64| move |a: V, b: V| V::from_components(|axis| choose(a.axis(axis), b.axis(axis)));
+    let bound = |choose| points.iter().copied().reduce(join(choose));
+    Some([bound(f64::min)?, bound(f64::max)?])
+}
+
+/// Returns the point of an edge nearest to a centre, as a share of the edge (0 to 1).
+#[inline]
+fn foot_share<V: Space>(from_corner: V, edge: V) -> f64 {
+    (from_corner.dot(edge) / edge.length_squared()).clamp(0.0, 1.0)
+}
+
+/// Whether a share of an edge is one of its ends.
+#[inline]
+fn is_end(share: f64) -> bool {
+    share <= 0.0 || share >= 1.0
+}

@@ -1,0 +1,80 @@
+//! Panel: a thin rectangle of solid space.
+
+use serde::{Deserialize, Serialize};
+
+use crate::space::{Linear, Plane, Space};
+use crate::walls::shapes::{Nearest, Shape, box_around, foot_share, is_end};
+
+/// A thin rectangle.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
+pub struct Panel<V: Space = Plane> {
+    /// One corner, m.
+    pub corner: V,
+    /// One edge, m.
+    pub along: V,
+    /// The other edge, m.
+    pub across: V,
+}
+
+impl<V: Space> Panel<V> {
+    /// Returns the corners in order round the panel, m.
+    fn corners(&self) -> [V; 4] {
+        let Self { corner, along, across } = *self;
+        [corner, corner + along, corner + along + across, corner + across]
+    }
+}
+
+impl<V: Space> Shape<V> for Panel<V> {
+    #[inline(always)]
+    fn nearest(&self, x: V) -> Nearest<V> {
+        let Self { corner, along, across } = *self;
+        let (a, b) = (foot_share(x - corner, along), foot_share(x - corner, across));
+        Nearest::flat(x - (corner + along * a + across * b), is_end(a) || is_end(b), || {
+            V::narrow(along.spread().cross(across.spread())).unit_or_zero()
+        })
+    }
+
+    fn bounds(&self) -> Option<[V; 2]> {
+        box_around(&self.corners())
+    }
+
+    fn crossing(&self, from: V, to: V) -> Option<f64> {
+        let [corner, along, across, from, to] =
+            [self.corner, self.along, self.across, from, to].map(|vector| vector.spread());
+        let normal = along.cross(across);
+        let (before, after) = ((from - corner).dot(normal), (to - corner).dot(normal));
+        if (before < 0.0) == (after < 0.0) {
+            return None;
+        }
+        let share = before / (before - after);
+        let at = from + (to - from) * share - corner;
+        let inside = |edge| (0.0..=1.0).contains(&(Linear::dot(at, edge) / Linear::length_squared(edge)));
+        (inside(along) && inside(across)).then_some(share)
+    }
+
+    fn lines(&self) -> Vec<[V; 2]> {
+        let corners = self.corners();
+        (0..4).map(|n| [corners[n], corners[(n + 1) % 4]]).collect()
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
+mod tests {
+    use super::*;
+    use crate::space::{PARTED, Solid};
+
+    #[test]
+    fn a_panel_has_a_face_edges_and_corners() {
+        let wall = Panel { corner: Solid::ZERO, along: Solid::new(2.0, 0.0, 0.0), across: Solid::new(0.0, 1.0, 0.0) };
+        let point = |away, at_edge| Nearest::Point { away, curvature: 0.0, at_edge };
+        assert_eq!(wall.nearest(Solid::new(1.0, 0.5, 0.3)), point(Solid::Z * 0.3, false));
+        assert_eq!(wall.nearest(Solid::new(1.0, 0.5, -0.3)), point(Solid::Z * -0.3, false));
+        assert_eq!(wall.nearest(Solid::new(1.0, 4.0, 4.0)), point(Solid::new(0.0, 3.0, 4.0), true));
+        assert_eq!(wall.nearest(Solid::new(-2.0, -1.0, 2.0)).distance(), 3.0);
+        assert_eq!(wall.nearest(Solid::new(1.0, 0.5, 0.0)), point(Solid::Z * PARTED, false));
+        assert_eq!(wall.crossing(Solid::new(1.0, 0.5, 1.0), Solid::new(1.0, 0.5, -3.0)), Some(0.25));
+        assert_eq!(wall.crossing(Solid::new(1.0, 1.5, 1.0), Solid::new(1.0, 1.5, -3.0)), None);
+    }
+}

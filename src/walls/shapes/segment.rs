@@ -1,0 +1,58 @@
+//! Segment: a thin line between two points; in solid space a thin rod.
+
+use serde::{Deserialize, Serialize};
+
+use crate::space::{Dimension, Plane, Space};
+use crate::walls::shapes::{Nearest, Shape, box_around, foot_share, is_end};
+
+/// A thin line between two points.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
+pub struct Segment<V: Space = Plane> {
+    /// One end, m.
+    pub from: V,
+    /// The other end, m.
+    pub to: V,
+}
+
+impl<V: Space> Shape<V> for Segment<V> {
+    #[inline(always)]
+    fn nearest(&self, x: V) -> Nearest<V> {
+        let edge = self.to - self.from;
+        let share = foot_share(x - self.from, edge);
+        // In solid space, a panel may have the whole rod as its edge.
+        let at_edge = V::DIMENSION == Dimension::Solid || is_end(share);
+        Nearest::flat(x - (self.from + edge * share), at_edge, || edge.any_perpendicular().unit_or_zero())
+    }
+
+    fn bounds(&self) -> Option<[V; 2]> {
+        box_around(&[self.from, self.to])
+    }
+
+    /// Never: the paths of the plane are checked with [`Outline`](crate::walls::outline::Outline), which has no gaps, and
+    /// a rod has no area.
+    fn crossing(&self, _: V, _: V) -> Option<f64> {
+        None
+    }
+
+    fn lines(&self) -> Vec<[V; 2]> {
+        vec![[self.from, self.to]]
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
+mod tests {
+    use super::*;
+    use crate::space::{PARTED, Vector};
+
+    #[test]
+    fn a_segment_is_round_at_its_ends_and_two_sided() {
+        let wall = Segment { from: Vector::ZERO, to: Vector::new(2.0, 0.0) };
+        let point = |away, at_edge| Nearest::Point { away, curvature: 0.0, at_edge };
+        assert_eq!(wall.nearest(Vector::new(1.0, -0.5)), point(Vector::new(0.0, -0.5), false));
+        assert_eq!(wall.nearest(Vector::new(5.0, 4.0)), point(Vector::new(3.0, 4.0), true));
+        assert_eq!(wall.nearest(Vector::new(5.0, 4.0)).distance(), 5.0);
+        assert_eq!(wall.nearest(Vector::new(1.0, 0.0)), point(Vector::Y * PARTED, false));
+    }
+}
