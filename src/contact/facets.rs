@@ -5,45 +5,39 @@
 //! facet alone: in a hollow of facets, several forces would act beside every seam. The energy of the contact is then that
 //! of the distance from the union of the linked facets, which has no jump where the nearest facet changes.
 
-use crate::contact::Pair;
 use crate::space::Space;
 use crate::walls::surfaces::SurfaceWall;
 
 /// Cosine of 15 degrees: facets that meet at a smaller angle stand for a smooth surface.
 const SMOOTH: f64 = 0.965_925_826_289_068_3;
 
-/// Removes from the contacts of a grain those that a nearer facet of a smooth surface replaces. `follow` receives each wall
-/// that is left out, and the one that stays.
-pub(super) fn keep_nearest_facets<V: Space>(
-    walls: &[SurfaceWall<V>],
-    contacts: &mut Vec<(usize, Pair<V>)>,
-    mut follow: impl FnMut(usize, usize),
-) {
-    if contacts.len() < 2 {
-        return;
-    }
-    let linked = |[a, b]: [usize; 2]| {
-        let [(one, pair), (other, beside)] = [&contacts[a], &contacts[b]];
-        walls[*one].number == walls[*other].number && pair.normal.dot(beside.normal) > SMOOTH
+/// A wall that a grain touches: its index, the unit normal, and the distance of the grain's centre, m.
+pub(super) type Touch<V> = (usize, V, f64);
+
+/// Returns, for each wall that a grain touches, the place of the one that has the contact: its own, or that of a nearer
+/// facet of the same smooth surface.
+pub(super) fn nearest_facets<V: Space>(walls: &[SurfaceWall<V>], touches: &[Touch<V>]) -> Vec<usize> {
+    let linked = |(one, normal, _): &Touch<V>, (other, beside, _): &Touch<V>| {
+        walls[*one].number == walls[*other].number && normal.dot(*beside) > SMOOTH
     };
-    // For each contact the nearest of those linked with it. Each pass carries it one link further.
-    let mut nearest: Vec<usize> = (0..contacts.len()).collect();
-    let is_nearer = |a: usize, b: usize| contacts[a].1.overlap > contacts[b].1.overlap;
-    let mut has_changed = true;
-    while has_changed {
-        has_changed = false;
-        for a in 0..contacts.len() {
-            for b in 0..contacts.len() {
-                if nearest[a] != nearest[b] && is_nearer(nearest[b], nearest[a]) && linked([a, b]) {
-                    nearest[a] = nearest[b];
-                    has_changed = true;
+    let mut nearest_first: Vec<usize> = (0..touches.len()).collect();
+    nearest_first.sort_by(|&a, &b| touches[a].2.total_cmp(&touches[b].2));
+    let mut holder = vec![usize::MAX; touches.len()];
+    let mut reached = Vec::new();
+    for nearest in nearest_first {
+        if holder[nearest] != usize::MAX {
+            continue;
+        }
+        holder[nearest] = nearest;
+        reached.push(nearest);
+        while let Some(from) = reached.pop() {
+            for to in 0..touches.len() {
+                if holder[to] == usize::MAX && linked(&touches[from], &touches[to]) {
+                    holder[to] = nearest;
+                    reached.push(to);
                 }
             }
         }
     }
-    for (at, &kept) in nearest.iter().enumerate().filter(|&(at, &kept)| at != kept) {
-        follow(contacts[at].0, contacts[kept].0);
-    }
-    let mut at = 0..;
-    contacts.retain(|_| at.next().is_some_and(|at| nearest[at] == at));
+    holder
 }

@@ -9,7 +9,7 @@
 //! One inverse root gives all lengths (`ContactLine`), here and in the kernel's lanes (`batch/bodies.rs`). So surveys
 //! of contacts and the force pass agree to the last bit.
 
-use crate::contact::facets::keep_nearest_facets;
+use crate::contact::facets::nearest_facets;
 use crate::contact::root::inverse_root;
 use crate::contact::{Pair, VelocityPrediction};
 use crate::particle::GrainId;
@@ -169,6 +169,15 @@ impl<V: Space> WallContacts<V> {
         self.beside.clear();
         self.found.clear();
         self.beside.extend(near.filter_map(|index| Some((index, beside_wall(store, i, &walls[index], ahead)?))));
+        if walls_repeat(walls, &self.beside) {
+            let touches: Vec<_> =
+                self.beside.iter().map(|(index, beside)| (*index, beside.line.normal, beside.line.distance)).collect();
+            let holders = nearest_facets(walls, &touches);
+            let left_out = |at: &usize| holders[*at] != *at;
+            (0..touches.len()).filter(left_out).for_each(|at| follow(touches[at].0, touches[holders[at]].0));
+            let mut at = 0..;
+            self.beside.retain(|_| at.next().is_some_and(|at| !left_out(&at)));
+        }
         let grain = (store.body[i].position, store.body[i].radius);
         for (index, beside) in &self.beside {
             let others = self.beside.iter().map(|(other, line)| (*other, line.line.distance, line.edge.is_some()));
@@ -177,8 +186,12 @@ impl<V: Space> WallContacts<V> {
                 None => self.found.push((*index, wall_pair_at(store, i, &walls[*index], beside, root, 0.0))),
             }
         }
-        keep_nearest_facets(walls, &mut self.found, follow);
     }
+}
+
+/// Whether several surfaces in a list, ascending, belong to one wall of the scene.
+fn walls_repeat<V: Space>(walls: &[SurfaceWall<V>], beside: &[(usize, WallLine<V>)]) -> bool {
+    beside.windows(2).any(|pair| walls[pair[0].0].number == walls[pair[1].0].number)
 }
 
 /// Returns the geometry of the movable particle in slot `i` and a wall that it has just left.
