@@ -40,6 +40,7 @@ use crate::walls::conveyor::ConveyorPlugin;
 use crate::walls::outline::Outline;
 use crate::walls::paths::SurfaceWalls;
 use crate::walls::surfaces::LeavingWallsPlugin;
+use crate::walls::surfaces::Surfaces;
 use crate::watchdog::WatchdogPlugin;
 
 /// Adds the plugins that the scene needs to an app that has the resources of a run.
@@ -192,6 +193,9 @@ pub(crate) fn solid_paths(app: &mut Assembly, loaded: &Loaded) {
     let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
     let walls = loaded.surfaces();
     if !walls.is_empty() {
-        app.add("walls", PathsPlugin { paths: Arc::new(SurfaceWalls(walls)), smallest_radius });
+        app.add(
+            "walls",
+            PathsPlugin { paths: Arc::new(SurfaceWalls(Surfaces::new(walls, smallest_radius))), smallest_radius },
+        );
     }
 }

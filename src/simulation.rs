@@ -410,13 +410,16 @@ fn add_plugins<V: Space>(
     paths: AddPaths,
 ) {
     assembly.provide(Gravity(loaded.scene.gravity.get::<V>()));
-    assembly.provide(Surfaces(loaded.surfaces::<V>()));
+    let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
+    assembly.provide(Surfaces::new(loaded.surfaces::<V>(), largest));
     assembly.provide(LeavingWalls::default());
     if !loaded.contacts_at_start.is_empty() {
         assembly.provide(ContactsAtStart(loaded.contacts_at_start.clone()));
     }
     assembly.add_with("walls", |app| {
-        app.persist_component::<WallIndex>().persist::<Surfaces<V>>().persist::<LeavingWalls>();
+        app.persist_component::<WallIndex>()
+            .persist::<LeavingWalls>()
+            .persist_part::<Surfaces<V>, Vec<_>>(|walls| Ok(walls.saved()), |walls, saved| Ok(walls.restore(&saved)?));
     });
     add_all::<V>(assembly, loaded, behaviours, paths);
 }

@@ -17,6 +17,8 @@ use crate::scene::check::{self, Estimates};
 use crate::scene::expected::{self, BYTES_PER_GRAIN};
 use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;
+use crate::walls::config::Wall;
+use crate::walls::mesh::open_and_crowded_edges;
 use crate::writers::volume::{self, Output, Volume};
 
 /// Arguments of `check`.
@@ -58,6 +60,19 @@ pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<Verdict, Fa
     Ok(Verdict::Done)
 }
 
+/// Adds a line for each mesh. An edge of one triangle alone is the rim of an opening, or a gap.
+fn describe_meshes(loaded: &Loaded, text: &mut String) {
+    for (number, wall) in loaded.scene.walls.iter().enumerate() {
+        let Wall::Mesh { triangles, .. } = wall else { continue };
+        let [open, crowded] = open_and_crowded_edges(triangles);
+        let count = triangles.len();
+        let _ = writeln!(
+            text,
+            "mesh of walls[{number}]  {count} triangles; {open} edges of one triangle alone, {crowded} of more than two"
+        );
+    }
+}
+
 /// Adds the estimates of a scene of grains. Writing to a string cannot fail.
 fn describe(loaded: &Loaded, text: &mut String) {
     let (grains, fixed) = (loaded.grains.len(), loaded.fixed.len());
@@ -67,6 +82,7 @@ fn describe(loaded: &Loaded, text: &mut String) {
         text,
         "start             {grains} grains, {fixed} wall grains of `fill`, about {megabytes:.1} MB of memory"
     );
+    describe_meshes(loaded, text);
     if let Some(dt) = expected::known_step(loaded) {
         let steps = loaded.scene.until.get() / dt;
         describe_output(&expected::outputs(loaded, dt), steps, text);

@@ -60,8 +60,8 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     let pass = Pass {
         law: &*law.0,
         list: &search.list,
-        walls: &walls.0,
-        near: near.of(&store, &walls.0, have_changed),
+        walls: &walls.all,
+        near: near.of(&store, &walls, have_changed),
         dt: memory_step(&clock, store.prediction.lookahead),
         starts: clock.is_step_zero(),
         lone: if store.predicts() { lone.of(&search.list, &store.prediction.lone) } else { &[] },
@@ -76,7 +76,7 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     if pass.counts {
         lone.are_old();
     }
-    if !walls.0.is_empty() {
+    if !walls.all.is_empty() {
         walls.gather(scratches.0.iter().map(|scratch| &scratch.on_walls[..]));
     }
 }

@@ -9,6 +9,7 @@
 //! One inverse root gives all lengths (`ContactLine`), here and in the kernel's lanes (`batch/bodies.rs`). So surveys
 //! of contacts and the force pass agree to the last bit.
 
+use crate::contact::facets::nearest_facets;
 use crate::contact::root::inverse_root;
 use crate::contact::{Pair, VelocityPrediction};
 use crate::particle::GrainId;
@@ -43,7 +44,7 @@ impl<V: Space> ContactLine<V> {
 }
 
 /// A particle and the nearest point of a wall.
-struct WallLine<V> {
+pub(crate) struct WallLine<V> {
     line: ContactLine<V>,
     /// Mean curvature at the nearest point, 1/m.
     curvature: f64,
@@ -64,16 +65,6 @@ impl<V: Space> WallLine<V> {
             }
         }
     }
-}
-
-/// A movable particle beside a wall.
-pub(crate) enum WallTouch<V: Space> {
-    /// They do not touch.
-    Apart,
-    /// The nearest point is on an edge, and the wall with this index has the contact instead.
-    ContinuedBy(usize),
-    /// They touch.
-    Touches(Pair<V>),
 }
 
 /// Returns the contact of the particles in slots `i` and `j` if they overlap and at least one can move. `root` asks for
@@ -126,31 +117,81 @@ fn pair_at<V: Space>(store: &ParticleStore<V>, slots: [usize; 2], separation: V,
     }
 }
 
-/// Returns the contact of the movable particle in slot `i` with wall `index`, if they touch within the time `ahead`, s.
-/// `near` are the walls near the particle.
+/// Returns the nearest point of a wall to the movable particle in slot `i`, if they touch within the time `ahead`, s.
+#[inline(always)]
+fn beside_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, ahead: f64) -> Option<WallLine<V>> {
+    let body = &store.body[i];
+    let beside = WallLine::new(body, wall);
+    let closing = || (store.middle_velocity(i) - wall.velocity).dot(beside.line.normal).abs();
+    let window = if ahead > 0.0 { ahead * closing() } else { 0.0 };
+    // Written so that a NaN does not touch.
+    if beside.line.distance < body.radius + window && wall.is_present { Some(beside) } else { None }
+}
+
+/// Returns the contact of the movable particle in slot `i` with a wall that no other wall is near, if they touch within
+/// the time `ahead`, s.
 #[inline(always)]
 #[must_use]
 pub(crate) fn touching_wall<V: Space>(
     store: &ParticleStore<V>,
     i: usize,
-    (walls, index): (&[SurfaceWall<V>], usize),
-    near: impl Iterator<Item = usize>,
+    wall: &SurfaceWall<V>,
     (root, ahead): (bool, f64),
-) -> WallTouch<V> {
-    let (body, wall) = (&store.body[i], &walls[index]);
-    let beside = WallLine::new(body, wall);
-    let closing = || (store.middle_velocity(i) - wall.velocity).dot(beside.line.normal).abs();
-    let window = if ahead > 0.0 { ahead * closing() } else { 0.0 };
-    // Written so that a NaN does not touch.
-    if !(beside.line.distance < body.radius + window && wall.is_present) {
-        return WallTouch::Apart;
+) -> Option<Pair<V>> {
+    beside_wall(store, i, wall, ahead).map(|beside| wall_pair_at(store, i, wall, &beside, root, 0.0))
+}
+
+/// The contacts of one particle with walls.
+pub(crate) struct WallContacts<V: Space> {
+    /// Walls that touch the particle, each for itself.
+    beside: Vec<(usize, WallLine<V>)>,
+    /// The contacts, each with the index of its wall, ascending.
+    pub found: Vec<(usize, Pair<V>)>,
+}
+
+impl<V: Space> Default for WallContacts<V> {
+    fn default() -> Self {
+        Self { beside: Vec::new(), found: Vec::new() }
     }
-    if let Some(away) = beside.edge
-        && let Some(other) = continued_by(walls, index, near, (body.position, body.radius), away)
-    {
-        return WallTouch::ContinuedBy(other);
+}
+
+impl<V: Space> WallContacts<V> {
+    /// Finds the contacts of the movable particle in slot `i` with the walls `near` it. `follow` receives each wall whose
+    /// contact passes to another wall at a seam, and that other wall.
+    pub(crate) fn find(
+        &mut self,
+        store: &ParticleStore<V>,
+        i: usize,
+        (walls, near): (&[SurfaceWall<V>], impl Iterator<Item = usize>),
+        (root, ahead): (bool, f64),
+        mut follow: impl FnMut(usize, usize),
+    ) {
+        self.beside.clear();
+        self.found.clear();
+        self.beside.extend(near.filter_map(|index| Some((index, beside_wall(store, i, &walls[index], ahead)?))));
+        if walls_repeat(walls, &self.beside) {
+            let touches: Vec<_> =
+                self.beside.iter().map(|(index, beside)| (*index, beside.line.normal, beside.line.distance)).collect();
+            let holders = nearest_facets(walls, &touches);
+            let left_out = |at: &usize| holders[*at] != *at;
+            (0..touches.len()).filter(left_out).for_each(|at| follow(touches[at].0, touches[holders[at]].0));
+            let mut at = 0..;
+            self.beside.retain(|_| at.next().is_some_and(|at| !left_out(&at)));
+        }
+        let grain = (store.body[i].position, store.body[i].radius);
+        for (index, beside) in &self.beside {
+            let others = self.beside.iter().map(|(other, line)| (*other, line.line.distance, line.edge.is_some()));
+            match beside.edge.and_then(|away| continued_by(walls, *index, others, grain, away)) {
+                Some(other) => follow(*index, other),
+                None => self.found.push((*index, wall_pair_at(store, i, &walls[*index], beside, root, 0.0))),
+            }
+        }
     }
-    WallTouch::Touches(wall_pair_at(store, i, wall, &beside, root, 0.0))
+}
+
+/// Whether several surfaces in a list, ascending, belong to one wall of the scene.
+fn walls_repeat<V: Space>(walls: &[SurfaceWall<V>], beside: &[(usize, WallLine<V>)]) -> bool {
+    beside.windows(2).any(|pair| walls[pair[0].0].number == walls[pair[1].0].number)
 }
 
 /// Returns the geometry of the movable particle in slot `i` and a wall that it has just left.

@@ -19,6 +19,7 @@ pub mod centred;
 pub mod composite;
 pub mod config;
 pub mod damping;
+mod facets;
 pub(crate) mod force_accumulation;
 mod forces;
 pub mod geometry;

@@ -68,7 +68,7 @@ pub(super) fn add_contact_work<V: Space>(
         let added = store.added.get(store.movable_end + i).copied().unwrap_or(V::ZERO);
         wall -= (*force - added).dot(body.velocity);
     }
-    for moving in &walls.0 {
+    for moving in &walls.all {
         dissipation -= moving.load.drag.dot(moving.velocity) + moving.load.drag_torque.dot(moving.spin);
         wall -= moving.load.force.dot(moving.velocity) + moving.load.torque.dot(moving.spin);
     }

@@ -37,7 +37,7 @@ use crate::spin::InertiaLaw;
 use crate::step::{Clock, Phase, Step};
 use crate::store::PlainCommands;
 use crate::values::{FiniteVector, NonNegative, Positive};
-use crate::walls::surfaces::Surfaces;
+use crate::walls::surfaces::{SurfaceWall, Surfaces};
 
 /// One entry of the scene key `feed`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -187,7 +187,8 @@ fn feed<V: Space>(
             let place = |x: V, radius: f64| {
                 let touches = |&(y, other): &(V, f64)| particles.separation(x, y).length() < radius + other;
                 let is_free = !near.iter().chain(&newcomers).any(touches);
-                is_free && walls.0.iter().all(|wall| !wall.is_present || wall.surface.distance(x) >= radius)
+                let is_clear = |wall: &SurfaceWall<V>| !wall.is_present || wall.surface.distance(x) >= radius;
+                is_free && walls.near(x, radius).iter().all(|index| is_clear(&walls.all[index]))
             };
             let Some(new) = inlet.enter(particles.periodic(), &mut tries_left, place) else { break };
             newcomers.push((new.position, new.radius));

@@ -26,7 +26,7 @@ use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 use crate::store::PlainCommands;
 use crate::values::{FiniteVector, NonNegative, Positive, Share};
-use crate::walls::surfaces::Surfaces;
+use crate::walls::surfaces::{SurfaceWall, Surfaces};
 
 /// The scene key `spawner`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -248,9 +248,10 @@ fn blocker<V: Space>(grain: &Candidate<V>, particles: &Particles<V>, walls: &Sur
     if let Some(row) = particles.all().find(|&row| overlaps(row)) {
         return Some(particles.id(row).to_string());
     }
-    let wall =
-        walls.0.iter().position(|wall| wall.is_present && wall.surface.distance(grain.position) < grain.radius)?;
-    Some(format!("wall surface {} of the scene", wall + 1))
+    let overlaps = |wall: &&SurfaceWall<V>| wall.is_present && wall.surface.distance(grain.position) < grain.radius;
+    let near = walls.near(grain.position, grain.radius);
+    let wall = near.iter().map(|index| &walls.all[index]).find(overlaps)?;
+    Some(format!("wall {} of the scene", wall.number + 1))
 }
 
 fn release_due<V: Space>(clock: Res<Clock>, state: Res<SpawnerState<V>>, pending: Res<Pending>) -> bool {

@@ -29,6 +29,7 @@ use crate::step::{Clock, Step};
 use crate::store::Body;
 use crate::survey::{Partner, Survey, SurveyParam};
 use crate::values::Positive;
+use crate::walls::config::Wall;
 use crate::walls::shapes::Shape as _;
 use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::surfaces::{Surface, Surfaces};
@@ -51,6 +52,8 @@ pub struct FrameRenderer {
     pub species: Vec<String>,
     /// Radius of the smallest grain, m.
     pub smallest_radius: f64,
+    /// Depth of the plane in which triangles are drawn, m: the middle of all walls with ends.
+    pub section_depth: f64,
 }
 
 type Bodies<'w, 's> = Query<'w, 's, (&'static Slot, &'static Radius, Option<&'static Species>, Has<Door>, Has<Grain>)>;
@@ -98,7 +101,7 @@ fn draw_frame<V: Space>(
         outlined: V::DIMENSION == Dimension::Solid,
         bonds: renderer.bonds(&survey, clock.dt),
         lines: walls
-            .0
+            .all
             .iter()
             .filter(|wall| wall.is_present)
             .flat_map(|wall| renderer.lines(&wall.surface))
@@ -143,7 +146,10 @@ impl FrameRenderer {
             None => Vec::new(),
         };
         let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
-        Some(Self { pictures, directory, view, title, species, smallest_radius })
+        let depths = loaded.scene.walls.iter().filter_map(Wall::bounds).map(|ends| ends.map(Space::depth));
+        let ends = depths.reduce(|[low, high], [from, to]| [low.min(from), high.max(to)]);
+        let section_depth = ends.map_or(0.0, |[low, high]| 0.5 * (low + high));
+        Some(Self { pictures, directory, view, title, species, smallest_radius, section_depth })
     }
 
     fn header(&self, time: f64, ledger: &Ledger) -> Vec<String> {
@@ -204,7 +210,7 @@ impl FrameRenderer {
     /// half-planes are left out.
     fn lines<V: Space>(&self, wall: &Surface<V>) -> Vec<(Vector, Vector)> {
         let Surface::HalfPlane(HalfPlane { point, normal }) = *wall else {
-            return wall.lines().into_iter().map(|[a, b]| (a.on_paper(), b.on_paper())).collect();
+            return wall.lines(self.section_depth).into_iter().map(|[a, b]| (a.on_paper(), b.on_paper())).collect();
         };
         if normal.depth().abs() > 1e-9 {
             return Vec::new();

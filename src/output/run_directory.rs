@@ -75,19 +75,36 @@ const SUMMARY: &str = "summary.json";
 /// Names of all files that a run writes at the top of its directory.
 const OWN_FILES: [&str; 8] = [SERIES, WALLS, PROFILES, CENTRES, FLOW, LOSSES, STATE, SUMMARY];
 
-/// Names of the files that hold the input of a run.
-pub const INPUT_FILES: [&str; 4] = [SCENE, "input-silo.dat", "input-grains.csv", "input-contacts.csv"];
+/// Names of the files that hold the input of a run, without those of meshes.
+const INPUT_FILES: [&str; 4] = [SCENE, "input-silo.dat", "input-grains.csv", "input-contacts.csv"];
+const MESH_START: &str = "input-wall-";
 
 /// Bytes that `summary.json.part` occupies from the start, so that a full disk at the end leaves space for the summary.
 const SUMMARY_RESERVE: usize = 32 << 10;
 
-/// Returns the name of the copy of the input file that the scene key `key` names.
-fn copy_name(key: &str) -> &'static str {
-    match key {
+/// Returns the name of the copy of the input file `from` that the scene key `key` names.
+fn copy_name(key: &str, from: &Path) -> String {
+    let name = match key {
         "silo.file" => "input-silo.dat",
         "grains.contacts" => "input-contacts.csv",
-        _ => "input-grains.csv",
-    }
+        "grains.file" => "input-grains.csv",
+        _ => {
+            // The mesh of a wall: `walls[3].file`.
+            let number: String = key.chars().filter(char::is_ascii_digit).collect();
+            let ending = from.extension().unwrap_or_default().to_ascii_lowercase();
+            return format!("{MESH_START}{number}.{}", ending.display());
+        }
+    };
+    name.to_owned()
+}
+
+/// Whether a file of this name at the top of a run directory holds input.
+fn is_input(name: &str) -> bool {
+    let of_mesh = |rest: &str| {
+        let number = rest.strip_suffix(".stl").or_else(|| rest.strip_suffix(".obj"));
+        number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
+    };
+    INPUT_FILES.contains(&name) || name.strip_prefix(MESH_START).is_some_and(of_mesh)
 }
 
 /// Returns the path of the scene in a run directory.
@@ -101,16 +118,15 @@ pub fn scene_of(run: &Path) -> PathBuf {
 /// # Errors
 /// If a file cannot be read.
 pub fn hash_of_input(run: &Path) -> io::Result<u64> {
+    let mut names = Vec::new();
+    for entry in fs::read_dir(run)? {
+        names.extend(entry?.file_name().into_string().ok().filter(|name| is_input(name)));
+    }
+    names.sort_unstable();
     let mut hash = Fnv::default();
-    for name in INPUT_FILES {
-        match File::open(run.join(name)) {
-            Ok(file) => {
-                hash.update(name.as_bytes());
-                hash.update_from(file)?;
-            }
-            Err(error) if error.kind() == io::ErrorKind::NotFound => {}
-            Err(error) => return Err(error),
-        }
+    for name in names {
+        hash.update(name.as_bytes());
+        hash.update_from(File::open(run.join(name))?)?;
     }
     Ok(hash.value())
 }
@@ -187,7 +203,7 @@ fn is_own(path: &Path) -> bool {
         Err(_) => match complete.strip_prefix(CHECKPOINTS) {
             Ok(inside) if inside == Path::new("") => complete == path,
             Ok(inside) => inside.components().count() == 1 && is_checkpoint(inside),
-            Err(_) => OWN_FILES.iter().chain(&INPUT_FILES).any(|name| Path::new(name) == complete),
+            Err(_) => complete.to_str().is_some_and(|name| OWN_FILES.contains(&name) || is_input(name)),
         },
     }
 }
@@ -207,8 +223,8 @@ impl RunDirectory {
         let stage = Stage::create(&target, &is_own).map_err(|error| could_not_prepare(path, &error))?;
         let directory = Self { shown: path.to_owned(), target, replace, place: Place::Staged(stage) };
         let mut text = source.text.clone();
-        for (key, ..) in &source.files {
-            text = places::set(&text, key, &format!("{:?}", copy_name(key)))?;
+        for (key, from) in &source.files {
+            text = places::set(&text, key, &format!("{:?}", copy_name(key, from)))?;
         }
         directory.fill(&text, source).map_err(|error| directory.unwritable(&error))?;
         Ok(directory)
@@ -229,7 +245,7 @@ impl RunDirectory {
         let now = self.now();
         fs::create_dir(now.join(FRAMES))?;
         for (key, from) in &source.files {
-            let mut copy = File::create_new(now.join(copy_name(key)))?;
+            let mut copy = File::create_new(now.join(copy_name(key, from)))?;
             match source.text_for(key) {
                 Some(text) => copy.write_all(text.as_bytes())?,
                 None => io::copy(&mut File::open(from)?, &mut copy).map(|_| ())?,

@@ -19,7 +19,7 @@ use crate::persist::PersistApp as _;
 use crate::scene::outputs::Series;
 use crate::space::{Dimension, Space};
 use crate::step::{Clock, Step};
-use crate::walls::surfaces::Surfaces;
+use crate::walls::surfaces::{Surfaces, WallLoad};
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce, numbers};
 
 #[derive(Resource)]
@@ -31,8 +31,10 @@ fn write_rows<V: Space>(
     mut file: ResMut<WallsFile>,
     mut outcome: ResMut<Outcome>,
 ) {
-    for (number, wall) in (1..).zip(&walls.0) {
-        let (force, torque) = (numbers(wall.load.force), numbers(wall.load.torque));
+    for of_wall in walls.all.chunk_by(|a, b| a.number == b.number) {
+        let mut load = WallLoad::default();
+        of_wall.iter().for_each(|surface| load += surface.load);
+        let (number, force, torque) = (of_wall[0].number + 1, numbers(load.force), numbers(load.torque));
         file.0.append(format_args!("{:.9},{number},{force},{torque}\n", clock.time()), &mut outcome);
     }
 }

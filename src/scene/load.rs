@@ -20,6 +20,7 @@ use crate::space::{Dimension, Plane, Solid, Space};
 use crate::spin::InertiaLaw;
 use crate::values::Positive;
 use crate::walls::config::Wall;
+use crate::walls::mesh;
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
 use crate::walls::surfaces::SurfaceWall;
 
@@ -124,6 +125,23 @@ pub fn load(path: &Path, settings: &[(String, String)]) -> Result<Loaded, Fault>
     from_source(Source::read(path)?, settings)
 }
 
+/// Reads the files of the scene's meshes.
+fn read_meshes(loaded: &mut Loaded) -> Result<(), Fault> {
+    for (index, wall) in loaded.scene.walls.iter_mut().enumerate() {
+        let Wall::Mesh { file, unit, triangles, .. } = wall else { continue };
+        let key = format!("walls[{index}].file");
+        let path = loaded.source.name_file(&key, file);
+        let bytes = files::read_bytes(&path, files::MESH_BYTES)
+            .map_err(|error| loaded.source.unreadable(&key, &path, &error))?;
+        let read = mesh::read(&path, bytes, *unit).map_err(|message| {
+            let message = format!("{}: {message}", path.display());
+            loaded.source.fault("scene::mesh", &key, message).help("give a mesh of triangles with an area, each once")
+        })?;
+        *triangles = read.into();
+    }
+    Ok(())
+}
+
 /// Loads a scene of grains from its text. Relative file names start from `directory`.
 ///
 /// # Errors
@@ -174,6 +192,7 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
             loaded.contacts_at_start = read_contacts(&mut loaded.source, &contacts)?;
         }
     }
+    read_meshes(&mut loaded)?;
     // Before any grain is created.
     rules::fill(&loaded)?;
     loaded.fill()?;
@@ -378,7 +397,8 @@ impl Loaded {
     /// The wall surfaces.
     #[must_use]
     pub fn surfaces<V: Space>(&self) -> Vec<SurfaceWall<V>> {
-        self.scene.walls.iter().filter_map(Wall::surface).collect()
+        let walls = self.scene.walls.iter().filter(|wall| !matches!(wall, Wall::Disc { .. }));
+        walls.enumerate().flat_map(|(number, wall)| wall.surfaces(number)).collect()
     }
 
     /// Radii of all fixed discs and spheres, m.

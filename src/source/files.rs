@@ -15,6 +15,9 @@ pub const SILO_BYTES: u64 = 64 << 20;
 /// Most bytes of a grain file: over ten million grains.
 pub const GRAIN_BYTES: u64 = 4 << 30;
 
+/// Most bytes of a mesh: over a million triangles of a binary STL file.
+pub const MESH_BYTES: u64 = 512 << 20;
+
 /// Most bytes of a result that another command reads: a picture, a summary, a table.
 pub const RESULT_BYTES: u64 = 64 << 20;
 
@@ -47,6 +50,16 @@ impl Read for BoundedFile {
         self.left = self.left.checked_sub(count as u64).ok_or_else(|| too_large(self.most))?;
         Ok(count)
     }
+}
+
+/// Reads the regular file at `path`, of at most `most` bytes.
+///
+/// # Errors
+/// As [`BoundedFile::open`].
+pub fn read_bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    BoundedFile::open(path, most)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// Reads the regular file at `path` as text of at most `most` bytes.

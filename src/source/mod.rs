@@ -26,7 +26,7 @@ pub struct Source {
     /// The text with all settings applied.
     pub text: String,
     /// Files that the scene names, as key and path. A run keeps copies of them.
-    pub files: Vec<(&'static str, PathBuf)>,
+    pub files: Vec<(String, PathBuf)>,
     /// Texts that stand for named files, by key.
     pub texts: Vec<(&'static str, String)>,
     path: String,
@@ -145,9 +145,9 @@ impl Source {
     }
 
     /// Records a file that `key` names, and returns its path.
-    pub fn name_file(&mut self, key: &'static str, file: &Path) -> PathBuf {
+    pub fn name_file(&mut self, key: &str, file: &Path) -> PathBuf {
         let path = self.directory.join(file);
-        self.files.push((key, path.clone()));
+        self.files.push((key.to_owned(), path.clone()));
         path
     }
 

@@ -11,14 +11,13 @@ pub mod view;
 use bevy_ecs::prelude::*;
 use bevy_ecs::system::SystemParam;
 
-use crate::contact::geometry::WallTouch;
 use crate::contact::history::History;
 use crate::contact::{AnyLaw, Memory, Pair, PairLaw, geometry};
 use crate::neighbours::Search;
 use crate::particles::Motion;
 use crate::space::{Plane, Space};
 use crate::store::ParticleStore;
-use crate::walls::surfaces::{SurfaceWall, Surfaces};
+use crate::walls::surfaces::Surfaces;
 
 /// Partner of a particle in a contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,7 +45,7 @@ impl<V: Space> SurveyParam<'_, V> {
         Survey {
             store: self.motion.store(),
             search: &self.search,
-            walls: &self.walls.0,
+            walls: &self.walls,
             law: &*self.law.0,
             history: &self.history,
         }
@@ -61,7 +60,7 @@ pub struct Survey<'a, V: Space = Plane> {
     /// Candidate pairs.
     pub search: &'a Search<V>,
     /// Wall surfaces.
-    pub walls: &'a [SurfaceWall<V>],
+    pub walls: &'a Surfaces<V>,
     /// Contact law.
     pub law: &'a dyn PairLaw<V>,
     /// Contact history.
@@ -75,7 +74,7 @@ impl<'a, V: Space> Survey<'a, V> {
         Self {
             store: world.resource(),
             search: world.resource(),
-            walls: &world.resource::<Surfaces<V>>().0,
+            walls: world.resource(),
             law: &*world.resource::<AnyLaw<V>>().0,
             history: world.resource(),
         }
@@ -97,8 +96,8 @@ impl<'a, V: Space> Survey<'a, V> {
         self.visit_pairs(&accepts, &mut visit);
         let (store, mut memories) = (self.store, self.history.read_walls());
         for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
-            for index in (0..self.walls.len()).filter(|&index| accepts(i, Partner::Wall(index))) {
-                if let Some(pair) = self.contact_with_wall(i, index) {
+            for (index, pair) in self.contacts_with_walls(i) {
+                if accepts(i, Partner::Wall(index)) {
                     let memory = memories.look_up(i, index).unwrap_or_default();
                     visit(i, Partner::Wall(index), &pair, &memory);
                 }
@@ -106,13 +105,14 @@ impl<'a, V: Space> Survey<'a, V> {
         }
     }
 
-    /// Returns the contact of the movable particle in slot `i` with wall `index`.
-    fn contact_with_wall(&self, i: usize, index: usize) -> Option<Pair<V>> {
+    /// Returns the contacts of the movable particle in slot `i` with walls, ascending.
+    fn contacts_with_walls(&self, i: usize) -> Vec<(usize, Pair<V>)> {
+        let body = &self.store.body[i];
+        let near = self.walls.near(body.position, body.radius);
+        let mut contacts = geometry::WallContacts::default();
         let limits = (self.law.needs_mass_root(), 0.0);
-        match geometry::touching_wall(self.store, i, (self.walls, index), 0..self.walls.len(), limits) {
-            WallTouch::Touches(pair) => Some(pair),
-            WallTouch::ContinuedBy(_) | WallTouch::Apart => None,
-        }
+        contacts.find(self.store, i, (&self.walls.all, near.iter()), limits, |_, _| {});
+        contacts.found
     }
 
     /// Visits the accepted contacts between particles.

@@ -32,10 +32,8 @@ impl<'a, V: Space> Survey<'a, V> {
         });
         let rows = (0..store.movable_end).filter(|&i| store.is_present(i));
         let with_walls = rows.flat_map(move |i| {
-            (0..self.walls.len()).filter_map(move |index| {
-                let pair = self.contact_with_wall(i, index)?;
-                Some(Touching { survey: self, row: i, partner: Partner::Wall(index), pair })
-            })
+            let of_row = self.contacts_with_walls(i).into_iter();
+            of_row.map(move |(index, pair)| Touching { survey: self, row: i, partner: Partner::Wall(index), pair })
         });
         between.chain(with_walls)
     }
@@ -86,7 +84,7 @@ impl<V: Space> Touching<'_, V> {
     pub fn with(&self) -> Touched {
         match self.partner {
             Partner::Particle(row) => Touched::Particle(self.survey.store.id[row]),
-            Partner::Wall(wall) => Touched::Wall(wall + 1),
+            Partner::Wall(wall) => Touched::Wall(self.survey.walls.all[wall].number + 1),
         }
     }
 

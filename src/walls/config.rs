@@ -1,19 +1,25 @@
 //! The scene key `walls`.
 
+use std::path::PathBuf;
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 
 use crate::particle::Species;
 use crate::space::{Linear, Solid, Space};
 use crate::values::{Finite, FiniteVector, NonNegative, Positive};
-use crate::walls::shapes::Shape as _;
 use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::shapes::panel::Panel;
 use crate::walls::shapes::revolved::Revolved;
 use crate::walls::shapes::segment::Segment;
+use crate::walls::shapes::triangle::Triangle;
+use crate::walls::shapes::{Shape as _, box_around};
+use crate::walls::silo_file::LengthUnit;
 use crate::walls::surfaces::{Surface, SurfaceWall};
+use crate::walls::triangulation;
 
 /// One entry of the scene key `walls`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub enum Wall {
     /// A solid half-plane behind a line; in solid space, a half-space behind a plane.
@@ -55,6 +61,36 @@ pub enum Wall {
         /// out.
         #[serde(default)]
         door: bool,
+    },
+    /// A thin flat polygon in solid space, with or without a hole.
+    Polygon {
+        /// Corners in one plane, in order round the polygon, m.
+        points: Vec<FiniteVector>,
+        /// Corners of the hole, in order round it, m. Default: no hole.
+        #[serde(default)]
+        hole: Vec<FiniteVector>,
+        /// Material. Default 0.
+        #[serde(default)]
+        species: u8,
+        /// Whether the wall is the door, as for a panel.
+        #[serde(default)]
+        door: bool,
+    },
+    /// Triangles of a file, thin, in solid space.
+    Mesh {
+        /// Path of the STL or OBJ file, relative to the scene file.
+        file: PathBuf,
+        /// Unit of the numbers in the file.
+        unit: LengthUnit,
+        /// Material. Default 0.
+        #[serde(default)]
+        species: u8,
+        /// Whether the wall is the door, as for a panel.
+        #[serde(default)]
+        door: bool,
+        /// The triangles, m; read from the file after the scene.
+        #[serde(skip)]
+        triangles: Arc<[[Solid; 3]]>,
     },
     /// A thin cylinder, open at both ends, in solid space.
     Cylinder {
@@ -127,10 +163,11 @@ pub enum Wall {
 }
 
 impl Wall {
-    /// Returns the shape, or `None` for a disc, which is a wall grain. `vector` converts the vectors of the scene.
-    fn shape<V: Space>(&self, vector: impl Fn(FiniteVector) -> V) -> Option<Surface<V>> {
+    /// Returns the shapes: several for a polygon or a mesh, none for a disc, which is a wall grain. `vector` converts the vectors of
+    /// the scene.
+    fn shapes<V: Space>(&self, vector: impl Fn(FiniteVector) -> V) -> Vec<Surface<V>> {
         let radius = |radius: NonNegative| radius.get();
-        Some(match *self {
+        let shape = match *self {
             Self::HalfPlane { point, normal, .. } => {
                 Surface::HalfPlane(HalfPlane { point: vector(point), normal: vector(normal).unit_or_zero() })
             }
@@ -148,19 +185,40 @@ impl Wall {
                 let radii = [inner.map_or(0.0, radius), outer.get()];
                 Surface::Revolved(Revolved::ring(vector(centre), vector(normal), radii))
             }
-            Self::Disc { .. } => return None,
-        })
+            Self::Polygon { .. } | Self::Mesh { .. } => {
+                // The rules have refused polygons without triangles.
+                let triangles = self.triangles().unwrap_or_default();
+                return triangles.iter().map(|t| Surface::Triangle(Triangle(t.map(V::narrow)))).collect();
+            }
+            Self::Disc { .. } => return Vec::new(),
+        };
+        vec![shape]
     }
 
-    /// Returns the wall surface, or `None` for a disc.
+    /// Returns the triangles of a polygon or a mesh, m; none for another wall.
+    ///
+    /// # Errors
+    /// In words, if the corners are not those of a flat polygon.
+    pub(crate) fn triangles(&self) -> Result<Arc<[[Solid; 3]]>, String> {
+        if let Self::Mesh { triangles, .. } = self {
+            return Ok(triangles.clone());
+        }
+        let Self::Polygon { points, hole, .. } = self else { return Ok(Arc::default()) };
+        let padded = |points: &[FiniteVector]| points.iter().map(|point| point.padded()).collect::<Vec<_>>();
+        triangulation::triangles(&padded(points), &padded(hole)).map(Arc::from)
+    }
+
+    /// Returns the surfaces of the wall, which has this number among the walls of the scene, from 0 and without discs: several
+    /// for a polygon or a mesh, none for a disc.
     #[must_use]
-    pub fn surface<V: Space>(&self) -> Option<SurfaceWall<V>> {
-        let surface = self.shape(FiniteVector::get::<V>)?;
+    pub fn surfaces<V: Space>(&self, number: usize) -> Vec<SurfaceWall<V>> {
+        let shapes = self.shapes(FiniteVector::get::<V>);
+        let reference = shapes.first().map_or(V::ZERO, Surface::reference);
         let velocity = match self {
             Self::HalfPlane { velocity: Some(velocity), .. } => velocity.get(),
             _ => V::ZERO,
         };
-        let spin = match (&surface, self) {
+        let spin_of = |shape: &Surface<V>| match (shape, self) {
             (
                 Surface::Revolved(shape),
                 Self::Cylinder { spin: Some(spin), .. }
@@ -169,14 +227,19 @@ impl Wall {
             ) => V::narrow_spin(shape.axis.spread() * spin.get()),
             _ => V::Spin::ZERO,
         };
-        let still = SurfaceWall::still(surface, Species(self.species()));
-        Some(SurfaceWall { velocity, spin, is_door: self.is_door(), ..still })
+        let surface = |shape: Surface<V>| {
+            let (spin, still) = (spin_of(&shape), SurfaceWall::still(shape, Species(self.species())));
+            SurfaceWall { number, reference, velocity, spin, is_door: self.is_door(), ..still }
+        };
+        shapes.into_iter().map(surface).collect()
     }
 
-    /// Returns the lowest and the highest coordinates of a surface with ends, m; z is 0 in the plane.
+    /// Returns the lowest and the highest coordinates of a wall with ends, m; z is 0 in the plane.
     #[must_use]
     pub fn bounds(&self) -> Option<[Solid; 2]> {
-        self.shape::<Solid>(FiniteVector::padded)?.bounds()
+        let corners = |shape: Surface<Solid>| shape.bounds().into_iter().flatten();
+        let corners: Vec<_> = self.shapes(FiniteVector::padded).into_iter().flat_map(corners).collect();
+        box_around(&corners)
     }
 
     /// Returns the material.
@@ -186,6 +249,8 @@ impl Wall {
             Self::HalfPlane { species, .. }
             | Self::Segment { species, .. }
             | Self::Panel { species, .. }
+            | Self::Polygon { species, .. }
+            | Self::Mesh { species, .. }
             | Self::Cylinder { species, .. }
             | Self::Cone { species, .. }
             | Self::Annulus { species, .. }
@@ -198,6 +263,8 @@ impl Wall {
     pub fn is_door(&self) -> bool {
         match *self {
             Self::Panel { door, .. }
+            | Self::Polygon { door, .. }
+            | Self::Mesh { door, .. }
             | Self::Cylinder { door, .. }
             | Self::Cone { door, .. }
             | Self::Annulus { door, .. } => door,
@@ -208,24 +275,36 @@ impl Wall {
     /// Whether the wall exists in solid space only.
     #[must_use]
     pub fn is_solid(&self) -> bool {
-        matches!(self, Self::Panel { .. } | Self::Cylinder { .. } | Self::Cone { .. } | Self::Annulus { .. })
+        !matches!(self, Self::HalfPlane { .. } | Self::Segment { .. } | Self::Disc { .. })
     }
 
     /// Returns the vectors of the wall with their keys.
     #[must_use]
-    pub fn vectors(&self) -> Vec<(&'static str, FiniteVector)> {
-        match *self {
-            Self::HalfPlane { point, normal, velocity, .. } => {
-                [("point", point), ("normal", normal)].into_iter().chain(velocity.map(|v| ("velocity", v))).collect()
+    pub fn vectors(&self) -> Vec<(String, FiniteVector)> {
+        let named = |names: &[&str], vectors: &[FiniteVector]| {
+            names.iter().map(|name| (*name).to_owned()).zip(vectors.iter().copied()).collect()
+        };
+        match self {
+            Self::HalfPlane { point, normal, velocity: Some(velocity), .. } => {
+                named(&["point", "normal", "velocity"], &[*point, *normal, *velocity])
             }
+            Self::HalfPlane { point, normal, .. } => named(&["point", "normal"], &[*point, *normal]),
             Self::Segment { from, to, .. } | Self::Cylinder { from, to, .. } | Self::Cone { from, to, .. } => {
-                vec![("from", from), ("to", to)]
+                named(&["from", "to"], &[*from, *to])
             }
             Self::Panel { corner, along, across, .. } => {
-                vec![("corner", corner), ("along", along), ("across", across)]
+                named(&["corner", "along", "across"], &[*corner, *along, *across])
             }
-            Self::Annulus { centre, normal, .. } => vec![("centre", centre), ("normal", normal)],
-            Self::Disc { centre, .. } => vec![("centre", centre)],
+            Self::Polygon { points, hole, .. } => {
+                let listed = |key: &'static str, points: &[FiniteVector]| {
+                    let points = points.to_vec();
+                    points.into_iter().enumerate().map(move |(place, point)| (format!("{key}[{place}]"), point))
+                };
+                listed("points", points).chain(listed("hole", hole)).collect()
+            }
+            Self::Annulus { centre, normal, .. } => named(&["centre", "normal"], &[*centre, *normal]),
+            Self::Mesh { .. } => Vec::new(),
+            Self::Disc { centre, .. } => named(&["centre"], &[*centre]),
         }
     }
 }

@@ -2,10 +2,13 @@
 
 pub mod config;
 pub mod conveyor;
+pub(crate) mod mesh;
 pub(crate) mod near;
 pub mod outline;
 pub mod paths;
 pub mod seams;
 pub mod shapes;
 pub mod silo_file;
+pub(crate) mod surface_index;
 pub mod surfaces;
+pub(crate) mod triangulation;

@@ -1,13 +1,17 @@
 //! Near walls: lists which grains are near which walls, so that all others need no wall test in most steps.
 //!
-//! A grain is near a wall if the gap between their surfaces is less than the largest grain radius. In a packing, most
-//! near grains touch the wall. The list is valid until a grain may have moved by that distance, or a wall has changed.
+//! A grain is near a wall if the gap between their surfaces is less than a slack: the largest grain radius, and for meshes
+//! a part of it, because a grain is near many triangles. The list is valid until a grain may have moved by the slack, or a
+//! wall has changed.
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
-use crate::walls::surfaces::SurfaceWall;
+use crate::walls::surfaces::Surfaces;
+
+/// Slack beside meshes, in radii of the largest grain.
+const MESH_SLACK: f64 = 0.2;
 
 /// Pairs of a slot and a wall index, ascending.
 #[derive(Debug, Default)]
@@ -18,23 +22,21 @@ pub struct NearWalls {
 
 impl NearWalls {
     /// Returns the present pairs; updates them if needed.
-    pub fn of<V: Space>(
-        &mut self,
-        store: &ParticleStore<V>,
-        walls: &[SurfaceWall<V>],
-        has_changed: bool,
-    ) -> &[Candidate] {
-        if walls.is_empty() {
+    pub fn of<V: Space>(&mut self, store: &ParticleStore<V>, walls: &Surfaces<V>, has_changed: bool) -> &[Candidate] {
+        if walls.all.is_empty() {
             return &[];
         }
         if has_changed || self.trigger.has_fired(store.travel_meter(), store.prediction.margin) {
             let grains = &store.body[..store.movable_end];
-            let slack = grains.iter().map(|body| body.radius).fold(0.0, f64::max);
+            let largest = grains.iter().map(|body| body.radius).fold(0.0, f64::max);
+            let slack = if walls.are_many() { MESH_SLACK * largest } else { largest };
             self.pairs.clear();
+            let mut candidates = Vec::new();
             for (i, body) in (0u32..).zip(grains) {
-                for (number, wall) in (0u32..).zip(walls) {
+                walls.find_near(body.position, body.radius + slack, &mut candidates);
+                for &number in &candidates {
                     // Written so that NaN counts as not near.
-                    if wall.surface.distance(body.position) < body.radius + slack {
+                    if walls.all[number as usize].surface.distance(body.position) < body.radius + slack {
                         self.pairs.push(Candidate::new(i, number));
                     }
                 }

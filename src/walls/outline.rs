@@ -251,7 +251,7 @@ mod tests {
         assert_eq!(outline.beyond(inside, Vector::new(1.0, -0.1)), Some("past the lower end of the walls"));
         assert_eq!(outline.beyond(Vector::new(-1.0, 1.0), Vector::new(-2.0, 1.0)), None, "the grain was never inside");
         let wall = Wall::HalfPlane { point: Vector::ZERO.into(), normal: Vector::Y.into(), velocity: None, species: 0 };
-        let floor = wall.surface().unwrap();
+        let floor = wall.surfaces(0)[0];
         let open = Outline::new(&discs(&[(0.0, 2.0)]), &[], &[floor], 0.1);
         assert_eq!(open.beyond(Vector::new(0.0, 3.0), Vector::new(1.0, 3.0)), None, "a floor has no lateral bounds");
     }

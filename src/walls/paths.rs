@@ -5,7 +5,7 @@
 
 use crate::space::{Solid, Space};
 use crate::walls::shapes::Shape as _;
-use crate::walls::surfaces::SurfaceWall;
+use crate::walls::surfaces::Surfaces;
 
 /// Line or face that a path crosses.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,11 +34,13 @@ pub trait Paths<V: Space>: Send + Sync {
 
 /// The wall surfaces of a solid scene.
 #[derive(Clone, Debug)]
-pub struct SurfaceWalls(pub Vec<SurfaceWall<Solid>>);
+pub struct SurfaceWalls(pub Surfaces<Solid>);
 
 impl Paths<Solid> for SurfaceWalls {
     fn crossing(&self, from: Solid, to: Solid) -> Option<Crossing<Solid>> {
-        let crossed = self.0.iter().filter_map(|wall| {
+        let on_path = self.0.on_path(from, to);
+        let crossed = on_path.iter().filter_map(|index| {
+            let wall = &self.0.all[index];
             let crossing = if wall.is_door { Crossing::Orifice } else { Crossing::Surface };
             Some((wall.surface.crossing(from, to)?, crossing))
         });
@@ -57,7 +59,7 @@ mod tests {
     use crate::particle::Species;
     use crate::walls::shapes::half_plane::HalfPlane;
     use crate::walls::shapes::panel::Panel;
-    use crate::walls::surfaces::Surface;
+    use crate::walls::surfaces::{Surface, SurfaceWall};
 
     fn wall(surface: Surface<Solid>, is_door: bool) -> SurfaceWall<Solid> {
         SurfaceWall { is_door, ..SurfaceWall::still(surface, Species(0)) }
@@ -68,7 +70,8 @@ mod tests {
         let panel =
             |x: f64| Surface::Panel(Panel { corner: Solid::new(x, 0.0, 0.0), along: Solid::X, across: Solid::Y });
         let floor = Surface::HalfPlane(HalfPlane { point: Solid::new(0.0, 0.0, -1.0), normal: Solid::Z });
-        let walls = SurfaceWalls(vec![wall(panel(0.0), false), wall(panel(1.0), true), wall(floor, false)]);
+        let walls = [wall(panel(0.0), false), wall(panel(1.0), true), wall(floor, false)];
+        let walls = SurfaceWalls(Surfaces::new(walls.to_vec(), 0.0));
         let down = |x: f64, to: f64| walls.crossing(Solid::new(x, 0.5, 0.1), Solid::new(x, 0.5, to));
         assert_eq!(down(1.5, -0.1), Some(Crossing::Orifice));
         assert_eq!(down(0.5, -0.1), Some(Crossing::Surface));

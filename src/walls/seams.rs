@@ -7,11 +7,10 @@
 //!
 //! So there is one contact on a flat seam and round a convex edge, and one for each wall in a concave corner.
 //!
-//! Limit: where two walls meet in a concave seam of less than about 3 degrees, a contact ends although the grain still
-//! overlaps the wall that it leaves, and the forces of both act in a strip beside the seam.
+//! Limit: where two walls of the scene meet in a concave seam of less than about 3 degrees, a contact ends although the
+//! grain still overlaps the wall that it leaves, and the forces of both act in a strip beside the seam.
 
 use crate::space::Space;
-use crate::walls::shapes::{Nearest, Shape as _};
 use crate::walls::surfaces::SurfaceWall;
 
 /// Largest distance at which a point counts as lying on a wall, in radii of the grain: above the rounding of positions,
@@ -19,26 +18,22 @@ use crate::walls::surfaces::SurfaceWall;
 const ON_THE_WALL: f64 = 1e-9;
 
 /// Returns the wall that replaces wall `index` in a contact at the edge point `x - away`, or `None` if the contact counts. `x`
-/// is the centre of a grain of this radius, m. `others` are the walls near the grain.
+/// is the centre of a grain of this radius, m. `others` are the walls that the grain touches, with their distances (m) and
+/// whether their nearest points are on an edge.
 #[cold]
 pub(crate) fn continued_by<V: Space>(
     walls: &[SurfaceWall<V>],
     index: usize,
-    others: impl Iterator<Item = usize>,
+    others: impl Iterator<Item = (usize, f64, bool)>,
     (x, radius): (V, f64),
     away: V,
 ) -> Option<usize> {
     let (point, distance, tolerance) = (x - away, away.length(), ON_THE_WALL * radius);
-    let rank = |other: usize| {
-        let surface = &walls[other].surface;
-        if other == index || !walls[other].is_present || surface.distance(point) > tolerance {
-            return None;
-        }
-        let there = surface.nearest(x);
-        let lead = distance - there.distance();
-        let at_edge = matches!(there, Nearest::Point { at_edge: true, .. });
+    let rank = |(other, its_distance, at_edge): (usize, f64, bool)| {
+        let lead = distance - its_distance;
         let comes_first = lead > tolerance || (lead >= -tolerance && (!at_edge || other < index));
-        comes_first.then_some((lead, other))
+        let passes = other != index && comes_first && walls[other].surface.distance(point) <= tolerance;
+        passes.then_some((lead, other))
     };
     others.filter_map(rank).max_by(|a, b| a.0.total_cmp(&b.0).then(b.1.cmp(&a.1))).map(|(_, other)| other)
 }

@@ -45,7 +45,7 @@ pub enum LengthUnit {
 
 impl LengthUnit {
     /// Returns the number of units per metre. Division by a whole number rounds once, so that 400 cm is exactly 4 m.
-    fn per_metre(self) -> f64 {
+    pub(crate) fn per_metre(self) -> f64 {
         match self {
             Self::Metre => 1.0,
             Self::Centimetre => 100.0,

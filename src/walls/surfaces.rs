@@ -24,7 +24,9 @@ use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::shapes::panel::Panel;
 use crate::walls::shapes::revolved::Revolved;
 use crate::walls::shapes::segment::Segment;
-use crate::walls::shapes::{Nearest, Shape};
+use crate::walls::shapes::triangle::Triangle;
+use crate::walls::shapes::{Nearest, Shape, box_around};
+use crate::walls::surface_index::{Candidates, SurfaceIndex};
 
 /// The shape of a wall.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -36,18 +38,21 @@ pub enum Surface<V: Space = Plane> {
     Segment(Segment<V>),
     /// A thin rectangle of solid space.
     Panel(Panel<V>),
+    /// A thin triangle of solid space.
+    Triangle(Triangle<V>),
     /// A thin cylinder, cone, frustum or ring of solid space.
     Revolved(Revolved<V>),
 }
 
 impl<V: Space> Surface<V> {
-    /// Returns the point about which torques on the wall are measured, m.
+    /// Returns a point of the surface, or of its axis, m.
     #[must_use]
     pub fn reference(&self) -> V {
         match self {
             Self::HalfPlane(shape) => shape.point,
             Self::Segment(shape) => shape.from,
             Self::Panel(shape) => shape.corner,
+            Self::Triangle(shape) => shape.0[0],
             Self::Revolved(shape) => shape.base,
         }
     }
@@ -57,6 +62,7 @@ impl<V: Space> Surface<V> {
             Self::HalfPlane(shape) => shape,
             Self::Segment(shape) => shape,
             Self::Panel(shape) => shape,
+            Self::Triangle(shape) => shape,
             Self::Revolved(shape) => shape,
         }
     }
@@ -76,6 +82,7 @@ impl<V: Space> Shape<V> for Surface<V> {
             Self::HalfPlane(shape) => shape.nearest(x),
             Self::Segment(shape) => shape.nearest(x),
             Self::Panel(shape) => shape.nearest(x),
+            Self::Triangle(shape) => shape.nearest(x),
             Self::Revolved(shape) => shape.nearest(x),
         }
     }
@@ -88,8 +95,8 @@ impl<V: Space> Shape<V> for Surface<V> {
         self.shape().crossing(from, to)
     }
 
-    fn lines(&self) -> Vec<[V; 2]> {
-        self.shape().lines()
+    fn lines(&self, depth: f64) -> Vec<[V; 2]> {
+        self.shape().lines(depth)
     }
 }
 
@@ -101,17 +108,17 @@ pub struct WallLoad<V: Space> {
     pub force: V,
     /// Dissipative part of the force, from normal and tangential dashpots, N.
     pub drag: V,
-    /// Torque of the force about [`Surface::reference`], N m.
+    /// Torque of the force about [`SurfaceWall::reference`], N m.
     pub torque: V::Spin,
     /// Torque of the dissipative part, N m.
     pub drag_torque: V::Spin,
 }
 
 impl<V: Space> WallLoad<V> {
-    /// Adds a force on the wall and its dissipative part, N, at the point `arm` (m) from the reference point.
+    /// Returns the load of a force and its dissipative part, N, at the point `arm` (m) from the reference point.
     #[inline]
-    pub(crate) fn add(&mut self, force: V, drag: V, arm: V) {
-        *self += Self { force, drag, torque: arm.cross(force), drag_torque: arm.cross(drag) };
+    pub(crate) fn of(force: V, drag: V, arm: V) -> Self {
+        Self { force, drag, torque: arm.cross(force), drag_torque: arm.cross(drag) }
     }
 }
 
@@ -124,12 +131,16 @@ impl<V: Space> AddAssign for WallLoad<V> {
     }
 }
 
-/// A wall surface of the scene.
+/// A wall surface: a wall of the scene, or a triangle of one.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(bound = "")]
 pub struct SurfaceWall<V: Space = Plane> {
     /// Geometry.
     pub surface: Surface<V>,
+    /// Number of the wall in the scene, from 0, without discs. The triangles of a polygon have one number.
+    pub number: usize,
+    /// The point of the wall about which torques on it are measured, m; on the axis if the wall turns.
+    pub reference: V,
     /// Velocity along the wall, m/s.
     pub velocity: V,
     /// Angular velocity of a surface of revolution about its axis, rad/s.
@@ -150,6 +161,8 @@ impl<V: Space> SurfaceWall<V> {
     pub fn still(surface: Surface<V>, species: Species) -> Self {
         Self {
             surface,
+            number: 0,
+            reference: surface.reference(),
             velocity: V::ZERO,
             spin: V::Spin::ZERO,
             species,
@@ -165,15 +178,80 @@ impl<V: Space> SurfaceWall<V> {
         if self.spin == V::Spin::ZERO {
             self.velocity
         } else {
-            self.velocity + (point() - self.surface.reference()).turned_by(self.spin)
+            self.velocity + (point() - self.reference).turned_by(self.spin)
         }
     }
 }
 
 /// Wall surfaces, in the order of the scene.
-#[derive(Resource, Clone, Debug, Deserialize, Serialize)]
+#[derive(Resource, Clone, Debug)]
+pub struct Surfaces<V: Space = Plane> {
+    /// The surfaces.
+    pub all: Vec<SurfaceWall<V>>,
+    index: SurfaceIndex,
+}
+
+/// Returns the box around `x` with this half-width, m.
+fn around<V: Space>(x: V, reach: f64) -> [V; 2] {
+    let reach = V::from_components(|_| reach);
+    [x - reach, x + reach]
+}
+
+/// The part of a wall that changes in a run.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
 #[serde(bound = "")]
-pub struct Surfaces<V: Space = Plane>(pub Vec<SurfaceWall<V>>);
+pub(crate) struct SavedWall<V: Space> {
+    is_present: bool,
+    load: WallLoad<V>,
+}
+
+impl<V: Space> Surfaces<V> {
+    /// Takes the surfaces of a scene whose largest grain has the radius `largest`, m.
+    #[must_use]
+    pub fn new(all: Vec<SurfaceWall<V>>, largest: f64) -> Self {
+        Self { index: SurfaceIndex::new(&all, largest), all }
+    }
+
+    /// Whether there are so many surfaces that they are searched by place.
+    pub(crate) fn are_many(&self) -> bool {
+        self.index.has_grid()
+    }
+
+    /// Sets `found` to the surfaces that may be nearer to `x` than `reach` (m), ascending.
+    pub(crate) fn find_near(&self, x: V, reach: f64, found: &mut Vec<u32>) {
+        self.index.find(around(x, reach), found);
+    }
+
+    /// Returns the surfaces that may be nearer to `x` than `reach` (m), ascending.
+    pub(crate) fn near(&self, x: V, reach: f64) -> Candidates {
+        self.index.candidates(around(x, reach), self.all.len())
+    }
+
+    /// Returns the surfaces that a straight path may cross, ascending.
+    pub(crate) fn on_path(&self, from: V, to: V) -> Candidates {
+        let bounds = box_around(&[from, to]).unwrap_or([from, to]);
+        self.index.candidates(bounds, self.all.len())
+    }
+
+    /// Returns the part that changes in a run.
+    pub(crate) fn saved(&self) -> Vec<SavedWall<V>> {
+        self.all.iter().map(|wall| SavedWall { is_present: wall.is_present, load: wall.load }).collect()
+    }
+
+    /// Takes over what [`Self::saved`] returned.
+    ///
+    /// # Errors
+    /// If it has another number of surfaces.
+    pub(crate) fn restore(&mut self, saved: &[SavedWall<V>]) -> Result<(), &'static str> {
+        if saved.len() != self.all.len() {
+            return Err("the checkpoint has another number of walls");
+        }
+        for (wall, saved) in self.all.iter_mut().zip(saved) {
+            (wall.is_present, wall.load) = (saved.is_present, saved.load);
+        }
+        Ok(())
+    }
+}
 
 /// Marks the entity of a wall surface by its index in [`Surfaces`]. After the entity is despawned, the wall is absent from
 /// the next step on.
@@ -202,7 +280,7 @@ pub(crate) fn walls_leave(leaving: Res<LeavingWalls>) -> bool {
 /// the elastic energy of their contacts first.
 fn remove_walls<V: Space>(mut leaving: ResMut<LeavingWalls>, mut walls: ResMut<Surfaces<V>>) {
     for wall in leaving.0.drain(..) {
-        walls.0[wall].is_present = false;
+        walls.all[wall].is_present = false;
     }
 }
 

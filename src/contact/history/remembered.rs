@@ -4,7 +4,7 @@
 //! |---|---|---|
 //! | `grain` | | id of a grain |
 //! | `with` | | kind of its partner: `grain`, `wall_grain` or `wall` |
-//! | `number` | | the partner's id; for a wall grain its number, for a wall surface its number in the scene, both from 1 |
+//! | `number` | | the partner's id; for a wall grain its number; for a wall its place among all surfaces of the scene (a polygon has several); from 1 |
 //! | `spring_x`, `spring_y`, `spring_z` | m | tangential spring, seen from `grain` |
 //! | `rolling_x`, `rolling_y`, `rolling_z` | m | rolling spring |
 //! | `stiffness` | N/m | tangential stiffness at the last evaluation, for laws whose stiffness changes |

@@ -26,8 +26,8 @@ pub struct ThreadScratch<V: Space> {
     pub rows: Range<usize>,
     /// Spare history block for blocks that are rewritten.
     pub spare: HistoryBlock<V>,
-    /// Loads on the walls: one entry per wall for each block of rows with particles near any wall.
-    pub on_walls: Vec<WallLoad<V>>,
+    /// Loads of the contacts with walls, each with the index of its wall, in ascending order of rows.
+    pub on_walls: Vec<(usize, WallLoad<V>)>,
 }
 
 /// The scratch of each thread.

@@ -4,7 +4,7 @@
 //! The loads on walls are summed too ([`WallLoad`]). A load is the force *on the wall*: the load on a floor under
 //! gravity points down.
 
-use crate::contact::geometry::{WallTouch, touching_wall};
+use crate::contact::geometry::{WallContacts, touching_wall};
 use crate::contact::kernel::worker::{Block, Worker};
 use crate::contact::lanes::LANES;
 use crate::contact::{LawRequirements, Pair, PairLaw};
@@ -19,42 +19,32 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         let pass = self.pass;
         let count = self.near.partition_point(|contact| contact.first() < end);
         let near = self.near.split_off(..count).unwrap_or_default();
-        if !near.is_empty() {
-            self.on_walls.resize(self.on_walls.len() + pass.walls.len(), WallLoad::default());
-        }
-        let mut beside_several = Vec::new();
+        let mut contacts = WallContacts::default();
+        let limits = (pass.law.needs_mass_root(), self.view.prediction.lookahead);
         for row in near.chunk_by(|a, b| a.first() == b.first()) {
+            let i = row[0].first();
             if let &[contact] = row {
-                if let WallTouch::Touches(pair) = self.touch(contact, row) {
+                if let Some(pair) = touching_wall(self.view, i, &pass.walls[contact.second()], limits) {
                     self.push_wall(contact, &pair, &mut block);
                 }
                 continue;
             }
             // Memories follow the grain over a seam before any contact of the grain is recalled.
-            for &contact in row {
-                match self.touch(contact, row) {
-                    WallTouch::Touches(pair) => beside_several.push((contact, pair)),
-                    WallTouch::ContinuedBy(other) if L::MEMORY => block.cursor.rename::<L>(contact, other),
-                    WallTouch::ContinuedBy(_) | WallTouch::Apart => {}
+            let follow = |from: usize, to: usize| {
+                if L::MEMORY {
+                    block.cursor.rename::<L>(row[0].with_partner(from), to);
                 }
-            }
-            for (contact, pair) in beside_several.drain(..) {
-                self.push_wall(contact, &pair, &mut block);
+            };
+            let near = row.iter().map(|contact| contact.second());
+            contacts.find(self.view, i, (pass.walls, near), limits, follow);
+            for (wall, pair) in contacts.found.drain(..) {
+                self.push_wall(row[0].with_partner(wall), &pair, &mut block);
             }
         }
         if self.batch.len > 0 {
             self.flush_walls(&mut block);
         }
         block.cursor.end::<L>(block.lost, |contact, memory| pass.on_wall_contact_end(self.view, contact, memory));
-    }
-
-    /// Returns the contact of a grain with a wall. `row` are the pairs of the grain with walls near it.
-    #[inline(always)]
-    fn touch(&self, contact: Candidate, row: &[Candidate]) -> WallTouch<V> {
-        let [i, wall] = contact.both();
-        let near = row.iter().map(|contact| contact.second());
-        let limits = (self.pass.law.needs_mass_root(), self.view.prediction.lookahead);
-        touching_wall(self.view, i, (self.pass.walls, wall), near, limits)
     }
 
     /// Adds a contact to the batch, and evaluates the batch if it is full.
@@ -99,26 +89,23 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         if pass.counts {
             sums.count::<true, false>(batch);
         }
-        let block_start = on_walls.len() - pass.walls.len();
         for lane in (0..batch.len).filter(|&lane| batch.output.is_contact(lane)) {
             let ([i, wall], force) = (batch.pairs[lane].both(), batch.output.force::<NUMBERS>(lane));
             let body = &view.body[i];
             let point = body.position - batch.bodies.normal.get(lane) * (body.radius - batch.bodies.overlap[lane]);
             let drag = force.get(1).copied().unwrap_or(V::ZERO);
-            on_walls[block_start + wall].add(-force[0], -drag, point - pass.walls[wall].surface.reference());
+            on_walls.push((wall, WallLoad::of(-force[0], -drag, point - pass.walls[wall].reference)));
         }
     }
 }
 
 impl<V: Space> Surfaces<V> {
-    /// Sets the load on each wall to the sum of its loads over all blocks. Each item of `on_walls` holds the loads of a
-    /// task: one entry per wall for each of its blocks.
-    pub(in crate::contact) fn gather<'a>(&mut self, on_walls: impl Iterator<Item = &'a [WallLoad<V>]>) {
-        self.0.iter_mut().for_each(|wall| wall.load = WallLoad::default());
-        for task_loads in on_walls {
-            for block_loads in task_loads.chunks(self.0.len()) {
-                self.0.iter_mut().zip(block_loads).for_each(|(wall, load)| wall.load += *load);
-            }
+    /// Sets the load on each wall to the sum of the loads of its contacts. Each item of `on_walls` holds the contacts of a
+    /// task.
+    pub(in crate::contact) fn gather<'a>(&mut self, on_walls: impl Iterator<Item = &'a [(usize, WallLoad<V>)]>) {
+        self.all.iter_mut().for_each(|wall| wall.load = WallLoad::default());
+        for (wall, load) in on_walls.flatten() {
+            self.all[*wall].load += *load;
         }
     }
 }

@@ -27,8 +27,8 @@ pub(super) struct Worker<'a, V: Space, L> {
     pub(super) near: &'a [Candidate],
     /// Candidates with a lone particle, ascending.
     pub(super) lone: &'a [Candidate],
-    /// Loads on the walls, block by block.
-    pub(super) on_walls: &'a mut Vec<WallLoad<V>>,
+    /// Loads of the contacts with walls, each with the index of its wall.
+    pub(super) on_walls: &'a mut Vec<(usize, WallLoad<V>)>,
 }
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {

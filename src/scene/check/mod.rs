@@ -279,6 +279,12 @@ fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
     let surfaces = loaded.scene.walls.iter().filter(|wall| wall.is_door()).filter_map(|wall| match wall {
         Wall::Panel { along, across, .. } => Some(along.padded().length().min(across.padded().length())),
         Wall::Annulus { outer, .. } => Some(2.0 * outer.get()),
+        // Flat: the smallest extent is about zero.
+        Wall::Polygon { .. } | Wall::Mesh { .. } => wall.bounds().map(|[low, high]| {
+            let mut extents = (high - low).to_array();
+            extents.sort_unstable_by(f64::total_cmp);
+            extents[1]
+        }),
         Wall::Cylinder { from, to, radius, .. } => Some((2.0 * radius.get()).min(to.padded().distance(from.padded()))),
         Wall::Cone { from, to, radii, .. } => {
             Some((2.0 * radii.0.get().max(radii.1.get())).min(to.padded().distance(from.padded())))

@@ -9,7 +9,7 @@ use crate::fault::Warning;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::walls::config::Wall;
-use crate::walls::surfaces::Surface;
+use crate::walls::surfaces::{Surface, Surfaces};
 use crate::watchdog::LARGE_OVERLAP;
 
 /// Most bodies that are examined, and most pairs of them. More would take seconds.
@@ -25,16 +25,21 @@ struct Body {
 
 /// Adds the warnings about the start.
 pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+    match loaded.scene.space {
+        Dimension::Plane => examine_in::<Plane>(loaded, warnings),
+        Dimension::Solid => examine_in::<Solid>(loaded, warnings),
+    }
+}
+
+fn examine_in<V: Space>(loaded: &Loaded, warnings: &mut Vec<Warning>) {
     let bodies = bodies(loaded);
     if bodies.len() <= PATIENCE[0] {
         pairs(&bodies, warnings);
     }
-    let distances = |x: Solid| match loaded.scene.space {
-        Dimension::Plane => to_surfaces::<Plane>(loaded, x),
-        Dimension::Solid => to_surfaces::<Solid>(loaded, x),
-    };
+    let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
+    let surfaces = Surfaces::<V>::new(loaded.surfaces(), largest);
     let grains = bodies.iter().filter(|body| body.grain.is_some());
-    let grains: Vec<_> = grains.map(|body| (body, distances(body.centre))).collect();
+    let grains: Vec<_> = grains.map(|body| (body, distances_within(&surfaces, body))).collect();
     let behind = grains.iter().filter(|(_, [half, _])| *half <= 0.0).map(|(body, _)| *body);
     inside(behind.collect(), "behind a half-plane", warnings);
     let pressed = |(body, [half, thin]): &(&Body, [f64; 2])| {
@@ -44,7 +49,8 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
     if let Some(first) = pressed.first() {
         overlapping(pressed.len(), &format!("{} and a wall surface at {}", name(first), place(first.centre)), warnings);
     }
-    release(loaded, &bodies, distances, warnings);
+    let all = 0..surfaces.all.len();
+    release(loaded, &bodies, |x| distances(&surfaces, all.clone(), x), warnings);
 }
 
 fn bodies(loaded: &Loaded) -> Vec<Body> {
@@ -71,13 +77,18 @@ fn place(x: Solid) -> String {
     format!("({}, {}, {}) m", x.x, x.y, x.z)
 }
 
-/// Least distance (m) to a half-plane, negative behind it, and to a thin wall.
-fn to_surfaces<V: Space>(loaded: &Loaded, x: Solid) -> [f64; 2] {
-    loaded.surfaces::<V>().iter().fold([f64::INFINITY; 2], |[half, thin], wall| {
-        let distance = wall.surface.distance(V::narrow(x));
-        match wall.surface {
+/// Least distance (m) to a half-plane, negative behind it, and to a thin wall, of the walls that the body may touch.
+fn distances_within<V: Space>(surfaces: &Surfaces<V>, body: &Body) -> [f64; 2] {
+    distances(surfaces, surfaces.near(V::narrow(body.centre), body.radius).iter(), body.centre)
+}
+
+/// Least distance (m) to a half-plane, negative behind it, and to a thin wall, of those with these numbers.
+fn distances<V: Space>(surfaces: &Surfaces<V>, numbers: impl Iterator<Item = usize>, x: Solid) -> [f64; 2] {
+    numbers.map(|number| &surfaces.all[number].surface).fold([f64::INFINITY; 2], |[half, thin], surface| {
+        let distance = surface.distance(V::narrow(x));
+        match surface {
             Surface::HalfPlane(_) => [half.min(distance), thin],
-            Surface::Segment(_) | Surface::Panel(_) | Surface::Revolved(_) => [half, thin.min(distance)],
+            _ => [half, thin.min(distance)],
         }
     })
 }

@@ -149,8 +149,26 @@ fn periodic(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Most corners of a polygon and of its hole.
+const MOST_CORNERS: usize = 500;
+
+fn polygon(loaded: &Loaded, index: usize, wall: &Wall) -> Result<(), Fault> {
+    let Wall::Polygon { points, hole, .. } = wall else { return Ok(()) };
+    let fault = |code, message| Err(loaded.fault(code, &format!("walls[{index}].points"), message));
+    if points.len().max(hole.len()) > MOST_CORNERS {
+        let message = format!("{} corners are more than the limit of {MOST_CORNERS}", points.len().max(hole.len()));
+        return fault("scene::out_of_range", message).map_err(|fault| fault.help("divide the polygon"));
+    }
+    wall.triangles().map(drop).or_else(|message| {
+        fault("scene::degenerate_wall", message).map_err(|fault| {
+            fault.help("give at least three corners in one plane, in order round the polygon, and a hole inside")
+        })
+    })
+}
+
 fn walls(loaded: &Loaded) -> Result<(), Fault> {
     for (index, wall) in loaded.scene.walls.iter().enumerate() {
+        polygon(loaded, index, wall)?;
         let (key, message) = match wall {
             Wall::HalfPlane { normal, .. } if has_no_direction(normal.padded()) => {
                 ("normal", "the normal has no direction")

@@ -56,7 +56,7 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
         (
             !is_solid && solid_wall.is_some(),
             format!("walls[{}]", solid_wall.unwrap_or(0)),
-            "panels, cylinders, cones and rings are walls of solid space",
+            "panels, polygons, cylinders, cones and rings are walls of solid space",
         ),
     ];
     match misplaced.into_iter().find(|(wrong, ..)| *wrong) {

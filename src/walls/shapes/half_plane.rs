@@ -32,7 +32,7 @@ impl<V: Space> Shape<V> for HalfPlane<V> {
     }
 
     /// None: the surface has no ends, so a drawing cuts it at the border of the view.
-    fn lines(&self) -> Vec<[V; 2]> {
+    fn lines(&self, _: f64) -> Vec<[V; 2]> {
         Vec::new()
     }
 }

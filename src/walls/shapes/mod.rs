@@ -7,6 +7,7 @@ pub mod half_plane;
 pub mod panel;
 pub mod revolved;
 pub mod segment;
+pub mod triangle;
 
 use crate::space::{COINCIDENT, PARTED, Space};
 
@@ -70,13 +71,13 @@ pub trait Shape<V: Space> {
     /// or if the shape has no area.
     fn crossing(&self, from: V, to: V) -> Option<f64>;
 
-    /// Returns the lines of the shape in a drawing, m: the edges of a panel; of a surface of revolution its section with
-    /// the plane of the drawing.
-    fn lines(&self) -> Vec<[V; 2]>;
+    /// Returns the lines of the shape in a drawing, m: the edges of a panel; the section of a surface of revolution with the
+    /// plane of its axis; the section of a triangle with the plane at this depth, m.
+    fn lines(&self, depth: f64) -> Vec<[V; 2]>;
 }
 
 /// Returns the box around points.
-fn box_around<V: Space>(points: &[V]) -> Option<[V; 2]> {
+pub(crate) fn box_around<V: Space>(points: &[V]) -> Option<[V; 2]> {
     let join =
         |choose: fn(f64, f64) -> f64| move |a: V, b: V| V::from_components(|axis| choose(a.axis(axis), b.axis(axis)));
     let bound = |choose| points.iter().copied().reduce(join(choose));

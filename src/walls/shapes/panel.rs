@@ -53,7 +53,7 @@ impl<V: Space> Shape<V> for Panel<V> {
         (inside(along) && inside(across)).then_some(share)
     }
 
-    fn lines(&self) -> Vec<[V; 2]> {
+    fn lines(&self, _: f64) -> Vec<[V; 2]> {
         let corners = self.corners();
         (0..4).map(|n| [corners[n], corners[(n + 1) % 4]]).collect()
     }

@@ -136,7 +136,7 @@ impl<V: Space> Shape<V> for Revolved<V> {
         self.cone_shares(from, to).into_iter().find(is_within)
     }
 
-    fn lines(&self) -> Vec<[V; 2]> {
+    fn lines(&self, _: f64) -> Vec<[V; 2]> {
         let (axis, depth) = (self.axis.spread(), Solid::Y);
         let across = axis.cross(depth);
         let point = |direction: Solid, [r, z]: [f64; 2]| self.base + self.axis * z + V::narrow(direction) * r;

@@ -35,7 +35,7 @@ impl<V: Space> Shape<V> for Segment<V> {
         None
     }
 
-    fn lines(&self) -> Vec<[V; 2]> {
+    fn lines(&self, _: f64) -> Vec<[V; 2]> {
         vec![[self.from, self.to]]
     }
 }
