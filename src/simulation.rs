@@ -419,7 +419,7 @@ fn add_plugins<V: Space>(
     assembly.add_with("walls", |app| {
         app.persist_component::<WallIndex>()
             .persist::<LeavingWalls>()
-            .persist_part::<Surfaces<V>, Vec<_>>(|walls| Ok(walls.saved()), |walls, saved| Ok(walls.restore(&saved)?));
+            .persist_part::<Surfaces<V>, _>(|walls| Ok(walls.saved()), |walls, saved| Ok(walls.restore(saved)?));
     });
     add_all::<V>(assembly, loaded, behaviours, paths);
 }

@@ -77,7 +77,7 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
         lone.are_old();
     }
     if !walls.all.is_empty() {
-        walls.gather(scratches.0.iter().map(|scratch| &scratch.on_walls[..]));
+        walls.set_loads(scratches.0.iter().flat_map(|scratch| &scratch.on_walls));
     }
 }
 

@@ -68,9 +68,9 @@ pub(super) fn add_contact_work<V: Space>(
         let added = store.added.get(store.movable_end + i).copied().unwrap_or(V::ZERO);
         wall -= (*force - added).dot(body.velocity);
     }
-    for moving in &walls.all {
-        dissipation -= moving.load.drag.dot(moving.velocity) + moving.load.drag_torque.dot(moving.spin);
-        wall -= moving.load.force.dot(moving.velocity) + moving.load.torque.dot(moving.spin);
+    for (moving, load) in walls.with_loads() {
+        dissipation -= load.drag.dot(moving.velocity) + load.drag_torque.dot(moving.spin);
+        wall -= load.force.dot(moving.velocity) + load.torque.dot(moving.spin);
     }
     if !clock.is_step_zero() {
         flows.dissipated += 0.5 * clock.dt * (last.dissipation + dissipation);

@@ -19,7 +19,7 @@ use crate::persist::PersistApp as _;
 use crate::scene::outputs::Series;
 use crate::space::{Dimension, Space};
 use crate::step::{Clock, Step};
-use crate::walls::surfaces::{Surfaces, WallLoad};
+use crate::walls::surfaces::Surfaces;
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce, numbers};
 
 #[derive(Resource)]
@@ -31,10 +31,8 @@ fn write_rows<V: Space>(
     mut file: ResMut<WallsFile>,
     mut outcome: ResMut<Outcome>,
 ) {
-    for of_wall in walls.all.chunk_by(|a, b| a.number == b.number) {
-        let mut load = WallLoad::default();
-        of_wall.iter().for_each(|surface| load += surface.load);
-        let (number, force, torque) = (of_wall[0].number + 1, numbers(load.force), numbers(load.torque));
+    for (wall, load) in walls.with_loads() {
+        let (number, force, torque) = (wall.number + 1, numbers(load.force), numbers(load.torque));
         file.0.append(format_args!("{:.9},{number},{force},{torque}\n", clock.time()), &mut outcome);
     }
 }

@@ -23,7 +23,7 @@ const LEAST_HEIGHT: f64 = 1e-6;
 /// # Errors
 /// In words, with the number of the triangle, from 1.
 pub(crate) fn read(path: &Path, bytes: Vec<u8>, unit: LengthUnit) -> Result<Vec<[Solid; 3]>, String> {
-    let ending = path.extension().map(|ending| ending.to_ascii_lowercase());
+    let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
     let mut triangles = match ending.as_ref().and_then(|ending| ending.to_str()) {
         Some("stl") => read_stl(bytes)?,
         Some("obj") => read_obj(&bytes)?,
@@ -91,8 +91,7 @@ fn check(triangles: &[[Solid; 3]]) -> Result<(), String> {
             return Err(format!("triangle {number} has a number that is not finite"));
         }
         let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-        // Written so that a NaN is refused.
-        if !((b - a).cross(c - a).length() > LEAST_HEIGHT * longest * longest) {
+        if (b - a).cross(c - a).length() <= LEAST_HEIGHT * longest * longest {
             return Err(format!("triangle {number} has no area: it is at {}", place(a)));
         }
         let mut corners = triangle.map(|corner| (corner + Solid::ZERO).to_array().map(f64::to_bits));
@@ -156,7 +155,7 @@ mod tests {
         for triangle in triangles {
             bytes.extend([0u8; 12]);
             #[expect(clippy::cast_possible_truncation, reason = "the format")]
-            triangle.iter().flat_map(|x| x.to_array()).for_each(|x| bytes.extend(((x * 100.0) as f32).to_le_bytes()));
+            triangle.iter().flat_map(Solid::to_array).for_each(|x| bytes.extend(((x * 100.0) as f32).to_le_bytes()));
             bytes.extend([0u8; 2]);
         }
         bytes

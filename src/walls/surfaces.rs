@@ -151,8 +151,6 @@ pub struct SurfaceWall<V: Space = Plane> {
     pub is_door: bool,
     /// Whether the wall is present; a door that has opened is not.
     pub is_present: bool,
-    /// Load of the grains on the wall.
-    pub load: WallLoad<V>,
 }
 
 impl<V: Space> SurfaceWall<V> {
@@ -168,7 +166,6 @@ impl<V: Space> SurfaceWall<V> {
             species,
             is_door: false,
             is_present: true,
-            load: WallLoad::default(),
         }
     }
 
@@ -189,6 +186,10 @@ pub struct Surfaces<V: Space = Plane> {
     /// The surfaces.
     pub all: Vec<SurfaceWall<V>>,
     index: SurfaceIndex,
+    /// For each wall of the scene, its first surface.
+    first: Vec<usize>,
+    /// For each wall of the scene, the load of the grains on it in the last step.
+    pub loads: Vec<WallLoad<V>>,
 }
 
 /// Returns the box around `x` with this half-width, m.
@@ -197,19 +198,34 @@ fn around<V: Space>(x: V, reach: f64) -> [V; 2] {
     [x - reach, x + reach]
 }
 
-/// The part of a wall that changes in a run.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+/// The part of the walls that changes in a run.
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(bound = "")]
-pub(crate) struct SavedWall<V: Space> {
-    is_present: bool,
-    load: WallLoad<V>,
+pub(crate) struct SavedWalls<V: Space> {
+    are_present: Vec<bool>,
+    loads: Vec<WallLoad<V>>,
 }
 
 impl<V: Space> Surfaces<V> {
     /// Takes the surfaces of a scene whose largest grain has the radius `largest`, m.
     #[must_use]
     pub fn new(all: Vec<SurfaceWall<V>>, largest: f64) -> Self {
-        Self { index: SurfaceIndex::new(&all, largest), all }
+        let first: Vec<_> = (0..all.len()).filter(|&at| at == 0 || all[at].number != all[at - 1].number).collect();
+        let loads = vec![WallLoad::default(); first.len()];
+        Self { index: SurfaceIndex::new(&all, largest), all, first, loads }
+    }
+
+    /// Returns each wall of the scene, by its first surface, with its load.
+    pub fn with_loads(&self) -> impl Iterator<Item = (&SurfaceWall<V>, &WallLoad<V>)> {
+        self.first.iter().map(|&at| &self.all[at]).zip(&self.loads)
+    }
+
+    /// Sets the loads to the sums of these loads of surfaces, given by their indices.
+    pub(crate) fn set_loads<'a>(&mut self, of_contacts: impl Iterator<Item = &'a (usize, WallLoad<V>)>) {
+        self.loads.fill(WallLoad::default());
+        for (surface, load) in of_contacts {
+            self.loads[self.all[*surface].number] += *load;
+        }
     }
 
     /// Whether there are so many surfaces that they are searched by place.
@@ -234,21 +250,20 @@ impl<V: Space> Surfaces<V> {
     }
 
     /// Returns the part that changes in a run.
-    pub(crate) fn saved(&self) -> Vec<SavedWall<V>> {
-        self.all.iter().map(|wall| SavedWall { is_present: wall.is_present, load: wall.load }).collect()
+    pub(crate) fn saved(&self) -> SavedWalls<V> {
+        SavedWalls { are_present: self.all.iter().map(|wall| wall.is_present).collect(), loads: self.loads.clone() }
     }
 
     /// Takes over what [`Self::saved`] returned.
     ///
     /// # Errors
     /// If it has another number of surfaces.
-    pub(crate) fn restore(&mut self, saved: &[SavedWall<V>]) -> Result<(), &'static str> {
-        if saved.len() != self.all.len() {
+    pub(crate) fn restore(&mut self, saved: SavedWalls<V>) -> Result<(), &'static str> {
+        if (saved.are_present.len(), saved.loads.len()) != (self.all.len(), self.loads.len()) {
             return Err("the checkpoint has another number of walls");
         }
-        for (wall, saved) in self.all.iter_mut().zip(saved) {
-            (wall.is_present, wall.load) = (saved.is_present, saved.load);
-        }
+        self.all.iter_mut().zip(saved.are_present).for_each(|(wall, is_present)| wall.is_present = is_present);
+        self.loads = saved.loads;
         Ok(())
     }
 }

@@ -136,8 +136,7 @@ fn run_with_cleared_history(threads: usize, twice: bool) -> Vec<(u64, Vec<DVec3>
     let mut seen = Vec::new();
     for (steps, clears) in [(150, true), (200, twice), (250, false)] {
         simulation.run_steps(steps);
-        let on_walls =
-            simulation.world().resource::<Surfaces<Solid>>().all.iter().map(|wall| wall.load.force).collect();
+        let on_walls = simulation.world().resource::<Surfaces<Solid>>().loads.iter().map(|load| load.force).collect();
         seen.push((state_hash::of_world(simulation.world_mut()), on_walls));
         simulation.world_mut().resource_scope(|world, mut history: Mut<History<Solid>>| {
             if clears {

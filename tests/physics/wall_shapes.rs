@@ -158,12 +158,12 @@ fn a_sphere_slides_over_ridges_without_a_change_of_energy() {
 fn a_conical_pendulum_stays_on_its_circle() {
     // A frictionless grain circles in a cone of slope 45 degrees at constant height: v^2 = g r, with r the distance of
     // its centre from the axis and the contact force m g sqrt(2).
-    let (g, radius, mass, k): (f64, f64, f64, f64) = (9.81, 0.01, 0.01, 1e4);
-    let overlap = mass * g * 2f64.sqrt() / k;
+    let (gravity, radius, mass, stiffness): (f64, f64, f64, f64) = (9.81, 0.01, 0.01, 1e4);
+    let overlap = mass * gravity * 2f64.sqrt() / stiffness;
     let r = 0.1;
     // The surface is z = r, so the centre is sqrt(2) (R - overlap) above it.
     let z = r + 2f64.sqrt() * (radius - overlap);
-    let v = (g * r).sqrt();
+    let v = (gravity * r).sqrt();
     let keys = keys(
         "Cone(from: (0.0, 0.0, 0.0), to: (0.0, 0.0, 0.3), radii: (0.0, 0.3))",
         "Linear(k: 1.0e4, damping: B(0.0))",
@@ -213,8 +213,7 @@ fn a_turning_drum_does_the_work_of_its_torque() {
     let mut first = true;
     for step in 0..=40_000 {
         simulation.run_steps(step);
-        let torque: f64 =
-            simulation.world().resource::<Surfaces<Solid>>().all.iter().map(|wall| wall.load.torque.y).sum();
+        let torque: f64 = simulation.world().resource::<Surfaces<Solid>>().loads.iter().map(|load| load.torque.y).sum();
         let power = -torque * spin;
         if !first {
             work += 0.5e-5 * (last + power);

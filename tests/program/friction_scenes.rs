@@ -54,7 +54,7 @@ fn scene_without_friction_has_no_spin_torque_inertia_or_history() {
 fn floor_carries_the_weight_and_reports_it_with_the_right_sign() {
     let mut column = run("column.ron", &[]);
     let weight = 20.0 * 0.16 * 9.81;
-    let force = column.world().resource::<Surfaces>().all[0].load.force;
+    let force = column.world().resource::<Surfaces>().loads[0].force;
     // At rest to 1e-7 sqrt(g R): the remaining motion has that momentum, and w1 = 2 sqrt(k/m) sin(pi/82) = 60/s of it
     // per second.
     assert!((force + weight * Vector::Y).length() < 60.0 * 20.0 * 0.16 * 1e-7 * 0.63, "{force}");

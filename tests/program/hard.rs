@@ -554,7 +554,7 @@ fn fixed_particles_exert_no_force_on_each_other() {
     assert_eq!((totals.energy(), totals.largest_overlap_ratio, flows.expected()), (0.0, 0.0, 0.0));
     let world = run.world_mut();
     assert!(world.query::<&Force>().iter(world).all(|force| force.0 == Vector::ZERO));
-    assert!(world.resource::<Surfaces>().all.iter().all(|wall| wall.load.force == Vector::ZERO));
+    assert!(world.resource::<Surfaces>().loads.iter().all(|load| load.force == Vector::ZERO));
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::contact::{LawRequirements, Pair, PairLaw};
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
-use crate::walls::surfaces::{Surfaces, WallLoad};
+use crate::walls::surfaces::WallLoad;
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// Sums the contacts between walls and the rows before `end` that have not been summed yet.
@@ -95,17 +95,6 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             let point = body.position - batch.bodies.normal.get(lane) * (body.radius - batch.bodies.overlap[lane]);
             let drag = force.get(1).copied().unwrap_or(V::ZERO);
             on_walls.push((wall, WallLoad::of(-force[0], -drag, point - pass.walls[wall].reference)));
-        }
-    }
-}
-
-impl<V: Space> Surfaces<V> {
-    /// Sets the load on each wall to the sum of the loads of its contacts. Each item of `on_walls` holds the contacts of a
-    /// task.
-    pub(in crate::contact) fn gather<'a>(&mut self, on_walls: impl Iterator<Item = &'a [(usize, WallLoad<V>)]>) {
-        self.all.iter_mut().for_each(|wall| wall.load = WallLoad::default());
-        for (wall, load) in on_walls.flatten() {
-            self.all[*wall].load += *load;
         }
     }
 }

@@ -65,13 +65,13 @@ impl<V: Space> Revolved<V> {
     /// Returns where the path enters the cone of the line, as shares of the path, ascending.
     fn cone_shares(&self, from: V, to: V) -> Vec<f64> {
         let slope = (self.to[0] - self.from[0]) / (self.to[1] - self.from[1]);
-        let ((z, radial), (z_end, radial_end)) = (self.coordinates(from), self.coordinates(to));
-        let (way, climb) = (radial_end - radial, z_end - z);
-        // |radial + t way|^2 = (r + t dr)^2
-        let (r, dr) = (self.from[0] + slope * (z - self.from[1]), slope * climb);
-        let a = way.length_squared() - dr * dr;
-        let half_b = radial.dot(way) - r * dr;
-        let c = radial.length_squared() - r * r;
+        let ((height, radial), (height_end, radial_end)) = (self.coordinates(from), self.coordinates(to));
+        let (way, climb) = (radial_end - radial, height_end - height);
+        // |radial + t way|^2 = (width + t growth)^2
+        let (width, growth) = (self.from[0] + slope * (height - self.from[1]), slope * climb);
+        let a = way.length_squared() - growth * growth;
+        let half_b = radial.dot(way) - width * growth;
+        let c = radial.length_squared() - width * width;
         let discriminant = half_b * half_b - a * c;
         if discriminant < 0.0 {
             return Vec::new();
@@ -119,7 +119,8 @@ impl<V: Space> Shape<V> for Revolved<V> {
 
     fn crossing(&self, from: V, to: V) -> Option<f64> {
         let [(r_0, z_0), (r_1, z_1)] = [self.from, self.to].map(|[r, z]| (r, z));
-        if z_0 == z_1 {
+        // A ring; for a line as flat as this, the slope of a cone would be lost in rounding.
+        if (z_1 - z_0).abs() <= 1e-12 * (r_1 - r_0).abs() {
             let ((z, radial), (z_end, radial_end)) = (self.coordinates(from), self.coordinates(to));
             let (before, after) = (z - z_0, z_end - z_0);
             if (before < 0.0) == (after < 0.0) {
