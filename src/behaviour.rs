@@ -241,9 +241,8 @@ fn parse_keys<T: Behaviour + DeserializeOwned>(
     key: &str,
     ron: &str,
 ) -> Result<Box<dyn Behaviour>, Fault> {
-    let offset = source.offset_of(key).unwrap_or(0);
     match parse::ron_options().from_str::<T>(ron.trim()) {
         Ok(behaviour) => Ok(Box::new(behaviour)),
-        Err(error) => Err(parse::explain(source.path(), &source.text, &error, offset)),
+        Err(error) => Err(source.explain(key, &error)),
     }
 }

@@ -1,5 +1,5 @@
-//! Regular ends of a run: the silo is empty, the bed is at rest (if the scene says so), the time is over, or the caller
-//! asked for the end.
+//! Regular ends of every run: the silo is empty, the time is over, or the caller asked for the end. [`crate::stop`] has the
+//! conditions that a scene may add.
 //!
 //! The silo is empty if grains have been released, none is still to be released, and none is inside.
 
@@ -19,13 +19,13 @@ use crate::step::{Clock, Phase, Step, time_moves};
 use crate::store::reads_velocities_when;
 
 #[derive(Resource)]
-struct Until(f64);
+pub(crate) struct Until(f64);
 
 /// Time at which the silo was found empty, s.
 #[derive(Resource, Default, Debug, Deserialize, Serialize)]
 pub struct EmptyTime(pub Option<f64>);
 
-fn end_when_empty(
+pub(crate) fn end_when_empty(
     clock: Res<Clock>,
     pending: Res<Pending>,
     ledger: Res<Ledger>,
@@ -70,7 +70,7 @@ fn is_time_over(clock: Res<Clock>, until: Res<Until>, stop: Res<StopRequest>) ->
     stop.is_made() || clock.has_reached(until.0)
 }
 
-fn end_at_time(clock: Res<Clock>, until: Res<Until>, mut outcome: ResMut<Outcome>) {
+pub(crate) fn end_at_time(clock: Res<Clock>, until: Res<Until>, mut outcome: ResMut<Outcome>) {
     outcome.finish(if clock.has_reached(until.0) { End::TimeReached } else { End::Interrupted });
 }
 
@@ -89,8 +89,6 @@ pub struct Endings;
 pub struct EndingPlugin {
     /// Latest end, s.
     pub until: f64,
-    /// Whether rest ends the run.
-    pub at_rest: bool,
 }
 
 impl Plugin for EndingPlugin {
@@ -105,8 +103,5 @@ impl Plugin for EndingPlugin {
                 .run_if(time_moves),
         );
         reads_velocities_when(app, is_time_over);
-        if self.at_rest {
-            app.add_systems(Step, end_at_rest.in_set(Phase::Cull).before(end_when_empty));
-        }
     }
 }

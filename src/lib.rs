@@ -73,6 +73,7 @@ pub mod source;
 pub mod space;
 pub mod spin;
 pub mod step;
+pub mod stop;
 pub mod store;
 pub mod survey;
 pub(crate) mod table_sort;

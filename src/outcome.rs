@@ -14,6 +14,16 @@ pub enum End {
     Empty,
     /// The bed came to rest, and the scene requests nothing after that.
     AtRest,
+    /// The door is open, and no grain has left for a time.
+    FlowEnded {
+        /// The scene's `still`, s.
+        still_s: f64,
+    },
+    /// A number of grains have left.
+    OutReached {
+        /// The number that the scene asked for.
+        count: u32,
+    },
     /// Simulated time reached the scene's `until`.
     TimeReached,
     /// The caller asked for the end, for example because the process received a signal.
@@ -104,6 +114,21 @@ pub enum Failure {
         /// The particle or wall that blocks the release point.
         blocker: String,
     },
+    /// A feed found no place for a grain.
+    #[error(
+        "step {step}: `feed[{feed}]` found no free place for {grain} in {waited_s:.3} s; its region may be full: lower \
+         `feed[{feed}].rate` or `total`, enlarge or raise the region, or raise `feed[{feed}].tries` or `timeout`"
+    )]
+    FeedBlocked {
+        /// The step in which the time limit was exceeded.
+        step: u64,
+        /// Number of the feed.
+        feed: usize,
+        /// The grain that waits.
+        grain: GrainId,
+        /// Its waiting time, s.
+        waited_s: f64,
+    },
     /// A particle is too large for the cells.
     #[error(
         "particles touch at up to {needed} m but cells have side {size} m, so contacts would be missed: the search \
@@ -164,12 +189,20 @@ impl Outcome {
 }
 
 impl End {
+    /// Whether the run ended regularly: it did not fail and was not interrupted.
+    #[must_use]
+    pub fn is_regular(&self) -> bool {
+        !matches!(self, Self::Interrupted | Self::Failed(_))
+    }
+
     /// The name of this end in `summary.json`.
     #[must_use]
     pub fn word(&self) -> &'static str {
         match self {
             Self::Empty => "empty",
             Self::AtRest => "at_rest",
+            Self::FlowEnded { .. } => "end_of_flow",
+            Self::OutReached { .. } => "out_reached",
             Self::TimeReached => "time_reached",
             Self::Interrupted => "interrupted",
             Self::Failed(_) => "failed",

@@ -16,6 +16,7 @@ use crate::door::{DoorPlugin, Orifice};
 use crate::ending::EndingPlugin;
 use crate::energy::{AddedWorkPlugin, EnergyPlugin, LeavingWallsEnergyPlugin, LiftPlugin, SpinEnergyPlugin};
 use crate::finite::FinitePlugin;
+use crate::grains::feed::FeedPlugin;
 use crate::grains::spawner::SpawnerPlugin;
 use crate::integrate::IntegratorPlugin;
 use crate::integrate::centred::VelocityPredictionPlugin;
@@ -32,6 +33,7 @@ use crate::scene::check::Estimates;
 use crate::scene::load::Loaded;
 use crate::space::{Solid, Space};
 use crate::step::{ForceStage, Step, StepPlugin};
+use crate::stop::StopPlugin;
 use crate::store::{StorePlugin, clear_forces};
 use crate::table_sort::TableSortPlugin;
 use crate::walls::conveyor::ConveyorPlugin;
@@ -60,9 +62,13 @@ pub(crate) fn add_all<V: Space>(
         .add("always", ObservePlugin)
         .add("neighbours", NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius })
         .add("integrator", IntegratorPlugin { kind: scene.integrator, space })
-        .add("until", EndingPlugin { until: scene.until.get(), at_rest: scene.rest.is_some_and(|rest| rest.stop) })
+        .add("until", EndingPlugin { until: scene.until.get() })
         .add("always", FinitePlugin(space))
         .add("always", LedgerPlugin(scene.on_loss, space));
+    let conditions = scene.stop_conditions();
+    if !conditions.is_empty() {
+        app.add(if scene.stop.is_empty() { "rest.stop" } else { "stop" }, StopPlugin(conditions));
+    }
     if scene.energy_balance {
         app.add("energy_balance", EnergyPlugin(space));
     }
@@ -104,6 +110,10 @@ pub(crate) fn add_all<V: Space>(
     if let (Some(config), Some(mass)) = (scene.spawner.clone(), scene.mass) {
         let first_id = loaded.first_free_id();
         app.add("spawner", SpawnerPlugin { config, mass, seed: scene.seed, first_id, space });
+    }
+    if let Some(mass) = scene.mass.filter(|_| !scene.feed.is_empty()) {
+        let (first_id, inertia) = (loaded.first_free_id(), scene.contact.spins().then(|| loaded.inertia()));
+        app.add("feed", FeedPlugin { feeds: scene.feed.clone(), mass, inertia, seed: scene.seed, first_id, space });
     }
     if let Some(rest) = scene.rest {
         app.add("rest", RestPlugin(rest, space));

@@ -1,5 +1,6 @@
 //! `siloflow explain`: lists what a scene will model, the memory it takes, and the key that asks for each part.
 
+use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
 use bevy_ecs::prelude::*;
@@ -44,6 +45,7 @@ fn explain_lattice(loaded: &LoadedLattice, registry: &Registry) -> Result<Verdic
         sites.fluid_count(),
         spacing.get()
     );
+    describe_parameters(&loaded.scene.parameters, &mut text);
     describe_systems(simulation.world(), &mut text);
     // Writing to a string cannot fail.
     let _ = write!(text, "\n`run` adds\n  a row of series.csv every {} steps", loaded.scene.series.interval);
@@ -71,6 +73,7 @@ fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<Verdict, Fault
         loaded.neighbours()
     );
     // Writing to a string cannot fail.
+    describe_parameters(&loaded.scene.parameters, &mut text);
     for pair in &loaded.scene.pairs {
         let _ = writeln!(text, "species {:?}: {:?}", pair.species, pair.contact);
     }
@@ -83,6 +86,13 @@ fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<Verdict, Fault
     describe_outputs(loaded, &mut text);
     say(&text);
     Ok(Verdict::Done)
+}
+
+/// Lists the parameters of a scene with their values. Writing to a string cannot fail.
+fn describe_parameters(parameters: &BTreeMap<String, f64>, text: &mut String) {
+    for (name, value) in parameters {
+        let _ = writeln!(text, "parameter {name} = {value}");
+    }
 }
 
 /// Lists the components of the first grain. Writing to a string cannot fail.

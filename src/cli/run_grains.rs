@@ -196,6 +196,18 @@ fn words(summary: &Summary) -> String {
         "grains",
         format!("{} released, {} inside, {} out, {} lost", grains.released, grains.inside, grains.out, grains.lost),
     );
+    if let Some(stop) = &summary.stop {
+        line("stopped", format!("{stop}; {} grains inside, {:.4} kg", grains.inside, grains.inside_kg));
+    }
+    for feed in summary.feed.iter().flat_map(|feeds| &feeds.0) {
+        let value = format!(
+            "{} grains, {:.4} kg, {:.1} % short of the rate",
+            feed.grains,
+            feed.mass_kg,
+            100.0 * feed.shortfall
+        );
+        line("feed", value);
+    }
     let moments =
         [("at rest", summary.rest_time_s), ("door opened", summary.door_open_time_s), ("empty", summary.empty_time_s)];
     for (name, time) in moments {

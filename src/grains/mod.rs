@@ -1,9 +1,12 @@
-//! Sources of grains: files, lattice fills and the spawner; and grain snapshots.
+//! Sources of grains: files, fills, feeds and the spawner; and grain snapshots.
 
+pub mod feed;
 pub mod file;
 pub mod fill;
 pub(crate) mod grain_snapshot;
 pub mod mass;
+pub mod occupied;
+pub mod region;
 pub mod spawner;
 
 /// Most grains at the start of a scene, from its file and all its fills: more exceed the memory of most machines, or are a typing

@@ -19,7 +19,7 @@ pub fn warnings(loaded: &LoadedLattice) -> Vec<Warning> {
     let (scene, rules) = (&loaded.scene, &loaded.rules);
     let (low, high) = loaded.outline().bounds();
     let (height, layer) = (high.y - low.y, diffuse_layer(loaded).unwrap_or(f64::INFINITY));
-    let mut warnings = Vec::new();
+    let mut warnings = loaded.source.unused_parameters();
     let mut warn = |code, message: String, help: &str| {
         warnings.push(Warning { code, message, help: help.to_owned() });
     };

@@ -35,6 +35,9 @@ pub struct LatticeScene {
     /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
+    /// Named values for expressions: [`crate::source::parameters`].
+    #[serde(default)]
+    pub parameters: BTreeMap<String, f64>,
     /// The method `LatticeGas` and its parameters.
     pub method: Method,
     /// Corners of the silo, in order along the boundary, m. The highest part of the outline is the lid.

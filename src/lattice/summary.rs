@@ -3,6 +3,7 @@
 //! `format` increases when a key is removed or changes its meaning. Keys may be added without a new format. A value is
 //! `null` if its event did not happen.
 
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 use bevy_ecs::prelude::*;
@@ -30,6 +31,9 @@ pub struct Summary {
     pub format: u32,
     /// Name of the scene.
     pub scene: String,
+    /// Values of the scene's parameters. The key is absent if the scene has none.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, f64>,
     /// Method of the scene: `LatticeGas`.
     pub method: &'static str,
     /// End of the run: `empty`, `at_rest`, `time_reached` for a regular end, `interrupted` by a signal, `failed` for a
@@ -126,6 +130,7 @@ impl Summary {
         Self {
             format: SUMMARY_FORMAT,
             scene: loaded.source.name.clone(),
+            parameters: loaded.scene.parameters.clone(),
             method: "LatticeGas",
             status: end.word(),
             failure,

@@ -147,7 +147,7 @@ pub(crate) fn at_border(world: &mut World) {
 
 /// Takes the final checkpoint of a run that has ended regularly.
 pub(crate) fn at_end(world: &mut World) {
-    if matches!(world.resource::<Outcome>().end(), Some(End::Empty | End::AtRest | End::TimeReached)) {
+    if world.resource::<Outcome>().end().is_some_and(End::is_regular) {
         take(world, true);
     }
 }

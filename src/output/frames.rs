@@ -136,7 +136,8 @@ impl FrameRenderer {
         let pictures = loaded.scene.pictures.clone()?;
         let view = view::of(loaded, &pictures);
         let title = if loaded.scene.title.is_empty() { loaded.source.name.clone() } else { loaded.scene.title.clone() };
-        let species = match loaded.scene.spawner.as_ref().map(|spawner| &spawner.radius) {
+        let feed = loaded.scene.feed.first().map(|feed| &feed.radius);
+        let species = match loaded.scene.spawner.as_ref().map(|spawner| &spawner.radius).or(feed) {
             Some(RadiusLaw::Fixed(radius)) => vec![format!("R = {} m", radius.get())],
             Some(RadiusLaw::Uniform(low, high)) => vec![format!("R = {} to {} m", low.get(), high.get())],
             Some(RadiusLaw::Mixture(sizes)) => {

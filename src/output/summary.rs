@@ -4,6 +4,8 @@
 //! simulated seconds unless the key says `wall`. Energies are in J. `null` marks an event that did not happen or a
 //! quantity that the scene does not measure.
 
+use std::collections::BTreeMap;
+
 use bevy_ecs::prelude::*;
 use serde::Serialize;
 
@@ -11,6 +13,7 @@ use crate::contact::{Contact, LargestOverlap};
 use crate::door::DoorState;
 use crate::ending::EmptyTime;
 use crate::energy::{Channels, EnergyFlows};
+use crate::grains::feed::FeedFigures;
 use crate::grains::spawner::ReleaseDelays;
 use crate::integrate::Integrator;
 use crate::ledger::{Ledger, LossRecord};
@@ -25,7 +28,7 @@ use crate::output::state_hash;
 use crate::persist::CheckpointFigures;
 use crate::rest::RestDetector;
 use crate::scene::load::Loaded;
-use crate::space::{Dimension, Plane, Solid};
+use crate::space::{Dimension, Plane, Solid, Space};
 use crate::step::Clock;
 use crate::store::ParticleStore;
 use crate::threads::Threads;
@@ -39,7 +42,10 @@ pub struct Summary {
     pub format: u32,
     /// Name of the scene.
     pub scene: String,
-    /// `empty`, `at_rest` or `time_reached` if the run succeeded; `interrupted` by a signal; `grains_lost` or `failed` if
+    /// Values of the scene's parameters. The key is absent if the scene has none.
+    #[serde(skip_serializing_if = "BTreeMap::is_empty")]
+    pub parameters: BTreeMap<String, f64>,
+    /// `empty`, `at_rest`, `end_of_flow`, `out_reached` or `time_reached` if the run succeeded; `interrupted` by a signal; `grains_lost` or `failed` if
     /// not.
     pub status: &'static str,
     /// Reason of a failure.
@@ -50,6 +56,8 @@ pub struct Summary {
     pub time_s: f64,
     /// Grain accounting.
     pub grains: Grains,
+    /// The condition of the scene's `stop` that ended the run, in words.
+    pub stop: Option<String>,
     /// Time at which the bed came to rest, s.
     pub rest_time_s: Option<f64>,
     /// Time at which the door began to open, s.
@@ -64,6 +72,9 @@ pub struct Summary {
     pub bed: Option<BedFigures>,
     /// Flow through the orifice.
     pub discharge: Option<Discharge>,
+    /// What each feed has done. The key is absent if the scene has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub feed: Option<FeedFigures>,
     /// Delayed releases.
     pub releases: Option<ReleaseDelays>,
     /// Energy balance, J.
@@ -87,6 +98,8 @@ pub struct Grains {
     pub released: u32,
     /// Grains that are neither out nor lost.
     pub inside: u32,
+    /// Mass of the grains that are neither out nor lost, kg.
+    pub inside_kg: f64,
     /// Grains that left through the orifice.
     pub out: u32,
     /// Grains that left in any other way.
@@ -157,6 +170,31 @@ pub fn movable_grains(world: &World) -> usize {
     }
 }
 
+/// The condition of `stop` that ended a run, in words.
+fn stop_in_words(loaded: &Loaded, end: &End) -> Option<String> {
+    match end {
+        End::AtRest => Some("the bed is at rest".to_owned()),
+        End::FlowEnded { still_s } => Some(format!("no grain has left for {still_s} s")),
+        End::OutReached { count } => Some(format!("{count} grains have left")),
+        _ => None,
+    }
+    .filter(|_| !loaded.scene.stop_conditions().is_empty())
+}
+
+/// Mass of the grains that are neither out nor lost, kg, summed in the order of slots.
+fn mass_inside(world: &World) -> f64 {
+    fn of<V: Space>(world: &World) -> f64 {
+        let (store, ledger) = (world.resource::<ParticleStore<V>>(), world.resource::<Ledger>());
+        let is_inside =
+            |row: &usize| !store.id[*row].is_wall() && store.is_present(*row) && !ledger.is_gone(store.id[*row]);
+        (0..store.id.len()).filter(is_inside).map(|row| store.mass[row]).sum()
+    }
+    match Dimension::of_world(world) {
+        Dimension::Plane => of::<Plane>(world),
+        Dimension::Solid => of::<Solid>(world),
+    }
+}
+
 impl Summary {
     /// Returns the summary of a run that ended with `end`.
     pub fn of(world: &mut World, loaded: &Loaded, end: &End, cost: Cost) -> Self {
@@ -176,6 +214,7 @@ impl Summary {
         Self {
             format: SUMMARY_FORMAT,
             scene: loaded.source.name.clone(),
+            parameters: loaded.scene.parameters.clone(),
             status,
             failure,
             steps: clock.steps,
@@ -183,9 +222,11 @@ impl Summary {
             grains: Grains {
                 released: ledger.released,
                 inside: ledger.inside(),
+                inside_kg: mass_inside(world),
                 out: ledger.out(),
                 lost: ledger.lost(),
             },
+            stop: stop_in_words(loaded, end),
             rest_time_s: world.get_resource::<RestDetector>().and_then(|rest| rest.rest_time),
             door_open_time_s: world.get_resource::<DoorState>().and_then(|door| door.open_time),
             empty_time_s: world.resource::<EmptyTime>().0,
@@ -193,6 +234,7 @@ impl Summary {
             coordination: totals.coordination,
             bed: world.get_resource().copied(),
             discharge: Discharge::of(ledger),
+            feed: world.get_resource().cloned(),
             releases: world.get_resource().copied(),
             energy: Energy {
                 kinetic: totals.kinetic,

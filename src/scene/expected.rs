@@ -6,6 +6,8 @@
 //! | rows, pictures | the number of intervals in a number of steps, at most one for each step |
 //! | disk | the length of such rows and shapes, times their number |
 
+use crate::grains::feed::Feed;
+use crate::particle::GrainId;
 use crate::scene::TimeStep;
 use crate::scene::check::Estimates;
 use crate::scene::load::Loaded;
@@ -46,8 +48,19 @@ pub fn pixels(loaded: &Loaded) -> f64 {
 #[must_use]
 pub fn shapes(loaded: &Loaded) -> usize {
     let released = loaded.scene.spawner.as_ref().map_or(0, |spawner| spawner.count as usize);
+    let fed: usize = loaded.scene.feed.iter().map(|feed| fed(loaded, feed)).sum();
     let walls = loaded.silo.wall.len() + loaded.silo.door.len() + loaded.fixed.len() + loaded.scene.walls.len();
-    loaded.grains.len() + walls + released
+    loaded.grains.len() + walls + released + fed
+}
+
+/// Returns the number of grains that a feed will release up to `until`.
+fn fed(loaded: &Loaded, feed: &Feed) -> usize {
+    let Some(mass) = loaded.scene.mass else { return 0 };
+    let by_then = feed.grains_per_second(mass) * loaded.scene.until.get();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+    let count =
+        feed.count(mass).map_or(by_then, |count| count.min(by_then)).clamp(0.0, f64::from(GrainId::MAX_GRAIN)) as usize;
+    count
 }
 
 /// Returns the time step, s, if it is known: an automatic step without grains is not.

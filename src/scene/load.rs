@@ -6,7 +6,8 @@ use crate::contact::config::{Contact, Contacts};
 use crate::contact::history::remembered::{self, Remembered};
 use crate::fault::Fault;
 use crate::grains::file::{self, GrainRow, Kind};
-use crate::grains::fill::FixedGrain;
+use crate::grains::fill::{Fill, FixedGrain, MOST_TRIES, Placement};
+use crate::grains::occupied::Occupied;
 use crate::grains::spawner::RadiusLaw;
 use crate::integrate::Integrator;
 use crate::lattice::load::LoadedLattice;
@@ -15,7 +16,7 @@ use crate::neighbours::Neighbours;
 use crate::scene::check::{Estimates, automatic};
 use crate::scene::{Method, Scene, TimeStep, rules};
 use crate::source::{Source, files};
-use crate::space::{Dimension, Solid, Space};
+use crate::space::{Dimension, Plane, Solid, Space};
 use crate::spin::InertiaLaw;
 use crate::values::Positive;
 use crate::walls::config::Wall;
@@ -194,7 +195,7 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
     read_meshes(&mut loaded)?;
     // Before any grain is created.
     rules::fill(&loaded)?;
-    loaded.fill();
+    loaded.fill()?;
     rules::check(&loaded)?;
     loaded.choose_scheme();
     Ok(loaded)
@@ -236,11 +237,16 @@ impl Loaded {
     }
 
     /// Creates the grains of `fill`.
-    fn fill(&mut self) {
+    fn fill(&mut self) -> Result<(), Fault> {
         let Scene { space, mass, seed, .. } = self.scene;
         let fills = std::mem::take(&mut self.scene.fill);
         for (number, fill) in fills.iter().enumerate() {
-            let rows = fill.grains(space, mass, seed, number, self.first_free_id());
+            let first_id = self.first_free_id();
+            let rows = match (fill.place, space) {
+                (Placement::Lattice, _) => fill.grains(space, mass, seed, number, first_id),
+                (Placement::Random, Dimension::Plane) => self.random_fill::<Plane>(fill, number)?,
+                (Placement::Random, Dimension::Solid) => self.random_fill::<Solid>(fill, number)?,
+            };
             if fill.fixed {
                 self.fixed.extend(rows.into_iter().map(|row| FixedGrain {
                     position: row.position,
@@ -253,6 +259,41 @@ impl Loaded {
             }
         }
         self.scene.fill = fills;
+        Ok(())
+    }
+
+    /// Creates the grains of a random fill: free of all grains and walls so far.
+    fn random_fill<V: Space>(&self, fill: &Fill, number: usize) -> Result<Vec<GrainRow>, Fault> {
+        let Scene { space, mass, seed, periodic, .. } = &self.scene;
+        let (_, largest) = fill.radius.range();
+        let mut occupied = Occupied::new(largest, periodic);
+        self.grains.iter().for_each(|grain| occupied.add(grain.position, grain.radius));
+        self.fixed.iter().for_each(|grain| occupied.add(grain.position, grain.radius));
+        self.silo
+            .wall
+            .iter()
+            .chain(&self.silo.door)
+            .for_each(|disc| occupied.add(disc.centre.extend(0.0), disc.radius));
+        for wall in &self.scene.walls {
+            if let Wall::Disc { centre, radius, .. } = wall {
+                occupied.add(centre.padded(), radius.get());
+            }
+        }
+        let walls = self.surfaces::<V>();
+        let is_clear = |x: Solid, radius: f64| walls.iter().all(|wall| wall.surface.distance(V::narrow(x)) >= radius);
+        let first_id = self.first_free_id();
+        let rows = fill.random_grains(*space, *mass, (*seed, number), first_id, &mut occupied, is_clear);
+        let wanted = fill.count.unwrap_or(0) as usize;
+        if rows.len() == wanted {
+            return Ok(rows);
+        }
+        let message = format!(
+            "{wanted} random grains are wanted, and {} found a place: the next one found none in {MOST_TRIES} tries",
+            rows.len()
+        );
+        Err(self.fault("scene::no_room", &format!("fill[{number}].count"), message).help(
+            "lower the count or raise the box; equal grains at random fill at most 0.54 of an area, 0.38 of a volume",
+        ))
     }
 
     /// The contact laws of the scene, for all species that it names.
@@ -310,10 +351,13 @@ impl Loaded {
     /// The largest species of all grains and walls.
     #[must_use]
     pub fn largest_species(&self) -> usize {
-        let mixture = self.scene.spawner.as_ref().map_or(0, |spawner| match &spawner.radius {
+        let sizes = |law: &RadiusLaw| match law {
             RadiusLaw::Mixture(sizes) => sizes.len().saturating_sub(1),
             _ => 0,
-        });
+        };
+        let spawner = self.scene.spawner.iter().map(|spawner| sizes(&spawner.radius));
+        let feeds = self.scene.feed.iter().map(|feed| usize::from(feed.species) + sizes(&feed.radius));
+        let mixture = spawner.chain(feeds).max().unwrap_or(0);
         let walls = self.scene.walls.iter().map(|wall| usize::from(wall.species()));
         let silo = self.scene.silo.iter().map(|silo| usize::from(silo.species));
         let grains = self.grains.iter().map(|grain| usize::from(grain.species.0));
@@ -338,6 +382,18 @@ impl Loaded {
         self.silo.wall.iter().copied().chain(own).chain(fixed).collect()
     }
 
+    /// Whether a wall surface is a door.
+    #[must_use]
+    pub fn has_door_surface(&self) -> bool {
+        self.scene.walls.iter().any(Wall::is_door)
+    }
+
+    /// Whether grains can leave through a door: of discs of the silo file, or a wall surface.
+    #[must_use]
+    pub fn has_outlet(&self) -> bool {
+        !self.silo.door.is_empty() || self.has_door_surface()
+    }
+
     /// The wall surfaces.
     #[must_use]
     pub fn surfaces<V: Space>(&self) -> Vec<SurfaceWall<V>> {
@@ -360,7 +416,8 @@ impl Loaded {
     pub fn grain_radii(&self) -> Option<(f64, f64)> {
         let start = self.grains.iter().map(|grain| (grain.radius, grain.radius));
         let to_come = self.scene.spawner.iter().filter(|s| s.count > 0).map(|spawner| spawner.radius.range());
-        start.chain(to_come).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+        let feeds = self.scene.feed.iter().map(|feed| feed.radius.range());
+        start.chain(to_come).chain(feeds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
     /// The largest centre distance, m, at which a grain touches another particle.

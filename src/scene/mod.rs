@@ -20,6 +20,7 @@ use crate::contact::Contact;
 use crate::contact::config::PairOfSpecies;
 use crate::contact::hertz::Material;
 use crate::door::DoorControl;
+use crate::grains::feed::Feed;
 use crate::grains::file::GrainFile;
 use crate::grains::fill::Fill;
 use crate::grains::mass::MassLaw;
@@ -37,6 +38,7 @@ use crate::rest::Rest;
 use crate::scene::outputs::{Pictures, Series};
 use crate::space::Dimension;
 use crate::spin::InertiaLaw;
+use crate::stop::StopCondition;
 use crate::values::{FiniteVector, ImpactError, Positive};
 use crate::walls::config::Wall;
 use crate::walls::silo_file::Silo;
@@ -52,6 +54,9 @@ pub struct Scene {
     /// Seed of all random numbers.
     #[serde(default)]
     pub seed: u64,
+    /// Named values for expressions: [`crate::source::parameters`].
+    #[serde(default)]
+    pub parameters: BTreeMap<String, f64>,
     /// Grains here; scenes of another method have other keys.
     #[serde(default)]
     pub method: Method,
@@ -94,6 +99,9 @@ pub struct Scene {
     pub fill: Vec<Fill>,
     /// Releases grains one by one.
     pub spawner: Option<Spawner>,
+    /// Releases grains at a rate in a region.
+    #[serde(default)]
+    pub feed: Vec<Feed>,
     /// Detects rest.
     pub rest: Option<Rest>,
     /// Opens the door.
@@ -111,6 +119,9 @@ pub struct Scene {
     pub energy_balance: bool,
     /// Latest end of the run, s of simulated time.
     pub until: Positive,
+    /// Conditions that end the run before `until`.
+    #[serde(default)]
+    pub stop: Vec<StopCondition>,
     /// Measures fill height and packing fraction at rest.
     pub bed: Option<Bed>,
     /// Averages over bins along an axis.
@@ -130,6 +141,15 @@ pub struct Scene {
     /// Behaviours that the program registered, each with keys of its own.
     #[serde(default)]
     pub behaviours: BTreeMap<String, Box<RawValue>>,
+}
+
+impl Scene {
+    /// The conditions that end the run early: `stop`, and rest if `rest.stop` asks for it.
+    #[must_use]
+    pub fn stop_conditions(&self) -> Vec<StopCondition> {
+        let at_rest = self.rest.is_some_and(|rest| rest.stop) && !self.stop.contains(&StopCondition::AtRest);
+        self.stop.iter().copied().chain(at_rest.then_some(StopCondition::AtRest)).collect()
+    }
 }
 
 /// The scene's `step`.

@@ -30,6 +30,10 @@ fn full_view_in<V: Space>(loaded: &Loaded) -> (Vector, Vector) {
     if let (Some(spawner), Some((_, largest))) = (&loaded.scene.spawner, loaded.grain_radii()) {
         corners.extend(disc(spawner.point.get::<V>().on_paper(), largest));
     }
+    for feed in &loaded.scene.feed {
+        let ((low, high), (_, largest)) = (feed.region.bounds(), feed.radius.range());
+        corners.extend([low, high].into_iter().flat_map(|corner| disc(paper(corner), largest)));
+    }
     let surfaces = loaded.surfaces::<V>();
     let ends = |surface: &Surface<V>| surface.bounds().unwrap_or([surface.reference(); 2]);
     corners.extend(surfaces.iter().flat_map(|wall| ends(&wall.surface)).map(Space::on_paper));

@@ -1,16 +1,21 @@
-//! The text of a scene: its origin, the byte range of each key, and the files that it names.
+//! The text of a scene: its origin, the byte range of each key, its parameters, and the files that it names.
 
+mod expression;
 pub mod files;
 pub mod keys;
+pub mod parameters;
 pub mod parse;
 pub mod places;
 
 use std::io;
 use std::path::{Path, PathBuf};
 
+use ron::error::SpannedError;
 use serde::de::DeserializeOwned;
 
-use crate::fault::Fault;
+use crate::fault::{Fault, Warning};
+use crate::source::parameters::Resolved;
+use crate::source::parse::Texts;
 use crate::source::places::{Place, Places};
 
 /// A scene's text, with `--set` applied.
@@ -27,6 +32,8 @@ pub struct Source {
     path: String,
     directory: PathBuf,
     places: Places,
+    /// The text that is parsed, if the scene has parameters.
+    resolved: Option<Resolved>,
 }
 
 impl Source {
@@ -56,24 +63,55 @@ impl Source {
             path: path.to_owned(),
             directory: directory.to_owned(),
             places,
+            resolved: None,
         }
     }
 
-    /// Applies settings (key path, value as RON) to the text and parses it.
+    /// Applies settings (key path, value as RON) to the text, evaluates its expressions and parses it.
     ///
     /// # Errors
-    /// If the text or a setting is wrong.
+    /// If the text, an expression or a setting is wrong.
     pub fn parse<T: DeserializeOwned>(&mut self, settings: &[(String, String)]) -> Result<T, Fault> {
         // Errors of the file itself are reported before errors of settings.
         if !settings.is_empty() {
-            parse::parse::<T>(&self.path, &self.text)?;
+            self.parse_text::<T>()?;
         }
         for (key, value) in settings {
+            parameters::check_setting(&self.places, key)?;
             self.text = places::set(&self.text, key, value)?;
         }
-        let parsed = parse::parse(&self.path, &self.text)?;
         self.places = Places::scan(&self.text);
-        Ok(parsed)
+        self.parse_text()
+    }
+
+    fn parse_text<T: DeserializeOwned>(&mut self) -> Result<T, Fault> {
+        self.resolved = parameters::resolve(&self.path, &self.text, &self.places)?;
+        parse::parse_texts(self.texts())
+    }
+
+    fn texts(&self) -> Texts<'_> {
+        Texts { name: &self.path, written: &self.text, resolved: self.resolved.as_ref() }
+    }
+
+    /// The fault for an error of a parser that was given the value of `key`, its expressions evaluated.
+    #[must_use]
+    pub fn explain(&self, key: &str, error: &SpannedError) -> Fault {
+        let written = self.places.get(key).map_or(0, |place| place.value.start);
+        let parsed = self.resolved.as_ref().map_or(written, |resolved| resolved.parsed(written));
+        parse::explain(self.texts(), error, parsed)
+    }
+
+    /// A warning for each parameter that no expression uses.
+    #[must_use]
+    pub fn unused_parameters(&self) -> Vec<Warning> {
+        let unused = self.resolved.iter().flat_map(|resolved| &resolved.unused);
+        unused
+            .map(|name| Warning {
+                code: "check::unused_parameter",
+                message: format!("no expression uses the parameter `{name}`"),
+                help: format!("write it as \"= {name}\" where it is needed, or remove it"),
+            })
+            .collect()
     }
 
     /// A fault that points at the value of `key`, or at its nearest parent that stands in the text.
@@ -93,12 +131,6 @@ impl Source {
     #[must_use]
     pub fn path(&self) -> &str {
         &self.path
-    }
-
-    /// Where the value of `key` starts in the text.
-    #[must_use]
-    pub fn offset_of(&self, key: &str) -> Option<usize> {
-        self.places.get(key).map(|place| place.value.start)
     }
 
     /// The text of the value of `key`.

@@ -1,10 +1,13 @@
 //! Parses text into a [`Scene`](crate::scene::Scene), and turns parse errors into faults that point at key and value.
 
+use std::ops::Range;
+
 use ron::error::{Error, SpannedError};
 use ron::extensions::Extensions;
 use serde::de::DeserializeOwned;
 
 use crate::fault::Fault;
+use crate::source::parameters::Resolved;
 use crate::source::places::Places;
 use crate::text::{LONGEST_QUOTATION, cut};
 
@@ -19,29 +22,54 @@ pub fn ron_options() -> ron::Options {
 /// # Errors
 /// If it is not RON, or not a `T`.
 pub fn parse<T: DeserializeOwned>(name: &str, text: &str) -> Result<T, Fault> {
-    if let Some(fault) = not_a_scene(name, text) {
+    parse_texts(Texts { name, written: text, resolved: None })
+}
+
+/// The text of a scene as it is written and as it is parsed. Faults show places of the written text.
+#[derive(Clone, Copy)]
+pub(super) struct Texts<'a> {
+    /// Path of the file, for messages.
+    pub name: &'a str,
+    /// The scene's text.
+    pub written: &'a str,
+    /// The text with numbers in the place of expressions, if the scene has parameters.
+    pub resolved: Option<&'a Resolved>,
+}
+
+impl<'a> Texts<'a> {
+    /// The text to be parsed.
+    pub(super) fn parsed(self) -> &'a str {
+        self.resolved.map_or(self.written, |resolved| &resolved.text)
+    }
+
+    /// Points with a fault at a range of the parsed text.
+    fn mark(self, fault: Fault, range: Range<usize>) -> Fault {
+        let range = self.resolved.map_or(range.clone(), |resolved| resolved.written(range));
+        fault.at(self.name, self.written, range)
+    }
+}
+
+/// Parses the text of a scene.
+pub(super) fn parse_texts<T: DeserializeOwned>(texts: Texts) -> Result<T, Fault> {
+    if let Some(fault) = not_a_scene(texts) {
         return Err(fault);
     }
     ron_options()
-        .from_str(text)
-        .map_err(|error| number_for_choice::<T>(name, text, &error).unwrap_or_else(|| explain(name, text, &error, 0)))
+        .from_str(texts.parsed())
+        .map_err(|error| number_for_choice::<T>(texts, &error).unwrap_or_else(|| explain(texts, &error, 0)))
 }
 
 /// A fault if the text does not even begin like a RON structure: a grains file, for example.
-fn not_a_scene(name: &str, text: &str) -> Option<Fault> {
+fn not_a_scene(texts: Texts) -> Option<Fault> {
+    let text = texts.parsed();
     let start = text.find(|c: char| !c.is_whitespace() && c != '\u{feff}')?;
     if text[start..].starts_with(['(', '#', '/']) || text[start..].starts_with(char::is_uppercase) {
         return None;
     }
     let end = text[start..].find('\n').map_or(text.len(), |end| start + end);
     let fault = Fault::new("scene::not_a_scene", "this is not a scene: a scene is RON text that begins with `(`");
-    Some(
-        fault.help("give a scene such as scenes/silo1.ron; a scene names its grains file by the key `grains.file`").at(
-            name,
-            text,
-            start..end,
-        ),
-    )
+    let help = "give a scene such as scenes/silo1.ron; a scene names its grains file by the key `grains.file`";
+    Some(texts.mark(fault.help(help), start..end))
 }
 
 /// A name that no choice of any key has.
@@ -49,7 +77,8 @@ const NO_CHOICE: &str = "NoSuchChoice";
 
 /// The fault for a number in a place where a choice is expected, such as `step: 1e-4`. The
 /// choices come from a second parse, with a choice that does not exist in place of the number.
-fn number_for_choice<T: DeserializeOwned>(name: &str, text: &str, error: &SpannedError) -> Option<Fault> {
+fn number_for_choice<T: DeserializeOwned>(texts: Texts, error: &SpannedError) -> Option<Fault> {
+    let text = texts.parsed();
     let places = Places::scan(text);
     let place = places.innermost(byte_of(text, error.span.start.line, error.span.start.col))?;
     let number = text[place.value.clone()].trim();
@@ -69,7 +98,7 @@ fn number_for_choice<T: DeserializeOwned>(name: &str, text: &str, error: &Spanne
         format!("the choices here are: {}", expected.join(", "))
     };
     let fault = Fault::new("scene::wrong_type", format!("`{number}` is a number, and a choice is expected here"));
-    Some(fault.help(help).at(name, text, place.value.clone()).key(places.path(place)))
+    Some(texts.mark(fault.help(help).key(places.path(place)), place.value.clone()))
 }
 
 /// The name of the list that is most like a misspelt one, if any is like it.
@@ -85,14 +114,14 @@ fn closest<'a>(found: &str, names: &[&'a str]) -> Option<&'a str> {
 }
 
 /// The help for a misspelt name: the closest one, or else all.
-fn did_you_mean(what: &str, found: &str, names: &[&str]) -> String {
+pub(super) fn did_you_mean(what: &str, found: &str, names: &[&str]) -> String {
     closest(found, names)
         .map_or_else(|| format!("the {what} here are: {}", names.join(", ")), |name| format!("did you mean `{name}`?"))
 }
 
-/// The fault for a parse error. The parser was given `text` from byte `offset` on.
-#[must_use]
-pub fn explain(name: &str, text: &str, error: &SpannedError, offset: usize) -> Fault {
+/// The fault for a parse error. The parser was given the parsed text from byte `offset` on.
+pub(super) fn explain(texts: Texts, error: &SpannedError, offset: usize) -> Fault {
+    let text = texts.parsed();
     let places = Places::scan(text);
     let start = offset + byte_of(&text[offset..], error.span.start.line, error.span.start.col);
     let end = offset + byte_of(&text[offset..], error.span.end.line, error.span.end.col);
@@ -112,6 +141,12 @@ pub fn explain(name: &str, text: &str, error: &SpannedError, offset: usize) -> F
             format!("`{value}` is not of the type expected here"),
             "give a value of the right type; counts are whole numbers".to_owned(),
         ),
+        Some((value, _)) if value.starts_with("\"=") && texts.resolved.is_none() && expects_number(&error.code) => (
+            "scene::wrong_type",
+            here.to_owned(),
+            format!("{value} is an expression, and the scene has no `parameters`"),
+            "add `parameters: {}`, or named values as `parameters: {\"width\": 0.3}`".to_owned(),
+        ),
         _ => describe(&error.code, here),
     };
     let range = place.filter(|_| code != "scene::syntax").map_or(start..end, |place| {
@@ -120,7 +155,7 @@ pub fn explain(name: &str, text: &str, error: &SpannedError, offset: usize) -> F
         let line = text[whole.clone()].find('\n').unwrap_or(whole.len());
         whole.start..whole.start + line
     });
-    let fault = Fault::new(code, message).help(help).at(name, text, range);
+    let fault = texts.mark(Fault::new(code, message).help(help), range);
     if key.is_empty() { fault } else { fault.key(key) }
 }
 
@@ -187,6 +222,10 @@ fn describe(error: &Error, here: &str) -> (&'static str, String, String, String)
             "is a bracket, a comma or a quote missing before this place?".to_owned(),
         ),
     }
+}
+
+fn expects_number(error: &Error) -> bool {
+    matches!(error, Error::ExpectedFloat | Error::ExpectedInteger)
 }
 
 fn misses_separator(error: &Error) -> bool {

@@ -118,6 +118,17 @@ impl Places {
         (self.path(place) == path).then_some(place)
     }
 
+    /// The keys of a section, and their values.
+    pub(super) fn entries(&self, section: &Place) -> impl Iterator<Item = (&str, &Place)> {
+        let number = self.by_hash.get(&section.hash).copied();
+        self.all.iter().filter(move |place| place.parent.is_some() && place.parent == number).filter_map(|place| {
+            match &place.segment {
+                Segment::Key(key) => Some((&**key, place)),
+                _ => None,
+            }
+        })
+    }
+
     /// The value here that has the same path as `place` of another text.
     pub(super) fn same(&self, place: &Place) -> Option<&Place> {
         self.by_hash.get(&place.hash).map(|&number| &self.all[number])

@@ -27,6 +27,7 @@ mod divergence;
 mod docs;
 #[cfg(unix)]
 mod faults;
+mod feeds;
 mod friction_scenes;
 mod from_run;
 mod hard;
@@ -35,6 +36,7 @@ mod hostile;
 mod instructions;
 mod lattice;
 mod long_runs;
+mod parameters;
 mod periodic;
 mod pins;
 #[cfg(unix)]
@@ -44,6 +46,7 @@ mod run_directory;
 mod scenes;
 mod searches;
 mod silo_file;
+mod stops;
 mod synchronisation;
 mod without_energy_balance;
 

@@ -55,7 +55,8 @@ fn starts_beside(loaded: &Loaded) -> bool {
     let ends = |[low, high]: [f64; 2], [from, to]: [f64; 2]| [low.min(from), high.max(to)];
     let [low, high] = discs.chain(segments).fold([f64::INFINITY, f64::NEG_INFINITY], ends);
     let released = loaded.scene.spawner.iter().map(|spawner| spawner.point.padded().x);
-    let mut starts = loaded.grains.iter().map(|grain| grain.position.x).chain(released);
+    let fed = loaded.scene.feed.iter().map(|feed| feed.region.bounds()).flat_map(|(low, high)| [low.x, high.x]);
+    let mut starts = loaded.grains.iter().map(|grain| grain.position.x).chain(released).chain(fed);
     loaded.scene.periodic.x.is_none() && starts.any(|x| !(low..=high).contains(&x))
 }
 

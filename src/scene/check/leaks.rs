@@ -54,7 +54,8 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
         |x: Vector| surfaces.iter().any(|wall| matches!(wall, Surface::HalfPlane(_)) && wall.distance(x) < radius);
     let starts =
         loaded.scene.spawner.iter().map(|s| s.point.get()).chain(loaded.grains.iter().map(|g| g.position.truncate()));
-    let mut stack: Vec<_> = starts.map(|x| grid(x, spacing)).collect();
+    let fed = loaded.scene.feed.iter().map(|feed| feed.region.point([0.5; 3]).truncate());
+    let mut stack: Vec<_> = starts.chain(fed).map(|x| grid(x, spacing)).collect();
     for &point in &stack {
         field.see(point);
     }

@@ -23,11 +23,12 @@ pub mod step;
 use crate::contact::{Bounce, Contact};
 use crate::fault::Warning;
 use crate::integrate::Integrator;
-use crate::scene::TimeStep;
 use crate::scene::check::species_pairs::SpeciesPair;
 use crate::scene::expected;
 use crate::scene::load::Loaded;
+use crate::scene::{Scene, TimeStep};
 use crate::space::{Dimension, Plane};
+use crate::stop::StopCondition;
 use crate::walls::config::Wall;
 use crate::walls::outline::Outline;
 use crate::watchdog::LARGE_OVERLAP;
@@ -149,7 +150,12 @@ fn impact_speed(loaded: &Loaded) -> f64 {
     let fall = |height: f64, speed: f64| (speed * speed + 2.0 * g * (height - floor).max(0.0)).sqrt();
     let start = loaded.grains.iter().map(|grain| fall(grain.position[up], grain.velocity.length()));
     let released = loaded.scene.spawner.iter().map(|s| fall(s.point.padded()[up], s.velocity.padded().length()));
-    start.chain(released).fold(0.0, f64::max)
+    let fed = loaded.scene.feed.iter().map(|feed| {
+        // Few of the Gaussian velocities exceed three standard deviations.
+        let agitation = feed.agitation.map_or(0.0, |agitation| 3.0 * agitation.padded().length());
+        fall(feed.region.bounds().1[up], feed.velocity.padded().length() + agitation)
+    });
+    start.chain(released).chain(fed).fold(0.0, f64::max)
 }
 
 /// The axis that points up: the axis along which gravity is strongest, or the last axis without gravity.
@@ -193,7 +199,9 @@ fn carried_at_the_bottom(loaded: &Loaded, radius: f64) -> f64 {
             f64::from(spawner.count) * 0.5 * (law.of(smallest) + law.of(largest))
         })
         .sum();
-    (start + released) * loaded.scene.gravity.padded().length() / ground * (2.0 * radius).powi(axes)
+    let fed = loaded.scene.feed.iter().zip(loaded.scene.mass.iter().cycle());
+    let fed: f64 = fed.map(|(feed, &law)| feed.count(law).unwrap_or(0.0) * feed.mean_mass(law)).sum();
+    (start + released + fed) * loaded.scene.gravity.padded().length() / ground * (2.0 * radius).powi(axes)
 }
 
 /// Extent of the scene along a horizontal axis, m: the periodic length, or the distance from the first to the last grain
@@ -209,11 +217,13 @@ fn extent(loaded: &Loaded, axis: usize) -> Option<f64> {
 /// Warnings about effects that the author of the scene may not want.
 #[must_use]
 pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
-    let mut warnings = Vec::new();
+    let mut warnings = loaded.source.unused_parameters();
     renamed_keys(loaded, &mut warnings);
+    stop(loaded, &mut warnings);
     start::examine(loaded, &mut warnings);
     let Some(estimates) = Estimates::of(loaded) else { return warnings };
     step(&estimates, &mut warnings);
+    feeds(loaded, estimates.dt, &mut warnings);
     softness(loaded, &estimates, &mut warnings);
     fast(loaded, &estimates, &mut warnings);
     falling::examine(loaded, &mut warnings);
@@ -296,6 +306,48 @@ fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
 fn has_orifice(loaded: &Loaded, radius: f64) -> bool {
     loaded.silo.door.is_empty()
         || Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.surfaces(), radius).orifice().is_some()
+}
+
+/// Conditions of `stop` that the grains of the scene cannot fulfil. Behaviours may release further grains.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the rules bound the count of a feed")]
+fn stop(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+    let Scene { stop, spawner, feed, mass, behaviours, .. } = &loaded.scene;
+    let start = u32::try_from(loaded.grains.len()).unwrap_or(u32::MAX);
+    let all = spawner.iter().fold(start, |sum, spawner| sum.saturating_add(spawner.count));
+    let fed = feed.iter().filter_map(|feed| feed.count((*mass)?)).map(|count| count as u32);
+    let all = fed.fold(all, u32::saturating_add);
+    let is_endless = feed.iter().any(|feed| feed.total.is_none());
+    for condition in stop {
+        if let StopCondition::Out(count) = *condition
+            && count > all
+            && !is_endless
+            && behaviours.is_empty()
+        {
+            warnings.push(Warning {
+                code: "check::stop_out_of_reach",
+                message: format!("`stop` waits for {count} grains to leave, and the scene has {all}"),
+                help: "the run ends when the silo is empty, or at `until`: lower the number".to_owned(),
+            });
+        }
+    }
+}
+
+/// Feeds that would have to release more grains in a step than they may.
+fn feeds(loaded: &Loaded, dt: f64, warnings: &mut Vec<Warning>) {
+    let Some(mass) = loaded.scene.mass else { return };
+    for (index, feed) in loaded.scene.feed.iter().enumerate() {
+        let per_step = feed.grains_per_second(mass) * dt;
+        if per_step > f64::from(feed.tries) {
+            warnings.push(Warning {
+                code: "check::feed_too_fast",
+                message: format!(
+                    "`feed[{index}]` is to release {per_step:.3e} grains in a step, and tries {} places",
+                    feed.tries
+                ),
+                help: format!("lower `feed[{index}].rate`, or raise `feed[{index}].tries`"),
+            });
+        }
+    }
 }
 
 /// Keys that still have an old name.

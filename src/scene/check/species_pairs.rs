@@ -14,6 +14,7 @@
 //! Masses are taken from the grains at the start, and from the radii that the spawner will choose.
 
 use crate::contact::{AnyLaw, Bounce};
+use crate::grains::feed::Feed;
 use crate::grains::spawner::RadiusLaw;
 use crate::integrate::Integrator;
 use crate::random::Stream;
@@ -190,7 +191,7 @@ pub fn all(loaded: &Loaded, speed: f64) -> Vec<SpeciesPair> {
 fn lightest(loaded: &Loaded) -> Vec<(u8, Body, Option<Body>)> {
     let mut species: Vec<(u8, Body, Option<Body>)> = Vec::new();
     let start = loaded.grains.iter().map(|grain| (grain.species.0, Body { mass: grain.mass, radius: grain.radius }));
-    for (number, body) in start.chain(to_come(loaded)) {
+    for (number, body) in start.chain(to_come(loaded)).chain(fed(loaded)) {
         match species.iter_mut().find(|entry| entry.0 == number) {
             None => species.push((number, body, None)),
             Some((_, first, second)) if body.mass < first.mass => *second = Some(std::mem::replace(first, body)),
@@ -199,6 +200,21 @@ fn lightest(loaded: &Loaded) -> Vec<(u8, Body, Option<Body>)> {
         }
     }
     species
+}
+
+/// Grains that the feeds will release: two of each size, or two of the smallest radius of a range.
+fn fed(loaded: &Loaded) -> Vec<(u8, Body)> {
+    let Some(law) = loaded.scene.mass else { return Vec::new() };
+    let body = |radius: f64| Body { mass: law.of(radius), radius };
+    let two = |species: u8, radius: f64| [(species, body(radius)); 2];
+    let of_feed = |feed: &Feed| match &feed.radius {
+        RadiusLaw::Mixture(sizes) => {
+            let sizes = (feed.species..=u8::MAX).zip(sizes).filter(|(_, (_, share))| share.get() > 0.0);
+            sizes.flat_map(|(species, (radius, _))| two(species, radius.get())).collect()
+        }
+        law => two(feed.species, law.range().0).to_vec(),
+    };
+    loaded.scene.feed.iter().flat_map(of_feed).collect()
 }
 
 /// Grains that the spawner will release: two of each size, or the radii that it will draw from a range.

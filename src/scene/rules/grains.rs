@@ -2,7 +2,8 @@
 
 use crate::fault::Fault;
 use crate::grains::MOST_GRAINS;
-use crate::grains::fill::Fill;
+use crate::grains::feed::MOST_TRIES;
+use crate::grains::fill::{Fill, Placement};
 use crate::grains::spawner::RadiusLaw;
 use crate::particle::GrainId;
 use crate::scene::expected::BYTES_PER_GRAIN;
@@ -24,6 +25,7 @@ pub fn fill(loaded: &Loaded) -> Result<(), Fault> {
                 .fault("scene::empty_box", &key("low"), "the lower corner must be below the upper one along every axis")
                 .help("corners are in m"));
         }
+        placement(loaded, index, fill)?;
         let size = fill.size(scene.space).map_or(usize::MAX, |size| size as usize);
         total = total.saturating_add(size);
         if total > MOST_GRAINS as usize {
@@ -44,6 +46,29 @@ pub fn fill(loaded: &Loaded) -> Result<(), Fault> {
         radii(loaded, &key("radius"), &fill.radius, fill.species)?;
     }
     memory(loaded, total)
+}
+
+/// A lattice needs its spacing, and random places a count.
+fn placement(loaded: &Loaded, index: usize, fill: &Fill) -> Result<(), Fault> {
+    let missing = |name: &str| {
+        let message = format!("the key `{name}` is missing");
+        let fault = loaded.fault("scene::missing_key", &format!("fill[{index}].{name}"), message);
+        Err(fault.help(format!("add `{name}: ...` here")))
+    };
+    let is_given = match fill.place {
+        Placement::Lattice if fill.spacing.is_none() => return missing("spacing"),
+        Placement::Random if fill.count.is_none() => return missing("count"),
+        Placement::Lattice => return Ok(()),
+        Placement::Random => {
+            [("spacing", fill.spacing.is_some()), ("jitter", fill.jitter.is_some()), ("fixed", fill.fixed)]
+        }
+    };
+    match is_given.into_iter().find(|(_, is_given)| *is_given) {
+        Some((name, _)) => Err(loaded
+            .fault("scene::no_lattice", &format!("fill[{index}].{name}"), "this key belongs to grains on a lattice")
+            .help("remove it, or write `place: Lattice`")),
+        None => Ok(()),
+    }
 }
 
 /// The grains of the start must fit into the memory that is available.
@@ -109,6 +134,46 @@ pub(super) fn spawner(loaded: &Loaded) -> Result<(), Fault> {
     if spawner.count > room {
         let message = format!("{} grains are more than there are ids left, {room}", spawner.count);
         return Err(loaded.fault("scene::out_of_range", "spawner.count", message).help("release fewer grains"));
+    }
+    Ok(())
+}
+
+/// Every feed needs masses, a region that is not inverted, an end where something waits for it, and spins only where grains spin.
+pub(super) fn feed(loaded: &Loaded) -> Result<(), Fault> {
+    let scene = &loaded.scene;
+    let mut room = f64::from((GrainId::MAX_GRAIN + 1).saturating_sub(loaded.first_free_id()));
+    for (index, feed) in scene.feed.iter().enumerate() {
+        let key = |name: &str| format!("feed[{index}]{name}");
+        let Some(mass) = scene.mass else {
+            return Err(loaded
+                .fault("scene::missing_key", "mass", "the feed needs to know how heavy its grains are")
+                .help("add for example `mass: Sphere(2500.0)`, m = rho 4/3 pi R^3 in kg/m^3"));
+        };
+        radii(loaded, &key(".radius"), &feed.radius, feed.species)?;
+        let (low, high) = feed.region.bounds();
+        let count = feed.count(mass);
+        let (code, name, message, help) = if scene.spawner.is_some() {
+            let message = "a scene has a spawner or feeds: each looks only at its own new grains of a step";
+            ("scene::two_sources", "", message, "a feed whose box is a point releases grains as the spawner does")
+        } else if !low.cmple(high).all() {
+            let help = "corners are in m; equal coordinates make a flat region";
+            ("scene::empty_box", ".region", "the lower corner must not be above the upper one along any axis", help)
+        } else if !(1..=MOST_TRIES).contains(&feed.tries) {
+            ("scene::out_of_range", ".tries", "expected 1 to 10000 tries", "the default is 100")
+        } else if feed.spin.is_some() && !scene.contact.spins() {
+            let message = "the grains of this scene do not spin";
+            ("scene::no_spin", ".spin", message, "add `tangential` to the contact law, or remove `spin`")
+        } else if count.is_none() && (scene.rest.is_some() || loaded.source.value_of("rest").is_some()) {
+            let help = "give a `total`, or remove `rest` and open the door `At(...)`";
+            ("scene::endless_feed", ".total", "rest comes after the last grain, and this feed has no end", help)
+        } else if count.is_some_and(|count| !(1.0..=room).contains(&count)) {
+            let help = "give a total of at least one grain, and of fewer than 2147483648";
+            ("scene::out_of_range", ".total", "the total is less than a grain, or more than there are ids left", help)
+        } else {
+            room -= count.unwrap_or(0.0);
+            continue;
+        };
+        return Err(loaded.fault(code, &key(name), message).help(help));
     }
     Ok(())
 }

@@ -4,12 +4,13 @@ mod contacts;
 mod grains;
 mod outputs;
 mod space;
+mod stop;
 
 pub use self::grains::fill;
 pub use self::space::space;
 
 use self::contacts::contacts;
-use self::grains::{ids, spawner};
+use self::grains::{feed, ids, spawner};
 use crate::contact::Contact;
 use crate::door::{DoorMotion, DoorOpens};
 use crate::fault::Fault;
@@ -33,7 +34,9 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     wall_discs(loaded)?;
     periodic(loaded)?;
     spawner(loaded)?;
+    feed(loaded)?;
     door_and_rest(loaded)?;
+    stop::stop(loaded)?;
     energy_balance(loaded)?;
     cells(loaded)?;
     profiles(loaded)?;
@@ -238,8 +241,8 @@ fn is_oblique(a: Solid, b: Solid) -> bool {
 
 fn door_and_rest(loaded: &Loaded) -> Result<(), Fault> {
     let Scene { door, rest, gravity, .. } = &loaded.scene;
-    let surface = loaded.scene.walls.iter().any(Wall::is_door);
-    if door.is_some() && loaded.silo.door.is_empty() && !surface {
+    let surface = loaded.has_door_surface();
+    if door.is_some() && !loaded.has_outlet() {
         return Err(loaded
             .fault("scene::no_door", "door", "there is no door to open: no silo file announces door grains")
             .help(

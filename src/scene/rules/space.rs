@@ -1,6 +1,7 @@
 //! Rules on the number of vector components, which must match the scene's space.
 
 use crate::fault::Fault;
+use crate::grains::region::Region;
 use crate::scene::Scene;
 use crate::scene::load::Loaded;
 use crate::space::Dimension;
@@ -32,6 +33,7 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
         }
     }
     let is_solid = scene.space == Dimension::Solid;
+    let disc = scene.feed.iter().position(|feed| matches!(feed.region, Region::Disc { .. }));
     let solid_wall = scene.walls.iter().position(Wall::is_solid);
     let misplaced = [
         (is_solid && scene.silo.is_some(), "silo".to_owned(), "a silo file describes discs in the plane"),
@@ -44,6 +46,11 @@ pub fn space(loaded: &Loaded) -> Result<(), Fault> {
             is_solid && scene.flow.is_some(),
             "flow".to_owned(),
             "a field of flow has cells in the plane; `profiles` work in both",
+        ),
+        (
+            !is_solid && disc.is_some(),
+            format!("feed[{}].region", disc.unwrap_or(0)),
+            "this disc is a region of solid space; in the plane a region is a `Box(low: ..., high: ...)`",
         ),
         (!is_solid && scene.periodic.z.is_some(), "periodic.z".to_owned(), "the plane has no z"),
         (
@@ -74,6 +81,16 @@ fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
         let vectors =
             [("point", Some(spawner.point)), ("jitter", spawner.jitter), ("velocity", Some(spawner.velocity))];
         add("spawner.".to_owned(), &vectors);
+    }
+    for (index, feed) in scene.feed.iter().enumerate() {
+        let key = format!("feed[{index}].");
+        match feed.region {
+            Region::Box { low, high } => {
+                add(format!("{key}region."), &[("low", Some(low)), ("high", Some(high))]);
+            }
+            Region::Disc { centre, .. } => add(format!("{key}region."), &[("centre", Some(centre))]),
+        }
+        add(key, &[("velocity", Some(feed.velocity)), ("agitation", feed.agitation)]);
     }
     for (index, fill) in scene.fill.iter().enumerate() {
         let corners = [("low", Some(fill.low)), ("high", Some(fill.high))];

@@ -1,0 +1,267 @@
+//! Feed: releases grains at a rate, at random places of a region.
+//!
+//! The amount due at time t is `rate` (t - `from`), in grains or in kg. A grain is due when this amount exceeds all that has entered.
+//! Its centre is uniform among the places of `region` where it overlaps no particle and no wall: places are drawn until one is free.
+//! So no elastic energy enters. Its velocity is `velocity` plus a Gaussian `agitation`; in scenes whose grains spin, its spin is Gaussian.
+//!
+//! * Bounded effort: in one step a feed draws at most `tries` places, so no more grains enter. A grain that finds no free place waits, and
+//!   tries again in the next step. Grains enter in the order in which they are due, so the sizes that enter have the distribution of `radius`.
+//! * A feed that was late catches up as soon as there is room. [`FeedFigures`] tells how much is missing.
+//! * If a grain waits for longer than `timeout`, the run fails and states the reason.
+//!
+//! Random numbers depend only on the seed, the number of the feed, the number of the grain and of its try.
+//!
+//! Limits: a step with a grain due compares each try with every particle near the region. A `total` in kg is rounded to grains of the mean
+//! mass. Equal grains that do not move away fill a region to at most 0.55 of an area or 0.38 of a volume ([`super::fill`] has sources).
+
+mod inlet;
+
+use std::marker::PhantomData;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use self::inlet::{Inlet, Progress, Released};
+use crate::grains::mass::MassLaw;
+use crate::grains::region::Region;
+use crate::grains::spawner::{Pending, RadiusLaw};
+use crate::gravity::Gravity;
+use crate::messages::GrainReleased;
+use crate::outcome::{Failure, Outcome};
+use crate::particle::{Force, Grain, GrainBundle, Mass, Particle, Position, Radius, Velocity};
+use crate::particles::Particles;
+use crate::persist::PersistApp as _;
+use crate::space::Space;
+use crate::spin::InertiaLaw;
+use crate::step::{Clock, Phase, Step};
+use crate::store::PlainCommands;
+use crate::values::{FiniteVector, NonNegative, Positive};
+use crate::walls::surfaces::{SurfaceWall, Surfaces};
+
+/// One entry of the scene key `feed`.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct Feed {
+    /// Region of the centres.
+    pub region: Region,
+    /// Amount per time.
+    pub rate: Rate,
+    /// Amount after which the feed ends. Default: no end.
+    pub total: Option<Total>,
+    /// Radii, m.
+    pub radius: RadiusLaw,
+    /// Mean velocity of entering grains, m/s.
+    pub velocity: FiniteVector,
+    /// Standard deviations of the components of the velocity, m/s. Default 0.
+    pub agitation: Option<FiniteVector>,
+    /// Standard deviation of the components of the spin, rad/s. Default 0.
+    pub spin: Option<NonNegative>,
+    /// Time of the first grain, s. Default 0.
+    pub from: Option<NonNegative>,
+    /// Most places that the feed draws in a step, from 1 to [`MOST_TRIES`]. Default 100.
+    #[serde(default = "default_tries")]
+    pub tries: u32,
+    /// Longest wait of a grain before the run fails, s. Default 10.
+    #[serde(default = "default_timeout")]
+    pub timeout: NonNegative,
+    /// Species of the first size of `radius`. Default 0.
+    #[serde(default)]
+    pub species: u8,
+}
+
+/// Most places that a feed may draw in a step. Each is compared with all particles near the region.
+pub const MOST_TRIES: u32 = 10_000;
+
+fn default_tries() -> u32 {
+    100
+}
+
+fn default_timeout() -> NonNegative {
+    NonNegative::try_from(10.0).expect("10 is not negative")
+}
+
+/// The rate of a feed.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub enum Rate {
+    /// Grains per second.
+    Grains(Positive),
+    /// Mass per time, kg/s.
+    Mass(Positive),
+}
+
+/// The amount after which a feed ends.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub enum Total {
+    /// A number of grains.
+    Grains(u32),
+    /// A mass, kg, rounded to grains of the mean mass.
+    Mass(Positive),
+}
+
+impl Feed {
+    /// Returns the number of grains that will enter; `None` without an end. Infinite if the number is too large for whole numbers.
+    #[must_use]
+    pub fn count(&self, mass: MassLaw) -> Option<f64> {
+        self.total.map(|total| match total {
+            Total::Grains(count) => f64::from(count),
+            Total::Mass(total) => (total.get() / self.mean_mass(mass)).round(),
+        })
+    }
+
+    /// Returns the mean number of grains per second.
+    #[must_use]
+    pub fn grains_per_second(&self, mass: MassLaw) -> f64 {
+        match self.rate {
+            Rate::Grains(rate) => rate.get(),
+            Rate::Mass(rate) => rate.get() / self.mean_mass(mass),
+        }
+    }
+
+    /// Returns the mean mass of a grain, kg.
+    #[must_use]
+    pub fn mean_mass(&self, mass: MassLaw) -> f64 {
+        match &self.radius {
+            RadiusLaw::Fixed(radius) => mass.of(radius.get()),
+            RadiusLaw::Mixture(sizes) => sizes.iter().map(|(radius, share)| share.get() * mass.of(radius.get())).sum(),
+            RadiusLaw::Uniform(low, high) => {
+                // Simpson's rule is exact for masses that grow as the square or the cube of the radius.
+                let (low, high) = (low.get(), high.get());
+                (mass.of(low) + 4.0 * mass.of(0.5 * (low + high)) + mass.of(high)) / 6.0
+            }
+        }
+    }
+}
+
+/// What the feeds have done, for the summary, in the order of the scene.
+#[derive(Resource, Default, Debug, Clone, Serialize, Deserialize)]
+pub struct FeedFigures(pub Vec<FeedFigure>);
+
+/// What one feed has done.
+#[derive(Default, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct FeedFigure {
+    /// Number of grains that entered.
+    pub grains: u32,
+    /// Their mass, kg.
+    pub mass_kg: f64,
+    /// Share of the amount due that had not entered at the last step in which a grain was due.
+    pub shortfall: f64,
+    /// Number of grains that did not enter in the first step in which they could.
+    pub waited: u32,
+    /// Longest time from such a step to the entry, s.
+    pub longest_wait_s: f64,
+}
+
+/// All feeds of a scene.
+#[derive(Resource)]
+struct Feeds<V: Space> {
+    inlets: Vec<Inlet<V>>,
+    next_id: u32,
+}
+
+fn is_due<V: Space>(clock: Res<Clock>, feeds: Res<Feeds<V>>) -> bool {
+    feeds.inlets.iter().any(|inlet| inlet.is_due(&clock))
+}
+
+#[expect(clippy::too_many_arguments, reason = "a release reads and writes all of them")]
+fn feed<V: Space>(
+    mut commands: Commands,
+    particles: Particles<V>,
+    mut feeds: ResMut<Feeds<V>>,
+    mut pending: ResMut<Pending>,
+    mut figures: ResMut<FeedFigures>,
+    mut outcome: ResMut<Outcome>,
+    mut released: MessageWriter<GrainReleased>,
+    (clock, gravity, walls): (Res<Clock>, Res<Gravity<V>>, Res<Surfaces<V>>),
+) {
+    let Feeds { inlets, next_id } = &mut *feeds;
+    // Grains of this step have no row yet.
+    let mut newcomers: Vec<(V, f64)> = Vec::new();
+    for (number, (inlet, figure)) in inlets.iter_mut().zip(&mut figures.0).enumerate() {
+        if !inlet.is_due(&clock) {
+            continue;
+        }
+        let near = inlet.near(&particles);
+        let mut tries_left = inlet.config.tries;
+        while inlet.is_due(&clock) && inlet.draw(next_id) {
+            let place = |x: V, radius: f64| {
+                let touches = |&(y, other): &(V, f64)| particles.separation(x, y).length() < radius + other;
+                let is_free = !near.iter().chain(&newcomers).any(touches);
+                let is_clear = |wall: &SurfaceWall<V>| !wall.is_present || wall.surface.distance(x) >= radius;
+                is_free && walls.near(x, radius).iter().all(|index| is_clear(&walls.all[index]))
+            };
+            let Some(new) = inlet.enter(particles.periodic(), &mut tries_left, place) else { break };
+            newcomers.push((new.position, new.radius));
+            spawn(&mut commands, &new, gravity.0);
+            released.write(GrainReleased { id: new.id });
+            if inlet.left.is_some() {
+                pending.0 -= 1;
+            }
+            inlet.record(figure, &new, &clock, number);
+        }
+        figure.shortfall = inlet.shortfall(&clock);
+        if let Some((grain, waited_s)) = inlet.is_stuck(&clock) {
+            outcome.fail(Failure::FeedBlocked { step: clock.steps, feed: number, grain, waited_s });
+        }
+    }
+}
+
+fn spawn<V: Space>(commands: &mut Commands, new: &Released<V>, gravity: V) {
+    let bundle = GrainBundle {
+        particle: Particle {
+            id: new.id,
+            position: Position(new.position),
+            velocity: Velocity(new.velocity),
+            force: Force(gravity * new.mass),
+            radius: Radius(new.radius),
+        },
+        mass: Mass(new.mass),
+        species: new.species,
+        grain: Grain,
+    };
+    match new.rotation {
+        Some((law, spin)) => commands.spawn((law.turning::<V>(new.mass, new.radius, spin), bundle)),
+        None => commands.spawn(bundle),
+    };
+}
+
+/// Feeds of a scene.
+pub struct FeedPlugin<V: Space> {
+    /// The feeds.
+    pub feeds: Vec<Feed>,
+    /// Law for the masses of grains.
+    pub mass: MassLaw,
+    /// Law for the moments of inertia, if grains spin.
+    pub inertia: Option<InertiaLaw>,
+    /// The scene's seed.
+    pub seed: u64,
+    /// Id of the first grain.
+    pub first_id: u32,
+    /// The space.
+    pub space: PhantomData<V>,
+}
+
+impl<V: Space> Plugin for FeedPlugin<V> {
+    fn build(&self, app: &mut App) {
+        let inlet = |(number, config): (usize, &Feed)| Inlet::new(config, number, self.mass, self.inertia, self.seed);
+        let inlets: Vec<Inlet<V>> = self.feeds.iter().enumerate().map(inlet).collect();
+        // A feed without an end always has a grain to come.
+        let to_come = inlets.iter().map(|inlet| inlet.left.unwrap_or(1));
+        app.world_mut().resource_mut::<Pending>().0 += to_come.sum::<u32>();
+        app.insert_resource(FeedFigures(vec![FeedFigure::default(); inlets.len()]))
+            .insert_resource(Feeds { inlets, next_id: self.first_id })
+            .persist::<FeedFigures>()
+            .persist_part::<Feeds<V>, _>(
+                |feeds| Ok((feeds.inlets.iter().map(Inlet::progress).collect::<Vec<Progress>>(), feeds.next_id)),
+                |feeds, (progress, next_id)| {
+                    if progress.len() != feeds.inlets.len() {
+                        return Err(format!("it has {} feeds, the scene {}", progress.len(), feeds.inlets.len()));
+                    }
+                    feeds.inlets.iter_mut().zip(progress).for_each(|(inlet, progress)| inlet.restore(progress));
+                    feeds.next_id = next_id;
+                    Ok(())
+                },
+            )
+            .add_systems(Step, feed::<V>.in_set(Phase::Spawn).in_set(PlainCommands).run_if(is_due::<V>));
+    }
+}

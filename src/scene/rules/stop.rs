@@ -1,0 +1,36 @@
+//! Rules on `stop`: a condition must be able to hold.
+
+use crate::door::DoorOpens;
+use crate::fault::Fault;
+use crate::scene::load::Loaded;
+use crate::stop::StopCondition;
+
+/// Every condition needs what it watches: rest, a door that opens, an outlet.
+pub(super) fn stop(loaded: &Loaded) -> Result<(), Fault> {
+    let scene = &loaded.scene;
+    for (index, condition) in scene.stop.iter().enumerate() {
+        let (code, message, help) = match condition {
+            StopCondition::AtRest if scene.rest.is_none() => (
+                "scene::missing_key",
+                "the run is to end at rest, but nothing detects rest",
+                "add `rest: (speed: 2.0e-3, energy: 1.0e-6, hold: 0.1)`",
+            ),
+            StopCondition::EndOfFlow { .. } if scene.door.is_none_or(|door| door.opens == DoorOpens::Never) => (
+                "scene::no_door",
+                "the end of the flow counts from the opening of the door, and no door opens",
+                "add for example `door: (opens: At(0.0))`, or use `Out(...)` or `until`",
+            ),
+            StopCondition::Out(0) => {
+                ("scene::out_of_range", "expected a number of grains of at least 1", "a run starts with no grain out")
+            }
+            StopCondition::Out(_) if !loaded.has_outlet() => (
+                "scene::no_door",
+                "no grain will ever be out: the scene has no door",
+                "give a silo file whose first line has a second count above 0, or in solid space a wall with `door: true`",
+            ),
+            _ => continue,
+        };
+        return Err(loaded.fault(code, &format!("stop[{index}]"), message).help(help));
+    }
+    Ok(())
+}

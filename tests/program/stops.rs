@@ -1,0 +1,171 @@
+//! Conditions that end a run: `stop`. The scene drops three grains through a door and keeps four on a floor beside it, so the number
+//! that leaves is known.
+
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::Path;
+use std::process::Command;
+
+use siloflow::door::DoorState;
+use siloflow::fault::Fault;
+use siloflow::prelude::*;
+use siloflow::rest::RestDetector;
+use siloflow::scene::check;
+
+use crate::command_line::text;
+use crate::{hash, simulation};
+
+const DOOR: &str = "2 9\n-0.1 0 0.01\n0.1 0 0.01\n-0.08 0 0.01\n-0.06 0 0.01\n-0.04 0 0.01\n-0.02 0 0.01\n0 0 0.01\n0.02 0 0.01\n\
+                    0.04 0 0.01\n0.06 0 0.01\n0.08 0 0.01\n";
+
+/// The column of three grains above the door.
+const COLUMN: &str = "(low: (-0.035, 0.02), high: (0.035, 0.23), spacing: 0.07, radius: Fixed(0.03)),";
+
+const DT: f64 = 1.0e-4;
+
+fn scene(more: &str) -> String {
+    format!(
+        "(gravity: (0.0, -9.81), contact: Linear(k: 1.0e4, damping: B(5.0)), mass: ArealSquare(100.0), integrator: Verlet,
+        step: Fixed({DT}), silo: (file: \"door.dat\", unit: Metre), door: (opens: At(0.2)), cull: (below: -0.3),
+        walls: [Segment(from: (-1.0, 0.0), to: (-0.1, 0.0)), Segment(from: (1.0, 0.0), to: (0.1, 0.0))],
+        fill: [{COLUMN} (low: (-0.8, 0.0), high: (-0.5, 0.075), spacing: 0.075, radius: Fixed(0.03))],
+        until: 5.0, pictures: None, {more})"
+    )
+}
+
+fn loaded(text: &str) -> Result<Loaded, Fault> {
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("door.dat"), DOOR).unwrap();
+    load::from_text("a.ron", "a", here.path(), text.to_owned(), &[])
+}
+
+fn run(text: &str) -> (End, Simulation) {
+    let mut run = simulation(&loaded(text).unwrap(), 1);
+    (run.run(), run)
+}
+
+/// Simulated time, and numbers of grains inside and out.
+fn result(run: &Simulation) -> (f64, u32, u32) {
+    let ledger = run.world().resource::<Ledger>();
+    (run.world().resource::<Clock>().time(), ledger.inside(), ledger.out())
+}
+
+fn last_out(run: &Simulation) -> f64 {
+    run.world().resource::<Ledger>().departures.ends().unwrap().1
+}
+
+#[test]
+fn a_flow_ends_a_stated_time_after_the_last_grain() {
+    let (end, run) = run(&scene("stop: [EndOfFlow(still: 0.5)]"));
+    let (time, inside, out) = result(&run);
+    assert_eq!((end, inside, out), (End::FlowEnded { still_s: 0.5 }, 4, 3));
+    assert!(last_out(&run) > 0.2 && (time - last_out(&run) - 0.5).abs() < 1.5 * DT, "{time}");
+}
+
+#[test]
+fn a_flow_that_never_begins_ends_after_the_opening_of_the_door() {
+    let (end, run) = run(&scene("stop: [EndOfFlow(still: 0.5)]").replace(COLUMN, ""));
+    let (time, inside, out) = result(&run);
+    assert_eq!((end, inside, out), (End::FlowEnded { still_s: 0.5 }, 4, 0));
+    let open = run.world().resource::<DoorState>().open_time.unwrap();
+    assert!(open >= 0.2 && (time - open - 0.5).abs() < 1.5 * DT, "{time}");
+}
+
+#[test]
+fn a_number_of_grains_ends_the_run_in_the_step_in_which_the_last_of_them_leaves() {
+    for stop in ["Out(2)", "EndOfFlow(still: 0.5), Out(2)", "Out(2), EndOfFlow(still: 0.5)"] {
+        let (end, run) = run(&scene(&format!("stop: [{stop}]")));
+        let (time, inside, out) = result(&run);
+        assert_eq!((end, inside, out, time), (End::OutReached { count: 2 }, 5, 2, last_out(&run)), "{stop}");
+    }
+}
+
+#[test]
+fn without_conditions_and_without_a_condition_that_holds_the_time_ends_the_run() {
+    let (end, mut plain) = run(&scene(""));
+    assert_eq!((end, result(&plain).0), (End::TimeReached, 5.0));
+    let (end, mut waiting) = run(&scene("stop: [Out(8)]"));
+    assert_eq!((end, hash(&mut waiting)), (End::TimeReached, hash(&mut plain)));
+}
+
+#[test]
+fn rest_ends_the_run_by_either_key() {
+    let rest = "rest: (speed: 2.0e-3, energy: 1.0e-6, hold: 0.05";
+    let ends = [format!("{rest}, stop: true)"), format!("{rest}), stop: [AtRest]")].map(|keys| {
+        // The door stays closed, and the bed rests on it.
+        let (end, mut run) = run(&scene(&keys).replace("At(0.2)", "Never"));
+        let rest = run.world().resource::<RestDetector>().rest_time;
+        assert_eq!((end, Some(result(&run).0)), (End::AtRest, rest), "{keys}");
+        hash(&mut run)
+    });
+    assert_eq!(ends[0], ends[1]);
+}
+
+#[test]
+fn a_resumed_run_ends_in_the_same_step() {
+    let text = scene("stop: [EndOfFlow(still: 0.5)]");
+    let (end, mut whole) = run(&text);
+    let loaded = loaded(&text).unwrap();
+    let mut first = simulation(&loaded, 1);
+    // After the last grain has left, within the half second.
+    let steps = (last_out(&whole) / DT).round() as u64 + 1000;
+    assert_eq!(first.run_steps(steps), None);
+    let saved = first.save().unwrap();
+    let mut second = Simulation::restored(&loaded, &Registry::default(), NonZeroUsize::MIN, &saved).unwrap();
+    assert_eq!(second.run(), end);
+    assert_eq!((result(&second), hash(&mut second)), (result(&whole), hash(&mut whole)));
+}
+
+#[test]
+fn conditions_that_cannot_hold_are_refused_or_warned_of() {
+    let closed = |keys: &str| scene(keys).replace("At(0.2)", "Never");
+    for (text, code, message) in [
+        (scene("stop: [Out(1), AtRest]"), "scene::missing_key", "nothing detects rest"),
+        (closed("stop: [Out(1), EndOfFlow(still: 1.0)]"), "scene::no_door", "no door opens"),
+        (scene("stop: [Out(1), Out(0)]"), "scene::out_of_range", "at least 1"),
+        (scene("stop: [Out(1), EndOfFlow(still: 0.0)]"), "scene::out_of_range", "greater than 0"),
+    ] {
+        let fault = loaded(&text).unwrap_err();
+        assert_eq!(fault.code(), code, "{fault}");
+        assert!(fault.scene_key().unwrap().starts_with("stop[1]") && fault.to_string().contains(message), "{fault}");
+    }
+    let outside =
+        scene("stop: [Out(1)]").replace("silo: (file: \"door.dat\", unit: Metre), door: (opens: At(0.2)),", "");
+    assert!(loaded(&outside).unwrap_err().to_string().contains("the scene has no door"));
+    let codes = |text: &str| -> Vec<_> {
+        check::warnings(&loaded(text).unwrap()).into_iter().map(|warning| warning.code).collect()
+    };
+    assert!(codes(&scene("stop: [Out(8)]")).contains(&"check::stop_out_of_reach"));
+    assert!(!codes(&scene("stop: [Out(7)]")).contains(&"check::stop_out_of_reach"));
+}
+
+fn siloflow(directory: &Path, arguments: &[&str]) -> String {
+    let output = Command::new(env!("CARGO_BIN_EXE_siloflow")).args(arguments).current_dir(directory).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    text(&output.stdout)
+}
+
+#[test]
+fn the_summary_names_the_condition_and_what_is_left() {
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("door.dat"), DOOR).unwrap();
+    fs::write(here.path().join("a.ron"), scene("stop: [EndOfFlow(still: 0.25)]")).unwrap();
+    fs::write(here.path().join("b.ron"), scene("")).unwrap();
+    let words = siloflow(here.path(), &["run", "a.ron"]);
+    assert!(words.contains("stopped      no grain has left for 0.25 s; 4 grains inside, 0.3600 kg\n"), "{words}");
+    let summary: serde_json::Value =
+        serde_json::from_str(&fs::read_to_string(here.path().join("out/a/summary.json")).unwrap()).unwrap();
+    assert_eq!((&summary["status"], &summary["stop"]), (&"end_of_flow".into(), &"no grain has left for 0.25 s".into()));
+    // Four grains of rho R^2 = 0.09 kg.
+    assert!((summary["grains"]["inside_kg"].as_f64().unwrap() - 0.36).abs() < 1e-12);
+    // The run is over: its checkpoint is the final one.
+    let again = Command::new(env!("CARGO_BIN_EXE_siloflow"))
+        .args(["run", "--resume", "out/a"])
+        .current_dir(here.path())
+        .output()
+        .unwrap();
+    assert!(text(&again.stderr).contains("checkpoint::final"), "{}", text(&again.stderr));
+    let [with, without] = ["a.ron", "b.ron"].map(|scene| siloflow(here.path(), &["explain", scene]));
+    assert!(with.lines().any(|line| line.contains("stop::end_by_flow") && line.ends_with(" stop")), "{with}");
+    assert!(!without.contains("stop::"), "{without}");
+}
