@@ -52,11 +52,13 @@ fn keys(walls: &str, contact: &str, dt: f64, gravity: &str) -> String {
     )
 }
 
+const SQUARE: &str = "[(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)]";
+
 const WEIGHT: &str = "(0.0, 0.0, -9.81)";
 
 #[test]
 fn a_sphere_rolls_over_seams_as_over_one_panel() {
-    // Two and four panels in one plane, in both orders, a ring inside a larger one, and one panel.
+    // Two and four panels in one plane, in both orders, a ring inside a larger one, the triangles of a polygon, and one panel.
     let panel = |x: f64, y: f64, along: f64, across: f64| {
         format!("Panel(corner: ({x:?}, {y:?}, 0.0), along: ({along:?}, 0.0, 0.0), across: (0.0, {across:?}, 0.0))")
     };
@@ -74,6 +76,8 @@ fn a_sphere_rolls_over_seams_as_over_one_panel() {
             panel(-1.0, -1.0, 1.0, 1.0),
         ],
         vec![ring(0.05, 1.0), ring(0.0, 0.05)],
+        vec![format!("Polygon(points: {SQUARE})")],
+        vec![format!("Polygon(points: {SQUARE}, hole: [(0.3, 0.3, 0.0), (0.5, 0.3, 0.0), (0.4, 0.5, 0.0)])")],
     ];
     let run = |walls: &str, integrator: &str| {
         let keys = keys(walls, FRICTION, 2e-5, WEIGHT);

@@ -594,6 +594,20 @@ fn a_sphere_that_blocks_a_funnel_comes_to_rest_on_its_axis() {
     }
 }
 
+#[test]
+fn a_vessel_of_triangles_holds_all_grains_and_their_energy() {
+    for integrator in ["Verlet", "Centred"] {
+        let mut run = through("facets", &[("integrator", integrator)]);
+        let ledger = run.world().resource::<Ledger>();
+        let (released, inside) = (ledger.released, ledger.inside());
+        assert!(released == inside && released > 100, "{integrator}: {inside} of {released} are inside");
+        let grains = grains::<Solid>(&mut run);
+        let below = grains.iter().filter(|(x, ..)| x.z < 0.066).count();
+        assert!(below > 20 && below < grains.len() - 5, "{integrator}: {below} have passed the slot");
+        assert_energy_error_of_the_scheme(&run, (2.0 * 1e4 / grains[0].2).sqrt() * 2e-5);
+    }
+}
+
 // The watchdog.
 
 #[test]

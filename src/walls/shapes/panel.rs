@@ -40,8 +40,7 @@ impl<V: Space> Shape<V> for Panel<V> {
     }
 
     fn crossing(&self, from: V, to: V) -> Option<f64> {
-        let [corner, along, across, from, to] =
-            [self.corner, self.along, self.across, from, to].map(Linear::spread);
+        let [corner, along, across, from, to] = [self.corner, self.along, self.across, from, to].map(Linear::spread);
         let normal = along.cross(across);
         let (before, after) = ((from - corner).dot(normal), (to - corner).dot(normal));
         if (before < 0.0) == (after < 0.0) {

@@ -1,4 +1,4 @@
-//! Triangle of solid space. Polygons are made of triangles ([`triangulation`](crate::walls::triangulation)).
+//! Triangle of solid space. Polygons and meshes are made of triangles.
 //!
 //! The nearest point is found region by region: at a corner, on an edge or in the face (C. Ericson, Real-Time Collision
 //! Detection, 2005, section 5.1.5).
