@@ -5,6 +5,7 @@
 //! quantity that the scene does not measure.
 
 use std::collections::BTreeMap;
+use std::ops::Add;
 
 use bevy_ecs::prelude::*;
 use serde::Serialize;
@@ -187,7 +188,7 @@ fn mass_inside(world: &World) -> f64 {
         let (store, ledger) = (world.resource::<ParticleStore<V>>(), world.resource::<Ledger>());
         let is_inside =
             |row: &usize| !store.id[*row].is_wall() && store.is_present(*row) && !ledger.is_gone(store.id[*row]);
-        (0..store.id.len()).filter(is_inside).map(|row| store.mass[row]).sum()
+        (0..store.id.len()).filter(is_inside).map(|row| store.mass[row]).fold(0.0, Add::add)
     }
     match Dimension::of_world(world) {
         Dimension::Plane => of::<Plane>(world),
