@@ -36,6 +36,7 @@ use crate::step::{ForceStage, Step, StepPlugin};
 use crate::stop::StopPlugin;
 use crate::store::{StorePlugin, clear_forces};
 use crate::table_sort::TableSortPlugin;
+use crate::walls::config::Wall;
 use crate::walls::conveyor::ConveyorPlugin;
 use crate::walls::outline::Outline;
 use crate::walls::paths::SurfaceWalls;
@@ -121,8 +122,8 @@ pub(crate) fn add_all<V: Space>(
     if let Some(door) = scene.door {
         app.add("door", DoorPlugin(door));
     }
-    let surfaces = loaded.surfaces::<V>();
-    if !surfaces.is_empty() && (has_behaviours || surfaces.iter().any(|wall| wall.is_door)) {
+    let walls = || scene.walls.iter();
+    if walls().any(Wall::is_surface) && (has_behaviours || walls().any(Wall::is_door)) {
         app.add("walls", LeavingWallsPlugin(space));
         if scene.energy_balance {
             app.add("walls", LeavingWallsEnergyPlugin(space));

@@ -454,9 +454,10 @@ fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded) {
             spawned.insert(Conveyed);
         }
     }
-    for (index, wall) in loaded.surfaces::<V>().iter().enumerate() {
+    let are_doors: Vec<_> = world.resource::<Surfaces<V>>().all.iter().map(|wall| wall.is_door).collect();
+    for (index, is_door) in are_doors.into_iter().enumerate() {
         let mut entity = world.spawn(WallIndex(index));
-        if wall.is_door {
+        if is_door {
             entity.insert(Door);
         }
     }

@@ -141,7 +141,7 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
     let scene = &loaded.scene;
     let _ = write!(text, "\n`run` adds\n  a row of series.csv every {} s", scene.series.interval.get());
     text.push_str("\n  rows of losses.csv, as often, if more than a hundred grains are lost");
-    if scene.walls.iter().any(|wall| !matches!(wall, Wall::Disc { .. })) {
+    if scene.walls.iter().any(Wall::is_surface) {
         text.push_str("\n  the forces on wall surfaces, as often, in walls.csv");
     }
     if !scene.profiles.is_empty() {

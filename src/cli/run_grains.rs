@@ -34,6 +34,7 @@ use crate::source::Source;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::step::Clock;
 use crate::store::ParticleStore;
+use crate::walls::config::Wall;
 
 impl Method for Loaded {
     type Summary = Summary;
@@ -144,7 +145,7 @@ struct Outputs<V: Space> {
 
 impl<V: Space> Outputs<V> {
     fn create(loaded: &Loaded, directory: &RunDirectory) -> std::io::Result<Self> {
-        let has_walls = !loaded.surfaces::<V>().is_empty();
+        let has_walls = loaded.scene.walls.iter().any(Wall::is_surface);
         let profiles = loaded.profiles();
         let species = u8::try_from(loaded.largest_species()).unwrap_or(u8::MAX);
         Ok(Self {

@@ -133,11 +133,11 @@ impl Feed {
     }
 }
 
-/// What the feeds have done, for the summary, in the order of the scene.
+/// Figures of all feeds for the summary, in the order of the scene.
 #[derive(Resource, Default, Debug, Clone, Serialize, Deserialize)]
 pub struct FeedFigures(pub Vec<FeedFigure>);
 
-/// What one feed has done.
+/// Figures of one feed.
 #[derive(Default, Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct FeedFigure {
     /// Number of grains that entered.

@@ -73,7 +73,7 @@ pub struct Summary {
     pub bed: Option<BedFigures>,
     /// Flow through the orifice.
     pub discharge: Option<Discharge>,
-    /// What each feed has done. The key is absent if the scene has none.
+    /// Figures of each feed. The key is absent if the scene has no feed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub feed: Option<FeedFigures>,
     /// Delayed releases.

@@ -78,8 +78,7 @@ pub fn known_step(loaded: &Loaded) -> Option<f64> {
 pub fn outputs(loaded: &Loaded, dt: f64) -> Vec<Output> {
     let scene = &loaded.scene;
     let species = loaded.largest_species() as f64 + 1.0;
-    let flat =
-        scene.walls.iter().filter(|wall| !matches!(wall, crate::walls::config::Wall::Disc { .. })).count() as f64;
+    let flat = scene.walls.iter().filter(|wall| wall.is_surface()).count() as f64;
     let centres = if scene.profiles.is_empty() { 0.0 } else { species };
     let mut outputs = vec![Output {
         key: "series.interval".to_owned(),

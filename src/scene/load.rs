@@ -397,7 +397,7 @@ impl Loaded {
     /// The wall surfaces.
     #[must_use]
     pub fn surfaces<V: Space>(&self) -> Vec<SurfaceWall<V>> {
-        let walls = self.scene.walls.iter().filter(|wall| !matches!(wall, Wall::Disc { .. }));
+        let walls = self.scene.walls.iter().filter(|wall| wall.is_surface());
         walls.enumerate().flat_map(|(number, wall)| wall.surfaces(number)).collect()
     }
 

@@ -1,8 +1,8 @@
 //! The saved form of the particle store, between two steps: no kick is pending, and velocities belong to the end of the step.
 //!
-//! Slots are saved as they are, because they fix the order of sums and depend on the positions at the last renumbering. What
-//! the scene decides (inertia, periodic sides, the energy balance) and what only lives within a step (velocities in its middle)
-//! is not saved.
+//! Slots are saved as they are, because they fix the order of sums and depend on the positions at the last renumbering. Two
+//! kinds of numbers are not saved: those that the scene decides (inertia, periodic sides, the energy balance), and those that
+//! exist within a step alone (velocities in its middle).
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;

@@ -86,8 +86,8 @@ impl<'a, V: Space> Survey<'a, V> {
         self.contacts_among(|_, _| true, visit);
     }
 
-    /// Like [`Self::contacts`], for contacts that `accepts` returns true for. The geometry of other contacts is
-    /// not computed.
+    /// Like [`Self::contacts`], for contacts that `accepts` returns true for. The geometry of other contacts between
+    /// particles is not computed. At seams, a contact with a wall depends on the other walls.
     fn contacts_among(
         &self,
         accepts: impl Fn(usize, Partner) -> bool,

@@ -40,7 +40,7 @@ pub struct PairForces<'w, 's, V: Space = Plane> {
 
 impl<V: Space> PairForces<'_, '_, V> {
     /// Adds the force (N) that `on_first` returns for each contact to its first particle, and the opposite force to the
-    /// partner. A wall surface does not move. Contacts are visited in the order of the store, so the sums are the same on
+    /// partner. A wall takes no part of it. Contacts are visited in the order of the store, so the sums are the same on
     /// every machine.
     pub fn add(&mut self, mut on_first: impl FnMut(&Touching<'_, V>) -> V) {
         let Self { contacts, forces, sums } = self;

@@ -272,6 +272,12 @@ impl Wall {
         }
     }
 
+    /// Whether the wall is a surface, not a wall grain.
+    #[must_use]
+    pub fn is_surface(&self) -> bool {
+        !matches!(self, Self::Disc { .. })
+    }
+
     /// Whether the wall exists in solid space only.
     #[must_use]
     pub fn is_solid(&self) -> bool {

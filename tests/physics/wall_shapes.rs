@@ -229,7 +229,7 @@ fn a_turning_drum_does_the_work_of_its_torque() {
     assert!(work > 0.02, "the drum drives the grains: {work} J");
     // All of the same sum but the first step.
     assert!((flows.wall_work - work).abs() < 1e-3 * work, "{} J, {work} J", flows.wall_work);
-    // What the drum does is dissipated or still there. The balance of the scheme is of second order; with a step of a
+    // The work of the drum is dissipated, or stored in the grains. The balance of the scheme is of second order; with a step of a
     // hundredth of a contact it closes to a thousandth.
     let error = totals.energy() - flows.expected();
     assert!(error.abs() < 3e-3 * work, "{error:e} J of {work} J");

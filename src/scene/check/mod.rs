@@ -422,7 +422,7 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
 /// Warns of grains and walls that may pass each other within one step.
 fn fast(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>) {
     // For a wall surface: the distance of a centre from first touch to the other side.
-    let flat = loaded.scene.walls.iter().any(|wall| !matches!(wall, Wall::Disc { .. })).then_some(0.0);
+    let flat = loaded.scene.walls.iter().any(Wall::is_surface).then_some(0.0);
     let discs = loaded.fixed_radii();
     let thickness = estimates.radius + discs.chain(flat).fold(f64::INFINITY, f64::min);
     let driven = loaded.fixed.iter().map(|grain| grain.velocity.length()).fold(0.0, f64::max);
