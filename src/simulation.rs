@@ -24,6 +24,7 @@ use crate::messages::GrainReleased;
 use crate::outcome::{End, Failure, Outcome};
 use crate::output::checkpoint::{self, Checkpoints};
 use crate::output::cost::RunCost;
+use crate::output::frame_data::writer::FrameDataWriter;
 use crate::output::losses::LossesFile;
 use crate::output::run_directory::RunDirectory;
 use crate::particle::{Door, GrainBundle, GrainId, Species, wall_grain};
@@ -283,6 +284,9 @@ impl Simulation {
         let world = self.app.world_mut();
         if let Some(mut losses) = world.get_resource_mut::<LossesFile>() {
             losses.path = directory.losses();
+        }
+        if let Some(mut frames) = world.get_resource_mut::<FrameDataWriter>() {
+            frames.close()?;
         }
         let writer = world.get_resource_mut::<FrameWriter>();
         writer.map_or(Ok(()), |mut writer| writer.continue_in(directory.frames(), directory.guard()))

@@ -158,6 +158,9 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
             flow.sample.get()
         );
     }
+    if let Some((_, interval)) = scene.data_frames() {
+        let _ = write!(text, "\n  a frame of data every {interval} s, in frames.bin");
+    }
     let _ = match &scene.pictures {
         Some(pictures) => writeln!(text, "\n  a picture every {} s", pictures.interval.get()),
         None => writeln!(text),

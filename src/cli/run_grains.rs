@@ -16,6 +16,7 @@ use crate::ledger::Ledger;
 use crate::outcome::End;
 use crate::output::cost::CostPlugin;
 use crate::output::flow::FlowPlugin;
+use crate::output::frame_data::recording::FrameDataPlugin;
 use crate::output::frames::{FrameRenderer, FramesPlugin};
 use crate::output::losses::LossesPlugin;
 use crate::output::parent::ParentPlugin;
@@ -128,6 +129,12 @@ fn build_in<V: Space>(
         if let Some(flow) = outputs.flow {
             app.add("flow", flow);
         }
+        if let Some(frame_data) = outputs.frame_data {
+            app.add(
+                if loaded.source.value_of("data_frames").is_some() { "data_frames" } else { "pictures" },
+                frame_data,
+            );
+        }
         if let Some(frames) = FrameRenderer::of(loaded, directory.frames()) {
             app.add("pictures", FramesPlugin::<V>(frames, PhantomData));
         }
@@ -141,6 +148,7 @@ struct Outputs<V: Space> {
     walls: Option<WallForcesPlugin<V>>,
     profiles: Option<ProfilesPlugin<V>>,
     flow: Option<FlowPlugin>,
+    frame_data: Option<FrameDataPlugin<V>>,
 }
 
 impl<V: Space> Outputs<V> {
@@ -157,6 +165,7 @@ impl<V: Space> Outputs<V> {
                 Some(ProfilesPlugin::create(&profiles, species, &directory.profiles(), &directory.centres())?)
             },
             flow: loaded.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.flow())).transpose()?,
+            frame_data: FrameDataPlugin::create(loaded, &directory.frame_data())?,
         })
     }
 }

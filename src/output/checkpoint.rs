@@ -20,6 +20,7 @@ use bevy_ecs::prelude::*;
 use self::file::{FORMAT, Header};
 use crate::ending::StopRequest;
 use crate::outcome::{End, Outcome};
+use crate::output::frame_data::writer::FrameDataWriter;
 use crate::output::run_directory::{checkpoint_name, checkpoints_in, hash_of_input, remove_incomplete_checkpoints};
 use crate::persist;
 use crate::persist::{CheckpointConfig, CheckpointFigures};
@@ -94,7 +95,8 @@ impl Checkpoints {
         let start = Instant::now();
         store::refresh_world(world);
         let drawn = world.get_resource_mut::<FrameWriter>().map_or(Ok(()), |mut writer| writer.close());
-        if let Err(failure) = drawn {
+        let kept = world.get_resource_mut::<FrameDataWriter>().map_or(Ok(()), |mut writer| writer.close());
+        if let Err(failure) = drawn.and(kept) {
             let error = io::Error::other(failure.to_string());
             world.resource_mut::<Outcome>().fail(failure);
             return Err(error);

@@ -113,7 +113,7 @@ fn draw_frame<V: Space>(
 }
 
 /// Returns the sum of the elastic contact forces over circumference (N/m) or surface (N/m^2) for each slot.
-fn pressures<V: Space>(survey: &Survey<V>) -> Vec<f64> {
+pub(crate) fn pressures<V: Space>(survey: &Survey<V>) -> Vec<f64> {
     let mut sums = vec![0.0; survey.store.len()];
     survey.contacts(|i, partner, pair, memory| {
         let force = survey.law.force(pair, &mut memory.clone()).elastic().length();
@@ -129,6 +129,17 @@ fn pressures<V: Space>(survey: &Survey<V>) -> Vec<f64> {
     sums.iter().zip(&survey.store.body).map(|(sum, body)| sum / surface(body.radius)).collect()
 }
 
+/// Returns the names of the species that the first source of grains releases.
+pub(crate) fn species_names(loaded: &Loaded) -> Vec<String> {
+    let feed = loaded.scene.feed.first().map(|feed| &feed.radius);
+    match loaded.scene.spawner.as_ref().map(|spawner| &spawner.radius).or(feed) {
+        Some(RadiusLaw::Fixed(radius)) => vec![format!("R = {} m", radius.get())],
+        Some(RadiusLaw::Uniform(low, high)) => vec![format!("R = {} to {} m", low.get(), high.get())],
+        Some(RadiusLaw::Mixture(sizes)) => sizes.iter().map(|(radius, _)| format!("R = {} m", radius.get())).collect(),
+        None => Vec::new(),
+    }
+}
+
 impl FrameRenderer {
     /// Returns the renderer of a scene; `None` if the scene wants no pictures.
     #[must_use]
@@ -136,15 +147,7 @@ impl FrameRenderer {
         let pictures = loaded.scene.pictures.clone()?;
         let view = view::of(loaded, &pictures);
         let title = if loaded.scene.title.is_empty() { loaded.source.name.clone() } else { loaded.scene.title.clone() };
-        let feed = loaded.scene.feed.first().map(|feed| &feed.radius);
-        let species = match loaded.scene.spawner.as_ref().map(|spawner| &spawner.radius).or(feed) {
-            Some(RadiusLaw::Fixed(radius)) => vec![format!("R = {} m", radius.get())],
-            Some(RadiusLaw::Uniform(low, high)) => vec![format!("R = {} to {} m", low.get(), high.get())],
-            Some(RadiusLaw::Mixture(sizes)) => {
-                sizes.iter().map(|(radius, _)| format!("R = {} m", radius.get())).collect()
-            }
-            None => Vec::new(),
-        };
+        let species = species_names(loaded);
         let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
         let depths = loaded.scene.walls.iter().filter_map(Wall::bounds).map(|ends| ends.map(Space::depth));
         let ends = depths.reduce(|[low, high], [from, to]| [low.min(from), high.max(to)]);

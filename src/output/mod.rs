@@ -3,6 +3,7 @@
 pub mod checkpoint;
 pub mod cost;
 pub mod flow;
+pub mod frame_data;
 pub mod frames;
 pub mod losses;
 pub mod parent;

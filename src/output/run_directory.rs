@@ -2,7 +2,7 @@
 //!
 //! * Input: `scene.ron`, with `--set` applied, and copies of the files that it names. The names of copies begin with
 //!   `input-`, so that they cannot collide with results.
-//! * Output: `series.csv`, `frames/`, `state.csv` and `summary.json`, and where the scene measures them `walls.csv`,
+//! * Output: `series.csv`, `frames/`, `frames.bin`, `state.csv` and `summary.json`, and where the scene measures them `walls.csv`,
 //!   `profiles.csv`, `centres.csv`, `flow.csv` and `losses.csv`.
 //! * `.siloflow`: the marker. The process that uses the directory holds a lock on it.
 //!
@@ -63,6 +63,7 @@ enum Place {
 const SCENE: &str = "scene.ron";
 const SERIES: &str = "series.csv";
 const FRAMES: &str = "frames";
+const FRAME_DATA: &str = "frames.bin";
 const CHECKPOINTS: &str = "checkpoints";
 const CHECKPOINT_ENDING: &str = "checkpoint";
 const WALLS: &str = "walls.csv";
@@ -73,7 +74,7 @@ const LOSSES: &str = "losses.csv";
 const STATE: &str = "state.csv";
 const SUMMARY: &str = "summary.json";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 8] = [SERIES, WALLS, PROFILES, CENTRES, FLOW, LOSSES, STATE, SUMMARY];
+const OWN_FILES: [&str; 9] = [SERIES, FRAME_DATA, WALLS, PROFILES, CENTRES, FLOW, LOSSES, STATE, SUMMARY];
 
 /// Names of the files that hold the input of a run, without those of meshes.
 const INPUT_FILES: [&str; 4] = [SCENE, "input-silo.dat", "input-grains.csv", "input-contacts.csv"];
@@ -129,6 +130,12 @@ pub fn hash_of_input(run: &Path) -> io::Result<u64> {
         hash.update_from(File::open(run.join(name))?)?;
     }
     Ok(hash.value())
+}
+
+/// Returns the path of the frames of data in a run directory.
+#[must_use]
+pub fn frame_data_of(run: &Path) -> PathBuf {
+    run.join(FRAME_DATA)
 }
 
 /// Returns the directory of the checkpoints in a run directory.
@@ -353,6 +360,12 @@ impl RunDirectory {
     #[must_use]
     pub fn series(&self) -> RowsPlace {
         self.rows(SERIES)
+    }
+
+    /// Returns the place of `frames.bin`. It changes when the directory is published.
+    #[must_use]
+    pub fn frame_data(&self) -> RowsPlace {
+        self.rows(FRAME_DATA)
     }
 
     /// Returns the place of `walls.csv`. It changes when the directory is published.

@@ -28,6 +28,10 @@ const PICTURE_BYTES: [f64; 2] = [65.0, 2000.0];
 /// Length of a PNG over its number of pixels, B.
 const PNG_BYTES: f64 = 0.1;
 
+/// Bytes of a grain and of its contacts in a frame of data, in the plane and in solid space, B; and of a frame without grains.
+const FRAME_BYTES: [[f64; 2]; 2] = [[45.0, 40.0], [85.0, 90.0]];
+const FRAME_HEAD_BYTES: f64 = 500.0;
+
 /// Number of lines above a picture.
 fn header_lines(loaded: &Loaded) -> usize {
     // Title, time, accounting, and the scale of bonds; or the sizes of a mixture.
@@ -74,7 +78,7 @@ pub fn known_step(loaded: &Loaded) -> Option<f64> {
 
 /// Returns the outputs of a scene with this step (s).
 #[must_use]
-#[expect(clippy::cast_precision_loss, reason = "numbers of walls, species, bins and discs")]
+#[expect(clippy::cast_precision_loss, reason = "numbers of walls, species and bins")]
 pub fn outputs(loaded: &Loaded, dt: f64) -> Vec<Output> {
     let scene = &loaded.scene;
     let species = loaded.largest_species() as f64 + 1.0;
@@ -99,9 +103,7 @@ pub fn outputs(loaded: &Loaded, dt: f64) -> Vec<Output> {
     }
     if let Some(pictures) = &scene.pictures {
         let interval = pictures.interval.get();
-        // A picture in the middle of the run: half of the grains that will be released.
-        let released = scene.spawner.as_ref().map_or(0.0, |spawner| 0.5 * f64::from(spawner.count));
-        let discs = (shapes(loaded) as f64 - released).max(0.0);
+        let discs = mean_shapes(loaded);
         let png = if pictures.png { PNG_BYTES * pixels(loaded) } else { 0.0 };
         outputs.push(Output {
             key: "pictures.interval".to_owned(),
@@ -111,5 +113,23 @@ pub fn outputs(loaded: &Loaded, dt: f64) -> Vec<Output> {
             bytes: PICTURE_BYTES[1] + discs * PICTURE_BYTES[0] + png,
         });
     }
+    outputs.extend(frame_data(loaded, dt));
     outputs
+}
+
+/// Returns the number of discs of a picture in the middle of the run: with half of the grains that will be released.
+#[expect(clippy::cast_precision_loss, reason = "a number of discs")]
+fn mean_shapes(loaded: &Loaded) -> f64 {
+    let released = loaded.scene.spawner.as_ref().map_or(0.0, |spawner| 0.5 * f64::from(spawner.count));
+    (shapes(loaded) as f64 - released).max(0.0)
+}
+
+/// Returns the frames of data of a scene with this step (s).
+fn frame_data(loaded: &Loaded, dt: f64) -> Option<Output> {
+    let (frames, interval) = loaded.scene.data_frames()?;
+    let key = if frames.interval.is_some() { "data_frames.interval" } else { "pictures.interval" };
+    let [grain, contacts] = FRAME_BYTES[loaded.scene.space.count() - 2];
+    let each = grain + if frames.contacts { contacts } else { 0.0 };
+    let bytes = FRAME_HEAD_BYTES + mean_shapes(loaded) * each;
+    Some(Output { key: key.to_owned(), interval: interval / dt, rows: 0.0, pictures: 0.0, bytes })
 }

@@ -35,7 +35,7 @@ use crate::neighbours::Neighbours;
 use crate::periodic::PeriodicSides;
 use crate::persist::{CheckpointConfig, default_checkpoint};
 use crate::rest::Rest;
-use crate::scene::outputs::{Pictures, Series};
+use crate::scene::outputs::{DataFrames, Pictures, Series};
 use crate::space::Dimension;
 use crate::spin::InertiaLaw;
 use crate::stop::StopCondition;
@@ -138,6 +138,9 @@ pub struct Scene {
     /// The snapshots; `None` for none.
     #[serde(default = "default_pictures")]
     pub pictures: Option<Pictures>,
+    /// The frames of data; `None` for none.
+    #[serde(default = "default_data_frames")]
+    pub data_frames: Option<DataFrames>,
     /// Behaviours that the program registered, each with keys of its own.
     #[serde(default)]
     pub behaviours: BTreeMap<String, Box<RawValue>>,
@@ -149,6 +152,14 @@ impl Scene {
     pub fn stop_conditions(&self) -> Vec<StopCondition> {
         let at_rest = self.rest.is_some_and(|rest| rest.stop) && !self.stop.contains(&StopCondition::AtRest);
         self.stop.iter().copied().chain(at_rest.then_some(StopCondition::AtRest)).collect()
+    }
+
+    /// The frames of data and the time between them, s; `None` if the run keeps none.
+    #[must_use]
+    pub fn data_frames(&self) -> Option<(&DataFrames, f64)> {
+        let frames = self.data_frames.as_ref()?;
+        let interval = frames.interval.or(self.pictures.as_ref().map(|pictures| pictures.interval))?;
+        Some((frames, interval.get()))
     }
 }
 
@@ -167,6 +178,11 @@ pub enum TimeStep {
 #[expect(clippy::unnecessary_wraps, reason = "the default of a field of this type")]
 fn default_pictures() -> Option<Pictures> {
     Some(Pictures::default())
+}
+
+#[expect(clippy::unnecessary_wraps, reason = "the default of a field of this type")]
+fn default_data_frames() -> Option<DataFrames> {
+    Some(DataFrames::default())
 }
 
 fn default_energy_balance() -> bool {

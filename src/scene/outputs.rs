@@ -1,4 +1,4 @@
-//! The keys of a scene of grains that select pictures and rows.
+//! The keys of a scene of grains that select pictures, frames of data and rows.
 
 use serde::{Deserialize, Serialize};
 
@@ -46,6 +46,24 @@ impl Default for Pictures {
             network: None,
             view: None,
         }
+    }
+}
+
+/// The scene's `data_frames`: what [`frames.bin`](crate::output::frame_data) holds.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct DataFrames {
+    /// Time between frames, s. Default: that between pictures; without pictures there are no frames then.
+    pub interval: Option<Positive>,
+    /// Whether frames hold contacts.
+    pub contacts: bool,
+    /// Whether they hold wall surfaces.
+    pub walls: bool,
+}
+
+impl Default for DataFrames {
+    fn default() -> Self {
+        Self { interval: None, contacts: true, walls: true }
     }
 }
 

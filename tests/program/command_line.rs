@@ -54,6 +54,7 @@ fn run_directory_is_complete_and_can_be_run_again() {
             ".siloflow",
             "checkpoints",
             "frames",
+            "frames.bin",
             "input-silo.dat",
             "scene.ron",
             "series.csv",

@@ -44,6 +44,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     flow(loaded)?;
     view_and_bed(loaded)?;
     outputs::pictures(loaded)?;
+    outputs::data_frames(loaded)?;
     // Last, because the estimates rely on keys that the other rules check.
     step(loaded)?;
     outputs::volume(loaded)

@@ -40,6 +40,17 @@ pub(super) fn pictures(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Frames that the scene asks for need a time between them.
+pub(super) fn data_frames(loaded: &Loaded) -> Result<(), Fault> {
+    let is_asked = loaded.source.value_of("data_frames").is_some() && loaded.scene.data_frames.is_some();
+    if is_asked && loaded.scene.data_frames().is_none() {
+        return Err(loaded
+            .fault("scene::missing_key", "data_frames", "a scene without pictures needs the time between frames")
+            .help("give `interval`, in s, for example `data_frames: (interval: 0.1)`"));
+    }
+    Ok(())
+}
+
 /// Nothing is written more often than the run makes steps, and not too much within the first steps of a run.
 pub(super) fn volume(loaded: &Loaded) -> Result<(), Fault> {
     let Some(dt) = expected::known_step(loaded) else { return Ok(()) };
@@ -50,7 +61,7 @@ pub(super) fn volume(loaded: &Loaded) -> Result<(), Fault> {
                 format!("{interval:e} s is shorter than the step of {dt:e} s, and nothing happens between two steps");
             return Err(loaded
                 .fault("scene::out_of_range", &key, message)
-                .help("give at least the step, for one row or picture in each step"));
+                .help("give at least the step, for one row, picture or frame in each step"));
         }
     }
     let mut outputs = expected::outputs(loaded, dt);
@@ -67,6 +78,8 @@ fn intervals(loaded: &Loaded) -> Vec<(String, f64)> {
     let scene = &loaded.scene;
     let mut all = vec![("series.interval".to_owned(), scene.series.interval)];
     all.extend(scene.pictures.iter().map(|pictures| ("pictures.interval".to_owned(), pictures.interval)));
+    let frames = scene.data_frames.iter().filter_map(|frames| frames.interval);
+    all.extend(frames.map(|interval| ("data_frames.interval".to_owned(), interval)));
     all.extend(scene.flow.iter().map(|flow| ("flow.sample".to_owned(), flow.sample)));
     let profiles = scene.profiles.iter().enumerate();
     all.extend(profiles.map(|(index, profile)| (format!("profiles[{index}].sample"), profile.sample)));

@@ -1,0 +1,196 @@
+//! Wall surfaces as points, lines and triangles.
+//!
+//! | surface | geometry |
+//! |---|---|
+//! | segment | one line |
+//! | panel, triangle | two triangles, one triangle; polygons and meshes of a scene are triangles already |
+//! | cylinder, cone, annulus | [`SECTORS`] pairs of triangles |
+//! | half-plane, half-space | the line or square around the middle of the domain that reaches half its diagonal to each side |
+//!
+//! Limit: a polygon of [`SECTORS`] corners has 0.3 % less area than its circle.
+
+use std::f64::consts::TAU;
+
+use super::WallGeometry;
+use crate::scene::load::Loaded;
+use crate::space::{Dimension, Linear as _, Solid, Space};
+use crate::walls::config::Wall;
+use crate::walls::shapes::revolved::Revolved;
+use crate::walls::surfaces::{Surface, SurfaceWall};
+
+/// Number of sectors of a surface of revolution.
+pub const SECTORS: u32 = 48;
+
+/// Returns each wall of a scene, from its surfaces. A wall that has been removed has no points.
+///
+/// This is the only place that turns walls into geometry; it uses the surfaces as they are at the moment.
+#[must_use]
+pub fn walls<V: Space>(all: &[SurfaceWall<V>], domain: [Solid; 2]) -> Vec<WallGeometry> {
+    let mut walls: Vec<WallGeometry> = Vec::new();
+    for surface in all {
+        let number = u32::try_from(surface.number + 1).unwrap_or(u32::MAX);
+        if walls.last().is_none_or(|wall| wall.number != number) {
+            let (species, is_door) = (surface.species.0, surface.is_door);
+            walls.push(WallGeometry { number, species, is_door, ..WallGeometry::default() });
+        }
+        if let Some(wall) = walls.last_mut()
+            && surface.is_present
+        {
+            add(wall, &surface.surface, domain);
+        }
+    }
+    walls
+}
+
+/// Returns the walls that differ from the first ones. Both lists have the same numbers in the same order.
+#[must_use]
+pub(super) fn changed(first: &[WallGeometry], now: Vec<WallGeometry>) -> Vec<WallGeometry> {
+    now.into_iter().zip(first).filter(|(now, first)| now != *first).map(|(now, _)| now).collect()
+}
+
+fn add<V: Space>(wall: &mut WallGeometry, surface: &Surface<V>, domain: [Solid; 2]) {
+    let mut add = |points: &[Solid], lines: &[[u32; 2]], triangles: &[[u32; 3]]| {
+        let first = u32::try_from(wall.points.len()).unwrap_or(u32::MAX);
+        wall.points.extend(points.iter().map(Solid::to_array));
+        wall.lines.extend(lines.iter().map(|line| line.map(|place| first + place)));
+        wall.triangles.extend(triangles.iter().map(|triangle| triangle.map(|place| first + place)));
+    };
+    match surface {
+        Surface::Segment(segment) => add(&[segment.from.spread(), segment.to.spread()], &[[0, 1]], &[]),
+        Surface::Panel(panel) => {
+            let [corner, along, across] = [panel.corner, panel.along, panel.across].map(V::spread);
+            add(&[corner, corner + along, corner + along + across, corner + across], &[], &SQUARE);
+        }
+        Surface::Triangle(triangle) => add(&triangle.0.map(V::spread), &[], &[[0, 1, 2]]),
+        Surface::HalfPlane(half) => {
+            let (point, normal) = (half.point.spread(), half.normal.spread());
+            let middle = 0.5 * (domain[0] + domain[1]);
+            let foot = middle - (middle - point).dot(normal) * normal;
+            let reach = (0.5 * (domain[1] - domain[0]).length()).max(f64::MIN_POSITIVE);
+            if V::DIMENSION == Dimension::Plane {
+                let along = reach * Solid::new(-normal.y, normal.x, 0.0);
+                add(&[foot - along, foot + along], &[[0, 1]], &[]);
+            } else {
+                let along = reach * normal.any_orthonormal_vector();
+                let across = normal.cross(along);
+                let corners = [-along - across, along - across, along + across, across - along];
+                add(&corners.map(|corner| foot + corner), &[], &SQUARE);
+            }
+        }
+        Surface::Revolved(shape) => {
+            let (points, triangles) = revolved(shape);
+            add(&points, &[], &triangles);
+        }
+    }
+}
+
+const SQUARE: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
+
+/// Returns the points of both ends in turns, and triangles between them. Triangles without area are left out.
+fn revolved<V: Space>(shape: &Revolved<V>) -> (Vec<Solid>, Vec<[u32; 3]>) {
+    let (base, axis) = (shape.base.spread(), shape.axis.spread());
+    let first = axis.any_orthonormal_vector();
+    let second = axis.cross(first);
+    let (mut points, mut triangles) = (Vec::new(), Vec::new());
+    for sector in 0..SECTORS {
+        let angle = TAU * f64::from(sector) / f64::from(SECTORS);
+        let outwards = first * angle.cos() + second * angle.sin();
+        points.extend([shape.from, shape.to].map(|[r, z]| base + axis * z + outwards * r));
+        let [a, b] = [2 * sector, 2 * ((sector + 1) % SECTORS)];
+        if shape.from[0] > 0.0 {
+            triangles.push([a, b, a + 1]);
+        }
+        if shape.to[0] > 0.0 {
+            triangles.push([b, b + 1, a + 1]);
+        }
+    }
+    (points, triangles)
+}
+
+/// Returns the lowest and the highest corner of the periodic box, of the walls, and of the places where grains start, m.
+#[must_use]
+pub fn domain(loaded: &Loaded) -> [Solid; 2] {
+    let scene = &loaded.scene;
+    let mut corners: Vec<Solid> = Vec::new();
+    let mut add = |centre: Solid, radius: f64| corners.extend([centre - radius, centre + radius]);
+    for disc in loaded.silo.wall.iter().chain(&loaded.silo.door) {
+        add(disc.centre.spread(), disc.radius);
+    }
+    for wall in &scene.walls {
+        match wall {
+            Wall::Disc { centre, radius, .. } => add(centre.padded(), radius.get()),
+            Wall::HalfPlane { point, .. } => add(point.padded(), 0.0),
+            _ => wall.bounds().into_iter().flatten().for_each(|corner| add(corner, 0.0)),
+        }
+    }
+    loaded.grains.iter().for_each(|grain| add(grain.position, grain.radius));
+    loaded.fixed.iter().for_each(|grain| add(grain.position, grain.radius));
+    let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
+    scene.spawner.iter().for_each(|spawner| add(spawner.point.padded(), largest));
+    for feed in &scene.feed {
+        let (low, high) = feed.region.bounds();
+        add(low, feed.radius.range().1);
+        add(high, feed.radius.range().1);
+    }
+    let mut ends = [
+        corners.iter().copied().reduce(Solid::min).unwrap_or(Solid::ZERO),
+        corners.iter().copied().reduce(Solid::max).unwrap_or(Solid::ZERO),
+    ];
+    for (axis, side) in scene.periodic.axes().into_iter().enumerate() {
+        if let Some((low, high)) = side {
+            (ends[0][axis], ends[1][axis]) = (low, high);
+        }
+    }
+    if scene.space == Dimension::Plane {
+        (ends[0].z, ends[1].z) = (0.0, 0.0);
+    }
+    ends
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::particle::Species;
+    use crate::space::Plane;
+    use crate::walls::shapes::half_plane::HalfPlane;
+    use crate::walls::shapes::panel::Panel;
+
+    const BOX: [Solid; 2] = [Solid::ZERO, Solid::new(3.0, 4.0, 12.0)];
+
+    fn area(wall: &WallGeometry) -> f64 {
+        let corner = |place: u32| Solid::from_array(wall.points[place as usize]);
+        let triangles = wall.triangles.iter().map(|triangle| triangle.map(corner));
+        triangles.map(|[a, b, c]| 0.5 * (b - a).cross(c - a).length()).sum()
+    }
+
+    fn one<V: Space>(surface: Surface<V>) -> WallGeometry {
+        walls(&[SurfaceWall::still(surface, Species(0))], BOX).remove(0)
+    }
+
+    #[test]
+    fn surfaces_keep_their_areas() {
+        let panel = Panel { corner: Solid::X, along: Solid::new(0.0, 2.0, 0.0), across: Solid::new(0.0, 0.0, 3.0) };
+        assert!((area(&one(Surface::Panel(panel))) - 6.0).abs() < 1e-12);
+        // Sectors: the side of a polygon of n corners is 2 r sin(pi/n); a cylinder of it has n flat sides.
+        let (n, half) = (f64::from(SECTORS), TAU / 2.0 / f64::from(SECTORS));
+        let cylinder = one(Surface::Revolved(Revolved::between(Solid::ZERO, Solid::Z * 2.0, [0.5, 0.5])));
+        assert!((area(&cylinder) - 2.0 * n * 2.0 * 0.5 * half.sin()).abs() < 1e-12);
+        let plate = one(Surface::Revolved(Revolved::ring(Solid::ZERO, Solid::Y, [0.0, 2.0])));
+        assert!((area(&plate) - 0.5 * n * 4.0 * (2.0 * half).sin()).abs() < 1e-12);
+        assert_eq!(plate.triangles.len(), SECTORS as usize);
+        // The diagonal of the box is 13 m.
+        let ground = one(Surface::HalfPlane(HalfPlane { point: Solid::ZERO, normal: Solid::Z }));
+        assert!((area(&ground) - 13.0 * 13.0).abs() < 1e-9 && ground.points.iter().all(|point| point[2].abs() < 1e-12));
+    }
+
+    #[test]
+    fn only_walls_that_change_are_listed() {
+        let surface = |x: f64| Surface::HalfPlane(HalfPlane { point: Plane::new(x, 0.0), normal: Plane::X });
+        let wall = |number, x| SurfaceWall { number, ..SurfaceWall::still(surface(x), Species(0)) };
+        let first = walls(&[wall(0, 0.0), wall(1, 1.0), wall(2, 2.0)], BOX);
+        let gone = SurfaceWall { is_present: false, ..wall(1, 1.0) };
+        let now = changed(&first, walls(&[wall(0, 0.0), gone, wall(2, 2.5)], BOX));
+        assert_eq!(now.iter().map(|wall| (wall.number, wall.points.len())).collect::<Vec<_>>(), [(2, 0), (3, 2)]);
+        assert!(changed(&first, first.clone()).is_empty());
+    }
+}

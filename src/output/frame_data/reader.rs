@@ -1,0 +1,176 @@
+//! Reads `frames.bin` frame by frame, up to the last whole one. A run that still goes on, or was killed, can be read.
+
+use std::fs::File;
+use std::io::{self, BufReader, Read};
+use std::path::Path;
+
+use lz4_flex::frame::FrameDecoder;
+
+use super::codec::damaged;
+use super::file::MAGIC;
+use super::{FORMAT, Frame, Header, codec};
+use crate::writers::fnv::Fnv;
+
+/// Most bytes of content over the bytes of their compressed form: what LZ4 can reach, and the size of a small record.
+const LARGEST_RATIO: u64 = 256;
+const SMALL: u64 = 1 << 16;
+
+/// An iterator over the frames of a file.
+#[derive(Debug)]
+pub struct FrameReader<R = BufReader<File>> {
+    /// The header of the file.
+    pub header: Header,
+    file: R,
+    /// Bytes that have not been read.
+    left: u64,
+    /// Whether there is nothing more to read.
+    is_over: bool,
+}
+
+impl FrameReader {
+    /// Opens the file at `path` and reads its header.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is no file of frames, or is of a later format.
+    pub fn open(path: &Path) -> io::Result<Self> {
+        let file = File::open(path)?;
+        let found = file.metadata()?;
+        if !found.is_file() {
+            return Err(io::Error::other("it is no regular file"));
+        }
+        Self::new(BufReader::new(file), found.len())
+    }
+}
+
+impl<R: Read> FrameReader<R> {
+    /// Reads the header of a file of `length` bytes.
+    ///
+    /// # Errors
+    /// As [`FrameReader::open`].
+    pub fn new(mut file: R, length: u64) -> io::Result<Self> {
+        let mut magic = [0; MAGIC.len()];
+        let is_frames = file.read_exact(&mut magic).is_ok() && magic == *MAGIC;
+        if !is_frames {
+            return Err(damaged("it is no file of frames"));
+        }
+        let mut left = length.saturating_sub(MAGIC.len() as u64);
+        let content = record(&mut file, &mut left)?.ok_or_else(|| damaged("its header is cut short"))?;
+        let header = codec::decode_header(&content)?;
+        if header.format != FORMAT {
+            return Err(damaged(format!("its format is {}, and this siloflow reads format {FORMAT}", header.format)));
+        }
+        Ok(Self { header, file, left, is_over: false })
+    }
+}
+
+impl<R: Read> Iterator for FrameReader<R> {
+    type Item = io::Result<Frame>;
+
+    fn next(&mut self) -> Option<io::Result<Frame>> {
+        if self.is_over {
+            return None;
+        }
+        let frame = record(&mut self.file, &mut self.left)
+            .and_then(|content| content.map(|content| codec::decode_frame(&content)).transpose())
+            .transpose();
+        self.is_over = !matches!(frame, Some(Ok(_)));
+        frame
+    }
+}
+
+/// Reads the content of the next record from a file with `left` bytes; `None` at its end, or if the record is not whole.
+fn record(file: &mut impl Read, left: &mut u64) -> io::Result<Option<Vec<u8>>> {
+    let Some(rest) = left.checked_sub(16) else { return Ok(None) };
+    let mut number = [0; 8];
+    file.read_exact(&mut number)?;
+    let length = u64::from_le_bytes(number);
+    let Some(rest) = rest.checked_sub(length) else { return Ok(None) };
+    *left = rest;
+    let mut packed = Vec::new();
+    file.by_ref().take(length).read_to_end(&mut packed)?;
+    file.read_exact(&mut number)?;
+    let mut hash = Fnv::default();
+    hash.update(&packed);
+    if hash.value() != u64::from_le_bytes(number) {
+        return Err(damaged("a part of it has changed"));
+    }
+    let most = length.saturating_mul(LARGEST_RATIO).saturating_add(SMALL);
+    let mut content = Vec::new();
+    let unpacked = FrameDecoder::new(&packed[..]).take(most + 1).read_to_end(&mut content);
+    unpacked.map_err(|error| damaged(error.to_string()))?;
+    if content.len() as u64 > most {
+        return Err(damaged("a record is too large"));
+    }
+    Ok(Some(content))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::file::FrameFile;
+    use super::super::{Column, Table, Values};
+    use super::*;
+
+    fn header() -> Header {
+        Header {
+            format: FORMAT,
+            version: "0.1.0".to_owned(),
+            scene: "silo1".to_owned(),
+            title: String::new(),
+            dimension: 2,
+            species: vec![("R = 0.02 m".to_owned(), [1, 2, 3])],
+            periodic: [None, Some((0.0, 1.0)), None],
+            domain: [[0.0; 3], [1.0; 3]],
+            walls: Vec::new(),
+        }
+    }
+
+    fn frame(step: u8) -> Frame {
+        let values = Values::F64(vec![f64::from(step); 10]);
+        let column = Column { name: "radius".to_owned(), unit: "m".to_owned(), components: 1, values };
+        let table = Table { name: "grains".to_owned(), rows: 10, columns: vec![column] };
+        Frame { step: step.into(), tables: vec![table], ..Frame::default() }
+    }
+
+    fn bytes() -> Vec<u8> {
+        let here = tempfile::tempdir().unwrap();
+        let path = here.path().join("frames.bin");
+        let mut file = FrameFile::create(&path, &header()).unwrap();
+        (1..=3).for_each(|step| file.add(&frame(step)).unwrap());
+        std::fs::read(path).unwrap()
+    }
+
+    fn read(bytes: &[u8]) -> io::Result<(Header, Vec<Frame>)> {
+        let reader = FrameReader::new(bytes, bytes.len() as u64)?;
+        Ok((reader.header.clone(), reader.collect::<io::Result<_>>()?))
+    }
+
+    #[test]
+    fn frames_are_read_as_they_were_written() {
+        assert_eq!(read(&bytes()).unwrap(), (header(), vec![frame(1), frame(2), frame(3)]));
+    }
+
+    #[test]
+    fn a_file_that_is_cut_anywhere_has_all_whole_frames() {
+        let whole = bytes();
+        let mut found = Vec::new();
+        for length in 0..=whole.len() {
+            match read(&whole[..length]) {
+                Ok((_, frames)) => found.push(frames.len()),
+                Err(_) => assert!(found.is_empty(), "cut to {length}"),
+            }
+        }
+        found.dedup();
+        assert_eq!(found, [0, 1, 2, 3]);
+    }
+
+    #[test]
+    fn every_wrong_bit_of_a_record_is_an_error_or_hides_frames() {
+        let whole = bytes();
+        for bit in 0..8 * whole.len() {
+            let mut wrong = whole.clone();
+            wrong[bit / 8] ^= 1 << (bit % 8);
+            let read = read(&wrong);
+            assert!(read.as_ref().is_err() || read.unwrap().1.len() < 3, "bit {bit}");
+        }
+    }
+}

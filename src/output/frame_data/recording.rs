@@ -1,0 +1,210 @@
+//! What a frame of a run holds: the state of all particles, contacts and walls at the end of a step.
+//!
+//! | table | columns |
+//! |---|---|
+//! | `grains` | `id`, `kind` (0 grain, 1 wall grain, 2 door grain), `species`, `radius`, `mass`, `position`, `velocity`, `spin` where grains spin, `force`, `pressure`, `coordination` (contacts with particles and walls) |
+//! | `contacts` | of particles: `grain`, `partner` (ids), `normal_force`, `tangential_force` (vector, on `grain`), `overlap`, `sliding` (0 or 1) |
+//! | `wall_contacts` | with wall surfaces: `grain`, `wall` (number), the same forces, and `point`, the nearest point of the wall |
+//!
+//! Rows are in ascending order of ids. The id of a wall grain is 2^31 plus its number. Forces are those of the full step, as in
+//! [`survey::view`](crate::survey::view). The pressure is that of [`pictures`](crate::output::frames).
+
+use std::marker::PhantomData;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+
+use super::file::FrameFile;
+use super::geometry;
+use super::writer::FrameDataWriter;
+use super::{Column, FORMAT, Frame, Header, Table, Values, WallGeometry};
+use crate::ledger::Ledger;
+use crate::measure::{ObserveStage, due, observe_every};
+use crate::outcome::Outcome;
+use crate::output::frames;
+use crate::particle::{Door, Grain, Slot};
+use crate::scene::load::Loaded;
+use crate::scene::outputs::DataFrames;
+use crate::space::{Linear, Solid, Space};
+use crate::step::{Clock, Step};
+use crate::survey::view::{ContactState, Touched};
+use crate::survey::{Partner, Survey, SurveyParam};
+use crate::writers::colour;
+use crate::writers::rows::{RowsPlace, TakenOnce};
+
+/// Settings of the frames of a run.
+#[derive(Resource, Clone, Debug)]
+struct Recording {
+    config: DataFrames,
+    domain: [Solid; 2],
+    /// Walls of the header; none if the scene wants no walls.
+    walls: Vec<WallGeometry>,
+}
+
+type Kinds<'w, 's> = Query<'w, 's, (&'static Slot, Has<Door>, Has<Grain>)>;
+
+fn record<V: Space>(
+    (clock, ledger, survey_param): (Res<Clock>, Res<Ledger>, SurveyParam<V>),
+    (recording, kinds): (Res<Recording>, Kinds),
+    mut writer: ResMut<FrameDataWriter>,
+    mut outcome: ResMut<Outcome>,
+) {
+    let survey = survey_param.survey();
+    let mut tables = vec![grains(&survey, &kinds)];
+    if recording.config.contacts {
+        tables.extend(contacts(&survey.view(clock.dt)));
+    }
+    let changed_walls = if recording.config.walls {
+        geometry::changed(&recording.walls, geometry::walls(&survey.walls.all, recording.domain))
+    } else {
+        Vec::new()
+    };
+    let counts = [ledger.released, ledger.inside(), ledger.out(), ledger.lost()].map(u64::from);
+    writer.add(Frame { step: clock.steps, time: clock.time(), counts, changed_walls, tables }, &mut outcome);
+}
+
+fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds) -> Table {
+    let store = survey.store;
+    let mut rows = store.by_id();
+    rows.retain(|&row| store.is_present(row));
+    let mut kind_of = vec![0; store.len()];
+    for (slot, is_door, is_grain) in kinds {
+        // A particle that has no slot yet is not in the frame.
+        if let Some(kind) = kind_of.get_mut(slot.index()) {
+            *kind = if is_grain { 0 } else { 1 + u8::from(is_door) };
+        }
+    }
+    let mut coordination = vec![0_u16; store.len()];
+    for contact in survey.touching() {
+        coordination[contact.row()] = coordination[contact.row()].saturating_add(1);
+        if let Partner::Particle(partner) = contact.partner() {
+            coordination[partner] = coordination[partner].saturating_add(1);
+        }
+    }
+    let pressures = frames::pressures(survey);
+    let bytes = |of: &dyn Fn(usize) -> u8| Values::U8(rows.iter().map(|&row| of(row)).collect());
+    let floats = |of: &dyn Fn(usize) -> f64| Values::F64(rows.iter().map(|&row| of(row)).collect());
+    let vectors = |of: &dyn Fn(usize) -> V| vectors(rows.iter().map(|&row| of(row)));
+    let pressure_unit = if V::COMPONENTS == 2 { "N/m" } else { "N/m^2" };
+    let d = V::COMPONENTS;
+    let mut columns = vec![
+        column("id", "", 1, Values::U32(rows.iter().map(|&row| id_number(store.id[row])).collect())),
+        column("kind", "", 1, bytes(&|row| kind_of[row])),
+        column("species", "", 1, bytes(&|row| store.species[row].0)),
+        column("radius", "m", 1, floats(&|row| store.body[row].radius)),
+        column("mass", "kg", 1, floats(&|row| store.mass[row])),
+        column("position", "m", d, vectors(&|row| store.body[row].position)),
+        column("velocity", "m/s", d, vectors(&|row| store.body[row].velocity)),
+    ];
+    if !store.rotation.is_empty() {
+        let spins = self::vectors(rows.iter().map(|&row| store.spin(row)));
+        columns.push(column("spin", "rad/s", V::Spin::COUNT, spins));
+    }
+    columns.extend([
+        column("force", "N", d, vectors(&|row| store.loads.force.get(row).unwrap_or(V::ZERO))),
+        column("pressure", pressure_unit, 1, floats(&|row| pressures[row])),
+        column("coordination", "", 1, Values::U16(rows.iter().map(|&row| coordination[row]).collect())),
+    ]);
+    Table { name: "grains".to_owned(), rows: rows.len(), columns }
+}
+
+/// Returns the tables of contacts between particles and with walls.
+fn contacts<V: Space>(all: &[ContactState<V>]) -> [Table; 2] {
+    // The view lists contacts with walls last.
+    let end = all.iter().position(|contact| matches!(contact.with, Touched::Wall(_))).unwrap_or(all.len());
+    let (between, with_walls) = all.split_at(end);
+    let partners = |contacts: &[ContactState<V>]| {
+        let number = |contact: &ContactState<V>| match contact.with {
+            Touched::Particle(id) => id_number(id),
+            Touched::Wall(number) => u32::try_from(number).unwrap_or(u32::MAX),
+        };
+        Values::U32(contacts.iter().map(number).collect())
+    };
+    let table = |name: &str, partner: &str, contacts: &[ContactState<V>]| {
+        let floats = |of: fn(&ContactState<V>) -> f64| Values::F64(contacts.iter().map(of).collect());
+        let columns = vec![
+            column("grain", "", 1, Values::U32(contacts.iter().map(|contact| id_number(contact.grain)).collect())),
+            column(partner, "", 1, partners(contacts)),
+            column("normal_force", "N", 1, floats(|contact| contact.normal_force)),
+            column("tangential_force", "N", V::COMPONENTS, vectors(contacts.iter().map(|contact| contact.friction))),
+            column("overlap", "m", 1, floats(|contact| contact.overlap)),
+            column("sliding", "", 1, Values::U8(contacts.iter().map(|contact| contact.is_sliding.into()).collect())),
+        ];
+        Table { name: name.to_owned(), rows: contacts.len(), columns }
+    };
+    let mut of_walls = table("wall_contacts", "wall", with_walls);
+    let points = vectors(with_walls.iter().map(|contact| contact.from + contact.to_partner));
+    of_walls.columns.push(column("point", "m", V::COMPONENTS, points));
+    [table("contacts", "partner", between), of_walls]
+}
+
+fn column(name: &str, unit: &str, components: usize, values: Values) -> Column {
+    // A vector has at most three components.
+    let components = u8::try_from(components).unwrap_or(1);
+    Column { name: name.to_owned(), unit: unit.to_owned(), components, values }
+}
+
+fn vectors<T: Linear>(all: impl Iterator<Item = T>) -> Values {
+    Values::F64(all.flat_map(|v| (0..T::COUNT).map(move |axis| v.component(axis))).collect())
+}
+
+/// The number of an id in frames: unique among all particles.
+fn id_number(id: crate::particle::GrainId) -> u32 {
+    if id.is_wall() { id.number() | (1 << 31) } else { id.number() }
+}
+
+impl Header {
+    /// Returns the header of a scene's frames.
+    #[must_use]
+    pub fn of<V: Space>(loaded: &Loaded, config: &DataFrames) -> Self {
+        let domain = geometry::domain(loaded);
+        let walls = if config.walls { geometry::walls(&loaded.surfaces::<V>(), domain) } else { Vec::new() };
+        let names = (0..=u8::MAX).zip(frames::species_names(loaded));
+        Self {
+            format: FORMAT,
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            scene: loaded.source.name.clone(),
+            title: loaded.scene.title.clone(),
+            // Two or three.
+            dimension: if V::COMPONENTS == 2 { 2 } else { 3 },
+            species: names.map(|(number, name)| (name, colour::species(number))).collect(),
+            periodic: loaded.scene.periodic.axes(),
+            domain: domain.map(|corner| corner.to_array()),
+            walls,
+        }
+    }
+}
+
+/// Writes `frames.bin`.
+pub struct FrameDataPlugin<V: Space> {
+    recording: Recording,
+    interval: f64,
+    file: TakenOnce<FrameFile>,
+    space: PhantomData<V>,
+}
+
+impl<V: Space> FrameDataPlugin<V> {
+    /// Creates the file with its header, or continues it; `None` if the scene keeps no frames.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn create(loaded: &Loaded, place: &RowsPlace) -> std::io::Result<Option<Self>> {
+        let Some((config, interval)) = loaded.scene.data_frames() else { return Ok(None) };
+        let header = Header::of::<V>(loaded, config);
+        let file = TakenOnce::new(FrameFile::at(place, &header)?);
+        let domain = header.domain.map(Solid::from_array);
+        let recording = Recording { config: config.clone(), domain, walls: header.walls };
+        Ok(Some(Self { recording, interval, file, space: PhantomData }))
+    }
+}
+
+impl<V: Space> Plugin for FrameDataPlugin<V> {
+    fn build(&self, app: &mut App) {
+        let Some(file) = self.file.open() else { return };
+        observe_every::<DataFrames>(app, self.interval);
+        FrameDataWriter::persist(app);
+        app.insert_resource(self.recording.clone())
+            .insert_resource(FrameDataWriter::new(file))
+            .add_systems(Step, record::<V>.in_set(ObserveStage::Write).run_if(due::<DataFrames>));
+    }
+}
