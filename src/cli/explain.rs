@@ -149,6 +149,9 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
             "\n  profiles.csv, and the centres of mass of the species, as often as series.csv, in centres.csv",
         );
     }
+    for field in &scene.fields {
+        let _ = write!(text, "\n  a field in fields.csv, sampled every {} s", field.sample.get());
+    }
     if let Some(flow) = scene.flow {
         let (from, to) = (100.0 * flow.from.get(), 100.0 * flow.to.get());
         let _ = write!(

@@ -15,6 +15,7 @@ use crate::grains::file;
 use crate::ledger::Ledger;
 use crate::outcome::End;
 use crate::output::cost::CostPlugin;
+use crate::output::fields::FieldsPlugin;
 use crate::output::flow::FlowPlugin;
 use crate::output::frame_data::recording::FrameDataPlugin;
 use crate::output::frames::{FrameRenderer, FramesPlugin};
@@ -126,6 +127,9 @@ fn build_in<V: Space>(
         if let Some(profiles) = outputs.profiles {
             app.add("profiles", profiles);
         }
+        if let Some(fields) = outputs.fields {
+            app.add("fields", fields);
+        }
         if let Some(flow) = outputs.flow {
             app.add("flow", flow);
         }
@@ -147,6 +151,7 @@ struct Outputs<V: Space> {
     series: SeriesPlugin<V>,
     walls: Option<WallForcesPlugin<V>>,
     profiles: Option<ProfilesPlugin<V>>,
+    fields: Option<FieldsPlugin<V>>,
     flow: Option<FlowPlugin>,
     frame_data: Option<FrameDataPlugin<V>>,
 }
@@ -163,6 +168,11 @@ impl<V: Space> Outputs<V> {
                 None
             } else {
                 Some(ProfilesPlugin::create(&profiles, species, &directory.profiles(), &directory.centres())?)
+            },
+            fields: if loaded.scene.fields.is_empty() {
+                None
+            } else {
+                Some(FieldsPlugin::create(loaded.fields(), &directory.fields())?)
             },
             flow: loaded.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.flow())).transpose()?,
             frame_data: FrameDataPlugin::create(loaded, &directory.frame_data())?,

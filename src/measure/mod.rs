@@ -6,6 +6,7 @@
 
 pub mod bed;
 pub mod discharge;
+pub mod fields;
 pub mod flow;
 pub mod profile;
 pub mod totals;

@@ -2,6 +2,7 @@
 
 pub mod checkpoint;
 pub mod cost;
+pub mod fields;
 pub mod flow;
 pub mod frame_data;
 pub mod frames;

@@ -3,7 +3,7 @@
 //! * Input: `scene.ron`, with `--set` applied, and copies of the files that it names. The names of copies begin with
 //!   `input-`, so that they cannot collide with results.
 //! * Output: `series.csv`, `frames/`, `frames.bin`, `state.csv` and `summary.json`, and where the scene measures them `walls.csv`,
-//!   `profiles.csv`, `centres.csv`, `flow.csv` and `losses.csv`.
+//!   `profiles.csv`, `centres.csv`, `fields.csv`, `flow.csv` and `losses.csv`.
 //! * `.siloflow`: the marker. The process that uses the directory holds a lock on it.
 //!
 //! A run directory is prepared beside its place and moved there in one rename, so that it is the directory of one run at
@@ -69,12 +69,13 @@ const CHECKPOINT_ENDING: &str = "checkpoint";
 const WALLS: &str = "walls.csv";
 const PROFILES: &str = "profiles.csv";
 const CENTRES: &str = "centres.csv";
+const FIELDS: &str = "fields.csv";
 const FLOW: &str = "flow.csv";
 const LOSSES: &str = "losses.csv";
 const STATE: &str = "state.csv";
 const SUMMARY: &str = "summary.json";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 9] = [SERIES, FRAME_DATA, WALLS, PROFILES, CENTRES, FLOW, LOSSES, STATE, SUMMARY];
+const OWN_FILES: [&str; 10] = [SERIES, FRAME_DATA, WALLS, PROFILES, CENTRES, FIELDS, FLOW, LOSSES, STATE, SUMMARY];
 
 /// Names of the files that hold the input of a run, without those of meshes.
 const INPUT_FILES: [&str; 4] = [SCENE, "input-silo.dat", "input-grains.csv", "input-contacts.csv"];
@@ -384,6 +385,12 @@ impl RunDirectory {
     #[must_use]
     pub fn centres(&self) -> RowsPlace {
         self.rows(CENTRES)
+    }
+
+    /// Returns the place of `fields.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn fields(&self) -> RowsPlace {
+        self.rows(FIELDS)
     }
 
     /// Returns the place of `flow.csv`. It changes when the directory is published.

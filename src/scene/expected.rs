@@ -7,6 +7,7 @@
 //! | disk | the length of such rows and shapes, times their number |
 
 use crate::grains::feed::Feed;
+use crate::measure::fields::Layout;
 use crate::particle::GrainId;
 use crate::scene::TimeStep;
 use crate::scene::check::Estimates;
@@ -99,6 +100,18 @@ pub fn outputs(loaded: &Loaded, dt: f64) -> Vec<Output> {
             rows,
             pictures: 0.0,
             bytes: rows * ROW_BYTES[2],
+        });
+    }
+    for (index, field) in scene.fields.iter().enumerate() {
+        let layout = Layout { components: scene.space.count(), species: loaded.field_species() };
+        let rows = field.grid.cells() as f64;
+        outputs.push(Output {
+            key: format!("fields[{index}].average"),
+            interval: field.average.map_or(f64::INFINITY, Positive::get) / dt,
+            rows,
+            pictures: 0.0,
+            // Two numbers of up to 25 letters for each mean, and the places.
+            bytes: rows * (80.0 + 50.0 * layout.means() as f64),
         });
     }
     if let Some(pictures) = &scene.pictures {

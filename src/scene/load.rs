@@ -11,6 +11,7 @@ use crate::grains::occupied::Occupied;
 use crate::grains::spawner::RadiusLaw;
 use crate::integrate::Integrator;
 use crate::lattice::load::LoadedLattice;
+use crate::measure::fields::{Field, FieldSampler, Grid};
 use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
 use crate::scene::check::{Estimates, automatic};
@@ -346,6 +347,23 @@ impl Loaded {
         let axes = 0..self.scene.space.count();
         let sides = axes.filter(|&axis| axis != profile.axis.number()).map(|axis| self.scene.periodic.axes()[axis]);
         sides.map(|side| side.map(|(low, high)| high - low)).product()
+    }
+
+    /// The samplers of the scene's fields.
+    #[must_use]
+    pub fn fields<V: Space>(&self) -> Vec<FieldSampler<V>> {
+        let sampler = |field: &Field| {
+            let grid = Grid::new(&field.grid, field.kernel, self.scene.periodic.y);
+            FieldSampler::new(*field, grid, self.field_species())
+        };
+        self.scene.fields.iter().map(sampler).collect()
+    }
+
+    /// Number of species whose shares fields measure: none if there is only one.
+    #[must_use]
+    pub fn field_species(&self) -> usize {
+        let largest = self.largest_species();
+        if largest > 0 { largest + 1 } else { 0 }
     }
 
     /// The largest species of all grains and walls.

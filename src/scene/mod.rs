@@ -29,6 +29,7 @@ use crate::integrate::Integrator;
 pub use crate::lattice::scene::Method;
 use crate::ledger::{Cull, OnLoss};
 use crate::measure::bed::Bed;
+use crate::measure::fields::Field;
 use crate::measure::flow::Flow;
 use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
@@ -127,6 +128,9 @@ pub struct Scene {
     /// Averages over bins along an axis.
     #[serde(default)]
     pub profiles: Vec<Profile>,
+    /// Averages on grids: densities, velocity, stress.
+    #[serde(default)]
+    pub fields: Vec<Field>,
     /// A field of mean velocity.
     pub flow: Option<Flow>,
     /// The rows of `series.csv`.

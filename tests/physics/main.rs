@@ -21,6 +21,7 @@ mod channels;
 mod column;
 mod conservation;
 mod crowd;
+mod fields;
 mod free_fall;
 mod friction;
 mod grazing;

@@ -28,6 +28,7 @@ mod docs;
 #[cfg(unix)]
 mod faults;
 mod feeds;
+mod fields;
 mod frame_data;
 mod friction_scenes;
 mod from_run;

@@ -18,7 +18,7 @@ struct Case {
     settings: &'static [&'static str],
 }
 
-/// Friction memory, rolling resistance, Hertz's law, solid space, periodic sides, profiles in mid-average, a spawner in
+/// Friction memory, rolling resistance, Hertz's law, solid space, periodic sides, profiles and fields in mid-average, a spawner in
 /// mid-release, a sliding door, moving walls, losses, a flow field, the lattice gas.
 const CASES: [Case; 7] = [
     Case {
@@ -33,7 +33,13 @@ const CASES: [Case; 7] = [
     },
     Case { scene: "silo1-literal.ron", settings: &["on_loss=Continue", "spawner.count=400", "until=21.0"] },
     Case { scene: "couette.ron", settings: &["until=3.0"] },
-    Case { scene: "chute3d.ron", settings: &["until=0.06"] },
+    Case {
+        scene: "chute3d.ron",
+        settings: &[
+            "until=0.06",
+            "fields=[(grid: RZ(radius: 0.02, low: 0.0, high: 0.02, cells: (2, 3)), sample: 0.0007, average: 0.025)]",
+        ],
+    },
     Case { scene: "silo3d.ron", settings: &["until=0.05"] },
     Case { scene: "hard/pressed-door.ron", settings: &[] },
     Case { scene: "funnel-flow.ron", settings: &["until=1500"] },

@@ -1,6 +1,7 @@
 //! Rules between keys, which the range of a single number cannot express.
 
 mod contacts;
+mod fields;
 mod grains;
 mod outputs;
 mod space;
@@ -41,6 +42,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     cells(loaded)?;
     profiles(loaded)?;
     outputs::bins(loaded)?;
+    fields::fields(loaded)?;
     flow(loaded)?;
     view_and_bed(loaded)?;
     outputs::pictures(loaded)?;

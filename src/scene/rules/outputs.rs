@@ -83,6 +83,8 @@ fn intervals(loaded: &Loaded) -> Vec<(String, f64)> {
     all.extend(scene.flow.iter().map(|flow| ("flow.sample".to_owned(), flow.sample)));
     let profiles = scene.profiles.iter().enumerate();
     all.extend(profiles.map(|(index, profile)| (format!("profiles[{index}].sample"), profile.sample)));
+    let fields = scene.fields.iter().enumerate();
+    all.extend(fields.map(|(index, field)| (format!("fields[{index}].sample"), field.sample)));
     all.retain(|(key, _)| loaded.source.value_of(key).is_some());
     all.into_iter().map(|(key, interval): (String, Positive)| (key, interval.get())).collect()
 }
