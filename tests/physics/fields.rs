@@ -156,9 +156,10 @@ fn a_bed_at_rest_carries_the_weight_above_in_every_row_and_its_stress_has_the_di
 fn cloud() -> (Simulation, Vec<GrainRow>) {
     let random = Stream::new(9, "cloud");
     let grains = (0..60u32).map(|n| {
-        let [x, y, z, u, v, w] = random.uniform::<6>(n.into());
-        let place = DVec3::new(0.8 * x - 0.4, 0.5 * y, 0.6 * z);
-        sphere(n + 1, place, DVec3::new(u, v, w), 0.05 + 0.0005 * f64::from(n), 0.2 + 0.01 * f64::from(n))
+        let at: [f64; 6] = random.uniform(n.into());
+        let place = DVec3::new(0.8 * at[0] - 0.4, 0.5 * at[1], 0.6 * at[2]);
+        let velocity = DVec3::new(at[3], at[4], at[5]);
+        sphere(n + 1, place, velocity, 0.05 + 0.0005 * f64::from(n), 0.2 + 0.01 * f64::from(n))
     });
     let grains: Vec<_> = grains.collect();
     let keys = "space: Solid, gravity: (0.0, 0.0, 0.0), periodic: (y: (0.0, 0.5)), watchdog: None, \
@@ -212,8 +213,9 @@ fn rings_hold_the_whole_mass_and_the_invariants_of_the_stress() {
     // Along y the box is open here, and the rings reach beyond all grains.
     let random = Stream::new(4, "rings");
     let grains = (0..50u32).map(|n| {
-        let [x, y, z, u, v, w] = random.uniform::<6>(n.into());
-        sphere(n + 1, DVec3::new(x, y, z) * 0.5, DVec3::new(u, v, w), 0.06, 0.3)
+        let at: [f64; 6] = random.uniform(n.into());
+        let [place, velocity] = [0, 3].map(|start| DVec3::from_slice(&at[start..]));
+        sphere(n + 1, 0.5 * place, velocity, 0.06, 0.3)
     });
     let grains: Vec<_> = grains.collect();
     let keys = "space: Solid, gravity: (0.0, 0.0, 0.0), contact: Linear(k: 1.0e3, damping: B(0.0)), step: Fixed(1.0e-4), \
@@ -253,26 +255,27 @@ fn rings_hold_the_whole_mass_and_the_invariants_of_the_stress() {
 
 #[test]
 fn a_sheared_lattice_has_its_known_stress() {
-    // A square lattice of spacing d, each row shifted by e d against the row below, periodic after eight rows. Each grain
+    // A square lattice of spacing d, each row shifted by e d (`shift` is e) against the row below, periodic after eight rows. Each grain
     // has half of four bonds: one (d, 0) and one (e d, d) in the area d^2. So sigma = sum of f l / d^2.
-    let (k, d, radius, e, n) = (1.0e4, 0.1, 0.052, 0.125, 8u32);
-    let (a, b, drift) = (0.3, -0.2, 5.0);
+    let (stiffness, d, radius, shift, n) = (1.0e4, 0.1, 0.052, 0.125, 8u32);
+    let (more, drift) = (Vector::new(0.3, -0.2), 5.0);
     let grains = (0..n * n).map(|at| {
         let (column, row) = (at % n, at / n);
-        let x = (d * (f64::from(column) + 0.5 + e * f64::from(row))).rem_euclid(d * f64::from(n));
-        // Half of the grains have the velocity (a, b) more than the mean, the others less.
+        let x = (d * (f64::from(column) + 0.5 + shift * f64::from(row))).rem_euclid(d * f64::from(n));
+        // Half of the grains have the velocity `more` more than the mean, the others less.
         let sign = if (column + row) % 2 == 0 { 1.0 } else { -1.0 };
-        grain(at + 1, Vector::new(x, d * (f64::from(row) + 0.5)), Vector::new(drift + sign * a, sign * b), radius, 2.0)
+        grain(at + 1, Vector::new(x, d * (f64::from(row) + 0.5)), Vector::X * drift + more * sign, radius, 2.0)
     });
     let keys = format!(
-        "gravity: (0.0, 0.0), periodic: (x: (0.0, 0.8), y: (0.0, 0.8)), contact: Linear(k: {k:?}, damping: B(0.0)), \
+        "gravity: (0.0, 0.0), periodic: (x: (0.0, 0.8), y: (0.0, 0.8)), contact: Linear(k: {stiffness:?}, damping: B(0.0)), \
          step: Fixed(1.0e-5), until: 1.0"
     );
     let mut simulation = simulation(&keys, grains.collect());
     simulation.step();
-    let (length, density) = (d * (1.0 + e * e).sqrt(), 2.0 / (d * d));
-    let (flat, steep) = (k * (2.0 * radius - d), k * (2.0 * radius - length) / length);
-    let expected = [flat * d + steep * e * e * d * d, steep * e * d * d, steep * e * d * d, steep * d * d];
+    let (length, density) = (d * (1.0 + shift * shift).sqrt(), 2.0 / (d * d));
+    let (flat, steep) = (stiffness * (2.0 * radius - d), stiffness * (2.0 * radius - length) / length);
+    let along = shift * steep * d * d;
+    let expected = [flat * d + shift * along, along, along, steep * d * d];
     for (cells, tolerance) in [("cells: (1, 1)", 1e-12), ("cells: (16, 16)), kernel: Gaussian(0.5", 1e-6)] {
         // With a Gaussian of five spacings the lattice is smooth: its first Fourier component is exp(-2 pi^2 w^2/d^2) = 0; the
         // cut at 6 w leaves 4e-9 of each axis, and the periodic images fill the rest.
@@ -284,8 +287,16 @@ fn a_sheared_lattice_has_its_known_stress() {
                 assert!((found - expected).abs() < tolerance * flat * d, "{cells} {at}: {found} {expected}");
             }
             let found = [means[1], means[2], means[3], means[4], means[5], means[6], means[7]];
-            let exact = [density, drift, 0.0, 0.5 * (a * a + b * b), density * a * a, density * a * b, density * b * b];
-            // The kinetic stress is a difference of numbers (drift/a)^2 = 300 times larger.
+            let exact = [
+                density,
+                drift,
+                0.0,
+                0.5 * more.length_squared(),
+                density * more.x * more.x,
+                density * more.x * more.y,
+                density * more.y * more.y,
+            ];
+            // The kinetic stress is a difference of numbers (drift/0.3)^2 = 300 times larger.
             let scales = [density, drift, drift, 300.0, density * 300.0, density * 300.0, density * 300.0];
             for ((found, exact), scale) in found.into_iter().zip(exact).zip(scales) {
                 assert!((found - exact).abs() < tolerance * scale, "{cells}: {found} {exact}");
