@@ -131,9 +131,19 @@ impl<V: Space> Cells<V> {
     /// Calls `visit` once with each particle that `wants` accepts in the cells at most `reach` cells away from the cell
     /// of particle `i`. Particle `i` itself is included.
     #[inline]
-    pub(super) fn around(&self, i: usize, reach: u8, wants: impl Fn(u32) -> bool, mut visit: impl FnMut(u32)) {
-        let (x, row) = self.cell[i];
-        let reach = i64::from(reach);
+    pub(super) fn around(&self, i: usize, reach: u8, wants: impl Fn(u32) -> bool, visit: impl FnMut(u32)) {
+        self.around_cell(self.cell[i], i64::from(reach), wants, visit);
+    }
+
+    /// Calls `visit` once with each particle that `wants` accepts in the cell of the place `x` (m) and in the adjacent ones. The place need
+    /// not be that of a particle of the cells.
+    #[inline]
+    pub(super) fn around_place(&self, x: V, wants: impl Fn(u32) -> bool, visit: impl FnMut(u32)) {
+        self.around_cell(self.cell_of(x), 1, wants, visit);
+    }
+
+    #[inline]
+    fn around_cell(&self, (x, row): Cell<V>, reach: i64, wants: impl Fn(u32) -> bool, mut visit: impl FnMut(u32)) {
         for away in V::rows(reach) {
             let Some(row) = self.row_at(row, away, reach) else { continue };
             let span = self.span[0];

@@ -5,15 +5,17 @@
 //! R_i + R_j + both allowances. An unlisted pair cannot touch before one of the two has used up its allowance. So the
 //! few grains that fall fast have long rows, and do not force the many grains at rest to renew theirs.
 //!
-//! Each row is in ascending order. A search ([`candidate_search`]) rebuilds the list. After small changes,
-//! [`renumbering`] updates it without a search: a few particles entered, left or used up their allowances.
+//! Each row is in ascending order. A search rebuilds the list: with one grid of cells ([`candidate_search`]), or, if sizes differ
+//! widely, with one grid per size class ([`size_classes`]). After small changes, [`renumbering`] updates it without a search: a few particles entered, left or used up their allowances.
 
 mod candidate_search;
 mod renumbering;
+mod size_classes;
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::PairList;
 use crate::neighbours::verlet_list::candidate_search::CandidateSearch;
+use crate::neighbours::verlet_list::size_classes::SizeClasses;
 use crate::space::Space;
 use crate::store::{Body, ParticleStore};
 use crate::threads::Threads;
@@ -79,7 +81,12 @@ impl<V: Space> VerletList<V> {
         self.anchors.clear();
         self.anchors.extend(store.body.iter().map(|body| Anchor::of(body, self.skin, dt)));
         self.trigger = DisplacementTrigger::default();
-        let pairs = CandidateSearch::new(self, store).pairs(list.pairs().len(), threads);
+        let expected = list.pairs().len();
+        let pairs = if size_classes::are_worthwhile(store, self.skin) {
+            SizeClasses::new(self, store).pairs(expected, threads)
+        } else {
+            CandidateSearch::new(self, store).pairs(expected, threads)
+        };
         list.fill(&pairs, store.len());
     }
 

@@ -259,6 +259,101 @@ fn energy_balance_of_grains_under_a_much_larger_one_closes() {
     assert_energy_error_of_the_scheme(&run, (1e6 / 2e-4f64).sqrt() * 3e-6);
 }
 
+/// Small grains between large ones, radii 1:20. The pair of the highest frequency is that of two small grains.
+#[test]
+fn small_grains_caught_between_large_ones_are_neither_lost_nor_heated() {
+    let frictionless = ("contact.tangential", "None");
+    for (scheme, more) in
+        [("Centred", &[][..]), ("Verlet", &[]), ("Verlet", &[frictionless]), ("SymplecticEuler", &[frictionless])]
+    {
+        let run = through("caught", &[&[("integrator", scheme)], more].concat());
+        let ledger = run.world().resource::<Ledger>();
+        assert_eq!((ledger.inside(), ledger.lost()), (409, 0), "{scheme}");
+        let w0_dt = (4e5 / 1.25e-3f64).sqrt() * 1e-5;
+        if scheme == "SymplecticEuler" {
+            // First order in the step.
+            let (totals, flows, error) = balance(&run);
+            let bound = w0_dt * (flows.dissipated + totals.elastic);
+            assert!(error.abs() < bound, "{error} J, bound {bound} J");
+        } else {
+            assert_energy_error_of_the_scheme(&run, w0_dt);
+        }
+    }
+}
+
+/// A grain of 1 cm between two of 20 cm between a floor and a lid, all pressed by 1 mm; `u` is its velocity, m/s.
+fn sandwich(scheme: &str, dt: f64, u: f64) -> Loaded {
+    let text = format!(
+        "(gravity: (0.0, 0.0), contact: Linear(k: 1.0e5, damping: B(0.0)), mass: ArealSquare(100.0), integrator: {scheme},
+        step: Fixed({dt:e}), until: 1.0, pictures: None, watchdog: None,
+        walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0)), HalfPlane(point: (0.0, 0.816), normal: (0.0, -1.0))],
+        fill: [(low: (-0.2, -0.001), high: (0.2, 0.399), spacing: 0.4, radius: Fixed(0.2)),
+            (low: (-0.01, 0.398), high: (0.01, 0.418), spacing: 0.02, radius: Fixed(0.01), velocity: (0.0, {u:e})),
+            (low: (-0.2, 0.417), high: (0.2, 0.817), spacing: 0.4, radius: Fixed(0.2))])"
+    );
+    load::from_text("a.ron", "a", std::path::Path::new(""), text, &[]).unwrap()
+}
+
+/// The largest distance of the small grain from the middle in 1000 steps, m; endless if its contacts opened.
+fn swing(scheme: &str, dt: f64, u: f64) -> f64 {
+    let mut run = simulation(&sandwich(scheme, dt, u), 1);
+    let mut most = 0.0f64;
+    for n in 1..=1000 {
+        run.run_steps(n);
+        most = most.max((planar(&mut run)[1].0.y - 0.408).abs());
+    }
+    most
+}
+
+/// The motion of the small grain m against both large ones M, each with two springs, has (2 k - M w^2)(2 k - m w^2) = 2 k^2.
+#[test]
+fn check_bounds_the_step_of_a_grain_caught_between_large_ones() {
+    let (k, [m, big]) = (1e5f64, [0.01f64, 4.0]);
+    let (sum, product) = (2.0 * k / m + 2.0 * k / big, 2.0 * k * k / (m * big));
+    let w = (0.5 * (sum + (sum * sum - 4.0 * product).sqrt())).sqrt();
+    let u = 0.01;
+    for scheme in ["Centred", "Verlet", "SymplecticEuler"] {
+        let stated = siloflow::scene::check::Estimates::of(&sandwich(scheme, 1e-5, u)).unwrap().bed_limit;
+        assert!(stated < 2.0 / w && stated > 1.0 / w, "{scheme}: {stated} {}", 2.0 / w);
+        // From the middle, x_n = u dt sin(n theta)/sin theta with cos theta = 1 - (w dt)^2/2. The slow motion of the large grains adds
+        // less than the same again.
+        for dt in [0.95 * stated, 0.97 * 2.0 / w] {
+            let theta = (1.0 - 0.5 * (w * dt).powi(2)).acos();
+            let most = swing(scheme, dt, u);
+            assert!(most > 0.5 * u * dt && most < 2.0 * u * dt / theta.sin(), "{scheme}, {dt} s: {most} m");
+        }
+        // Beyond, the motion grows until contacts open, at 1 mm.
+        assert!(swing(scheme, 1.03 * 2.0 / w, u) > 5e-4, "{scheme}");
+    }
+}
+
+#[test]
+fn explicit_euler_drives_a_caught_grain_out_with_a_warning_before() {
+    let loaded = sandwich("ExplicitEuler", 2e-5, 0.01);
+    let codes: Vec<_> = siloflow::scene::check::warnings(&loaded).iter().map(|warning| warning.code).collect();
+    assert!(codes.contains(&"check::unstable_step"), "{codes:?}");
+    let end = simulation(&loaded, 1).run();
+    assert!(matches!(end, End::Failed(_)), "{end:?}");
+}
+
+#[test]
+fn a_large_grain_that_crushes_the_small_one_below_it_causes_a_warning() {
+    // 4 kg on k presses a grain of 0.01 m by 0.3 of its radius with k = 39.24 N/0.003 m = 13080 N/m.
+    for (k, is_too_soft) in [("13000.0", true), ("13160.0", false)] {
+        let text = format!(
+            "(gravity: (0.0, -9.81), contact: Linear(k: {k}, damping: Restitution(0.5)), mass: ArealSquare(100.0), step: Fixed(1.0e-4),
+            until: 0.1, walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))],
+            fill: [(low: (-0.2, 0.0), high: (0.2, 0.02), spacing: 0.02, radius: Fixed(0.01)),
+                (low: (-0.2, 0.02), high: (0.2, 0.42), spacing: 0.4, radius: Fixed(0.2))])"
+        );
+        let loaded = load::from_text("a.ron", "a", std::path::Path::new(""), text, &[]).unwrap();
+        let warnings = siloflow::scene::check::warnings(&loaded);
+        let found = warnings.iter().find(|warning| warning.code == "check::caught_grains");
+        assert_eq!(found.is_some(), is_too_soft, "{k}: {warnings:?}");
+        assert!(found.is_none_or(|warning| warning.message.contains("by 0.30 of its radius")), "{warnings:?}");
+    }
+}
+
 // Columns and symmetry.
 
 #[test]

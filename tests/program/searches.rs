@@ -66,6 +66,35 @@ fn searches_and_threads_change_no_bit_of_silo1_polydisperse() {
     assert_same("silo1-polydisperse.ron");
 }
 
+/// Radii 1:20, in the plane and in space: small grains among large ones, with one grid of cells per size class.
+#[test]
+fn searches_and_threads_change_no_bit_of_grains_of_very_different_sizes() {
+    let spheres = "(space: Solid, seed: 5, gravity: (0.0, 0.0, -9.81), mass: Sphere(2500.0), step: Fixed(1.0e-5), until: 1.0, pictures: None,
+        contact: Linear(k: 2.0e4, damping: Restitution(0.5), tangential: Spring(k: 6.0e3, damping: OfNormal(0.5), friction: 0.5)),
+        periodic: (x: (0.0, 0.082), y: (0.0, 0.082)), walls: [HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0))],
+        fill: [(low: (0.0, 0.0, 0.0), high: (0.082, 0.082, 0.013), spacing: 4.1e-3, radius: Uniform(1.0e-3, 2.0e-3), jitter: 5.0e-5),
+            (low: (0.0, 0.0, 0.014), high: (0.05, 0.05, 0.064), spacing: 0.05, radius: Fixed(0.02), jitter: 2.0e-3, velocity: (0.0, 0.0, -1.0))])";
+    let run = |neighbours: &str, threads: usize| {
+        let settings = [("neighbours".to_owned(), neighbours.to_owned())];
+        let spheres = load::from_text("a.ron", "a", std::path::Path::new(""), spheres.to_owned(), &settings).unwrap();
+        // The large grains land after about 600 and 4000 steps.
+        [(spheres, 900), (load("hard/caught.ron", &[("neighbours", neighbours)]), 6_000)].map(|(loaded, steps)| {
+            let mut run = simulation(&loaded, threads);
+            run.run_steps(steps);
+            hash(&mut run)
+        })
+    };
+    let reference = run("AllPairs", 1);
+    for (neighbours, threads) in [
+        ("CellsOfRange(rng: 2.0)", 1),
+        ("VerletList(skin: 2.0e-4)", 1),
+        ("VerletList(skin: 2.0e-4)", 2),
+        ("VerletList(skin: 3.0e-3)", 1),
+    ] {
+        assert_eq!(run(neighbours, threads), reference, "{neighbours} on {threads} threads");
+    }
+}
+
 /// The topmost grain of a bed at rest is thrown into the bed at 20 m/s while other grains still fall. The neighbour
 /// list must contain a fast grain among slow ones.
 #[test]

@@ -16,7 +16,7 @@ use crate::store::ParticleStore;
 use crate::threads::Threads;
 
 /// Number of particles per thread job.
-const JOB_ROWS: u32 = 1024;
+pub(super) const JOB_ROWS: u32 = 1024;
 
 /// One search.
 pub(super) struct CandidateSearch<'a, V: Space> {

@@ -70,6 +70,8 @@ pub struct Estimates {
     pub impact_overlap: f64,
     /// Overlap over radius at the bottom of the bed, from its weight.
     pub static_overlap: f64,
+    /// Overlap over radius of a smallest grain that alone carries the heaviest one.
+    pub caught_overlap: f64,
     /// Stiffness of a contact at that overlap, N/m.
     pub stiffness: f64,
 }
@@ -84,8 +86,10 @@ impl Estimates {
     /// Estimates for a scene with another scheme; `None` if it has no grains.
     #[must_use]
     pub fn with(loaded: &Loaded, scheme: Integrator) -> Option<Self> {
-        let (radius, _) = loaded.grain_radii()?;
+        let (radius, largest) = loaded.grain_radii()?;
         let scene = &loaded.scene;
+        let heaviest =
+            loaded.grains.iter().map(|grain| grain.mass).fold(scene.mass.map_or(0.0, |law| law.of(largest)), f64::max);
         let lightest = loaded.grains.iter().map(|grain| grain.mass).fold(f64::INFINITY, f64::min);
         let mass = scene.mass.map_or(f64::INFINITY, |law| law.of(radius)).min(lightest);
         // Estimates ask for no directions: the law in the plane answers for both spaces.
@@ -118,6 +122,7 @@ impl Estimates {
             impact_speed,
             impact_overlap: law.deepest(&Bounce { speed: impact_speed, ..bounce }) / radius,
             static_overlap: carried_at_the_bottom(loaded, radius) / law.stiffness(&bounce) / radius,
+            caught_overlap: heaviest * scene.gravity.padded().length() / law.stiffness(&bounce) / radius,
             stiffness: law.stiffness(&bounce),
         };
         estimates.dt = match scene.step {
@@ -415,6 +420,17 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
                 estimates.static_overlap
             ),
             help: "raise the stiffness: the contact law is meant for small overlaps".to_owned(),
+        });
+    } else if estimates.caught_overlap > LARGE_OVERLAP {
+        warnings.push(Warning {
+            code: "check::caught_grains",
+            message: format!(
+                "the weight of the heaviest grain on a single smallest grain, of radius {} m, presses it together by {:.2} of \
+                 its radius",
+                estimates.radius, estimates.caught_overlap
+            ),
+            help: "raise the stiffness, or let sizes differ less: small grains that are caught between large ones may slip through"
+                .to_owned(),
         });
     }
 }
