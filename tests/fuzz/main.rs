@@ -5,6 +5,7 @@
 //! | `scene` | a scene of either method; an accepted one that is small does three steps |
 //! | `silo` | a silo file |
 //! | `grains` | a grain file |
+//! | `mesh` | a mesh: the text as an OBJ and as an STL file, and its characters as the bytes of an STL file; with an accepted one, spheres do three steps |
 //! | `setting` | the two sides of `--set PATH=VALUE` |
 //! | `picture` | an SVG document for `render` |
 //! | `checkpoint` | a saved state and the file of one, with bytes changed, cut or repeated; it has no corpus, because a checkpoint belongs to the version that wrote it |
@@ -38,10 +39,11 @@ use crate::edit::{Edit, edited};
 /// A target and its name, which is the name of its directory in the corpus.
 type Target = (&'static str, fn(&str));
 
-const TARGETS: [Target; 5] = [
+const TARGETS: [Target; 6] = [
     ("scene", targets::scene),
     ("silo", targets::silo),
     ("grains", targets::grains),
+    ("mesh", targets::mesh),
     ("setting", targets::setting),
     ("picture", targets::picture),
 ];
@@ -97,6 +99,11 @@ fn silo() {
 #[test]
 fn grains() {
     mutants("grains", targets::grains);
+}
+
+#[test]
+fn mesh() {
+    mutants("mesh", targets::mesh);
 }
 
 #[test]

@@ -62,6 +62,28 @@ pub fn grains(text: &str) {
     }
 }
 
+/// Spheres inside and beside the meshes of the corpus.
+const IN_MESH: &str = "(space: Solid, gravity: (0.0, 0.0, -9.81), mass: Sphere(2500.0), step: Fixed(1.0e-5), until: 1.0, on_loss: Continue,
+    contact: Linear(k: 1.0e4, damping: Restitution(0.5), tangential: Spring(k: 3.0e3, damping: OfNormal(0.5), friction: 0.5)),
+    fill: [(low: (0.0, 0.0, 0.0), high: (0.3, 0.3, 0.3), spacing: 0.1, radius: Fixed(0.05), velocity: (0.0, 0.0, -10.0))],
+    walls: [Mesh(file: \"mesh.FORMAT\", unit: Metre)])";
+
+pub fn mesh(text: &str) {
+    let directory = tempfile::tempdir().unwrap();
+    let as_bytes: Vec<u8> = text.chars().map(|character| character as u8).collect();
+    for (format, bytes) in [("obj", text.as_bytes()), ("stl", text.as_bytes()), ("stl", &as_bytes)] {
+        std::fs::write(directory.path().join("mesh").with_extension(format), bytes).unwrap();
+        let scene = IN_MESH.replace("FORMAT", format);
+        let Some(loaded) = show(load::from_text("mutant.ron", "mutant", directory.path(), scene, &[])) else {
+            continue;
+        };
+        drop(check::warnings(&loaded));
+        if let Some(mut run) = show(Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN)) {
+            run.run_steps(3);
+        }
+    }
+}
+
 /// The first line is `PATH=VALUE`, as on the command line.
 pub fn setting(text: &str) {
     const SCENE: &str = include_str!("corpus/scene/silo.ron");

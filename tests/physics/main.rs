@@ -26,6 +26,7 @@ mod free_fall;
 mod friction;
 mod grazing;
 mod hertz;
+mod hertz_curved;
 mod hertz_restitution;
 mod lammps;
 mod mfix;
