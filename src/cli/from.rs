@@ -29,6 +29,8 @@ pub(super) struct Origin {
     pub grains: String,
     /// The memories of contacts as the text of a file.
     pub contacts: String,
+    /// The seed of the run.
+    seed: u64,
 }
 
 impl Origin {
@@ -57,12 +59,26 @@ impl Origin {
             Dimension::Plane => texts::<Plane>(run.world_mut()),
             Dimension::Solid => texts::<Solid>(run.world_mut()),
         }?;
-        Ok(Self { parent, grains, contacts })
+        Ok(Self { parent, grains, contacts, seed: loaded.scene.seed })
     }
 
     /// Loads the scene at `path` with the grains and contacts of this state.
+    ///
+    /// # Errors
+    /// Like [`load::started_from`]; also if another seed would move fixed grains.
     pub(super) fn load(&self, path: &Path, settings: &[(String, String)]) -> Result<Box<Loaded>, Fault> {
-        load::started_from(path, settings, self.grains.clone(), self.contacts.clone(), &self.parent.note())
+        let (grains, contacts) = (self.grains.clone(), self.contacts.clone());
+        let loaded = load::started_from(path, settings, grains, contacts, &self.parent.note())?;
+        let random = loaded.scene.fill.iter().position(|fill| fill.fixed && fill.is_random());
+        if let Some(number) = random.filter(|_| loaded.scene.seed != self.seed) {
+            let message = format!(
+                "the fixed grains of `fill[{number}]` depend on the seed: the run began with seed {}, and seed {} would put \
+                 them elsewhere under its grains",
+                self.seed, loaded.scene.seed
+            );
+            return Err(loaded.fault("scene::seed", "seed", message).help(format!("set the seed to {}", self.seed)));
+        }
+        Ok(loaded)
     }
 }
 

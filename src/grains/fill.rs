@@ -116,6 +116,16 @@ impl Fill {
         size
     }
 
+    /// Returns whether the grains depend on the seed.
+    #[must_use]
+    pub fn is_random(&self) -> bool {
+        let is_jittered = self.jitter.is_some_and(|jitter| jitter.get() > 0.0);
+        is_jittered
+            || self.agitation.is_some()
+            || self.place == Placement::Random
+            || !matches!(self.radius, RadiusLaw::Fixed(_))
+    }
+
     /// Returns the grains, with ids from `first_id` on, until ids run out. `number` is the number of this `fill` in the
     /// scene and selects its random numbers.
     pub fn grains(

@@ -14,6 +14,7 @@ use crate::lattice::load::LoadedLattice;
 use crate::measure::fields::{Field, FieldSampler, Grid};
 use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
+use crate::periodic::Periodic;
 use crate::scene::check::{Estimates, automatic};
 use crate::scene::{Method, Scene, TimeStep, rules};
 use crate::source::{Source, files};
@@ -86,7 +87,10 @@ pub fn started_from(
         return Err(Fault::new("scene::method", "a run of the lattice gas cannot start from grains")
             .help("give a scene of grains"));
     };
-    let fixed: Vec<_> = loaded.scene.fill.iter().filter(|fill| fill.fixed).collect();
+    // Random numbers of a fill depend on its number, so that fills without grains hold the places of the others.
+    let count = loaded.scene.fill.iter().rposition(|fill| fill.fixed).map_or(0, |last| last + 1);
+    let keep = |fill: &Fill| if fill.fixed { fill.clone() } else { Fill { count: Some(0), ..fill.clone() } };
+    let fixed: Vec<_> = loaded.scene.fill[..count].iter().map(keep).collect();
     let fill = ron::to_string(&fixed).map_err(|error| Fault::new("scene::fill", error.to_string()))?;
     let mut more = settings.to_vec();
     let files = "(file: \"grains.csv\", contacts: \"contacts.csv\")";
@@ -281,7 +285,12 @@ impl Loaded {
             }
         }
         let walls = self.surfaces::<V>();
-        let is_clear = |x: Solid, radius: f64| walls.iter().all(|wall| wall.surface.distance(V::narrow(x)) >= radius);
+        // Walls have no images, so a place beyond a periodic side counts as the one that it enters at.
+        let periodic_box = Periodic::<V>::new(periodic);
+        let is_clear = |x: Solid, radius: f64| {
+            let x = periodic_box.map_or(V::narrow(x), |periodic| periodic.wrapped(V::narrow(x)));
+            walls.iter().all(|wall| wall.surface.distance(x) >= radius)
+        };
         let first_id = self.first_free_id();
         let rows = fill.random_grains(*space, *mass, (*seed, number), first_id, &mut occupied, is_clear);
         let wanted = fill.count.unwrap_or(0) as usize;

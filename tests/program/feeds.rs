@@ -344,12 +344,58 @@ fn a_random_fill_has_no_overlaps_and_follows_the_seed() {
     let normal = Vector::new(0.1, 1.0).normalize();
     for &(x, r) in &all[40..] {
         assert!(x.x - r >= -0.6 && x.x + r <= 0.4 && x.y - r >= 0.0 && x.y + r <= 1.0, "{x}");
-        assert!(x.dot(normal) >= r && x.distance(Vector::new(0.1, 0.3)) >= 0.1 + r, "{x}");
+        // The half-plane is met at the place where the grain enters the periodic box.
+        let inside = Vector::new(x.x - x.x.round(), x.y);
+        assert!(inside.dot(normal) >= r && x.distance(Vector::new(0.1, 0.3)) >= 0.1 + r, "{x}");
     }
     assert!(scene.grains[40..].iter().all(|grain| grain.velocity.x.abs() <= 0.1 && grain.velocity.y == 0.0));
     let again = |seed: &str| loaded(&random_fill(300).replacen('(', &format!("(seed: {seed}, "), 1)).unwrap().grains;
     assert_eq!(again("0"), scene.grains);
     assert_ne!(again("1"), scene.grains);
+}
+
+/// Places beyond a periodic side are those that they enter at, also for walls.
+#[test]
+fn a_random_fill_across_a_periodic_side_leaves_walls_free() {
+    let wall = "Segment(from: (0.42, 0.3), to: (0.42, 0.9))";
+    let scene = random_fill(200).replace("Disc(centre: (0.1, 0.3), radius: 0.1)", wall);
+    let grains = loaded(&scene).unwrap().grains;
+    let gap = |x: Solid, radius: f64| (x.x - (x.x - 0.42).round() - 0.42).hypot(x.y - x.y.clamp(0.3, 0.9)) - radius;
+    let least = grains[40..].iter().map(|grain| gap(grain.position, grain.radius)).fold(f64::INFINITY, f64::min);
+    assert!(grains.len() == 240 && least >= 0.0, "{least}");
+}
+
+/// Radii 1:20, side by side and one after the other: neither a feed nor a random fill places overlapping grains.
+#[test]
+fn grains_of_very_different_sizes_do_not_overlap_when_they_enter() {
+    let scene = |more: &str| {
+        format!(
+        "(gravity: (0.0, 0.0), contact: Linear(k: 2.0e3, damping: Restitution(0.5)), mass: Disc(20.0), integrator: Verlet,
+        step: Fixed(1.0e-4), periodic: (x: (-0.5, 0.5)), until: 0.1, pictures: None, {more})"
+    )
+    };
+    let feed = |total: u32, radius: &str| {
+        format!(
+            "(region: Box(low: (-0.5, 0.0), high: (0.5, 1.0)), rate: Grains(1.0e4), total: Grains({total}), velocity: (0.0, 0.0),
+            radius: {radius})"
+        )
+    };
+    let fill = |count: u32, radius: &str| {
+        format!("(low: (-0.5, 0.0), high: (0.5, 1.0), place: Random, count: {count}, radius: {radius})")
+    };
+    let [large, middle] = [fill(3, "Fixed(0.1)"), fill(3, "Fixed(0.06)")];
+    for more in [
+        format!("feed: [{}, {}]", feed(4, "Fixed(0.1)"), feed(350, "Uniform(0.005, 0.01)")),
+        format!("fill: [{large}, {middle}, {}]", fill(310, "Uniform(0.005, 0.02)")),
+        format!("fill: [{large}], feed: [{}]", feed(350, "Fixed(0.005)")),
+    ] {
+        let mut run = simulation(&loaded(&scene(&more)).unwrap(), 1);
+        run.run();
+        let all = grains::<Plane>(&mut run);
+        let large = all.iter().filter(|(_, radius)| *radius == 0.1).count();
+        assert!(all.len() > 300 && large > 2, "{more}: {} grains, {large} large", all.len());
+        assert!(smallest_gap(&all) >= 0.0, "{more}: {}", smallest_gap(&all));
+    }
 }
 
 #[test]

@@ -166,3 +166,38 @@ fn a_run_that_cannot_be_a_parent_is_refused() {
     let said = refused(&[&plane, "--from", "with"]);
     assert!(said.contains("planar"), "{said}");
 }
+
+/// A rough floor of fixed grains at random offsets, under grains that fall. The floor is the second entry of `fill`.
+const ROUGH: &str = "(
+    gravity: (0.0, -9.81), contact: Linear(k: 1.0e5, damping: Restitution(0.5)), mass: Disc(20.0), integrator: Verlet,
+    step: Fixed(1.0e-4), periodic: (x: (0.0, 1.0)), pictures: None, until: 0.1, seed: 3,
+    fill: [(low: (0.0, 0.2), high: (1.0, 0.5), spacing: 0.1, radius: Uniform(0.03, 0.04), jitter: 0.01),
+        (low: (0.0, 0.0), high: (1.0, 0.1), spacing: 0.1, radius: Uniform(0.03, 0.04), jitter: 0.01, fixed: true)],
+)";
+
+#[test]
+fn fixed_grains_at_random_places_stay_where_they_were() {
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("rough.ron"), ROUGH).unwrap();
+    run(here.path(), &["rough.ron", "--out", "first"]);
+    run(here.path(), &["rough.ron", "--from", "first", "--out", "next"]);
+    run(here.path(), &["next/scene.ron", "--from", "next", "--out", "third"]);
+    let loaded = |run: &str| siloflow::scene::load::load(&here.path().join(run).join("scene.ron"), &[]).unwrap();
+    let [first, next, third] = ["first", "next", "third"].map(loaded);
+    assert_eq!((first.grains.len(), first.fixed.len()), (30, 10));
+    for later in [next, third] {
+        assert_eq!((later.grains.len(), later.fixed), (30, first.fixed.clone()));
+    }
+    // Another seed would move the floor under the grains.
+    let other =
+        siloflow(here.path(), &["run", "rough.ron", "--quiet", "--from", "first", "--out", "other", "--seed", "4"]);
+    assert_eq!(other.status.code(), Some(2));
+    assert!(
+        text(&other.stderr).contains("scene::seed") && text(&other.stderr).contains("seed 3"),
+        "{}",
+        text(&other.stderr)
+    );
+    // A scene without such grains may have any seed.
+    let even = ["--set", "fill[1].jitter=0.0", "--set", "fill[1].radius=Fixed(0.03)"];
+    run(here.path(), &[&["rough.ron", "--from", "first", "--out", "even", "--seed", "4"], &even[..]].concat());
+}
