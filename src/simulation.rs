@@ -286,7 +286,7 @@ impl Simulation {
             losses.path = directory.losses();
         }
         if let Some(mut frames) = world.get_resource_mut::<FrameDataWriter>() {
-            frames.close()?;
+            frames.continue_in(directory.current(), directory.guard())?;
         }
         let writer = world.get_resource_mut::<FrameWriter>();
         writer.map_or(Ok(()), |mut writer| writer.continue_in(directory.frames(), directory.guard()))

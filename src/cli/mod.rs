@@ -7,6 +7,7 @@ mod compare;
 mod diff;
 mod exit_status;
 mod explain;
+mod export;
 mod from;
 mod progress;
 mod render;
@@ -73,6 +74,8 @@ enum Command {
     Accuracy(accuracy::AccuracyArgs),
     /// Turn snapshots (SVG) into PNGs beside them.
     Render(render::RenderArgs),
+    /// Convert the frames of a run for ParaView (VTK) or OVITO (extended XYZ, LAMMPS dump).
+    Export(export::ExportArgs),
 }
 
 /// A scene, and settings that change it.
@@ -149,6 +152,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Diff(args) => diff::diff(args, registry, cli.quiet),
         Command::Accuracy(args) => accuracy::accuracy(args, registry, cli.quiet),
         Command::Render(args) => render::render(args),
+        Command::Export(args) => export::export(args),
     };
     match result {
         Ok(verdict) => verdict.into(),

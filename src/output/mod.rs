@@ -5,6 +5,7 @@ pub mod cost;
 pub mod fields;
 pub mod flow;
 pub mod frame_data;
+pub mod frame_export;
 pub mod frames;
 pub mod losses;
 pub mod parent;

@@ -64,6 +64,7 @@ const SCENE: &str = "scene.ron";
 const SERIES: &str = "series.csv";
 const FRAMES: &str = "frames";
 const FRAME_DATA: &str = "frames.bin";
+const VTK: &str = "vtk";
 const CHECKPOINTS: &str = "checkpoints";
 const CHECKPOINT_ENDING: &str = "checkpoint";
 const WALLS: &str = "walls.csv";
@@ -75,7 +76,8 @@ const LOSSES: &str = "losses.csv";
 const STATE: &str = "state.csv";
 const SUMMARY: &str = "summary.json";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 10] = [SERIES, FRAME_DATA, WALLS, PROFILES, CENTRES, FIELDS, FLOW, LOSSES, STATE, SUMMARY];
+const OWN_FILES: [&str; 12] =
+    [SERIES, FRAME_DATA, "frames.xyz", "frames.dump", WALLS, PROFILES, CENTRES, FIELDS, FLOW, LOSSES, STATE, SUMMARY];
 
 /// Names of the files that hold the input of a run, without those of meshes.
 const INPUT_FILES: [&str; 4] = [SCENE, "input-silo.dat", "input-grains.csv", "input-contacts.csv"];
@@ -194,6 +196,15 @@ pub fn remove_incomplete_checkpoints(directory: &Path) -> io::Result<()> {
     Ok(())
 }
 
+/// Whether siloflow writes a file of this name in the directory `vtk`.
+fn is_vtk(name: &Path) -> bool {
+    let name = name.to_str().unwrap_or_default();
+    let (kind, rest) = name.split_once(['-', '.']).unwrap_or_default();
+    let number = rest.strip_suffix(".vtp").unwrap_or_default();
+    let is_frame = number.len() >= 5 && number.bytes().all(|byte| byte.is_ascii_digit());
+    ["grains", "contacts", "walls"].contains(&kind) && (is_frame || rest == "pvd")
+}
+
 /// Whether siloflow writes a file or directory of this path in a run directory.
 fn is_own(path: &Path) -> bool {
     let complete = path.with_extension("");
@@ -208,10 +219,11 @@ fn is_own(path: &Path) -> bool {
                 && number.len() >= 5
                 && number.iter().all(u8::is_ascii_digit)
         }
-        Err(_) => match complete.strip_prefix(CHECKPOINTS) {
-            Ok(inside) if inside == Path::new("") => complete == path,
-            Ok(inside) => inside.components().count() == 1 && is_checkpoint(inside),
-            Err(_) => complete.to_str().is_some_and(|name| OWN_FILES.contains(&name) || is_input(name)),
+        Err(_) => match (complete.strip_prefix(CHECKPOINTS), complete.strip_prefix(VTK)) {
+            (Ok(inside), _) | (_, Ok(inside)) if inside == Path::new("") => complete == path,
+            (Ok(inside), _) => inside.components().count() == 1 && is_checkpoint(inside),
+            (_, Ok(inside)) => inside.components().count() == 1 && is_vtk(inside),
+            _ => complete.to_str().is_some_and(|name| OWN_FILES.contains(&name) || is_input(name)),
         },
     }
 }
@@ -330,6 +342,12 @@ impl RunDirectory {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.shown
+    }
+
+    /// Returns the directory as it is now. It changes when the directory is published.
+    #[must_use]
+    pub fn current(&self) -> &Path {
+        self.now()
     }
 
     /// The directory as it is now.

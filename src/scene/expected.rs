@@ -12,6 +12,7 @@ use crate::particle::GrainId;
 use crate::scene::TimeStep;
 use crate::scene::check::Estimates;
 use crate::scene::load::Loaded;
+use crate::scene::outputs::Format;
 use crate::scene::view;
 use crate::values::Positive;
 use crate::writers::svg;
@@ -32,6 +33,9 @@ const PNG_BYTES: f64 = 0.1;
 /// Bytes of a grain and of its contacts in a frame of data, in the plane and in solid space, B; and of a frame without grains.
 const FRAME_BYTES: [[f64; 2]; 2] = [[45.0, 40.0], [85.0, 90.0]];
 const FRAME_HEAD_BYTES: f64 = 500.0;
+
+/// Bytes of a grain and its contacts in VTK files, and of a grain in a text, B.
+const FORMAT_BYTES: [f64; 2] = [500.0, 400.0];
 
 /// Number of lines above a picture.
 fn header_lines(loaded: &Loaded) -> usize {
@@ -143,6 +147,11 @@ fn frame_data(loaded: &Loaded, dt: f64) -> Option<Output> {
     let key = if frames.interval.is_some() { "data_frames.interval" } else { "pictures.interval" };
     let [grain, contacts] = FRAME_BYTES[loaded.scene.space.count() - 2];
     let each = grain + if frames.contacts { contacts } else { 0.0 };
+    let bytes_of = |format: &Format| match format {
+        Format::Vtk => FORMAT_BYTES[0],
+        Format::ExtXyz | Format::LammpsDump => FORMAT_BYTES[1],
+    };
+    let each = each + frames.format.iter().map(bytes_of).sum::<f64>();
     let bytes = FRAME_HEAD_BYTES + mean_shapes(loaded) * each;
     Some(Output { key: key.to_owned(), interval: interval / dt, rows: 0.0, pictures: 0.0, bytes })
 }

@@ -25,6 +25,7 @@ mod diff;
 mod divergence;
 #[cfg(unix)]
 mod docs;
+mod export;
 #[cfg(unix)]
 mod faults;
 mod feeds;

@@ -19,7 +19,7 @@ struct Case {
 }
 
 /// Friction memory, rolling resistance, Hertz's law, solid space, periodic sides, profiles and fields in mid-average, a spawner in
-/// mid-release, a sliding door, moving walls, losses, a flow field, the lattice gas.
+/// mid-release, a sliding door, moving walls, losses, a flow field, frames in all formats, the lattice gas.
 const CASES: [Case; 7] = [
     Case {
         scene: "silo1.ron",
@@ -32,7 +32,10 @@ const CASES: [Case; 7] = [
         ],
     },
     Case { scene: "silo1-literal.ron", settings: &["on_loss=Continue", "spawner.count=400", "until=21.0"] },
-    Case { scene: "couette.ron", settings: &["until=3.0"] },
+    Case {
+        scene: "couette.ron",
+        settings: &["until=3.0", "data_frames=(interval: 0.2, format: [Vtk, ExtXyz, LammpsDump])"],
+    },
     Case {
         scene: "chute3d.ron",
         settings: &[

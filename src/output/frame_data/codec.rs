@@ -44,6 +44,7 @@ struct ColumnHead {
 #[derive(Clone, Copy, Deserialize, Serialize)]
 enum Kind {
     F64,
+    I32,
     U32,
     U16,
     U8,
@@ -80,6 +81,7 @@ pub(super) fn encode_frame(frame: &Frame) -> io::Result<Vec<u8>> {
     for column in frame.tables.iter().flat_map(|table| &table.columns) {
         match &column.values {
             Values::F64(numbers) => shuffle(&mut bytes, numbers, f64::to_le_bytes),
+            Values::I32(numbers) => shuffle(&mut bytes, numbers, i32::to_le_bytes),
             Values::U32(numbers) => shuffle(&mut bytes, numbers, u32::to_le_bytes),
             Values::U16(numbers) => shuffle(&mut bytes, numbers, u16::to_le_bytes),
             Values::U8(numbers) => bytes.extend(numbers),
@@ -91,6 +93,7 @@ pub(super) fn encode_frame(frame: &Frame) -> io::Result<Vec<u8>> {
 fn column_head(column: &Column) -> ColumnHead {
     let kind = match column.values {
         Values::F64(_) => Kind::F64,
+        Values::I32(_) => Kind::I32,
         Values::U32(_) => Kind::U32,
         Values::U16(_) => Kind::U16,
         Values::U8(_) => Kind::U8,
@@ -111,6 +114,7 @@ pub(super) fn decode_frame(bytes: &[u8]) -> io::Result<Frame> {
             let count = count.ok_or_else(cut)?;
             let values = match kind {
                 Kind::F64 => Values::F64(unshuffle(&mut rest, count, f64::from_le_bytes).ok_or_else(cut)?),
+                Kind::I32 => Values::I32(unshuffle(&mut rest, count, i32::from_le_bytes).ok_or_else(cut)?),
                 Kind::U32 => Values::U32(unshuffle(&mut rest, count, u32::from_le_bytes).ok_or_else(cut)?),
                 Kind::U16 => Values::U16(unshuffle(&mut rest, count, u16::from_le_bytes).ok_or_else(cut)?),
                 Kind::U8 => Values::U8(unshuffle(&mut rest, count, u8::from_le_bytes).ok_or_else(cut)?),
@@ -165,7 +169,8 @@ mod tests {
                 rows: ids.len(),
                 columns: vec![
                     column("position", 2, Values::F64(numbers.to_vec())),
-                    column("id", 1, Values::U32(ids.to_vec())),
+                    column("id", 1, Values::I32(ids.iter().map(|id| id.cast_signed()).collect())),
+                    column("number", 1, Values::U32(ids.to_vec())),
                     column("count", 1, Values::U16(ids.iter().map(|id| 300 + u16::from(small(id))).collect())),
                     column("kind", 1, Values::U8(ids.iter().map(small).collect())),
                 ],
@@ -187,7 +192,9 @@ mod tests {
             };
             prop_assert_eq!(bits(&read), bits(&written));
             prop_assert_eq!(encode_frame(&read).unwrap(), bytes);
-            prop_assert_eq!(read.tables[0].whole("id").unwrap(), ids);
+            prop_assert!(read.tables[0].whole("number").unwrap().iter().zip(&ids).all(|(read, id)| *read == i64::from(*id)));
+            let signed = ids.iter().map(|id| i64::from(id.cast_signed()));
+            prop_assert!(read.tables[0].whole("id").unwrap().into_iter().eq(signed));
         }
 
         #[test]

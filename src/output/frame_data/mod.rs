@@ -137,10 +137,11 @@ impl Table {
 
     /// Returns the whole numbers of a column of this name; `None` if there is no such column, or it has floats.
     #[must_use]
-    pub fn whole(&self, name: &str) -> Option<Vec<u32>> {
+    pub fn whole(&self, name: &str) -> Option<Vec<i64>> {
         match &self.column(name)?.values {
             Values::F64(_) => None,
-            Values::U32(numbers) => Some(numbers.clone()),
+            Values::I32(numbers) => Some(numbers.iter().map(|&number| number.into()).collect()),
+            Values::U32(numbers) => Some(numbers.iter().map(|&number| number.into()).collect()),
             Values::U16(numbers) => Some(numbers.iter().map(|&number| number.into()).collect()),
             Values::U8(numbers) => Some(numbers.iter().map(|&number| number.into()).collect()),
         }
@@ -165,6 +166,8 @@ pub struct Column {
 pub enum Values {
     /// Doubles.
     F64(Vec<f64>),
+    /// Whole numbers of 4 bytes, with a sign.
+    I32(Vec<i32>),
     /// Whole numbers of 4 bytes.
     U32(Vec<u32>),
     /// Whole numbers of 2 bytes.

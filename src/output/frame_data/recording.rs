@@ -6,10 +6,11 @@
 //! | `contacts` | of particles: `grain`, `partner` (ids), `normal_force`, `tangential_force` (vector, on `grain`), `overlap`, `sliding` (0 or 1) |
 //! | `wall_contacts` | with wall surfaces: `grain`, `wall` (number), the same forces, and `point`, the nearest point of the wall |
 //!
-//! Rows are in ascending order of ids. The id of a wall grain is 2^31 plus its number. Forces are those of the full step, as in
+//! The id of wall grain 3 is -3. Rows are in ascending order of ids, wall grains after grains and in the order of their numbers. Forces are those of the full step, as in
 //! [`survey::view`](crate::survey::view). The pressure is that of [`pictures`](crate::output::frames).
 
 use std::marker::PhantomData;
+use std::path::Path;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -21,8 +22,9 @@ use super::{Column, FORMAT, Frame, Header, Table, Values, WallGeometry};
 use crate::ledger::Ledger;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
+use crate::output::frame_export::live::LiveFormats;
 use crate::output::frames;
-use crate::particle::{Door, Grain, Slot};
+use crate::particle::{Door, Grain, GrainId, Slot};
 use crate::scene::load::Loaded;
 use crate::scene::outputs::DataFrames;
 use crate::space::{Linear, Solid, Space};
@@ -88,7 +90,7 @@ fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds) -> Table {
     let pressure_unit = if V::COMPONENTS == 2 { "N/m" } else { "N/m^2" };
     let d = V::COMPONENTS;
     let mut columns = vec![
-        column("id", "", 1, Values::U32(rows.iter().map(|&row| id_number(store.id[row])).collect())),
+        column("id", "", 1, Values::I32(rows.iter().map(|&row| id_number(store.id[row])).collect())),
         column("kind", "", 1, bytes(&|row| kind_of[row])),
         column("species", "", 1, bytes(&|row| store.species[row].0)),
         column("radius", "m", 1, floats(&|row| store.body[row].radius)),
@@ -113,18 +115,20 @@ fn contacts<V: Space>(all: &[ContactState<V>]) -> [Table; 2] {
     // The view lists contacts with walls last.
     let end = all.iter().position(|contact| matches!(contact.with, Touched::Wall(_))).unwrap_or(all.len());
     let (between, with_walls) = all.split_at(end);
-    let partners = |contacts: &[ContactState<V>]| {
-        let number = |contact: &ContactState<V>| match contact.with {
-            Touched::Particle(id) => id_number(id),
-            Touched::Wall(number) => u32::try_from(number).unwrap_or(u32::MAX),
-        };
-        Values::U32(contacts.iter().map(number).collect())
-    };
-    let table = |name: &str, partner: &str, contacts: &[ContactState<V>]| {
+    let partners = between.iter().map(|contact| match contact.with {
+        Touched::Particle(id) => id_number(id),
+        Touched::Wall(_) => 0,
+    });
+    let walls = with_walls.iter().map(|contact| match contact.with {
+        Touched::Wall(number) => u32::try_from(number).unwrap_or(u32::MAX),
+        Touched::Particle(_) => 0,
+    });
+    let (partners, walls) = (Values::I32(partners.collect()), Values::U32(walls.collect()));
+    let table = |name: &str, partner: Column, contacts: &[ContactState<V>]| {
         let floats = |of: fn(&ContactState<V>) -> f64| Values::F64(contacts.iter().map(of).collect());
         let columns = vec![
-            column("grain", "", 1, Values::U32(contacts.iter().map(|contact| id_number(contact.grain)).collect())),
-            column(partner, "", 1, partners(contacts)),
+            column("grain", "", 1, Values::I32(contacts.iter().map(|contact| id_number(contact.grain)).collect())),
+            partner,
             column("normal_force", "N", 1, floats(|contact| contact.normal_force)),
             column("tangential_force", "N", V::COMPONENTS, vectors(contacts.iter().map(|contact| contact.friction))),
             column("overlap", "m", 1, floats(|contact| contact.overlap)),
@@ -132,10 +136,10 @@ fn contacts<V: Space>(all: &[ContactState<V>]) -> [Table; 2] {
         ];
         Table { name: name.to_owned(), rows: contacts.len(), columns }
     };
-    let mut of_walls = table("wall_contacts", "wall", with_walls);
+    let mut of_walls = table("wall_contacts", column("wall", "", 1, walls), with_walls);
     let points = vectors(with_walls.iter().map(|contact| contact.from + contact.to_partner));
     of_walls.columns.push(column("point", "m", V::COMPONENTS, points));
-    [table("contacts", "partner", between), of_walls]
+    [table("contacts", column("partner", "", 1, partners), between), of_walls]
 }
 
 fn column(name: &str, unit: &str, components: usize, values: Values) -> Column {
@@ -148,9 +152,11 @@ fn vectors<T: Linear>(all: impl Iterator<Item = T>) -> Values {
     Values::F64(all.flat_map(|v| (0..T::COUNT).map(move |axis| v.component(axis))).collect())
 }
 
-/// The number of an id in frames: unique among all particles.
-fn id_number(id: crate::particle::GrainId) -> u32 {
-    if id.is_wall() { id.number() | (1 << 31) } else { id.number() }
+/// The number of an id in frames, unique among all particles: wall grains are negative. Many programs have whole numbers of 4 bytes
+/// with a sign.
+fn id_number(id: GrainId) -> i32 {
+    let number = id.number().cast_signed();
+    if id.is_wall() { -number } else { number }
 }
 
 impl Header {
@@ -179,7 +185,7 @@ impl Header {
 pub struct FrameDataPlugin<V: Space> {
     recording: Recording,
     interval: f64,
-    file: TakenOnce<FrameFile>,
+    writer: TakenOnce<FrameDataWriter>,
     space: PhantomData<V>,
 }
 
@@ -191,20 +197,23 @@ impl<V: Space> FrameDataPlugin<V> {
     pub fn create(loaded: &Loaded, place: &RowsPlace) -> std::io::Result<Option<Self>> {
         let Some((config, interval)) = loaded.scene.data_frames() else { return Ok(None) };
         let header = Header::of::<V>(loaded, config);
-        let file = TakenOnce::new(FrameFile::at(place, &header)?);
+        let frames = FrameFile::at(place, &header)?;
+        let run = place.path.parent().unwrap_or(Path::new(""));
+        let formats = LiveFormats::open(&config.format, header.clone(), run, place.is_continued)?;
+        let writer = TakenOnce::new(FrameDataWriter::new(frames, formats));
         let domain = header.domain.map(Solid::from_array);
         let recording = Recording { config: config.clone(), domain, walls: header.walls };
-        Ok(Some(Self { recording, interval, file, space: PhantomData }))
+        Ok(Some(Self { recording, interval, writer, space: PhantomData }))
     }
 }
 
 impl<V: Space> Plugin for FrameDataPlugin<V> {
     fn build(&self, app: &mut App) {
-        let Some(file) = self.file.open() else { return };
+        let Some(writer) = self.writer.open() else { return };
         observe_every::<DataFrames>(app, self.interval);
         FrameDataWriter::persist(app);
         app.insert_resource(self.recording.clone())
-            .insert_resource(FrameDataWriter::new(file))
+            .insert_resource(writer)
             .add_systems(Step, record::<V>.in_set(ObserveStage::Write).run_if(due::<DataFrames>));
     }
 }

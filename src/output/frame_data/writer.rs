@@ -4,6 +4,7 @@
 //! The queue holds at most [`MAX_WAITING_FRAMES`], so that memory is bounded; if it is full, the run blocks. An error is reported
 //! when a later frame is added, or at the end of the run, which blocks until all frames are written.
 
+use std::path::Path;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -13,7 +14,9 @@ use bevy_ecs::prelude::*;
 use super::Frame;
 use super::file::FrameFile;
 use crate::outcome::{Failure, Outcome};
+use crate::output::frame_export::live::{LiveFormats, SavedFormats};
 use crate::persist::PersistApp as _;
+use crate::writers::frame_writer::Guard;
 
 /// Largest number of queued frames.
 pub const MAX_WAITING_FRAMES: usize = 4;
@@ -21,31 +24,56 @@ pub const MAX_WAITING_FRAMES: usize = 4;
 /// Writes the frames of a run.
 #[derive(Resource)]
 pub struct FrameDataWriter {
-    /// The file, while no thread writes to it.
-    file: Option<FrameFile>,
+    /// The files, while no thread writes to them.
+    files: Option<Files>,
     /// The thread; it starts with the first frame.
     thread: Option<WriterThread>,
 }
 
-#[derive(Debug)]
+/// `frames.bin`, and the formats of other programs that the scene wants.
+struct Files {
+    frames: FrameFile,
+    formats: LiveFormats,
+}
+
 struct WriterThread {
     queue: SyncSender<Frame>,
-    thread: JoinHandle<(FrameFile, Result<(), Failure>)>,
+    thread: JoinHandle<(Files, Result<(), Failure>)>,
 }
 
 impl FrameDataWriter {
-    /// Returns a writer that adds to a file.
+    /// Returns a writer that adds to these files.
     #[must_use]
-    pub fn new(file: FrameFile) -> Self {
-        Self { file: Some(file), thread: None }
+    pub fn new(frames: FrameFile, formats: LiveFormats) -> Self {
+        Self { files: Some(Files { frames, formats }), thread: None }
     }
 
-    /// Saves the length of the file with each checkpoint. A restored run removes all later frames.
+    /// Saves the lengths of the files with each checkpoint. A restored run removes all later frames.
     pub(crate) fn persist(app: &mut App) {
-        app.persist_part::<Self, _>(
-            |writer| writer.file.as_ref().ok_or("frames are still being written")?.saved(),
-            |writer, length| writer.file.as_mut().map_or(Ok(()), |file| file.restore(length)),
+        app.persist_part::<Self, (u64, SavedFormats)>(
+            |writer| {
+                let files = writer.files.as_ref().ok_or("frames are still being written")?;
+                let formats = files.formats.saved().map_err(|error| format!("could not sync frames: {error}"))?;
+                Ok((files.frames.saved()?, formats))
+            },
+            |writer, (length, formats)| {
+                let Some(files) = &mut writer.files else { return Ok(()) };
+                files.frames.restore(length)?;
+                files.formats.restore(&formats).map_err(|error| format!("could not remove later frames: {error}"))
+            },
         );
+    }
+
+    /// Blocks until all frames are written. Later ones go to the run directory `run`, to which the caller moves the present files.
+    ///
+    /// # Errors
+    /// If a frame could not be written.
+    pub fn continue_in(&mut self, run: &Path, guard: Guard) -> Result<(), Failure> {
+        self.close()?;
+        if let Some(files) = &mut self.files {
+            files.formats.continue_in(run, guard);
+        }
+        Ok(())
     }
 
     /// Queues a frame. If the run has ended, this is the last frame and the call blocks until all are written.
@@ -60,8 +88,8 @@ impl FrameDataWriter {
     }
 
     fn send(&mut self, frame: Frame) -> Result<(), Failure> {
-        if let Some(file) = self.file.take() {
-            self.thread = Some(WriterThread::start(file)?);
+        if let Some(files) = self.files.take() {
+            self.thread = Some(WriterThread::start(files)?);
         }
         // Sending fails only if the thread has ended with an error, which `close` returns.
         let is_sent = self.thread.as_ref().is_none_or(|thread| thread.queue.send(frame).is_ok());
@@ -75,8 +103,8 @@ impl FrameDataWriter {
     pub fn close(&mut self) -> Result<(), Failure> {
         let Some(WriterThread { queue, thread }) = self.thread.take() else { return Ok(()) };
         drop(queue);
-        let (file, result) = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
-        self.file = Some(file);
+        let (files, result) = thread.join().unwrap_or_else(|panic| std::panic::resume_unwind(panic));
+        self.files = Some(files);
         result
     }
 }
@@ -93,20 +121,23 @@ impl Drop for FrameDataWriter {
 }
 
 impl WriterThread {
-    fn start(file: FrameFile) -> Result<Self, Failure> {
+    fn start(files: Files) -> Result<Self, Failure> {
         let (queue, frames) = sync_channel(MAX_WAITING_FRAMES);
-        let name = file.name.clone();
-        let thread = std::thread::Builder::new().name("frames".to_owned()).spawn(move || write_all(file, &frames));
+        let name = files.frames.name.clone();
+        let thread = std::thread::Builder::new().name("frames".to_owned()).spawn(move || write_all(files, &frames));
         let thread = thread.map_err(|error| failed(name, &error))?;
         Ok(Self { queue, thread })
     }
 }
 
 /// Writes frames until the queue is closed.
-fn write_all(mut file: FrameFile, frames: &Receiver<Frame>) -> (FrameFile, Result<(), Failure>) {
-    let written = frames.iter().try_for_each(|frame| file.add(&frame));
-    let result = written.map_err(|error| failed(file.name.clone(), &error));
-    (file, result)
+fn write_all(mut files: Files, frames: &Receiver<Frame>) -> (Files, Result<(), Failure>) {
+    let result = frames.iter().try_for_each(|frame| {
+        let Files { frames, formats } = &mut files;
+        frames.add(&frame).map_err(|error| failed(frames.name.clone(), &error))?;
+        formats.add(&frame).map_err(|(name, error)| failed(name.to_owned(), &error))
+    });
+    (files, result)
 }
 
 fn failed(path: String, reason: &impl ToString) -> Failure {
@@ -115,6 +146,7 @@ fn failed(path: String, reason: &impl ToString) -> Failure {
 
 #[cfg(all(test, target_os = "linux"))]
 mod tests {
+    use super::super::reader::tests::header;
     use super::*;
     use crate::outcome::End;
 
@@ -122,12 +154,13 @@ mod tests {
     fn a_full_disk_ends_the_run() {
         let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
         let file = FrameFile { name: "frames.bin".to_owned(), file: full, length: 0 };
-        let (mut writer, mut outcome) = (FrameDataWriter::new(file), Outcome::default());
+        let formats = LiveFormats::open(&[], header(), Path::new(""), false).unwrap();
+        let (mut writer, mut outcome) = (FrameDataWriter::new(file, formats), Outcome::default());
         writer.add(Frame::default(), &mut outcome);
         outcome.finish(End::Empty);
         writer.add(Frame::default(), &mut outcome);
         let Some(End::Failed(Failure::Output { path, reason })) = outcome.end() else { panic!("{outcome:?}") };
         assert!(path == "frames.bin" && reason.contains("space"), "{reason}");
-        assert_eq!(writer.file.as_ref().map(|file| file.length), Some(0));
+        assert_eq!(writer.files.as_ref().map(|files| files.frames.length), Some(0));
     }
 }

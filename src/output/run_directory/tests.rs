@@ -29,13 +29,24 @@ const COMPLETE: [&str; 6] = [MARKER, FRAMES, SCENE, SERIES, STATE, SUMMARY];
 
 #[test]
 fn names_of_own_files() {
-    for own in ["scene.ron", "state.csv.part", "frames", "frames/00012.svg", "frames/123456.png.part", "summary.json"] {
+    for own in [
+        "scene.ron",
+        "state.csv.part",
+        "frames",
+        "frames/00012.svg",
+        "frames/123456.png.part",
+        "summary.json",
+        "vtk/walls-00001.vtp",
+        "vtk/grains.pvd",
+    ] {
         assert!(is_own(Path::new(own)), "{own}");
     }
     for other in [
         "notes.txt",
         "frames/film.mp4",
         "frames/1.svg",
+        "vtk/state.pvsm",
+        "vtk/grains-1.vtp",
         "frames/00001.jpg",
         "frames.part",
         "scene",

@@ -48,6 +48,16 @@ pub(super) fn data_frames(loaded: &Loaded) -> Result<(), Fault> {
             .fault("scene::missing_key", "data_frames", "a scene without pictures needs the time between frames")
             .help("give `interval`, in s, for example `data_frames: (interval: 0.1)`"));
     }
+    let formats = loaded.scene.data_frames.iter().flat_map(|frames| frames.format.iter().enumerate());
+    let mut all = formats.clone();
+    if let Some((_, format)) =
+        all.find(|(place, format)| formats.clone().any(|(other, same)| other < *place && same == *format))
+    {
+        let message = format!("`{format:?}` stands there twice");
+        return Err(loaded
+            .fault("scene::duplicate", "data_frames.format", message)
+            .help("give each of Vtk, ExtXyz and LammpsDump at most once"));
+    }
     Ok(())
 }
 

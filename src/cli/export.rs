@@ -1,0 +1,84 @@
+//! `siloflow export`: converts the frames of a run to formats of other programs.
+
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+use clap::builder::PossibleValuesParser;
+
+use crate::cli::exit_status::Verdict;
+use crate::cli::say;
+use crate::fault::Fault;
+use crate::output::frame_data::reader::FrameReader;
+use crate::output::frame_export;
+use crate::output::run_directory::{frame_data_of, scene_of};
+use crate::scene::load::{self, AnyScene};
+use crate::scene::outputs::Format;
+
+/// Arguments of `export`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+The frames of a run that goes on or was killed are exported up to the last whole one.
+
+  siloflow run scenes/silo1.ron
+  siloflow export out/silo1 --to vtk      # then open out/silo1/vtk/grains.pvd in ParaView
+  siloflow export out/silo1 --to extxyz   # then open out/silo1/frames.xyz in OVITO")]
+pub(super) struct ExportArgs {
+    /// A run directory with frames.bin: of a scene with pictures, or with `data_frames`.
+    run: PathBuf,
+    /// The format: VTK PolyData for ParaView, extended XYZ for OVITO and ASE, or a dump of LAMMPS for OVITO.
+    #[arg(long, value_name = "FORMAT", value_parser = PossibleValuesParser::new(Format::ALL.map(|(name, _)| name)))]
+    to: String,
+    /// The directory (vtk) or file to write, which must not exist. Default: vtk, frames.xyz or frames.dump in the run directory.
+    #[arg(long, value_name = "PATH")]
+    out: Option<PathBuf>,
+}
+
+pub(super) fn export(args: &ExportArgs) -> Result<Verdict, Fault> {
+    let format = Format::ALL.into_iter().find(|(name, _)| *name == args.to).map_or(Format::Vtk, |(_, format)| format);
+    let path = frame_data_of(&args.run);
+    if !path.is_file() {
+        return Err(without_frames(&args.run));
+    }
+    let target = args.out.clone().unwrap_or_else(|| args.run.join(format.file_name()));
+    if target.symlink_metadata().is_ok() {
+        return Err(Fault::new("export::exists", format!("{} exists", target.display()))
+            .help("remove it, or give another place with --out"));
+    }
+    let reader = FrameReader::open(&path).map_err(|error| {
+        Fault::new("export::read", format!("could not read {}: {error}", path.display()))
+            .help("is it a run of this version of siloflow? Else run its scene.ron again")
+    })?;
+    let header = reader.header.clone();
+    let count = frame_export::export(format, &header, reader, &target).map_err(|error| {
+        if error.kind() == ErrorKind::InvalidData {
+            return Fault::new("export::read", format!("could not read {}: {error}", path.display()))
+                .help("nothing was written; the file has been changed since the run: run its scene.ron again");
+        }
+        Fault::new("export::write", format!("could not export {} to {}: {error}", path.display(), target.display()))
+            .help("nothing was written; is there space, and may you write there? Or give another place with --out")
+    })?;
+    let shown = if format == Format::Vtk { target.join("grains.pvd") } else { target };
+    say(&format!("{}: {count} frames\n", shown.display()));
+    Ok(Verdict::Done)
+}
+
+/// The fault of a directory without frames.
+fn without_frames(run: &Path) -> Fault {
+    let shown = run.display();
+    if !run.exists() {
+        return Fault::new("export::missing", format!("there is no {shown}"))
+            .help("give a run directory such as out/silo1, which `siloflow run` makes");
+    }
+    let scene = scene_of(run);
+    if !scene.is_file() {
+        return Fault::new("export::no_run", format!("{shown} is no run directory: it has no scene.ron"))
+            .help("`siloflow run SCENE --out DIR` makes one");
+    }
+    if matches!(load::any(&scene, &[]), Ok(AnyScene::Lattice(_))) {
+        return Fault::new("export::method", format!("{shown} is a run of the lattice gas, which has no grains"))
+            .help("its particles are in state.csv and flow.csv");
+    }
+    Fault::new("export::no_frames", format!("the run in {shown} kept no frames: there is no frames.bin"))
+        .help("run its scene again with frames, for example with --set \"data_frames=(interval: 0.1)\"")
+}

@@ -1,0 +1,112 @@
+//! Frames in the formats of other programs: VTK for ParaView, extended XYZ and LAMMPS dumps for OVITO.
+//!
+//! | format | default name in a run directory | content |
+//! |---|---|---|
+//! | [`vtk`] | `vtk/` | grains as points, contacts as lines, walls as surfaces, with all columns |
+//! | [`xyz`] | `frames.xyz` | all columns of grains |
+//! | [`dump`] | `frames.dump` | all columns of grains |
+//!
+//! Every format has the columns of the table `grains`, also ones that it does not know, and [`kinetic_energy`]. Floats are written
+//! so that reading them gives the same bits.
+
+pub mod dump;
+pub mod live;
+pub mod vtk;
+pub mod vtp;
+pub mod xyz;
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use crate::output::frame_data::{Column, Frame, Header, Table, Values};
+use crate::scene::outputs::Format;
+use crate::writers::whole_file;
+
+/// Writes frames to `target`, which must not exist: all of them or none. Returns their number.
+///
+/// # Errors
+/// If a frame cannot be read, or the target cannot be written. Then there is no target.
+pub fn export(
+    format: Format,
+    header: &Header,
+    frames: impl Iterator<Item = io::Result<Frame>>,
+    target: &Path,
+) -> io::Result<usize> {
+    let mut count = 0;
+    let counted = frames.inspect(|_| count += 1);
+    match format {
+        Format::Vtk => {
+            let part = whole_file::part_of(target);
+            fs::create_dir(&part)?;
+            let mut directory = vtk::Directory::open(&part)?;
+            let mut frames = counted.into_iter();
+            let written = frames.try_for_each(|frame| directory.add(header, &frame?));
+            let written = written.and_then(|()| fs::rename(&part, target));
+            written.inspect_err(|_| {
+                let _ = fs::remove_dir_all(&part);
+            })?;
+        }
+        Format::ExtXyz | Format::LammpsDump => {
+            let text = if format == Format::ExtXyz { xyz::text } else { dump::text };
+            whole_file::write_with(target, |file| {
+                counted.into_iter().try_for_each(|frame| file.write_all(text(header, &frame?).as_bytes()))
+            })?;
+        }
+    }
+    Ok(count)
+}
+
+/// Returns the columns of the grains of a frame with their kinetic energy.
+fn grain_columns(header: &Header, frame: &Frame) -> (usize, Vec<Column>) {
+    let Some(grains) = frame.table("grains") else { return (0, Vec::new()) };
+    let mut columns = grains.columns.clone();
+    columns.extend(kinetic_energy(header, grains));
+    (grains.rows, columns)
+}
+
+/// Returns the kinetic energy of translation of each grain, J: m v^2/2.
+fn kinetic_energy(header: &Header, grains: &Table) -> Option<Column> {
+    let (mass, velocity) = (grains.floats("mass")?, grains.floats("velocity")?);
+    let squares = velocity.chunks(header.dimension.into()).map(|v| v.iter().map(|v| v * v).sum::<f64>());
+    let values = Values::F64(mass.iter().zip(squares).map(|(mass, square)| 0.5 * mass * square).collect());
+    Some(Column { name: "kinetic_energy".to_owned(), unit: "J".to_owned(), components: 1, values })
+}
+
+/// Returns a number of a column as text that reads back to the same bits.
+fn number(values: &Values, place: usize) -> String {
+    match values {
+        Values::F64(numbers) => float(numbers[place]),
+        Values::I32(numbers) => numbers[place].to_string(),
+        Values::U32(numbers) => numbers[place].to_string(),
+        Values::U16(numbers) => numbers[place].to_string(),
+        Values::U8(numbers) => numbers[place].to_string(),
+    }
+}
+
+/// The shortest decimal of a float.
+fn float(number: f64) -> String {
+    format!("{number:e}")
+}
+
+/// Returns lowest and highest corner of the box of a scene, m. A plane is as thick as its largest grain.
+fn cell(header: &Header, frame: &Frame) -> [[f64; 3]; 2] {
+    let mut ends = header.domain;
+    if header.dimension == 2 {
+        let radii = frame.table("grains").and_then(|grains| grains.floats("radius"));
+        let largest = radii.into_iter().flatten().copied().fold(0.0, f64::max);
+        (ends[0][2], ends[1][2]) = (-largest, largest);
+    }
+    ends
+}
+
+/// Returns the columns of these names, as far as they are there, and then all others.
+fn in_order(columns: Vec<Column>, names: &[&str]) -> Vec<Column> {
+    let place = |column: &Column| names.iter().position(|name| *name == column.name).unwrap_or(names.len());
+    let mut columns = columns;
+    columns.sort_by_key(place);
+    columns
+}
+
+#[cfg(test)]
+mod tests;

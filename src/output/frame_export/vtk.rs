@@ -1,0 +1,246 @@
+//! A directory for ParaView: `grains.pvd`, `contacts.pvd` and `walls.pvd`, each a list of times and of files
+//! `grains-00000.vtp` and so on.
+//!
+//! | file | geometry | columns |
+//! |---|---|---|
+//! | `grains` | a point for each particle | all columns of the frame, and `kinetic_energy` |
+//! | `contacts` | a line from the centre of the grain to that of its partner or to the wall | `grain`, `partner` (id, or number of the wall), `with_wall`, `normal_force`, `tangential_force`, `overlap`, `sliding` |
+//! | `walls` | lines and triangles | `wall`, `species`, `door` |
+//!
+//! Contacts and walls are left out if the frames do not hold them. A contact through a periodic side is a line to the nearest image
+//! of the partner.
+
+use std::collections::HashMap;
+use std::fs::{self, File};
+use std::io::{self, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
+
+use super::grain_columns;
+use super::vtp::PolyData;
+use crate::output::frame_data::{Column, Frame, Header, Table, Values};
+use crate::writers::whole_file;
+
+/// A directory of frames that grows.
+#[derive(Debug)]
+pub(super) struct Directory {
+    pub path: PathBuf,
+    /// Number of frames so far.
+    count: u64,
+    /// Lists of times: of grains, contacts and walls.
+    lists: [Option<List>; 3],
+}
+
+/// Names of the files of a frame, without their numbers.
+const NAMES: [&str; 3] = ["grains", "contacts", "walls"];
+
+impl Directory {
+    /// Starts in an empty directory, or continues in one that has frames.
+    ///
+    /// # Errors
+    /// If a list cannot be opened.
+    pub fn open(path: &Path) -> io::Result<Self> {
+        let mut lists = [None, None, None];
+        for (list, name) in lists.iter_mut().zip(NAMES) {
+            let place = list_of(path, name);
+            *list = if place.exists() { Some(List::reopen(&place)?) } else { None };
+        }
+        Ok(Self { path: path.to_owned(), count: 0, lists })
+    }
+
+    /// Adds a frame.
+    ///
+    /// # Errors
+    /// If a file cannot be written.
+    pub fn add(&mut self, header: &Header, frame: &Frame) -> io::Result<()> {
+        for ((list, name), content) in self.lists.iter_mut().zip(NAMES).zip(files(header, frame)) {
+            let Some(content) = content else { continue };
+            let file = format!("{name}-{:05}.vtp", self.count);
+            whole_file::write(&self.path.join(&file), &content.bytes())?;
+            let list = match list {
+                Some(list) => list,
+                None => list.insert(List::create(&list_of(&self.path, name))?),
+            };
+            list.add(content.time, &file)?;
+        }
+        self.count += 1;
+        Ok(())
+    }
+
+    /// Returns the number of frames, and the length of each list; 0 for one that is not there.
+    pub fn saved(&self) -> Vec<u64> {
+        let lengths = self.lists.iter().map(|list| list.as_ref().map_or(0, |list| list.length));
+        std::iter::once(self.count).chain(lengths).collect()
+    }
+
+    /// Removes all frames beyond those of [`Directory::saved`].
+    ///
+    /// # Errors
+    /// If a file cannot be changed.
+    pub fn restore(&mut self, saved: &[u64]) -> io::Result<()> {
+        let Some((&count, lengths)) = saved.split_first() else { return Ok(()) };
+        self.count = count;
+        for ((list, name), &length) in self.lists.iter_mut().zip(NAMES).zip(lengths) {
+            match list {
+                Some(list) if length > 0 => list.cut(length)?,
+                _ => {
+                    *list = None;
+                    whole_file::remove_if_there(&list_of(&self.path, name))?;
+                }
+            }
+        }
+        for entry in fs::read_dir(&self.path)? {
+            let path = entry?.path();
+            let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+            let number = stem.rsplit_once('-').and_then(|(_, number)| number.parse::<u64>().ok());
+            if number.is_some_and(|number| number >= count) {
+                whole_file::remove_if_there(&path)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn list_of(directory: &Path, name: &str) -> PathBuf {
+    directory.join(format!("{name}.pvd"))
+}
+
+/// A list of times and files.
+#[derive(Debug)]
+struct List {
+    file: File,
+    /// Bytes before the end of the list.
+    length: u64,
+}
+
+const LIST_START: &str = "<?xml version=\"1.0\"?>\n\
+    <VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n";
+const LIST_END: &str = "</Collection>\n</VTKFile>\n";
+
+impl List {
+    fn create(path: &Path) -> io::Result<Self> {
+        let mut list = Self { file: File::create_new(path)?, length: 0 };
+        list.write(LIST_START)?;
+        Ok(list)
+    }
+
+    fn reopen(path: &Path) -> io::Result<Self> {
+        let file = File::options().write(true).open(path)?;
+        let length = file.metadata()?.len().saturating_sub(LIST_END.len() as u64);
+        Ok(Self { file, length })
+    }
+
+    fn add(&mut self, time: f64, name: &str) -> io::Result<()> {
+        self.write(&format!("<DataSet timestep=\"{time:e}\" file=\"{name}\"/>\n"))
+    }
+
+    /// Writes a row over the end of the list, and the end behind it.
+    fn write(&mut self, row: &str) -> io::Result<()> {
+        self.file.seek(SeekFrom::Start(self.length))?;
+        self.file.write_all(format!("{row}{LIST_END}").as_bytes())?;
+        self.length += row.len() as u64;
+        Ok(())
+    }
+
+    fn cut(&mut self, length: u64) -> io::Result<()> {
+        self.length = length;
+        self.write("")?;
+        self.file.set_len(length + LIST_END.len() as u64)
+    }
+}
+
+/// Returns the files of a frame, in the order of [`NAMES`]; `None` where the frames do not hold such data.
+fn files(header: &Header, frame: &Frame) -> [Option<PolyData>; 3] {
+    let walls = (!header.walls.is_empty()).then(|| walls(header, frame));
+    [Some(grains(header, frame)), contacts(header, frame), walls]
+}
+
+fn grains(header: &Header, frame: &Frame) -> PolyData {
+    let (_, mut columns) = grain_columns(header, frame);
+    columns.retain(|column| column.name != "position");
+    let points = frame.table("grains").map_or(Vec::new(), |grains| points(grains, "position", header));
+    PolyData { time: frame.time, points, point_data: columns, verts: true, ..PolyData::default() }
+}
+
+/// Returns a column of vectors, padded to three components.
+fn points(table: &Table, name: &str, header: &Header) -> Vec<[f64; 3]> {
+    let padded = |x: &[f64]| [x[0], x[1], x.get(2).copied().unwrap_or(0.0)];
+    table.floats(name).unwrap_or_default().chunks_exact(header.dimension.into()).map(padded).collect()
+}
+
+fn contacts(header: &Header, frame: &Frame) -> Option<PolyData> {
+    let (grains, between, walls) = (frame.table("grains")?, frame.table("contacts")?, frame.table("wall_contacts")?);
+    let (ids, places) = (grains.whole("id")?, points(grains, "position", header));
+    let place_of: HashMap<i64, [f64; 3]> = ids.into_iter().zip(places).collect();
+    let place_of = |id: &i64| place_of.get(id).copied().unwrap_or([f64::NAN; 3]);
+    let [first, second] = [between.whole("grain")?, between.whole("partner")?];
+    let pairs = first.iter().zip(&second).flat_map(|(grain, partner)| {
+        let from = place_of(grain);
+        [from, nearest_image(header, from, place_of(partner))]
+    });
+    let of_walls = walls.whole("grain")?;
+    let wall_points = points(walls, "point", header);
+    let to_walls = of_walls.iter().zip(&wall_points).flat_map(|(grain, &point)| [place_of(grain), point]);
+    let ends: Vec<_> = pairs.chain(to_walls).collect();
+    let count = u32::try_from(ends.len() / 2).unwrap_or(u32::MAX);
+    let with_wall = [vec![0; between.rows], vec![1; walls.rows]].concat();
+    let mut columns = vec![
+        column("grain", whole([first, of_walls].concat())),
+        column("partner", whole([second, walls.whole("wall")?].concat())),
+        column("with_wall", Values::U8(with_wall)),
+    ];
+    // The columns that both tables have.
+    for one in between.columns.iter().skip(2) {
+        let joined = match (&one.values, walls.column(&one.name).map(|other| &other.values)) {
+            (Values::F64(a), Some(Values::F64(b))) => Values::F64([&a[..], b].concat()),
+            (Values::I32(a), Some(Values::I32(b))) => Values::I32([&a[..], b].concat()),
+            (Values::U32(a), Some(Values::U32(b))) => Values::U32([&a[..], b].concat()),
+            (Values::U16(a), Some(Values::U16(b))) => Values::U16([&a[..], b].concat()),
+            (Values::U8(a), Some(Values::U8(b))) => Values::U8([&a[..], b].concat()),
+            _ => continue,
+        };
+        columns.push(Column { values: joined, ..one.clone() });
+    }
+    let lines = (0..count).map(|line| [2 * line, 2 * line + 1]).collect();
+    Some(PolyData { time: frame.time, points: ends, lines, cell_data: columns, ..PolyData::default() })
+}
+
+fn whole(numbers: Vec<i64>) -> Values {
+    Values::I32(numbers.into_iter().map(|number| i32::try_from(number).unwrap_or(i32::MAX)).collect())
+}
+
+/// Returns the image of `to` through periodic sides that is nearest to `from`.
+fn nearest_image(header: &Header, from: [f64; 3], to: [f64; 3]) -> [f64; 3] {
+    std::array::from_fn(|axis| match header.periodic[axis] {
+        Some((low, high)) => {
+            let length = high - low;
+            to[axis] - length * ((to[axis] - from[axis]) / length).round()
+        }
+        None => to[axis],
+    })
+}
+
+fn walls(header: &Header, frame: &Frame) -> PolyData {
+    let walls = frame.walls(header);
+    let mut data = PolyData { time: frame.time, ..PolyData::default() };
+    // The columns of lines come before those of triangles.
+    let (mut of_lines, mut of_triangles) = (Vec::new(), Vec::new());
+    for wall in walls {
+        let first = u32::try_from(data.points.len()).unwrap_or(u32::MAX);
+        data.points.extend(&wall.points);
+        data.lines.extend(wall.lines.iter().map(|line| line.map(|place| first + place)));
+        data.triangles.extend(wall.triangles.iter().map(|triangle| triangle.map(|place| first + place)));
+        of_lines.extend(wall.lines.iter().map(|_| wall));
+        of_triangles.extend(wall.triangles.iter().map(|_| wall));
+    }
+    of_lines.extend(of_triangles);
+    data.cell_data = vec![
+        column("wall", Values::U32(of_lines.iter().map(|wall| wall.number).collect())),
+        column("species", Values::U8(of_lines.iter().map(|wall| wall.species).collect())),
+        column("door", Values::U8(of_lines.iter().map(|wall| wall.is_door.into()).collect())),
+    ];
+    data
+}
+
+fn column(name: &str, values: Values) -> Column {
+    Column { name: name.to_owned(), unit: String::new(), components: 1, values }
+}

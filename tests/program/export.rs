@@ -1,0 +1,103 @@
+//! `siloflow export`: what it writes, what is written during a run, and what it refuses. `tests/readback` reads the files with the
+//! programs that they are meant for.
+
+use std::fs;
+use std::path::Path;
+
+use crate::command_line::{siloflow, text};
+use crate::run_directory::content;
+
+const FORMATS: [(&str, &str); 3] = [("vtk", "vtk"), ("extxyz", "frames.xyz"), ("dump", "frames.dump")];
+
+/// Runs a scene with settings into `run`.
+fn run(here: &Path, scene: &str, settings: &[&str]) {
+    let set: Vec<_> = settings.iter().flat_map(|setting| ["--set", setting]).collect();
+    let path = crate::scene(scene).display().to_string();
+    let output = siloflow(here, &[&["run", &path, "--quiet", "--force", "--out", "run"], &set[..]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+}
+
+/// Returns names and contents of a file, or of the files of a directory.
+fn files(path: &Path) -> Vec<(String, Vec<u8>)> {
+    let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
+    if path.is_file() {
+        return vec![(String::new(), fs::read(path).unwrap())];
+    }
+    content(path).into_iter().map(|(path, bytes)| (name(&path), bytes)).collect()
+}
+
+#[test]
+fn a_run_writes_the_same_files_as_a_later_export() {
+    let here = tempfile::tempdir().unwrap();
+    let formats = "data_frames=(interval: 0.02, format: [Vtk, ExtXyz, LammpsDump])";
+    for (scene, until) in [("couette.ron", "until=0.05"), ("chute3d.ron", "until=0.05"), ("silo3d.ron", "until=0.001")]
+    {
+        run(here.path(), scene, &[formats, until]);
+        for (format, name) in FORMATS {
+            let other = format!("{scene}-{name}");
+            let output = siloflow(here.path(), &["export", "run", "--to", format, "--out", &other]);
+            assert!(output.status.success(), "{}", text(&output.stderr));
+            let frames = if scene == "silo3d.ron" { 2 } else { 4 };
+            let said = text(&output.stdout);
+            assert!(said.contains(&other) && said.contains(&format!(": {frames} frames")), "{said}");
+            let [during, later] =
+                [here.path().join("run").join(name), here.path().join(other)].map(|path| files(&path));
+            assert!(!later.is_empty() && during == later, "{scene} {format}");
+            if format == "vtk" {
+                // Three lists, and three files for each frame; the shear cell has no wall surface.
+                let kinds = if scene == "silo3d.ron" { 3 } else { 2 };
+                assert_eq!(later.len(), kinds * (1 + frames), "{scene}");
+            }
+        }
+    }
+    // A replaced run takes its files along.
+    run(here.path(), "couette.ron", &["until=0.01", "data_frames=None"]);
+    assert!(FORMATS.iter().all(|(_, name)| !here.path().join("run").join(name).exists()));
+}
+
+#[test]
+fn a_run_that_was_killed_is_exported_up_to_its_last_whole_frame() {
+    let here = tempfile::tempdir().unwrap();
+    run(here.path(), "couette.ron", &["until=0.05", "data_frames=(interval: 0.01)"]);
+    let path = here.path().join("run/frames.bin");
+    let whole = fs::read(&path).unwrap();
+    fs::write(&path, &whole[..whole.len() - 1]).unwrap();
+    let output = siloflow(here.path(), &["export", "run", "--to", "extxyz"]);
+    assert!(output.status.success() && text(&output.stdout).contains(": 5 frames"), "{output:?}");
+    // A frame in the middle that has changed is no end.
+    let mut wrong = whole.clone();
+    wrong[whole.len() / 2] ^= 1;
+    fs::write(&path, wrong).unwrap();
+    let output = siloflow(here.path(), &["export", "run", "--to", "dump"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("export::read"), "{}", text(&output.stderr));
+    assert!(!here.path().join("run/frames.dump").exists());
+}
+
+#[test]
+fn what_cannot_be_exported_is_refused_with_a_remedy() {
+    let here = tempfile::tempdir().unwrap();
+    run(here.path(), "free-fall.ron", &["data_frames=(interval: 0.1)"]);
+    let assert_refused = |arguments: &[&str], words: &[&str]| {
+        let before = content(here.path());
+        let output = siloflow(here.path(), &[&["export"], arguments].concat());
+        let said = text(&output.stderr).split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(words.iter().all(|word| said.contains(word)), "{words:?}: {said}");
+        assert_eq!(content(here.path()), before);
+    };
+    assert_refused(&["nowhere", "--to", "vtk"], &["there is no nowhere", "siloflow run"]);
+    assert_refused(&[".", "--to", "vtk"], &["no run directory"]);
+    assert_refused(&["run", "--to", "povray"], &["povray", "vtk", "extxyz", "dump"]);
+    assert_refused(&["run"], &["--to"]);
+    fs::write(here.path().join("taken"), "mine").unwrap();
+    assert_refused(&["run", "--to", "extxyz", "--out", "taken"], &["taken exists", "--out"]);
+    assert_refused(&["run", "--to", "vtk", "--out", "a/b/c"], &["could not export", "--out"]);
+    let frames = here.path().join("run/frames.bin");
+    fs::write(&frames, "nothing").unwrap();
+    assert_refused(&["run", "--to", "vtk"], &["it is no file of frames"]);
+    fs::remove_file(&frames).unwrap();
+    assert_refused(&["run", "--to", "vtk"], &["kept no frames", "data_frames=(interval: 0.1)"]);
+    run(here.path(), "funnel-flow.ron", &["until=5"]);
+    assert_refused(&["run", "--to", "vtk"], &["lattice gas"]);
+}
