@@ -140,7 +140,7 @@ fn watch_paths<V: Space>(
         match fate {
             Fate::Out => {
                 *state = GrainState::Out;
-                out.write(GrainOut { id, position: here });
+                out.write(GrainOut { id, position: here, mass: particles.mass(row), species: particles.species(row) });
             }
             Fate::Lost(way) => {
                 *state = GrainState::Lost;

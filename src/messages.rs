@@ -7,7 +7,7 @@ use std::marker::PhantomData;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
-use crate::particle::GrainId;
+use crate::particle::{GrainId, Species};
 use crate::space::{Plane, Space};
 
 /// A grain entered.
@@ -24,6 +24,10 @@ pub struct GrainOut<V: Space = Plane> {
     pub id: GrainId,
     /// Its position at the end of that step, m.
     pub position: V,
+    /// Its mass, kg.
+    pub mass: f64,
+    /// Its species.
+    pub species: Species,
 }
 
 /// A grain left the silo in any other way.

@@ -152,6 +152,10 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
     for field in &scene.fields {
         let _ = write!(text, "\n  a field in fields.csv, sampled every {} s", field.sample.get());
     }
+    if let Some(outflow) = scene.outflow {
+        let (from, to) = (outflow.from.get(), outflow.to.get());
+        let _ = write!(text, "\n  figures of the outflow from {from} to {to} s in summary.json");
+    }
     if let Some(flow) = scene.flow {
         let (from, to) = (100.0 * flow.from.get(), 100.0 * flow.to.get());
         let _ = write!(

@@ -20,6 +20,7 @@ use crate::output::flow::FlowPlugin;
 use crate::output::frame_data::recording::FrameDataPlugin;
 use crate::output::frames::{FrameRenderer, FramesPlugin};
 use crate::output::losses::LossesPlugin;
+use crate::output::outflow::OutflowPlugin;
 use crate::output::parent::ParentPlugin;
 use crate::output::profiles::ProfilesPlugin;
 use crate::output::run_directory::RunDirectory;
@@ -129,6 +130,9 @@ fn build_in<V: Space>(
         }
         if let Some(fields) = outputs.fields {
             app.add("fields", fields);
+        }
+        if let Some(window) = loaded.scene.outflow {
+            app.add("outflow", OutflowPlugin::<V> { window, species: loaded.largest_species(), space: PhantomData });
         }
         if let Some(flow) = outputs.flow {
             app.add("flow", flow);
@@ -240,6 +244,13 @@ fn words(summary: &Summary) -> String {
     }
     if let Some(flow) = summary.discharge {
         line("discharge", format!("{:.2} s, {:.1} grains/s from 10 to 90 % out", flow.duration_s, flow.rate_per_s));
+    }
+    if let Some(outflow) = &summary.outflow
+        && let (Some(number), Some(mass)) = (outflow.rate_per_s, outflow.rate_kg_per_s)
+    {
+        let (from, to) = (outflow.from_s, outflow.to_s);
+        let value = format!("{:.1} grains/s, {:.4} kg/s from {from:.2} to {to:.2} s", number.mean, mass.mean);
+        line("outflow", value);
     }
     line("overlap", format!("largest {:.4} of the radius", summary.max_overlap_ratio));
     if let Energy { flows: Some(flows), balance_error: Some(error), .. } = &summary.energy {

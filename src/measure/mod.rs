@@ -8,6 +8,7 @@ pub mod bed;
 pub mod discharge;
 pub mod fields;
 pub mod flow;
+pub mod outflow;
 pub mod profile;
 pub mod totals;
 

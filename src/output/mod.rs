@@ -8,6 +8,7 @@ pub mod frame_data;
 pub mod frame_export;
 pub mod frames;
 pub mod losses;
+pub mod outflow;
 pub mod parent;
 pub mod profiles;
 pub mod run_directory;

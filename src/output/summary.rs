@@ -20,12 +20,13 @@ use crate::integrate::Integrator;
 use crate::ledger::{Ledger, LossRecord};
 use crate::measure::bed::BedFigures;
 use crate::measure::discharge::Discharge;
+use crate::measure::outflow::OutflowFigures;
 use crate::measure::totals;
 use crate::neighbours::Rebuilds;
 use crate::outcome::End;
 use crate::output::losses::IN_SUMMARY;
 use crate::output::parent::Parent;
-use crate::output::state_hash;
+use crate::output::{outflow, state_hash};
 use crate::persist::CheckpointFigures;
 use crate::rest::RestDetector;
 use crate::scene::load::Loaded;
@@ -73,6 +74,9 @@ pub struct Summary {
     pub bed: Option<BedFigures>,
     /// Flow through the orifice.
     pub discharge: Option<Discharge>,
+    /// Figures of the discharge in the window `outflow`. The key is absent if the scene has none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub outflow: Option<OutflowFigures>,
     /// Figures of each feed. The key is absent if the scene has no feed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub feed: Option<FeedFigures>,
@@ -235,6 +239,7 @@ impl Summary {
             coordination: totals.coordination,
             bed: world.get_resource().copied(),
             discharge: Discharge::of(ledger),
+            outflow: outflow::figures(world),
             feed: world.get_resource().cloned(),
             releases: world.get_resource().copied(),
             energy: Energy {

@@ -31,6 +31,7 @@ use crate::ledger::{Cull, OnLoss};
 use crate::measure::bed::Bed;
 use crate::measure::fields::Field;
 use crate::measure::flow::Flow;
+use crate::measure::outflow::Outflow;
 use crate::measure::profile::Profile;
 use crate::neighbours::Neighbours;
 use crate::periodic::PeriodicSides;
@@ -133,6 +134,8 @@ pub struct Scene {
     pub fields: Vec<Field>,
     /// A field of mean velocity.
     pub flow: Option<Flow>,
+    /// Figures of the discharge over a window of time.
+    pub outflow: Option<Outflow>,
     /// The rows of `series.csv`.
     #[serde(default)]
     pub series: Series,

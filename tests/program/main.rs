@@ -39,6 +39,7 @@ mod hostile;
 mod instructions;
 mod lattice;
 mod long_runs;
+mod outflow;
 mod parameters;
 mod periodic;
 mod pins;

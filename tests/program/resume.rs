@@ -19,7 +19,7 @@ struct Case {
 }
 
 /// Friction memory, rolling resistance, Hertz's law, solid space, periodic sides, profiles and fields in mid-average, a spawner in
-/// mid-release, a sliding door, moving walls, losses, a flow field, frames in all formats, the lattice gas.
+/// mid-release, a sliding door, moving walls, losses, a flow field, figures of the outflow, frames in all formats, the lattice gas.
 const CASES: [Case; 7] = [
     Case {
         scene: "silo1.ron",
@@ -28,6 +28,7 @@ const CASES: [Case; 7] = [
             "until=12.0",
             "door.how=Slide(0.05)",
             "flow=(cell: 0.1, sample: 0.01)",
+            "outflow=(from: 2.0, to: 11.0, mass_flow: (axis: (0.0, 0.0), low: 0.0, high: 1.0, centre: 0.1, wall: 0.3))",
             "pictures=(interval: 0.5, width: 100, png: true)",
         ],
     },

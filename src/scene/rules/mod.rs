@@ -3,6 +3,7 @@
 mod contacts;
 mod fields;
 mod grains;
+mod outflow;
 mod outputs;
 mod space;
 mod stop;
@@ -43,6 +44,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     profiles(loaded)?;
     outputs::bins(loaded)?;
     fields::fields(loaded)?;
+    outflow::outflow(loaded)?;
     flow(loaded)?;
     view_and_bed(loaded)?;
     outputs::pictures(loaded)?;

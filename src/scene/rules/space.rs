@@ -92,6 +92,9 @@ fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
         }
         add(key, &[("velocity", Some(feed.velocity)), ("agitation", feed.agitation)]);
     }
+    if let Some(zones) = scene.outflow.and_then(|outflow| outflow.mass_flow) {
+        add("outflow.mass_flow.".to_owned(), &[("axis", Some(zones.axis))]);
+    }
     for (index, fill) in scene.fill.iter().enumerate() {
         let corners = [("low", Some(fill.low)), ("high", Some(fill.high))];
         add(format!("fill[{index}]."), &corners);

@@ -1,0 +1,102 @@
+//! Observes the grains that leave, for the figures [`outflow`](crate::measure::outflow) of `summary.json`.
+
+use std::collections::BTreeMap;
+use std::marker::PhantomData;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::ledger::GrainsAccounted;
+use crate::measure::ObserveStage;
+use crate::measure::outflow::{Outflow, OutflowFigures, OutflowSums, SAMPLES};
+use crate::messages::{GrainOut, GrainReleased};
+use crate::particle::GrainId;
+use crate::particles::Motion;
+use crate::persist::PersistApp as _;
+use crate::space::Space;
+use crate::step::{Clock, Phase, Step};
+use crate::store::register_predictable;
+
+/// The window of the scene.
+#[derive(Resource)]
+pub(crate) struct OutflowWindow(Outflow);
+
+/// What has been observed.
+#[derive(Resource, Deserialize, Serialize)]
+pub(crate) struct OutflowState {
+    sums: OutflowSums,
+    /// Times at which the grains that are inside entered, s. Grains of the start have no entry: they entered at 0.
+    entered: BTreeMap<GrainId, f64>,
+}
+
+/// Returns the figures of a world, if its scene asks for them.
+pub(crate) fn figures(world: &World) -> Option<OutflowFigures> {
+    let (window, state) = (world.get_resource::<OutflowWindow>()?, world.get_resource::<OutflowState>()?);
+    Some(state.sums.figures(&window.0, world.resource::<Clock>().time()))
+}
+
+fn observe<V: Space>(
+    (clock, window): (Res<Clock>, Res<OutflowWindow>),
+    mut released: MessageReader<GrainReleased>,
+    mut out: MessageReader<GrainOut<V>>,
+    mut state: ResMut<OutflowState>,
+) {
+    let (now, OutflowState { sums, entered }) = (clock.time(), &mut *state);
+    if now > 0.0 {
+        entered.extend(released.read().map(|grain| (grain.id, now)));
+    } else {
+        released.clear();
+    }
+    // Grains that leave in the same step are added in the order of their ids, independent of ECS tables.
+    let mut out: Vec<_> = out.read().collect();
+    out.sort_unstable_by_key(|grain| grain.id);
+    for grain in out {
+        let stay = now - entered.remove(&grain.id).unwrap_or(0.0);
+        sums.add_grain(&window.0, now, (grain.species.0.into(), grain.mass), stay);
+    }
+}
+
+/// Run condition: a sample of velocities is due.
+fn sample_is_due(clock: Res<Clock>, window: Res<OutflowWindow>, state: Res<OutflowState>) -> bool {
+    let (from, to) = (window.0.from.get(), window.0.to.get());
+    let samples = u32::try_from(state.sums.samples()).unwrap_or(u32::MAX);
+    window.0.mass_flow.is_some()
+        && samples < SAMPLES
+        && clock.has_reached(from + (to - from) * f64::from(samples) / f64::from(SAMPLES))
+}
+
+fn sample<V: Space>(window: Res<OutflowWindow>, motion: Motion<V>, mut state: ResMut<OutflowState>) {
+    let Some(zones) = window.0.mass_flow else { return };
+    for grain in motion.grains() {
+        if let Some(zone) = zones.zone(motion.position(grain)) {
+            state.sums.add_velocity(zone, motion.mass(grain), -motion.velocity(grain).height());
+        }
+    }
+    state.sums.end_sample();
+}
+
+/// Observes the outflow of a scene.
+pub struct OutflowPlugin<V: Space> {
+    /// The scene key.
+    pub window: Outflow,
+    /// Largest species of the scene.
+    pub species: usize,
+    /// The space.
+    pub space: PhantomData<V>,
+}
+
+impl<V: Space> Plugin for OutflowPlugin<V> {
+    fn build(&self, app: &mut App) {
+        let state = OutflowState { sums: OutflowSums::new(self.species), entered: BTreeMap::new() };
+        app.insert_resource(OutflowWindow(self.window)).insert_resource(state).persist::<OutflowState>();
+        register_predictable(app, sample_is_due, sample_is_due);
+        app.add_systems(
+            Step,
+            (
+                observe::<V>.in_set(Phase::Cull).after(GrainsAccounted),
+                sample::<V>.in_set(ObserveStage::Measure).run_if(sample_is_due),
+            ),
+        );
+    }
+}
