@@ -68,7 +68,13 @@ fn figures_of_a_steady_column_are_those_of_its_grains() {
     assert!((number("/segregation_index") - 1.0).abs() < 1e-12, "{figures}");
     assert!((number("/mass_flow_index/value") - 0.25).abs() < 1e-12, "{figures}");
     assert!(number("/mass_flow_index/error") < 1e-12, "{figures}");
-    // With `until` in the middle of the window only complete blocks count.
+    let schema = fs::read_to_string(crate::root().join("docs/reference/summary.schema.json")).unwrap();
+    let schema: serde_json::Value = serde_json::from_str(&schema).unwrap();
+    let known = &schema["properties"]["outflow"];
+    let keys: std::collections::BTreeSet<_> = figures.as_object().unwrap().keys().collect();
+    assert_eq!(keys, known["properties"].as_object().unwrap().keys().collect());
+    assert!(known["required"].as_array().unwrap().iter().all(|key| figures.get(key.as_str().unwrap()).is_some()));
+    // If the run ends in the middle of the window, only complete blocks count.
     let short = run(&["run", "a.ron", "--out", "short", "--quiet", "--set", "stop=[Out(20)]"]);
     assert!(short.status.success(), "{}", text(&short.stderr));
     let summary = fs::read_to_string(here.path().join("short/summary.json")).unwrap();
