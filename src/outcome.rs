@@ -19,6 +19,15 @@ pub enum End {
         /// The scene's `still`, s.
         still_s: f64,
     },
+    /// The door is open, no grain has left for a time, and grains are above the outlet.
+    Clogged {
+        /// The scene's `still`, s.
+        still_s: f64,
+        /// Number of grains above the outlet.
+        above: u32,
+        /// Number of grains that have left since the door began to open.
+        avalanche: u32,
+    },
     /// A number of grains have left.
     OutReached {
         /// The number that the scene asked for.
@@ -202,6 +211,7 @@ impl End {
             Self::Empty => "empty",
             Self::AtRest => "at_rest",
             Self::FlowEnded { .. } => "end_of_flow",
+            Self::Clogged { .. } => "clogged",
             Self::OutReached { .. } => "out_reached",
             Self::TimeReached => "time_reached",
             Self::Interrupted => "interrupted",

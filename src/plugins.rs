@@ -33,7 +33,8 @@ use crate::scene::check::Estimates;
 use crate::scene::load::Loaded;
 use crate::space::{Solid, Space};
 use crate::step::{ForceStage, Step, StepPlugin};
-use crate::stop::StopPlugin;
+use crate::stop::clog::ClogPlugin;
+use crate::stop::{StopCondition, StopPlugin};
 use crate::store::{StorePlugin, clear_forces};
 use crate::table_sort::TableSortPlugin;
 use crate::walls::config::Wall;
@@ -67,6 +68,14 @@ pub(crate) fn add_all<V: Space>(
         .add("always", FinitePlugin(space))
         .add("always", LedgerPlugin(scene.on_loss, space));
     let conditions = scene.stop_conditions();
+    // If several clogs are asked for, the first to hold is the one of the shortest time.
+    let clogs = conditions.iter().filter_map(|condition| match condition {
+        StopCondition::Clogged { still } => Some(still.get()),
+        _ => None,
+    });
+    if let Some(still) = clogs.reduce(f64::min) {
+        app.add("stop", ClogPlugin { still, boxes: loaded.outlets(), space });
+    }
     if !conditions.is_empty() {
         app.add(if scene.stop.is_empty() { "rest.stop" } else { "stop" }, StopPlugin(conditions));
     }

@@ -4,11 +4,14 @@
 //! |---|---|
 //! | `AtRest` | the bed is at rest: [`crate::rest`] |
 //! | `EndOfFlow(still: s)` | `still` seconds have passed since the door began to open and since the last grain left through it |
+//! | `Clogged(still: s)` | the same, while grains are above the outlet: [`clog`] |
 //! | `Out(n)` | `n` grains have left through a door |
 //!
 //! `EndOfFlow` finds the end of a discharge that leaves grains inside: a flat bottom keeps dead zones, and an arch may block the orifice.
 //! `still` must be longer than the pauses of the flow, or the run ends in a pause. An empty silo, a failure and `until` end a run
 //! without any condition.
+
+pub mod clog;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -31,6 +34,11 @@ pub enum StopCondition {
         /// Time since the last grain left, or since the door began to open, s.
         still: Positive,
     },
+    /// No grain has left for a time, the door is open, and grains are above the outlet. The scene needs a `door` that opens.
+    Clogged {
+        /// Time since the last grain left, or since the door began to open, s.
+        still: Positive,
+    },
     /// This number of grains have left through a door.
     Out(u32),
 }
@@ -39,6 +47,13 @@ pub enum StopCondition {
 #[derive(Resource)]
 struct FlowConditions(Vec<StopCondition>);
 
+/// Whether the door is open, and for `still` (s) no grain has left and the door has not begun to open.
+fn is_still(clock: &Clock, ledger: &Ledger, door: Option<&DoorState>, still: f64) -> bool {
+    let last_out = ledger.departures.ends().map(|(_, last)| last);
+    let open = door.and_then(|door| door.open_time);
+    open.is_some_and(|open| clock.has_reached(last_out.map_or(open, |last| last.max(open)) + still))
+}
+
 /// Ends the run when a condition on the outflow holds.
 fn end_by_flow(
     clock: Res<Clock>,
@@ -46,19 +61,13 @@ fn end_by_flow(
     door: Option<Res<DoorState>>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let last_out = ledger.departures.ends().map(|(_, last)| last);
-    let open = door.and_then(|door| door.open_time);
     for condition in &conditions.0 {
         match *condition {
-            StopCondition::EndOfFlow { still } => {
-                if open
-                    .is_some_and(|open| clock.has_reached(last_out.map_or(open, |last| last.max(open)) + still.get()))
-                {
-                    outcome.finish(End::FlowEnded { still_s: still.get() });
-                }
+            StopCondition::EndOfFlow { still } if is_still(&clock, &ledger, door.as_deref(), still.get()) => {
+                outcome.finish(End::FlowEnded { still_s: still.get() });
             }
             StopCondition::Out(count) if ledger.out() >= count => outcome.finish(End::OutReached { count }),
-            StopCondition::AtRest | StopCondition::Out(_) => {}
+            _ => {}
         }
     }
 }

@@ -47,7 +47,7 @@ pub struct Summary {
     /// Values of the scene's parameters. The key is absent if the scene has none.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     pub parameters: BTreeMap<String, f64>,
-    /// `empty`, `at_rest`, `end_of_flow`, `out_reached` or `time_reached` if the run succeeded; `interrupted` by a signal; `grains_lost` or `failed` if
+    /// `empty`, `at_rest`, `end_of_flow`, `clogged`, `out_reached` or `time_reached` if the run succeeded; `interrupted` by a signal; `grains_lost` or `failed` if
     /// not.
     pub status: &'static str,
     /// Reason of a failure.
@@ -60,6 +60,9 @@ pub struct Summary {
     pub grains: Grains,
     /// The condition of the scene's `stop` that ended the run, in words.
     pub stop: Option<String>,
+    /// The clog that ended the run. The key is absent if none did.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub clog: Option<Clog>,
     /// Time at which the bed came to rest, s.
     pub rest_time_s: Option<f64>,
     /// Time at which the door began to open, s.
@@ -109,6 +112,15 @@ pub struct Grains {
     pub out: u32,
     /// Grains that left in any other way.
     pub lost: u32,
+}
+
+/// A clog.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Clog {
+    /// Grains above the outlet.
+    pub grains_above: u32,
+    /// Grains that left between the opening of the door and the clog.
+    pub avalanche_grains: u32,
 }
 
 /// The energy balance, J.
@@ -180,6 +192,9 @@ fn stop_in_words(loaded: &Loaded, end: &End) -> Option<String> {
     match end {
         End::AtRest => Some("the bed is at rest".to_owned()),
         End::FlowEnded { still_s } => Some(format!("no grain has left for {still_s} s")),
+        End::Clogged { still_s, above, .. } => {
+            Some(format!("the outlet is clogged: no grain has left for {still_s} s, and {above} are above it"))
+        }
         End::OutReached { count } => Some(format!("{count} grains have left")),
         _ => None,
     }
@@ -232,6 +247,12 @@ impl Summary {
                 lost: ledger.lost(),
             },
             stop: stop_in_words(loaded, end),
+            clog: match *end {
+                End::Clogged { above, avalanche, .. } => {
+                    Some(Clog { grains_above: above, avalanche_grains: avalanche })
+                }
+                _ => None,
+            },
             rest_time_s: world.get_resource::<RestDetector>().and_then(|rest| rest.rest_time),
             door_open_time_s: world.get_resource::<DoorState>().and_then(|door| door.open_time),
             empty_time_s: world.resource::<EmptyTime>().0,

@@ -421,6 +421,18 @@ impl Loaded {
         !self.silo.door.is_empty() || self.has_door_surface()
     }
 
+    /// The boxes around the doors, m: that of the door discs of the silo file, and those of walls; z is 0 in the plane.
+    #[must_use]
+    pub fn outlets(&self) -> Vec<[Solid; 2]> {
+        let discs = self.silo.door.iter().map(|disc| {
+            let (centre, reach) = (disc.centre.extend(0.0), Solid::splat(disc.radius));
+            [centre - reach, centre + reach]
+        });
+        let around = discs.reduce(|[low, high], [lower, higher]| [low.min(lower), high.max(higher)]);
+        let of_walls = self.scene.walls.iter().filter(|wall| wall.is_door()).filter_map(Wall::bounds);
+        around.into_iter().chain(of_walls).collect()
+    }
+
     /// The wall surfaces.
     #[must_use]
     pub fn surfaces<V: Space>(&self) -> Vec<SurfaceWall<V>> {
