@@ -173,32 +173,37 @@ fn the_summary_names_the_condition_and_what_is_left() {
 /// A grain too wide for the door, above the column.
 const PLUG: &str = "(low: (-0.15, 0.3), high: (0.15, 0.6), spacing: 0.3, radius: Fixed(0.15)),";
 
+/// A scene whose contacts are stiff enough to bear the plug.
+fn stiff(more: &str) -> String {
+    scene(more).replace("k: 1.0e4, damping: B(5.0)", "k: 1.0e6, damping: B(50.0)")
+}
+
 #[test]
 fn a_grain_that_blocks_the_outlet_is_a_clog_and_a_dead_zone_is_none() {
     // Three grains leave, and the plug stays on the orifice. `Clogged` has precedence.
     for stop in ["Clogged(still: 0.5)", "EndOfFlow(still: 0.5), Clogged(still: 0.5)"] {
-        let (end, run) = run(&scene(&format!("stop: [{stop}]")).replace(COLUMN, &format!("{COLUMN} {PLUG}")));
+        let (end, run) = run(&stiff(&format!("stop: [{stop}]")).replace(COLUMN, &format!("{COLUMN} {PLUG}")));
         assert_eq!(end, End::Clogged { still_s: 0.5, above: 1, avalanche: 3 }, "{stop}");
         let (time, inside, _) = result(&run);
         assert!(inside == 5 && (time - last_out(&run) - 0.5).abs() < 1.5 * DT, "{time}");
     }
     // The plug alone lets nothing through: an avalanche of no grain.
-    let (end, _) = run(&scene("stop: [Clogged(still: 0.5)]").replace(COLUMN, PLUG));
+    let (end, _) = run(&stiff("stop: [Clogged(still: 0.5)]").replace(COLUMN, PLUG));
     assert_eq!(end, End::Clogged { still_s: 0.5, above: 1, avalanche: 0 });
     // Grains beside the orifice do not clog it.
-    let (end, _) = run(&scene("stop: [Clogged(still: 0.5)]").replace("until: 5.0", "until: 2.0"));
+    let (end, _) = run(&stiff("stop: [Clogged(still: 0.5)]").replace("until: 5.0", "until: 2.0"));
     assert_eq!(end, End::TimeReached);
-    let (end, _) = run(&scene("stop: [Clogged(still: 0.5), EndOfFlow(still: 0.6)]"));
+    let (end, _) = run(&stiff("stop: [Clogged(still: 0.5), EndOfFlow(still: 0.6)]"));
     assert_eq!(end, End::FlowEnded { still_s: 0.6 });
 }
 
 #[test]
 fn a_clog_is_in_the_summary_and_needs_a_door_that_opens() {
-    let fault = loaded(&scene("stop: [Clogged(still: 0.5)]").replace("At(0.2)", "Never")).unwrap_err();
+    let fault = loaded(&stiff("stop: [Clogged(still: 0.5)]").replace("At(0.2)", "Never")).unwrap_err();
     assert_eq!((fault.code(), fault.scene_key()), ("scene::no_door", Some("stop[0]")), "{fault}");
     let here = tempfile::tempdir().unwrap();
     fs::write(here.path().join("door.dat"), DOOR).unwrap();
-    fs::write(here.path().join("a.ron"), scene("stop: [Clogged(still: 0.3)]").replace(COLUMN, PLUG)).unwrap();
+    fs::write(here.path().join("a.ron"), stiff("stop: [Clogged(still: 0.3)]").replace(COLUMN, PLUG)).unwrap();
     let output =
         Command::new(env!("CARGO_BIN_EXE_siloflow")).args(["run", "a.ron"]).current_dir(here.path()).output().unwrap();
     assert!(output.status.success(), "{}", text(&output.stderr));
