@@ -45,6 +45,17 @@ use crate::walls::surfaces::LeavingWallsPlugin;
 use crate::walls::surfaces::Surfaces;
 use crate::watchdog::WatchdogPlugin;
 
+/// Adds the end by a clog. If several are asked for, the first to hold is the one of the shortest time.
+fn add_clog<V: Space>(app: &mut Assembly, loaded: &Loaded, conditions: &[StopCondition], space: PhantomData<V>) {
+    let clogs = conditions.iter().filter_map(|condition| match condition {
+        StopCondition::Clogged { still } => Some(still.get()),
+        _ => None,
+    });
+    if let Some(still) = clogs.reduce(f64::min) {
+        app.add("stop", ClogPlugin { still, boxes: loaded.outlets(), space });
+    }
+}
+
 /// Adds the plugins that the scene needs to an app that has the resources of a run.
 pub(crate) fn add_all<V: Space>(
     app: &mut Assembly,
@@ -68,14 +79,7 @@ pub(crate) fn add_all<V: Space>(
         .add("always", FinitePlugin(space))
         .add("always", LedgerPlugin(scene.on_loss, space));
     let conditions = scene.stop_conditions();
-    // If several clogs are asked for, the first to hold is the one of the shortest time.
-    let clogs = conditions.iter().filter_map(|condition| match condition {
-        StopCondition::Clogged { still } => Some(still.get()),
-        _ => None,
-    });
-    if let Some(still) = clogs.reduce(f64::min) {
-        app.add("stop", ClogPlugin { still, boxes: loaded.outlets(), space });
-    }
+    add_clog(app, loaded, &conditions, space);
     if !conditions.is_empty() {
         app.add(if scene.stop.is_empty() { "rest.stop" } else { "stop" }, StopPlugin(conditions));
     }
