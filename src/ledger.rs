@@ -11,12 +11,13 @@
 //! nothing. A grain that passes through a wall within one step, without touching it, is found in that step, and the
 //! report states how far it moved.
 //!
-//! In solid space the walls are wall surfaces, the orifice is the place of a door panel, and grains cannot leave over a
+//! In solid space the walls are wall surfaces, the orifice is the place of a door, and grains cannot leave over a
 //! top. Moving wall grains ([`crate::walls::conveyor`]) have no lines. A system that releases a grain must write
 //! `GrainReleased`; otherwise the grain is not counted.
 //!
-//! Limit: the lines of door grains do not move while the door slides. The orifice is open from the first step of
-//! opening.
+//! Doors count at their shut places: a grain that crosses the place of a door is out if the door was not shut since the last
+//! check. The orifice is open from the first step of opening. A wall with a motion is crossed if the path, as seen from the
+//! wall, passes through it.
 
 mod cull;
 mod departures;
@@ -40,14 +41,21 @@ use crate::particles::Particles;
 use crate::periodic::Periodic;
 use crate::persist::PersistApp as _;
 use crate::space::{Plane, Space};
-use crate::step::{Phase, Step};
+use crate::step::{Clock, Phase, Step};
 use crate::store::{ParticleStore, Renumber, Renumbering, renumber};
 use crate::walls::paths::{Crossing, Paths};
+use crate::walls::surfaces::Surfaces;
 
 /// State of each particle in the grain accounting, by slot.
 #[derive(Resource, Deserialize, Serialize)]
 #[serde(bound = "")]
-struct GrainStates<V: Space>(Vec<GrainState<V>>);
+struct GrainStates<V: Space> {
+    states: Vec<GrainState<V>>,
+    /// When the last pass over all grains ran, s. If walls move, a pass checks every grain.
+    checked_at: f64,
+    /// The travel of the walls then, m.
+    wall_travel: f64,
+}
 
 /// State of one particle in the grain accounting.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -83,31 +91,34 @@ fn reorder_states<V: Space>(
     mut states: ResMut<GrainStates<V>>,
     grains: Query<(), With<Grain>>,
 ) {
-    let state = |i: usize| match states.0.get(store.former[i].index()) {
+    let state = |i: usize| match states.states.get(store.former[i].index()) {
         Some(&state) if state != GrainState::NotAGrain => state,
         _ if grains.contains(store.entity[i]) => GrainState::New,
         _ => GrainState::NotAGrain,
     };
-    states.0 = (0..store.len()).map(state).collect();
+    states.states = (0..store.len()).map(state).collect();
 }
 
 /// Checks the paths of all grains that have moved far enough, and reports grains that are out or lost.
 fn watch_paths<V: Space>(
-    (enclosure, particles): (Res<Enclosure<V>>, Particles<V>),
-    (door, cull): (Option<Res<DoorState>>, Option<Res<CullLine>>),
+    (clock, enclosure, particles): (Res<Clock>, Res<Enclosure<V>>, Particles<V>),
+    (doors, walls, cull): (Option<Res<DoorState>>, Res<Surfaces<V>>, Option<Res<CullLine>>),
     mut out: MessageWriter<GrainOut<V>>,
     mut lost: MessageWriter<GrainLost<V>>,
     mut states: ResMut<GrainStates<V>>,
     mut trigger: ResMut<PathTrigger>,
 ) {
-    if !trigger.0.has_fired(particles.travel_meter(), 0.0) {
+    if !trigger.0.has_fired(particles.travel_meter(), walls.travel() - states.wall_travel) {
         return;
     }
+    let times = [states.checked_at, clock.time()];
+    (states.checked_at, states.wall_travel) = (clock.time(), walls.travel());
     let (mut longest, mut lowest) = (0.0f64, f64::INFINITY);
     let limit_squared = (0.25 * enclosure.smallest_radius).powi(2);
-    let door_is_closed = door.is_none_or(|door| !door.is_open());
+    let walls_move = walls.move_in_time();
+    let is_open = |number: u16| doors.as_ref().is_some_and(|doors| doors.lets_pass(number, times[0]));
     let cull_height = cull.map_or(f64::NEG_INFINITY, |line| line.0);
-    for (row, state) in states.0.iter_mut().enumerate() {
+    for (row, state) in states.states.iter_mut().enumerate() {
         let here = particles.position(row);
         let checked_at = match *state {
             GrainState::New => {
@@ -121,7 +132,7 @@ fn watch_paths<V: Space>(
         lowest = lowest.min(here.height());
         let squared = way.length_squared();
         // Half of the distance limit is enough for a check now, so that the next pass is not due at once.
-        if squared < 0.25 * limit_squared && here.height() >= cull_height {
+        if !walls_move && squared < 0.25 * limit_squared && here.height() >= cull_height {
             longest = longest.max(squared);
             continue;
         }
@@ -129,7 +140,10 @@ fn watch_paths<V: Space>(
         let distance = way.length();
         // In a periodic scene, the image of the last position that is nearest to the present one.
         let before = here - way;
-        let fate = fate(&*enclosure.paths, particles.periodic(), door_is_closed, before, here);
+        let fate = fate(&*enclosure.paths, particles.periodic(), is_open, before, here).or_else(|| {
+            let is_crossed = walls_move && walls.is_moving_wall_crossed(before, here, times);
+            is_crossed.then(|| Fate::Lost("through a moving wall".to_owned()))
+        });
         let Some(fate) = fate else { continue };
         // Grains removed by other systems are reported in the grain accounting itself.
         if !particles.is_present(row) {
@@ -171,13 +185,13 @@ enum Fate {
 fn fate<V: Space>(
     paths: &dyn Paths<V>,
     periodic: Option<&Periodic<V>>,
-    door_is_closed: bool,
+    is_open: impl Fn(u16) -> bool,
     before: V,
     here: V,
 ) -> Option<Fate> {
     let way = match crossing(paths, periodic, before, here) {
-        Some(Crossing::Orifice) if !door_is_closed => return Some(Fate::Out),
-        Some(Crossing::Orifice) => "through the closed door".to_owned(),
+        Some(Crossing::Orifice(door)) if is_open(door) => return Some(Fate::Out),
+        Some(Crossing::Orifice(_)) => "through the closed door".to_owned(),
         Some(Crossing::Wall { from, to }) => {
             format!("through the wall between {} and {} m", format_position(from), format_position(to))
         }
@@ -220,7 +234,7 @@ pub struct PathsPlugin<V: Space> {
 
 impl<V: Space> Plugin for PathsPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(GrainStates::<V>(Vec::new()))
+        app.insert_resource(GrainStates::<V> { states: Vec::new(), checked_at: 0.0, wall_travel: 0.0 })
             .init_resource::<PathTrigger>()
             .persist::<GrainStates<V>>()
             .persist::<PathTrigger>()

@@ -15,7 +15,7 @@
 //! | [`Species`] | | all particles |
 //! | [`Grain`] | marker | grains |
 //! | [`Fixed`] | marker | particles that no force moves |
-//! | [`Door`] | marker | wall grains that form the door |
+//! | [`Door`] | number | wall grains and wall surfaces that form a door |
 //!
 //! Vectors have the dimension of the scene's space: `Position` means `Position<Plane>`, and a solid scene has
 //! `Position<Solid>`. Other components come only with the plugin that needs them, and so only in scenes that use it.
@@ -159,10 +159,11 @@ pub struct Grain;
 #[derive(Component, Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub struct Fixed;
 
-/// Marks a part of the door: a wall grain, or a wall surface.
-#[derive(Component, Clone, Copy, Debug, Default, Deserialize, Serialize)]
+/// Marks a part of a door, a wall grain or a wall surface, with the number of the door: 0 for the scene key `door`, from 1 for
+/// the entries of `doors`.
+#[derive(Component, Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
 #[component(storage = "SparseSet")]
-pub struct Door;
+pub struct Door(pub u16);
 
 /// The components of every particle.
 #[derive(Bundle, Clone, Copy, Debug)]

@@ -12,7 +12,7 @@ use crate::behaviour::Behaviour;
 use crate::contact::config::LawVisitor;
 use crate::contact::history::History;
 use crate::contact::{ContactPlugin, LawRequirements, PairLaw};
-use crate::door::{DoorPlugin, Orifice};
+use crate::door::{DoorControl, DoorMotion, DoorPlugin, Orifice};
 use crate::ending::EndingPlugin;
 use crate::energy::{AddedWorkPlugin, EnergyPlugin, LeavingWallsEnergyPlugin, LiftPlugin, SpinEnergyPlugin};
 use crate::finite::FinitePlugin;
@@ -39,6 +39,7 @@ use crate::store::{StorePlugin, clear_forces};
 use crate::table_sort::TableSortPlugin;
 use crate::walls::config::Wall;
 use crate::walls::conveyor::ConveyorPlugin;
+use crate::walls::moving::MovingWallsPlugin;
 use crate::walls::outline::Outline;
 use crate::walls::paths::SurfaceWalls;
 use crate::walls::surfaces::LeavingWallsPlugin;
@@ -132,11 +133,24 @@ pub(crate) fn add_all<V: Space>(
     if let Some(rest) = scene.rest {
         app.add("rest", RestPlugin(rest, space));
     }
-    if let Some(door) = scene.door {
-        app.add("door", DoorPlugin(door));
+    let doors = scene.door_controls();
+    if let Some((_, key, _)) = doors.first() {
+        let controls = doors.iter().map(|(number, _, control)| (*number, control.clone())).collect();
+        app.add(key.trim_end_matches("[0]"), DoorPlugin::<V>(controls, space));
     }
-    let walls = || scene.walls.iter();
-    if walls().any(Wall::is_surface) && (has_behaviours || walls().any(Wall::is_door)) {
+    let moves = |(_, _, control): &(u16, String, DoorControl)| matches!(control.how, DoorMotion::Move { .. });
+    if !scene.motions.is_empty() || doors.iter().any(moves) {
+        let key = if !scene.motions.is_empty() {
+            "motions"
+        } else if scene.doors.is_empty() {
+            "door"
+        } else {
+            "doors"
+        };
+        app.add(key, MovingWallsPlugin(space));
+    }
+    let has_surfaces = scene.walls.iter().any(Wall::is_surface);
+    if has_surfaces && (has_behaviours || loaded.has_door_surface()) {
         app.add("walls", LeavingWallsPlugin(space));
         if scene.energy_balance {
             app.add("walls", LeavingWallsEnergyPlugin(space));
@@ -189,12 +203,13 @@ pub(crate) type AddPaths = fn(&mut Assembly, &Loaded);
 /// Adds the check of grain paths in the plane. The key is the silo file, or else the scene's walls.
 pub(crate) fn planar_paths(app: &mut Assembly, loaded: &Loaded) {
     let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
-    let (walls, surfaces) = (loaded.wall_discs(), loaded.surfaces());
-    if walls.is_empty() && surfaces.is_empty() {
+    let (walls, surfaces) = (loaded.wall_discs(), loaded.still_surfaces());
+    if walls.is_empty() && !loaded.scene.walls.iter().any(Wall::is_surface) {
         return;
     }
     let outline = Outline::new(&walls, &loaded.silo.door, &surfaces, smallest_radius);
-    let outline = if loaded.scene.periodic.is_open() { outline } else { outline.unbounded() };
+    let is_bounded = loaded.scene.periodic.is_open() && loaded.scene.motions.is_empty();
+    let outline = if is_bounded { outline } else { outline.unbounded() };
     if let Some(orifice) = outline.orifice() {
         app.provide(Orifice(orifice));
     }
@@ -205,8 +220,8 @@ pub(crate) fn planar_paths(app: &mut Assembly, loaded: &Loaded) {
 /// Adds the check of grain paths in solid space.
 pub(crate) fn solid_paths(app: &mut Assembly, loaded: &Loaded) {
     let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
-    let walls = loaded.surfaces();
-    if !walls.is_empty() {
+    let walls = loaded.still_surfaces();
+    if loaded.scene.walls.iter().any(Wall::is_surface) {
         app.add(
             "walls",
             PathsPlugin { paths: Arc::new(SurfaceWalls(Surfaces::new(walls, smallest_radius))), smallest_radius },

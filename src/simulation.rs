@@ -415,7 +415,7 @@ fn add_plugins<V: Space>(
 ) {
     assembly.provide(Gravity(loaded.scene.gravity.get::<V>()));
     let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
-    assembly.provide(Surfaces::new(loaded.surfaces::<V>(), largest));
+    assembly.provide(Surfaces::new(loaded.surfaces_in_scene::<V>(), largest).with_movers(loaded.movers()));
     assembly.provide(LeavingWalls::default());
     if !loaded.contacts_at_start.is_empty() {
         assembly.provide(ContactsAtStart(loaded.contacts_at_start.clone()));
@@ -444,7 +444,7 @@ fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded) {
         world.spawn(wall_grain(next_id(), centre(disc), disc.radius, at_rest, silo));
     }
     for disc in &loaded.silo.door {
-        world.spawn((wall_grain(next_id(), centre(disc), disc.radius, at_rest, silo), Door));
+        world.spawn((wall_grain(next_id(), centre(disc), disc.radius, at_rest, silo), Door(0)));
     }
     for wall in &loaded.scene.walls {
         if let Wall::Disc { centre, radius, species } = *wall {
@@ -458,11 +458,11 @@ fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded) {
             spawned.insert(Conveyed);
         }
     }
-    let are_doors: Vec<_> = world.resource::<Surfaces<V>>().all.iter().map(|wall| wall.is_door).collect();
-    for (index, is_door) in are_doors.into_iter().enumerate() {
+    let doors: Vec<_> = world.resource::<Surfaces<V>>().all.iter().map(|wall| wall.door).collect();
+    for (index, door) in doors.into_iter().enumerate() {
         let mut entity = world.spawn(WallIndex(index));
-        if is_door {
-            entity.insert(Door);
+        if let Some(number) = door {
+            entity.insert(Door(number));
         }
     }
     world.write_message_batch(loaded.grains.iter().map(|grain| GrainReleased { id: grain.id }));

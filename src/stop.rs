@@ -50,7 +50,7 @@ struct FlowConditions(Vec<StopCondition>);
 /// Whether the door is open, and for `still` (s) no grain has left and the door has not begun to open.
 fn is_still(clock: &Clock, ledger: &Ledger, door: Option<&DoorState>, still: f64) -> bool {
     let last_out = ledger.departures.ends().map(|(_, last)| last);
-    let open = door.and_then(|door| door.open_time);
+    let open = door.and_then(DoorState::open_time);
     open.is_some_and(|open| clock.has_reached(last_out.map_or(open, |last| last.max(open)) + still))
 }
 

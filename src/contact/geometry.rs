@@ -122,7 +122,10 @@ fn pair_at<V: Space>(store: &ParticleStore<V>, slots: [usize; 2], separation: V,
 fn beside_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, ahead: f64) -> Option<WallLine<V>> {
     let body = &store.body[i];
     let beside = WallLine::new(body, wall);
-    let closing = || (store.middle_velocity(i) - wall.velocity).dot(beside.line.normal).abs();
+    let closing = || {
+        let of_wall = wall.velocity_at(|| body.position - beside.line.normal * beside.line.distance);
+        (store.middle_velocity(i) - of_wall).dot(beside.line.normal).abs()
+    };
     let window = if ahead > 0.0 { ahead * closing() } else { 0.0 };
     // Written so that a NaN does not touch.
     if beside.line.distance < body.radius + window && wall.is_present { Some(beside) } else { None }

@@ -59,7 +59,7 @@ fn cull<V: Space>(
             commands.entity(particles.entity(row)).despawn();
             culled.0.insert(id);
             ledger.culled += 1;
-            let state = states.as_ref().and_then(|states| states.0.get(row));
+            let state = states.as_ref().and_then(|states| states.states.get(row));
             if state.is_none_or(|state| !matches!(state, GrainState::Out | GrainState::Lost)) {
                 let way = "below the cull line, without having crossed the orifice".to_owned();
                 lost.write(GrainLost { id, position, way, nearest: None });

@@ -254,7 +254,7 @@ impl Summary {
                 _ => None,
             },
             rest_time_s: world.get_resource::<RestDetector>().and_then(|rest| rest.rest_time),
-            door_open_time_s: world.get_resource::<DoorState>().and_then(|door| door.open_time),
+            door_open_time_s: world.get_resource::<DoorState>().and_then(DoorState::open_time),
             empty_time_s: world.resource::<EmptyTime>().0,
             max_overlap_ratio: world.resource::<LargestOverlap>().0,
             coordination: totals.coordination,

@@ -1,9 +1,11 @@
 //! Loads a scene: applies `--set` to its text, parses it, reads its files and checks its rules.
 
 use std::path::Path;
+use std::sync::Arc;
 
 use crate::contact::config::{Contact, Contacts};
 use crate::contact::history::remembered::{self, Remembered};
+use crate::door::DoorMotion;
 use crate::fault::Fault;
 use crate::grains::file::{self, GrainRow, Kind};
 use crate::grains::fill::{Fill, FixedGrain, MOST_TRIES, Placement};
@@ -23,8 +25,10 @@ use crate::spin::InertiaLaw;
 use crate::values::Positive;
 use crate::walls::config::Wall;
 use crate::walls::mesh;
+use crate::walls::motion::table::Curve;
+use crate::walls::moving::{Drive, LeafState, Mover};
 use crate::walls::silo_file::{self, Disc, SiloGeometry};
-use crate::walls::surfaces::SurfaceWall;
+use crate::walls::surfaces::{SurfaceWall, Surfaces};
 
 /// A scene of grains that is ready to run.
 #[derive(Debug)]
@@ -147,6 +151,28 @@ fn read_meshes(loaded: &mut Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
+/// Reads the tables of the scene's motions.
+fn read_tables(loaded: &mut Loaded) -> Result<(), Fault> {
+    let components = loaded.scene.space.count();
+    for (index, motion) in loaded.scene.motions.iter_mut().enumerate() {
+        for (key, file, curve, count) in motion.tables(components) {
+            let key = format!("motions[{index}].{key}");
+            let path = loaded.source.name_file(&key, file);
+            let text = files::read_text(&path, files::TABLE_BYTES)
+                .map_err(|error| loaded.source.unreadable(&key, &path, &error))?;
+            let read = Curve::parse(&text, count).map_err(|message| {
+                let message = format!("{}: {message}", path.display());
+                loaded.source.fault("scene::table", &key, message).help(
+                    "give a CSV file: a header that begins with `time_s`, then rows of a time (s) and the components of the \
+                     shift (m) or the angle (rad), with ascending times",
+                )
+            })?;
+            *curve = Arc::new(read);
+        }
+    }
+    Ok(())
+}
+
 /// Loads a scene of grains from its text. Relative file names start from `directory`.
 ///
 /// # Errors
@@ -198,6 +224,7 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
         }
     }
     read_meshes(&mut loaded)?;
+    read_tables(&mut loaded)?;
     // Before any grain is created.
     rules::fill(&loaded)?;
     loaded.fill()?;
@@ -412,7 +439,7 @@ impl Loaded {
     /// Whether a wall surface is a door.
     #[must_use]
     pub fn has_door_surface(&self) -> bool {
-        self.scene.walls.iter().any(Wall::is_door)
+        self.scene.walls.iter().any(|wall| self.scene.door_of(wall).is_some())
     }
 
     /// Whether grains can leave through a door: of discs of the silo file, or a wall surface.
@@ -429,15 +456,56 @@ impl Loaded {
             [centre - reach, centre + reach]
         });
         let around = discs.reduce(|[low, high], [lower, higher]| [low.min(lower), high.max(higher)]);
-        let of_walls = self.scene.walls.iter().filter(|wall| wall.is_door()).filter_map(Wall::bounds);
+        let of_walls = self.scene.walls.iter().filter(|wall| self.scene.door_of(wall).is_some()).filter_map(Wall::bounds);
         around.into_iter().chain(of_walls).collect()
     }
 
-    /// The wall surfaces.
+    /// The wall surfaces at the start.
     #[must_use]
     pub fn surfaces<V: Space>(&self) -> Vec<SurfaceWall<V>> {
-        let walls = self.scene.walls.iter().filter(|wall| wall.is_surface());
-        walls.enumerate().flat_map(|(number, wall)| wall.surfaces(number)).collect()
+        if self.scene.motions.is_empty() {
+            return self.surfaces_in_scene();
+        }
+        Surfaces::new(self.surfaces_in_scene(), 0.0).with_movers(self.movers()).all
+    }
+
+    /// The wall surfaces at the places that the scene gives, from which motions start.
+    #[must_use]
+    pub fn surfaces_in_scene<V: Space>(&self) -> Vec<SurfaceWall<V>> {
+        let walls = self.scene.walls.iter().filter(|wall| wall.is_surface()).enumerate();
+        let surfaces = walls.flat_map(|(number, wall)| {
+            let door = self.scene.door_of(wall);
+            wall.surfaces(number).into_iter().map(move |surface| SurfaceWall { door, ..surface })
+        });
+        surfaces.collect()
+    }
+
+    /// The wall surfaces without those that a motion moves.
+    #[must_use]
+    pub fn still_surfaces<V: Space>(&self) -> Vec<SurfaceWall<V>> {
+        let walls: Vec<_> = self.scene.walls.iter().filter(|wall| wall.is_surface()).collect();
+        let moves = |number: usize| self.scene.motions.iter().any(|motion| walls[number].name() == Some(&motion.walls));
+        self.surfaces_in_scene().into_iter().filter(|surface| !moves(surface.number)).collect()
+    }
+
+    /// What moves wall surfaces: the motions, and doors that move.
+    pub(crate) fn movers<V: Space>(&self) -> Vec<Mover<V>> {
+        let surfaces: Vec<_> = self.surfaces_in_scene::<V>().into_iter().enumerate().collect();
+        let walls: Vec<_> = self.scene.walls.iter().filter(|wall| wall.is_surface()).collect();
+        let home = |belongs: &dyn Fn(&SurfaceWall<V>) -> bool| {
+            surfaces.iter().filter(|(_, surface)| belongs(surface)).copied().collect()
+        };
+        let motions = self.scene.motions.iter().map(|motion| {
+            let home = home(&|surface| walls[surface.number].name() == Some(&motion.walls));
+            Mover::new(home, Drive::Motion(motion.clone()))
+        });
+        let leaves = self.scene.door_controls().into_iter().filter_map(|(number, _, control)| {
+            let DoorMotion::Move { by, speed } = control.how else { return None };
+            let home = home(&|surface| surface.door == Some(number));
+            let state = LeafState::default();
+            Some(Mover::new(home, Drive::Leaf { door: number, by: by.get(), speed: speed.get(), state }))
+        });
+        motions.chain(leaves).collect()
     }
 
     /// Radii of all fixed discs and spheres, m.

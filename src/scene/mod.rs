@@ -19,7 +19,7 @@ use serde::{Deserialize, Serialize};
 use crate::contact::Contact;
 use crate::contact::config::PairOfSpecies;
 use crate::contact::hertz::Material;
-use crate::door::DoorControl;
+use crate::door::{DoorControl, DoorOpens, NamedDoor};
 use crate::grains::feed::Feed;
 use crate::grains::file::GrainFile;
 use crate::grains::fill::Fill;
@@ -43,6 +43,7 @@ use crate::spin::InertiaLaw;
 use crate::stop::StopCondition;
 use crate::values::{FiniteVector, ImpactError, Positive};
 use crate::walls::config::Wall;
+use crate::walls::motion::Motion;
 use crate::walls::silo_file::Silo;
 use crate::watchdog::Watchdog;
 
@@ -108,6 +109,12 @@ pub struct Scene {
     pub rest: Option<Rest>,
     /// Opens the door.
     pub door: Option<DoorControl>,
+    /// Opens doors whose walls have names.
+    #[serde(default)]
+    pub doors: Vec<NamedDoor>,
+    /// Moves walls that have names.
+    #[serde(default)]
+    pub motions: Vec<Motion>,
     /// Removes grains that have fallen far enough.
     pub cull: Option<Cull>,
     /// Effect of a lost grain on the run.
@@ -154,6 +161,30 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// The doors: their numbers, the keys that control them, and how.
+    #[must_use]
+    pub fn door_controls(&self) -> Vec<(u16, String, DoorControl)> {
+        let own = self.door.iter().map(|control| (0, "door".to_owned(), control.clone()));
+        let named = (1u16..).zip(&self.doors).map(|(number, door)| {
+            let control = DoorControl { opens: door.opens.clone(), how: door.how };
+            (number, format!("doors[{}]", number - 1), control)
+        });
+        own.chain(named).collect()
+    }
+
+    /// Whether any door ever opens.
+    #[must_use]
+    pub fn opens_a_door(&self) -> bool {
+        self.door_controls().iter().any(|(_, _, control)| control.opens != DoorOpens::Never)
+    }
+
+    /// The number of the door that a wall belongs to.
+    #[must_use]
+    pub fn door_of(&self, wall: &Wall) -> Option<u16> {
+        let named = (1u16..).zip(&self.doors).find(|(_, door)| wall.name() == Some(&door.walls));
+        named.map(|(number, _)| number).or_else(|| wall.is_door().then_some(0))
+    }
+
     /// The conditions that end the run early: `stop`, and rest if `rest.stop` asks for it.
     #[must_use]
     pub fn stop_conditions(&self) -> Vec<StopCondition> {

@@ -18,6 +18,9 @@ pub const GRAIN_BYTES: u64 = 4 << 30;
 /// Most bytes of a mesh: over a million triangles of a binary STL file.
 pub const MESH_BYTES: u64 = 512 << 20;
 
+/// Most bytes of the table of a motion.
+pub const TABLE_BYTES: u64 = 64 << 20;
+
 /// Most bytes of a result that another command reads: a picture, a summary, a table.
 pub const RESULT_BYTES: u64 = 64 << 20;
 

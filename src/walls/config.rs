@@ -35,6 +35,12 @@ pub enum Wall {
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
+        /// Name, for `motions` and `doors`; several walls may share one. Default: none.
+        #[serde(default)]
+        name: Option<String>,
+        /// Whether the wall is the door, as for a panel.
+        #[serde(default)]
+        door: bool,
     },
     /// A thin wall between two points; in solid space, a thin rod.
     Segment {
@@ -45,6 +51,12 @@ pub enum Wall {
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
+        /// Name, for `motions` and `doors`; several walls may share one. Default: none.
+        #[serde(default)]
+        name: Option<String>,
+        /// Whether the wall is the door, as for a panel.
+        #[serde(default)]
+        door: bool,
     },
     /// A thin rectangle, in solid space.
     Panel {
@@ -57,6 +69,9 @@ pub enum Wall {
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
+        /// Name, for `motions` and `doors`; several walls may share one. Default: none.
+        #[serde(default)]
+        name: Option<String>,
         /// Whether the panel is the door. It vanishes when the door opens, and grains that pass through its place are
         /// out.
         #[serde(default)]
@@ -72,6 +87,9 @@ pub enum Wall {
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
+        /// Name, for `motions` and `doors`; several walls may share one. Default: none.
+        #[serde(default)]
+        name: Option<String>,
         /// Whether the wall is the door, as for a panel.
         #[serde(default)]
         door: bool,
@@ -85,6 +103,9 @@ pub enum Wall {
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
+        /// Name, for `motions` and `doors`; several walls may share one. Default: none.
+        #[serde(default)]
+        name: Option<String>,
         /// Whether the wall is the door, as for a panel.
         #[serde(default)]
         door: bool,
@@ -106,6 +127,9 @@ pub enum Wall {
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
+        /// Name, for `motions` and `doors`; several walls may share one. Default: none.
+        #[serde(default)]
+        name: Option<String>,
         /// Whether the wall is the door, as for a panel.
         #[serde(default)]
         door: bool,
@@ -124,6 +148,9 @@ pub enum Wall {
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
+        /// Name, for `motions` and `doors`; several walls may share one. Default: none.
+        #[serde(default)]
+        name: Option<String>,
         /// Whether the wall is the door, as for a panel.
         #[serde(default)]
         door: bool,
@@ -145,6 +172,9 @@ pub enum Wall {
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
+        /// Name, for `motions` and `doors`; several walls may share one. Default: none.
+        #[serde(default)]
+        name: Option<String>,
         /// Whether the wall is the door, as for a panel.
         #[serde(default)]
         door: bool,
@@ -229,7 +259,7 @@ impl Wall {
         };
         let surface = |shape: Surface<V>| {
             let (spin, still) = (spin_of(&shape), SurfaceWall::still(shape, Species(self.species())));
-            SurfaceWall { number, reference, velocity, spin, is_door: self.is_door(), ..still }
+            SurfaceWall { number, reference, velocity, spin, ..still }
         };
         shapes.into_iter().map(surface).collect()
     }
@@ -258,17 +288,45 @@ impl Wall {
         }
     }
 
-    /// Whether the wall is the door.
+    /// Whether the wall is part of the door of the key `door`.
     #[must_use]
     pub fn is_door(&self) -> bool {
         match *self {
-            Self::Panel { door, .. }
+            Self::HalfPlane { door, .. }
+            | Self::Segment { door, .. }
+            | Self::Panel { door, .. }
             | Self::Polygon { door, .. }
             | Self::Mesh { door, .. }
             | Self::Cylinder { door, .. }
             | Self::Cone { door, .. }
             | Self::Annulus { door, .. } => door,
-            Self::HalfPlane { .. } | Self::Segment { .. } | Self::Disc { .. } => false,
+            Self::Disc { .. } => false,
+        }
+    }
+
+    /// Returns the name.
+    #[must_use]
+    pub fn name(&self) -> Option<&str> {
+        match self {
+            Self::HalfPlane { name, .. }
+            | Self::Segment { name, .. }
+            | Self::Panel { name, .. }
+            | Self::Polygon { name, .. }
+            | Self::Mesh { name, .. }
+            | Self::Cylinder { name, .. }
+            | Self::Cone { name, .. }
+            | Self::Annulus { name, .. } => name.as_deref(),
+            Self::Disc { .. } => None,
+        }
+    }
+
+    /// Whether the wall moves along itself or about its axis, and keeps its place.
+    #[must_use]
+    pub fn moves_in_place(&self) -> bool {
+        match self {
+            Self::HalfPlane { velocity, .. } => velocity.is_some(),
+            Self::Cylinder { spin, .. } | Self::Cone { spin, .. } | Self::Annulus { spin, .. } => spin.is_some(),
+            _ => false,
         }
     }
 

@@ -1,11 +1,15 @@
-//! Walls: discs of a silo file, discs and wall surfaces of the scene, and the lines whose crossing counts as a way out.
+//! Walls: discs of a silo file, discs and wall surfaces of the scene, their motions, and the lines whose crossing counts as
+//! a way out.
 
 pub mod config;
 pub mod conveyor;
 pub(crate) mod mesh;
+pub mod motion;
+pub mod moving;
 pub(crate) mod near;
 pub mod outline;
 pub mod paths;
+pub mod pose;
 pub mod seams;
 pub mod shapes;
 pub mod silo_file;

@@ -1,8 +1,8 @@
 //! Near walls: lists which grains are near which walls, so that all others need no wall test in most steps.
 //!
 //! A grain is near a wall if the gap between their surfaces is less than a slack: the largest grain radius, and for meshes
-//! a part of it, because a grain is near many triangles. The list is valid until a grain may have moved by the slack, or a
-//! wall has changed.
+//! a part of it, because a grain is near many triangles. The list is valid until a grain and a wall may have come nearer by the
+//! slack, or a wall has changed.
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::Candidate;
@@ -18,6 +18,8 @@ const MESH_SLACK: f64 = 0.2;
 pub struct NearWalls {
     pairs: Vec<Candidate>,
     trigger: DisplacementTrigger,
+    /// The travel of the walls when the pairs were listed, m.
+    wall_travel: f64,
 }
 
 impl NearWalls {
@@ -26,7 +28,8 @@ impl NearWalls {
         if walls.all.is_empty() {
             return &[];
         }
-        if has_changed || self.trigger.has_fired(store.travel_meter(), store.prediction.margin) {
+        let ahead = store.prediction.margin + (walls.travel() - self.wall_travel);
+        if has_changed || self.trigger.has_fired(store.travel_meter(), ahead) {
             let grains = &store.body[..store.movable_end];
             let largest = grains.iter().map(|body| body.radius).fold(0.0, f64::max);
             let slack = if walls.are_many() { MESH_SLACK * largest } else { largest };
@@ -42,6 +45,7 @@ impl NearWalls {
                 }
             }
             self.trigger = DisplacementTrigger::for_distance(store.travel_meter(), slack);
+            self.wall_travel = walls.travel();
         }
         &self.pairs
     }

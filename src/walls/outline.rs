@@ -2,7 +2,7 @@
 //!
 //! * Two wall grains are linked if no grain fits between them and no third wall grain is closer to both than they are
 //!   to each other. This relative neighbourhood graph links neighbours, without chords across corners.
-//! * Segments of the scene are links themselves. The region behind a half-plane is outside.
+//! * Segments of the scene are links themselves, unless they are doors or move. The region behind a half-plane is outside.
 //! * The orifice is the line between the two wall grains that flank the door. They are nearest to the two ends of the
 //!   door, on opposite sides of it.
 
@@ -36,6 +36,8 @@ pub struct Outline {
     links_by_cell: FxHashMap<[i64; 2], Vec<usize>>,
     half_planes: Vec<HalfPlane>,
     orifice: Option<Link>,
+    /// Surfaces of doors, each with the number of its door.
+    doors: Vec<(u16, Surface)>,
     bounds: Option<[Vector; 2]>,
 }
 
@@ -47,12 +49,14 @@ impl Outline {
         let mut corners: Vec<_> = walls.iter().map(|disc| disc.centre).collect();
         for surface in surfaces {
             if let Surface::Segment(Segment { from, to }) = surface.surface {
-                links.push(Link { from, to });
+                if surface.door.is_none() {
+                    links.push(Link { from, to });
+                }
                 corners.extend([from, to]);
             }
         }
         let half_plane = |wall: &SurfaceWall| match wall.surface {
-            Surface::HalfPlane(shape) => Some(shape),
+            Surface::HalfPlane(shape) if wall.door.is_none() => Some(shape),
             _ => None,
         };
         let half_planes = surfaces.iter().filter_map(half_plane).collect();
@@ -64,6 +68,7 @@ impl Outline {
             links_by_cell: FxHashMap::default(),
             half_planes,
             orifice: orifice(walls, door),
+            doors: surfaces.iter().filter_map(|wall| Some((wall.door?, wall.surface))).collect(),
             bounds: bounds.map(|(low, high)| [low, high]),
         };
         for (index, link) in outline.links.iter().enumerate() {
@@ -74,7 +79,7 @@ impl Outline {
         outline
     }
 
-    /// Removes the bounding box. In a periodic scene, every path may leave it.
+    /// Removes the bounding box. In a periodic scene, every path may leave it; if walls move, the box does not stay.
     #[must_use]
     pub fn unbounded(self) -> Self {
         Self { bounds: None, ..self }
@@ -111,7 +116,10 @@ impl Paths<Plane> for Outline {
             }
         };
         if let Some(orifice) = self.orifice {
-            consider(orifice.crossed_at(from, to), Crossing::Orifice);
+            consider(orifice.crossed_at(from, to), Crossing::Orifice(0));
+        }
+        for (number, door) in &self.doors {
+            consider(door.crossing(from, to), Crossing::Orifice(*number));
         }
         // A path across many cells meets most links, so all of them are tested.
         if (to - from).abs().max_element() > 8.0 * self.cell {
@@ -148,13 +156,7 @@ impl Paths<Plane> for Outline {
 impl Link {
     /// Returns where the path crosses this line, as a share of the path (0 to 1).
     fn crossed_at(&self, from: Vector, to: Vector) -> Option<f64> {
-        let (path, line, offset) = (to - from, self.to - self.from, self.from - from);
-        let cross = path.perp_dot(line);
-        if cross == 0.0 {
-            return None;
-        }
-        let (along_path, along_line) = (offset.perp_dot(line) / cross, offset.perp_dot(path) / cross);
-        ((0.0..=1.0).contains(&along_path) && (0.0..=1.0).contains(&along_line)).then_some(along_path)
+        Segment { from: self.from, to: self.to }.crossing(from, to)
     }
 }
 
@@ -237,7 +239,7 @@ mod tests {
     #[test]
     fn the_first_line_on_a_path_counts() {
         let outline = corner();
-        assert_eq!(outline.crossing(Vector::new(2.5, 0.1), Vector::new(2.5, -0.1)), Some(Crossing::Orifice));
+        assert_eq!(outline.crossing(Vector::new(2.5, 0.1), Vector::new(2.5, -0.1)), Some(Crossing::Orifice(0)));
         let through = outline.crossing(Vector::new(0.5, 0.1), Vector::new(-100.0, -0.1));
         assert!(matches!(through, Some(Crossing::Wall { from, to }) if from.x == 0.0 && to.x == 0.0), "{through:?}");
         assert_eq!(outline.crossing(Vector::new(0.5, 0.5), Vector::new(0.2, 0.3)), None);
@@ -250,7 +252,14 @@ mod tests {
         assert_eq!(outline.beyond(inside, Vector::new(-0.1, 9.0)), Some("over the top"));
         assert_eq!(outline.beyond(inside, Vector::new(1.0, -0.1)), Some("past the lower end of the walls"));
         assert_eq!(outline.beyond(Vector::new(-1.0, 1.0), Vector::new(-2.0, 1.0)), None, "the grain was never inside");
-        let wall = Wall::HalfPlane { point: Vector::ZERO.into(), normal: Vector::Y.into(), velocity: None, species: 0 };
+        let wall = Wall::HalfPlane {
+            point: Vector::ZERO.into(),
+            normal: Vector::Y.into(),
+            velocity: None,
+            species: 0,
+            name: None,
+            door: false,
+        };
         let floor = wall.surfaces(0)[0];
         let open = Outline::new(&discs(&[(0.0, 2.0)]), &[], &[floor], 0.1);
         assert_eq!(open.beyond(Vector::new(0.0, 3.0), Vector::new(1.0, 3.0)), None, "a floor has no lateral bounds");

@@ -10,8 +10,8 @@ use crate::walls::surfaces::Surfaces;
 /// Line or face that a path crosses.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Crossing<V> {
-    /// The way out: the line between the flanks of the door, or a surface of the door.
-    Orifice,
+    /// A way out: the line between the flanks of a door of wall grains, or a surface of a door, with the number of the door.
+    Orifice(u16),
     /// A wall line between two points, m.
     Wall {
         /// One end.
@@ -32,7 +32,7 @@ pub trait Paths<V: Space>: Send + Sync {
     fn beyond(&self, before: V, here: V) -> Option<&'static str>;
 }
 
-/// The wall surfaces of a solid scene.
+/// The wall surfaces of a solid scene, without those that a motion moves; doors at their shut places.
 #[derive(Clone, Debug)]
 pub struct SurfaceWalls(pub Surfaces<Solid>);
 
@@ -41,7 +41,7 @@ impl Paths<Solid> for SurfaceWalls {
         let on_path = self.0.on_path(from, to);
         let crossed = on_path.iter().filter_map(|index| {
             let wall = &self.0.all[index];
-            let crossing = if wall.is_door { Crossing::Orifice } else { Crossing::Surface };
+            let crossing = wall.door.map_or(Crossing::Surface, Crossing::Orifice);
             Some((wall.surface.crossing(from, to)?, crossing))
         });
         crossed.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, crossing)| crossing)
@@ -62,7 +62,7 @@ mod tests {
     use crate::walls::surfaces::{Surface, SurfaceWall};
 
     fn wall(surface: Surface<Solid>, is_door: bool) -> SurfaceWall<Solid> {
-        SurfaceWall { is_door, ..SurfaceWall::still(surface, Species(0)) }
+        SurfaceWall { door: is_door.then_some(3), ..SurfaceWall::still(surface, Species(0)) }
     }
 
     #[test]
@@ -73,10 +73,10 @@ mod tests {
         let walls = [wall(panel(0.0), false), wall(panel(1.0), true), wall(floor, false)];
         let walls = SurfaceWalls(Surfaces::new(walls.to_vec(), 0.0));
         let down = |x: f64, to: f64| walls.crossing(Solid::new(x, 0.5, 0.1), Solid::new(x, 0.5, to));
-        assert_eq!(down(1.5, -0.1), Some(Crossing::Orifice));
+        assert_eq!(down(1.5, -0.1), Some(Crossing::Orifice(3)));
         assert_eq!(down(0.5, -0.1), Some(Crossing::Surface));
         assert_eq!(down(2.5, -0.1), None);
         assert_eq!(down(2.5, -1.1), Some(Crossing::Surface));
-        assert_eq!(walls.crossing(Solid::new(1.5, 0.5, -0.1), Solid::new(1.5, 0.5, 0.1)), Some(Crossing::Orifice));
+        assert_eq!(walls.crossing(Solid::new(1.5, 0.5, -0.1), Solid::new(1.5, 0.5, 0.1)), Some(Crossing::Orifice(3)));
     }
 }

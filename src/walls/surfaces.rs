@@ -4,7 +4,7 @@
 //! wall. The normal points from the nearest point of the wall to the centre. The reduced mass is the mass of the grain.
 //!
 //! Walls may turn about their axis, and half-planes may move along themselves like a belt. Both keep the shape in its
-//! place. The force pass sums contacts with walls ([`crate::contact`]). Where walls meet, a grain touches each of them
+//! place. Other motions of walls are in [`moving`](crate::walls::moving). The force pass sums contacts with walls ([`crate::contact`]). Where walls meet, a grain touches each of them
 //! only at a point that is nearest on both ([`seams`](crate::walls::seams)).
 
 use std::marker::PhantomData;
@@ -20,6 +20,8 @@ use crate::particle::Species;
 use crate::space::{Linear, Plane, Space};
 use crate::step::{Part, Phase, Step};
 use crate::store::AfterDeferredKick;
+use crate::walls::moving::{LeafState, Mover, WallsPlaced};
+use crate::walls::pose::Pose;
 use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::shapes::panel::Panel;
 use crate::walls::shapes::revolved::Revolved;
@@ -95,6 +97,16 @@ impl<V: Space> Shape<V> for Surface<V> {
         self.shape().crossing(from, to)
     }
 
+    fn placed(&self, pose: &Pose<V>) -> Self {
+        match self {
+            Self::HalfPlane(shape) => Self::HalfPlane(shape.placed(pose)),
+            Self::Segment(shape) => Self::Segment(shape.placed(pose)),
+            Self::Panel(shape) => Self::Panel(shape.placed(pose)),
+            Self::Triangle(shape) => Self::Triangle(shape.placed(pose)),
+            Self::Revolved(shape) => Self::Revolved(shape.placed(pose)),
+        }
+    }
+
     fn lines(&self, depth: f64) -> Vec<[V; 2]> {
         self.shape().lines(depth)
     }
@@ -139,22 +151,23 @@ pub struct SurfaceWall<V: Space = Plane> {
     pub surface: Surface<V>,
     /// Number of the wall in the scene, from 0, without discs. The triangles of a polygon have one number.
     pub number: usize,
-    /// The point of the wall about which torques on it are measured, m; on the axis if the wall turns.
+    /// The point of the wall about which torques on it are measured, m; it moves with the wall. If the wall turns about its
+    /// axis, the point is on the axis.
     pub reference: V,
-    /// Velocity along the wall, m/s.
+    /// Velocity of the wall at the reference point, m/s; of a belt, along the wall.
     pub velocity: V,
-    /// Angular velocity of a surface of revolution about its axis, rad/s.
+    /// Angular velocity, rad/s.
     pub spin: V::Spin,
     /// Material.
     pub species: Species,
-    /// Whether the wall is the door.
-    pub is_door: bool,
+    /// Number of the door that the wall belongs to: [`Door`](crate::particle::Door).
+    pub door: Option<u16>,
     /// Whether the wall is present; a door that has opened is not.
     pub is_present: bool,
 }
 
 impl<V: Space> SurfaceWall<V> {
-    /// Returns a wall at rest that is not the door.
+    /// Returns a wall at rest that is no door.
     #[must_use]
     pub fn still(surface: Surface<V>, species: Species) -> Self {
         Self {
@@ -164,7 +177,7 @@ impl<V: Space> SurfaceWall<V> {
             velocity: V::ZERO,
             spin: V::Spin::ZERO,
             species,
-            is_door: false,
+            door: None,
             is_present: true,
         }
     }
@@ -185,7 +198,17 @@ impl<V: Space> SurfaceWall<V> {
 pub struct Surfaces<V: Space = Plane> {
     /// The surfaces.
     pub all: Vec<SurfaceWall<V>>,
-    index: SurfaceIndex,
+    /// What moves, and how.
+    pub(super) movers: Vec<Mover<V>>,
+    /// Radius of the largest grain, m.
+    pub(super) largest: f64,
+    /// The end of the last step for which the walls were placed, s.
+    pub(super) placed_at: f64,
+    /// Sum over the steps of the longest way of any point of a wall in a step, m.
+    pub(super) travel: f64,
+    /// The part of `travel` since the index was made, m.
+    pub(super) drift: f64,
+    pub(super) index: SurfaceIndex,
     /// For each wall of the scene, its first surface.
     first: Vec<usize>,
     /// For each wall of the scene, the load of the grains on it in the last step.
@@ -204,6 +227,9 @@ fn around<V: Space>(x: V, reach: f64) -> [V; 2] {
 pub(crate) struct SavedWalls<V: Space> {
     are_present: Vec<bool>,
     loads: Vec<WallLoad<V>>,
+    leaves: Vec<Option<LeafState>>,
+    placed_at: f64,
+    travel: f64,
 }
 
 impl<V: Space> Surfaces<V> {
@@ -212,7 +238,17 @@ impl<V: Space> Surfaces<V> {
     pub fn new(all: Vec<SurfaceWall<V>>, largest: f64) -> Self {
         let first: Vec<_> = (0..all.len()).filter(|&at| at == 0 || all[at].number != all[at - 1].number).collect();
         let loads = vec![WallLoad::default(); first.len()];
-        Self { index: SurfaceIndex::new(&all, largest), all, first, loads }
+        Self {
+            index: SurfaceIndex::new(&all, largest),
+            movers: Vec::new(),
+            largest,
+            placed_at: 0.0,
+            travel: 0.0,
+            drift: 0.0,
+            all,
+            first,
+            loads,
+        }
     }
 
     /// Returns each wall of the scene, by its first surface, with its load.
@@ -235,12 +271,12 @@ impl<V: Space> Surfaces<V> {
 
     /// Sets `found` to the surfaces that may be nearer to `x` than `reach` (m), ascending.
     pub(crate) fn find_near(&self, x: V, reach: f64, found: &mut Vec<u32>) {
-        self.index.find(around(x, reach), found);
+        self.index.find(around(x, reach + self.drift), found);
     }
 
     /// Returns the surfaces that may be nearer to `x` than `reach` (m), ascending.
     pub(crate) fn near(&self, x: V, reach: f64) -> Candidates {
-        self.index.candidates(around(x, reach), self.all.len())
+        self.index.candidates(around(x, reach + self.drift), self.all.len())
     }
 
     /// Returns the surfaces that a straight path may cross, ascending.
@@ -251,7 +287,13 @@ impl<V: Space> Surfaces<V> {
 
     /// Returns the part that changes in a run.
     pub(crate) fn saved(&self) -> SavedWalls<V> {
-        SavedWalls { are_present: self.all.iter().map(|wall| wall.is_present).collect(), loads: self.loads.clone() }
+        SavedWalls {
+            are_present: self.all.iter().map(|wall| wall.is_present).collect(),
+            loads: self.loads.clone(),
+            leaves: self.movers.iter().map(Mover::leaf).collect(),
+            placed_at: self.placed_at,
+            travel: self.travel,
+        }
     }
 
     /// Takes over what [`Self::saved`] returned.
@@ -259,11 +301,16 @@ impl<V: Space> Surfaces<V> {
     /// # Errors
     /// If it has another number of surfaces.
     pub(crate) fn restore(&mut self, saved: SavedWalls<V>) -> Result<(), &'static str> {
-        if (saved.are_present.len(), saved.loads.len()) != (self.all.len(), self.loads.len()) {
+        let sizes = (saved.are_present.len(), saved.loads.len(), saved.leaves.len());
+        if sizes != (self.all.len(), self.loads.len(), self.movers.len()) {
             return Err("the checkpoint has another number of walls");
         }
         self.all.iter_mut().zip(saved.are_present).for_each(|(wall, is_present)| wall.is_present = is_present);
         self.loads = saved.loads;
+        self.movers.iter_mut().zip(saved.leaves).for_each(|(mover, leaf)| mover.set_leaf(leaf));
+        self.place(saved.placed_at);
+        self.list_anew();
+        self.travel = saved.travel;
         Ok(())
     }
 }
@@ -304,7 +351,7 @@ pub struct LeavingWallsPlugin<V: Space>(pub PhantomData<V>);
 
 impl<V: Space> Plugin for LeavingWallsPlugin<V> {
     fn build(&self, app: &mut App) {
-        let remove = remove_walls::<V>.in_set(Part::Engine(Phase::Drift)).after(AfterDeferredKick).run_if(walls_leave);
-        app.add_systems(Step, remove);
+        let remove = remove_walls::<V>.in_set(Part::Engine(Phase::Drift)).after(AfterDeferredKick).after(WallsPlaced);
+        app.add_systems(Step, remove.run_if(walls_leave));
     }
 }

@@ -28,7 +28,7 @@ fn assert_whole_run(name: &str) {
     let ledger = world.resource::<Ledger>();
     assert_eq!((ledger.released, ledger.out(), ledger.lost(), ledger.inside()), (1000, 1000, 0, 0), "{name}");
     let rest = world.resource::<RestDetector>().rest_time.expect("came to rest");
-    let opened = world.resource::<DoorState>().open_time.expect("opened");
+    let opened = world.resource::<DoorState>().open_time().expect("opened");
     // The last grain is released at 999 x 0.05 s.
     assert!(rest > 49.95 && opened == rest && world.resource::<Clock>().time() > opened, "{name}: {rest} {opened}");
     let flows = *world.resource::<EnergyFlows>();
@@ -168,7 +168,7 @@ fn sliding_door_clears_the_orifice_and_its_work_is_counted() {
     let mut simulation = simulation(&load("silo1.ron", &settings), 1);
     assert_eq!(simulation.run(), End::Empty);
     let world = simulation.world_mut();
-    assert_eq!((world.resource::<Ledger>().out(), world.resource::<DoorState>().open_time), (60, Some(6.0)));
+    assert_eq!((world.resource::<Ledger>().out(), world.resource::<DoorState>().open_time()), (60, Some(6.0)));
     let mut door = world.query_filtered::<(&Position, &Velocity), With<Door>>();
     // The last grain of the door rests a radius behind the flank at 15 cm, to one step of 0.5 mm.
     let left = door.iter(world).map(|(x, _)| x.0.x).fold(f64::INFINITY, f64::min);

@@ -67,7 +67,7 @@ fn a_flow_that_never_begins_ends_after_the_opening_of_the_door() {
     let (end, run) = run(&scene("stop: [EndOfFlow(still: 0.5)]").replace(COLUMN, ""));
     let (time, inside, out) = result(&run);
     assert_eq!((end, inside, out), (End::FlowEnded { still_s: 0.5 }, 4, 0));
-    let open = run.world().resource::<DoorState>().open_time.unwrap();
+    let open = run.world().resource::<DoorState>().open_time().unwrap();
     assert!(open >= 0.2 && (time - open - 0.5).abs() < 1.5 * DT, "{time}");
 }
 

@@ -6,7 +6,6 @@
 //! [`leaks`](super::leaks) finds no way out of them. In solid space panels are not examined. A scene without any wall is meant
 //! to have grains in free flight.
 
-use crate::door::DoorOpens;
 use crate::fault::Warning;
 use crate::scene::check::leaks;
 use crate::scene::load::Loaded;
@@ -26,7 +25,7 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
     let has_thin_walls = scene.walls.iter().any(|wall| !matches!(wall, Wall::HalfPlane { .. }))
         || !loaded.silo.wall.is_empty()
         || !loaded.fixed.is_empty();
-    let has_door = scene.door.is_some_and(|door| door.opens != DoorOpens::Never);
+    let has_door = scene.opens_a_door();
     let is_closed = has_thin_walls
         && !has_door
         && match scene.space {

@@ -21,15 +21,17 @@ mod start;
 pub mod step;
 
 use crate::contact::{Bounce, Contact};
+use crate::door::DoorMotion;
 use crate::fault::Warning;
 use crate::integrate::Integrator;
 use crate::scene::check::species_pairs::SpeciesPair;
 use crate::scene::expected;
 use crate::scene::load::Loaded;
 use crate::scene::{Scene, TimeStep};
-use crate::space::{Dimension, Plane};
+use crate::space::{Dimension, Plane, Solid};
 use crate::stop::StopCondition;
 use crate::walls::config::Wall;
+use crate::walls::motion::Motion;
 use crate::walls::outline::Outline;
 use crate::watchdog::LARGE_OVERLAP;
 use crate::writers::volume::{self, MOST_BYTES};
@@ -281,21 +283,25 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
 
 /// The free width of the narrowest door, m: between the wall discs that flank it, or of a surface; `None` without a door.
 fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
-    let surfaces = loaded.scene.walls.iter().filter(|wall| wall.is_door()).filter_map(|wall| match wall {
-        Wall::Panel { along, across, .. } => Some(along.padded().length().min(across.padded().length())),
-        Wall::Annulus { outer, .. } => Some(2.0 * outer.get()),
-        // Flat: the smallest extent is about zero.
-        Wall::Polygon { .. } | Wall::Mesh { .. } => wall.bounds().map(|[low, high]| {
-            let mut extents = (high - low).to_array();
-            extents.sort_unstable_by(f64::total_cmp);
-            extents[1]
-        }),
-        Wall::Cylinder { from, to, radius, .. } => Some((2.0 * radius.get()).min(to.padded().distance(from.padded()))),
-        Wall::Cone { from, to, radii, .. } => {
-            Some((2.0 * radii.0.get().max(radii.1.get())).min(to.padded().distance(from.padded())))
-        }
-        _ => None,
-    });
+    let surfaces =
+        loaded.scene.walls.iter().filter(|wall| loaded.scene.door_of(wall).is_some()).filter_map(|wall| match wall {
+            Wall::Panel { along, across, .. } => Some(along.padded().length().min(across.padded().length())),
+            Wall::Annulus { outer, .. } => Some(2.0 * outer.get()),
+            Wall::Segment { from, to, .. } => Some(to.padded().distance(from.padded())),
+            // Flat: the smallest extent is about zero.
+            Wall::Polygon { .. } | Wall::Mesh { .. } => wall.bounds().map(|[low, high]| {
+                let mut extents = (high - low).to_array();
+                extents.sort_unstable_by(f64::total_cmp);
+                extents[1]
+            }),
+            Wall::Cylinder { from, to, radius, .. } => {
+                Some((2.0 * radius.get()).min(to.padded().distance(from.padded())))
+            }
+            Wall::Cone { from, to, radii, .. } => {
+                Some((2.0 * radii.0.get().max(radii.1.get())).min(to.padded().distance(from.padded())))
+            }
+            _ => None,
+        });
     let discs = loaded.wall_discs();
     let orifice = if loaded.silo.door.is_empty() {
         None
@@ -435,13 +441,28 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
     }
 }
 
+/// Returns the largest speed of a wall that moves, m/s. Walls without ends do not turn, so all others have bounds.
+fn fastest_wall(loaded: &Loaded) -> f64 {
+    let speed = |motion: &Motion| {
+        let walls = loaded.scene.walls.iter().filter(|wall| wall.name() == Some(&motion.walls));
+        let about = motion.rotate.as_ref().map_or(Solid::ZERO, |turn| turn.about.padded());
+        let corners = walls.filter_map(Wall::bounds).map(|[low, high]| (high - about).abs().max((low - about).abs()));
+        motion.fastest(corners.map(Solid::length).fold(0.0, f64::max))
+    };
+    let doors = loaded.scene.door_controls().into_iter().map(|(_, _, control)| match control.how {
+        DoorMotion::Move { speed, .. } | DoorMotion::Slide(speed) => speed.get(),
+        DoorMotion::Remove => 0.0,
+    });
+    loaded.scene.motions.iter().map(speed).chain(doors).fold(0.0, f64::max)
+}
+
 /// Warns of grains and walls that may pass each other within one step.
 fn fast(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>) {
     // For a wall surface: the distance of a centre from first touch to the other side.
     let flat = loaded.scene.walls.iter().any(Wall::is_surface).then_some(0.0);
     let discs = loaded.fixed_radii();
     let thickness = estimates.radius + discs.chain(flat).fold(f64::INFINITY, f64::min);
-    let driven = loaded.fixed.iter().map(|grain| grain.velocity.length()).fold(0.0, f64::max);
+    let driven = loaded.fixed.iter().map(|grain| grain.velocity.length()).fold(fastest_wall(loaded), f64::max);
     let way = (estimates.impact_speed + driven) * estimates.dt;
     if thickness.is_finite() && way > thickness {
         warnings.push(Warning {

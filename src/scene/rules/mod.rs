@@ -2,7 +2,9 @@
 
 mod contacts;
 mod fields;
+mod doors;
 mod grains;
+mod motions;
 mod outflow;
 mod outputs;
 mod space;
@@ -14,7 +16,6 @@ pub use self::space::space;
 use self::contacts::contacts;
 use self::grains::{feed, ids, spawner};
 use crate::contact::Contact;
-use crate::door::{DoorMotion, DoorOpens};
 use crate::fault::Fault;
 use crate::integrate::Integrator;
 use crate::neighbours::Neighbours;
@@ -37,7 +38,9 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     periodic(loaded)?;
     spawner(loaded)?;
     feed(loaded)?;
-    door_and_rest(loaded)?;
+    motions::motions(loaded)?;
+    doors::doors(loaded)?;
+    rest(loaded)?;
     stop::stop(loaded)?;
     energy_balance(loaded)?;
     cells(loaded)?;
@@ -244,27 +247,8 @@ fn is_oblique(a: Solid, b: Solid) -> bool {
     a.dot(b).abs() > 1e-9 * a.length() * b.length()
 }
 
-fn door_and_rest(loaded: &Loaded) -> Result<(), Fault> {
-    let Scene { door, rest, gravity, .. } = &loaded.scene;
-    let surface = loaded.has_door_surface();
-    if door.is_some() && !loaded.has_outlet() {
-        return Err(loaded
-            .fault("scene::no_door", "door", "there is no door to open: no silo file announces door grains")
-            .help(
-                "remove `door`, or give a silo file whose first line has a second count above 0, or in solid space a \
-                 wall with `door: true`",
-            ));
-    }
-    if surface && matches!(door.map(|door| door.how), Some(DoorMotion::Slide(_))) {
-        return Err(loaded
-            .fault("scene::no_slide", "door.how", "only door grains of a silo file slide")
-            .help("write `how: Remove`, or leave the key out"));
-    }
-    if door.is_some_and(|door| door.opens == DoorOpens::AtRest) && rest.is_none() {
-        return Err(loaded
-            .fault("scene::missing_key", "rest", "the door opens at rest, but nothing detects rest")
-            .help("add `rest: (speed: 2.0e-3, energy: 1.0e-6, hold: 0.1)`"));
-    }
+fn rest(loaded: &Loaded) -> Result<(), Fault> {
+    let Scene { rest, gravity, .. } = &loaded.scene;
     if rest.is_some() && gravity.padded() == Solid::ZERO {
         return Err(loaded
             .fault("scene::no_gravity", "rest", "rest is measured in units of sqrt(g R) and m g R, but gravity is zero")

@@ -1,5 +1,6 @@
 //! Rules on the number of vector components, which must match the scene's space.
 
+use crate::door::DoorMotion;
 use crate::fault::Fault;
 use crate::grains::region::Region;
 use crate::scene::Scene;
@@ -7,6 +8,7 @@ use crate::scene::load::Loaded;
 use crate::space::Dimension;
 use crate::values::FiniteVector;
 use crate::walls::config::Wall;
+use crate::walls::motion::Course;
 
 /// Every vector must have as many components as the scene's space, and planar objects must not stand in solid space.
 ///
@@ -94,6 +96,23 @@ fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
     }
     if let Some(zones) = scene.outflow.and_then(|outflow| outflow.mass_flow) {
         add("outflow.mass_flow.".to_owned(), &[("axis", Some(zones.axis))]);
+    }
+    for (index, motion) in scene.motions.iter().enumerate() {
+        let key = format!("motions[{index}].");
+        match motion.translate {
+            Some(Course::Steady(velocity)) => add(key.clone(), &[("translate", Some(velocity))]),
+            Some(Course::Oscillate { amplitude, .. }) => add(key.clone(), &[("translate.amplitude", Some(amplitude))]),
+            Some(Course::Table { .. }) | None => {}
+        }
+        // The rules on motions tell that the plane has no other axis.
+        let about = motion.rotate.as_ref().map(|turn| turn.about);
+        let axis = motion.rotate.as_ref().and_then(|turn| turn.axis).filter(|_| scene.space == Dimension::Solid);
+        add(key, &[("rotate.about", about), ("rotate.axis", axis)]);
+    }
+    for (_, key, control) in scene.door_controls() {
+        if let DoorMotion::Move { by, .. } = control.how {
+            add(key, &[(".how.by", Some(by))]);
+        }
     }
     for (index, fill) in scene.fill.iter().enumerate() {
         let corners = [("low", Some(fill.low)), ("high", Some(fill.high))];

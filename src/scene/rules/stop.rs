@@ -1,6 +1,5 @@
 //! Rules on `stop`: a condition must be able to hold.
 
-use crate::door::DoorOpens;
 use crate::fault::Fault;
 use crate::scene::load::Loaded;
 use crate::stop::StopCondition;
@@ -16,7 +15,7 @@ pub(super) fn stop(loaded: &Loaded) -> Result<(), Fault> {
                 "add `rest: (speed: 2.0e-3, energy: 1.0e-6, hold: 0.1)`",
             ),
             StopCondition::EndOfFlow { .. } | StopCondition::Clogged { .. }
-                if scene.door.is_none_or(|door| door.opens == DoorOpens::Never) =>
+                if !scene.opens_a_door() =>
             {
                 (
                     "scene::no_door",

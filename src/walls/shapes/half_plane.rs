@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Plane, Space};
+use crate::walls::pose::Pose;
 use crate::walls::shapes::{Nearest, Shape};
 
 /// Solid behind a line, or in solid space behind a plane.
@@ -29,6 +30,10 @@ impl<V: Space> Shape<V> for HalfPlane<V> {
     fn crossing(&self, from: V, to: V) -> Option<f64> {
         let [before, after] = [from, to].map(|x| self.nearest(x).distance());
         (before >= 0.0 && after < 0.0).then(|| before / (before - after))
+    }
+
+    fn placed(&self, pose: &Pose<V>) -> Self {
+        Self { point: pose.point(self.point), normal: pose.direction(self.normal) }
     }
 
     /// None: the surface has no ends, so a drawing cuts it at the border of the view.

@@ -10,6 +10,7 @@ pub mod segment;
 pub mod triangle;
 
 use crate::space::{COINCIDENT, PARTED, Space};
+use crate::walls::pose::Pose;
 
 /// Position of a shape relative to a centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -70,6 +71,11 @@ pub trait Shape<V: Space> {
     /// Returns where the straight path passes through the shape, as a share of the path (0 to 1); `None` if it does not,
     /// or if the shape has no area.
     fn crossing(&self, from: V, to: V) -> Option<f64>;
+
+    /// Returns the shape in a pose.
+    fn placed(&self, pose: &Pose<V>) -> Self
+    where
+        Self: Sized;
 
     /// Returns the lines of the shape in a drawing, m: the edges of a panel; the section of a surface of revolution with the
     /// plane of its axis; the section of a triangle with the plane at this depth, m.

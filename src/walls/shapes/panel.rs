@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Linear, Plane, Space};
+use crate::walls::pose::Pose;
 use crate::walls::shapes::{Nearest, Shape, box_around, foot_share, is_end};
 
 /// A thin rectangle.
@@ -37,6 +38,9 @@ impl<V: Space> Shape<V> for Panel<V> {
 
     fn bounds(&self) -> Option<[V; 2]> {
         box_around(&self.corners())
+    }
+    fn placed(&self, pose: &Pose<V>) -> Self {
+        Self { corner: pose.point(self.corner), along: pose.direction(self.along), across: pose.direction(self.across) }
     }
 
     fn crossing(&self, from: V, to: V) -> Option<f64> {

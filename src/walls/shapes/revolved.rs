@@ -14,6 +14,7 @@ use std::f64::consts::PI;
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Linear, Plane, Solid, Space};
+use crate::walls::pose::Pose;
 use crate::walls::shapes::{Nearest, Shape, is_end, parted};
 
 /// Number of lines that draw a circle.
@@ -115,6 +116,9 @@ impl<V: Space> Shape<V> for Revolved<V> {
             })
         };
         Some([bound(-1.0, f64::min), bound(1.0, f64::max)])
+    }
+    fn placed(&self, pose: &Pose<V>) -> Self {
+        Self { base: pose.point(self.base), axis: pose.direction(self.axis), ..*self }
     }
 
     fn crossing(&self, from: V, to: V) -> Option<f64> {

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::space::{Dimension, Plane, Space};
+use crate::space::{Dimension, Linear, Plane, Space};
+use crate::walls::pose::Pose;
 use crate::walls::shapes::{Nearest, Shape, box_around, foot_share, is_end};
 
 /// A thin line between two points.
@@ -29,10 +30,24 @@ impl<V: Space> Shape<V> for Segment<V> {
         box_around(&[self.from, self.to])
     }
 
-    /// Never: the paths of the plane are checked with [`Outline`](crate::walls::outline::Outline), which has no gaps, and
-    /// a rod has no area.
-    fn crossing(&self, _: V, _: V) -> Option<f64> {
-        None
+    /// In solid space never: a rod has no area.
+    fn crossing(&self, from: V, to: V) -> Option<f64> {
+        if V::DIMENSION == Dimension::Solid {
+            return None;
+        }
+        let (path, line, offset) = (to - from, self.to - self.from, self.from - from);
+        // In the plane a cross product has one component.
+        let across = |a: V, b: V| a.cross(b).component(0);
+        let cross = across(path, line);
+        if cross == 0.0 {
+            return None;
+        }
+        let (along_path, along_line) = (across(offset, line) / cross, across(offset, path) / cross);
+        ((0.0..=1.0).contains(&along_path) && (0.0..=1.0).contains(&along_line)).then_some(along_path)
+    }
+
+    fn placed(&self, pose: &Pose<V>) -> Self {
+        Self { from: pose.point(self.from), to: pose.point(self.to) }
     }
 
     fn lines(&self, _: f64) -> Vec<[V; 2]> {
@@ -54,5 +69,7 @@ mod tests {
         assert_eq!(wall.nearest(Vector::new(5.0, 4.0)), point(Vector::new(3.0, 4.0), true));
         assert_eq!(wall.nearest(Vector::new(5.0, 4.0)).distance(), 5.0);
         assert_eq!(wall.nearest(Vector::new(1.0, 0.0)), point(Vector::Y * PARTED, false));
+        assert_eq!(wall.crossing(Vector::new(1.0, 3.0), Vector::new(1.0, -1.0)), Some(0.75));
+        assert_eq!(wall.crossing(Vector::new(3.0, 3.0), Vector::new(3.0, -1.0)), None);
     }
 }

@@ -6,6 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Linear, Plane, Space};
+use crate::walls::pose::Pose;
 use crate::walls::shapes::{Nearest, Shape, box_around};
 
 /// A thin triangle.
@@ -57,6 +58,10 @@ impl<V: Space> Shape<V> for Triangle<V> {
 
     fn bounds(&self) -> Option<[V; 2]> {
         box_around(&self.0)
+    }
+
+    fn placed(&self, pose: &Pose<V>) -> Self {
+        Self(self.0.map(|corner| pose.point(corner)))
     }
 
     /// On an edge that two triangles share, the path crosses at least one of them.

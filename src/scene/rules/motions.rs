@@ -1,0 +1,76 @@
+//! Rules on `motions`: each moves walls that exist, that nothing else moves, and that have ends if they turn.
+
+use crate::fault::Fault;
+use crate::scene::load::Loaded;
+use crate::scene::rules::has_no_direction;
+use crate::space::Dimension;
+use crate::walls::config::Wall;
+use crate::walls::motion::Motion;
+
+pub(super) fn motions(loaded: &Loaded) -> Result<(), Fault> {
+    let motions = &loaded.scene.motions;
+    for (index, motion) in motions.iter().enumerate() {
+        let fault = |(code, key, message, help): (_, &str, String, &str)| {
+            let key = if key.is_empty() { format!("motions[{index}]") } else { format!("motions[{index}].{key}") };
+            loaded.fault(code, &key, message).help(help)
+        };
+        walls(loaded, motion, &motions[..index]).map_err(fault)?;
+        course(loaded, motion).map_err(fault)?;
+    }
+    Ok(())
+}
+
+/// A broken rule: code, key within the motion, message, help.
+type Broken<'a> = (&'static str, &'a str, String, &'a str);
+
+/// The walls exist, and nothing else moves them.
+fn walls(loaded: &Loaded, motion: &Motion, before: &[Motion]) -> Result<(), Broken<'static>> {
+    let (scene, name) = (&loaded.scene, &motion.walls);
+    let mut walls = scene.walls.iter().filter(|wall| wall.name() == Some(name));
+    if walls.clone().next().is_none() {
+        let message = format!("no wall has the name {name:?}");
+        return Err(("scene::no_such_wall", "walls", message, "give a wall of `walls` this `name`"));
+    }
+    let other = if before.iter().any(|other| other.walls == *name) {
+        "another motion"
+    } else if walls.clone().any(|wall| scene.door_of(wall).is_some()) {
+        "a door"
+    } else if walls.clone().any(Wall::moves_in_place) {
+        "its own `velocity` or `spin`"
+    } else if motion.rotate.is_some() && walls.any(|wall| matches!(wall, Wall::HalfPlane { .. })) {
+        let message = format!("a half-plane named {name:?} has no ends, so it cannot turn");
+        return Err(("scene::no_ends", "rotate", message, "use a segment, in solid space a panel or an annulus"));
+    } else {
+        return Ok(());
+    };
+    let message = format!("a wall named {name:?} already moves by {other}");
+    Err(("scene::two_motions", "walls", message, "move a wall by one thing"))
+}
+
+/// There is something to do, from a beginning to a later end, about an axis that the space has.
+fn course(loaded: &Loaded, motion: &Motion) -> Result<(), Broken<'static>> {
+    let is_solid = loaded.scene.space == Dimension::Solid;
+    let axis = motion.rotate.as_ref().map(|turn| turn.axis);
+    let (code, key, message, help) = match axis {
+        None if motion.translate.is_none() => (
+            "scene::missing_key",
+            "",
+            "the walls are to move, but neither `translate` nor `rotate` says how",
+            "add for example `translate: Oscillate(amplitude: (0.0, 1.0e-3), frequency: 50.0)`, in m and Hz",
+        ),
+        Some(Some(_)) if !is_solid => {
+            ("scene::dimension", "rotate.axis", "in the plane the axis always points to the reader", "remove `axis`")
+        }
+        Some(None) if is_solid => {
+            ("scene::missing_key", "rotate", "a rotation in solid space needs an axis", "add `axis: (0.0, 0.0, 1.0)`")
+        }
+        Some(Some(axis)) if has_no_direction(axis.padded()) => {
+            ("scene::out_of_range", "rotate.axis", "the axis has no direction", "give a vector of any non-zero length")
+        }
+        _ if motion.until.is_some_and(|until| until.get() <= motion.from.map_or(0.0, |from| from.get())) => {
+            ("scene::out_of_range", "until", "the motion ends before it begins", "give a time after `from`, s")
+        }
+        _ => return Ok(()),
+    };
+    Err((code, key, message.to_owned(), help))
+}
