@@ -142,7 +142,13 @@ fn describe_outputs(loaded: &Loaded, text: &mut String) {
     let _ = write!(text, "\n`run` adds\n  a row of series.csv every {} s", scene.series.interval.get());
     text.push_str("\n  rows of losses.csv, as often, if more than a hundred grains are lost");
     if scene.walls.iter().any(Wall::is_surface) {
-        text.push_str("\n  the forces on wall surfaces, as often, in walls.csv");
+        text.push_str("\n  the mean forces on wall surfaces, as often, in walls.csv");
+    }
+    if scene.walls.iter().any(|wall| wall.name().is_some()) {
+        text.push_str("\n  the mean forces on walls of one name, as often, in wall_groups.csv");
+    }
+    if !scene.wall_bands.is_empty() {
+        text.push_str("\n  pressure and friction on walls by height, in wall_bands.csv");
     }
     if !scene.profiles.is_empty() {
         text.push_str(

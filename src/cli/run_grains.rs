@@ -26,6 +26,7 @@ use crate::output::profiles::ProfilesPlugin;
 use crate::output::run_directory::RunDirectory;
 use crate::output::series::SeriesPlugin;
 use crate::output::summary::{Cost, Energy, Summary, movable_grains};
+use crate::output::wall_bands::WallBandsPlugin;
 use crate::output::walls::WallForcesPlugin;
 use crate::persist::{CheckpointConfig, Section, UnknownState};
 use crate::scene::TimeStep;
@@ -125,6 +126,9 @@ fn build_in<V: Space>(
         if let Some(walls) = outputs.walls {
             app.add("walls", walls);
         }
+        if let Some(bands) = outputs.wall_bands {
+            app.add("wall_bands", bands);
+        }
         if let Some(profiles) = outputs.profiles {
             app.add("profiles", profiles);
         }
@@ -154,6 +158,7 @@ fn build_in<V: Space>(
 struct Outputs<V: Space> {
     series: SeriesPlugin<V>,
     walls: Option<WallForcesPlugin<V>>,
+    wall_bands: Option<WallBandsPlugin<V>>,
     profiles: Option<ProfilesPlugin<V>>,
     fields: Option<FieldsPlugin<V>>,
     flow: Option<FlowPlugin>,
@@ -162,12 +167,22 @@ struct Outputs<V: Space> {
 
 impl<V: Space> Outputs<V> {
     fn create(loaded: &Loaded, directory: &RunDirectory) -> std::io::Result<Self> {
-        let has_walls = loaded.scene.walls.iter().any(Wall::is_surface);
+        let names: Vec<_> = loaded.scene.walls.iter().filter(|wall| wall.is_surface()).map(Wall::name).collect();
+        let bands = loaded.wall_bands::<V>();
         let profiles = loaded.profiles();
         let species = u8::try_from(loaded.largest_species()).unwrap_or(u8::MAX);
         Ok(Self {
             series: SeriesPlugin::create(loaded.scene.series, loaded.scene.energy_balance, &directory.series())?,
-            walls: if has_walls { Some(WallForcesPlugin::create(&directory.walls())?) } else { None },
+            walls: if names.is_empty() {
+                None
+            } else {
+                Some(WallForcesPlugin::create(&names, &directory.walls(), &directory.wall_groups())?)
+            },
+            wall_bands: if bands.is_empty() {
+                None
+            } else {
+                Some(WallBandsPlugin::create(bands, &directory.wall_bands())?)
+            },
             profiles: if profiles.is_empty() {
                 None
             } else {

@@ -11,6 +11,7 @@ pub mod flow;
 pub mod outflow;
 pub mod profile;
 pub mod totals;
+pub mod wall_bands;
 
 use std::marker::PhantomData;
 

@@ -15,4 +15,5 @@ pub mod run_directory;
 pub mod series;
 pub mod state_hash;
 pub mod summary;
+pub mod wall_bands;
 pub mod walls;

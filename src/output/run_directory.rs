@@ -68,6 +68,8 @@ const VTK: &str = "vtk";
 const CHECKPOINTS: &str = "checkpoints";
 const CHECKPOINT_ENDING: &str = "checkpoint";
 const WALLS: &str = "walls.csv";
+const WALL_GROUPS: &str = "wall_groups.csv";
+const WALL_BANDS: &str = "wall_bands.csv";
 const PROFILES: &str = "profiles.csv";
 const CENTRES: &str = "centres.csv";
 const FIELDS: &str = "fields.csv";
@@ -76,12 +78,13 @@ const LOSSES: &str = "losses.csv";
 const STATE: &str = "state.csv";
 const SUMMARY: &str = "summary.json";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 12] =
-    [SERIES, FRAME_DATA, "frames.xyz", "frames.dump", WALLS, PROFILES, CENTRES, FIELDS, FLOW, LOSSES, STATE, SUMMARY];
+const OWN_FILES: [&str; 14] =
+    [SERIES, FRAME_DATA, "frames.xyz", "frames.dump", WALLS, WALL_GROUPS, WALL_BANDS, PROFILES, CENTRES, FIELDS, FLOW, LOSSES, STATE, SUMMARY];
 
-/// Names of the files that hold the input of a run, without those of meshes.
+/// Names of the files that hold the input of a run, without those of meshes and motions.
 const INPUT_FILES: [&str; 4] = [SCENE, "input-silo.dat", "input-grains.csv", "input-contacts.csv"];
 const MESH_START: &str = "input-wall-";
+const TABLE_START: &str = "input-motion-";
 
 /// Bytes that `summary.json.part` occupies from the start, so that a full disk at the end leaves space for the summary.
 const SUMMARY_RESERVE: usize = 32 << 10;
@@ -92,6 +95,12 @@ fn copy_name(key: &str, from: &Path) -> String {
         "silo.file" => "input-silo.dat",
         "grains.contacts" => "input-contacts.csv",
         "grains.file" => "input-grains.csv",
+        _ if key.starts_with("motions") => {
+            // The table of a motion: `motions[3].rotate.by.file`.
+            let number: String = key.chars().filter(char::is_ascii_digit).collect();
+            let course = if key.contains("rotate") { "rotate" } else { "translate" };
+            return format!("{TABLE_START}{number}-{course}.csv");
+        }
         _ => {
             // The mesh of a wall: `walls[3].file`.
             let number: String = key.chars().filter(char::is_ascii_digit).collect();
@@ -104,11 +113,13 @@ fn copy_name(key: &str, from: &Path) -> String {
 
 /// Whether a file of this name at the top of a run directory holds input.
 fn is_input(name: &str) -> bool {
-    let of_mesh = |rest: &str| {
-        let number = rest.strip_suffix(".stl").or_else(|| rest.strip_suffix(".obj"));
+    let is_numbered = |rest: &str, endings: &[&str]| {
+        let number = endings.iter().find_map(|ending| rest.strip_suffix(ending));
         number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
     };
-    INPUT_FILES.contains(&name) || name.strip_prefix(MESH_START).is_some_and(of_mesh)
+    INPUT_FILES.contains(&name)
+        || name.strip_prefix(MESH_START).is_some_and(|rest| is_numbered(rest, &[".stl", ".obj"]))
+        || name.strip_prefix(TABLE_START).is_some_and(|rest| is_numbered(rest, &["-translate.csv", "-rotate.csv"]))
 }
 
 /// Returns the path of the scene in a run directory.
@@ -391,6 +402,18 @@ impl RunDirectory {
     #[must_use]
     pub fn walls(&self) -> RowsPlace {
         self.rows(WALLS)
+    }
+
+    /// Returns the place of `wall_groups.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn wall_groups(&self) -> RowsPlace {
+        self.rows(WALL_GROUPS)
+    }
+
+    /// Returns the place of `wall_bands.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn wall_bands(&self) -> RowsPlace {
+        self.rows(WALL_BANDS)
     }
 
     /// Returns the place of `profiles.csv`. It changes when the directory is published.

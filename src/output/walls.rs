@@ -1,62 +1,157 @@
-//! `walls.csv`: the force of the grains on each wall surface, one row per wall every `series.interval` seconds.
+//! `walls.csv`: the mean force of the grains on each wall surface, one row per wall every `series.interval` seconds.
+//! `wall_groups.csv`: the same for all walls of one name together, if walls have names.
 //!
 //! | column | unit | meaning |
 //! |---|---|---|
-//! | `time_s` | s | simulated time |
-//! | `wall` | | number of the wall among the scene's `walls`, from 1, not counting discs |
-//! | `fx_n`, `fy_n`, `fz_n` | N | force *on the wall*: on a floor under gravity it points down; z in solid space only |
-//! | `tx_nm`, `ty_nm`, `tz_nm` | N m | torque of this force about the wall's reference point; in the plane z only |
+//! | `time_s` | s | simulated time at the end of the interval |
+//! | `wall` | | in `walls.csv`, number of the wall among the scene's `walls`, from 1, not counting discs |
+//! | `walls` | | in `wall_groups.csv`, the name of the walls |
+//! | `fx_n`, `fy_n`, `fz_n` | N | mean force *on the wall*: on a floor under gravity it points down; z in solid space only |
+//! | `tx_nm`, `ty_nm`, `tz_nm` | N m | mean torque of this force about the reference point; in the plane z only |
 //!
-//! The reference point is the `point` of a half-plane, the `from` of a segment, cylinder or cone, the `corner` of a panel
-//! and the `centre` of an annulus. Force and torque are those of the step, not averages over the interval.
+//! A mean is over all steps since the row before; the first row is of time 0 alone. The reference point is the `point` of a
+//! half-plane, the `from` of a segment, cylinder or cone, the `corner` of a panel and the `centre` of an annulus, and moves with
+//! the wall; of a group it is the one of its first wall.
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
 
 use crate::measure::{ObserveStage, due};
 use crate::outcome::Outcome;
-use crate::persist::PersistApp as _;
+use crate::persist::{PersistApp as _, Problem};
 use crate::scene::outputs::Series;
 use crate::space::{Dimension, Space};
-use crate::step::{Clock, Step};
+use crate::step::{Clock, Part, Phase, Step};
 use crate::walls::surfaces::Surfaces;
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce, numbers};
 
-#[derive(Resource)]
-struct WallsFile(Rows);
+/// Sums of force, N, and torque, N m, over steps.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+#[serde(bound = "")]
+struct Sums<V: Space> {
+    force: V,
+    torque: V::Spin,
+}
 
-fn write_rows<V: Space>(
-    clock: Res<Clock>,
-    walls: Res<Surfaces<V>>,
-    mut file: ResMut<WallsFile>,
-    mut outcome: ResMut<Outcome>,
-) {
-    for (wall, load) in walls.with_loads() {
-        let (number, force, torque) = (wall.number + 1, numbers(load.force), numbers(load.torque));
-        file.0.append(format_args!("{:.9},{number},{force},{torque}\n", clock.time()), &mut outcome);
+/// Walls of one name.
+struct Group<V: Space> {
+    name: String,
+    /// Numbers of the walls, ascending.
+    walls: Vec<usize>,
+    sums: Sums<V>,
+}
+
+#[derive(Resource)]
+struct WallFiles<V: Space> {
+    walls: Rows,
+    sums: Vec<Sums<V>>,
+    /// The file of the groups, if there are any.
+    groups_file: Option<Rows>,
+    groups: Vec<Group<V>>,
+    /// Number of steps in the sums.
+    steps: u64,
+}
+
+/// The saved state: lengths of the two files, the sums, and the number of steps in them.
+type Saved<V> = (u64, Option<u64>, Vec<Sums<V>>, Vec<Sums<V>>, u64);
+
+impl<V: Space> WallFiles<V> {
+    fn saved(&self) -> Result<Saved<V>, Problem> {
+        let groups = self.groups_file.as_ref().map(Rows::saved).transpose()?;
+        let sums = self.groups.iter().map(|group| group.sums).collect();
+        Ok((self.walls.saved()?, groups, self.sums.clone(), sums, self.steps))
+    }
+
+    fn restore(&mut self, (length, groups_length, sums, of_groups, steps): Saved<V>) -> Result<(), Problem> {
+        if (sums.len(), of_groups.len()) != (self.sums.len(), self.groups.len()) {
+            return Err("the number of walls differs".to_owned());
+        }
+        self.sums = sums;
+        self.groups.iter_mut().zip(of_groups).for_each(|(group, sums)| group.sums = sums);
+        self.steps = steps;
+        if let (Some(file), Some(length)) = (&mut self.groups_file, groups_length) {
+            file.restore(length)?;
+        }
+        self.walls.restore(length)
     }
 }
 
-/// Writes `walls.csv`, at the times of the rows of [`SeriesPlugin`](crate::output::series::SeriesPlugin).
-pub struct WallForcesPlugin<V: Space>(TakenOnce<WallsFile>, std::marker::PhantomData<V>);
+/// Adds the loads of the step.
+fn add_loads<V: Space>(walls: Res<Surfaces<V>>, mut files: ResMut<WallFiles<V>>) {
+    let WallFiles { sums, groups, steps, .. } = &mut *files;
+    for (sums, load) in sums.iter_mut().zip(&walls.loads) {
+        sums.force += load.force;
+        sums.torque += load.torque;
+    }
+    for group in groups {
+        let pivot = walls.first_surface(group.walls[0]).reference;
+        for &number in &group.walls {
+            let (load, reference) = (&walls.loads[number], walls.first_surface(number).reference);
+            group.sums.force += load.force;
+            group.sums.torque += load.torque + (reference - pivot).cross(load.force);
+        }
+    }
+    *steps += 1;
+}
+
+fn write_rows<V: Space>(clock: Res<Clock>, mut files: ResMut<WallFiles<V>>, mut outcome: ResMut<Outcome>) {
+    let WallFiles { walls, sums, groups_file, groups, steps } = &mut *files;
+    #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
+    let share = 1.0 / *steps as f64;
+    let means = |sums: &mut Sums<V>| {
+        let Sums { force, torque } = std::mem::take(sums);
+        format!("{},{}", numbers(force * share), numbers(torque * share))
+    };
+    for (number, sums) in (1..).zip(sums) {
+        walls.append(format_args!("{:.9},{number},{}\n", clock.time(), means(sums)), &mut outcome);
+    }
+    if let Some(file) = groups_file {
+        for group in groups {
+            let means = means(&mut group.sums);
+            file.append(format_args!("{:.9},{},{means}\n", clock.time(), group.name), &mut outcome);
+        }
+    }
+    *steps = 0;
+}
+
+/// Writes `walls.csv` and `wall_groups.csv`, at the times of the rows of
+/// [`SeriesPlugin`](crate::output::series::SeriesPlugin).
+pub struct WallForcesPlugin<V: Space>(TakenOnce<WallFiles<V>>);
 
 impl<V: Space> WallForcesPlugin<V> {
-    /// Creates the file with its header, or continues it.
+    /// Creates the files with their headers, or continues them. `names` has the name of each wall surface; names have no comma.
     ///
     /// # Errors
-    /// If the file cannot be written.
-    pub fn create(place: &RowsPlace) -> std::io::Result<Self> {
+    /// If a file cannot be written.
+    pub fn create(names: &[Option<&str>], walls: &RowsPlace, groups: &RowsPlace) -> std::io::Result<Self> {
         let is_solid = V::DIMENSION == Dimension::Solid;
-        let header =
-            if is_solid { "time_s,wall,fx_n,fy_n,fz_n,tx_nm,ty_nm,tz_nm" } else { "time_s,wall,fx_n,fy_n,tz_nm" };
-        Ok(Self(TakenOnce::new(WallsFile(Rows::at(place, header)?)), std::marker::PhantomData))
+        let columns = if is_solid { "fx_n,fy_n,fz_n,tx_nm,ty_nm,tz_nm" } else { "fx_n,fy_n,tz_nm" };
+        let mut found: Vec<Group<V>> = Vec::new();
+        for (number, name) in names.iter().enumerate() {
+            let Some(name) = name else { continue };
+            match found.iter_mut().find(|group| group.name == *name) {
+                Some(group) => group.walls.push(number),
+                None => found.push(Group { name: (*name).to_owned(), walls: vec![number], sums: Sums::default() }),
+            }
+        }
+        let has_groups = !found.is_empty();
+        Ok(Self(TakenOnce::new(WallFiles {
+            walls: Rows::at(walls, &format!("time_s,wall,{columns}"))?,
+            sums: vec![Sums::default(); names.len()],
+            groups_file: has_groups.then(|| Rows::at(groups, &format!("time_s,walls,{columns}"))).transpose()?,
+            groups: found,
+            steps: 0,
+        })))
     }
 }
 
 impl<V: Space> Plugin for WallForcesPlugin<V> {
     fn build(&self, app: &mut App) {
-        let Some(file) = self.0.open() else { return };
-        app.persist_part::<WallsFile, _>(|file| file.0.saved(), |file, length| file.0.restore(length));
-        app.insert_resource(file).add_systems(Step, write_rows::<V>.in_set(ObserveStage::Write).run_if(due::<Series>));
+        let Some(files) = self.0.open() else { return };
+        app.persist_part::<WallFiles<V>, _>(WallFiles::saved, WallFiles::restore);
+        app.insert_resource(files);
+        app.add_systems(Step, add_loads::<V>.in_set(Part::Engine(Phase::Observe)));
+        app.add_systems(Step, write_rows::<V>.in_set(ObserveStage::Write).run_if(due::<Series>));
     }
 }

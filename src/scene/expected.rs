@@ -118,6 +118,15 @@ pub fn outputs(loaded: &Loaded, dt: f64) -> Vec<Output> {
             bytes: rows * (80.0 + 50.0 * layout.means() as f64),
         });
     }
+    for (index, bands) in scene.wall_bands.iter().enumerate() {
+        outputs.push(Output {
+            key: format!("wall_bands[{index}].average"),
+            interval: bands.average.map_or(f64::INFINITY, Positive::get) / dt,
+            rows: f64::from(bands.bins),
+            pictures: 0.0,
+            bytes: f64::from(bands.bins) * ROW_BYTES[2],
+        });
+    }
     if let Some(pictures) = &scene.pictures {
         let interval = pictures.interval.get();
         let discs = mean_shapes(loaded);

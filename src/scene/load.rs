@@ -15,6 +15,7 @@ use crate::integrate::Integrator;
 use crate::lattice::load::LoadedLattice;
 use crate::measure::fields::{Field, FieldSampler, Grid};
 use crate::measure::profile::Profile;
+use crate::measure::wall_bands::BandSampler;
 use crate::neighbours::Neighbours;
 use crate::periodic::Periodic;
 use crate::scene::check::{Estimates, automatic};
@@ -506,6 +507,20 @@ impl Loaded {
             Some(Mover::new(home, Drive::Leaf { door: number, by: by.get(), speed: speed.get(), state }))
         });
         motions.chain(leaves).collect()
+    }
+
+    /// The samplers of `wall_bands`.
+    #[must_use]
+    pub fn wall_bands<V: Space>(&self) -> Vec<BandSampler> {
+        let names: Vec<_> = self.scene.walls.iter().filter(|wall| wall.is_surface()).map(Wall::name).collect();
+        let surfaces = if self.scene.wall_bands.is_empty() { Vec::new() } else { self.surfaces::<V>() };
+        let samplers = self.scene.wall_bands.iter().map(|bands| {
+            let walls: Vec<_> = (0..names.len()).filter(|&number| names[number] == Some(&bands.walls)).collect();
+            let own = surfaces.iter().filter(|wall| walls.contains(&wall.number)).map(|wall| wall.surface);
+            let own: Vec<_> = own.collect();
+            BandSampler::new(bands.clone(), walls, &own)
+        });
+        samplers.collect()
     }
 
     /// Radii of all fixed discs and spheres, m.

@@ -33,6 +33,7 @@ use crate::measure::fields::Field;
 use crate::measure::flow::Flow;
 use crate::measure::outflow::Outflow;
 use crate::measure::profile::Profile;
+use crate::measure::wall_bands::WallBands;
 use crate::neighbours::Neighbours;
 use crate::periodic::PeriodicSides;
 use crate::persist::{CheckpointConfig, default_checkpoint};
@@ -139,6 +140,9 @@ pub struct Scene {
     /// Averages on grids: densities, velocity, stress.
     #[serde(default)]
     pub fields: Vec<Field>,
+    /// Loads on walls by height.
+    #[serde(default)]
+    pub wall_bands: Vec<WallBands>,
     /// A field of mean velocity.
     pub flow: Option<Flow>,
     /// Figures of the discharge over a window of time.

@@ -30,12 +30,16 @@ impl<'a, V: Space> Survey<'a, V> {
             let are_present = store.is_present(i) && store.is_present(j);
             Some(Touching { survey: self, row: i, partner: Partner::Particle(j), pair: pair? }).filter(|_| are_present)
         });
-        let rows = (0..store.movable_end).filter(|&i| store.is_present(i));
-        let with_walls = rows.flat_map(move |i| {
+        between.chain(self.touching_walls())
+    }
+
+    /// Iterates over all contacts with wall surfaces of particles that are present, in ascending order of slots.
+    pub fn touching_walls(self) -> impl Iterator<Item = Touching<'a, V>> {
+        let rows = (0..self.store.movable_end).filter(move |&i| self.store.is_present(i));
+        rows.flat_map(move |i| {
             let of_row = self.contacts_with_walls(i).into_iter();
             of_row.map(move |(index, pair)| Touching { survey: self, row: i, partner: Partner::Wall(index), pair })
-        });
-        between.chain(with_walls)
+        })
     }
 }
 

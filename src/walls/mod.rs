@@ -1,6 +1,7 @@
 //! Walls: discs of a silo file, discs and wall surfaces of the scene, their motions, and the lines whose crossing counts as
 //! a way out.
 
+pub(crate) mod area;
 pub mod config;
 pub mod conveyor;
 pub(crate) mod mesh;

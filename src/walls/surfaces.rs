@@ -251,6 +251,11 @@ impl<V: Space> Surfaces<V> {
         }
     }
 
+    /// Returns the first surface of the wall of the scene with this number, from 0.
+    pub(crate) fn first_surface(&self, number: usize) -> &SurfaceWall<V> {
+        &self.all[self.first[number]]
+    }
+
     /// Returns each wall of the scene, by its first surface, with its load.
     pub fn with_loads(&self) -> impl Iterator<Item = (&SurfaceWall<V>, &WallLoad<V>)> {
         self.first.iter().map(|&at| &self.all[at]).zip(&self.loads)

@@ -33,6 +33,7 @@ mod mfix;
 mod mfix_pair;
 mod mfix_rolling;
 mod momentum;
+mod moving_walls;
 mod oblique;
 mod oracle;
 mod ride;

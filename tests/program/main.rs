@@ -25,6 +25,7 @@ mod diff;
 mod divergence;
 #[cfg(unix)]
 mod docs;
+mod doors;
 mod export;
 #[cfg(unix)]
 mod faults;
@@ -52,6 +53,7 @@ mod searches;
 mod silo_file;
 mod stops;
 mod synchronisation;
+mod wall_loads;
 mod without_energy_balance;
 
 use std::num::NonZeroUsize;

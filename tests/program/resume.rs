@@ -19,8 +19,9 @@ struct Case {
 }
 
 /// Friction memory, rolling resistance, Hertz's law, solid space, periodic sides, profiles and fields in mid-average, a spawner in
-/// mid-release, a sliding door, moving walls, losses, a flow field, figures of the outflow, frames in all formats, the lattice gas.
-const CASES: [Case; 7] = [
+/// mid-release, a sliding door, moving wall grains, losses, a flow field, figures of the outflow, frames in all formats, walls that move, a gate that opens and shuts, the
+/// lattice gas.
+const CASES: [Case; 9] = [
     Case {
         scene: "silo1.ron",
         settings: &[
@@ -46,6 +47,8 @@ const CASES: [Case; 7] = [
     },
     Case { scene: "silo3d.ron", settings: &["until=0.05"] },
     Case { scene: "hard/pressed-door.ron", settings: &[] },
+    Case { scene: "hard/moving-walls.ron", settings: &["until=0.5"] },
+    Case { scene: "gated-bin.ron", settings: &["until=2.1", "pictures=None", "wall_bands=[(walls: \"gate\", low: -0.01, high: 0.01, bins: 2, sample: 0.003, average: 0.4)]"] },
     Case { scene: "funnel-flow.ron", settings: &["until=1500"] },
 ];
 

@@ -35,6 +35,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     ids(loaded)?;
     walls(loaded)?;
     wall_discs(loaded)?;
+    wall_names(loaded)?;
     periodic(loaded)?;
     spawner(loaded)?;
     feed(loaded)?;
@@ -45,6 +46,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     energy_balance(loaded)?;
     cells(loaded)?;
     profiles(loaded)?;
+    outputs::wall_bands(loaded)?;
     outputs::bins(loaded)?;
     fields::fields(loaded)?;
     outflow::outflow(loaded)?;
@@ -219,6 +221,21 @@ fn walls(loaded: &Loaded) -> Result<(), Fault> {
 
 /// Most wall discs of a planar scene. Each pair of them is compared, to find the outline.
 const MOST_WALL_DISCS: usize = 20_000;
+
+/// Names of walls stand in CSV files and messages.
+fn wall_names(loaded: &Loaded) -> Result<(), Fault> {
+    let is_plain = |letter: char| letter.is_alphanumeric() || " -_.".contains(letter);
+    for (index, wall) in loaded.scene.walls.iter().enumerate() {
+        let Some(name) = wall.name() else { continue };
+        if name.is_empty() || name.chars().count() > 60 || !name.chars().all(is_plain) {
+            let message = format!("{name:?} is no name of a wall");
+            return Err(loaded
+                .fault("scene::wall_name", &format!("walls[{index}].name"), message)
+                .help("give 1 to 60 letters, digits, blanks, or characters of `-_.`"));
+        }
+    }
+    Ok(())
+}
 
 fn wall_discs(loaded: &Loaded) -> Result<(), Fault> {
     let counts = [

@@ -4,6 +4,7 @@ use crate::fault::Fault;
 use crate::scene::expected;
 use crate::scene::load::Loaded;
 use crate::values::Positive;
+use crate::walls::config::Wall;
 use crate::writers::png::{MOST_PIXELS, MOST_SHAPES};
 use crate::writers::volume;
 
@@ -113,6 +114,42 @@ pub(super) fn bins(loaded: &Loaded) -> Result<(), Fault> {
                 .fault("scene::out_of_range", &format!("profiles[{index}].bins"), message)
                 .help("give fewer bins or profiles"));
         }
+    }
+    Ok(())
+}
+
+/// Bands need walls with ends, and bins.
+pub(super) fn wall_bands(loaded: &Loaded) -> Result<(), Fault> {
+    for (index, bands) in loaded.scene.wall_bands.iter().enumerate() {
+        let mut walls = loaded.scene.walls.iter().filter(|wall| wall.name() == Some(&bands.walls));
+        let (code, key, message, help) = if walls.clone().next().is_none() {
+            (
+                "scene::no_such_wall",
+                "walls",
+                format!("no wall has the name {:?}", bands.walls),
+                "give a wall of `walls` this `name`",
+            )
+        } else if walls.any(|wall| matches!(wall, Wall::HalfPlane { .. })) {
+            let message = format!("a half-plane named {:?} has no ends, so its area is not known", bands.walls);
+            ("scene::no_ends", "walls", message, "use a segment, in solid space a panel")
+        } else if bands.low.get() >= bands.high.get() {
+            (
+                "scene::empty_box",
+                "high",
+                "the first bin must begin below the end of the last one".to_owned(),
+                "give heights in m",
+            )
+        } else if !(1..=10_000).contains(&bands.bins) {
+            (
+                "scene::out_of_range",
+                "bins",
+                "expected 1 to 10000 bins".to_owned(),
+                "bins divide the height from `low` to `high`",
+            )
+        } else {
+            continue;
+        };
+        return Err(loaded.fault(code, &format!("wall_bands[{index}].{key}"), message).help(help));
     }
     Ok(())
 }

@@ -20,7 +20,7 @@ pub struct Panel<V: Space = Plane> {
 
 impl<V: Space> Panel<V> {
     /// Returns the corners in order round the panel, m.
-    fn corners(&self) -> [V; 4] {
+    pub(crate) fn corners(&self) -> [V; 4] {
         let Self { corner, along, across } = *self;
         [corner, corner + along, corner + along + across, corner + across]
     }

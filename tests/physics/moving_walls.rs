@@ -1,0 +1,162 @@
+//! Walls that move: a driven oscillator, the invariance of contacts in a box that moves at constant velocity, a turning plate
+//! against a plate with a spin of its own, a table against a steady motion, and the energy balance.
+
+use std::f64::consts::TAU;
+
+use glam::DVec3;
+
+use crate::{Motion, grain, motion, simulation, sphere};
+use siloflow::energy::EnergyFlows;
+use siloflow::grains::file::GrainRow;
+use siloflow::measure::totals;
+use siloflow::prelude::*;
+use siloflow::walls::surfaces::Surfaces;
+
+const FRICTION: &str = "tangential: Spring(k: 2857.0, damping: OfNormal(0.5), friction: 0.4)";
+
+/// A grain that lies on an oscillating floor. With u the height over the place of rest and w the place of the floor,
+/// u'' = -w0^2 (u - w), u(0) = u'(0) = 0.
+fn on_a_vibrating_floor(dt: f64) -> (Simulation, f64, f64) {
+    let (m, k, amplitude, frequency, radius) = (0.05f64, 1.0e4f64, 1.0e-5, 20.0, 0.01);
+    let keys = format!(
+        "gravity: (0.0, -9.81), contact: Linear(k: {k:?}), step: Fixed({dt:?}), until: 10.0, integrator: Verlet,
+         walls: [Segment(from: (-1.0, 0.0), to: (1.0, 0.0), name: \"floor\")],
+         motions: [(walls: \"floor\", translate: Oscillate(amplitude: (0.0, {amplitude:?}), frequency: {frequency:?}))]"
+    );
+    let rest = radius - m * 9.81 / k;
+    let mut run = simulation(&keys, vec![grain(1, Vector::new(0.1, rest), Vector::ZERO, radius, m)]);
+    let time = 0.1;
+    run.run_steps((time / dt).round() as u64);
+    let (own, pulse) = ((k / m).sqrt(), TAU * frequency);
+    let exact =
+        amplitude * own / (own * own - pulse * pulse) * (own * (pulse * time).sin() - pulse * (own * time).sin());
+    let height = motion(&mut run)[0].position.y - rest;
+    (run, height - exact, exact)
+}
+
+#[test]
+fn a_vibrating_floor_drives_a_grain_as_the_driven_oscillator() {
+    let [coarse, fine] = [4.0e-5, 2.0e-5].map(on_a_vibrating_floor);
+    // The phase error of Verlet is (w0 dt)^3/24 a step: w0^3 t dt^2/24 = 0.015 at the coarse step; the amplitude is 1e-5 m.
+    assert!(coarse.1.abs() < 2.0e-7 && coarse.2.abs() > 1.0e-6, "{} of {}", coarse.1, coarse.2);
+    let order = (coarse.1 / fine.1).log2();
+    assert!((order - 2.0).abs() < 0.1, "order {order}");
+}
+
+#[test]
+fn the_work_of_a_vibrating_floor_is_the_energy_of_the_grain() {
+    let [coarse, fine] = [4.0e-5, 2.0e-5].map(|dt| {
+        let (run, ..) = on_a_vibrating_floor(dt);
+        let (totals, flows) = (totals::of_world(run.world()), *run.world().resource::<EnergyFlows>());
+        assert!(flows.wall_work.abs() > 1.0e-8, "{flows:?}");
+        (totals.energy() - flows.expected()).abs()
+    });
+    // Trapezoidal rule: T W^2 dt^2/12 of the power, with W <= w0 + w = 573/s; the power is at most m g A w = 6e-4 W.
+    assert!(coarse < 0.1 * 573.0f64.powi(2) * 1.6e-9 / 12.0 * 6.2e-4 * 4.0, "{coarse}");
+    assert!((coarse / fine).log2() > 1.7, "{coarse} {fine}");
+}
+
+fn crowd() -> Vec<GrainRow> {
+    let place = |n: u32| {
+        let [i, j, k] = [n % 3, (n / 3) % 3, n / 9].map(f64::from);
+        DVec3::new(0.022 * i - 0.021, 0.022 * j - 0.022, 0.022 * k - 0.020)
+    };
+    let velocity =
+        |n: u32| DVec3::new((f64::from(n) * 1.7).sin(), (f64::from(n) * 2.3).cos(), (f64::from(n) * 0.9).sin());
+    (0..27).map(|n| sphere(n + 1, place(n), velocity(n), 0.01, 0.01)).collect()
+}
+
+/// A closed box of panels round the origin, with these further keys.
+fn boxed(more: &str, grains: Vec<GrainRow>, steps: u64) -> Vec<Motion> {
+    let panel = |corner: &str, along: &str, across: &str| {
+        format!("Panel(corner: {corner}, along: {along}, across: {across}, name: \"box\")")
+    };
+    let (x, y, z) = ("(0.08, 0.0, 0.0)", "(0.0, 0.08, 0.0)", "(0.0, 0.0, 0.08)");
+    let low = "(-0.04, -0.04, -0.04)";
+    let walls = [
+        panel(low, x, y),
+        panel(low, y, z),
+        panel(low, x, z),
+        panel("(-0.04, -0.04, 0.04)", x, y),
+        panel("(0.04, -0.04, -0.04)", y, z),
+        panel("(-0.04, 0.04, -0.04)", x, z),
+    ];
+    let keys = format!(
+        "space: Solid, gravity: (0.0, 0.0, 0.0), contact: Linear(k: 1.0e4, damping: Restitution(0.8), {FRICTION}),
+         step: Fixed(2.0e-5), until: 10.0, walls: [{}], {more}",
+        walls.join(", ")
+    );
+    let mut run = simulation(&keys, grains);
+    run.run_steps(steps);
+    assert_eq!(run.world().resource::<Ledger>().lost(), 0);
+    motion(&mut run)
+}
+
+#[test]
+fn a_box_at_constant_velocity_is_a_box_at_rest() {
+    let drift = DVec3::new(0.3, -1.1, 0.7);
+    let moved = crowd().into_iter().map(|row| GrainRow { velocity: row.velocity + drift, ..row }).collect();
+    let motions = "motions: [(walls: \"box\", translate: Steady((0.3, -1.1, 0.7)))]";
+    let steps = 2000;
+    let (still, moving) = (boxed("", crowd(), steps), boxed(motions, moved, steps));
+    let time = 2.0e-5 * steps as f64;
+    for (a, b) in still.iter().zip(&moving) {
+        // Rounding of positions of 0.1 m over 2000 steps, 2000 eps 0.1 m = 4e-14 m, times the growth of a difference in up to
+        // 8 collisions, each by about 2 l/R = 6.
+        let tolerance = 4.0e-14 * 6f64.powi(8);
+        assert!((a.position - (b.position - drift * time)).length() < tolerance, "{a:?} {b:?}");
+        assert!((a.spin - b.spin).length() < tolerance * 1.0e4, "{a:?} {b:?}");
+    }
+    let moves = crowd().iter().zip(&still).map(|(row, a)| (row.position - a.position).length()).fold(0.0, f64::max);
+    assert!(moves > 0.02, "the grains collide: {moves}");
+}
+
+#[test]
+fn a_straight_table_is_a_steady_motion() {
+    let directory = tempfile::tempdir().unwrap();
+    let file = directory.path().join("way.csv");
+    std::fs::write(&file, "time_s,x_m,y_m,z_m\n0,0,0,0\n0.013,0.0039,0,0.0013\n1,0.3,0,0.1\n").unwrap();
+    let table = format!("motions: [(walls: \"box\", translate: Table(file: {file:?}))]");
+    let steady = "motions: [(walls: \"box\", translate: Steady((0.3, 0.0, 0.1)))]";
+    let (a, b) = (boxed(&table, crowd(), 1000), boxed(steady, crowd(), 1000));
+    // As above; half the time, half the collisions.
+    let apart = a.iter().zip(&b).map(|(a, b)| (a.position - b.position).length()).fold(0.0, f64::max);
+    assert!(apart < 2.0e-14 * 6f64.powi(6), "{apart}");
+}
+
+#[test]
+fn a_turning_plate_drags_as_a_plate_with_a_spin() {
+    let run = |plate: &str, more: &str| {
+        let keys = format!(
+            "space: Solid, gravity: (0.0, 0.0, -9.81), contact: Linear(k: 1.0e4, damping: Restitution(0.5), {FRICTION}),
+             step: Fixed(2.0e-5), until: 10.0,
+             walls: [Annulus(centre: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0), outer: 0.2, name: \"plate\"{plate})], {more}"
+        );
+        let mut run = simulation(&keys, vec![sphere(1, DVec3::new(0.05, 0.02, 0.0102), DVec3::ZERO, 0.01, 0.01)]);
+        run.run_steps(5000);
+        let walls = run.world().resource::<Surfaces<DVec3>>();
+        let torque = walls.loads[0].torque;
+        (motion(&mut run)[0], torque)
+    };
+    let (spun, torque) = run(", spin: 4.0", "");
+    let turn =
+        "motions: [(walls: \"plate\", rotate: (about: (0.0, 0.0, 0.0), axis: (0.0, 0.0, 2.0), by: Steady(4.0)))]";
+    let (turned, other) = run("", turn);
+    // The height of the plate is exact in both; turned axes differ by eps, times 5000 steps.
+    assert!((spun.position - turned.position).length() < 1.0e-12, "{spun:?} {turned:?}");
+    assert!((spun.spin - turned.spin).length() < 1.0e-9 && spun.velocity.length() > 0.1, "{spun:?} {turned:?}");
+    assert!((torque - other).length() < 1.0e-10 && torque.z.abs() > 0.0, "{torque} {other}");
+}
+
+#[test]
+fn a_grain_that_a_wall_passes_without_touching_is_lost() {
+    let keys = "gravity: (0.0, 0.0), contact: Linear(k: 1.0e4), step: Fixed(1.0e-2), until: 1.0, on_loss: Continue,
+         walls: [Segment(from: (-1.0, 0.0), to: (1.0, 0.0), name: \"wall\")],
+         motions: [(walls: \"wall\", translate: Steady((0.0, 10.0)))]";
+    // 0.1 m a step: from 0.04 m below the grain to 0.06 m above it.
+    let mut run = simulation(keys, vec![grain(1, Vector::new(0.0, 0.14), Vector::ZERO, 0.01, 0.01)]);
+    run.run_steps(5);
+    let ledger = run.world().resource::<Ledger>();
+    assert_eq!((ledger.lost(), ledger.lost[0].way.as_str()), (1, "through a moving wall"));
+    assert_eq!(ledger.lost[0].step, 2);
+}
