@@ -44,7 +44,7 @@ FRICTION = 0.5
 DECREMENT = -math.log(0.55)
 GAMMA_N = 2.0 * math.sqrt(2.0 * K_N / MASS) * DECREMENT / math.hypot(math.pi, DECREMENT)
 GAMMA_T = 0.5 * GAMMA_N
-DT, EVERY = 2.5e-6, 100  # s; steps between two readings of the floor's force
+DT, EVERY = 2.5e-6, 100  # s; steps over which a reading of the force on the floor is averaged
 STEPS, FALL, REST = 80_000, 0.03, 0.05  # steps; s; s
 SLAB = (3.0 * D, 10.0 * D)
 FIGURES = ("packing", "coordination", "floor_fall", "floor_rest")
@@ -100,7 +100,7 @@ fix weight all gravity {GRAVITY} vector 0 0 -1
 fix floor all wall/gran hooke/history {law} zplane 0 NULL contacts
 timestep {DT}
 compute lift all reduce sum f_floor[4]
-fix force all ave/time {EVERY} 1 {EVERY} c_lift format " %.17g" file floor.txt
+fix force all ave/time 1 {EVERY} {EVERY} c_lift format " %.17g" file floor.txt
 compute touching all contact/atom
 compute contacts all reduce ave c_touching
 compute spin all erotate/sphere

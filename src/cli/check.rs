@@ -19,6 +19,7 @@ use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 use crate::walls::config::Wall;
 use crate::walls::mesh::open_and_crowded_edges;
+use crate::walls::mesh_faults;
 use crate::writers::volume::{self, Output, Volume};
 
 /// Arguments of `check`.
@@ -66,9 +67,11 @@ fn describe_meshes(loaded: &Loaded, text: &mut String) {
         let Wall::Mesh { triangles, .. } = wall else { continue };
         let [open, crowded] = open_and_crowded_edges(triangles);
         let count = triangles.len();
+        let reversed = mesh_faults::faults(triangles).reversed;
         let _ = writeln!(
             text,
-            "mesh of walls[{number}]  {count} triangles; {open} edges of one triangle alone, {crowded} of more than two"
+            "mesh of walls[{number}]  {count} triangles; {open} edges of one triangle alone, {crowded} of more than two, {reversed} \
+             of two that are turned against each other"
         );
     }
 }

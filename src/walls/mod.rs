@@ -5,6 +5,7 @@ pub(crate) mod area;
 pub mod config;
 pub mod conveyor;
 pub(crate) mod mesh;
+pub(crate) mod mesh_faults;
 pub mod motion;
 pub mod moving;
 pub(crate) mod near;

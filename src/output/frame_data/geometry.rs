@@ -30,7 +30,7 @@ pub fn walls<V: Space>(all: &[SurfaceWall<V>], domain: [Solid; 2]) -> Vec<WallGe
     for surface in all {
         let number = u32::try_from(surface.number + 1).unwrap_or(u32::MAX);
         if walls.last().is_none_or(|wall| wall.number != number) {
-            let (species, is_door) = (surface.species.0, surface.is_door);
+            let (species, is_door) = (surface.species.0, surface.door.is_some());
             walls.push(WallGeometry { number, species, is_door, ..WallGeometry::default() });
         }
         if let Some(wall) = walls.last_mut()

@@ -16,6 +16,7 @@ pub mod automatic;
 pub mod crowd;
 mod falling;
 pub mod leaks;
+mod meshes;
 pub mod species_pairs;
 mod start;
 pub mod step;
@@ -228,6 +229,7 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
     renamed_keys(loaded, &mut warnings);
     stop(loaded, &mut warnings);
     start::examine(loaded, &mut warnings);
+    meshes::examine(loaded, &mut warnings);
     let Some(estimates) = Estimates::of(loaded) else { return warnings };
     step(&estimates, &mut warnings);
     feeds(loaded, estimates.dt, &mut warnings);

@@ -1,0 +1,82 @@
+//! Warnings about triangles of meshes: T-junctions, slivers and overlaps ([`mesh_faults`](crate::walls::mesh_faults)), and about
+//! flat walls of the scene that overlap in one plane.
+
+use crate::fault::Warning;
+use crate::scene::load::Loaded;
+use crate::space::Solid;
+use crate::walls::config::Wall;
+use crate::walls::mesh_faults::faults;
+
+/// Adds the warnings.
+pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+    for (number, wall) in loaded.scene.walls.iter().enumerate() {
+        if let Wall::Mesh { triangles, .. } = wall {
+            of_mesh(number, triangles, warnings);
+        }
+    }
+    overlapping_walls(loaded, warnings);
+}
+
+fn of_mesh(number: usize, triangles: &[[Solid; 3]], warnings: &mut Vec<Warning>) {
+    let found = faults(triangles);
+    let mut warn = |code, what: String, help: &str| {
+        warnings.push(Warning {
+            code,
+            message: format!("the mesh of walls[{number}] has {what}"),
+            help: help.to_owned(),
+        });
+    };
+    if let [first, ..] = found.t_junctions[..] {
+        let count = found.t_junctions.len();
+        warn(
+            "check::t_junctions",
+            format!("{count} triangles with a corner of another triangle on an edge, first triangle {first}"),
+            "divide the edge at this corner; at present grains touch an edge where the surface is smooth",
+        );
+    }
+    if let [first, ..] = found.slivers[..] {
+        let count = found.slivers.len();
+        warn(
+            "check::slivers",
+            format!("{count} triangles lower than a hundredth of their longest edge, first triangle {first}"),
+            "make the mesh anew with triangles of better shape, if contacts there matter to you",
+        );
+    }
+    if let [(one, other), ..] = found.overlaps[..] {
+        let count = found.overlaps.len();
+        warn(
+            "check::overlapping_triangles",
+            format!("{count} pairs of triangles that overlap in one plane, first triangles {one} and {other}"),
+            "remove the part that comes twice",
+        );
+    }
+}
+
+/// Panels and polygons of the scene that cover a common area: a part of the wall comes twice.
+fn overlapping_walls(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+    let mut triangles = Vec::new();
+    let mut owners = Vec::new();
+    for (number, wall) in loaded.scene.walls.iter().enumerate() {
+        let own = match wall {
+            Wall::Panel { corner, along, across, .. } => {
+                let (a, u, v) = (corner.padded(), along.padded(), across.padded());
+                vec![[a, a + u, a + u + v], [a, a + u + v, a + v]]
+            }
+            // The rules have refused polygons without triangles.
+            Wall::Polygon { .. } => wall.triangles().unwrap_or_default().to_vec(),
+            _ => continue,
+        };
+        owners.extend(own.iter().map(|_| number));
+        triangles.extend(own);
+    }
+    let pairs = faults(&triangles).overlaps.into_iter().map(|(one, other)| (owners[one - 1], owners[other - 1]));
+    let mut pairs: Vec<_> = pairs.filter(|(one, other)| one != other).collect();
+    pairs.dedup();
+    if let [(one, other), ..] = pairs[..] {
+        warnings.push(Warning {
+            code: "check::overlapping_walls",
+            message: format!("walls[{one}] and walls[{other}] overlap in one plane"),
+            help: "a grain touches the nearer one there; let one of them end where the other begins".to_owned(),
+        });
+    }
+}
