@@ -151,7 +151,7 @@ fn is_due(opens: &DoorOpens, turns: usize, clock: &Clock, is_at_rest: bool) -> b
         DoorOpens::At(time) => turns == 0 && clock.has_reached(time.get()),
         DoorOpens::Schedule(times) => times
             .get(turns / 2)
-            .is_some_and(|&(open, shut)| clock.has_reached(if turns % 2 == 0 { open } else { shut }.get())),
+            .is_some_and(|&(open, shut)| clock.has_reached(if turns.is_multiple_of(2) { open } else { shut }.get())),
         DoorOpens::Never => false,
     }
 }

@@ -133,6 +133,31 @@ pub(crate) fn add_all<V: Space>(
     if let Some(rest) = scene.rest {
         app.add("rest", RestPlugin(rest, space));
     }
+    add_doors_and_motions::<V>(app, loaded, has_behaviours);
+    if let Some(bed) = scene.bed {
+        app.add("bed", BedPlugin(bed));
+    }
+    add_behaviours(app, behaviours);
+    app.add_with("behaviours", |app| {
+        // A behaviour that replaces the contact law may add a force of its own without contacts.
+        if own_contacts && !app.world().contains_resource::<History<V>>() {
+            app.add_systems(Step, clear_forces::<V>.in_set(ForceStage::Contacts));
+        }
+    });
+    app.add_with("contact.tangential", |app| {
+        // A behaviour's law may rotate grains even if the scene's own law does not.
+        if scene.energy_balance
+            && app.is_plugin_added::<SpinPlugin<V>>()
+            && !app.is_plugin_added::<SpinEnergyPlugin<V>>()
+        {
+            app.add_plugins(SpinEnergyPlugin(space));
+        }
+    });
+}
+
+/// Adds what opens doors, moves walls and removes them.
+fn add_doors_and_motions<V: Space>(app: &mut Assembly, loaded: &Loaded, has_behaviours: bool) {
+    let (scene, space) = (&loaded.scene, PhantomData::<V>);
     let doors = scene.door_controls();
     if let Some((_, key, _)) = doors.first() {
         let controls = doors.iter().map(|(number, _, control)| (*number, control.clone())).collect();
@@ -156,25 +181,6 @@ pub(crate) fn add_all<V: Space>(
             app.add("walls", LeavingWallsEnergyPlugin(space));
         }
     }
-    if let Some(bed) = scene.bed {
-        app.add("bed", BedPlugin(bed));
-    }
-    add_behaviours(app, behaviours);
-    app.add_with("behaviours", |app| {
-        // A behaviour that replaces the contact law may add a force of its own without contacts.
-        if own_contacts && !app.world().contains_resource::<History<V>>() {
-            app.add_systems(Step, clear_forces::<V>.in_set(ForceStage::Contacts));
-        }
-    });
-    app.add_with("contact.tangential", |app| {
-        // A behaviour's law may rotate grains even if the scene's own law does not.
-        if scene.energy_balance
-            && app.is_plugin_added::<SpinPlugin<V>>()
-            && !app.is_plugin_added::<SpinEnergyPlugin<V>>()
-        {
-            app.add_plugins(SpinEnergyPlugin(space));
-        }
-    });
 }
 
 /// Adds the behaviours of a scene, in the order of their names.

@@ -2,7 +2,7 @@
 //!
 //! Every `sample` seconds each contact with a wall of the band's name adds its force on the wall to the bin of the height of its
 //! contact point. After `average` seconds, or at the end of the run, the sums become means over the area of the walls in the
-//! bin ([`crate::walls::area`], for walls in the places of the start):
+//! bin (`walls::area`, for walls in the places of the start):
 //!
 //! * *pressure*: sum of the normal forces, over the area;
 //! * *downward traction*: sum of the downward components of the frictional forces on the wall, over the area.

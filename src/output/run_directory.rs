@@ -78,8 +78,22 @@ const LOSSES: &str = "losses.csv";
 const STATE: &str = "state.csv";
 const SUMMARY: &str = "summary.json";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 14] =
-    [SERIES, FRAME_DATA, "frames.xyz", "frames.dump", WALLS, WALL_GROUPS, WALL_BANDS, PROFILES, CENTRES, FIELDS, FLOW, LOSSES, STATE, SUMMARY];
+const OWN_FILES: [&str; 14] = [
+    SERIES,
+    FRAME_DATA,
+    "frames.xyz",
+    "frames.dump",
+    WALLS,
+    WALL_GROUPS,
+    WALL_BANDS,
+    PROFILES,
+    CENTRES,
+    FIELDS,
+    FLOW,
+    LOSSES,
+    STATE,
+    SUMMARY,
+];
 
 /// Names of the files that hold the input of a run, without those of meshes and motions.
 const INPUT_FILES: [&str; 4] = [SCENE, "input-silo.dat", "input-grains.csv", "input-contacts.csv"];

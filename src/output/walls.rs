@@ -23,6 +23,7 @@ use crate::persist::{PersistApp as _, Problem};
 use crate::scene::outputs::Series;
 use crate::space::{Dimension, Space};
 use crate::step::{Clock, Part, Phase, Step};
+use crate::store::KickAppliedAtEnd;
 use crate::walls::surfaces::Surfaces;
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce, numbers};
 
@@ -151,7 +152,7 @@ impl<V: Space> Plugin for WallForcesPlugin<V> {
         let Some(files) = self.0.open() else { return };
         app.persist_part::<WallFiles<V>, _>(WallFiles::saved, WallFiles::restore);
         app.insert_resource(files);
-        app.add_systems(Step, add_loads::<V>.in_set(Part::Engine(Phase::Observe)));
+        app.add_systems(Step, add_loads::<V>.in_set(Part::Engine(Phase::Observe)).after(KickAppliedAtEnd));
         app.add_systems(Step, write_rows::<V>.in_set(ObserveStage::Write).run_if(due::<Series>));
     }
 }

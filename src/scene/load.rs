@@ -457,7 +457,8 @@ impl Loaded {
             [centre - reach, centre + reach]
         });
         let around = discs.reduce(|[low, high], [lower, higher]| [low.min(lower), high.max(higher)]);
-        let of_walls = self.scene.walls.iter().filter(|wall| self.scene.door_of(wall).is_some()).filter_map(Wall::bounds);
+        let of_walls =
+            self.scene.walls.iter().filter(|wall| self.scene.door_of(wall).is_some()).filter_map(Wall::bounds);
         around.into_iter().chain(of_walls).collect()
     }
 

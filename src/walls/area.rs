@@ -31,10 +31,10 @@ pub(crate) fn area_between<V: Space>(surface: &Surface<V>, low: f64, high: f64) 
 
 /// Returns the share of a line between two heights.
 fn share_between([from, to]: [f64; 2], low: f64, high: f64) -> f64 {
-    if from == to {
-        return if (low..high).contains(&from) { 1.0 } else { 0.0 };
-    }
     let (bottom, top) = (from.min(to), from.max(to));
+    if bottom >= top {
+        return if (low..high).contains(&bottom) { 1.0 } else { 0.0 };
+    }
     ((top.min(high) - bottom.max(low)) / (top - bottom)).max(0.0)
 }
 
@@ -42,7 +42,7 @@ fn share_between([from, to]: [f64; 2], low: f64, high: f64) -> f64 {
 fn clipped_area<V: Space>(corners: &[V], low: f64, high: f64) -> f64 {
     let heights = || corners.iter().map(|corner| corner.height());
     let (bottom, top) = (heights().fold(f64::INFINITY, f64::min), heights().fold(f64::NEG_INFINITY, f64::max));
-    if bottom == top {
+    if bottom >= top {
         return if (low..high).contains(&bottom) { area(corners) } else { 0.0 };
     }
     let above = clip(corners, |x| x.height() - low);
@@ -79,7 +79,7 @@ fn revolved_area<V: Space>(wall: &Revolved<V>, low: f64, high: f64) -> f64 {
         let length = (r_1 - r_0).hypot(z_1 - z_0);
         let height = |z: f64| wall.base.height() + upwards * z;
         let (from, to) = (height(z_0), height(z_1));
-        if from == to {
+        if from.min(to) >= from.max(to) {
             let is_inside = (low..high).contains(&from);
             return if is_inside { PI * (r_0 + r_1) * length } else { 0.0 };
         }

@@ -134,10 +134,10 @@ fn cover_common_area(one: &[Solid; 3], other: &[Solid; 3]) -> bool {
         (0..3).any(|edge| {
             let (from, way) = (of[edge], of[(edge + 1) % 3] - of[edge]);
             let across = normal.cross(way).normalize();
-            let side = |triangle: &[Solid; 3]| triangle.map(|corner| (corner - from).dot(across));
-            let (a, b) = (side(one), side(other));
-            let low = |sides: [f64; 3]| sides.into_iter().fold(f64::INFINITY, f64::min);
-            let high = |sides: [f64; 3]| sides.into_iter().fold(f64::NEG_INFINITY, f64::max);
+            let sides = |triangle: &[Solid; 3]| triangle.map(|corner| (corner - from).dot(across));
+            let (a, b) = (sides(one), sides(other));
+            let low = |of: [f64; 3]| of.into_iter().fold(f64::INFINITY, f64::min);
+            let high = |of: [f64; 3]| of.into_iter().fold(f64::NEG_INFINITY, f64::max);
             let margin = ON * size;
             high(a) <= low(b) + margin || high(b) <= low(a) + margin
         })

@@ -19,7 +19,7 @@ const FRICTION: &str = "tangential: Spring(k: 2857.0, damping: OfNormal(0.5), fr
 fn on_a_vibrating_floor(dt: f64) -> (Simulation, f64, f64) {
     let (m, k, amplitude, frequency, radius) = (0.05f64, 1.0e4f64, 1.0e-5, 20.0, 0.01);
     let keys = format!(
-        "gravity: (0.0, -9.81), contact: Linear(k: {k:?}), step: Fixed({dt:?}), until: 10.0, integrator: Verlet,
+        "gravity: (0.0, -9.81), contact: Linear(k: {k:?}, damping: B(0.0)), step: Fixed({dt:?}), until: 10.0, integrator: Verlet,
          walls: [Segment(from: (-1.0, 0.0), to: (1.0, 0.0), name: \"floor\")],
          motions: [(walls: \"floor\", translate: Oscillate(amplitude: (0.0, {amplitude:?}), frequency: {frequency:?}))]"
     );
@@ -98,7 +98,7 @@ fn a_box_at_constant_velocity_is_a_box_at_rest() {
     let moved = crowd().into_iter().map(|row| GrainRow { velocity: row.velocity + drift, ..row }).collect();
     let motions = "motions: [(walls: \"box\", translate: Steady((0.3, -1.1, 0.7)))]";
     let steps = 2000;
-    let (still, moving) = (boxed("", crowd(), steps), boxed(motions, moved, steps));
+    let (still, moving) = (boxed("motions: []", crowd(), steps), boxed(motions, moved, steps));
     let time = 2.0e-5 * steps as f64;
     for (a, b) in still.iter().zip(&moving) {
         // Rounding of positions of 0.1 m over 2000 steps, 2000 eps 0.1 m = 4e-14 m, times the growth of a difference in up to
@@ -138,19 +138,19 @@ fn a_turning_plate_drags_as_a_plate_with_a_spin() {
         let torque = walls.loads[0].torque;
         (motion(&mut run)[0], torque)
     };
-    let (spun, torque) = run(", spin: 4.0", "");
+    let (spun, torque) = run(", spin: 4.0", "motions: []");
     let turn =
         "motions: [(walls: \"plate\", rotate: (about: (0.0, 0.0, 0.0), axis: (0.0, 0.0, 2.0), by: Steady(4.0)))]";
     let (turned, other) = run("", turn);
     // The height of the plate is exact in both; turned axes differ by eps, times 5000 steps.
     assert!((spun.position - turned.position).length() < 1.0e-12, "{spun:?} {turned:?}");
-    assert!((spun.spin - turned.spin).length() < 1.0e-9 && spun.velocity.length() > 0.1, "{spun:?} {turned:?}");
+    assert!((spun.spin - turned.spin).length() < 1.0e-9 && spun.velocity.length() > 0.05, "{spun:?} {turned:?}");
     assert!((torque - other).length() < 1.0e-10 && torque.z.abs() > 0.0, "{torque} {other}");
 }
 
 #[test]
 fn a_grain_that_a_wall_passes_without_touching_is_lost() {
-    let keys = "gravity: (0.0, 0.0), contact: Linear(k: 1.0e4), step: Fixed(1.0e-2), until: 1.0, on_loss: Continue,
+    let keys = "gravity: (0.0, 0.0), contact: Linear(k: 1.0e4, damping: B(0.0)), step: Fixed(1.0e-2), until: 1.0, on_loss: Continue,
          walls: [Segment(from: (-1.0, 0.0), to: (1.0, 0.0), name: \"wall\")],
          motions: [(walls: \"wall\", translate: Steady((0.0, 10.0)))]";
     // 0.1 m a step: from 0.04 m below the grain to 0.06 m above it.

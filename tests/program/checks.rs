@@ -124,3 +124,52 @@ fn a_run_that_would_write_very_much_is_named() {
     };
     assert!(!code("1.0e3") && code("1.0e9"));
 }
+
+/// Codes of the warnings of a solid scene with these walls, whose files are read from `directory`.
+fn codes_of_walls(directory: &Path, walls: &str) -> Vec<&'static str> {
+    let text = format!(
+        "(space: Solid, gravity: (0.0, 0.0, -9.81), contact: Linear(k: 1.0e7, damping: Restitution(0.5)), step: Fixed(1.0e-5),
+        until: 1.0, walls: [{walls}])"
+    );
+    let loaded = load::from_text("a.ron", "a", directory, text, &[]).unwrap();
+    check::warnings(&loaded).into_iter().map(|warning| warning.code).collect()
+}
+
+#[test]
+fn walls_that_overlap_in_one_plane_are_found() {
+    let two = |x: f64| {
+        let panel =
+            |x: f64| format!("Panel(corner: ({x:?}, 0.0, 0.0), along: (1.0, 0.0, 0.0), across: (0.0, 1.0, 0.0))");
+        format!("{}, {}", panel(0.0), panel(x))
+    };
+    assert_eq!(codes_of_walls(Path::new(""), &two(0.9)), ["check::overlapping_walls"]);
+    assert_eq!(codes_of_walls(Path::new(""), &two(1.0)), [""; 0]);
+}
+
+#[test]
+fn faults_of_meshes_are_found() {
+    let here = tempfile::tempdir().unwrap();
+    let mesh = |text: &str| {
+        std::fs::write(here.path().join("a.obj"), text).unwrap();
+        codes_of_walls(here.path(), "Mesh(file: \"a.obj\", unit: Metre)")
+    };
+    let corners = "v 0 0 0\nv 2 0 0\nv 1 2 0\nv 1 0 0\nv 1 -1 0\nv 1 0.01 0\n";
+    assert_eq!(mesh(&format!("{corners}f 1 2 3\nf 1 2 5\n")), [""; 0]);
+    assert_eq!(mesh(&format!("{corners}f 1 2 3\nf 1 4 5\nf 4 2 5\n")), ["check::t_junctions"]);
+    assert_eq!(mesh(&format!("{corners}f 1 2 6\n")), ["check::slivers"]);
+    assert_eq!(mesh(&format!("{corners}f 1 2 3\nf 1 4 3\n")), ["check::t_junctions", "check::overlapping_triangles"]);
+}
+
+#[test]
+fn a_wall_that_passes_a_grain_in_one_step_is_found() {
+    let keys = |speed: f64| {
+        format!(
+            "walls: [Segment(from: (-1.0, 0.0), to: (1.0, 0.0), name: \"floor\")], cull: (below: -1.0),
+            motions: [(walls: \"floor\", translate: Oscillate(amplitude: (0.0, 0.1), frequency: {speed:?}))], {}",
+            block(0.0, "")
+        )
+    };
+    // The largest speed is 2 pi 0.1 m times the frequency; the radius is 0.05 m, and a step 1e-5 s.
+    assert!(!codes(&keys(10.0)).contains(&"check::fast_grains"));
+    assert!(codes(&keys(1.0e4)).contains(&"check::fast_grains"));
+}

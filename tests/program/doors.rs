@@ -87,7 +87,7 @@ fn the_gate_of_the_shipped_scene_lets_portions_out() {
         ledger.out()
     };
     // The gate is shut again 0.1 s after it has begun to shut: at 1.5 s.
-    let [before, first, still, second] = [20_000, 30_000, 40_000, 50_000].map(|steps| out(steps));
+    let [before, first, still, second] = [20_000, 30_000, 40_000, 50_000].map(&mut out);
     assert!(before == 0 && first > 20 && still == first && second > first, "{before} {first} {still} {second}");
     let world = run.world_mut();
     let doors = world.query::<&Door>().iter(world).filter(|door| door.0 == 1).count();

@@ -48,7 +48,14 @@ const CASES: [Case; 9] = [
     Case { scene: "silo3d.ron", settings: &["until=0.05"] },
     Case { scene: "hard/pressed-door.ron", settings: &[] },
     Case { scene: "hard/moving-walls.ron", settings: &["until=0.5"] },
-    Case { scene: "gated-bin.ron", settings: &["until=2.1", "pictures=None", "wall_bands=[(walls: \"gate\", low: -0.01, high: 0.01, bins: 2, sample: 0.003, average: 0.4)]"] },
+    Case {
+        scene: "gated-bin.ron",
+        settings: &[
+            "until=2.1",
+            "pictures=None",
+            "wall_bands=[(walls: \"gate\", low: -0.01, high: 0.01, bins: 2, sample: 0.003, average: 0.4)]",
+        ],
+    },
     Case { scene: "funnel-flow.ron", settings: &["until=1500"] },
 ];
 

@@ -1,4 +1,4 @@
-//! Warnings about triangles of meshes: T-junctions, slivers and overlaps ([`mesh_faults`](crate::walls::mesh_faults)), and about
+//! Warnings about triangles of meshes: T-junctions, slivers and overlaps (`walls::mesh_faults`), and about
 //! flat walls of the scene that overlap in one plane.
 
 use crate::fault::Warning;

@@ -1,8 +1,8 @@
 //! Rules between keys, which the range of a single number cannot express.
 
 mod contacts;
-mod fields;
 mod doors;
+mod fields;
 mod grains;
 mod motions;
 mod outflow;

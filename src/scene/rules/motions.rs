@@ -4,6 +4,7 @@ use crate::fault::Fault;
 use crate::scene::load::Loaded;
 use crate::scene::rules::has_no_direction;
 use crate::space::Dimension;
+use crate::values::NonNegative;
 use crate::walls::config::Wall;
 use crate::walls::motion::Motion;
 
@@ -67,7 +68,7 @@ fn course(loaded: &Loaded, motion: &Motion) -> Result<(), Broken<'static>> {
         Some(Some(axis)) if has_no_direction(axis.padded()) => {
             ("scene::out_of_range", "rotate.axis", "the axis has no direction", "give a vector of any non-zero length")
         }
-        _ if motion.until.is_some_and(|until| until.get() <= motion.from.map_or(0.0, |from| from.get())) => {
+        _ if motion.until.is_some_and(|until| until.get() <= motion.from.map_or(0.0, NonNegative::get)) => {
             ("scene::out_of_range", "until", "the motion ends before it begins", "give a time after `from`, s")
         }
         _ => return Ok(()),

@@ -14,15 +14,11 @@ pub(super) fn stop(loaded: &Loaded) -> Result<(), Fault> {
                 "the run is to end at rest, but nothing detects rest",
                 "add `rest: (speed: 2.0e-3, energy: 1.0e-6, hold: 0.1)`",
             ),
-            StopCondition::EndOfFlow { .. } | StopCondition::Clogged { .. }
-                if !scene.opens_a_door() =>
-            {
-                (
-                    "scene::no_door",
-                    "the end of the flow counts from the opening of the door, and no door opens",
-                    "add for example `door: (opens: At(0.0))`, or use `Out(...)` or `until`",
-                )
-            }
+            StopCondition::EndOfFlow { .. } | StopCondition::Clogged { .. } if !scene.opens_a_door() => (
+                "scene::no_door",
+                "the end of the flow counts from the opening of the door, and no door opens",
+                "add for example `door: (opens: At(0.0))`, or use `Out(...)` or `until`",
+            ),
             StopCondition::Out(0) => {
                 ("scene::out_of_range", "expected a number of grains of at least 1", "a run starts with no grain out")
             }

@@ -73,6 +73,7 @@ pub trait Shape<V: Space> {
     fn crossing(&self, from: V, to: V) -> Option<f64>;
 
     /// Returns the shape in a pose.
+    #[must_use]
     fn placed(&self, pose: &Pose<V>) -> Self
     where
         Self: Sized;
