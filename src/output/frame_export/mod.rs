@@ -6,7 +6,7 @@
 //! | [`xyz`] | `frames.xyz` | all columns of grains |
 //! | [`dump`] | `frames.dump` | all columns of grains |
 //!
-//! Every format has the columns of the table `grains`, also ones that it does not know, and [`kinetic_energy`]. Floats are written
+//! Every format has the columns of the table `grains`, also ones that it does not know, and `kinetic_energy`. Floats are written
 //! so that reading them gives the same bits.
 
 pub mod dump;
