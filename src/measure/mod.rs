@@ -4,6 +4,7 @@
 //! steps with an observer that is due (`register_predictable` in `store/predictable_conditions.rs`). A system with any
 //! other run condition counts as running in every step.
 
+pub(crate) mod averaging;
 pub mod bed;
 pub mod discharge;
 pub mod fields;

@@ -73,23 +73,18 @@ pub struct BandSampler {
     walls: Vec<usize>,
     areas: Vec<f64>,
     sums: Vec<Sums>,
-    /// Number of samples in the sums.
-    pub samples: u64,
 }
 
 /// The sums of a [`BandSampler`] in a checkpoint.
 #[derive(Clone, Debug, Deserialize, Serialize)]
-pub(crate) struct SavedBands {
-    sums: Vec<Sums>,
-    samples: u64,
-}
+pub(crate) struct SavedBands(Vec<Sums>);
 
 impl BandSampler {
     /// Makes a sampler without samples, of the walls with these numbers and surfaces.
     #[must_use]
     pub fn new<V: Space>(bands: WallBands, walls: Vec<usize>, surfaces: &[Surface<V>]) -> Self {
         let count = usize::from(bands.bins);
-        let mut sampler = Self { bands, walls, areas: Vec::new(), sums: vec![Sums::default(); count], samples: 0 };
+        let mut sampler = Self { bands, walls, areas: Vec::new(), sums: vec![Sums::default(); count] };
         let area = |[low, high]: [f64; 2]| surfaces.iter().filter_map(|wall| area_between(wall, low, high)).sum();
         sampler.areas = (0..count).map(|bin| area(sampler.heights(bin))).collect();
         sampler
@@ -122,13 +117,12 @@ impl BandSampler {
             // The friction on the wall is the negative of the friction on the grain, and down is the negative of up.
             sums.downward += force.turning.friction.height();
         }
-        self.samples += 1;
     }
 
-    /// Returns the means and resets the sums.
+    /// Returns the means over this number of samples and resets the sums.
     #[expect(clippy::cast_precision_loss, reason = "counts are far below 2^53")]
-    pub fn take(&mut self) -> Vec<BandMeans> {
-        let samples = self.samples.max(1) as f64;
+    pub fn take(&mut self, samples: u64) -> Vec<BandMeans> {
+        let samples = samples.max(1) as f64;
         let means = self.sums.iter().zip(&self.areas).enumerate().map(|(bin, (sums, &area))| BandMeans {
             heights: self.heights(bin),
             area,
@@ -138,21 +132,20 @@ impl BandSampler {
         });
         let means = means.collect();
         self.sums.fill(Sums::default());
-        self.samples = 0;
         means
     }
 
     /// Returns the sums so far, for a checkpoint.
     pub(crate) fn saved(&self) -> SavedBands {
-        SavedBands { sums: self.sums.clone(), samples: self.samples }
+        SavedBands(self.sums.clone())
     }
 
     /// Continues from saved sums.
     pub(crate) fn restore(&mut self, saved: SavedBands) -> Result<(), Problem> {
-        if saved.sums.len() != self.sums.len() {
+        if saved.0.len() != self.sums.len() {
             return Err("the number of bins differs".to_owned());
         }
-        (self.sums, self.samples) = (saved.sums, saved.samples);
+        self.sums = saved.0;
         Ok(())
     }
 }

@@ -23,6 +23,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
 use crate::measure::ObserveStage;
+use crate::measure::averaging::{Averaging, Progress};
 use crate::measure::fields::{Blocks, FieldSampler};
 use crate::outcome::Outcome;
 use crate::persist::{PersistApp as _, Problem};
@@ -30,7 +31,6 @@ use crate::space::Space;
 use crate::step::{Clock, Step};
 use crate::store::register_predictable;
 use crate::survey::SurveyParam;
-use crate::values::{NonNegative, Positive};
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
 
 /// A field that is being averaged.
@@ -38,10 +38,7 @@ struct Running<V: Space> {
     /// Number of the field in the scene, from 1.
     number: usize,
     sampler: FieldSampler<V>,
-    /// Number of samples since the start of the run.
-    samples_taken: u64,
-    /// Times of the first and last sample of the present average, s.
-    window: [f64; 2],
+    averaging: Averaging,
 }
 
 /// All fields of a scene and their file.
@@ -57,71 +54,51 @@ fn sample<V: Space>(
     mut fields: ResMut<Fields<V>>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let (now, ends) = (clock.time(), outcome.end().is_some());
+    let ends = outcome.end().is_some();
     let Fields { file, running } = &mut *fields;
     for field in running {
-        if field.is_due(&clock) {
-            field.samples_taken += 1;
-            if field.sampler.blocks.samples() == 0 {
-                field.window[0] = now;
-            }
-            field.window[1] = now;
+        if field.averaging.is_due(&clock) {
+            field.averaging.count(&clock);
             field.sampler.add(&survey.survey());
         }
-        if field.sampler.blocks.samples() > 0 && (ends || field.is_full(&clock)) {
-            file.append(format_args!("{}", field.take_rows()), &mut outcome);
+        if let Some(done) = field.averaging.complete(&clock, ends) {
+            file.append(format_args!("{}", field.take_rows(done)), &mut outcome);
         }
     }
 }
 
 /// Run condition: a sample is due, an average is complete, or the run ends.
 fn has_work<V: Space>(clock: Res<Clock>, fields: Res<Fields<V>>, outcome: Res<Outcome>) -> bool {
-    let mut running = fields.running.iter();
-    outcome.end().is_some() || running.any(|field| field.is_due(&clock) || field.is_full(&clock))
+    outcome.end().is_some() || fields.running.iter().any(|field| field.averaging.has_work(&clock))
 }
 
-/// State of a running average: its sums, the number of samples since the start, the times of its first and last sample.
-type SavedAverage = (Blocks, u64, [f64; 2]);
-
 impl<V: Space> Fields<V> {
-    fn restore(&mut self, (length, averages): (u64, Vec<SavedAverage>)) -> Result<(), Problem> {
-        let fits = |(running, (blocks, ..)): (&Running<V>, &SavedAverage)| running.sampler.blocks.len() == blocks.len();
+    fn restore(&mut self, (length, averages): (u64, Vec<(Blocks, Progress)>)) -> Result<(), Problem> {
+        let fits =
+            |(running, (blocks, _)): (&Running<V>, &(Blocks, Progress))| running.sampler.blocks.len() == blocks.len();
         if averages.len() != self.running.len() || !self.running.iter().zip(&averages).all(fits) {
             return Err("the number of fields or of their cells differs".to_owned());
         }
-        for (running, (blocks, samples_taken, window)) in self.running.iter_mut().zip(averages) {
+        for (running, (blocks, progress)) in self.running.iter_mut().zip(averages) {
             running.sampler.blocks = blocks;
-            (running.samples_taken, running.window) = (samples_taken, window);
+            running.averaging.restore(progress);
         }
         self.file.restore(length)
     }
 }
 
 impl<V: Space> Running<V> {
-    fn saved(&self) -> SavedAverage {
-        (self.sampler.blocks.clone(), self.samples_taken, self.window)
-    }
-
-    #[expect(clippy::cast_precision_loss, reason = "2^53 samples are out of reach")]
-    fn is_due(&self, clock: &Clock) -> bool {
-        let field = &self.sampler.field;
-        clock.has_reached(field.from.map_or(0.0, NonNegative::get) + self.samples_taken as f64 * field.sample.get())
-    }
-
-    /// Returns whether the samples cover the whole averaging time.
-    fn is_full(&self, clock: &Clock) -> bool {
-        let field = &self.sampler.field;
-        let is_over = |average: Positive| clock.has_reached(self.window[0] + average.get() - field.sample.get());
-        self.sampler.blocks.samples() > 0 && field.average.is_some_and(is_over)
+    fn saved(&self) -> (Blocks, Progress) {
+        (self.sampler.blocks.clone(), self.averaging.saved())
     }
 
     /// Returns the means as CSV rows and begins a new average. Writing to a string cannot fail.
     #[expect(clippy::cast_precision_loss, reason = "numbers of samples")]
-    fn take_rows(&mut self) -> String {
+    fn take_rows(&mut self, Progress { samples, window: [from, to], .. }: Progress) -> String {
         let FieldSampler { field, grid, layout, blocks } = &mut self.sampler;
         let blocks = std::mem::replace(blocks, Blocks::new(blocks.len()));
         let block = blocks.block() as f64 * field.sample.get();
-        let (number, samples, [from, to]) = (self.number, blocks.samples(), self.window);
+        let number = self.number;
         let mut text = String::new();
         for cell in 0..grid.len() {
             let _ = write!(text, "{number},{from:.9},{to:.9},{samples},{block}");
@@ -156,11 +133,9 @@ impl<V: Space> FieldsPlugin<V> {
         for name in samplers.first().iter().flat_map(|sampler| sampler.layout.names()) {
             let _ = write!(header, ",{name},{name}_error");
         }
-        let running = (1..).zip(samplers).map(|(number, sampler)| Running {
-            number,
-            sampler,
-            samples_taken: 0,
-            window: [0.0; 2],
+        let running = (1..).zip(samplers).map(|(number, sampler)| {
+            let averaging = Averaging::new(sampler.field.sample, sampler.field.from, sampler.field.average);
+            Running { number, sampler, averaging }
         });
         let running = running.collect();
         Ok(Self(TakenOnce::new(Fields { file: Rows::at(place, &header)?, running })))

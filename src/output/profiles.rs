@@ -19,6 +19,7 @@ use std::fmt::Write as _;
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 
+use crate::measure::averaging::{Averaging, Progress};
 use crate::measure::profile::{Profile, Sampler, SavedSampler};
 use crate::measure::{ObserveStage, due};
 use crate::outcome::Outcome;
@@ -30,7 +31,6 @@ use crate::scene::outputs::Series;
 use crate::space::Space;
 use crate::step::{Clock, Step};
 use crate::store::register_predictable;
-use crate::values::{NonNegative, Positive};
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce, numbers};
 
 /// A profile that is being averaged, of one species or of all.
@@ -41,12 +41,7 @@ struct Running<V: Space> {
     /// The species; `None` for all grains.
     species: Option<Species>,
     sampler: Sampler<V>,
-    /// Number of samples since the start of the run.
-    samples_taken: u64,
-    /// Time of the first sample of the present average, s.
-    from: f64,
-    /// Time of the last sample, s.
-    to: f64,
+    averaging: Averaging,
 }
 
 #[derive(Resource)]
@@ -74,39 +69,31 @@ fn sample<V: Space>(
     mut profiles: ResMut<Profiles<V>>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let (now, ends) = (clock.time(), outcome.end().is_some());
+    let ends = outcome.end().is_some();
     let Profiles { file, running } = &mut *profiles;
     for profile in running {
-        if profile.is_due(&clock) {
-            profile.samples_taken += 1;
-            if profile.sampler.samples == 0 {
-                profile.from = now;
-            }
-            profile.to = now;
+        if profile.averaging.is_due(&clock) {
+            profile.averaging.count(&clock);
             profile.sampler.add(motion.store(), profile.species);
         }
-        if profile.sampler.samples > 0 && (ends || profile.is_full(&clock)) {
-            file.append(format_args!("{}", profile.take_rows()), &mut outcome);
+        if let Some(done) = profile.averaging.complete(&clock, ends) {
+            file.append(format_args!("{}", profile.take_rows(done)), &mut outcome);
         }
     }
 }
 
 /// Run condition: a sample is due, an average is complete, or the run ends.
 fn has_work<V: Space>(clock: Res<Clock>, profiles: Res<Profiles<V>>, outcome: Res<Outcome>) -> bool {
-    let mut running = profiles.running.iter();
-    outcome.end().is_some() || running.any(|profile| profile.is_due(&clock) || profile.is_full(&clock))
+    outcome.end().is_some() || profiles.running.iter().any(|profile| profile.averaging.has_work(&clock))
 }
 
-/// State of a running average: its sums, the number of samples since the start, and the times of its first and last sample.
-type SavedAverage<V> = (SavedSampler<V>, u64, [f64; 2]);
-
 impl<V: Space> Profiles<V> {
-    fn restore(&mut self, (length, averages): (u64, Vec<SavedAverage<V>>)) -> Result<(), Problem> {
+    fn restore(&mut self, (length, averages): (u64, Vec<(SavedSampler<V>, Progress)>)) -> Result<(), Problem> {
         if averages.len() != self.running.len() {
             return Err("the number of profiles differs".to_owned());
         }
-        for (running, (sums, samples_taken, [from, to])) in self.running.iter_mut().zip(averages) {
-            (running.samples_taken, running.from, running.to) = (samples_taken, from, to);
+        for (running, (sums, progress)) in self.running.iter_mut().zip(averages) {
+            running.averaging.restore(progress);
             running.sampler.restore(sums)?;
         }
         self.file.restore(length)
@@ -114,27 +101,14 @@ impl<V: Space> Profiles<V> {
 }
 
 impl<V: Space> Running<V> {
-    fn saved(&self) -> SavedAverage<V> {
-        (self.sampler.saved(), self.samples_taken, [self.from, self.to])
-    }
-
-    #[expect(clippy::cast_precision_loss, reason = "2^53 samples are out of reach")]
-    fn is_due(&self, clock: &Clock) -> bool {
-        let Profile { sample, from, .. } = self.sampler.profile;
-        clock.has_reached(from.map_or(0.0, NonNegative::get) + self.samples_taken as f64 * sample.get())
-    }
-
-    /// Returns whether the samples cover the whole averaging time.
-    fn is_full(&self, clock: &Clock) -> bool {
-        let Profile { sample, average, .. } = self.sampler.profile;
-        let is_over = |average: Positive| clock.has_reached(self.from + average.get() - sample.get());
-        self.sampler.samples > 0 && average.is_some_and(is_over)
+    fn saved(&self) -> (SavedSampler<V>, Progress) {
+        (self.sampler.saved(), self.averaging.saved())
     }
 
     /// Returns the means as CSV rows and begins a new average.
-    fn take_rows(&mut self) -> String {
+    fn take_rows(&mut self, Progress { samples, window: [from, to], .. }: Progress) -> String {
         let species = self.species.map_or_else(|| "all".to_owned(), |species| species.0.to_string());
-        let (number, from, to, samples) = (self.number, self.from, self.to, self.sampler.samples);
+        let number = self.number;
         let mut text = String::new();
         for bin in self.sampler.take() {
             // Writing to a string cannot fail.
@@ -199,14 +173,8 @@ impl<V: Space> ProfilesPlugin<V> {
         let kinds: Vec<_> = (0..=species).map(|number| Some(Species(number))).chain(all).collect();
         let running = (1..).zip(profiles).flat_map(|(number, &(profile, section))| {
             let sampler = Sampler::new(profile, section);
-            kinds.iter().map(move |&species| Running {
-                number,
-                species,
-                sampler: sampler.clone(),
-                samples_taken: 0,
-                from: 0.0,
-                to: 0.0,
-            })
+            let averaging = Averaging::new(profile.sample, profile.from, profile.average);
+            kinds.iter().map(move |&species| Running { number, species, sampler: sampler.clone(), averaging })
         });
         let running = running.collect();
         let header = format!("time_s,species,count,mass_kg,{},{}", axes::<V>("", "_m"), axes::<V>("v", "_m_per_s"));
