@@ -156,7 +156,7 @@ fn is_due(opens: &DoorOpens, turns: usize, clock: &Clock, is_at_rest: bool) -> b
     }
 }
 
-fn turn<V: Space>(
+fn open_or_shut<V: Space>(
     mut commands: Commands,
     clock: Res<Clock>,
     (mut state, mut walls): (ResMut<DoorState>, ResMut<Surfaces<V>>),
@@ -271,7 +271,7 @@ impl<V: Space> Plugin for DoorPlugin<V> {
             },
         );
         if self.0.iter().any(|(_, control)| control.opens != DoorOpens::Never) {
-            let turn = turn::<V>.in_set(Phase::Control).in_set(PlainCommands).in_set(DoorsTurn);
+            let turn = open_or_shut::<V>.in_set(Phase::Control).in_set(PlainCommands).in_set(DoorsTurn);
             app.add_systems(Step, turn.after(RestDetection).run_if(may_turn));
         }
         // Rules admit this for the door grains of the silo file alone, of which there is one door.

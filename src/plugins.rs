@@ -34,6 +34,7 @@ use crate::scene::load::Loaded;
 use crate::space::{Solid, Space};
 use crate::step::{ForceStage, Step, StepPlugin};
 use crate::stop::clog::ClogPlugin;
+use crate::stop::kick::KickPlugin;
 use crate::stop::{StopCondition, StopPlugin};
 use crate::store::{StorePlugin, clear_forces};
 use crate::table_sort::TableSortPlugin;
@@ -81,6 +82,9 @@ pub(crate) fn add_all<V: Space>(
         .add("always", LedgerPlugin(scene.on_loss, space));
     let conditions = scene.stop_conditions();
     add_clog(app, loaded, &conditions, space);
+    if let Some(kick) = scene.kick {
+        app.add("kick", KickPlugin { kick, boxes: loaded.outlets(), space });
+    }
     if !conditions.is_empty() {
         app.add(if scene.stop.is_empty() { "rest.stop" } else { "stop" }, StopPlugin(conditions));
     }
@@ -102,8 +106,8 @@ pub(crate) fn add_all<V: Space>(
     if let Some(line) = scene.cull {
         app.add("cull", CullPlugin(line, space));
     }
-    if scene.energy_balance && has_behaviours {
-        app.add("behaviours", AddedWorkPlugin(space));
+    if scene.energy_balance && (has_behaviours || scene.kick.is_some()) {
+        app.add(if has_behaviours { "behaviours" } else { "kick" }, AddedWorkPlugin(space));
     }
     if scene.contact.spins() {
         app.add("contact.tangential", SpinPlugin { inertia: loaded.inertia(), space });

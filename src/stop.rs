@@ -12,6 +12,7 @@
 //! without any condition.
 
 pub mod clog;
+pub mod kick;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -22,6 +23,7 @@ use crate::ending::{Endings, end_at_rest, end_at_time, end_when_empty};
 use crate::ledger::{GrainsAccounted, Ledger};
 use crate::outcome::{End, Outcome};
 use crate::step::{Clock, Phase, Step, time_moves};
+use crate::stop::kick::Avalanches;
 use crate::values::Positive;
 
 /// One condition of the scene key `stop`.
@@ -47,23 +49,31 @@ pub enum StopCondition {
 #[derive(Resource)]
 struct FlowConditions(Vec<StopCondition>);
 
-/// Whether the door is open, and for `still` (s) no grain has left and the door has not begun to open.
-fn is_still(clock: &Clock, ledger: &Ledger, door: Option<&DoorState>, still: f64) -> bool {
+/// Whether the door is open, and for `still` (s) no grain has left, the door has not begun to open, and no kick has ended.
+fn is_still(
+    clock: &Clock,
+    ledger: &Ledger,
+    door: Option<&DoorState>,
+    avalanches: Option<&Avalanches>,
+    still: f64,
+) -> bool {
     let last_out = ledger.departures.ends().map(|(_, last)| last);
+    let kick = avalanches.and_then(|avalanches| avalanches.kick_end);
     let open = door.and_then(DoorState::open_time);
-    open.is_some_and(|open| clock.has_reached(last_out.map_or(open, |last| last.max(open)) + still))
+    open.is_some_and(|open| clock.has_reached(last_out.into_iter().chain(kick).fold(open, f64::max) + still))
 }
 
 /// Ends the run when a condition on the outflow holds.
 fn end_by_flow(
     clock: Res<Clock>,
     (conditions, ledger): (Res<FlowConditions>, Res<Ledger>),
-    door: Option<Res<DoorState>>,
+    (door, avalanches): (Option<Res<DoorState>>, Option<Res<Avalanches>>),
     mut outcome: ResMut<Outcome>,
 ) {
+    let is_still = |still| is_still(&clock, &ledger, door.as_deref(), avalanches.as_deref(), still);
     for condition in &conditions.0 {
         match *condition {
-            StopCondition::EndOfFlow { still } if is_still(&clock, &ledger, door.as_deref(), still.get()) => {
+            StopCondition::EndOfFlow { still } if is_still(still.get()) => {
                 outcome.finish(End::FlowEnded { still_s: still.get() });
             }
             StopCondition::Out(count) if ledger.out() >= count => outcome.finish(End::OutReached { count }),

@@ -32,6 +32,7 @@ use crate::rest::RestDetector;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::step::Clock;
+use crate::stop::kick::{Avalanche, Avalanches};
 use crate::store::ParticleStore;
 use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
@@ -60,6 +61,9 @@ pub struct Summary {
     pub grains: Grains,
     /// The condition of the scene's `stop` that ended the run, in words.
     pub stop: Option<String>,
+    /// The avalanches that ended with a kick. The key is absent if the scene has no `kick`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub avalanches: Option<Vec<Avalanche>>,
     /// The clog that ended the run. The key is absent if none did.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub clog: Option<Clog>,
@@ -247,6 +251,7 @@ impl Summary {
                 lost: ledger.lost(),
             },
             stop: stop_in_words(loaded, end),
+            avalanches: world.get_resource::<Avalanches>().map(|avalanches| avalanches.all.clone()),
             clog: match *end {
                 End::Clogged { above, avalanche, .. } => {
                     Some(Clog { grains_above: above, avalanche_grains: avalanche })

@@ -42,6 +42,7 @@ use crate::scene::outputs::{DataFrames, Pictures, Series};
 use crate::space::Dimension;
 use crate::spin::InertiaLaw;
 use crate::stop::StopCondition;
+use crate::stop::kick::Kick;
 use crate::values::{FiniteVector, ImpactError, Positive};
 use crate::walls::config::Wall;
 use crate::walls::motion::Motion;
@@ -132,6 +133,8 @@ pub struct Scene {
     /// Conditions that end the run before `until`.
     #[serde(default)]
     pub stop: Vec<StopCondition>,
+    /// Restarts the flow when the outlet is clogged.
+    pub kick: Option<Kick>,
     /// Measures fill height and packing fraction at rest.
     pub bed: Option<Bed>,
     /// Averages over bins along an axis.

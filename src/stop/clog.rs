@@ -18,6 +18,7 @@ use crate::outcome::{End, Outcome};
 use crate::particles::Particles;
 use crate::space::{Solid, Space};
 use crate::step::{Clock, Phase, Step, time_moves};
+use crate::stop::kick::Avalanches;
 use crate::stop::{end_by_flow, is_still};
 
 /// The scene's condition, and the boxes around its doors, m.
@@ -28,8 +29,23 @@ struct Outlets {
 }
 
 /// Run condition: the door is open, and no grain has left for a time.
-fn has_stopped(clock: Res<Clock>, outlets: Res<Outlets>, ledger: Res<Ledger>, door: Option<Res<DoorState>>) -> bool {
-    is_still(&clock, &ledger, door.as_deref(), outlets.still)
+fn has_stopped(
+    (clock, outlets, ledger): (Res<Clock>, Res<Outlets>, Res<Ledger>),
+    door: Option<Res<DoorState>>,
+    avalanches: Option<Res<Avalanches>>,
+) -> bool {
+    is_still(&clock, &ledger, door.as_deref(), avalanches.as_deref(), outlets.still)
+}
+
+/// Returns the number of grains inside that are above one of these outlets, given by the boxes around their doors, m.
+pub(super) fn count_above<V: Space>(particles: &Particles<V>, ledger: &Ledger, boxes: &[[Solid; 2]]) -> u32 {
+    let is_above = |row: usize| {
+        let x = particles.position(row).spread();
+        let axes = 0..V::COMPONENTS - 1;
+        boxes.iter().any(|[low, high]| axes.clone().all(|axis| low[axis] < x[axis] && x[axis] < high[axis]))
+    };
+    let inside = particles.grains().filter(|&row| !ledger.is_gone(particles.id(row)));
+    u32::try_from(inside.filter(|&row| is_above(row)).count()).unwrap_or(u32::MAX)
 }
 
 fn end_by_clog<V: Space>(
@@ -37,13 +53,7 @@ fn end_by_clog<V: Space>(
     particles: Particles<V>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let is_above = |row: usize| {
-        let x = particles.position(row).spread();
-        let axes = 0..V::COMPONENTS - 1;
-        outlets.boxes.iter().any(|[low, high]| axes.clone().all(|axis| low[axis] < x[axis] && x[axis] < high[axis]))
-    };
-    let inside = particles.grains().filter(|&row| !ledger.is_gone(particles.id(row)));
-    let above = u32::try_from(inside.filter(|&row| is_above(row)).count()).unwrap_or(u32::MAX);
+    let above = count_above(&particles, &ledger, &outlets.boxes);
     if above > 0 {
         outcome.finish(End::Clogged { still_s: outlets.still, above, avalanche: ledger.out() });
     }

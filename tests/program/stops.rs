@@ -7,10 +7,13 @@ use std::path::Path;
 use std::process::Command;
 
 use siloflow::door::DoorState;
+use siloflow::energy::EnergyFlows;
 use siloflow::fault::Fault;
+use siloflow::measure::totals;
 use siloflow::prelude::*;
 use siloflow::rest::RestDetector;
 use siloflow::scene::check;
+use siloflow::stop::kick::Avalanches;
 
 use crate::command_line::text;
 use crate::{hash, simulation};
@@ -212,4 +215,41 @@ fn a_clog_is_in_the_summary_and_needs_a_door_that_opens() {
     let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
     assert_eq!(summary["status"], "clogged");
     assert_eq!(summary["clog"], serde_json::json!({ "grains_above": 1, "avalanche_grains": 0 }));
+}
+
+#[test]
+fn kicks_end_avalanches_and_do_the_work_of_their_force() {
+    // Each wait is long enough for the plug to come to rest.
+    let kick = "kick: (still: 1.5, acceleration: (0.0, 20.0), duration: 0.05, reach: 0.3, most: 2), stop: [Clogged(still: 2.0)]";
+    let scene = stiff(kick).replace("B(50.0)", "B(400.0)").replace("until: 5.0", "until: 9.0");
+    let (end, run) = run(&scene.replace(COLUMN, &format!("{COLUMN} {PLUG}")));
+    assert_eq!(end, End::Clogged { still_s: 2.0, above: 1, avalanche: 3 });
+    let avalanches = &run.world().resource::<Avalanches>().all;
+    assert_eq!(avalanches.iter().map(|avalanche| avalanche.grains).collect::<Vec<_>>(), [3, 0]);
+    // Each of the three waits and two kicks ends within a step of its time.
+    let ends = [avalanches[0].end_s, avalanches[1].end_s, result(&run).0];
+    for (end, waited) in ends.into_iter().zip([1.5, 3.05, 5.1]) {
+        assert!((end - last_out(&run) - waited).abs() < 5.0 * DT, "{ends:?}");
+    }
+    // The plug of rho R^2 = 2.25 kg rises by (a - g) t^2/2 = 0.0127 m in a kick. The springs that bear its weight add at most a speed
+    // of 2 g/w0 = 0.027 m/s, with w0 = 740/s of two inclined contacts: 0.0013 m. The four grains beside are out of reach.
+    let work = 2.0 * 2.25 * 20.0 * (20.0 - 9.81) * 0.05f64.powi(2) / 2.0;
+    let flows = *run.world().resource::<EnergyFlows>();
+    assert!((0.999..1.11).contains(&(flows.added_work / work)), "{flows:?} {work}");
+    let energy = totals::of_world(run.world()).energy();
+    assert!((energy - flows.expected()).abs() < 1e-3 * flows.released, "{energy} {flows:?}");
+}
+
+#[test]
+fn a_kick_needs_a_door_a_force_and_a_bound() {
+    let kick = "kick: (still: 0.3, acceleration: (0.0, 20.0), duration: 0.05, reach: 0.3, most: 2)";
+    for (from, to, code, key) in [
+        ("At(0.2)", "Never", "scene::no_door", "kick"),
+        ("(0.0, 20.0)", "(0.0, 0.0)", "scene::out_of_range", "kick.acceleration"),
+        ("(0.0, 20.0)", "(0.0, 20.0, 0.0)", "scene::dimension", "kick.acceleration"),
+        ("most: 2", "most: 0", "scene::out_of_range", "kick.most"),
+    ] {
+        let fault = loaded(&scene(kick).replace(from, to)).unwrap_err();
+        assert_eq!((fault.code(), fault.scene_key()), (code, Some(key)), "{fault}");
+    }
 }

@@ -97,6 +97,9 @@ fn vectors(scene: &Scene) -> Vec<(String, FiniteVector)> {
     if let Some(zones) = scene.outflow.and_then(|outflow| outflow.mass_flow) {
         add("outflow.mass_flow.".to_owned(), &[("axis", Some(zones.axis))]);
     }
+    if let Some(kick) = scene.kick {
+        add("kick.".to_owned(), &[("acceleration", Some(kick.acceleration))]);
+    }
     for (index, motion) in scene.motions.iter().enumerate() {
         let key = format!("motions[{index}].");
         match motion.translate {

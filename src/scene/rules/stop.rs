@@ -2,6 +2,7 @@
 
 use crate::fault::Fault;
 use crate::scene::load::Loaded;
+use crate::space::Solid;
 use crate::stop::StopCondition;
 
 /// Every condition needs what it watches: rest, a door that opens, an outlet.
@@ -31,5 +32,30 @@ pub(super) fn stop(loaded: &Loaded) -> Result<(), Fault> {
         };
         return Err(loaded.fault(code, &format!("stop[{index}]"), message).help(help));
     }
-    Ok(())
+    kick(loaded)
+}
+
+/// A kick needs a door that opens, a force, and a bound.
+fn kick(loaded: &Loaded) -> Result<(), Fault> {
+    let Some(kick) = loaded.scene.kick else { return Ok(()) };
+    let (code, key, message, help) = if !loaded.scene.opens_a_door() {
+        (
+            "scene::no_door",
+            "kick",
+            "a kick restarts the flow through a door, and no door opens",
+            "add for example `door: (opens: At(0.0))`, or remove `kick`",
+        )
+    } else if kick.acceleration.padded() == Solid::ZERO {
+        (
+            "scene::out_of_range",
+            "kick.acceleration",
+            "the kick has no force",
+            "give an acceleration of some times g, m/s^2",
+        )
+    } else if !(1..=10_000).contains(&kick.most) {
+        ("scene::out_of_range", "kick.most", "expected 1 to 10000 kicks", "`summary.json` lists an avalanche for each")
+    } else {
+        return Ok(());
+    };
+    Err(loaded.fault(code, key, message).help(help))
 }
