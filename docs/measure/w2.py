@@ -201,7 +201,8 @@ def figures(x, v, floor, seconds):
     return {
         "packing": packing(x),
         "coordination": (2 * touching_pairs(x) + int((x[:, 2] < R).sum())) / len(x),
-        "floor_fall": force[when < FALL - half].mean(),
+        # A reading is the mean over the steps since the one before; at time 0 there are none.
+        "floor_fall": force[(when > half) & (when < FALL + half)].mean(),
         "floor_rest": force[when > STEPS * DT - REST + half].mean(),
         "kinetic_per_mgd": 0.5 * (v * v).sum(1).mean() / (GRAVITY * D),
         "seconds": seconds,
