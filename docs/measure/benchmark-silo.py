@@ -20,12 +20,13 @@ Runs of the two walls alternate, pinned to one core. Prints the times of all run
 
 import argparse
 import json
-import math
 import pathlib
 import statistics
 import subprocess
 import sys
 import tempfile
+
+from round_mesh import obj_text
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 ORIFICE, RADIUS = 0.03, 0.1  # m
@@ -41,15 +42,7 @@ def mesh():
     """The OBJ text of cone and cylinder."""
     line = [(ORIFICE + (RADIUS - ORIFICE) * i / 8, LOW + (CONE - LOW) * i / 8) for i in range(9)]
     line += [(RADIUS, CONE + (TOP - CONE) * i / 24) for i in range(1, 25)]
-    rows = []
-    for r, z in line:
-        angles = (2 * math.pi * turn / AROUND for turn in range(AROUND))
-        rows += [f"v {r * math.cos(a)!r} {r * math.sin(a)!r} {z!r}" for a in angles]
-    for ring in range(len(line) - 1):
-        for turn in range(AROUND):
-            a, b = (ring * AROUND + n % AROUND + 1 for n in (turn, turn + 1))
-            rows += [f"f {a} {b} {a + AROUND}", f"f {b} {b + AROUND} {a + AROUND}"]
-    return "\n".join(rows) + "\n"
+    return obj_text(line, AROUND)
 
 
 def scene(walls, grains, young, dt, e=(0.5, 0.4)):

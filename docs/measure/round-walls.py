@@ -17,6 +17,8 @@ import statistics
 import subprocess
 import tempfile
 
+from round_mesh import obj_text
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 AROUND, SIDES = 128, 24
 OUTLET, RADIUS, CONE, TOP = 0.014, 0.05, 0.04, 0.25  # m
@@ -26,15 +28,7 @@ def mesh():
     """The OBJ text of cone and cylinder."""
     line = [(OUTLET + (RADIUS - OUTLET) * i / 8, CONE * i / 8) for i in range(9)]
     line += [(RADIUS, CONE + (TOP - CONE) * i / 24) for i in range(1, 25)]
-    rows = []
-    for r, z in line:
-        angles = (2 * math.pi * turn / AROUND for turn in range(AROUND))
-        rows += [f"v {r * math.cos(a)!r} {r * math.sin(a)!r} {z!r}" for a in angles]
-    for ring in range(len(line) - 1):
-        for turn in range(AROUND):
-            a, b = (ring * AROUND + n % AROUND + 1 for n in (turn, turn + 1))
-            rows += [f"f {a} {b} {a + AROUND}", f"f {b} {b + AROUND} {a + AROUND}"]
-    return "\n".join(rows) + "\n"
+    return obj_text(line, AROUND)
 
 
 def flat_walls():
