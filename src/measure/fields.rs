@@ -188,7 +188,7 @@ impl Layout {
         names
     }
 
-    /// Returns the fields of a cell whose sums are, for one sample, `sums`. What needs grains is NaN without them.
+    /// Returns the fields of a cell whose sums are, for one sample, `sums`. Fields that are means over grains are NaN in a cell without grains.
     #[must_use]
     pub fn means_of(self, sums: &[f64]) -> Vec<f64> {
         let mass = sums[1];

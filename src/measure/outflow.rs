@@ -72,7 +72,7 @@ impl MassFlow {
     }
 }
 
-/// What left in one block.
+/// Grains that left in one block of time.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 struct Block {
     grains: u32,

@@ -22,7 +22,7 @@ use crate::store::register_predictable;
 #[derive(Resource)]
 pub(crate) struct OutflowWindow(Outflow);
 
-/// What has been observed.
+/// Observations so far.
 #[derive(Resource, Deserialize, Serialize)]
 pub(crate) struct OutflowState {
     sums: OutflowSums,

@@ -490,7 +490,7 @@ impl Loaded {
         self.surfaces_in_scene().into_iter().filter(|surface| !moves(surface.number)).collect()
     }
 
-    /// What moves wall surfaces: the motions, and doors that move.
+    /// Returns the moving walls: those of `motions`, and doors that move.
     pub(crate) fn movers<V: Space>(&self) -> Vec<Mover<V>> {
         let surfaces: Vec<_> = self.surfaces_in_scene::<V>().into_iter().enumerate().collect();
         let walls: Vec<_> = self.scene.walls.iter().filter(|wall| wall.is_surface()).collect();

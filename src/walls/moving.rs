@@ -33,7 +33,7 @@ pub(crate) struct Mover<V: Space> {
     reach: f64,
 }
 
-/// What moves walls.
+/// The cause of the motion of a [`Mover`].
 #[derive(Clone, Debug)]
 pub(crate) enum Drive<V: Space> {
     /// A motion of the scene.

@@ -198,7 +198,7 @@ impl<V: Space> SurfaceWall<V> {
 pub struct Surfaces<V: Space = Plane> {
     /// The surfaces.
     pub all: Vec<SurfaceWall<V>>,
-    /// What moves, and how.
+    /// Moving walls, each group with its motion.
     pub(super) movers: Vec<Mover<V>>,
     /// Radius of the largest grain, m.
     pub(super) largest: f64,

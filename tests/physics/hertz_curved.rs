@@ -50,7 +50,7 @@ fn closed_form(k: f64) -> [f64; 3] {
     [k * overlap.powf(1.5), overlap, DURATION * overlap / SPEED]
 }
 
-/// The same, as sampled at the steps of a bounce with `n` steps that begins a share `phase` into the second one.
+/// The same bounce, as sampled at the steps of a bounce with `n` steps that begins a share `phase` into the second one.
 fn measured((wall, foot, normal, _): Case, duration: f64, n: f64, phase: f64) -> [f64; 3] {
     let dt = duration / n;
     let gap = SPEED * dt * (1.0 + phase);

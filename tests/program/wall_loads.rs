@@ -85,7 +85,7 @@ fn walls_and_floor_carry_the_weight_and_bands_add_up_to_the_walls() {
     let weight: f64 =
         9.81 * state.iter().map(|row| 1.0e3 * std::f64::consts::PI * row[radius(here.path())].powi(2)).sum::<f64>();
     let [floor, walls] = [&groups[groups.len() - 2], &groups[groups.len() - 1]];
-    // What is left is the change of momentum in the last half second; the bed moves by less than 1 mm/s.
+    // The difference is the change of momentum in the last half second; the bed moves by less than 1 mm/s.
     assert!((floor[3] + walls[3] + weight).abs() < 2e-3 / 9.81 * weight, "{floor:?} {walls:?} {weight}");
     // The bed has fallen and sprung back, so friction may pull the walls either way.
     assert!(walls[3].abs() > 0.02 * weight, "friction acts: {walls:?}");

@@ -1,4 +1,4 @@
-//! What a frame of a run holds: the state of all particles, contacts and walls at the end of a step.
+//! Content of a frame of a run: the state of all particles, contacts and walls at the end of a step.
 //!
 //! | table | columns |
 //! |---|---|

@@ -31,7 +31,7 @@ enum Live {
     Vtk(vtk::Directory),
 }
 
-/// What a checkpoint saves of each format.
+/// State of each format in a checkpoint.
 pub(crate) type SavedFormats = Vec<Vec<u64>>;
 
 impl LiveFormats {
