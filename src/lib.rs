@@ -66,6 +66,7 @@ pub mod periodic;
 pub mod persist;
 pub mod plugins;
 pub mod random;
+pub mod report;
 pub mod rest;
 pub mod scene;
 pub mod simulation;

@@ -1,0 +1,3 @@
+//! The report of a run: one HTML file that opens without a network.
+
+pub mod player;
