@@ -31,7 +31,7 @@ use serde::{Deserialize, Serialize};
 
 use self::cull::CullLine;
 pub use self::cull::{Cull, CullPlugin};
-pub use self::departures::Departures;
+pub use self::departures::{Departure, Departures};
 pub use self::grain_accounting::{GrainsAccounted, Ledger, LedgerPlugin, LossRecord, OnLoss};
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::door::DoorState;

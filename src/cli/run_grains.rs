@@ -39,6 +39,7 @@ use crate::space::{Dimension, Plane, Solid, Space};
 use crate::step::Clock;
 use crate::store::ParticleStore;
 use crate::walls::config::Wall;
+use crate::writers::provenance::Provenance;
 
 impl Method for Loaded {
     type Summary = Summary;
@@ -100,6 +101,10 @@ impl Outline for Summary {
     fn fail(&mut self, reason: String) {
         self.status = "failed";
         self.failure.get_or_insert(reason);
+    }
+
+    fn record(&mut self, provenance: Provenance) {
+        self.provenance = Some(provenance);
     }
 
     fn is_done(&self) -> bool {

@@ -27,6 +27,7 @@ use crate::persist::{CheckpointConfig, Section, UnknownState};
 use crate::simulation::Simulation;
 use crate::source::Source;
 use crate::step::Clock;
+use crate::writers::provenance::Provenance;
 
 impl Method for LoadedLattice {
     type Summary = Summary;
@@ -97,6 +98,10 @@ impl Outline for Summary {
     fn fail(&mut self, reason: String) {
         self.status = "failed";
         self.failure.get_or_insert(reason);
+    }
+
+    fn record(&mut self, provenance: Provenance) {
+        self.provenance = Some(provenance);
     }
 
     fn is_done(&self) -> bool {

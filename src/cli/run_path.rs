@@ -32,6 +32,7 @@ use crate::persist::{CheckpointConfig, Section};
 use crate::simulation::Simulation;
 use crate::source::Source;
 use crate::values::NonNegative;
+use crate::writers::provenance::Provenance;
 
 /// Settings of a run that do not change its result.
 pub(super) struct Call<'a> {
@@ -71,6 +72,8 @@ pub(super) trait Outline: Serialize {
     fn failure(&self) -> Option<&str>;
     /// Records a failure that happened after the last step.
     fn fail(&mut self, reason: String);
+    /// Records the origin of the summary.
+    fn record(&mut self, provenance: Provenance);
     /// Whether the run succeeded: no failure, and no lost grain.
     fn is_done(&self) -> bool;
     /// Returns the summary in words.
@@ -177,6 +180,7 @@ fn finish<M: Method>(
 ) -> Report {
     let world = simulation.world_mut();
     let mut summary = method.summary(world, end, cost);
+    summary.record(Provenance::now());
     if let Err(error) = directory.write_state(|file| method.write_state(world, file)) {
         summary.fail(format!("could not write state.csv: {error}"));
     }

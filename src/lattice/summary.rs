@@ -23,6 +23,7 @@ use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
 use crate::writers::fnv::Fnv;
 use crate::writers::memory::peak_memory;
+use crate::writers::provenance::Provenance;
 
 /// The content of `summary.json`.
 #[derive(Debug, Serialize)]
@@ -55,6 +56,8 @@ pub struct Summary {
     pub empty_step: Option<u64>,
     /// Cost of the run.
     pub performance: Performance,
+    /// Version, command, date and machine; `null` unless `siloflow run` wrote the summary.
+    pub provenance: Option<Provenance>,
     /// Checkpoints during the run; `null` if none was taken.
     pub checkpoints: Option<CheckpointFigures>,
     /// Hash of the final state ([`state_hash`]), as 16 hexadecimal digits.
@@ -148,6 +151,7 @@ impl Summary {
                 threads: world.resource::<Threads>().count(),
                 rules: loaded.rules,
             },
+            provenance: None,
             checkpoints: world.get_resource().copied(),
             state_hash: format!("{:016x}", state_hash(sites, gas)),
         }

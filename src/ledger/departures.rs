@@ -1,4 +1,4 @@
-//! Times at which grains crossed the orifice, in bounded memory.
+//! Times at which grains crossed the orifice, and the mass that was out by then, in bounded memory.
 //!
 //! The first [`CAPACITY`] times are kept. Beyond that, every second time is kept, then every fourth, and so on. A time that is
 //! kept is exact, and its number among all departures is known. A quantile is taken at the nearest kept time, so its number is
@@ -13,22 +13,36 @@ const CAPACITY: usize = 1 << 16;
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct Departures {
     count: u32,
-    /// The times of the departures number 0, `stride`, 2 `stride`, ..., s.
-    kept: Vec<f64>,
+    /// The times of the departures number 0, `stride`, 2 `stride`, ..., s, and the mass out including that grain, kg.
+    kept: Vec<(f64, f64)>,
     stride: u32,
     /// The time of the last departure, s.
     last: f64,
+    /// Mass of all grains that have departed, kg.
+    mass: f64,
+}
+
+/// One departure.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Departure {
+    /// Its number, counted from 0.
+    pub number: u32,
+    /// Its time, s.
+    pub time: f64,
+    /// Mass of the grains that are out, this one included, kg.
+    pub mass_out: f64,
 }
 
 impl Default for Departures {
     fn default() -> Self {
-        Self { count: 0, kept: Vec::new(), stride: 1, last: 0.0 }
+        Self { count: 0, kept: Vec::new(), stride: 1, last: 0.0, mass: 0.0 }
     }
 }
 
 impl Departures {
-    /// Records a departure at `time`, s.
-    pub(super) fn add(&mut self, time: f64) {
+    /// Records the departure of a grain of this mass, kg, at `time`, s.
+    pub(super) fn add(&mut self, time: f64, mass: f64) {
+        self.mass += mass;
         if self.count.is_multiple_of(self.stride) {
             if self.kept.len() == CAPACITY {
                 let mut number = 0usize;
@@ -39,7 +53,7 @@ impl Departures {
                 self.stride *= 2;
             }
             // After the thinning this departure is still a multiple of the stride, because the capacity is even.
-            self.kept.push(time);
+            self.kept.push((time, self.mass));
         }
         self.last = time;
         self.count += 1;
@@ -54,16 +68,16 @@ impl Departures {
     /// Times of the first and last departure, s; `None` without a departure.
     #[must_use]
     pub fn ends(&self) -> Option<(f64, f64)> {
-        Some((*self.kept.first()?, self.last))
+        Some((self.kept.first()?.0, self.last))
     }
 
-    /// The kept departure nearest to the departure `number`, counted from 0: its number and its time, s. `None` without a
-    /// departure.
+    /// The kept departure nearest to the departure `number`, counted from 0; `None` without a departure.
     #[must_use]
-    pub fn nearest(&self, number: u32) -> Option<(u32, f64)> {
+    pub fn nearest(&self, number: u32) -> Option<Departure> {
         let index = (number + self.stride / 2) / self.stride;
         let index = index.min(u32::try_from(self.kept.len()).ok()?.checked_sub(1)?);
-        Some((index * self.stride, self.kept[index as usize]))
+        let (time, mass_out) = self.kept[index as usize];
+        Some(Departure { number: index * self.stride, time, mass_out })
     }
 }
 
@@ -75,22 +89,27 @@ mod tests {
     fn few_departures_are_all_kept() {
         let mut departures = Departures::default();
         assert_eq!((departures.ends(), departures.nearest(0)), (None, None));
-        (0..100u32).for_each(|number| departures.add(f64::from(number) + 0.5));
+        (0..100u32).for_each(|number| departures.add(f64::from(number) + 0.5, 2.0));
         assert_eq!((departures.count(), departures.ends()), (100, Some((0.5, 99.5))));
-        assert!((0..100).all(|number| departures.nearest(number) == Some((number, f64::from(number) + 0.5))));
+        for number in 0..100u32 {
+            let (time, mass_out) = (f64::from(number) + 0.5, 2.0 * f64::from(number + 1));
+            assert_eq!(departures.nearest(number), Some(Departure { number, time, mass_out }));
+        }
     }
 
     #[test]
     fn memory_is_bounded_and_kept_times_are_exact() {
         let mut departures = Departures::default();
         let count = 1_000_000u32;
-        (0..count).for_each(|number| departures.add(f64::from(number)));
+        (0..count).for_each(|number| departures.add(f64::from(number), 1.0));
         assert!(departures.kept.len() <= CAPACITY && departures.kept.capacity() <= CAPACITY);
         assert_eq!(departures.ends(), Some((0.0, f64::from(count - 1))));
         for number in [0, 1, 99_999, 100_000, 899_999, count - 1] {
-            let (kept, time) = departures.nearest(number).unwrap();
+            let Departure { number: kept, time, mass_out } = departures.nearest(number).unwrap();
             assert!(
-                (time - f64::from(kept)).abs() < 1e-9 && kept.abs_diff(number) <= count / 32768 + 1,
+                (time - f64::from(kept)).abs() < 1e-9
+                    && (mass_out - time - 1.0).abs() < 1e-9
+                    && kept.abs_diff(number) <= count / 32768 + 1,
                 "{kept} for {number}"
             );
         }

@@ -142,7 +142,7 @@ pub(super) fn account_for_grains<V: Space>(
     lost.sort_unstable_by_key(|grain| grain.id);
     for grain in out {
         ledger.gone.insert(grain.id);
-        ledger.departures.add(time_s);
+        ledger.departures.add(time_s, grain.mass);
     }
     for grain in lost {
         tracing::debug!("t = {time_s:.3} s: {} was lost: {}", grain.id, grain.way);

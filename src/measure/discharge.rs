@@ -14,6 +14,8 @@ pub struct Discharge {
     pub duration_s: f64,
     /// Mean rate between a tenth and nine tenths of the grains, grains/s.
     pub rate_per_s: f64,
+    /// The same rate by mass, kg/s.
+    pub rate_kg_per_s: f64,
 }
 
 impl Discharge {
@@ -25,10 +27,15 @@ impl Discharge {
             return None;
         }
         let (first, last) = ledger.departures.ends()?;
-        let (tenth, from) = ledger.departures.nearest(count / 10)?;
-        let (nine_tenths, to) = ledger.departures.nearest(count - 1 - count / 10)?;
-        let (grains, interval) = (f64::from(nine_tenths - tenth), to - from);
+        let tenth = ledger.departures.nearest(count / 10)?;
+        let nine_tenths = ledger.departures.nearest(count - 1 - count / 10)?;
+        let (grains, mass) = (f64::from(nine_tenths.number - tenth.number), nine_tenths.mass_out - tenth.mass_out);
+        let interval = nine_tenths.time - tenth.time;
         // Grains that leave in one step have no rate.
-        (interval > 0.0).then(|| Self { duration_s: last - first, rate_per_s: grains / interval })
+        (interval > 0.0).then(|| Self {
+            duration_s: last - first,
+            rate_per_s: grains / interval,
+            rate_kg_per_s: mass / interval,
+        })
     }
 }

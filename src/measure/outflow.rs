@@ -228,9 +228,13 @@ impl OutflowSums {
 }
 
 impl Rate {
-    /// Returns the mean of the blocks with its interval.
+    /// Returns the mean of the rates of at most [`BLOCKS`] blocks, with its interval.
+    ///
+    /// # Panics
+    /// With more blocks.
+    #[must_use]
     #[expect(clippy::cast_precision_loss, reason = "16 blocks")]
-    fn of(rates: &[f64]) -> Self {
+    pub fn of(rates: &[f64]) -> Self {
         let n = rates.len() as f64;
         let mean = rates.iter().sum::<f64>() / n;
         let squares: f64 = rates.iter().map(|rate| (rate - mean).powi(2)).sum();

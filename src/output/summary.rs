@@ -37,6 +37,7 @@ use crate::store::ParticleStore;
 use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
 use crate::writers::memory::peak_memory;
+use crate::writers::provenance::Provenance;
 
 /// Content of `summary.json`.
 #[derive(Debug, Serialize)]
@@ -93,6 +94,8 @@ pub struct Summary {
     pub energy: Energy,
     /// Cost of the run.
     pub performance: Performance,
+    /// Version, command, date and machine; `null` unless `siloflow run` wrote the summary.
+    pub provenance: Option<Provenance>,
     /// The run from whose state this run started; `null` if it started by itself.
     pub parent: Option<Parent>,
     /// Checkpoints during the run; `null` if none was taken.
@@ -287,6 +290,7 @@ impl Summary {
                 integrator: loaded.scene.integrator,
                 contact_law: loaded.scene.contact,
             },
+            provenance: None,
             parent: world.get_resource().cloned(),
             checkpoints: world.get_resource().copied(),
             state_hash,

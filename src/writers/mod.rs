@@ -7,6 +7,7 @@ pub mod frame_writer;
 pub mod memory;
 pub mod plot;
 pub mod png;
+pub mod provenance;
 pub mod rows;
 pub mod svg;
 pub mod volume;

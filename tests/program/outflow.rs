@@ -57,6 +57,9 @@ fn figures_of_a_steady_column_are_those_of_its_grains() {
             assert!((number(&format!("{rate}{end}")) / expected - 1.0).abs() < 1e-12, "{figures}");
         }
     }
+    // The same grains in the discharge: all have one mass.
+    let discharge = |key: &str| summary["discharge"][key].as_f64().unwrap();
+    assert!((discharge("rate_kg_per_s") / discharge("rate_per_s") / mass - 1.0).abs() < 1e-12, "{summary}");
     // Grain n has to go (n + 1/2) 0.07 m at 1 m/s. It is found out when it has moved up to a quarter of its radius farther, or a
     // step. The deviation of the times of 32 grains is 0.07 sqrt((32^2 - 1)/12), changed by at most that delay.
     let late = 0.25 * 0.03 + 2.0e-4;

@@ -144,6 +144,7 @@ fn results(run: &Path) -> Vec<(PathBuf, Vec<u8>)> {
             let keys = summary.as_object_mut().unwrap();
             keys.remove("performance").unwrap();
             keys.remove("checkpoints").unwrap();
+            keys.remove("provenance").unwrap();
             summary.to_string().into_bytes()
         } else {
             bytes
