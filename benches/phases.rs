@@ -164,7 +164,8 @@ fn outputs(criterion: &mut Criterion) {
                 app.add_plugins(FramesPlugin::<Plane>(renderer, std::marker::PhantomData));
             } else {
                 let interval = Series { interval: 1.0e-4.try_into().expect("positive") };
-                app.add_plugins(SeriesPlugin::<Plane>::create(interval, true, &series).expect("a file can be written"));
+                let plugin = SeriesPlugin::<Plane>::create(interval, true, app.world(), &series);
+                app.add_plugins(plugin.expect("a file can be written"));
             }
         });
         let simulation = simulation.as_mut().expect("the scene needs no behaviours");

@@ -22,6 +22,10 @@ impl<'a> Assembly<'a> {
         Self { app, asked_by: HashMap::new() }
     }
 
+    pub(crate) fn world(&self) -> &World {
+        self.app.world()
+    }
+
     pub(crate) fn add(&mut self, key: &str, plugin: impl Plugin) -> &mut Self {
         self.app.add_plugins(plugin);
         self.record(key);

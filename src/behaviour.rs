@@ -96,6 +96,11 @@
 //! them: a query of `(With<Grain>, Without<Temperature>)`. A grain that has just been released may get them one step
 //! later.
 //!
+//! # Results
+//!
+//! [`measure::outputs`](crate::measure::outputs) explains how a behaviour adds columns of grains, columns of `series.csv`, values of
+//! the summary, and files of its own.
+//!
 //! # Contacts
 //!
 //! | a behaviour that | uses |

@@ -98,9 +98,11 @@ pub mod prelude {
     pub use crate::behaviour::{Behaviour, Registry};
     pub use crate::contact::{Bounce, ContactPlugin, LawRequirements, Memory, Pair, PairForce, PairLaw};
     pub use crate::ledger::Ledger;
+    pub use crate::measure::outputs::{OutputApp, Palette, Scale};
     pub use crate::measure::{ObserveStage, due, observe_every};
     pub use crate::messages::{CameToRest, DoorOpened, GrainLost, GrainOut, GrainReleased};
     pub use crate::outcome::{End, Failure, Outcome};
+    pub use crate::output::run_directory::RunPath;
     pub use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
     pub use crate::particles::{Motion, Particles};
     pub use crate::persist::PersistApp;

@@ -25,6 +25,7 @@ use crate::integrate::wrap::PeriodicPlugin;
 use crate::ledger::{CullPlugin, LedgerPlugin, PathsPlugin};
 use crate::measure::ObservePlugin;
 use crate::measure::bed::BedPlugin;
+use crate::measure::outputs::BehaviourOutputs;
 use crate::messages::MessagesPlugin;
 use crate::neighbours::NeighboursPlugin;
 use crate::periodic::Periodic;
@@ -190,6 +191,7 @@ fn add_doors_and_motions<V: Space>(app: &mut Assembly, loaded: &Loaded, has_beha
 /// Adds the behaviours of a scene, in the order of their names.
 pub(crate) fn add_behaviours(app: &mut Assembly, behaviours: Vec<(String, Box<dyn Behaviour>)>) {
     for (name, behaviour) in behaviours {
+        app.add_with(&format!("behaviours.{name}"), |app| BehaviourOutputs::begin(app, &name));
         app.add_with(&format!("behaviours.{name}"), |app| behaviour.build(app));
     }
 }

@@ -20,18 +20,22 @@ use crate::gravity::Gravity;
 use crate::instructions::Instructions;
 use crate::lattice;
 use crate::lattice::load::LoadedLattice;
+use crate::measure::outputs::{self, Reserved};
 use crate::messages::GrainReleased;
 use crate::outcome::{End, Failure, Outcome};
 use crate::output::checkpoint::{self, Checkpoints};
 use crate::output::cost::RunCost;
+use crate::output::frame_data::TAKEN_NAMES;
 use crate::output::frame_data::writer::FrameDataWriter;
 use crate::output::losses::LossesFile;
-use crate::output::run_directory::RunDirectory;
+use crate::output::run_directory::{self, RunDirectory, RunPath};
+use crate::output::series;
 use crate::particle::{Door, GrainBundle, GrainId, Species, wall_grain};
 use crate::periodic::Periodic;
 use crate::persist::{self, PersistApp as _, Problem, Section, UnknownState};
 use crate::plugins::{AddPaths, add_all, add_behaviours, planar_paths, solid_paths};
 use crate::scene::load::Loaded;
+use crate::source::Source;
 use crate::space::{Dimension, Linear, Plane, Solid, Space};
 use crate::step::{Clock, Part, Step};
 use crate::store::{self, ParticleStore};
@@ -50,7 +54,7 @@ pub struct Simulation {
 
 /// Plugins that a caller adds. Boxed, because a generic parameter would compile the whole engine again for each calling
 /// crate.
-pub(crate) type Additions<'a> = Box<dyn FnOnce(&mut Assembly<'_>) + 'a>;
+pub(crate) type Additions<'a> = Box<dyn FnOnce(&mut Assembly<'_>) -> Result<(), Fault> + 'a>;
 
 impl Simulation {
     /// Builds the app that the scene needs; no step has run yet.
@@ -60,7 +64,7 @@ impl Simulation {
     /// * Systems of behaviours conflict or are in no phase.
     /// * The environment selects [`instructions`](crate::instructions) that this machine lacks.
     pub fn new(loaded: &Loaded, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
-        Self::with(loaded, registry, threads, Box::new(|_| {}), None)
+        Self::with(loaded, registry, threads, Box::new(|_| Ok(())), None)
     }
 
     /// Like [`Simulation::new`], with plugins of the calling program: outputs, for example, which read and do not
@@ -74,7 +78,16 @@ impl Simulation {
         threads: NonZeroUsize,
         more: impl FnOnce(&mut App),
     ) -> Result<Self, Fault> {
-        Self::with(loaded, registry, threads, Box::new(|assembly| assembly.add_with("the program", more)), None)
+        Self::with(
+            loaded,
+            registry,
+            threads,
+            Box::new(|assembly| {
+                assembly.add_with("the program", more);
+                Ok(())
+            }),
+            None,
+        )
     }
 
     /// Like [`Simulation::with_plugins`], for plugins that record the scene keys that requested them. With `saved` it continues
@@ -116,7 +129,7 @@ impl Simulation {
         threads: NonZeroUsize,
         saved: &[Section],
     ) -> Result<Self, Fault> {
-        Self::with(loaded, registry, threads, Box::new(|_| {}), Some((saved, UnknownState::Refuse)))
+        Self::with(loaded, registry, threads, Box::new(|_| Ok(())), Some((saved, UnknownState::Refuse)))
     }
 
     /// The cost of a run of the command line.
@@ -134,7 +147,7 @@ impl Simulation {
         threads: NonZeroUsize,
         saved: &[Section],
     ) -> Result<Self, Fault> {
-        Self::of_lattice_with(loaded, registry, threads, Box::new(|_| {}), Some((saved, UnknownState::Refuse)))
+        Self::of_lattice_with(loaded, registry, threads, Box::new(|_| Ok(())), Some((saved, UnknownState::Refuse)))
     }
 
     /// Takes checkpoints from now on.
@@ -155,7 +168,7 @@ impl Simulation {
 
     /// Checks whether [`Simulation::new`] would succeed, without spawning a grain.
     pub(crate) fn check(loaded: &Loaded, registry: &Registry) -> Result<(), Fault> {
-        let app = Self::assemble(loaded, registry, NonZeroUsize::MIN, Box::new(|_| {}))?;
+        let app = Self::assemble(loaded, registry, NonZeroUsize::MIN, Box::new(|_| Ok(())))?;
         Self::complete_with_store(app, loaded).map(|_| ())
     }
 
@@ -180,7 +193,8 @@ impl Simulation {
             Dimension::Plane => add_plugins::<Plane>(&mut assembly, loaded, behaviours, planar_paths),
             Dimension::Solid => add_plugins::<Solid>(&mut assembly, loaded, behaviours, solid_paths),
         }
-        more(&mut assembly);
+        refuse_outputs(assembly.world(), &loaded.source, &series::header(true))?;
+        more(&mut assembly)?;
         assembly.finish();
         Ok(app)
     }
@@ -190,7 +204,7 @@ impl Simulation {
     /// # Errors
     /// As [`Simulation::new`].
     pub fn of_lattice(loaded: &LoadedLattice, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
-        Self::of_lattice_with(loaded, registry, threads, Box::new(|_| {}), None)
+        Self::of_lattice_with(loaded, registry, threads, Box::new(|_| Ok(())), None)
     }
 
     /// Like [`Simulation::of_lattice`], with plugins of the caller.
@@ -206,7 +220,8 @@ impl Simulation {
         let mut assembly = Assembly::new(&mut app);
         lattice::plugins::add_all(&mut assembly, loaded);
         add_behaviours(&mut assembly, behaviours);
-        more(&mut assembly);
+        refuse_outputs(assembly.world(), &loaded.source, lattice::series::HEADER)?;
+        more(&mut assembly)?;
         assembly.finish();
         if let Some((saved, unknown)) = saved {
             restore(app.world_mut(), saved, unknown)?;
@@ -282,6 +297,9 @@ impl Simulation {
     /// If a picture could not be written.
     pub(crate) fn continue_in(&mut self, directory: &RunDirectory) -> Result<(), Failure> {
         let world = self.app.world_mut();
+        if let Some(mut run) = world.get_resource_mut::<RunPath>() {
+            directory.current().clone_into(&mut run.now);
+        }
         if let Some(mut losses) = world.get_resource_mut::<LossesFile>() {
             losses.path = directory.losses();
         }
@@ -343,6 +361,18 @@ impl Simulation {
         store::publish_to_world(world);
         world
     }
+}
+
+/// Refuses outputs of behaviours whose names are not allowed or taken. `header` is the one of `series.csv`.
+fn refuse_outputs(world: &World, source: &Source, header: &str) -> Result<(), Fault> {
+    let series = header.split(',').collect();
+    let reserved = Reserved { grains: &TAKEN_NAMES, series, is_file: run_directory::is_reserved };
+    outputs::refuse(world, &reserved).map_err(|(behaviour, problem)| {
+        let key = if behaviour.is_empty() { "behaviours".to_owned() } else { format!("behaviours.{behaviour}") };
+        source
+            .fault("behaviour::output", &key, problem)
+            .help("the `build` of the behaviour registers it: choose another name there")
+    })
 }
 
 fn restore(world: &mut World, saved: &[Section], unknown: UnknownState) -> Result<(), Fault> {

@@ -47,7 +47,7 @@ impl Origin {
             return Err(Fault::new("checkpoint::method", message).help("give the directory of a run of grains"));
         };
         let saved = (&checkpoint.sections[..], UnknownState::Skip);
-        let mut run = Simulation::with(&loaded, registry, NonZeroUsize::MIN, Box::new(|_| {}), Some(saved))?;
+        let mut run = Simulation::with(&loaded, registry, NonZeroUsize::MIN, Box::new(|_| Ok(())), Some(saved))?;
         let parent = Parent {
             run: directory.absolute().display().to_string(),
             scene: checkpoint.header.scene.clone(),

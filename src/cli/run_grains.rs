@@ -13,6 +13,7 @@ use crate::cli::run_path::{Call, Method, Outline};
 use crate::fault::Fault;
 use crate::grains::file;
 use crate::ledger::Ledger;
+use crate::measure::outputs::BehaviourOutputs;
 use crate::outcome::End;
 use crate::output::cost::CostPlugin;
 use crate::output::fields::FieldsPlugin;
@@ -122,8 +123,12 @@ fn build_in<V: Space>(
     directory: &RunDirectory,
     saved: Option<&[Section]>,
 ) -> Result<Simulation, Fault> {
-    let outputs = Outputs::<V>::create(loaded, directory).map_err(|error| directory.unwritable(&error))?;
     let more = Box::new(|app: &mut Assembly<'_>| {
+        // The behaviours have registered their columns.
+        let outputs = Outputs::<V>::create(loaded, app.world(), directory);
+        let outputs = outputs.map_err(|error| directory.unwritable(&error))?;
+        declare_files(app.world(), directory)?;
+        app.provide(directory.resource());
         app.add("always", CostPlugin);
         app.add("always", ParentPlugin(call.parent.clone()));
         app.add("series", outputs.series);
@@ -155,8 +160,14 @@ fn build_in<V: Space>(
         if let Some(frames) = FrameRenderer::of(loaded, directory.frames()) {
             app.add("pictures", FramesPlugin::<V>(frames, PhantomData));
         }
+        Ok(())
     });
     Simulation::with(loaded, call.registry, call.threads, more, saved.map(|saved| (saved, UnknownState::Refuse)))
+}
+
+/// Records the files that behaviours will write.
+pub(super) fn declare_files(world: &World, directory: &RunDirectory) -> Result<(), Fault> {
+    directory.declare(&BehaviourOutputs::files(world)).map_err(|error| directory.unwritable(&error))
 }
 
 /// The files that grow while a scene runs.
@@ -171,13 +182,14 @@ struct Outputs<V: Space> {
 }
 
 impl<V: Space> Outputs<V> {
-    fn create(loaded: &Loaded, directory: &RunDirectory) -> std::io::Result<Self> {
+    fn create(loaded: &Loaded, world: &World, directory: &RunDirectory) -> std::io::Result<Self> {
         let names: Vec<_> = loaded.scene.walls.iter().filter(|wall| wall.is_surface()).map(Wall::name).collect();
         let bands = loaded.wall_bands::<V>();
         let profiles = loaded.profiles();
         let species = u8::try_from(loaded.largest_species()).unwrap_or(u8::MAX);
+        let tracks_energy = loaded.scene.energy_balance;
         Ok(Self {
-            series: SeriesPlugin::create(loaded.scene.series, loaded.scene.energy_balance, &directory.series())?,
+            series: SeriesPlugin::create(loaded.scene.series, tracks_energy, world, &directory.series())?,
             walls: if names.is_empty() {
                 None
             } else {
@@ -199,7 +211,7 @@ impl<V: Space> Outputs<V> {
                 Some(FieldsPlugin::create(loaded.fields(), &directory.fields())?)
             },
             flow: loaded.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.flow())).transpose()?,
-            frame_data: FrameDataPlugin::create(loaded, &directory.frame_data())?,
+            frame_data: FrameDataPlugin::create(loaded, world, &directory.frame_data())?,
         })
     }
 }

@@ -9,6 +9,7 @@ use bevy_ecs::prelude::*;
 use crate::assembly::Assembly;
 use crate::behaviour::Registry;
 use crate::cli::progress::Pace;
+use crate::cli::run_grains::declare_files;
 use crate::cli::run_path::{Call, Method, Outline};
 use crate::fault::Fault;
 use crate::lattice::check;
@@ -44,13 +45,16 @@ impl Method for LoadedLattice {
     }
 
     fn build(&mut self, call: &Call, directory: &RunDirectory, saved: Option<&[Section]>) -> Result<Simulation, Fault> {
-        let outputs = || -> io::Result<_> {
-            let series = SeriesPlugin::create(self.scene.series, &directory.series())?;
+        let outputs = |world: &World| -> io::Result<_> {
+            let series = SeriesPlugin::create(self.scene.series, world, &directory.series())?;
             let flow = self.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.flow())).transpose()?;
             Ok((series, flow))
         };
-        let (series, flow) = outputs().map_err(|error| directory.unwritable(&error))?;
         let more = Box::new(|app: &mut Assembly<'_>| {
+            // The behaviours have registered their columns.
+            let (series, flow) = outputs(app.world()).map_err(|error| directory.unwritable(&error))?;
+            declare_files(app.world(), directory)?;
+            app.provide(directory.resource());
             app.add("always", CostPlugin);
             app.add("series", series);
             if let Some(flow) = flow {
@@ -59,6 +63,7 @@ impl Method for LoadedLattice {
             if let Some(pictures) = PicturesPlugin::of(self, directory.frames()) {
                 app.add("pictures", pictures);
             }
+            Ok(())
         });
         Simulation::of_lattice_with(
             self,

@@ -8,6 +8,7 @@
 //! | `x_m`, `y_m` | m | mean position of all particles inside; the trace, if there is one particle |
 //! | `vx_m_per_step`, `vy_m_per_step` | m/step | mean velocity of all particles inside |
 //! | `at_rest` | | share of the particles inside that are at rest |
+//! | further columns | | those that behaviours [register](crate::measure::outputs) |
 //!
 //! All particles are counted for each row. The run fails if the count differs from entered minus out.
 
@@ -19,6 +20,7 @@ use std::num::NonZeroU32;
 use crate::lattice::gas::Gas;
 use crate::lattice::sites::Sites;
 use crate::lattice::velocities::{in_bonds, momentum};
+use crate::measure::outputs::{self, SeriesValues};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::{Failure, Outcome};
 use crate::persist::PersistApp as _;
@@ -78,7 +80,8 @@ pub fn means(sites: &Sites, gas: &Gas) -> Means {
     Means { count, centre: moment / n, velocity, at_rest: resting as f64 / n }
 }
 
-const HEADER: &str = "step,entered,inside,out,outflow_per_step,x_m,y_m,vx_m_per_step,vy_m_per_step,at_rest";
+/// The columns of the file.
+pub(crate) const HEADER: &str = "step,entered,inside,out,outflow_per_step,x_m,y_m,vx_m_per_step,vy_m_per_step,at_rest";
 
 #[derive(Resource)]
 struct SeriesFile {
@@ -88,7 +91,7 @@ struct SeriesFile {
 
 fn write_row(
     clock: Res<Clock>,
-    (sites, gas): (Res<Sites>, Res<Gas>),
+    (sites, gas, registered): (Res<Sites>, Res<Gas>, Option<Res<SeriesValues>>),
     mut series: ResMut<SeriesFile>,
     mut outcome: ResMut<Outcome>,
 ) {
@@ -104,9 +107,10 @@ fn write_row(
     };
     let Means { count, centre: x, velocity: v, at_rest } = now;
     let entered = gas.entered();
+    let registered = outputs::cells(registered);
     series.rows.append(
         format_args!(
-            "{step},{entered},{count},{out},{outflow:.6},{:.9},{:.9},{:e},{:e},{at_rest:.6}\n",
+            "{step},{entered},{count},{out},{outflow:.6},{:.9},{:.9},{:e},{:e},{at_rest:.6}{registered}\n",
             x.x, x.y, v.x, v.y
         ),
         &mut outcome,
@@ -120,9 +124,10 @@ pub(crate) struct SeriesPlugin {
 }
 
 impl SeriesPlugin {
-    /// Creates the file with its header, or continues it.
-    pub fn create(config: Series, place: &RowsPlace) -> std::io::Result<Self> {
-        Ok(Self { config, file: TakenOnce::new(SeriesFile { rows: Rows::at(place, HEADER)?, last: None }) })
+    /// Creates the file with its header, or continues it. The world has the columns that behaviours have registered.
+    pub fn create(config: Series, world: &World, place: &RowsPlace) -> std::io::Result<Self> {
+        let header = HEADER.to_owned() + &outputs::names(world);
+        Ok(Self { config, file: TakenOnce::new(SeriesFile { rows: Rows::at(place, &header)?, last: None }) })
     }
 }
 
@@ -130,6 +135,7 @@ impl Plugin for SeriesPlugin {
     fn build(&self, app: &mut App) {
         let Some(file) = self.file.open() else { return };
         observe_every::<Series>(app, f64::from(self.config.interval.get()));
+        outputs::compute_series(app, due::<Series>);
         app.persist_part::<SeriesFile, _>(
             |series| Ok((series.rows.saved()?, series.last)),
             |series, (length, last)| {

@@ -16,6 +16,7 @@ use crate::lattice::load::LoadedLattice;
 use crate::lattice::rest::RestDetector;
 use crate::lattice::rules::Rules;
 use crate::lattice::sites::Sites;
+use crate::measure::outputs::{self, Values};
 use crate::outcome::End;
 use crate::persist::CheckpointFigures;
 use crate::step::Clock;
@@ -54,6 +55,9 @@ pub struct Summary {
     pub door_open_step: Option<u64>,
     /// Step at the end of which the silo was empty.
     pub empty_step: Option<u64>,
+    /// Values that behaviours register, by behaviour and name. The key is absent without one.
+    #[serde(skip_serializing_if = "Values::is_empty")]
+    pub behaviours: Values,
     /// Cost of the run.
     pub performance: Performance,
     /// Version, command, date and machine; `null` unless `siloflow run` wrote the summary.
@@ -119,7 +123,8 @@ pub fn write_state(sites: &Sites, gas: &Gas, file: &mut dyn Write) -> io::Result
 impl Summary {
     /// Creates the summary of a run that ended with `end` after `wall_s` seconds of wall-clock time.
     #[must_use]
-    pub fn of(world: &World, loaded: &LoadedLattice, end: &End, wall_s: f64) -> Self {
+    pub fn of(world: &mut World, loaded: &LoadedLattice, end: &End, wall_s: f64) -> Self {
+        let behaviours = outputs::summary_values(world);
         let (sites, gas, clock) = (world.resource::<Sites>(), world.resource::<Gas>(), world.resource::<Clock>());
         let failure = match end {
             End::Failed(failure) => Some(failure.to_string()),
@@ -143,6 +148,7 @@ impl Summary {
             rest_step: world.get_resource::<RestDetector>().and_then(|rest| rest.rest_step),
             door_open_step: world.get_resource::<DoorState>().and_then(|door| door.open_step),
             empty_step,
+            behaviours,
             performance: Performance {
                 wall_s,
                 site_updates,

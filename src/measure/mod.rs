@@ -10,6 +10,7 @@ pub mod discharge;
 pub mod fields;
 pub mod flow;
 pub mod outflow;
+pub mod outputs;
 pub mod profile;
 pub mod totals;
 pub mod wall_bands;
@@ -29,6 +30,8 @@ use crate::store::{KickAppliedAtEnd, register_predictable};
 pub enum ObserveStage {
     /// Observers measure.
     Measure,
+    /// Columns that behaviours have registered are computed ([`outputs`]).
+    Columns,
     /// Outputs write rows and pictures.
     Write,
 }
@@ -95,7 +98,9 @@ impl Plugin for ObservePlugin {
     fn build(&self, app: &mut App) {
         app.edit_schedule(Step, |schedule| {
             schedule.configure_sets(ClocksRead.in_set(Part::Engine(Phase::Observe)).after(KickAppliedAtEnd));
-            schedule.configure_sets((ObserveStage::Measure, ObserveStage::Write).chain().in_set(Phase::Observe));
+            schedule.configure_sets(
+                (ObserveStage::Measure, ObserveStage::Columns, ObserveStage::Write).chain().in_set(Phase::Observe),
+            );
         });
     }
 }

@@ -4,7 +4,9 @@
 //!   `input-`, so that they cannot collide with results.
 //! * Output: `series.csv`, `frames/`, `frames.bin`, `state.csv` and `summary.json`, and where the scene measures them `walls.csv`,
 //!   `profiles.csv`, `centres.csv`, `fields.csv`, `flow.csv` and `losses.csv`.
-//! * `.siloflow`: the marker. The process that uses the directory holds a lock on it.
+//! * Files that behaviours declare ([`RunPath`]).
+//! * `.siloflow`: the marker. The process that uses the directory holds a lock on it. It lists the files of behaviours, so that a
+//!   program without these behaviours can replace the run.
 //!
 //! A run directory is prepared beside its place and moved there in one rename, so that it is the directory of one run at
 //! every moment ([`RunDirectory::create`], [`RunDirectory::publish`]). An earlier run is replaced only if the caller
@@ -16,6 +18,7 @@
 mod examine;
 mod exchange;
 mod marker;
+mod path;
 mod results;
 mod stage;
 
@@ -28,6 +31,7 @@ use serde::Serialize;
 
 use self::examine::{examine, refuse_content, resolve};
 use self::marker::{Claim, Marker};
+pub use self::path::RunPath;
 pub use self::results::{check_results, write_results};
 use self::stage::Stage;
 use crate::fault::Fault;
@@ -253,6 +257,11 @@ fn is_own(path: &Path) -> bool {
     }
 }
 
+/// Whether a behaviour may not have a file of this name at the top of a run directory.
+pub(crate) fn is_reserved(name: &str) -> bool {
+    is_own(Path::new(name)) || name.ends_with(&format!(".{PART}"))
+}
+
 impl RunDirectory {
     /// Prepares a run directory beside `path`, with `scene.ron` and copies of the files that it names. `path` itself is
     /// not changed. Dropping the value without [`RunDirectory::publish`] removes all traces of it.
@@ -312,7 +321,7 @@ impl RunDirectory {
             Claim::Unmarked => Err(failed(format!("{} holds no run", path.display()))),
             Claim::Held(holder) => Err(in_use(path, &holder)),
             Claim::Locked(marker) => {
-                marker.sign().map_err(unreadable)?;
+                marker.sign(&marker::declared_in(&target)).map_err(unreadable)?;
                 Ok(Self { shown: path.to_owned(), target, replace: false, place: Place::Published(marker) })
             }
         }
@@ -393,6 +402,25 @@ impl RunDirectory {
     #[must_use]
     pub fn checkpoints(&self) -> PathBuf {
         checkpoints_directory(self.now())
+    }
+
+    /// Records files that behaviours will write, so that a later run in this place removes them.
+    ///
+    /// # Errors
+    /// If the marker cannot be written.
+    pub fn declare(&self, files: &[String]) -> io::Result<()> {
+        let marker = match &self.place {
+            Place::Staged(stage) => &stage.marker,
+            Place::Published(marker) => marker,
+            Place::Gone => return Ok(()),
+        };
+        if files.is_empty() { Ok(()) } else { marker.sign(files) }
+    }
+
+    /// Returns the resource that tells behaviours where the directory is now.
+    #[must_use]
+    pub fn resource(&self) -> RunPath {
+        RunPath { now: self.now().to_owned(), is_resumed: matches!(self.place, Place::Published(_)) }
     }
 
     /// Returns the place of a file of rows.

@@ -12,6 +12,7 @@
 //! | `largest_speed_m_per_s` | m/s | largest speed of a grain |
 //! | `largest_overlap_ratio` | | largest present overlap over the smaller radius of the pair |
 //! | `coordination` | | coordination number: contacts per grain |
+//! | further columns | | those that behaviours [register](crate::measure::outputs) |
 //!
 //! The columns of the flows and of the balance error exist only if the scene tracks the energy balance.
 
@@ -21,6 +22,7 @@ use bevy_ecs::prelude::*;
 use crate::energy::EnergyFlows;
 use crate::gravity::Gravity;
 use crate::ledger::Ledger;
+use crate::measure::outputs::{self, SeriesValues};
 use crate::measure::totals::Totals;
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
@@ -31,8 +33,8 @@ use crate::step::{Clock, Step};
 use crate::survey::SurveyParam;
 use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
 
-/// Returns the header of the file; `tracks_energy` adds the columns of the energy balance.
-fn header(tracks_energy: bool) -> String {
+/// Returns siloflow's own columns of the file; `tracks_energy` adds those of the energy balance.
+pub(crate) fn header(tracks_energy: bool) -> String {
     let balance = if tracks_energy { BALANCE_COLUMNS } else { "" };
     format!(
         "time_s,released,inside,out,lost,culled,outflow_per_s,kinetic_j,rotational_j,potential_j,elastic_j{balance},\
@@ -52,6 +54,7 @@ struct SeriesFile {
 fn write_row<V: Space>(
     (clock, survey_param): (Res<Clock>, SurveyParam<V>),
     (gravity, flows, ledger): (Res<Gravity<V>>, Option<Res<EnergyFlows>>, Res<Ledger>),
+    registered: Option<Res<SeriesValues>>,
     mut series: ResMut<SeriesFile>,
     mut outcome: ResMut<Outcome>,
 ) {
@@ -66,8 +69,9 @@ fn write_row<V: Space>(
         let error = now.energy() - flows.expected();
         format!(",{released:e},{wall_work:e},{lifted:e},{added_work:e},{dissipated:e},{removed:e},{error:e}")
     });
+    let registered = outputs::cells(registered);
     let row = format_args!(
-        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e}{balance},{:e},{:e},{:.6}\n",
+        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e}{balance},{:e},{:e},{:.6}{registered}\n",
         ledger.released,
         ledger.inside(),
         ledger.lost(),
@@ -91,12 +95,14 @@ pub struct SeriesPlugin<V: Space> {
 }
 
 impl<V: Space> SeriesPlugin<V> {
-    /// Creates the file with its header, or continues it. `tracks_energy` must be set if the scene tracks the energy balance.
+    /// Creates the file with its header, or continues it. `tracks_energy` must be set if the scene tracks the energy balance. The
+    /// world has the columns that behaviours have registered.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn create(config: Series, tracks_energy: bool, place: &RowsPlace) -> std::io::Result<Self> {
-        let file = TakenOnce::new(SeriesFile { rows: Rows::at(place, &header(tracks_energy))?, last: None });
+    pub fn create(config: Series, tracks_energy: bool, world: &World, place: &RowsPlace) -> std::io::Result<Self> {
+        let header = header(tracks_energy) + &outputs::names(world);
+        let file = TakenOnce::new(SeriesFile { rows: Rows::at(place, &header)?, last: None });
         Ok(Self { config, file, space: std::marker::PhantomData })
     }
 }
@@ -105,6 +111,7 @@ impl<V: Space> Plugin for SeriesPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some(file) = self.file.open() else { return };
         observe_every::<Series>(app, self.config.interval.get());
+        outputs::compute_series(app, due::<Series>);
         app.persist_part::<SeriesFile, _>(
             |series| Ok((series.rows.saved()?, series.last)),
             |series, (length, last)| {

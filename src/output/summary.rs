@@ -21,6 +21,7 @@ use crate::ledger::{Ledger, LossRecord};
 use crate::measure::bed::BedFigures;
 use crate::measure::discharge::Discharge;
 use crate::measure::outflow::OutflowFigures;
+use crate::measure::outputs::{self, Values};
 use crate::measure::totals;
 use crate::neighbours::Rebuilds;
 use crate::outcome::End;
@@ -92,6 +93,9 @@ pub struct Summary {
     pub releases: Option<ReleaseDelays>,
     /// Energy balance, J.
     pub energy: Energy,
+    /// Values that behaviours register, by behaviour and name. The key is absent without one.
+    #[serde(skip_serializing_if = "Values::is_empty")]
+    pub behaviours: Values,
     /// Cost of the run.
     pub performance: Performance,
     /// Version, command, date and machine; `null` unless `siloflow run` wrote the summary.
@@ -227,6 +231,7 @@ impl Summary {
     pub fn of(world: &mut World, loaded: &Loaded, end: &End, cost: Cost) -> Self {
         let totals = totals::of_world(world);
         let state_hash = format!("{:016x}", state_hash::of_world(world));
+        let behaviours = outputs::summary_values(world);
         let ledger = world.resource::<Ledger>();
         let clock = world.resource::<Clock>();
         let flows = world.get_resource::<EnergyFlows>().copied();
@@ -280,6 +285,7 @@ impl Summary {
                 channels: world.get_resource().copied(),
                 balance_error: flows.map(|flows| totals.energy() - flows.expected()),
             },
+            behaviours,
             performance: Performance {
                 wall_s: cost.wall_s,
                 particle_steps: cost.particle_steps,

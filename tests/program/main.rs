@@ -15,6 +15,7 @@
 
 mod accuracy;
 mod architecture;
+mod behaviour_outputs;
 mod behaviours;
 mod checkpoints;
 mod checks;

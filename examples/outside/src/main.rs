@@ -33,21 +33,46 @@ fn main() -> ExitCode {
 #[cfg(test)]
 mod tests {
     use std::num::NonZeroUsize;
-    use std::path::Path;
+    use std::path::{Path, PathBuf};
+
+    use siloflow::output::frame_data::Frame;
+    use siloflow::output::frame_data::reader::FrameReader;
 
     use super::*;
 
     /// Returns the scene of `pair.csv`, two grains in contact without gravity, in either space.
     pub fn pair(space: Dimension, behaviours: &str, until: f64) -> Simulation {
-        let text = format!(
+        simulation("pair", scene_of_pair(space, behaviours, until))
+    }
+
+    fn scene_of_pair(space: Dimension, behaviours: &str, until: f64) -> String {
+        format!(
             "(space: {space:?}, gravity: {}, grains: (file: \"pair.csv\"), step: Fixed(1.0e-4), until: {until:?}, \
               contact: Linear(k: 1.0e4, damping: B(20.0), attraction: Allowed), pictures: None, behaviours: {behaviours})",
             match space {
                 Dimension::Plane => "(0.0, 0.0)",
                 Dimension::Solid => "(0.0, 0.0, 0.0)",
             }
-        );
-        simulation("pair", text)
+        )
+    }
+
+    /// Runs the scene of [`pair`] with the command line, a frame every 0.5 s, and returns the run directory.
+    pub fn run_pair(here: &Path, space: Dimension, behaviours: &str, until: f64) -> PathBuf {
+        let grains = include_str!("../scenes/pair.csv");
+        std::fs::write(here.join("pair.csv"), grains).expect("a file");
+        let text = scene_of_pair(space, behaviours, until).replace("pictures: None", "pictures: None, data_frames: (interval: 0.5)");
+        std::fs::write(here.join("pair.ron"), text).expect("a file");
+        let [scene, out] = ["pair.ron", "run"].map(|name| here.join(name));
+        let arguments = ["siloflow".into(), "run".into(), "--quiet".into(), scene.into(), "--out".into(), out.clone().into()];
+        assert_eq!(siloflow::cli::run_with(&registry(), arguments), ExitCode::SUCCESS);
+        out
+    }
+
+    /// Returns the time of each frame of a run, and a column of its grains.
+    pub fn columns(run: &Path, name: &str) -> Vec<(f64, Vec<f64>)> {
+        let frames = FrameReader::open(&run.join("frames.bin")).expect("frames");
+        let column = |frame: Frame| Some((frame.time, frame.table("grains")?.floats(name)?.to_vec()));
+        frames.map(|frame| column(frame.expect("a whole frame")).expect("the column is there")).collect()
     }
 
     pub fn simulation(name: &'static str, text: String) -> Simulation {

@@ -3,6 +3,12 @@
 //! The heat flow from grain j to grain i in contact is Q = h (T_j - T_i), W, with the conductance h in W/K. A grain of
 //! mass m has the heat capacity c m. Walls do not conduct. The temperatures of two isolated grains approach each other
 //! as exp(-h t (1/(c m_i) + 1/(c m_j))). The sum of c m T is conserved.
+//!
+//! | output | content |
+//! |---|---|
+//! | `frames.bin`, and all that is made of it | the column `temperature`, K |
+//! | `series.csv` | `mean_temperature_k`, by mass, and `heat_j`, the sum of c m T |
+//! | `summary.json` | `behaviours.conduction.heat`, J |
 
 use serde::{Deserialize, Serialize};
 use siloflow::prelude::*;
@@ -77,6 +83,22 @@ fn record_difference(clock: Res<Clock>, grains: Query<&Temperature>, mut differe
     differences.0.push((clock.time(), (highest - lowest).max(0.0)));
 }
 
+/// Returns the sum of m T over all grains, kg K, and the sum of m.
+fn sums(grains: &Query<(&Mass, &Temperature)>) -> [f64; 2] {
+    grains.iter().fold([0.0, 0.0], |[heat, mass], (m, t)| [heat + m.0 * t.0, mass + m.0])
+}
+
+/// Returns the mean temperature by mass, K; NaN without grains.
+fn mean_temperature(grains: Query<(&Mass, &Temperature)>) -> f64 {
+    let [heat, mass] = sums(&grains);
+    heat / mass
+}
+
+/// Returns the heat of all grains, J, from 0 K on.
+fn heat(conduction: Res<Conduction>, grains: Query<(&Mass, &Temperature)>) -> f64 {
+    conduction.heat_capacity * sums(&grains)[0]
+}
+
 impl Behaviour for Conduction {
     fn lives_in(&self, _: Dimension) -> bool {
         true
@@ -95,6 +117,15 @@ impl Behaviour for Conduction {
         observe_every::<Differences>(app, self.interval);
         // Saved with checkpoints.
         app.persist_component::<Temperature>().persist::<Differences>();
+        app.grain_column::<Temperature>("temperature", "K", |temperature| temperature.0)
+            .series_column("mean_temperature_k", "K", mean_temperature)
+            .series_column("heat_j", "J", heat)
+            .summary_value("heat", "J", heat);
+        // No grain becomes hotter than the hottest at the start, or colder than the coldest.
+        let [from, to] = [f64::min, f64::max].map(|pick| self.temperatures.iter().copied().reduce(pick).unwrap_or(0.0));
+        if from < to {
+            app.column_scale("temperature", Scale { from, to, palette: Palette::BlueRed });
+        }
         app.insert_resource(*self).init_resource::<Differences>().add_systems(
             Step,
             (
@@ -112,9 +143,9 @@ impl Behaviour for Conduction {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::tests::{pair, simulation};
+    use crate::tests::{columns, pair, run_pair, simulation};
 
-    fn heat(run: &mut Simulation) -> f64 {
+    fn total_heat(run: &mut Simulation) -> f64 {
         let world = run.world_mut();
         world
             .query::<(&Mass, &Temperature)>()
@@ -142,7 +173,41 @@ mod tests {
                 );
             }
             let initial = 800.0 * (0.16 * 400.0 + 0.09 * 300.0);
-            assert!((heat(&mut run) / initial - 1.0).abs() < 1e-12);
+            assert!((total_heat(&mut run) / initial - 1.0).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn outputs_of_two_grains_follow_the_closed_form() {
+        let keys = "{\"conduction\": (temperatures: [400.0, 300.0], conductance: 50.0, heat_capacity: 800.0, interval: 0.25), \
+                     \"attraction\": (force: 1.0)}";
+        let [a, b] = [0.16, 0.09];
+        let (rate, mean) = (50.0 / 800.0 * (1.0 / a + 1.0 / b), (a * 400.0 + b * 300.0) / (a + b));
+        for space in [Dimension::Plane, Dimension::Solid] {
+            let here = tempfile::tempdir().expect("a directory");
+            let run = run_pair(here.path(), space, keys, 2.0);
+            let frames: Vec<_> = columns(&run, "temperature");
+            assert_eq!(frames.len(), 5);
+            for (time, temperatures) in frames {
+                // Euler's method with steps of 0.1 ms: relative error of the difference rate^2 t dt/2.
+                let difference = 100.0 * f64::exp(-rate * time);
+                let expected = [mean + b / (a + b) * difference, mean - a / (a + b) * difference];
+                let limit = difference * rate * rate * time * 1e-4 * 0.51 + 1e-9;
+                for (found, expected) in temperatures.iter().zip(expected) {
+                    assert!((found - expected).abs() < limit, "{space:?}, {time} s: {found} K, {expected} K");
+                }
+            }
+            let series = std::fs::read_to_string(run.join("series.csv")).expect("a series");
+            let [names, rows] = series.split_once('\n').map(|(names, rows)| [names, rows]).expect("a header");
+            assert!(names.ends_with("mean_temperature_k,heat_j"), "{names}");
+            for row in rows.lines() {
+                let cells: Vec<f64> = row.rsplit(',').take(2).map(|cell| cell.parse().expect("a number")).collect();
+                let heat = 800.0 * (a + b) * mean;
+                // 20 000 steps of round-off.
+                assert!((cells[0] / heat - 1.0).abs() < 1e-12 && (cells[1] / mean - 1.0).abs() < 1e-12, "{row}");
+            }
+            let summary = std::fs::read_to_string(run.join("summary.json")).expect("a summary");
+            assert!(summary.contains("\"conduction\": {\n      \"heat\": {"), "{summary}");
         }
     }
 

@@ -13,7 +13,7 @@ use std::io;
 
 use serde::{Deserialize, Serialize};
 
-use super::{Column, Frame, Header, Table, Values, WallGeometry};
+use super::{Column, FORMAT, Frame, Header, Table, Values, WallGeometry};
 use crate::persist::{decode, encode};
 
 #[derive(Deserialize, Serialize)]
@@ -59,7 +59,15 @@ pub(super) fn encode_header(header: &Header) -> io::Result<Vec<u8>> {
 }
 
 pub(super) fn decode_header(bytes: &[u8]) -> io::Result<Header> {
-    decode(bytes).map_err(|problem| damaged(format!("its header is unknown: {problem}")))
+    let unknown = |problem: String| damaged(format!("its header is unknown: {problem}"));
+    // The first field of every format.
+    let (format, _) = postcard::take_from_bytes::<u32>(bytes).map_err(|error| unknown(error.to_string()))?;
+    if format == 0 || format > FORMAT {
+        return Err(damaged(format!("its format is {format}, and this siloflow reads formats 1 to {FORMAT}")));
+    }
+    // Format 1 lacks the list at the end. The code of an empty list is a zero.
+    let list: &[u8] = if format == 1 { &[0] } else { &[] };
+    decode(&[bytes, list].concat()).map_err(unknown)
 }
 
 pub(super) fn encode_frame(frame: &Frame) -> io::Result<Vec<u8>> {

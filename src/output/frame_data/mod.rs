@@ -34,8 +34,44 @@ pub mod writer;
 
 use serde::{Deserialize, Serialize};
 
+use crate::measure::outputs::Scale;
+
 /// Version of the format.
-pub const FORMAT: u32 = 1;
+///
+/// Format 2 added the last field of the [`Header`]. Files of format 1 are read as if it were empty.
+pub const FORMAT: u32 = 2;
+
+/// Names of the columns of `grains`, and names that exports derive from them. A column that a behaviour registers has another one.
+pub(crate) const TAKEN_NAMES: [&str; 28] = [
+    "id",
+    "kind",
+    "species",
+    "radius",
+    "mass",
+    "position",
+    "velocity",
+    "spin",
+    "force",
+    "pressure",
+    "coordination",
+    "kinetic_energy",
+    "age",
+    "speed",
+    "time_s",
+    "type",
+    "pos",
+    "velo",
+    "x",
+    "y",
+    "z",
+    "vx",
+    "vy",
+    "vz",
+    "fx",
+    "fy",
+    "fz",
+    "step",
+];
 
 /// Facts about a run that all its frames share.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -58,6 +94,23 @@ pub struct Header {
     pub domain: [[f64; 3]; 2],
     /// Wall surfaces at the start, in the order of their numbers.
     pub walls: Vec<WallGeometry>,
+    /// Columns of `grains` that behaviours register.
+    pub columns: Vec<RegisteredColumn>,
+}
+
+/// A column of `grains` that a behaviour registers.
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+pub struct RegisteredColumn {
+    /// Name of the column.
+    pub name: String,
+    /// Unit; empty for a number without one.
+    pub unit: String,
+    /// Label of axes and colour bars.
+    pub label: String,
+    /// The behaviour.
+    pub behaviour: String,
+    /// Colours that the behaviour suggests.
+    pub scale: Option<Scale>,
 }
 
 /// A wall surface as points with lines or triangles between them.

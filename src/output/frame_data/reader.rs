@@ -8,7 +8,7 @@ use lz4_flex::frame::FrameDecoder;
 
 use super::codec::damaged;
 use super::file::MAGIC;
-use super::{FORMAT, Frame, Header, codec};
+use super::{Frame, Header, codec};
 use crate::writers::fnv::Fnv;
 
 /// Most bytes of content over the bytes of their compressed form: what LZ4 can reach, and the size of a small record.
@@ -56,9 +56,6 @@ impl<R: Read> FrameReader<R> {
         let mut left = length.saturating_sub(MAGIC.len() as u64);
         let content = record(&mut file, &mut left)?.ok_or_else(|| damaged("its header is cut short"))?;
         let header = codec::decode_header(&content)?;
-        if header.format != FORMAT {
-            return Err(damaged(format!("its format is {}, and this siloflow reads format {FORMAT}", header.format)));
-        }
         Ok(Self { header, file, left, is_over: false })
     }
 }
@@ -107,8 +104,9 @@ fn record(file: &mut impl Read, left: &mut u64) -> io::Result<Option<Vec<u8>>> {
 #[cfg(test)]
 pub(super) mod tests {
     use super::super::file::FrameFile;
-    use super::super::{Column, Table, Values};
+    use super::super::{Column, FORMAT, RegisteredColumn, Table, Values};
     use super::*;
+    use crate::measure::outputs::{Palette, Scale};
 
     pub fn header() -> Header {
         Header {
@@ -121,6 +119,7 @@ pub(super) mod tests {
             periodic: [None, Some((0.0, 1.0)), None],
             domain: [[0.0; 3], [1.0; 3]],
             walls: Vec::new(),
+            columns: Vec::new(),
         }
     }
 
@@ -147,6 +146,22 @@ pub(super) mod tests {
     #[test]
     fn frames_are_read_as_they_were_written() {
         assert_eq!(read(&bytes()).unwrap(), (header(), vec![frame(1), frame(2), frame(3)]));
+    }
+
+    #[test]
+    fn format_1_is_read_and_later_formats_are_named() {
+        // Format 1 ended before the list of registered columns.
+        let mut bytes = codec::encode_header(&Header { format: 1, ..header() }).unwrap();
+        assert_eq!(bytes.pop(), Some(0));
+        assert_eq!(codec::decode_header(&bytes).unwrap(), Header { format: 1, ..header() });
+        let later = codec::encode_header(&Header { format: FORMAT + 1, ..header() }).unwrap();
+        let error = codec::decode_header(&[&later[..], b"more"].concat()).unwrap_err().to_string();
+        assert!(error.contains(&format!("its format is {}", FORMAT + 1)), "{error}");
+        let scale = Some(Scale { from: 300.0, to: 400.0, palette: Palette::BlueRed });
+        let [name, unit, label, behaviour] = ["temperature", "K", "heat of a grain", "conduction"].map(str::to_owned);
+        let with_column =
+            Header { columns: vec![RegisteredColumn { name, unit, label, behaviour, scale }], ..header() };
+        assert_eq!(codec::decode_header(&codec::encode_header(&with_column).unwrap()).unwrap(), with_column);
     }
 
     #[test]

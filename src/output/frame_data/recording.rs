@@ -2,7 +2,7 @@
 //!
 //! | table | columns |
 //! |---|---|
-//! | `grains` | `id`, `kind` (0 grain, 1 wall grain, 2 door grain), `species`, `radius`, `mass`, `position`, `velocity`, `spin` where grains spin, `force`, `pressure`, `coordination` (contacts with particles and walls) |
+//! | `grains` | `id`, `kind` (0 grain, 1 wall grain, 2 door grain), `species`, `radius`, `mass`, `position`, `velocity`, `spin` where grains spin, `force`, `pressure`, `coordination` (contacts with particles and walls), and the columns that behaviours [register](crate::measure::outputs) |
 //! | `contacts` | of particles: `grain`, `partner` (ids), `normal_force`, `tangential_force` (vector, on `grain`), `overlap`, `sliding` (0 or 1) |
 //! | `wall_contacts` | with wall surfaces: `grain`, `wall` (number), the same forces, and `point`, the nearest point of the wall |
 //!
@@ -18,8 +18,9 @@ use bevy_ecs::prelude::*;
 use super::file::FrameFile;
 use super::geometry;
 use super::writer::FrameDataWriter;
-use super::{Column, FORMAT, Frame, Header, Table, Values, WallGeometry};
+use super::{Column, FORMAT, Frame, Header, RegisteredColumn, Table, Values, WallGeometry};
 use crate::ledger::Ledger;
+use crate::measure::outputs::{self, BehaviourOutputs, GrainColumn, GrainValues, Quantity};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
 use crate::output::frame_export::live::LiveFormats;
@@ -41,18 +42,24 @@ struct Recording {
     domain: [Solid; 2],
     /// Walls of the header; none if the scene wants no walls.
     walls: Vec<WallGeometry>,
+    /// Columns that behaviours register.
+    columns: Vec<RegisteredColumn>,
 }
 
 type Kinds<'w, 's> = Query<'w, 's, (&'static Slot, Has<Door>, Has<Grain>)>;
 
 fn record<V: Space>(
     (clock, ledger, survey_param): (Res<Clock>, Res<Ledger>, SurveyParam<V>),
-    (recording, kinds): (Res<Recording>, Kinds),
+    (recording, kinds, registered): (Res<Recording>, Kinds, Option<Res<GrainValues>>),
     mut writer: ResMut<FrameDataWriter>,
     mut outcome: ResMut<Outcome>,
 ) {
     let survey = survey_param.survey();
-    let mut tables = vec![grains(&survey, &kinds)];
+    let mut of_grains = grains(&survey, &kinds);
+    if let Some(values) = registered {
+        add_registered(&mut of_grains, &recording.columns, &values, &rows(&survey));
+    }
+    let mut tables = vec![of_grains];
     if recording.config.contacts {
         tables.extend(contacts(&survey.view(clock.dt)));
     }
@@ -65,10 +72,23 @@ fn record<V: Space>(
     writer.add(Frame { step: clock.steps, time: clock.time(), counts, changed_walls, tables }, &mut outcome);
 }
 
+/// Returns the rows of the store that a frame has, in its order.
+fn rows<V: Space>(survey: &Survey<V>) -> Vec<usize> {
+    let mut rows = survey.store.by_id();
+    rows.retain(|&row| survey.store.is_present(row));
+    rows
+}
+
+/// Adds the columns that behaviours register.
+fn add_registered(table: &mut Table, columns: &[RegisteredColumn], values: &GrainValues, rows: &[usize]) {
+    for (place, RegisteredColumn { name, unit, .. }) in columns.iter().enumerate() {
+        let numbers = Values::F64(rows.iter().map(|&row| values.get(place, row)).collect());
+        table.columns.push(column(name, unit, 1, numbers));
+    }
+}
+
 fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds) -> Table {
-    let store = survey.store;
-    let mut rows = store.by_id();
-    rows.retain(|&row| store.is_present(row));
+    let (store, rows) = (survey.store, rows(survey));
     let mut kind_of = vec![0; store.len()];
     for (slot, is_door, is_grain) in kinds {
         // A particle that has no slot yet is not in the frame.
@@ -160,9 +180,9 @@ fn id_number(id: GrainId) -> i32 {
 }
 
 impl Header {
-    /// Returns the header of a scene's frames.
+    /// Returns the header of a scene's frames. The world has the columns that behaviours have registered.
     #[must_use]
-    pub fn of<V: Space>(loaded: &Loaded, config: &DataFrames) -> Self {
+    pub fn of<V: Space>(loaded: &Loaded, config: &DataFrames, world: &World) -> Self {
         let domain = geometry::domain(loaded);
         let walls = if config.walls { geometry::walls(&loaded.surfaces::<V>(), domain) } else { Vec::new() };
         let names = (0..=u8::MAX).zip(frames::species_names(loaded));
@@ -177,7 +197,16 @@ impl Header {
             periodic: loaded.scene.periodic.axes(),
             domain: domain.map(|corner| corner.to_array()),
             walls,
+            columns: BehaviourOutputs::of_grains(world).iter().map(RegisteredColumn::of).collect(),
         }
+    }
+}
+
+impl RegisteredColumn {
+    fn of(column: &GrainColumn) -> Self {
+        let GrainColumn { quantity: Quantity { name, unit, label, behaviour }, scale, .. } = column;
+        let [name, unit, label, behaviour] = [name, unit, label, behaviour].map(Clone::clone);
+        Self { name, unit, label, behaviour, scale: *scale }
     }
 }
 
@@ -190,19 +219,20 @@ pub struct FrameDataPlugin<V: Space> {
 }
 
 impl<V: Space> FrameDataPlugin<V> {
-    /// Creates the file with its header, or continues it; `None` if the scene keeps no frames.
+    /// Creates the file with its header, or continues it; `None` if the scene keeps no frames. The world has the columns that
+    /// behaviours have registered.
     ///
     /// # Errors
     /// If the file cannot be written.
-    pub fn create(loaded: &Loaded, place: &RowsPlace) -> std::io::Result<Option<Self>> {
+    pub fn create(loaded: &Loaded, world: &World, place: &RowsPlace) -> std::io::Result<Option<Self>> {
         let Some((config, interval)) = loaded.scene.data_frames() else { return Ok(None) };
-        let header = Header::of::<V>(loaded, config);
+        let header = Header::of::<V>(loaded, config, world);
         let frames = FrameFile::at(place, &header)?;
         let run = place.path.parent().unwrap_or(Path::new(""));
         let formats = LiveFormats::open(&config.format, header.clone(), run, place.is_continued)?;
         let writer = TakenOnce::new(FrameDataWriter::new(frames, formats));
         let domain = header.domain.map(Solid::from_array);
-        let recording = Recording { config: config.clone(), domain, walls: header.walls };
+        let recording = Recording { config: config.clone(), domain, walls: header.walls, columns: header.columns };
         Ok(Some(Self { recording, interval, writer, space: PhantomData }))
     }
 }
@@ -211,6 +241,7 @@ impl<V: Space> Plugin for FrameDataPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some(writer) = self.writer.open() else { return };
         observe_every::<DataFrames>(app, self.interval);
+        outputs::compute_grain_columns(app, due::<DataFrames>);
         FrameDataWriter::persist(app);
         app.insert_resource(self.recording.clone())
             .insert_resource(writer)

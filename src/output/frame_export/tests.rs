@@ -11,6 +11,7 @@ fn header(dimension: u8) -> Header {
         periodic: [Some((0.0, 2.0)), None, None],
         domain: [[0.0; 3], [2.0, 1.0, 0.0]],
         walls: Vec::new(),
+        columns: Vec::new(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The marker of a directory that siloflow made, and the lock on it.
 //!
-//! The marker is the file `.siloflow`. It holds the number of the process that wrote it. A process holds the lock while
+//! The marker is the file `.siloflow`. It holds the number of the process that wrote it, and a line `file NAME` for each file that
+//! a behaviour declares. A process holds the lock while
 //! it uses the directory; the operating system releases the lock when the process ends in any way. A marker without a
 //! lock therefore shows that no process uses the directory.
 //!
@@ -8,11 +9,25 @@
 //! from using one directory.
 
 use std::fs::{self, File, OpenOptions, TryLockError};
-use std::io::{self, ErrorKind, Read as _, Write as _};
+use std::io::{self, ErrorKind, Read as _, Seek as _, Write as _};
 use std::path::{Path, PathBuf};
 
 /// Name of the marker.
 pub(super) const MARKER: &str = ".siloflow";
+
+/// Start of the line of a declared file.
+const DECLARED: &str = "file ";
+
+/// Returns the names of the files that the marker of a directory declares; none if it cannot be read.
+pub(super) fn declared_in(directory: &Path) -> Vec<String> {
+    let path = directory.join(MARKER);
+    let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
+    let text = if is_file { fs::read_to_string(path).unwrap_or_default() } else { String::new() };
+    let names = text.lines().filter_map(|line| line.strip_prefix(DECLARED));
+    // The file may have been changed: only names at the top of the directory count.
+    let is_name = |name: &&str| !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', '\0']);
+    names.filter(is_name).map(str::to_owned).collect()
+}
 
 /// The locked marker of a directory.
 #[derive(Debug)]
@@ -43,7 +58,7 @@ impl Marker {
         if !marker.is_in(directory) {
             return Err(ErrorKind::NotFound.into());
         }
-        marker.sign()?;
+        marker.sign(&[])?;
         Ok(marker)
     }
 
@@ -69,11 +84,14 @@ impl Marker {
         Ok(if marker.is_in(directory) { Claim::Locked(marker) } else { Claim::Held("another process".to_owned()) })
     }
 
-    /// Writes the number of this process into the marker.
-    pub(super) fn sign(&self) -> io::Result<()> {
+    /// Writes the number of this process into the marker, and the files that behaviours declare.
+    pub(super) fn sign(&self, files: &[String]) -> io::Result<()> {
+        let mut text = format!("siloflow keeps its results here; process {}\n", std::process::id());
+        text.extend(files.iter().flat_map(|name| [DECLARED, name, "\n"]));
         let mut file = &self.0;
         file.set_len(0)?;
-        file.write_all(format!("siloflow keeps its results here; process {}\n", std::process::id()).as_bytes())
+        file.rewind()?;
+        file.write_all(text.as_bytes())
     }
 
     /// Returns the place of the marker, which is in `directory`.
@@ -118,7 +136,13 @@ pub(super) fn file_number(_: &fs::Metadata) -> (u64, u64) {
 fn holder(mut marker: File) -> String {
     let mut text = String::new();
     let _ = marker.read_to_string(&mut text);
-    let number = text.split_whitespace().next_back().and_then(|word| word.parse::<u32>().ok());
+    let number = text
+        .lines()
+        .next()
+        .unwrap_or_default()
+        .split_whitespace()
+        .next_back()
+        .and_then(|word| word.parse::<u32>().ok());
     number.map_or_else(|| "another process".to_owned(), |number| format!("process {number}"))
 }
 
@@ -143,6 +167,20 @@ mod tests {
         assert!(marker.is_in(here.path()));
         fs::remove_file(here.path().join(MARKER)).unwrap();
         assert!(!marker.is_in(here.path()));
+    }
+
+    #[test]
+    fn declared_files_stand_in_the_marker_until_it_is_signed_anew() {
+        let here = tempfile::tempdir().unwrap();
+        assert_eq!(declared_in(here.path()), [""; 0]);
+        let marker = Marker::create(here.path()).unwrap();
+        let names = ["heat.csv", "../escape", "/etc/passwd", ".siloflow", "", "a b"].map(str::to_owned);
+        marker.sign(&names).unwrap();
+        assert_eq!(declared_in(here.path()), ["heat.csv", "a b"]);
+        let Claim::Held(holder) = Marker::claim(here.path()).unwrap() else { panic!("not locked") };
+        assert_eq!(holder, format!("process {}", std::process::id()));
+        marker.sign(&[]).unwrap();
+        assert_eq!(declared_in(here.path()), [""; 0]);
     }
 
     #[test]

@@ -3,12 +3,13 @@
 //! The stage of `out/silo1` is `out/.silo1.siloflow-<process>`, with a marker and a lock from its first moment. Moving it
 //! into place is one rename, so the target is the old directory or the new one and never a part of both. The old
 //! directory then has the name of the stage, and siloflow's own files in it are deleted. Files of other programs are
-//! kept: regular files are hard-linked into the new directory before the exchange, everything else is moved after it.
+//! kept (and files that behaviours have declared are deleted): regular files are hard-linked into the new directory before the exchange, everything else is moved after it.
 //!
 //! A process that is killed may leave a stage. The next process with the same target removes it, if it carries a marker
 //! and no process holds its lock. The next process also moves files of other programs that are left in it to the target.
 
-use std::ffi::OsStr;
+use std::collections::HashSet;
+use std::ffi::{OsStr, OsString};
 use std::fs;
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
@@ -16,8 +17,8 @@ use std::path::{Path, PathBuf};
 use crate::output::run_directory::exchange::{exchange, recover};
 #[cfg(unix)]
 use crate::output::run_directory::marker::file_number;
-use crate::output::run_directory::marker::{Claim, MARKER, Marker};
-use crate::writers::whole_file::remove_if_there;
+use crate::output::run_directory::marker::{Claim, MARKER, Marker, declared_in};
+use crate::writers::whole_file::{PART, remove_if_there};
 
 /// Whether siloflow writes a file or directory of this path in a directory. The path counts from the directory.
 pub(super) type IsOwn<'a> = &'a (dyn Fn(&Path) -> bool + Send + Sync);
@@ -87,11 +88,12 @@ impl Stage {
 
     /// Exchanges the stage with the directory that is there, and empties the old directory.
     fn replace(&self, is_own: IsOwn) -> io::Result<()> {
+        let declared = declared(&[&self.target, &self.path]);
         for entry in fs::read_dir(&self.target)? {
             let name = entry?.file_name();
             let (old, new) = (self.target.join(&name), self.path.join(&name));
             let is_file = fs::symlink_metadata(&old)?.is_file();
-            if is_file && !is_own(Path::new(&name)) && name != MARKER {
+            if is_file && !is_own(Path::new(&name)) && !declared.contains(&name) && name != MARKER {
                 // Without hard links the file is moved after the exchange.
                 let _ = fs::hard_link(old, new);
             }
@@ -157,7 +159,7 @@ fn remove_stale(parent: &Path, target: &Path, is_own: IsOwn) -> io::Result<()> {
 
 /// Deletes siloflow's own files in `old`, moves everything else to `new`, and removes `old` if it is empty then.
 fn remove(old: &Path, new: &Path, is_own: IsOwn) -> io::Result<()> {
-    empty(old, new, Path::new(""), is_own)?;
+    empty(old, new, Path::new(""), (is_own, &declared(&[old, new])))?;
     let is_empty = fs::read_dir(old)?.all(|entry| entry.is_ok_and(|entry| entry.file_name() == MARKER));
     if !is_empty {
         return Err(io::Error::other("it holds files that siloflow did not write"));
@@ -166,8 +168,15 @@ fn remove(old: &Path, new: &Path, is_own: IsOwn) -> io::Result<()> {
     fs::remove_dir(old)
 }
 
+/// Returns the names of the files that the behaviours of runs in these directories have declared, and of their temporary files.
+fn declared(directories: &[&Path]) -> HashSet<OsString> {
+    let names = directories.iter().flat_map(|directory| declared_in(directory));
+    names.flat_map(|name| [OsString::from(format!("{name}.{PART}")), name.into()]).collect()
+}
+
 /// Empties the part `inside` of the directory `old`, except for the marker.
-fn empty(old: &Path, new: &Path, inside: &Path, is_own: IsOwn) -> io::Result<()> {
+fn empty(old: &Path, new: &Path, inside: &Path, own: (IsOwn, &HashSet<OsString>)) -> io::Result<()> {
+    let (is_own, declared) = own;
     for entry in fs::read_dir(old.join(inside))? {
         let entry = entry?;
         let path = inside.join(entry.file_name());
@@ -175,11 +184,12 @@ fn empty(old: &Path, new: &Path, inside: &Path, is_own: IsOwn) -> io::Result<()>
         if path == Path::new(MARKER) {
             continue;
         }
+        let is_own_file = is_own(&path) || declared.contains(path.as_os_str());
         if kind.is_dir() && is_own(&path) {
-            empty(old, new, &path, is_own)?;
+            empty(old, new, &path, own)?;
             // A directory that still holds other files stays.
             let _ = fs::remove_dir(old.join(&path));
-        } else if kind.is_file() && (is_own(&path) || is_same_file(&old.join(&path), &new.join(&path))) {
+        } else if kind.is_file() && (is_own_file || is_same_file(&old.join(&path), &new.join(&path))) {
             remove_if_there(&old.join(&path))?;
         } else if new.is_dir() && fs::symlink_metadata(new.join(&path)).is_err() {
             fs::rename(old.join(&path), new.join(&path))?;
