@@ -38,6 +38,7 @@
 pub mod accuracy;
 pub mod assembly;
 pub mod behaviour;
+pub mod charts;
 pub mod cli;
 pub mod compare;
 pub mod contact;

@@ -71,6 +71,7 @@ fn free_fall() -> String {
         points,
         has_line,
         has_dots,
+        ..Curve::default()
     };
     let paths = vec![
         curve("parabola", "#222222", (0..=50).map(|i| exact(f64::from(i) / 50.0)).collect(), true, false),
@@ -93,11 +94,11 @@ fn free_fall() -> String {
         curve("Verlet: round-off", "#0072b2", errors("Verlet"), true, true),
         curve("explicit Euler: order 1", "#d55e00", errors("ExplicitEuler"), true, true),
     ];
-    let x = Axis { label: "x, m", from: 0.0, to: 3.2, is_log: false, ticks: vec![0.0, 1.0, 2.0, 3.0] };
-    let y = Axis { label: "y, m", from: -3.5, to: 2.0, is_log: false, ticks: vec![-3.0, -2.0, -1.0, 0.0, 1.0] };
-    let dt = Axis { label: "time step, s", from: 2e-4, to: 0.2, is_log: true, ticks: vec![1e-3, 1e-2, 1e-1] };
+    let x = Axis { label: "x, m".into(), from: 0.0, to: 3.2, is_log: false, ticks: vec![0.0, 1.0, 2.0, 3.0] };
+    let y = Axis { label: "y, m".into(), from: -3.5, to: 2.0, is_log: false, ticks: vec![-3.0, -2.0, -1.0, 0.0, 1.0] };
+    let dt = Axis { label: "time step, s".into(), from: 2e-4, to: 0.2, is_log: true, ticks: vec![1e-3, 1e-2, 1e-1] };
     let error = Axis {
-        label: "position error at t = 1 s, m",
+        label: "position error at t = 1 s, m".into(),
         from: 1e-16,
         to: 1e4,
         is_log: true,
@@ -136,17 +137,17 @@ fn step_error() -> String {
         let steps = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0].map(|n| n + PI / 8.0);
         let points: Vec<_> = steps.iter().map(|&n| (n, bounce_error(e, n))).collect();
         let order = (points[3].1 / points[6].1).ln() / (points[6].0 / points[3].0).ln();
-        Curve { name: format!("e = {e}: order {order:.2}"), colour, points, has_line: true, has_dots: true }
+        Curve { name: format!("e = {e}: order {order:.2}"), colour, points, has_line: true, has_dots: true, ..Curve::default() }
     });
     let x = Axis {
-        label: "cost: steps per contact, t_c/dt",
+        label: "cost: steps per contact, t_c/dt".into(),
         from: 4.0,
         to: 1500.0,
         is_log: true,
         ticks: vec![5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0],
     };
     let y = Axis {
-        label: "rms error of the restitution",
+        label: "rms error of the restitution".into(),
         from: 1e-7,
         to: 10.0,
         is_log: true,

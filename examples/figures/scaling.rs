@@ -3,7 +3,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use siloflow::writers::plot::{Axis, Curve, Panel, colour, sheet};
+use siloflow::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
 
 /// Size, ns, bytes.
 type Row = (f64, f64, f64);
@@ -39,9 +39,9 @@ fn curves(name: &str, number: usize, points: Vec<(f64, f64)>, bound: f64) -> Vec
         colour,
         points: vec![(BASE, limit), (largest, limit)],
         has_line: true,
-        has_dots: false,
+        ..Curve::default()
     });
-    let dots = Curve { name: name.to_owned(), colour, points, has_line: false, has_dots: true };
+    let dots = Curve { name: name.to_owned(), colour, points, has_dots: true, ..Curve::default() };
     std::iter::once(dots).chain(line).collect()
 }
 
@@ -57,13 +57,8 @@ pub fn figure() -> Result<String, Box<dyn Error>> {
         let mut y = Axis::logarithmic(label, within(|point| point.1));
         // Space for the names of the curves at the bottom.
         y.from /= 10.0;
-        Panel {
-            title,
-            x: Axis::logarithmic("grains, sites", within(|point| point.0)),
-            y,
-            curves: all,
-            rings: Vec::new(),
-        }
+        let x = Axis::logarithmic("grains, sites", within(|point| point.0));
+        Panel { curves: all, key: Key::LowerLeft, ..Panel::new(title, x, y) }
     };
     let time = panel("One core: time of a step", "ns per particle-step or site-step", |row| row.1, BOUNDS.0);
     let memory = panel("Largest memory of the run", "bytes per grain or site", |row| row.2, BOUNDS.1);

@@ -5,7 +5,7 @@
 
 use super::report::{Entry, Report, SUMMARY};
 use super::work_precision::{geometric_mean, pareto};
-use crate::writers::plot::{Axis, Curve, Panel, colour, sheet};
+use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
 
 /// Panels per row.
 const PER_ROW: usize = 4;
@@ -69,12 +69,12 @@ fn mean_bounce_errors(report: &Report, scheme: &str) -> Vec<(f64, f64)> {
     (0..entries[0].rows.len()).filter_map(mean_at_rung).collect()
 }
 
-fn panel<'a>(
+fn panel(
     report: &Report,
-    title: &'a str,
+    title: &str,
     label: &'static str,
     curves: Vec<(String, Vec<(f64, f64)>)>,
-) -> Panel<'a> {
+) -> Panel {
     let number = |scheme: &str| report.schemes.iter().position(|figures| figures.scheme == scheme).unwrap_or(0);
     let shown = |points: Vec<(f64, f64)>| -> Vec<(f64, f64)> {
         points.into_iter().filter(|point| point.1 <= MOST).map(|(n, error)| (n, error.max(LEAST))).collect()
@@ -83,7 +83,7 @@ fn panel<'a>(
         .into_iter()
         .map(|(name, points)| {
             let colour = colour(1 + number(&name));
-            Curve { name, colour, points: shown(points), has_line: true, has_dots: true }
+            Curve { name, colour, points: shown(points), has_line: true, has_dots: true, ..Curve::default() }
         })
         // The legend lists only what the panel shows.
         .filter(|curve| !curve.points.is_empty())
@@ -93,5 +93,5 @@ fn panel<'a>(
     let rings = rings.filter(|point| point.1 > LEAST).collect();
     let x = Axis::logarithmic(label, all.iter().map(|point| point.0));
     let y = Axis::logarithmic("rms error; ringed: Pareto-optimal", all.iter().map(|point| point.1));
-    Panel { title, x, y, curves, rings }
+    Panel { curves, rings, key: Key::LowerLeft, ..Panel::new(title, x, y) }
 }

@@ -9,6 +9,7 @@ mod exit_status;
 mod explain;
 mod export;
 mod from;
+mod plot;
 mod progress;
 mod render;
 mod run;
@@ -74,6 +75,8 @@ enum Command {
     Accuracy(accuracy::AccuracyArgs),
     /// Turn snapshots (SVG) into PNGs beside them.
     Render(render::RenderArgs),
+    /// Draw figures of runs: discharge, energies, forces on walls, profiles, fields.
+    Plot(plot::PlotArgs),
     /// Convert the frames of a run for ParaView (VTK) or OVITO (extended XYZ, LAMMPS dump).
     Export(export::ExportArgs),
 }
@@ -152,6 +155,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Diff(args) => diff::diff(args, registry, cli.quiet),
         Command::Accuracy(args) => accuracy::accuracy(args, registry, cli.quiet),
         Command::Render(args) => render::render(args),
+        Command::Plot(args) => plot::plot(args),
         Command::Export(args) => export::export(args),
     };
     match result {

@@ -98,7 +98,7 @@ fn discharge(runs: &[Run], report: &Report) -> String {
             colour: colour(number),
             points: run.discharge.in_units(row.unit_time).points().to_vec(),
             has_line: true,
-            has_dots: false,
+            ..Curve::default()
         })
         .collect();
     let last = curves.iter().filter_map(|curve| curve.points.last()).map(|point| point.0).fold(1.0, f64::max);
@@ -117,8 +117,8 @@ fn cost(report: &Report) -> String {
         name: row.run.clone(),
         colour: colour(number),
         points: vec![point(row)],
-        has_line: false,
         has_dots: true,
+        ..Curve::default()
     });
     let x = Axis::logarithmic("cost: wall-clock time of the steps, s", others().map(|(_, row)| point(row).0));
     let y = Axis::logarithmic("disagreement of the field, mean speeds", others().map(|(_, row)| point(row).1));

@@ -9,7 +9,6 @@
 
 use std::path::Path;
 
-use csv::{ReaderBuilder, StringRecord};
 use serde_json::Value;
 
 use crate::compare::Run;
@@ -17,6 +16,7 @@ use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
 use crate::fault::Fault;
 use crate::measure::flow::FlowMeans;
+use crate::output::table::Table;
 use crate::scene::load::{self, AnyScene};
 use crate::source::files;
 use crate::space::Vector;
@@ -37,7 +37,7 @@ pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
     }
     let summary = summary(&directory.join("summary.json"))?;
     let series = Table::read(&directory.join("series.csv"), "is it a run directory? `siloflow run` makes one")?;
-    let (time_unit, times) = match series.column("time_s")? {
+    let (time_unit, times) = match series.finite("time_s")? {
         Some(times) => ("s", times),
         None => ("step", series.needed("step")?),
     };
@@ -85,7 +85,7 @@ fn summary(path: &Path) -> Result<Value, Fault> {
 
 fn field(path: &Path) -> Result<Field, Fault> {
     let table = Table::read(path, NO_FLOW)?;
-    let velocity = |axis: &str| match table.column(&format!("v{axis}_m_per_step"))? {
+    let velocity = |axis: &str| match table.finite(&format!("v{axis}_m_per_step"))? {
         Some(column) => Ok(column),
         None => table.needed(&format!("v{axis}_m_per_s")),
     };
@@ -101,53 +101,6 @@ fn field(path: &Path) -> Result<Field, Fault> {
              reach `flow.from`?",
         )
     })
-}
-
-/// A CSV file with access by column.
-struct Table {
-    path: String,
-    header: StringRecord,
-    rows: Vec<StringRecord>,
-}
-
-impl Table {
-    fn read(path: &Path, help: &str) -> Result<Self, Fault> {
-        let path_text = path.display().to_string();
-        let text = files::read_text(path, files::RESULT_BYTES).map_err(|error| {
-            Fault::new("compare::unreadable", format!("could not read {path_text}: {error}")).help(help)
-        })?;
-        let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
-        let broken = |error: csv::Error| {
-            Fault::new("compare::unreadable", format!("{path_text}: {error}"))
-                .help("all rows must have as many columns as the first")
-        };
-        let header = reader.headers().map_err(broken)?.clone();
-        let rows = reader.records().collect::<Result<_, _>>().map_err(broken)?;
-        Ok(Self { path: path_text, header, rows })
-    }
-
-    /// Returns the numbers of the column `name`; `None` if there is no column with this name.
-    fn column(&self, name: &str) -> Result<Option<Vec<f64>>, Fault> {
-        let Some(place) = self.header.iter().position(|found| found == name) else { return Ok(None) };
-        let numbers = self.rows.iter().map(|row| {
-            let text = row.get(place).unwrap_or_default();
-            text.parse::<f64>().ok().filter(|number| number.is_finite()).ok_or_else(|| {
-                let line = row.position().map_or(0, csv::Position::line);
-                let message =
-                    format!("{}, line {line}, column {name}: expected a finite number, got `{text}`", self.path);
-                Fault::new("compare::unreadable", message).help("run the scene again")
-            })
-        });
-        numbers.collect::<Result<_, _>>().map(Some)
-    }
-
-    /// Returns the numbers of the column `name`; a missing column is an error.
-    fn needed(&self, name: &str) -> Result<Vec<f64>, Fault> {
-        self.column(name)?.ok_or_else(|| {
-            Fault::new("compare::unreadable", format!("{} has no column {name}", self.path))
-                .help("run the scene again with this version")
-        })
-    }
 }
 
 #[cfg(test)]

@@ -65,6 +65,12 @@ impl Departures {
         self.count
     }
 
+    /// Mass of all grains that have departed, kg.
+    #[must_use]
+    pub fn mass(&self) -> f64 {
+        self.mass
+    }
+
     /// Times of the first and last departure, s; `None` without a departure.
     #[must_use]
     pub fn ends(&self) -> Option<(f64, f64)> {

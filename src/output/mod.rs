@@ -15,5 +15,6 @@ pub mod run_directory;
 pub mod series;
 pub mod state_hash;
 pub mod summary;
+pub mod table;
 pub mod wall_bands;
 pub mod walls;

@@ -69,6 +69,8 @@ const SERIES: &str = "series.csv";
 const FRAMES: &str = "frames";
 const FRAME_DATA: &str = "frames.bin";
 const VTK: &str = "vtk";
+/// Figures of `siloflow plot`.
+const PLOTS: &str = "plots";
 const CHECKPOINTS: &str = "checkpoints";
 const CHECKPOINT_ENDING: &str = "checkpoint";
 const WALLS: &str = "walls.csv";
@@ -234,6 +236,16 @@ fn is_vtk(name: &Path) -> bool {
     ["grains", "contacts", "walls"].contains(&kind) && (is_frame || rest == "pvd")
 }
 
+/// Whether a file of this name in `plots` is a figure: named after a column, as SVG or PNG.
+fn is_plot(name: &Path) -> bool {
+    let name = name.to_str().unwrap_or_default();
+    let stem = name.strip_suffix(".svg").or(name.strip_suffix(".png")).unwrap_or_default();
+    !stem.is_empty() && stem.bytes().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_')
+}
+
+/// Directories of results whose files have names of one pattern.
+const DIRECTORIES: [(&str, fn(&Path) -> bool); 3] = [(CHECKPOINTS, is_checkpoint), (VTK, is_vtk), (PLOTS, is_plot)];
+
 /// Whether siloflow writes a file or directory of this path in a run directory.
 fn is_own(path: &Path) -> bool {
     let complete = path.with_extension("");
@@ -248,12 +260,14 @@ fn is_own(path: &Path) -> bool {
                 && number.len() >= 5
                 && number.iter().all(u8::is_ascii_digit)
         }
-        Err(_) => match (complete.strip_prefix(CHECKPOINTS), complete.strip_prefix(VTK)) {
-            (Ok(inside), _) | (_, Ok(inside)) if inside == Path::new("") => complete == path,
-            (Ok(inside), _) => inside.components().count() == 1 && is_checkpoint(inside),
-            (_, Ok(inside)) => inside.components().count() == 1 && is_vtk(inside),
-            _ => complete.to_str().is_some_and(|name| OWN_FILES.contains(&name) || is_input(name)),
-        },
+        Err(_) => {
+            let inside = DIRECTORIES.iter().find_map(|(name, is_file)| Some((complete.strip_prefix(name).ok()?, is_file)));
+            match inside {
+                Some((inside, _)) if inside == Path::new("") => complete == path,
+                Some((inside, is_file)) => inside.components().count() == 1 && is_file(inside),
+                None => complete.to_str().is_some_and(|name| OWN_FILES.contains(&name) || is_input(name)),
+            }
+        }
     }
 }
 

@@ -121,6 +121,8 @@ pub struct Grains {
     pub inside_kg: f64,
     /// Grains that left through the orifice.
     pub out: u32,
+    /// Mass of the grains that left through the orifice, kg.
+    pub out_kg: f64,
     /// Grains that left in any other way.
     pub lost: u32,
 }
@@ -256,6 +258,7 @@ impl Summary {
                 inside: ledger.inside(),
                 inside_kg: mass_inside(world),
                 out: ledger.out(),
+                out_kg: ledger.departures.mass(),
                 lost: ledger.lost(),
             },
             stop: stop_in_words(loaded, end),

@@ -45,6 +45,7 @@ mod outflow;
 mod parameters;
 mod periodic;
 mod pins;
+mod plots;
 #[cfg(unix)]
 mod resume;
 #[cfg(unix)]

@@ -37,6 +37,8 @@ fn names_of_own_files() {
         "frames/123456.png.part",
         "summary.json",
         "vtk/walls-00001.vtp",
+        "plots/discharge.svg",
+        "plots/mean_temperature_k.png",
         "vtk/grains.pvd",
     ] {
         assert!(is_own(Path::new(own)), "{own}");

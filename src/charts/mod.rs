@@ -1,0 +1,103 @@
+//! Figures of runs as SVG, for `siloflow plot` and the report: curves over time, walls, profiles and fields.
+//!
+//! A figure of one run shows its quantities together. A figure of several runs has a panel for each quantity, with a curve for each
+//! run. Times of rest and of the opening of the door are marked.
+//!
+//! | figure | from | content |
+//! |---|---|---|
+//! | `discharge` | `series.csv` | grains and mass that are out, with the mean rate; the rate over time |
+//! | `grains` | `series.csv` | released, inside, out and lost |
+//! | `energy` | `series.csv` | energies; flows of energy; error of the balance |
+//! | `contacts` | `series.csv` | contacts per grain; largest overlap |
+//! | `speed` | `series.csv` | largest speed; of the lattice gas mean velocity |
+//! | `walls` | `walls.csv`, `wall_groups.csv` | forces on walls |
+//! | `bands` | `wall_bands.csv` | pressure and friction on walls by height |
+//! | `profiles` | `profiles.csv` | packing fraction, velocity and temperature in bins |
+//! | `fields` | `fields.csv`, `flow.csv` | solid fraction, speed and temperature as maps |
+//!
+//! Any other column of `series.csv` has a figure of its name.
+//!
+//! The colours of an SVG are attributes, and its elements have classes, which [`STYLE`] gives the colours of a page. Panels over
+//! time have the attributes of [`Panel::is_over_time`](crate::writers::plot::Panel::is_over_time), so that a page can draw a cursor.
+
+mod by_height;
+mod discharge;
+mod maps;
+mod over_time;
+pub mod rate;
+pub mod run_files;
+
+use crate::charts::run_files::RunFiles;
+use crate::fault::Fault;
+use crate::writers::plot::{Panel, sheet};
+
+/// A figure of one or several runs.
+#[derive(Clone, Debug)]
+pub struct Figure {
+    /// Name, for example `discharge`.
+    pub name: String,
+    /// Title, for example `Discharge`.
+    pub title: String,
+    /// The figure.
+    pub svg: String,
+}
+
+/// A style sheet for figures in a page that defines the variables `--paper`, `--ink` and `--line`.
+pub const STYLE: &str = "\
+.plot svg { max-width: 100%; height: auto }
+.plot .paper { fill: var(--paper) }
+.plot .ink { fill: var(--ink) }
+.plot .grid { stroke: var(--line) }
+.plot .frame, .plot .k0 { stroke: var(--ink) }
+.plot circle.k0 { fill: var(--ink) }
+";
+
+type Draw = fn(&[RunFiles]) -> Result<Vec<Panel>, Fault>;
+
+/// All figures that have their own code: name, title and drawing.
+const FIGURES: [(&str, &str, Draw); 9] = [
+    ("discharge", "Discharge", discharge::panels),
+    ("grains", "Grains", over_time::grains),
+    ("energy", "Energy", over_time::energy),
+    ("contacts", "Contacts", over_time::contacts),
+    ("speed", "Speed", over_time::speed),
+    ("walls", "Forces on walls", over_time::walls),
+    ("bands", "Walls by height", by_height::bands),
+    ("profiles", "Profiles", by_height::profiles),
+    ("fields", "Fields", maps::panels),
+];
+
+/// Most panels beside each other.
+const PER_ROW: usize = 2;
+
+/// Names of the figures that have their own code.
+pub fn names() -> impl Iterator<Item = &'static str> + Clone {
+    FIGURES.iter().map(|figure| figure.0)
+}
+
+/// Returns all figures that runs have data for, in the order of the table above, and then those of columns that behaviours
+/// add to `series.csv`.
+///
+/// # Errors
+/// If a file cannot be read.
+pub fn figures(runs: &[RunFiles]) -> Result<Vec<Figure>, Fault> {
+    let own = FIGURES.iter().map(|&(name, title, draw)| Ok(figure(name, title, &draw(runs)?)));
+    let others = over_time::other_columns(runs).into_iter().map(|name| named(runs, &name));
+    own.chain(others).filter_map(Result::transpose).collect()
+}
+
+/// Returns the figure of this name; `None` if no run has data for it.
+///
+/// # Errors
+/// If a file cannot be read.
+pub fn named(runs: &[RunFiles], name: &str) -> Result<Option<Figure>, Fault> {
+    match FIGURES.iter().find(|figure| figure.0 == name) {
+        Some(&(name, title, draw)) => Ok(figure(name, title, &draw(runs)?)),
+        None => Ok(figure(name, name, &over_time::column(runs, name))),
+    }
+}
+
+fn figure(name: &str, title: &str, panels: &[Panel]) -> Option<Figure> {
+    let svg = (!panels.is_empty()).then(|| sheet(panels, PER_ROW))?;
+    Some(Figure { name: name.to_owned(), title: title.to_owned(), svg })
+}

@@ -1,0 +1,142 @@
+//! The files of a run that figures are drawn from.
+
+use std::path::{Path, PathBuf};
+
+use serde_json::Value;
+
+use crate::fault::Fault;
+use crate::output::table::Table;
+use crate::source::files;
+use crate::writers::plot::Mark;
+
+/// A run directory, of a run that ended, goes on or was killed.
+#[derive(Clone, Debug)]
+pub struct RunFiles {
+    /// The directory.
+    pub directory: PathBuf,
+    /// Name in legends.
+    pub name: String,
+    /// Content of `summary.json`; `Null` before the end of a run.
+    pub summary: Value,
+    /// Content of `series.csv`.
+    pub series: Table,
+}
+
+impl RunFiles {
+    /// Opens the run in `directory`.
+    ///
+    /// # Errors
+    /// If there is no run, or its `series.csv` or `summary.json` cannot be read.
+    pub fn open(directory: &Path) -> Result<Self, Fault> {
+        let fault = |message: String| {
+            Fault::new("results::no_run", message).help("give run directories such as out/silo1; `siloflow run` makes them")
+        };
+        let shown = directory.display();
+        if !directory.is_dir() {
+            return Err(fault(if directory.exists() {
+                format!("{shown} is not a directory")
+            } else {
+                format!("there is no run directory {shown}")
+            }));
+        }
+        let series = directory.join("series.csv");
+        if !series.is_file() {
+            return Err(fault(format!("{shown} is no run directory: it has no series.csv")));
+        }
+        Ok(Self {
+            directory: directory.to_owned(),
+            name: name_of(directory),
+            summary: summary(&directory.join("summary.json"))?,
+            series: Table::read(&series, "may you read it?")?,
+        })
+    }
+
+    /// Opens several runs. Runs of equal names are told apart by their paths.
+    ///
+    /// # Errors
+    /// As [`RunFiles::open`].
+    pub fn open_all(directories: &[PathBuf]) -> Result<Vec<Self>, Fault> {
+        let mut runs = directories.iter().map(|run| Self::open(run)).collect::<Result<Vec<_>, _>>()?;
+        let names: Vec<_> = runs.iter().map(|run| run.name.clone()).collect();
+        for run in &mut runs {
+            if names.iter().filter(|name| **name == run.name).count() > 1 {
+                run.name = run.directory.display().to_string();
+            }
+        }
+        Ok(runs)
+    }
+
+    /// Returns a table of the run; `None` if the run has no such file, or only its header.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn table(&self, file: &str) -> Result<Option<Table>, Fault> {
+        let path = self.directory.join(file);
+        if !path.is_file() {
+            return Ok(None);
+        }
+        Ok(Some(Table::read(&path, "may you read it?")?).filter(|table| !table.is_empty()))
+    }
+
+    /// Returns a number of the summary; `None` if it is absent or `null`.
+    #[must_use]
+    pub fn number(&self, keys: &[&str]) -> Option<f64> {
+        keys.iter().try_fold(&self.summary, |value, key| value.get(key)).and_then(Value::as_f64)
+    }
+
+    /// Whether the run is one of the lattice gas, whose times are steps.
+    #[must_use]
+    pub fn is_lattice(&self) -> bool {
+        self.series.names().any(|name| name == "step")
+    }
+
+    /// Returns the times of the rows of `series.csv`, in s; of a lattice gas, in steps.
+    #[must_use]
+    pub fn times(&self) -> Vec<f64> {
+        self.series.numbers(if self.is_lattice() { "step" } else { "time_s" }).unwrap_or_default()
+    }
+
+    /// Label of the axis of time.
+    #[must_use]
+    pub fn time_label(&self) -> &'static str {
+        if self.is_lattice() { "time, steps" } else { "time, s" }
+    }
+
+    /// Returns the time at which the door began to open; `None` if the run has no door, or it stayed shut.
+    #[must_use]
+    pub fn opening(&self) -> Option<f64> {
+        self.number(&["door_open_time_s"]).or(self.number(&["door_open_step"]))
+    }
+
+    /// Returns marks at the times of rest and of the opening of the door.
+    #[must_use]
+    pub fn marks(&self) -> Vec<Mark> {
+        let rest = self.number(&["rest_time_s"]).or(self.number(&["rest_step"]));
+        let mark = |at: f64, name: &str| Mark { at, name: name.to_owned() };
+        match (rest, self.opening()) {
+            #[expect(clippy::float_cmp, reason = "the same event")]
+            (Some(rest), Some(open)) if rest == open => vec![mark(open, "at rest, door opens")],
+            (rest, open) => {
+                rest.map(|at| mark(at, "at rest")).into_iter().chain(open.map(|at| mark(at, "door opens"))).collect()
+            }
+        }
+    }
+}
+
+fn name_of(directory: &Path) -> String {
+    let absolute = std::path::absolute(directory).unwrap_or_else(|_| directory.to_owned());
+    absolute.file_name().unwrap_or(absolute.as_os_str()).display().to_string()
+}
+
+fn summary(path: &Path) -> Result<Value, Fault> {
+    if !path.is_file() {
+        return Ok(Value::Null);
+    }
+    let shown = path.display();
+    let text = files::read_text(path, files::RESULT_BYTES).map_err(|error| {
+        Fault::new("results::unreadable", format!("could not read {shown}: {error}")).help("may you read it?")
+    })?;
+    serde_json::from_str(&text).map_err(|error| {
+        Fault::new("results::unreadable", format!("{shown} is not JSON: {error}")).help("run the scene again")
+    })
+}
