@@ -137,7 +137,14 @@ fn step_error() -> String {
         let steps = [5.0, 10.0, 20.0, 50.0, 100.0, 200.0, 500.0, 1000.0].map(|n| n + PI / 8.0);
         let points: Vec<_> = steps.iter().map(|&n| (n, bounce_error(e, n))).collect();
         let order = (points[3].1 / points[6].1).ln() / (points[6].0 / points[3].0).ln();
-        Curve { name: format!("e = {e}: order {order:.2}"), colour, points, has_line: true, has_dots: true, ..Curve::default() }
+        Curve {
+            name: format!("e = {e}: order {order:.2}"),
+            colour,
+            points,
+            has_line: true,
+            has_dots: true,
+            ..Curve::default()
+        }
     });
     let x = Axis {
         label: "cost: steps per contact, t_c/dt".into(),

@@ -69,12 +69,7 @@ fn mean_bounce_errors(report: &Report, scheme: &str) -> Vec<(f64, f64)> {
     (0..entries[0].rows.len()).filter_map(mean_at_rung).collect()
 }
 
-fn panel(
-    report: &Report,
-    title: &str,
-    label: &'static str,
-    curves: Vec<(String, Vec<(f64, f64)>)>,
-) -> Panel {
+fn panel(report: &Report, title: &str, label: &'static str, curves: Vec<(String, Vec<(f64, f64)>)>) -> Panel {
     let number = |scheme: &str| report.schemes.iter().position(|figures| figures.scheme == scheme).unwrap_or(0);
     let shown = |points: Vec<(f64, f64)>| -> Vec<(f64, f64)> {
         points.into_iter().filter(|point| point.1 <= MOST).map(|(n, error)| (n, error.max(LEAST))).collect()

@@ -41,7 +41,11 @@ pub(super) fn bands(runs: &[RunFiles]) -> Result<Vec<Panel>, Fault> {
                 let points = || curves.iter().flat_map(|curve| curve.points.iter());
                 let x = Axis::around(label, points().map(|point| point.0).chain([0.0]));
                 let y = Axis::around("height, m", points().map(|point| point.1));
-                panels.push(Panel { curves, key: Key::Above, ..Panel::new(numbered(title, &number, &tables, "bands"), x, y) });
+                panels.push(Panel {
+                    curves,
+                    key: Key::Above,
+                    ..Panel::new(numbered(title, &number, &tables, "bands"), x, y)
+                });
             }
         }
     }
@@ -71,7 +75,8 @@ pub(super) fn profiles(runs: &[RunFiles]) -> Result<Vec<Panel>, Fault> {
 
 /// Returns a curve for each species of a profile, or of several runs one for all grains.
 fn by_species(runs: &[RunFiles], place: usize, table: &Table, number: &str, column: &str) -> Vec<Curve> {
-    let found = (last_rows(table, "profile", number), table.texts("species"), table.numbers("place_m"), table.numbers(column));
+    let found =
+        (last_rows(table, "profile", number), table.texts("species"), table.numbers("place_m"), table.numbers(column));
     let (Some(rows), Some(species), Some(places), Some(values)) = found else { return Vec::new() };
     let mut names: Vec<&str> = Vec::new();
     for &row in &rows {
@@ -80,7 +85,8 @@ fn by_species(runs: &[RunFiles], place: usize, table: &Table, number: &str, colu
         }
     }
     // One species and all grains are the same.
-    let only = if names.len() == 2 || runs.len() > 1 { names.iter().find(|name| **name == "all").copied() } else { None };
+    let only =
+        if names.len() == 2 || runs.len() > 1 { names.iter().find(|name| **name == "all").copied() } else { None };
     names.retain(|name| only.is_none_or(|only| only == *name));
     let curves = names.iter().enumerate().map(|(place_of_species, name)| {
         let points = rows.iter().filter(|&&row| species[row] == *name).map(|&row| (places[row], values[row])).collect();

@@ -39,7 +39,9 @@ pub(super) fn panels(runs: &[RunFiles]) -> Result<Vec<Panel>, Fault> {
     for quantity in &QUANTITIES {
         let mut curves = Vec::new();
         for (number, run) in runs.iter().enumerate() {
-            let Some(rows) = rows(number, quantity.column).filter(|rows| rows.iter().any(|row| row.1 > 0.0)) else { continue };
+            let Some(rows) = rows(number, quantity.column).filter(|rows| rows.iter().any(|row| row.1 > 0.0)) else {
+                continue;
+            };
             let name = if runs.len() == 1 { String::new() } else { run.name.clone() };
             curves.extend(with_fit(run, quantity, number, name, &rows));
         }
@@ -102,8 +104,8 @@ fn with_fit(run: &RunFiles, quantity: &Quantity, number: usize, name: String, ro
 
 /// Returns a rate with its interval, for example `mean rate 184 grains/s (95 %: 180 to 188)`.
 fn in_words(rate: &Rate, unit: &str) -> String {
-    // Digits down to a hundredth of the interval, or four digits of the mean.
-    let size = rate.high.map_or(rate.mean, |high| high - rate.mean).abs().max(1e-4 * rate.mean.abs());
+    // Two digits of the half of the interval, but not more than five of the mean.
+    let size = rate.high.map_or(0.0, |high| high - rate.mean).max(1e-3 * rate.mean.abs());
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
     let decimals = (1.0 - size.log10().floor()).clamp(0.0, 9.0) as usize;
     match (rate.low, rate.high) {

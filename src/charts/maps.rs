@@ -44,7 +44,8 @@ fn of_fields(table: &Table, title: &dyn Fn(&str) -> String) -> Vec<Panel> {
     let mut panels = Vec::new();
     for field in &fields {
         let Some(mut rows) = last_rows(table, "field", field) else { continue };
-        let is_resolved = |axis: usize| axes.get(axis).is_some_and(|axis| rows.iter().any(|&row| axis[row].is_finite()));
+        let is_resolved =
+            |axis: usize| axes.get(axis).is_some_and(|axis| rows.iter().any(|&row| axis[row].is_finite()));
         let (across, up) = match [0, 1, 2].map(is_resolved) {
             [true, true, false] => (0, 1),
             [true, _, true] => (0, 2),

@@ -22,7 +22,13 @@ const GRAINS: [Group; 1] = [Group {
     title: "Grains",
     label: "grains",
     is_log: false,
-    columns: &[("released", "released"), ("entered", "entered"), ("inside", "inside"), ("out", "out"), ("lost", "lost")],
+    columns: &[
+        ("released", "released"),
+        ("entered", "entered"),
+        ("inside", "inside"),
+        ("out", "out"),
+        ("lost", "lost"),
+    ],
 }];
 
 const ENERGY: [Group; 3] = [
@@ -76,12 +82,7 @@ const SPEED: [Group; 2] = [
         is_log: false,
         columns: &[("largest_speed_m_per_s", "largest speed")],
     },
-    Group {
-        title: "Share of particles at rest",
-        label: "share",
-        is_log: false,
-        columns: &[("at_rest", "at rest")],
-    },
+    Group { title: "Share of particles at rest", label: "share", is_log: false, columns: &[("at_rest", "at rest")] },
 ];
 
 /// Columns of `series.csv` that other figures show.
@@ -113,7 +114,8 @@ pub(super) fn column(runs: &[RunFiles], name: &str) -> Vec<Panel> {
     if curves.is_empty() {
         return Vec::new();
     }
-    let curves = if runs.len() == 1 { curves.into_iter().map(|(_, points)| (String::new(), points)).collect() } else { curves };
+    let curves =
+        if runs.len() == 1 { curves.into_iter().map(|(_, points)| (String::new(), points)).collect() } else { curves };
     vec![panel(runs, name.to_owned(), name.to_owned(), false, curves)]
 }
 
@@ -140,7 +142,8 @@ fn points(run: &RunFiles, name: &str) -> Option<Vec<(f64, f64)>> {
 fn of_groups(runs: &[RunFiles], groups: &[Group]) -> Vec<Panel> {
     let of_run = |run: &RunFiles, &(column, name): &Named| {
         // A quantity that is zero throughout is not part of the run.
-        let points = points(run, column).filter(|points| points.iter().any(|point| point.1 != 0.0 && !point.1.is_nan()));
+        let points =
+            points(run, column).filter(|points| points.iter().any(|point| point.1 != 0.0 && !point.1.is_nan()));
         Some((name.to_owned(), points?))
     };
     let mut panels = Vec::new();
@@ -209,7 +212,8 @@ fn by_wall(table: &Table, column: &str, axis: &str) -> Vec<(String, Vec<(f64, f6
         });
         curves[known].1.push((time, force));
     }
-    let largest = |curve: &(String, Vec<(f64, f64)>)| curve.1.iter().fold(0.0f64, |most, point| most.max(point.1.abs()));
+    let largest =
+        |curve: &(String, Vec<(f64, f64)>)| curve.1.iter().fold(0.0f64, |most, point| most.max(point.1.abs()));
     let mut sizes: Vec<_> = curves.iter().map(largest).collect();
     sizes.sort_by(|a, b| b.total_cmp(a));
     let least = sizes.get(MOST_WALLS - 1).copied().unwrap_or(0.0);
@@ -229,11 +233,21 @@ fn sum(name: &str, table: &Table, axis: &str) -> Option<(String, Vec<(f64, f64)>
 }
 
 /// Returns a panel over time with marks of the runs.
-fn panel(runs: &[RunFiles], title: String, label: String, is_log: bool, curves: Vec<(String, Vec<(f64, f64)>)>) -> Panel {
+fn panel(
+    runs: &[RunFiles],
+    title: String,
+    label: String,
+    is_log: bool,
+    curves: Vec<(String, Vec<(f64, f64)>)>,
+) -> Panel {
     let all = || curves.iter().flat_map(|curve| curve.1.iter());
     let last = all().map(|point| point.0).fold(0.0, f64::max);
     let x = Axis::linear(runs.first().map_or("", RunFiles::time_label), 0.0, if last > 0.0 { last } else { 1.0 });
-    let y = if is_log { decades(label, all().map(|point| point.1)) } else { Axis::around(label, all().map(|point| point.1)) };
+    let y = if is_log {
+        decades(label, all().map(|point| point.1))
+    } else {
+        Axis::around(label, all().map(|point| point.1))
+    };
     let lowest = y.from;
     let curves = curves.into_iter().enumerate().map(|(number, (name, points))| Curve {
         name,
@@ -280,7 +294,11 @@ pub(super) fn thinned(points: &[(f64, f64)]) -> Vec<(f64, f64)> {
     for part in points.chunks(points.len().div_ceil(INTERVALS)) {
         let order = |a: &&(f64, f64), b: &&(f64, f64)| a.1.total_cmp(&b.1);
         let mut four: Vec<(f64, f64)> =
-            [part.first(), part.iter().min_by(order), part.iter().max_by(order), part.last()].into_iter().flatten().copied().collect();
+            [part.first(), part.iter().min_by(order), part.iter().max_by(order), part.last()]
+                .into_iter()
+                .flatten()
+                .copied()
+                .collect();
         four.sort_by(|a, b| a.0.total_cmp(&b.0));
         four.dedup();
         kept.extend(four);

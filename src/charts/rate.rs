@@ -27,7 +27,7 @@ impl Fit {
     pub fn of(rows: &[(f64, f64)]) -> Option<Self> {
         let all = rows.last()?.1;
         let (from, to) = (time_of(rows, 0.1 * all)?, time_of(rows, 0.9 * all)?);
-        if !(to > from) {
+        if to <= from {
             return None;
         }
         let inside = rows.iter().filter(|row| (from..=to).contains(&row.0)).count();

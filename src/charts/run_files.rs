@@ -29,7 +29,8 @@ impl RunFiles {
     /// If there is no run, or its `series.csv` or `summary.json` cannot be read.
     pub fn open(directory: &Path) -> Result<Self, Fault> {
         let fault = |message: String| {
-            Fault::new("results::no_run", message).help("give run directories such as out/silo1; `siloflow run` makes them")
+            Fault::new("results::no_run", message)
+                .help("give run directories such as out/silo1; `siloflow run` makes them")
         };
         let shown = directory.display();
         if !directory.is_dir() {

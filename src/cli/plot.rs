@@ -59,7 +59,9 @@ pub(super) fn plot(args: &PlotArgs) -> Result<Verdict, Fault> {
     check_results(&directory)?;
     let verdict = write_results(&directory, &files);
     if verdict == Verdict::Done {
-        files.iter().for_each(|(name, _)| say(&format!("{}\n", directory.join(name).display())));
+        for (name, _) in &files {
+            say(&format!("{}\n", directory.join(name).display()));
+        }
     }
     Ok(verdict)
 }
@@ -75,8 +77,9 @@ fn named(runs: &[RunFiles], name: &str) -> Result<Figure, Fault> {
     known.sort_unstable();
     known.dedup();
     Err(if is_known {
-        Fault::new("plot::no_data", format!("there is nothing to draw for `{name}`"))
-            .help("the run measured no such thing, or nothing happened; docs/reference/command-line.md names the scene keys")
+        Fault::new("plot::no_data", format!("there is nothing to draw for `{name}`")).help(
+            "the run measured no such thing, or nothing happened; docs/reference/command-line.md names the scene keys",
+        )
     } else {
         let near = known.iter().max_by(|a, b| strsim::jaro_winkler(a, name).total_cmp(&strsim::jaro_winkler(b, name)));
         let near = near.filter(|known| strsim::jaro_winkler(known, name) > 0.7);

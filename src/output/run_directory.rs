@@ -261,7 +261,8 @@ fn is_own(path: &Path) -> bool {
                 && number.iter().all(u8::is_ascii_digit)
         }
         Err(_) => {
-            let inside = DIRECTORIES.iter().find_map(|(name, is_file)| Some((complete.strip_prefix(name).ok()?, is_file)));
+            let inside =
+                DIRECTORIES.iter().find_map(|(name, is_file)| Some((complete.strip_prefix(name).ok()?, is_file)));
             match inside {
                 Some((inside, _)) if inside == Path::new("") => complete == path,
                 Some((inside, is_file)) => inside.components().count() == 1 && is_file(inside),

@@ -5,8 +5,8 @@
 //! |---|---|---|
 //! | `time_s` | s | simulated time |
 //! | `released`, `inside`, `out`, `lost`, `culled` | grains | grain accounting |
-//! | `out_kg` | kg | mass of the grains out |
 //! | `outflow_per_s` | 1/s | grains out since the previous row, divided by the time since then |
+//! | `out_kg` | kg | mass of the grains out |
 //! | `kinetic_j`, `rotational_j`, `potential_j`, `elastic_j` | J | present energies; potential is 0 at the origin |
 //! | `released_j`, `wall_work_j`, `lifted_j`, `added_work_j`, `dissipated_j`, `removed_j` | J | [`EnergyFlows`] |
 //! | `balance_error_j` | J | present energy less the energy that the flows predict |
@@ -38,7 +38,7 @@ use crate::writers::rows::{Rows, RowsPlace, TakenOnce};
 pub(crate) fn header(tracks_energy: bool) -> String {
     let balance = if tracks_energy { BALANCE_COLUMNS } else { "" };
     format!(
-        "time_s,released,inside,out,lost,culled,out_kg,outflow_per_s,kinetic_j,rotational_j,potential_j,elastic_j{balance},\
+        "time_s,released,inside,out,lost,culled,outflow_per_s,out_kg,kinetic_j,rotational_j,potential_j,elastic_j{balance},\
          largest_speed_m_per_s,largest_overlap_ratio,coordination"
     )
 }
@@ -72,8 +72,7 @@ fn write_row<V: Space>(
     });
     let registered = outputs::cells(registered);
     let row = format_args!(
-        "{time:.9},{},{},{out},{},{},{:e},{outflow:.6},{:e},{:e},{:e},{:e}{balance},{:e},{:e},{:.6}{registered}
-",
+        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e},{:e}{balance},{:e},{:e},{:.6}{registered}\n",
         ledger.released,
         ledger.inside(),
         ledger.lost(),

@@ -76,7 +76,8 @@ impl Table {
         let (Some(numbers), Some(texts)) = (self.numbers(name), self.texts(name)) else { return Ok(None) };
         let Some(wrong) = numbers.iter().position(|number| !number.is_finite()) else { return Ok(Some(numbers)) };
         let line = self.rows[wrong].position().map_or(0, csv::Position::line);
-        let message = format!("{}, line {line}, column {name}: expected a finite number, got `{}`", self.path, texts[wrong]);
+        let message =
+            format!("{}, line {line}, column {name}: expected a finite number, got `{}`", self.path, texts[wrong]);
         Err(Fault::new("results::unreadable", message).help("run the scene again"))
     }
 
@@ -105,7 +106,7 @@ mod tests {
         assert_eq!((table.len(), table.names().count()), (2, 3));
         assert_eq!(table.texts("name").unwrap(), ["a", "b"]);
         let out = table.numbers("out").unwrap();
-        assert!(out[0] == 1.0 && out[1].is_nan() && table.numbers("in").is_none());
+        assert!((out[0] - 1.0).abs() < 1e-15 && out[1].is_nan() && table.numbers("in").is_none());
         assert!(table.finite("out").unwrap_err().to_string().contains("line 3, column out"));
         assert!(table.needed("in").unwrap_err().to_string().contains("no column in"));
     }

@@ -90,7 +90,7 @@ fn incomparable_arguments_are_refused_before_any_run() {
     fs::create_dir(here.path().join("empty")).unwrap();
     let fall = crate::scene("free-fall.ron").display().to_string();
     for (arguments, code, hint) in [
-        (vec!["small.ron", "no-flow"], "compare::unreadable", "`flow: (cell: 0.05"),
+        (vec!["small.ron", "no-flow"], "results::unreadable", "`flow: (cell: 0.05"),
         (vec!["run", "nowhere"], "compare::no_run", "give run directories"),
         (vec!["small.ron", "empty"], "compare::no_summary", "has this one ended?"),
         (vec!["run", "coarse"], "compare::field", "0.2 and 0.25 m"),

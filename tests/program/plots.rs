@@ -22,7 +22,9 @@ fn assert_refused(here: &Path, arguments: &[&str], words: &[&str]) {
     let output = siloflow(here, &[&["plot"], arguments].concat());
     let said = text(&output.stderr);
     assert_eq!(output.status.code(), Some(2), "{arguments:?}: {said}");
-    words.iter().for_each(|word| assert!(said.contains(word), "{arguments:?}: {said}"));
+    for word in words {
+        assert!(said.contains(word), "{arguments:?}: {said}");
+    }
 }
 
 #[test]

@@ -71,8 +71,11 @@ pub(super) fn examine(shown: &Path, target: &Path) -> Result<Content, Fault> {
     for entry in entries {
         let entry = entry.map_err(failed)?;
         let (name, kind) = (entry.file_name(), entry.file_type().map_err(failed)?);
-        let is_expected =
-            if [FRAMES, CHECKPOINTS, VTK, PLOTS].iter().any(|own| name == *own) { kind.is_dir() } else { kind.is_file() };
+        let is_expected = if [FRAMES, CHECKPOINTS, VTK, PLOTS].iter().any(|own| name == *own) {
+            kind.is_dir()
+        } else {
+            kind.is_file()
+        };
         if (is_own(Path::new(&name)) || name == MARKER) && !is_expected {
             odd = Some(name.clone());
         }

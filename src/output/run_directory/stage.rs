@@ -192,6 +192,8 @@ fn empty(old: &Path, new: &Path, inside: &Path, own: (IsOwn, &HashSet<OsString>)
         } else if kind.is_file() && (is_own_file || is_same_file(&old.join(&path), &new.join(&path))) {
             remove_if_there(&old.join(&path))?;
         } else if new.is_dir() && fs::symlink_metadata(new.join(&path)).is_err() {
+            // The new run may have no directory of this name.
+            fs::create_dir_all(new.join(inside))?;
             fs::rename(old.join(&path), new.join(&path))?;
         }
     }

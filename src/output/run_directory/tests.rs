@@ -69,6 +69,7 @@ fn a_run_is_replaced_only_on_request_and_files_of_others_are_kept() {
     fs::write(path.join("frames/film.mp4"), "film").unwrap();
     fs::create_dir(path.join("plots")).unwrap();
     fs::write(path.join("plots/series.csv"), "mine too").unwrap();
+    fs::write(path.join("plots/energy.svg"), "old").unwrap();
     fs::write(path.join("frames/00007.png"), "old").unwrap();
     let refused = run(&path, "(new: 1)", false).unwrap_err();
     assert!(refused.code() == "run::exists" && refused.to_string().contains("a finished run"), "{refused}");
@@ -77,6 +78,7 @@ fn a_run_is_replaced_only_on_request_and_files_of_others_are_kept() {
     assert_eq!(names(&path.join(FRAMES)), ["00000.svg", "film.mp4"]);
     let all: Vec<_> = COMPLETE.into_iter().chain(["notes.txt", "plots"]).collect();
     assert!(all.iter().all(|name| names(&path).contains(&(*name).to_owned())) && all.len() == names(&path).len());
+    assert_eq!(names(&path.join("plots")), ["series.csv"]);
     assert_eq!(fs::read_to_string(path.join("plots/series.csv")).unwrap(), "mine too");
     assert_eq!(names(&here.path().join("out")), ["run"]);
 }

@@ -207,10 +207,18 @@ mod tests {
     #[test]
     fn a_legend_above_the_plot_makes_it_lower_and_a_panel_over_time_tells_its_place() {
         let names = vec![curve(vec![]); 6];
-        let panel =
-            Panel { curves: names, key: Key::Above, is_over_time: true, ..Panel::new("", Axis::linear("", 0.0, 2.0), axis()) };
+        let panel = Panel {
+            curves: names,
+            key: Key::Above,
+            is_over_time: true,
+            ..Panel::new("", Axis::linear("", 0.0, 2.0), axis())
+        };
         let svg = sheet(&[panel], 1);
         // Each name takes 103 px of 432, so six names need two lines of 18 px.
-        assert!(svg.contains(r#"data-left="72" data-right="504" data-top="80" data-bottom="344" data-from="0" data-to="2""#));
+        assert!(
+            svg.contains(
+                r#"data-left="72" data-right="504" data-top="80" data-bottom="344" data-from="0" data-to="2""#
+            )
+        );
     }
 }

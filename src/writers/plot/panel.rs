@@ -28,7 +28,12 @@ impl Area {
         let (margin, top, margin_right, bottom) = MARGIN;
         let rows = if panel.key == Key::Above { legend_rows(&panel.curves).1 } else { 0.0 };
         let margin_right = margin_right + if panel.scale.is_some() { SCALE } else { 0.0 };
-        Self { left: left + margin, right: left + SIZE.0 - margin_right, top: top + LINE * rows, bottom: SIZE.1 - bottom }
+        Self {
+            left: left + margin,
+            right: left + SIZE.0 - margin_right,
+            top: top + LINE * rows,
+            bottom: SIZE.1 - bottom,
+        }
     }
 
     /// Returns the position (px) of a point.
@@ -165,7 +170,9 @@ fn line(svg: &mut String, curve: &Curve, points: &[(f64, f64)]) {
             );
         }
         if curve.has_dots {
-            part.iter().for_each(|&point| dot(svg, curve.colour, point));
+            for &point in part {
+                dot(svg, curve.colour, point);
+            }
         }
     }
 }
