@@ -1,13 +1,65 @@
 //! The player of a report: grains, contacts and walls over time, drawn in the browser.
+//!
+//! [`Packed`] makes a compact copy of `frames.bin`, in which positions and other numbers are rounded, and the script draws it.
+//!
+//! | part | content |
+//! |---|---|
+//! | `packing.rs` | the two readings of `frames.bin`, and the format of the data |
+//! | `facts.rs`, `plan.rs` | what the frames contain, and how they are packed |
+//! | `grid.rs`, `scale.rs` | rounding of places and of other numbers |
+//! | `frame_packer.rs`, `links.rs`, `wall_shapes.rs`, `bytes.rs` | a frame as bytes |
+//! | `script/` | the script: decoding, drawing with WebGL, controls |
+
+mod bytes;
+mod description;
+mod facts;
+mod frame_packer;
+mod grains;
+mod grid;
+mod links;
+mod packing;
+mod plan;
+mod scale;
+#[cfg(test)]
+#[expect(
+    clippy::cast_precision_loss,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    reason = "small numbers"
+)]
+mod tests;
+#[cfg(test)]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "levels are bytes")]
+mod unpack;
+mod wall_shapes;
 
 use std::io;
 use std::path::Path;
 
 use crate::output::run_directory::frame_data_of;
 
+/// Most characters of the data of a run, unless the caller gives another number.
+pub const BUDGET: usize = 12_000_000;
+
 /// The script of the player. It defines `siloflowPlayer(container, dataId)`, which returns a promise of
-/// `{times, setTime(seconds), onTime(callback)}`.
-pub const SCRIPT: &str = include_str!("player.js");
+/// `{times, setTime(seconds), onTime(callback), play(), pause()}` (`script/player.js`).
+///
+/// The function shows a message in the container if the data are damaged or the browser cannot draw them.
+pub const SCRIPT: &str = concat!(
+    "var siloflowPlayer = (() => {\n\"use strict\";\n",
+    include_str!("script/decode.js"),
+    include_str!("script/colours.js"),
+    include_str!("script/camera.js"),
+    include_str!("script/shaders.js"),
+    include_str!("script/walls.js"),
+    include_str!("script/renderer.js"),
+    include_str!("script/flat_renderer.js"),
+    include_str!("script/view.js"),
+    include_str!("script/form.js"),
+    include_str!("script/player.js"),
+    "return siloflowPlayer;\n})();\n",
+);
 
 /// The style sheet of the player. It uses the variables `--paper`, `--ink`, `--muted`, `--line` and `--accent` of the page.
 pub const STYLE: &str = include_str!("player.css");
@@ -20,13 +72,25 @@ pub struct Packed {
 }
 
 impl Packed {
-    /// Packs the frames of the run in directory `run`; `None` if the run has no `frames.bin`.
+    /// Packs the frames of the run in directory `run` into at most [`BUDGET`] characters; `None` if the run has no `frames.bin`.
     ///
     /// # Errors
     /// If `frames.bin` cannot be read.
     pub fn of(run: &Path) -> io::Result<Option<Self>> {
+        Self::within(run, BUDGET)
+    }
+
+    /// Packs the frames of the run in directory `run` into about `characters`; `None` if the run has no `frames.bin`. A run that needs
+    /// more is shown with fewer frames, evenly spaced, but at least two.
+    ///
+    /// # Errors
+    /// If `frames.bin` cannot be read.
+    pub fn within(run: &Path, characters: usize) -> io::Result<Option<Self>> {
         let path = frame_data_of(run);
-        Ok(path.is_file().then(|| Self { text: String::new() }))
+        if !path.is_file() {
+            return Ok(None);
+        }
+        packing::pack(&path, characters).map(|text| Some(Self { text }))
     }
 
     /// Returns the data as an HTML element, a script that a browser does not run. `id` must need no escapes.

@@ -1,0 +1,102 @@
+//! Facts about a run in JSON, for the script of the player.
+
+use serde::Serialize;
+
+use super::links::TOP_FORCE;
+use super::plan::Plan;
+use super::scale::TOP;
+use crate::output::frame_data::Header;
+use crate::writers::colour::{self, Rgb};
+
+/// What the script needs to know besides the numbers.
+#[derive(Serialize)]
+pub(super) struct Description<'a> {
+    title: &'a str,
+    scene: &'a str,
+    dimension: u8,
+    /// Name and colour of each species.
+    species: Vec<(&'a str, String)>,
+    /// Colours of wall grains and walls, and of doors.
+    wall_colours: [String; 2],
+    /// Colours of the levels.
+    palette: String,
+    periodic: [Option<(f64, f64)>; 3],
+    domain: [[f64; 3]; 2],
+    /// Corner and step of the grid, m.
+    low: [f64; 3],
+    high: [f64; 3],
+    step: f64,
+    particles: usize,
+    frames: usize,
+    frames_of_run: usize,
+    changes_radius: bool,
+    quantities: Vec<Quantity<'a>>,
+    top: f64,
+    forces: Range,
+    top_force: f64,
+    has_contacts: bool,
+    /// For each wall whether it is a door.
+    doors: Vec<bool>,
+}
+
+#[derive(Serialize)]
+struct Quantity<'a> {
+    name: &'a str,
+    unit: &'a str,
+    is_whole: bool,
+    /// Whether every particle keeps its number.
+    is_kept: bool,
+    #[serde(flatten)]
+    range: Range,
+}
+
+/// The numbers of the lowest and highest level, and the smallest and largest number.
+#[derive(Serialize)]
+struct Range {
+    low: f64,
+    high: f64,
+    smallest: f64,
+    largest: f64,
+}
+
+impl<'a> Description<'a> {
+    /// Describes a run of which so many frames are packed.
+    pub fn of(header: &'a Header, plan: &'a Plan, frames: usize) -> Self {
+        let quantities = plan.quantities().map(|(facts, scale)| Quantity {
+            name: &facts.name,
+            unit: &facts.unit,
+            is_whole: facts.is_whole,
+            is_kept: facts.fixed.is_some(),
+            range: Range { low: scale.low, high: scale.high, smallest: facts.spread.low, largest: facts.spread.high },
+        });
+        let forces = &plan.facts.forces;
+        let palette = (0..=254).map(|level| hex(colour::viridis(f64::from(level) / TOP)));
+        Self {
+            title: &header.title,
+            scene: &header.scene,
+            dimension: header.dimension,
+            species: header.species.iter().map(|(name, colour)| (&**name, colour::hex(*colour))).collect(),
+            wall_colours: [colour::WALL, colour::DOOR].map(colour::hex),
+            palette: palette.collect(),
+            periodic: header.periodic,
+            domain: header.domain,
+            low: plan.grid.low,
+            high: plan.grid.high,
+            step: plan.grid.step,
+            particles: plan.facts.particles.len(),
+            frames,
+            frames_of_run: plan.facts.frames,
+            changes_radius: plan.facts.changes_radius,
+            quantities: quantities.collect(),
+            top: TOP,
+            forces: Range { low: 0.0, high: plan.forces.high, smallest: forces.low, largest: forces.high },
+            top_force: TOP_FORCE,
+            has_contacts: plan.facts.contacts > 0,
+            doors: header.walls.iter().map(|wall| wall.is_door).collect(),
+        }
+    }
+}
+
+fn hex(colour: Rgb) -> String {
+    colour::hex(colour).split_off(1)
+}

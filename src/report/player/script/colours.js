@@ -1,0 +1,84 @@
+// What grains are coloured by, and the colours.
+
+/** Places of the colours in a palette: levels or species, no number, wall grain, door grain. */
+const NO_NUMBER = 255;
+const WALL_GRAIN = 256;
+const PALETTE_SIZE = 258;
+
+function fromHex(text) {
+  return [0, 2, 4].map((at) => parseInt(text.slice(at, at + 2), 16));
+}
+
+/** Quantities by which grains can be coloured; the first is the species. */
+function colourings(run) {
+  const species = { name: "species", unit: "", isSpecies: true };
+  let changing = 0;
+  const quantities = run.quantities.map((quantity) => ({
+    name: quantity.name.replaceAll("_", " "),
+    unit: quantity.unit,
+    low: quantity.low,
+    high: quantity.high,
+    isBelow: quantity.smallest < quantity.low,
+    isAbove: quantity.largest > quantity.high,
+    largest: quantity.largest,
+    levels: quantity.is_kept ? quantity.levels : null,
+    place: quantity.is_kept ? -1 : changing++,
+  }));
+  const last = run.times[run.frames - 1] ?? 0;
+  const ages = Array.from(run.first).filter((_, particle) => run.kinds[particle] === 0);
+  const oldest = ages.reduce((age, first) => Math.max(age, last - first), 0);
+  const age = oldest > 0 ? [{ name: "age", unit: "s", low: 0, high: oldest, isAge: true }] : [];
+  const rank = (colouring) => ["speed", "pressure", "age", "coordination"].indexOf(colouring.name) + 1 || 9;
+  return [species, ...[...quantities, ...age].sort((a, b) => rank(a) - rank(b))];
+}
+
+/** The place in the palette of each row of a frame. */
+function colourRows(colouring, run, frame, particles) {
+  const places = new Uint16Array(frame.rows);
+  const levelsPerSecond = colouring.isAge ? run.top / colouring.high : 0;
+  const column = colouring.place >= 0 ? frame.levels[colouring.place] : null;
+  for (let row = 0; row < places.length; row++) {
+    const particle = particles[row];
+    const kind = run.kinds[particle];
+    if (kind > 0) places[row] = WALL_GRAIN + Math.min(kind, 2) - 1;
+    else if (colouring.isSpecies) places[row] = Math.min(run.speciesOf[particle], NO_NUMBER);
+    else if (colouring.isAge) places[row] = Math.min(Math.max((frame.time - run.first[particle]) * levelsPerSecond, 0), run.top);
+    else places[row] = column ? column[row] : colouring.levels[particle];
+  }
+  return places;
+}
+
+/** The palette of a colouring: four bytes for each place. */
+function paletteOf(colouring, run) {
+  const palette = new Uint8Array(4 * PALETTE_SIZE).fill(255);
+  const set = (place, text) => palette.set(fromHex(text), 4 * place);
+  for (let place = 0; place < NO_NUMBER; place++) {
+    const species = run.species[place];
+    set(place, colouring.isSpecies ? (species ? species[1].slice(1) : "808080") : run.palette.slice(6 * place, 6 * place + 6));
+  }
+  set(NO_NUMBER, "808080");
+  run.wall_colours.forEach((text, kind) => set(WALL_GRAIN + kind, text.slice(1)));
+  return palette;
+}
+
+/** About `count` round numbers between two others. */
+function ticks(low, high, count) {
+  const span = high - low;
+  if (!(span > 0)) return [low];
+  const power = 10 ** Math.floor(Math.log10(span / count));
+  const step = [1, 2, 5, 10].map((factor) => factor * power).find((length) => span / length <= count);
+  const list = [];
+  for (let number = Math.ceil(low / step - 1e-9); number * step <= high + 1e-9 * span; number++) list.push(number * step);
+  return list;
+}
+
+/** A number with few digits, `digits` of them significant. */
+function shortNumber(number, digits = 3) {
+  if (number === 0) return "0";
+  const size = Math.abs(number);
+  if (size >= 1e5 || size < 1e-3) {
+    const [mantissa, exponent] = number.toExponential(digits - 1).split("e");
+    return `${Number(mantissa)}×10${Number(exponent).toString().replace(/[-\d]/g, (sign) => "⁰¹²³⁴⁵⁶⁷⁸⁹"[sign] ?? "⁻")}`;
+  }
+  return String(Number(number.toPrecision(digits))).replace("-", "−");
+}

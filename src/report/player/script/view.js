@@ -1,0 +1,154 @@
+// The picture: a frame of a run on a canvas.
+
+/** Colour of bonds of sliding contacts. */
+const SLIDING = "#ff7f0e";
+
+class View {
+  constructor(canvas, run) {
+    this.canvas = canvas;
+    this.run = run;
+    this.isSolid = run.dimension === 3;
+    this.box = visibleBox(run);
+    this.camera = new Camera(this.box, this.isSolid);
+    this.shown = { bonds: false, walls: true };
+    this.cut = { axis: -1, share: 0 };
+    this.colouring = null;
+    this.frame = null;
+    this.middleRadius = middle(run.radii.filter((_, particle) => run.kinds[particle] === 0)) || middle(run.radii);
+    this.afterDraw = () => {};
+    this.makeRenderer();
+  }
+
+  makeRenderer() {
+    try {
+      this.renderer = new Renderer(this.canvas, this.run);
+    } catch (error) {
+      if (this.isSolid) throw error;
+      // A canvas that has given one kind of context gives no other.
+      this.renderer = new FlatRenderer(this.canvas, this.run);
+    }
+    this.bondsOf = this.wallsOf = null;
+  }
+
+  /** Begins again after the graphics card was lost. */
+  restore() {
+    this.makeRenderer();
+    this.setColouring(this.colouring);
+  }
+
+  setColouring(colouring) {
+    this.colouring = colouring;
+    this.renderer.setPalette(paletteOf(colouring, this.run));
+    if (this.frame) this.show(this.frame);
+  }
+
+  show(frame) {
+    const { run } = this;
+    this.frame = frame;
+    const particles = expand(frame.runs, frame.rows, run.particles);
+    this.renderer.setGrains(frame.places, this.radii(frame, particles), colourRows(this.colouring, run, frame, particles));
+    this.redraw();
+  }
+
+  /** The radius of each row, m. */
+  radii(frame, particles) {
+    const { run } = this;
+    const changing = run.changes_radius && colourings(run).find((colouring) => colouring.name === "radius" && colouring.place >= 0);
+    if (!changing) return Float32Array.from(particles, (particle) => run.radii[particle]);
+    const { low, high, place } = changing;
+    return Float32Array.from(frame.levels[place], (level) => low + (level / run.top) * (high - low));
+  }
+
+  /** Draws before the next picture of the screen; a still view of solid space is then drawn again, more finely. */
+  redraw() {
+    clearTimeout(this.fine);
+    this.isFine = false;
+    this.request ??= requestAnimationFrame(() => {
+      this.request = null;
+      this.drawNow();
+      if (this.isSolid) this.fine = setTimeout(() => this.drawFinely(), 300);
+    });
+  }
+
+  drawFinely() {
+    this.isFine = true;
+    this.drawNow();
+  }
+
+  drawNow() {
+    const { canvas, run, frame } = this;
+    if (!frame || !canvas.clientWidth) return;
+    const density = Math.min(Math.max(devicePixelRatio, this.isFine ? 2 : 1), 3);
+    const [width, height] = [canvas.clientWidth, canvas.clientHeight].map((length) => Math.round(length * density));
+    if (canvas.width !== width || canvas.height !== height) Object.assign(canvas, { width, height });
+    this.camera.aspect = width / height;
+    if (this.shown.bonds && this.bondsOf !== frame) {
+      this.renderer.setBonds(decodeLines(frame, run));
+      this.bondsOf = frame;
+    }
+    const walls = frame.walls.join();
+    if (this.wallsOf !== walls) {
+      this.renderer.setWalls(wallArrays(frame, run));
+      this.wallsOf = walls;
+    }
+    this.renderer.draw(this.camera, this.look(density));
+    this.afterDraw();
+  }
+
+  look(density) {
+    const { run, shown, isSolid, box } = this;
+    const style = getComputedStyle(this.canvas);
+    const ink = [...cssColour(style.color), 1];
+    const colours = run.wall_colours.map((text) => [...fromHex(text.slice(1)).map((byte) => byte / 255), 1]);
+    const withAlpha = (alpha) => colours.map(([r, g, b]) => [r, g, b, alpha]);
+    const sliding = [...fromHex(SLIDING.slice(1)).map((byte) => byte / 255), 1];
+    const metres = 0.9 * this.middleRadius;
+    return {
+      density,
+      paper: cssColour(style.backgroundColor),
+      shrink: isSolid && shown.bonds ? 0.3 : 1,
+      cut: this.cutPlane(),
+      bonds: shown.bonds && { metres, pixels: 0.8, casing: isSolid ? 0 : 0.9, colours: [ink, sliding], box },
+      walls: shown.walls && { metres: 0, pixels: isSolid ? 1.4 : 2.5, casing: 0, colours: isSolid ? withAlpha(0.7) : colours, box },
+      faces: withAlpha(0.14),
+    };
+  }
+
+  /** The plane beyond which grains are not drawn: it cuts away the side towards the viewer. */
+  cutPlane() {
+    const { axis, share } = this.cut;
+    const plane = [0, 0, 0, Infinity];
+    if (axis < 0 || share === 0) return [0, 0, 0, 1];
+    const sign = this.camera.toward[axis] < -1e-9 ? -1 : 1;
+    const [low, high] = [this.box[0][axis], this.box[1][axis]];
+    plane[axis] = sign;
+    plane[3] = sign > 0 ? high - share * (high - low) : -(low + share * (high - low));
+    return plane;
+  }
+}
+
+/** The scene and the grains around it, m from the corner of the grid; grains far outside are not looked for. */
+function visibleBox(run) {
+  const size = Math.max(...[0, 1, 2].map((axis) => run.domain[1][axis] - run.domain[0][axis]));
+  const margin = Number.isFinite(size) ? 0.3 * size : 0;
+  const low = [0, 1, 2].map((axis) => (size > 0 ? Math.max(run.low[axis], run.domain[0][axis] - margin) : run.low[axis]) - run.low[axis]);
+  const high = [0, 1, 2].map((axis) => (size > 0 ? Math.min(run.high[axis], run.domain[1][axis] + margin) : run.high[axis]) - run.low[axis]);
+  return [low, high];
+}
+
+/** The middle one of some numbers in their order. */
+function middle(numbers) {
+  return Float32Array.from(numbers).sort()[numbers.length >> 1] ?? 0;
+}
+
+/** Red, green and blue from 0 to 1 of a colour in any notation of CSS. */
+function cssColour(text) {
+  cssColour.known ??= new Map();
+  if (!cssColour.known.has(text)) {
+    const context = make("canvas", { width: 1, height: 1 }).getContext("2d");
+    context.fillStyle = text;
+    context.fillRect(0, 0, 1, 1);
+    cssColour.known.set(text, Array.from(context.getImageData(0, 0, 1, 1).data.slice(0, 3), (byte) => byte / 255));
+  }
+  return cssColour.known.get(text);
+}
