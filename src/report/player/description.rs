@@ -5,6 +5,7 @@ use serde::Serialize;
 use super::links::TOP_FORCE;
 use super::plan::Plan;
 use super::scale::TOP;
+use crate::measure::outputs::Palette;
 use crate::output::frame_data::Header;
 use crate::writers::colour::{self, Rgb};
 
@@ -18,8 +19,8 @@ pub(super) struct Description<'a> {
     species: Vec<(&'a str, String)>,
     /// Colours of wall grains and walls, and of doors.
     wall_colours: [String; 2],
-    /// Colours of the levels.
-    palette: String,
+    /// Colours of the levels: of magnitudes, and of differences from a middle.
+    palettes: [String; 2],
     periodic: [Option<(f64, f64)>; 3],
     domain: [[f64; 3]; 2],
     /// Corner and step of the grid, m.
@@ -42,7 +43,10 @@ pub(super) struct Description<'a> {
 #[derive(Serialize)]
 struct Quantity<'a> {
     name: &'a str,
+    label: String,
     unit: &'a str,
+    /// Which of the palettes.
+    palette: u8,
     is_whole: bool,
     /// Whether every particle keeps its number.
     is_kept: bool,
@@ -62,22 +66,27 @@ struct Range {
 impl<'a> Description<'a> {
     /// Describes a run of which so many frames are packed.
     pub fn of(header: &'a Header, plan: &'a Plan, frames: usize) -> Self {
+        let column = |name: &str| header.columns.iter().find(|column| column.name == name);
+        let is_difference =
+            |name| column(name).and_then(|column| column.scale).is_some_and(|scale| scale.palette == Palette::BlueRed);
         let quantities = plan.quantities().map(|(facts, scale)| Quantity {
             name: &facts.name,
+            label: column(&facts.name).map_or_else(|| facts.name.replace('_', " "), |column| column.label.clone()),
+            palette: is_difference(&facts.name).into(),
             unit: &facts.unit,
             is_whole: facts.is_whole,
             is_kept: facts.fixed.is_some(),
             range: Range { low: scale.low, high: scale.high, smallest: facts.spread.low, largest: facts.spread.high },
         });
         let forces = &plan.facts.forces;
-        let palette = (0..=254).map(|level| hex(colour::viridis(f64::from(level) / TOP)));
+        let palette = |colour: fn(f64) -> Rgb| (0..=254).map(|level| hex(colour(f64::from(level) / TOP))).collect();
         Self {
             title: &header.title,
             scene: &header.scene,
             dimension: header.dimension,
             species: header.species.iter().map(|(name, colour)| (&**name, colour::hex(*colour))).collect(),
             wall_colours: [colour::WALL, colour::DOOR].map(colour::hex),
-            palette: palette.collect(),
+            palettes: [palette(colour::viridis), palette(blue_red)],
             periodic: header.periodic,
             domain: header.domain,
             low: plan.grid.low,
@@ -99,4 +108,14 @@ impl<'a> Description<'a> {
 
 fn hex(colour: Rgb) -> String {
     colour::hex(colour).split_off(1)
+}
+
+/// Ends of the palette for differences (Brewer and Harrower, RdBu), distinguishable with colour blindness; white is between them.
+const ENDS: [Rgb; 2] = [[0x21, 0x66, 0xac], [0xb2, 0x18, 0x2b]];
+
+/// Returns the colour of a number from 0 (blue) over 0.5 (white) to 1 (red).
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between two bytes")]
+fn blue_red(share: f64) -> Rgb {
+    let distance = (2.0 * share - 1.0).abs().min(1.0);
+    ENDS[usize::from(share > 0.5)].map(|end| (255.0 + distance * (f64::from(end) - 255.0)).round() as u8)
 }

@@ -24,8 +24,9 @@ impl Plan {
     pub fn new(header: &Header, facts: Facts) -> Self {
         let grid = Grid::new(header.domain, facts.bounds.0);
         let forces = Scale { low: 0.0, ..facts.forces.scale(false) };
-        // A radius that changes is needed to draw the grains.
-        let scale = |of: &QuantityFacts| (!of.spread.is_constant()).then(|| of.spread.scale(of.is_whole));
+        let scale = |of: &QuantityFacts| {
+            suggested(header, &of.name).or_else(|| (!of.spread.is_constant()).then(|| of.spread.scale(of.is_whole)))
+        };
         let scales: Vec<_> = facts.quantities.iter().map(scale).collect();
         let mut plan = Self { facts, grid, forces, scales, frames: 0 };
         // Two bytes along each axis; about six for a contact.
@@ -67,6 +68,13 @@ impl Plan {
         self.frames = fewer.max(2).min(self.frames);
         is_possible
     }
+}
+
+/// Returns the scale that a behaviour suggests for its column.
+fn suggested(header: &Header, name: &str) -> Option<Scale> {
+    let scale = header.columns.iter().find(|column| column.name == name)?.scale?;
+    let is_sound = scale.from < scale.to && (scale.to - scale.from).is_finite();
+    is_sound.then_some(Scale { low: scale.from, high: scale.to })
 }
 
 /// Returns the number of frames of which `allowed` bytes consist, if all have `bytes`; at least two.

@@ -4,8 +4,9 @@ use std::path::Path;
 
 use super::unpack::{Unpacked, unpack};
 use super::{Packed, SCRIPT};
+use crate::measure::outputs::{Palette, Scale};
 use crate::output::frame_data::file::FrameFile;
-use crate::output::frame_data::{Column, FORMAT, Frame, Header, Table, Values, WallGeometry};
+use crate::output::frame_data::{Column, FORMAT, Frame, Header, RegisteredColumn, Table, Values, WallGeometry};
 
 fn column(name: &str, components: u8, values: Values) -> Column {
     Column { name: name.to_owned(), unit: "u".to_owned(), components, values }
@@ -32,6 +33,13 @@ fn header() -> Header {
         periodic: [None; 3],
         domain: [[-2.0, 0.0, 0.0], [2.0, 1.0, 3.5]],
         walls: vec![start_of(1), start_of(2)],
+        columns: vec![RegisteredColumn {
+            name: "same".to_owned(),
+            unit: "u".to_owned(),
+            label: "the same".to_owned(),
+            behaviour: String::new(),
+            scale: Some(Scale { from: 0.0, to: 254.0, palette: Palette::BlueRed }),
+        }],
     }
 }
 
@@ -165,7 +173,10 @@ fn grains_are_within_the_resolution() {
     );
     assert_eq!((run.first[0], run.first[6], run.first[39]), (0.0, 0.25, 0.0));
     let names: Vec<&str> = run.frames[0].numbers.iter().map(|(name, _)| &**name).collect();
-    assert_eq!(names, ["speed", "radius", "coordination", "temperature"]);
+    assert_eq!(names, ["speed", "radius", "coordination", "temperature", "same"]);
+    let same = &run.description["quantities"][4];
+    assert_eq!((&same["label"], &same["palette"], &same["is_kept"]), (&"the same".into(), &1.into(), &true.into()));
+    assert!(run.frames[0].numbers[4].1.iter().all(|number| (number - 7.0).abs() < 1e-9));
     for (number, (found, expected)) in run.frames.iter().zip(&frames).enumerate() {
         assert_eq!((found.time, found.counts[0], found.counts[2]), (expected.time, number as f64 + 3.0, 1.0));
         let grains = expected.table("grains").unwrap();

@@ -14,7 +14,9 @@ function colourings(run) {
   const species = { name: "species", unit: "", isSpecies: true };
   let changing = 0;
   const quantities = run.quantities.map((quantity) => ({
-    name: quantity.name.replaceAll("_", " "),
+    key: quantity.name,
+    name: quantity.label,
+    palette: run.palettes[quantity.palette],
     unit: quantity.unit,
     low: quantity.low,
     high: quantity.high,
@@ -27,8 +29,8 @@ function colourings(run) {
   const last = run.times[run.frames - 1] ?? 0;
   const ages = Array.from(run.first).filter((_, particle) => run.kinds[particle] === 0);
   const oldest = ages.reduce((age, first) => Math.max(age, last - first), 0);
-  const age = oldest > 0 ? [{ name: "age", unit: "s", low: 0, high: oldest, isAge: true }] : [];
-  const rank = (colouring) => ["speed", "pressure", "age", "coordination"].indexOf(colouring.name) + 1 || 9;
+  const age = oldest > 0 ? [{ name: "age", unit: "s", low: 0, high: oldest, isAge: true, palette: run.palettes[0] }] : [];
+  const rank = (colouring) => ["speed", "pressure", "age", "coordination"].indexOf(colouring.key ?? colouring.name) + 1 || 9;
   return [species, ...[...quantities, ...age].sort((a, b) => rank(a) - rank(b))];
 }
 
@@ -54,7 +56,7 @@ function paletteOf(colouring, run) {
   const set = (place, text) => palette.set(fromHex(text), 4 * place);
   for (let place = 0; place < NO_NUMBER; place++) {
     const species = run.species[place];
-    set(place, colouring.isSpecies ? (species ? species[1].slice(1) : "808080") : run.palette.slice(6 * place, 6 * place + 6));
+    set(place, colouring.isSpecies ? (species ? species[1].slice(1) : "808080") : colouring.palette.slice(6 * place, 6 * place + 6));
   }
   set(NO_NUMBER, "808080");
   run.wall_colours.forEach((text, kind) => set(WALL_GRAIN + kind, text.slice(1)));

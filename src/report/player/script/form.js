@@ -45,7 +45,7 @@ function legend(colouring, run, shown) {
     const present = new Set(run.speciesOf.filter((_, particle) => run.kinds[particle] === 0));
     run.species.forEach(([name, colour], number) => present.has(number) && swatch(colour, name));
   } else {
-    list.append(colourBar(colouring, run));
+    list.append(colourBar(colouring));
   }
   const kinds = new Set(run.kinds);
   if (kinds.has(1)) swatch(run.wall_colours[0], "wall grains");
@@ -60,9 +60,9 @@ function legend(colouring, run, shown) {
   return list;
 }
 
-function colourBar(colouring, run) {
+function colourBar(colouring) {
   const { low, high } = colouring;
-  const stops = [0, 32, 64, 96, 127, 159, 191, 222, 254].map((level) => `#${run.palette.slice(6 * level, 6 * level + 6)}`);
+  const stops = [0, 32, 64, 96, 127, 159, 191, 222, 254].map((level) => `#${colouring.palette.slice(6 * level, 6 * level + 6)}`);
   const strip = make("div", { className: "sfp-strip" });
   strip.style.background = `linear-gradient(to right, ${stops.join(", ")})`;
   const scale = make("div", { className: "sfp-ticks" });

@@ -53,7 +53,7 @@ class View {
   /** The radius of each row, m. */
   radii(frame, particles) {
     const { run } = this;
-    const changing = run.changes_radius && colourings(run).find((colouring) => colouring.name === "radius" && colouring.place >= 0);
+    const changing = run.changes_radius && colourings(run).find((colouring) => colouring.key === "radius" && colouring.place >= 0);
     if (!changing) return Float32Array.from(particles, (particle) => run.radii[particle]);
     const { low, high, place } = changing;
     return Float32Array.from(frame.levels[place], (level) => low + (level / run.top) * (high - low));
