@@ -78,6 +78,7 @@ pub(super) fn compare(args: &CompareArgs, registry: &Registry, quiet: bool) -> R
         signals: &signals,
         checkpoint_every: None,
         parent: None,
+        report: false,
     };
     let mut has_run = false;
     for (((run, scene), directory), name) in runs.iter_mut().zip(&mut scenes).zip(&directories).zip(&names) {

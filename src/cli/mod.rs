@@ -12,6 +12,7 @@ mod from;
 mod plot;
 mod progress;
 mod render;
+mod report;
 mod run;
 mod run_grains;
 mod run_lattice;
@@ -77,6 +78,8 @@ enum Command {
     Render(render::RenderArgs),
     /// Draw figures of runs: discharge, energies, forces on walls, profiles, fields.
     Plot(plot::PlotArgs),
+    /// Write one HTML file about a run, or compare several: players, curves, tables.
+    Report(report::ReportArgs),
     /// Convert the frames of a run for ParaView (VTK) or OVITO (extended XYZ, LAMMPS dump).
     Export(export::ExportArgs),
 }
@@ -156,6 +159,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Accuracy(args) => accuracy::accuracy(args, registry, cli.quiet),
         Command::Render(args) => render::render(args),
         Command::Plot(args) => plot::plot(args),
+        Command::Report(args) => report::report(args),
         Command::Export(args) => export::export(args),
     };
     match result {

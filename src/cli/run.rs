@@ -19,6 +19,7 @@ use crate::values::NonNegative;
 
 /// Arguments of `run`.
 #[derive(Args, Debug)]
+#[expect(clippy::struct_excessive_bools, reason = "options of a call")]
 #[command(group(ArgGroup::new("start").required(true).args(["scene", "resume"])))]
 pub(super) struct RunArgs {
     #[command(flatten)]
@@ -48,6 +49,9 @@ pub(super) struct RunArgs {
     /// Wall-clock time between checkpoints, minutes. Default: `checkpoint.every` of the scene, or else 10.
     #[arg(long, value_name = "MINUTES", value_parser = minutes)]
     checkpoint_every: Option<NonNegative>,
+    /// Write a report, report.html in the run directory, at the end of the run. `siloflow report` writes it later.
+    #[arg(long)]
+    report: bool,
     /// Print the summary as JSON instead of in words.
     #[arg(long)]
     pub(super) json: bool,
@@ -60,11 +64,11 @@ fn minutes(text: &str) -> Result<NonNegative, String> {
 
 pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
     let signals = Signals::catch();
-    let RunArgs { threads, force, checkpoint_every, .. } = *args;
+    let RunArgs { threads, force, checkpoint_every, report, .. } = *args;
     let origin = args.from.as_ref().map(|run| Origin::of(run, registry)).transpose()?;
     let parent = origin.as_ref().map(|origin| origin.parent.clone());
-    let call = Call { registry, threads, quiet, force, signals: &signals, checkpoint_every, parent };
-    let report = match (&args.resume, &args.scene) {
+    let call = Call { registry, threads, quiet, force, signals: &signals, checkpoint_every, parent, report };
+    let result = match (&args.resume, &args.scene) {
         (Some(directory), _) => resume(directory, &call)?,
         (None, Some(scene)) => {
             let mut scene = args.load(scene, origin)?;
@@ -75,11 +79,11 @@ pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Ve
         (None, None) => return Err(Fault::new("call::scene", "no scene is given").help("siloflow run SCENE.ron")),
     };
     if args.json {
-        say(&report.json);
+        say(&result.json);
     } else if !quiet {
-        say(&report.words);
+        say(&result.words);
     }
-    Ok(report.verdict)
+    Ok(result.verdict)
 }
 
 /// Continues the run in a directory from its latest checkpoint.

@@ -9,9 +9,10 @@
 //!
 //! At a signal the run ends after the step that follows, with `status: "interrupted"`.
 
+use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::num::NonZeroUsize;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use bevy_ecs::prelude::*;
 use serde::Serialize;
@@ -19,6 +20,7 @@ use serde::Serialize;
 use crate::behaviour::Registry;
 use crate::cli::exit_status::Verdict;
 use crate::cli::progress::{Pace, Progress};
+use crate::cli::show;
 use crate::cli::signals::Signals;
 use crate::fault::Fault;
 use crate::outcome::{End, Failure};
@@ -26,13 +28,15 @@ use crate::output::checkpoint::file::Checkpoint;
 use crate::output::checkpoint::{self, Checkpoints};
 use crate::output::cost::RunCost;
 use crate::output::parent::Parent;
-use crate::output::run_directory::RunDirectory;
+use crate::output::run_directory::{RunDirectory, report_of};
 use crate::output::summary::Cost;
 use crate::persist::{CheckpointConfig, Section};
+use crate::report;
 use crate::simulation::Simulation;
 use crate::source::Source;
 use crate::values::NonNegative;
 use crate::writers::provenance::Provenance;
+use crate::writers::whole_file;
 
 /// Settings of a run that do not change its result.
 pub(super) struct Call<'a> {
@@ -46,6 +50,8 @@ pub(super) struct Call<'a> {
     pub parent: Option<Parent>,
     /// Time between checkpoints, minutes, if the call gives it.
     pub checkpoint_every: Option<NonNegative>,
+    /// Whether `report.html` is written at the end.
+    pub report: bool,
 }
 
 /// A loaded scene of one method.
@@ -140,7 +146,7 @@ fn run_on<M: Method>(
         simulation.take_checkpoints(Checkpoints::new(place, guard, scene, config, is_chosen));
     }
     let (end, cost) = step_to_the_end(method, &mut simulation, call.quiet);
-    finish(method, &mut simulation, directory, &end, cost, call.signals)
+    finish(method, &mut simulation, directory, &end, cost, call)
 }
 
 /// Returns how checkpoints are taken; `None` if the scene wants none, or has state that no checkpoint would save.
@@ -176,7 +182,7 @@ fn finish<M: Method>(
     directory: &RunDirectory,
     end: &End,
     cost: Cost,
-    signals: &Signals,
+    call: &Call,
 ) -> Report {
     let world = simulation.world_mut();
     let mut summary = method.summary(world, end, cost);
@@ -194,13 +200,35 @@ fn finish<M: Method>(
         // A run that is killed before this checkpoint is complete can be resumed from an earlier one.
         None => checkpoint::at_end(world),
     }
-    let verdict = match (summary.failure(), end, signals.received()) {
+    let verdict = match (summary.failure(), end, call.signals.received()) {
         (None, End::Interrupted, Some(signal)) => Verdict::Interrupted(signal),
         _ if summary.is_done() => Verdict::Done,
         _ => Verdict::Failed,
     };
-    let words = summary.words() + &format!("{:<12} {}\n", "written to", directory.path().display());
+    let mut words = summary.words() + &format!("{:<12} {}\n", "written to", directory.path().display());
+    let verdict = match call.report.then(|| write_report(directory)) {
+        None => verdict,
+        Some(Ok(path)) => {
+            let _ = writeln!(words, "{:<12} {}", "report", path.display());
+            verdict
+        }
+        Some(Err(fault)) => {
+            show(fault);
+            if verdict == Verdict::Done { Verdict::Failed } else { verdict }
+        }
+    };
     Report { words, json: serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n", verdict }
+}
+
+/// Writes the report of a run that is over, and returns its path.
+fn write_report(directory: &RunDirectory) -> Result<PathBuf, Fault> {
+    let path = report_of(directory.path());
+    let page = report::page(&[directory.path()])?;
+    let written = directory.guard()().and_then(|()| whole_file::write(&path, page.as_bytes()));
+    written.map(|()| path.clone()).map_err(|error| {
+        Fault::new("report::write", format!("could not write {}: {error}", path.display()))
+            .help("the run itself is complete; `siloflow report` writes the report later")
+    })
 }
 
 /// The fault of a run that failed before anything was changed.

@@ -83,8 +83,9 @@ const FLOW: &str = "flow.csv";
 const LOSSES: &str = "losses.csv";
 const STATE: &str = "state.csv";
 const SUMMARY: &str = "summary.json";
+const REPORT: &str = "report.html";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 14] = [
+const OWN_FILES: [&str; 15] = [
     SERIES,
     FRAME_DATA,
     "frames.xyz",
@@ -99,6 +100,7 @@ const OWN_FILES: [&str; 14] = [
     LOSSES,
     STATE,
     SUMMARY,
+    REPORT,
 ];
 
 /// Names of the files that hold the input of a run, without those of meshes and motions.
@@ -170,6 +172,12 @@ pub fn hash_of_input(run: &Path) -> io::Result<u64> {
 #[must_use]
 pub fn frame_data_of(run: &Path) -> PathBuf {
     run.join(FRAME_DATA)
+}
+
+/// Returns the path of the report in a run directory.
+#[must_use]
+pub fn report_of(run: &Path) -> PathBuf {
+    run.join(REPORT)
 }
 
 /// Returns the directory of the checkpoints in a run directory.
@@ -364,13 +372,14 @@ impl RunDirectory {
         Ok(())
     }
 
-    /// Removes `state.csv` and `summary.json` of the part that has run so far, before a reopened run continues.
+    /// Removes `state.csv`, `summary.json` and `report.html` of the part that has run so far, before a reopened run continues.
     ///
     /// # Errors
     /// If a file cannot be removed, or there is no space for a summary.
     pub fn remove_results(&self) -> io::Result<()> {
         remove_if_there(&self.now().join(SUMMARY))?;
         remove_if_there(&self.now().join(STATE))?;
+        remove_if_there(&self.now().join(REPORT))?;
         self.reserve_summary()
     }
 

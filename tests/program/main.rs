@@ -47,6 +47,8 @@ mod periodic;
 mod pins;
 mod plots;
 #[cfg(unix)]
+mod report;
+#[cfg(unix)]
 mod resume;
 #[cfg(unix)]
 mod run_directory;

@@ -75,16 +75,31 @@ pub fn cheaper(of: impl Fn(Integrator) -> Option<Estimates>, error: f64) -> Inte
     }
 }
 
+/// The expected rms error of an impact at the step of `estimates`. `None` for `ExplicitEuler`, of which nothing is known, and if no two
+/// bodies can meet.
+#[must_use]
+pub fn expected_error(estimates: &Estimates) -> Option<f64> {
+    let (first, second) = factors(estimates);
+    let steps = estimates.shortest_swing / estimates.dt;
+    let is_known = estimates.scheme != Integrator::ExplicitEuler && steps.is_finite();
+    is_known.then(|| first / steps + second / (steps * steps))
+}
+
 /// Steps in the shortest contact that the error needs.
 fn steps_for(estimates: &Estimates, error: f64) -> f64 {
+    let (first, second) = factors(estimates);
+    // The root of first/n + second/n^2 = error.
+    (first + f64::sqrt(first * first + 4.0 * second * error)) / (2.0 * error)
+}
+
+/// The factors of 1/n and 1/n^2 in the error.
+fn factors(estimates: &Estimates) -> (f64, f64) {
     let (lagged, second) = match estimates.contact {
         Contact::Linear { tangential: Some(_), .. } => (1.1, 2.0),
         Contact::Hertz { tangential: Some(_), .. } => (0.8, 1.1),
         _ => ((1.0 - estimates.lowest_restitution).min(0.46), 0.75),
     };
-    let first = if estimates.scheme == Integrator::Centred { 0.0 } else { lagged };
-    // The root of first/n + second/n^2 = error.
-    (first + f64::sqrt(first * first + 4.0 * second * error)) / (2.0 * error)
+    (if estimates.scheme == Integrator::Centred { 0.0 } else { lagged }, second)
 }
 
 /// Rounds down to two digits.
@@ -113,6 +128,22 @@ mod tests {
              walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))], until: 1.0, pictures: None, {keys})"
         );
         crate::scene::load::from_text("test.ron", "test", std::path::Path::new(""), text, &[]).unwrap().scene.integrator
+    }
+
+    #[test]
+    fn an_automatic_step_has_the_error_that_was_asked_for() {
+        let text = "(gravity: (0.0, -9.81), contact: Linear(k: 1.0e5, damping: Restitution(0.5)), mass: ArealSquare(100.0), \
+             fill: [(low: (0.0, 0.0), high: (1.0, 1.0), spacing: 0.1, radius: Fixed(0.04))], integrator: Verlet, \
+             walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))], until: 1.0, pictures: None, step: Auto(error: 1.0e-2))";
+        let load =
+            |text: &str| crate::scene::load::from_text("t.ron", "t", std::path::Path::new(""), text.to_owned(), &[]);
+        let error = |text: &str| expected_error(&Estimates::of(&load(text).unwrap()).unwrap());
+        // The step is rounded down to two digits, so that its error is up to a tenth less.
+        assert!((0.9e-2..=1.0e-2).contains(&error(text).unwrap()), "{:?}", error(text));
+        let centred = text.replace("Verlet", "Centred");
+        assert!((0.8e-2..=1.0e-2).contains(&error(&centred).unwrap()), "{:?}", error(&centred));
+        let explicit = text.replace("Verlet", "ExplicitEuler").replace("Auto(error: 1.0e-2)", "Fixed(1.0e-5)");
+        assert_eq!(error(&explicit), None);
     }
 
     #[test]
