@@ -9,6 +9,7 @@ mod exit_status;
 mod explain;
 mod export;
 mod from;
+mod new;
 mod plot;
 mod progress;
 mod render;
@@ -62,6 +63,10 @@ struct Cli {
 enum Command {
     /// Run a scene.
     Run(run::RunArgs),
+    /// Write a commented scene to begin with, or a copy of a shipped one.
+    New(new::NewArgs),
+    /// List the scenes that come with the program.
+    Scenes,
     /// Find bad input, an unstable step and leaky walls before a run.
     Check(check::CheckArgs),
     /// List what a scene will model: components, bytes per grain, systems, and the key that asks for each.
@@ -151,6 +156,8 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
     start_log(&cli);
     let result = match &cli.command {
         Command::Run(args) => run::run(args, registry, cli.quiet),
+        Command::New(args) => new::new(args),
+        Command::Scenes => Ok(new::scenes()),
         Command::Check(args) => check::check(args, registry),
         Command::Explain(args) => explain::explain(args, registry),
         Command::Study(args) => study::study(args, cli.quiet),

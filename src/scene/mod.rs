@@ -9,6 +9,7 @@ pub mod expected;
 pub mod load;
 pub mod outputs;
 pub mod rules;
+pub mod shipped;
 pub mod view;
 
 use std::collections::BTreeMap;

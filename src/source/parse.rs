@@ -114,7 +114,7 @@ fn closest<'a>(found: &str, names: &[&'a str]) -> Option<&'a str> {
 }
 
 /// The help for a misspelt name: the closest one, or else all.
-pub(super) fn did_you_mean(what: &str, found: &str, names: &[&str]) -> String {
+pub(crate) fn did_you_mean(what: &str, found: &str, names: &[&str]) -> String {
     closest(found, names)
         .map_or_else(|| format!("the {what} here are: {}", names.join(", ")), |name| format!("did you mean `{name}`?"))
 }

@@ -41,6 +41,7 @@ mod hostile;
 mod instructions;
 mod lattice;
 mod long_runs;
+mod new;
 mod outflow;
 mod parameters;
 mod periodic;
