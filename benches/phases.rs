@@ -20,7 +20,7 @@ use criterion::measurement::WallTime;
 use criterion::{BenchmarkGroup, Criterion, Throughput, criterion_group, criterion_main};
 use siloflow::grains::file;
 use siloflow::measure::totals;
-use siloflow::output::frames::{FrameRenderer, FramesPlugin};
+use siloflow::output::pictures::during_run::PicturesPlugin;
 use siloflow::output::series::SeriesPlugin;
 use siloflow::prelude::*;
 use siloflow::scene::outputs::Series;
@@ -160,8 +160,9 @@ fn outputs(criterion: &mut Criterion) {
     ] {
         let loaded = bed.load(&[("pictures", pictures)]);
         let mut simulation = Simulation::with_plugins(&loaded, &Registry::default(), NonZeroUsize::MIN, |app| {
-            if let Some(renderer) = FrameRenderer::of(&loaded, directory.path().to_owned()) {
-                app.add_plugins(FramesPlugin::<Plane>(renderer, std::marker::PhantomData));
+            let pictures = PicturesPlugin::<Plane>::of(&loaded, app.world(), directory.path().to_owned());
+            if let Some(pictures) = pictures.expect("grains are coloured by species") {
+                app.add_plugins(pictures);
             } else {
                 let interval = Series { interval: 1.0e-4.try_into().expect("positive") };
                 let plugin = SeriesPlugin::<Plane>::create(interval, true, app.world(), &series);

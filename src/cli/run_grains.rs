@@ -19,10 +19,10 @@ use crate::output::cost::CostPlugin;
 use crate::output::fields::FieldsPlugin;
 use crate::output::flow::FlowPlugin;
 use crate::output::frame_data::recording::FrameDataPlugin;
-use crate::output::frames::{FrameRenderer, FramesPlugin};
 use crate::output::losses::LossesPlugin;
 use crate::output::outflow::OutflowPlugin;
 use crate::output::parent::ParentPlugin;
+use crate::output::pictures::during_run::PicturesPlugin;
 use crate::output::profiles::ProfilesPlugin;
 use crate::output::run_directory::RunDirectory;
 use crate::output::series::SeriesPlugin;
@@ -157,8 +157,8 @@ fn build_in<V: Space>(
                 frame_data,
             );
         }
-        if let Some(frames) = FrameRenderer::of(loaded, directory.frames()) {
-            app.add("pictures", FramesPlugin::<V>(frames, PhantomData));
+        if let Some(pictures) = PicturesPlugin::<V>::of(loaded, app.world(), directory.frames())? {
+            app.add("pictures", pictures);
         }
         Ok(())
     });

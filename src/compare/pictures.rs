@@ -24,12 +24,11 @@ fn fields(runs: &[Run], report: &Report) -> String {
     let (low, high) = bounds(runs, report.looks, side);
     let step = Vector::new(1.15 * (high.x - low.x), 0.0);
     let all = f64::from(u32::try_from(runs.len()).unwrap_or(1)) * step;
-    // The names above and the scale bar below have sizes in proportion to the total width.
-    let (margin, above, below) =
-        (0.07 * (high.x - low.x), Vector::new(0.0, 0.08 * all.x), Vector::new(0.0, 0.09 * all.x));
+    // The names above have a size in proportion to the total width.
+    let (margin, above) = (0.07 * (high.x - low.x), Vector::new(0.0, 0.08 * all.x));
     let top = top(runs, report);
     let mut picture = Picture {
-        low: low - below - Vector::new(margin, 0.0),
+        low: low - Vector::splat(margin),
         high: Vector::new(low.x - margin + all.x, high.y) + above,
         // Header and legend are side by side, so the width is at least two panels.
         width: (PANEL * all.x / step.x).max(2.0 * PANEL),

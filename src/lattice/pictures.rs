@@ -141,7 +141,7 @@ fn write_picture(
     let doors =
         settings.door.iter().map(|&(from, to)| (from, to, if closed.is_some() { colour::DOOR } else { [255; 3] }));
     let picture = Picture { lines: picture.lines.iter().copied().chain(doors).collect(), ..picture };
-    frame_writer.add(picture, &mut outcome);
+    frame_writer.add(move || picture, &mut outcome);
 }
 
 /// Plugin that writes the pictures.

@@ -4,6 +4,7 @@
 //! SI units. The type of a number enforces its range ([`values`](crate::values)). Rules between keys are in [`rules`]. The
 //! byte range of each key, for messages and for `--set`, comes from [`source`](crate::source).
 
+pub mod camera;
 pub mod check;
 pub mod expected;
 pub mod load;

@@ -2,7 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::values::{FiniteVector, Positive};
+use crate::scene::camera::Direction;
+use crate::values::{Finite, FiniteVector, Positive};
 
 /// The scene's `pictures`.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -18,13 +19,18 @@ pub struct Pictures {
     pub png: bool,
     /// Force, N, whose bond is drawn as wide as the smallest radius. Without it no contact forces are drawn.
     pub network: Option<Positive>,
-    /// Lower left and upper right corner of the view, m; in solid space in x and z. Default: all walls and all grains at the
-    /// start.
+    /// Lower left and upper right corner of the view, m, to the right and up in the picture; of solid space seen from the front in
+    /// x and z. Default: all walls and all grains at the start.
     pub view: Option<(FiniteVector, FiniteVector)>,
+    /// Where the observer looks; in solid space only.
+    pub direction: Direction,
+    /// Depth of the plane in front of which grains are left out, m along the direction of looking from the middle of the scene; in
+    /// solid space only.
+    pub cut: Option<Finite>,
 }
 
 /// The quantity that colours the grains.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 pub enum Colour {
     /// The species: the sizes of a mixture.
     #[default]
@@ -33,6 +39,13 @@ pub enum Colour {
     Speed(Positive),
     /// The pressure, from 0 to this, N/m, in solid space N/m^2.
     Pressure(Positive),
+    /// A column of the table `grains` of [`frames.bin`](crate::output::frame_data), and the ends of the scale.
+    Column(String, Finite, Finite),
+}
+
+impl Colour {
+    /// The columns of grains that every frame has, of one number for each grain.
+    pub const COLUMNS: [&str; 7] = ["id", "kind", "species", "radius", "mass", "pressure", "coordination"];
 }
 
 impl Default for Pictures {
@@ -45,6 +58,8 @@ impl Default for Pictures {
             png: false,
             network: None,
             view: None,
+            direction: Direction::Front,
+            cut: None,
         }
     }
 }

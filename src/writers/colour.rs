@@ -54,6 +54,13 @@ pub fn grey(share: f64) -> Rgb {
     [(255.0 * (1.0 - share)).round() as u8; 3]
 }
 
+/// Returns a mixture of two colours: `share` of the second, from 0 to 1.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between two bytes")]
+pub fn mix(a: Rgb, b: Rgb, share: f64) -> Rgb {
+    std::array::from_fn(|channel| (f64::from(a[channel]) * (1.0 - share) + f64::from(b[channel]) * share).round() as u8)
+}
+
 /// Returns a colour in the notation of SVG, `#rrggbb`.
 #[must_use]
 pub fn hex([r, g, b]: Rgb) -> String {

@@ -1,7 +1,7 @@
 //! The frame writer: draws and writes the pictures of a run in order, on a separate drawing thread.
 //!
-//! The run sends each [`Picture`], a copy of the drawn shapes, to the drawing thread and continues. Drawing and
-//! encoding a picture takes longer than some steps. The queue holds at most [`MAX_WAITING_PICTURES`] pictures, so that memory is
+//! The run sends to the drawing thread what makes a [`Picture`], and continues. Making, drawing and encoding a picture takes longer
+//! than some steps. The queue holds at most [`MAX_WAITING_PICTURES`] pictures, so that memory is
 //! bounded; if it is full, the run blocks. An error of the drawing thread is reported when a later picture is added, or
 //! at the end of the run, which blocks until all pictures are written.
 
@@ -36,10 +36,12 @@ pub struct FrameWriter {
     drawing_thread: Option<DrawingThread>,
 }
 
+/// Makes a picture.
+type MakePicture = Box<dyn FnOnce() -> Picture + Send>;
+
 /// The drawing thread and its queue.
-#[derive(Debug)]
 struct DrawingThread {
-    queue: SyncSender<(PathBuf, Picture)>,
+    queue: SyncSender<(PathBuf, MakePicture)>,
     thread: JoinHandle<Result<(), Failure>>,
 }
 
@@ -76,16 +78,16 @@ impl FrameWriter {
 
     /// Queues a picture. If the run has ended, this is the last picture and the call blocks until all are written.
     ///
-    /// A picture that cannot be written makes the run fail.
-    pub fn add(&mut self, picture: Picture, outcome: &mut Outcome) {
-        let added = self.send(picture);
+    /// The drawing thread calls `make`. A picture that cannot be written makes the run fail.
+    pub fn add(&mut self, make: impl FnOnce() -> Picture + Send + 'static, outcome: &mut Outcome) {
+        let added = self.send(Box::new(make));
         let result = if outcome.end().is_some() { added.and_then(|()| self.close()) } else { added };
         if let Err(failure) = result {
             outcome.fail(failure);
         }
     }
 
-    fn send(&mut self, picture: Picture) -> Result<(), Failure> {
+    fn send(&mut self, make: MakePicture) -> Result<(), Failure> {
         let path = self.directory.join(format!("{:05}.svg", self.count));
         self.count += 1;
         let drawing_thread = match self.drawing_thread.take() {
@@ -93,7 +95,7 @@ impl FrameWriter {
             None => DrawingThread::start(self.png, self.guard.clone()).map_err(|error| failed(&path, &error))?,
         };
         // Sending fails only if the drawing thread has ended with an error, which `close` returns.
-        let is_sent = drawing_thread.queue.send((path, picture)).is_ok();
+        let is_sent = drawing_thread.queue.send((path, make)).is_ok();
         self.drawing_thread = Some(drawing_thread);
         if is_sent { Ok(()) } else { self.close() }
     }
@@ -141,10 +143,10 @@ impl DrawingThread {
 }
 
 /// Draws and writes pictures until the queue is closed.
-fn draw_all(pictures: &Receiver<(PathBuf, Picture)>, png: bool, guard: Option<&Guard>) -> Result<(), Failure> {
-    pictures.iter().try_for_each(|(path, picture)| {
+fn draw_all(pictures: &Receiver<(PathBuf, MakePicture)>, png: bool, guard: Option<&Guard>) -> Result<(), Failure> {
+    pictures.iter().try_for_each(|(path, make)| {
         guard.map_or(Ok(()), |guard| guard()).map_err(|error| failed(&path, &error))?;
-        let svg = picture.to_svg();
+        let svg = make().to_svg();
         whole_file::write(&path, svg.as_bytes()).map_err(|error| failed(&path, &error))?;
         if png {
             let path = path.with_extension("png");
@@ -173,7 +175,7 @@ mod tests {
     fn pictures_are_numbered_and_complete_after_close() {
         let directory = tempfile::tempdir().unwrap();
         let (mut frame_writer, mut outcome) = (FrameWriter::new(directory.path().to_owned(), true), Outcome::default());
-        (0..10).for_each(|_| frame_writer.add(picture(), &mut outcome));
+        (0..10).for_each(|_| frame_writer.add(picture, &mut outcome));
         frame_writer.close().unwrap();
         assert_eq!(std::fs::read_dir(directory.path()).unwrap().count(), 20);
         let last = std::fs::read_to_string(directory.path().join("00009.svg")).unwrap();
@@ -184,9 +186,9 @@ mod tests {
     fn failed_write_ends_the_run() {
         let nowhere = tempfile::tempdir().unwrap().path().join("nowhere");
         let (mut frame_writer, mut outcome) = (FrameWriter::new(nowhere.clone(), false), Outcome::default());
-        frame_writer.add(picture(), &mut outcome);
+        frame_writer.add(picture, &mut outcome);
         outcome.finish(End::Empty);
-        frame_writer.add(picture(), &mut outcome);
+        frame_writer.add(picture, &mut outcome);
         let Some(End::Failed(Failure::Output { path, .. })) = outcome.end() else { panic!("{outcome:?}") };
         assert_eq!(Path::new(path), nowhere.join("00000.svg"));
     }

@@ -36,8 +36,21 @@ pub const MOST_SHAPES: usize = 900_000;
 const LONGEST_SIDE: u32 = 200_000;
 
 /// Elements of siloflow's pictures and figures.
-pub const ELEMENTS: [&str; 12] =
-    ["svg", "g", "rect", "circle", "line", "path", "polygon", "polyline", "text", "tspan", "linearGradient", "stop"];
+pub const ELEMENTS: [&str; 13] = [
+    "svg",
+    "g",
+    "rect",
+    "circle",
+    "line",
+    "path",
+    "polygon",
+    "polyline",
+    "text",
+    "tspan",
+    "linearGradient",
+    "radialGradient",
+    "stop",
+];
 
 /// Most characters of a label.
 pub const LONGEST_LABEL: usize = 1000;

@@ -21,6 +21,7 @@
 //! | `reader.rs`, `file.rs` | reading, and adding records |
 //! | `writer.rs` | the thread that writes during a run |
 //! | `recording.rs` | what a frame of a run holds |
+//! | `pressure.rs`, `species.rs` | the pressure on a grain, names of species |
 //! | `geometry.rs` | walls as lines and triangles |
 //!
 //! Units are SI. Numbers of vectors are x, y, and in solid space z; a planar spin is one number.
@@ -28,8 +29,10 @@
 mod codec;
 pub mod file;
 pub mod geometry;
+mod pressure;
 pub mod reader;
 pub mod recording;
+mod species;
 pub mod writer;
 
 use serde::{Deserialize, Serialize};

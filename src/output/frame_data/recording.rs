@@ -7,25 +7,28 @@
 //! | `wall_contacts` | with wall surfaces: `grain`, `wall` (number), the same forces, and `point`, the nearest point of the wall |
 //!
 //! The id of wall grain 3 is -3. Rows are in ascending order of ids, wall grains after grains and in the order of their numbers. Forces are those of the full step, as in
-//! [`survey::view`](crate::survey::view). The pressure is that of [`pictures`](crate::output::frames).
+//! [`survey::view`](crate::survey::view). The pressure is that of [`pressure`](super::pressure).
 
 use std::marker::PhantomData;
 use std::path::Path;
+use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 
 use super::file::FrameFile;
-use super::geometry;
 use super::writer::FrameDataWriter;
-use super::{Column, FORMAT, Frame, Header, RegisteredColumn, Table, Values, WallGeometry};
+use super::{
+    Column, FORMAT, Frame, Header, RegisteredColumn, Table, Values, WallGeometry, geometry, pressure, species,
+};
 use crate::ledger::Ledger;
 use crate::measure::outputs::{self, BehaviourOutputs, GrainColumn, GrainValues, Quantity};
 use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::Outcome;
 use crate::output::frame_export::live::LiveFormats;
-use crate::output::frames;
 use crate::particle::{Door, Grain, GrainId, Slot};
+use crate::persist::PersistApp as _;
 use crate::scene::load::Loaded;
 use crate::scene::outputs::DataFrames;
 use crate::space::{Linear, Solid, Space};
@@ -35,41 +38,90 @@ use crate::survey::{Partner, Survey, SurveyParam};
 use crate::writers::colour;
 use crate::writers::rows::{RowsPlace, TakenOnce};
 
-/// Settings of the frames of a run.
-#[derive(Resource, Clone, Debug)]
-struct Recording {
-    config: DataFrames,
-    domain: [Solid; 2],
-    /// Walls of the header; none if the scene wants no walls.
-    walls: Vec<WallGeometry>,
+/// What a frame of a run holds.
+#[derive(Clone, Debug)]
+pub(in crate::output) struct Content {
+    /// Whether it holds contacts.
+    pub contacts: bool,
+    /// Whether it holds walls.
+    pub walls: bool,
+    /// Whether it holds all columns of grains. Others hold no measured ones: `force`, `pressure`,
+    /// `coordination`, and those of behaviours.
+    pub measured: bool,
+    /// Ends of the half-planes, as in [`Header::domain`], m.
+    pub domain: [Solid; 2],
+    /// Walls of the header; none if the frame holds no walls.
+    pub first_walls: Vec<WallGeometry>,
     /// Columns that behaviours register.
-    columns: Vec<RegisteredColumn>,
+    pub columns: Vec<RegisteredColumn>,
+}
+
+impl Content {
+    /// Returns the content of the frames of a header.
+    pub fn new(header: &Header, contacts: bool, walls: bool, measured: bool) -> Self {
+        let domain = header.domain.map(Solid::from_array);
+        let columns = if measured { header.columns.clone() } else { Vec::new() };
+        Self { contacts, walls, measured, domain, first_walls: header.walls.clone(), columns }
+    }
+}
+
+/// The frames of a run: their content, and the latest of them.
+#[derive(Resource, Clone, Debug)]
+pub(in crate::output) struct Recording {
+    /// Content of each frame.
+    pub content: Content,
+    /// The latest frame, which the pictures of the same step are drawn from.
+    pub latest: Option<Arc<Frame>>,
 }
 
 type Kinds<'w, 's> = Query<'w, 's, (&'static Slot, Has<Door>, Has<Grain>)>;
 
+/// The set that records frames. Pictures are drawn after it.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub(in crate::output) struct FramesRecorded;
+
+/// System parameter: the state that frames are made from.
+#[derive(SystemParam)]
+pub(in crate::output) struct Observed<'w, 's, V: Space> {
+    pub clock: Res<'w, Clock>,
+    ledger: Res<'w, Ledger>,
+    survey: SurveyParam<'w, V>,
+    kinds: Kinds<'w, 's>,
+    registered: Option<Res<'w, GrainValues>>,
+}
+
+impl<V: Space> Observed<'_, '_, V> {
+    /// Returns a frame of the present state.
+    pub fn frame(&self, content: &Content) -> Frame {
+        let survey = self.survey.survey();
+        let mut of_grains = grains(&survey, &self.kinds, content.measured);
+        if let Some(values) = &self.registered {
+            add_registered(&mut of_grains, &content.columns, values, &rows(&survey));
+        }
+        let mut tables = vec![of_grains];
+        if content.contacts {
+            tables.extend(contacts(&survey.view(self.clock.dt)));
+        }
+        let changed_walls = if content.walls {
+            geometry::changed(&content.first_walls, geometry::walls(&survey.walls.all, content.domain))
+        } else {
+            Vec::new()
+        };
+        let ledger = &self.ledger;
+        let counts = [ledger.released, ledger.inside(), ledger.out(), ledger.lost()].map(u64::from);
+        Frame { step: self.clock.steps, time: self.clock.time(), counts, changed_walls, tables }
+    }
+}
+
 fn record<V: Space>(
-    (clock, ledger, survey_param): (Res<Clock>, Res<Ledger>, SurveyParam<V>),
-    (recording, kinds, registered): (Res<Recording>, Kinds, Option<Res<GrainValues>>),
+    observed: Observed<V>,
+    mut recording: ResMut<Recording>,
     mut writer: ResMut<FrameDataWriter>,
     mut outcome: ResMut<Outcome>,
 ) {
-    let survey = survey_param.survey();
-    let mut of_grains = grains(&survey, &kinds);
-    if let Some(values) = registered {
-        add_registered(&mut of_grains, &recording.columns, &values, &rows(&survey));
-    }
-    let mut tables = vec![of_grains];
-    if recording.config.contacts {
-        tables.extend(contacts(&survey.view(clock.dt)));
-    }
-    let changed_walls = if recording.config.walls {
-        geometry::changed(&recording.walls, geometry::walls(&survey.walls.all, recording.domain))
-    } else {
-        Vec::new()
-    };
-    let counts = [ledger.released, ledger.inside(), ledger.out(), ledger.lost()].map(u64::from);
-    writer.add(Frame { step: clock.steps, time: clock.time(), counts, changed_walls, tables }, &mut outcome);
+    let frame = Arc::new(observed.frame(&recording.content));
+    recording.latest = Some(Arc::clone(&frame));
+    writer.add(frame, &mut outcome);
 }
 
 /// Returns the rows of the store that a frame has, in its order.
@@ -87,7 +139,7 @@ fn add_registered(table: &mut Table, columns: &[RegisteredColumn], values: &Grai
     }
 }
 
-fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds) -> Table {
+fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds, measured: bool) -> Table {
     let (store, rows) = (survey.store, rows(survey));
     let mut kind_of = vec![0; store.len()];
     for (slot, is_door, is_grain) in kinds {
@@ -96,18 +148,9 @@ fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds) -> Table {
             *kind = if is_grain { 0 } else { 1 + u8::from(is_door) };
         }
     }
-    let mut coordination = vec![0_u16; store.len()];
-    for contact in survey.touching() {
-        coordination[contact.row()] = coordination[contact.row()].saturating_add(1);
-        if let Partner::Particle(partner) = contact.partner() {
-            coordination[partner] = coordination[partner].saturating_add(1);
-        }
-    }
-    let pressures = frames::pressures(survey);
     let bytes = |of: &dyn Fn(usize) -> u8| Values::U8(rows.iter().map(|&row| of(row)).collect());
     let floats = |of: &dyn Fn(usize) -> f64| Values::F64(rows.iter().map(|&row| of(row)).collect());
     let vectors = |of: &dyn Fn(usize) -> V| vectors(rows.iter().map(|&row| of(row)));
-    let pressure_unit = if V::COMPONENTS == 2 { "N/m" } else { "N/m^2" };
     let d = V::COMPONENTS;
     let mut columns = vec![
         column("id", "", 1, Values::I32(rows.iter().map(|&row| id_number(store.id[row])).collect())),
@@ -122,12 +165,28 @@ fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds) -> Table {
         let spins = self::vectors(rows.iter().map(|&row| store.spin(row)));
         columns.push(column("spin", "rad/s", V::Spin::COUNT, spins));
     }
-    columns.extend([
-        column("force", "N", d, vectors(&|row| store.loads.force.get(row).unwrap_or(V::ZERO))),
-        column("pressure", pressure_unit, 1, floats(&|row| pressures[row])),
-        column("coordination", "", 1, Values::U16(rows.iter().map(|&row| coordination[row]).collect())),
-    ]);
+    if measured {
+        let (pressures, coordination) = (pressure::of(survey), coordination(survey));
+        let pressure_unit = if V::COMPONENTS == 2 { "N/m" } else { "N/m^2" };
+        columns.extend([
+            column("force", "N", d, vectors(&|row| store.loads.force.get(row).unwrap_or(V::ZERO))),
+            column("pressure", pressure_unit, 1, floats(&|row| pressures[row])),
+            column("coordination", "", 1, Values::U16(rows.iter().map(|&row| coordination[row]).collect())),
+        ]);
+    }
     Table { name: "grains".to_owned(), rows: rows.len(), columns }
+}
+
+/// Returns the number of contacts with particles and walls for each slot.
+fn coordination<V: Space>(survey: &Survey<V>) -> Vec<u16> {
+    let mut coordination = vec![0_u16; survey.store.len()];
+    for contact in survey.touching() {
+        coordination[contact.row()] = coordination[contact.row()].saturating_add(1);
+        if let Partner::Particle(partner) = contact.partner() {
+            coordination[partner] = coordination[partner].saturating_add(1);
+        }
+    }
+    coordination
 }
 
 /// Returns the tables of contacts between particles and with walls.
@@ -185,7 +244,7 @@ impl Header {
     pub fn of<V: Space>(loaded: &Loaded, config: &DataFrames, world: &World) -> Self {
         let domain = geometry::domain(loaded);
         let walls = if config.walls { geometry::walls(&loaded.surfaces::<V>(), domain) } else { Vec::new() };
-        let names = (0..=u8::MAX).zip(frames::species_names(loaded));
+        let names = (0..=u8::MAX).zip(species::names(loaded));
         Self {
             format: FORMAT,
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -231,8 +290,8 @@ impl<V: Space> FrameDataPlugin<V> {
         let run = place.path.parent().unwrap_or(Path::new(""));
         let formats = LiveFormats::open(&config.format, header.clone(), run, place.is_continued)?;
         let writer = TakenOnce::new(FrameDataWriter::new(frames, formats));
-        let domain = header.domain.map(Solid::from_array);
-        let recording = Recording { config: config.clone(), domain, walls: header.walls, columns: header.columns };
+        let content = Content::new(&header, config.contacts, config.walls, true);
+        let recording = Recording { content, latest: None };
         Ok(Some(Self { recording, interval, writer, space: PhantomData }))
     }
 }
@@ -243,8 +302,10 @@ impl<V: Space> Plugin for FrameDataPlugin<V> {
         observe_every::<DataFrames>(app, self.interval);
         outputs::compute_grain_columns(app, due::<DataFrames>);
         FrameDataWriter::persist(app);
-        app.insert_resource(self.recording.clone())
-            .insert_resource(writer)
-            .add_systems(Step, record::<V>.in_set(ObserveStage::Write).run_if(due::<DataFrames>));
+        app.derived::<Recording>();
+        app.insert_resource(self.recording.clone()).insert_resource(writer).add_systems(
+            Step,
+            record::<V>.in_set(ObserveStage::Write).in_set(FramesRecorded).run_if(due::<DataFrames>),
+        );
     }
 }

@@ -5,6 +5,7 @@
 //! when a later frame is added, or at the end of the run, which blocks until all frames are written.
 
 use std::path::Path;
+use std::sync::Arc;
 use std::sync::mpsc::{Receiver, SyncSender, sync_channel};
 use std::thread::JoinHandle;
 
@@ -37,7 +38,7 @@ struct Files {
 }
 
 struct WriterThread {
-    queue: SyncSender<Frame>,
+    queue: SyncSender<Arc<Frame>>,
     thread: JoinHandle<(Files, Result<(), Failure>)>,
 }
 
@@ -79,7 +80,7 @@ impl FrameDataWriter {
     /// Queues a frame. If the run has ended, this is the last frame and the call blocks until all are written.
     ///
     /// A frame that cannot be written makes the run fail.
-    pub fn add(&mut self, frame: Frame, outcome: &mut Outcome) {
+    pub fn add(&mut self, frame: Arc<Frame>, outcome: &mut Outcome) {
         let added = self.send(frame);
         let result = if outcome.end().is_some() { added.and_then(|()| self.close()) } else { added };
         if let Err(failure) = result {
@@ -87,7 +88,7 @@ impl FrameDataWriter {
         }
     }
 
-    fn send(&mut self, frame: Frame) -> Result<(), Failure> {
+    fn send(&mut self, frame: Arc<Frame>) -> Result<(), Failure> {
         if let Some(files) = self.files.take() {
             self.thread = Some(WriterThread::start(files)?);
         }
@@ -131,7 +132,7 @@ impl WriterThread {
 }
 
 /// Writes frames until the queue is closed.
-fn write_all(mut files: Files, frames: &Receiver<Frame>) -> (Files, Result<(), Failure>) {
+fn write_all(mut files: Files, frames: &Receiver<Arc<Frame>>) -> (Files, Result<(), Failure>) {
     let result = frames.iter().try_for_each(|frame| {
         let Files { frames, formats } = &mut files;
         frames.add(&frame).map_err(|error| failed(frames.name.clone(), &error))?;
@@ -156,9 +157,9 @@ mod tests {
         let file = FrameFile { name: "frames.bin".to_owned(), file: full, length: 0 };
         let formats = LiveFormats::open(&[], header(), Path::new(""), false).unwrap();
         let (mut writer, mut outcome) = (FrameDataWriter::new(file, formats), Outcome::default());
-        writer.add(Frame::default(), &mut outcome);
+        writer.add(Arc::default(), &mut outcome);
         outcome.finish(End::Empty);
-        writer.add(Frame::default(), &mut outcome);
+        writer.add(Arc::default(), &mut outcome);
         let Some(End::Failed(Failure::Output { path, reason })) = outcome.end() else { panic!("{outcome:?}") };
         assert!(path == "frames.bin" && reason.contains("space"), "{reason}");
         assert_eq!(writer.files.as_ref().map(|files| files.frames.length), Some(0));

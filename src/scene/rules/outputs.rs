@@ -1,8 +1,11 @@
 //! Rules on what a run writes: the size of pictures, and how often it writes rows and pictures.
 
 use crate::fault::Fault;
+use crate::scene::camera::Direction;
 use crate::scene::expected;
 use crate::scene::load::Loaded;
+use crate::scene::outputs::{Colour, Pictures};
+use crate::space::Dimension;
 use crate::values::Positive;
 use crate::walls::config::Wall;
 use crate::writers::png::{MOST_PIXELS, MOST_SHAPES};
@@ -19,6 +22,8 @@ pub(super) fn pictures(loaded: &Loaded) -> Result<(), Fault> {
             .fault("scene::out_of_range", "pictures.width", "expected a width of 50 to 20000 px")
             .help("600 is a good width"));
     }
+    colour(loaded, &pictures.colour)?;
+    direction(loaded, pictures)?;
     if !pictures.png {
         return Ok(());
     }
@@ -37,6 +42,42 @@ pub(super) fn pictures(loaded: &Loaded) -> Result<(), Fault> {
         return Err(loaded
             .fault("scene::out_of_range", "pictures.png", message)
             .help("write SVG only with `png: false`"));
+    }
+    Ok(())
+}
+
+/// A column that colours grains must be one that frames have. Behaviours may register more, which their names show only in a run.
+fn colour(loaded: &Loaded, colour: &Colour) -> Result<(), Fault> {
+    let Colour::Column(name, low, high) = colour else { return Ok(()) };
+    if low.get() >= high.get() {
+        return Err(loaded
+            .fault("scene::out_of_range", "pictures.colour", "the scale must begin below its end")
+            .help("give both ends, for example `Column(\"radius\", 0.03, 0.04)`"));
+    }
+    if loaded.scene.behaviours.is_empty() && !Colour::COLUMNS.contains(&name.as_str()) {
+        return Err(loaded
+            .fault("scene::no_such_column", "pictures.colour", format!("grains have no column `{name}` of one number"))
+            .help(format!("the columns are {}; behaviours may register others", Colour::COLUMNS.join(", "))));
+    }
+    Ok(())
+}
+
+/// Only solid space has directions.
+fn direction(loaded: &Loaded, pictures: &Pictures) -> Result<(), Fault> {
+    if !pictures.direction.is_valid() {
+        return Err(loaded
+            .fault("scene::out_of_range", "pictures.direction", "the vector has no direction")
+            .help("give a vector with a length, for example `Towards(1.0, 2.0, -1.0)`"));
+    }
+    let key = match (pictures.direction, pictures.cut) {
+        (Direction::Front, None) => return Ok(()),
+        (Direction::Front, Some(_)) => "pictures.cut",
+        _ => "pictures.direction",
+    };
+    if loaded.scene.space == Dimension::Plane {
+        return Err(loaded
+            .fault("scene::dimension", key, "a plane has no depth")
+            .help("remove this key; it is for `space: Solid`"));
     }
     Ok(())
 }

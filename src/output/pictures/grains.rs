@@ -1,0 +1,122 @@
+//! Grains of a frame as discs: their places on the picture, their order and their colours.
+
+use rustc_hash::FxHashMap;
+
+use super::style::{Style, numbers};
+use super::{hidden, point};
+use crate::output::frame_data::{Frame, Header};
+use crate::scene::outputs::Colour;
+use crate::space::Solid;
+use crate::writers::colour::{self, Rgb};
+
+/// Grains, wall grains and door grains of a frame.
+pub(super) struct Grains {
+    all: Vec<Grain>,
+    /// Row of each id.
+    rows: FxHashMap<i64, usize>,
+}
+
+/// A grain of a frame. Lengths are in m.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Grain {
+    pub position: Solid,
+    pub radius: f64,
+    pub species: u8,
+    /// 0 grain, 1 wall grain, 2 door grain.
+    pub kind: u8,
+    /// Distance along the direction of looking.
+    depth: f64,
+    /// Whether it is behind the cut, if there is one.
+    pub is_shown: bool,
+    colour: Rgb,
+}
+
+impl Grains {
+    pub fn of(header: &Header, frame: &Frame, style: &Style) -> Self {
+        let none = Self { all: Vec::new(), rows: FxHashMap::default() };
+        let Some(table) = frame.table("grains") else { return none };
+        let (Some(positions), Some(radii)) = (table.floats("position"), table.floats("radius")) else { return none };
+        let bytes = |name: &str| numbers(table, name).unwrap_or_else(|| vec![0.0; table.rows]);
+        let (kinds, species, shades) = (bytes("kind"), bytes("species"), shades(header, frame, style));
+        let cut = style.depth_of_cut(header).unwrap_or(f64::NEG_INFINITY);
+        let mut all = Vec::with_capacity(table.rows);
+        for (row, &radius) in radii.iter().enumerate() {
+            let Some(position) = point(positions, header.dimension, row) else { break };
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "bytes as floats")]
+            let (kind, species) = (kinds[row] as u8, species[row] as u8);
+            let colour = match (kind, shades.get(row)) {
+                (2, _) => colour::DOOR,
+                (1, _) => colour::WALL,
+                (_, None) => colour::species(species),
+                (_, Some(&share)) => colour::viridis(share),
+            };
+            let depth = style.camera.depth.dot(position);
+            all.push(Grain { position, radius, species, kind, depth, is_shown: depth >= cut, colour });
+        }
+        let ids = table.whole("id").filter(|_| style.network.is_some()).unwrap_or_default();
+        Self { all, rows: ids.into_iter().enumerate().map(|(row, id)| (id, row)).collect() }
+    }
+
+    /// Returns the grain of this id.
+    pub fn of_id(&self, id: i64) -> Option<&Grain> {
+        self.all.get(*self.rows.get(&id)?)
+    }
+
+    /// Returns the species of the grains.
+    pub fn species(&self) -> impl Iterator<Item = u8> {
+        self.all.iter().filter(|grain| grain.kind == 0 && grain.is_shown).map(|grain| grain.species)
+    }
+
+    /// Returns the mean place of the grains, m; `None` if there is none.
+    pub fn middle(&self) -> Option<Solid> {
+        let grains = || self.all.iter().filter(|grain| grain.kind == 0);
+        #[expect(clippy::cast_precision_loss, reason = "a number of grains")]
+        let count = grains().count() as f64;
+        (count > 0.0).then(|| grains().map(|grain| grain.position).sum::<Solid>() / count)
+    }
+
+    /// Returns the discs that can be seen, from back to front.
+    pub fn discs(&self, style: &Style, is_solid: bool) -> Vec<(crate::space::Vector, f64, Rgb)> {
+        let mut shown: Vec<&Grain> = self.all.iter().filter(|grain| grain.is_shown).collect();
+        // At equal depth in the order of ids.
+        shown.sort_by(|a, b| b.depth.total_cmp(&a.depth));
+        let mut discs: Vec<_> = shown
+            .into_iter()
+            .map(|grain| (style.camera.on_paper(grain.position), grain.radius, grain.colour))
+            .filter(|&(centre, radius, _)| is_in_view(style, centre, radius))
+            .collect();
+        if is_solid {
+            let seen = hidden::seen(&discs, style.view, style.width);
+            let mut seen = seen.into_iter();
+            discs.retain(|_| seen.next().unwrap_or(true));
+        }
+        discs
+    }
+}
+
+fn is_in_view(style: &Style, centre: crate::space::Vector, radius: f64) -> bool {
+    let (low, high) = style.view;
+    (centre + radius).cmpge(low).all() && (centre - radius).cmple(high).all()
+}
+
+/// Returns the place of each grain on the colour scale, from 0 to 1; nothing if species give the colours.
+fn shades(header: &Header, frame: &Frame, style: &Style) -> Vec<f64> {
+    let Some(table) = frame.table("grains") else { return Vec::new() };
+    let ((from, to), values) = match &style.colour {
+        Colour::Species => return Vec::new(),
+        Colour::Speed(top) => ((0.0, top.get()), speeds(header, frame)),
+        Colour::Pressure(top) => ((0.0, top.get()), numbers(table, "pressure").unwrap_or_default()),
+        Colour::Column(name, from, to) => ((from.get(), to.get()), numbers(table, name).unwrap_or_default()),
+    };
+    values.into_iter().map(|value| (value - from) / (to - from)).collect()
+}
+
+/// Returns the speed of each grain, m/s.
+#[must_use]
+pub(super) fn speeds(header: &Header, frame: &Frame) -> Vec<f64> {
+    let velocities = frame.table("grains").and_then(|grains| grains.floats("velocity")).unwrap_or_default();
+    velocities
+        .chunks(usize::from(header.dimension).max(1))
+        .map(|v| v.iter().map(|component| component * component).sum::<f64>().sqrt())
+        .collect()
+}

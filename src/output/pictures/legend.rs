@@ -1,0 +1,63 @@
+//! Header, legend and key of a picture. They name what the picture contains and nothing else.
+
+use std::collections::BTreeSet;
+
+use super::bonds::{self, Bonds};
+use super::grains::Grains;
+use super::style::Style;
+use crate::output::frame_data::{Frame, Header};
+use crate::scene::outputs::Colour;
+use crate::space::{Solid, Vector};
+use crate::writers::colour::{self, Rgb};
+use crate::writers::svg::Legend;
+
+pub(super) fn header(header: &Header, frame: &Frame, style: &Style) -> Vec<String> {
+    let title = if header.title.is_empty() { &header.scene } else { &header.title };
+    let [_, inside, out, lost] = frame.counts;
+    let (time, decimals) = (frame.time, style.decimals);
+    vec![title.clone(), format!("t = {time:.decimals$} s"), format!("inside {inside}, out {out}, lost {lost} grains")]
+}
+
+pub(super) fn legend(header: &Header, frame: &Frame, style: &Style, grains: &Grains) -> Legend {
+    let scale = |from: f64, to: f64, title: String| Legend::Scale { from, to, title, map: colour::viridis };
+    match &style.colour {
+        Colour::Species => {
+            let present: BTreeSet<usize> = grains.species().map(usize::from).collect();
+            let named = header.species.iter().enumerate().filter(|(number, _)| present.contains(number));
+            Legend::Classes(named.map(|(_, class)| class.clone()).collect())
+        }
+        Colour::Speed(top) => scale(0.0, top.get(), "speed, m/s".to_owned()),
+        Colour::Pressure(top) => {
+            scale(0.0, top.get(), if header.dimension == 2 { "pressure, N/m" } else { "pressure, N/m²" }.to_owned())
+        }
+        Colour::Column(name, from, to) => {
+            let column = frame.table("grains").and_then(|grains| grains.column(name));
+            let unit = column.map(|column| column.unit.as_str()).filter(|unit| !unit.is_empty());
+            let name = name.replace('_', " ");
+            scale(from.get(), to.get(), unit.map_or(name.clone(), |unit| format!("{name}, {unit}")))
+        }
+    }
+}
+
+/// Returns the number of rows of the legend in any picture of the run.
+pub(super) fn rows(header: &Header, style: &Style) -> usize {
+    if style.colour == Colour::Species { header.species.len() } else { 0 }
+}
+
+pub(super) fn key(style: &Style, bonds: &Bonds) -> Vec<(f64, Rgb, String)> {
+    let words = [format!("contact force {} N", style.network.unwrap_or(0.0)), "sliding".to_owned()];
+    let entries = bonds.kinds.into_iter().zip(bonds::COLOURS).zip(words);
+    let mut key: Vec<_> = entries
+        .filter(|((is_there, _), _)| *is_there)
+        .map(|((_, colour), words)| (style.smallest_radius, colour, words))
+        .collect();
+    // If all contacts slide, the only entry says how wide the bonds are.
+    if let ([false, true], [only]) = (bonds.kinds, &mut key[..]) {
+        only.2 = format!("sliding, contact force {} N", style.network.unwrap_or(0.0));
+    }
+    key
+}
+
+pub(super) fn axes(style: &Style) -> Vec<(&'static str, Vector)> {
+    [("x", Solid::X), ("y", Solid::Y), ("z", Solid::Z)].map(|(name, axis)| (name, style.camera.on_paper(axis))).to_vec()
+}
