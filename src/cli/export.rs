@@ -38,7 +38,10 @@ pub(super) fn export(args: &ExportArgs) -> Result<Verdict, Fault> {
     let format = Format::ALL.into_iter().find(|(name, _)| *name == args.to).map_or(Format::Vtk, |(_, format)| format);
     let path = frame_data_of(&args.run);
     if !path.is_file() {
-        return Err(without_frames(&args.run));
+        return Err(without_frames(
+            &args.run,
+            ["export::missing", "export::no_run", "export::method", "export::no_frames"],
+        ));
     }
     let target = args.out.clone().unwrap_or_else(|| args.run.join(format.file_name()));
     if target.symlink_metadata().is_ok() {
@@ -63,22 +66,22 @@ pub(super) fn export(args: &ExportArgs) -> Result<Verdict, Fault> {
     Ok(Verdict::Done)
 }
 
-/// The fault of a directory without frames.
-fn without_frames(run: &Path) -> Fault {
+/// The fault of a directory without frames, with the codes of no directory, no run, a lattice gas, and no frames.
+pub(super) fn without_frames(run: &Path, codes: [&'static str; 4]) -> Fault {
     let shown = run.display();
     if !run.exists() {
-        return Fault::new("export::missing", format!("there is no {shown}"))
+        return Fault::new(codes[0], format!("there is no {shown}"))
             .help("give a run directory such as out/silo1, which `siloflow run` makes");
     }
     let scene = scene_of(run);
     if !scene.is_file() {
-        return Fault::new("export::no_run", format!("{shown} is no run directory: it has no scene.ron"))
+        return Fault::new(codes[1], format!("{shown} is no run directory: it has no scene.ron"))
             .help("`siloflow run SCENE --out DIR` makes one");
     }
     if matches!(load::any(&scene, &[]), Ok(AnyScene::Lattice(_))) {
-        return Fault::new("export::method", format!("{shown} is a run of the lattice gas, which has no grains"))
+        return Fault::new(codes[2], format!("{shown} is a run of the lattice gas, which has no grains"))
             .help("its particles are in state.csv and flow.csv");
     }
-    Fault::new("export::no_frames", format!("the run in {shown} kept no frames: there is no frames.bin"))
+    Fault::new(codes[3], format!("the run in {shown} kept no frames: there is no frames.bin"))
         .help("run its scene again with frames, for example with --set \"data_frames=(interval: 0.1)\"")
 }

@@ -79,7 +79,7 @@ enum Command {
     Diff(diff::DiffArgs),
     /// Measure speed against error: every scheme over many time steps, for canonical cases or a scene.
     Accuracy(accuracy::AccuracyArgs),
-    /// Turn snapshots (SVG) into PNGs beside them.
+    /// Turn snapshots (SVG) into PNGs, or draw pictures and movies from the frames of a run.
     Render(render::RenderArgs),
     /// Draw figures of runs: discharge, energies, forces on walls, profiles, fields.
     Plot(plot::PlotArgs),
@@ -164,7 +164,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Compare(args) => compare::compare(args, registry, cli.quiet),
         Command::Diff(args) => diff::diff(args, registry, cli.quiet),
         Command::Accuracy(args) => accuracy::accuracy(args, registry, cli.quiet),
-        Command::Render(args) => render::render(args),
+        Command::Render(args) => render::render(args, cli.quiet),
         Command::Plot(args) => plot::plot(args),
         Command::Report(args) => report::report(args),
         Command::Export(args) => export::export(args),

@@ -67,6 +67,11 @@ impl Progress {
             return;
         }
         self.stride = 0;
+        self.show(updates, describe);
+    }
+
+    /// As [`Progress::look`], and reads the wall clock at each call.
+    pub(super) fn show(&mut self, updates: u64, describe: impl FnOnce(Pace) -> String) {
         let now = Instant::now();
         if now < self.next {
             return;

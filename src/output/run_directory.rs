@@ -69,6 +69,9 @@ const SERIES: &str = "series.csv";
 const FRAMES: &str = "frames";
 const FRAME_DATA: &str = "frames.bin";
 const VTK: &str = "vtk";
+/// Pictures and a movie of `siloflow render`.
+const PICTURES: &str = "pictures";
+const MOVIE: &str = "movie.png";
 /// Figures of `siloflow plot`.
 const PLOTS: &str = "plots";
 const CHECKPOINTS: &str = "checkpoints";
@@ -85,7 +88,8 @@ const STATE: &str = "state.csv";
 const SUMMARY: &str = "summary.json";
 const REPORT: &str = "report.html";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 15] = [
+const OWN_FILES: [&str; 16] = [
+    MOVIE,
     SERIES,
     FRAME_DATA,
     "frames.xyz",
@@ -251,8 +255,38 @@ fn is_plot(name: &Path) -> bool {
     !stem.is_empty() && stem.bytes().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_')
 }
 
+/// Whether a file of this name in `pictures` is a picture of a time: `t_01.50.png`.
+fn is_picture(name: &Path) -> bool {
+    let time = name.to_str().and_then(|name| name.strip_prefix("t_")?.strip_suffix(".png")).unwrap_or_default();
+    !time.is_empty() && time.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.')
+}
+
+/// Returns the directory of pictures that are drawn after a run.
+#[must_use]
+pub fn pictures_of(run: &Path) -> PathBuf {
+    run.join(PICTURES)
+}
+
+/// Returns the path of a run's movie.
+#[must_use]
+pub fn movie_of(run: &Path) -> PathBuf {
+    run.join(MOVIE)
+}
+
+/// Whether `path` is a picture file, or a directory with pictures of times and nothing else.
+#[must_use]
+pub fn is_drawn(path: &Path) -> bool {
+    let Ok(entries) = fs::read_dir(path) else {
+        let is_picture = path.extension().is_some_and(|ending| ["png", "svg", "apng"].iter().any(|own| ending == *own));
+        return is_picture && !path.is_dir();
+    };
+    let mut entries = entries;
+    entries.all(|entry| entry.is_ok_and(|entry| is_picture(Path::new(&entry.file_name()))))
+}
+
 /// Directories of results whose files have names of one pattern.
-const DIRECTORIES: [(&str, fn(&Path) -> bool); 3] = [(CHECKPOINTS, is_checkpoint), (VTK, is_vtk), (PLOTS, is_plot)];
+const DIRECTORIES: [(&str, fn(&Path) -> bool); 4] =
+    [(CHECKPOINTS, is_checkpoint), (VTK, is_vtk), (PLOTS, is_plot), (PICTURES, is_picture)];
 
 /// Whether siloflow writes a file or directory of this path in a run directory.
 fn is_own(path: &Path) -> bool {

@@ -46,6 +46,14 @@ pub fn viridis(share: f64) -> Rgb {
     })
 }
 
+/// Returns blue for 0, white for 0.5 and red for 1 (ColorBrewer's RdBu, reversed). Other numbers are clamped; NaN counts as 0.
+#[must_use]
+pub fn blue_red(share: f64) -> Rgb {
+    const ENDS: [Rgb; 3] = [[0x21, 0x66, 0xac], [0xf7, 0xf7, 0xf7], [0xb2, 0x18, 0x2b]];
+    let place = if share.is_nan() { 0.0 } else { 2.0 * share.clamp(0.0, 1.0) };
+    if place < 1.0 { mix(ENDS[0], ENDS[1], place) } else { mix(ENDS[1], ENDS[2], place - 1.0) }
+}
+
 /// Returns the grey of a number from 0 (white) to 1 (black). Other numbers are clamped; NaN counts as 0.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped to a byte")]
@@ -78,5 +86,6 @@ mod tests {
         assert_eq!(viridis(7.0), VIRIDIS[10]);
         assert_eq!(viridis(f64::NAN), viridis(0.0));
         assert_eq!(hex(DOOR), "#1f9d3a");
+        assert_eq!([0.0, 0.5, 1.0].map(blue_red).map(hex), ["#2166ac", "#f7f7f7", "#b2182b"]);
     }
 }

@@ -5,6 +5,7 @@ pub mod colour;
 pub mod fnv;
 pub mod frame_writer;
 pub mod memory;
+pub mod movie;
 pub mod plot;
 pub mod png;
 pub mod provenance;

@@ -84,6 +84,21 @@ fn options() -> &'static Options<'static> {
 /// # Errors
 /// If it is not a valid SVG document, or has something that is not drawn.
 pub fn encode(svg: &str) -> Result<Vec<u8>, String> {
+    compressed(draw(svg)?).map_err(|error| error.to_string())
+}
+
+/// Returns an SVG document as pixels: width and height, and red, green and blue of each pixel, by rows from above. What is
+/// transparent is black.
+///
+/// # Errors
+/// As [`encode`].
+pub fn pixels(svg: &str) -> Result<([u32; 2], Vec<u8>), String> {
+    let pixels = draw(svg)?;
+    let colours = pixels.pixels().iter().flat_map(|pixel| [pixel.red(), pixel.green(), pixel.blue()]).collect();
+    Ok(([pixels.width(), pixels.height()], colours))
+}
+
+fn draw(svg: &str) -> Result<Pixmap, String> {
     let document = Document::parse(svg).map_err(|error| error.to_string())?;
     check_elements(&document)?;
     let tree = Tree::from_xmltree(&document, options()).map_err(|error| error.to_string())?;
@@ -95,9 +110,9 @@ pub fn encode(svg: &str) -> Result<Vec<u8>, String> {
     }
     let mut pixels = Pixmap::new(width, height).ok_or("the picture has no area")?;
     // A defect of the renderer is an error of this picture only.
-    let draw = AssertUnwindSafe(|| resvg::render(&tree, Transform::identity(), &mut pixels.as_mut()));
-    catch_unwind(draw).map_err(|_| "the renderer failed".to_owned())?;
-    compressed(pixels).map_err(|error| error.to_string())
+    let render = AssertUnwindSafe(|| resvg::render(&tree, Transform::identity(), &mut pixels.as_mut()));
+    catch_unwind(render).map_err(|_| "the renderer failed".to_owned())?;
+    Ok(pixels)
 }
 
 /// Checks the elements of a document, and the lengths of its labels.

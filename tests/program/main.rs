@@ -47,6 +47,7 @@ mod parameters;
 mod periodic;
 mod pins;
 mod plots;
+mod render;
 #[cfg(unix)]
 mod report;
 #[cfg(unix)]

@@ -2,11 +2,11 @@
 
 use rustc_hash::FxHashMap;
 
-use super::style::{Style, numbers};
-use super::{hidden, point};
+use super::style::{Style, numbers, speeds};
+use super::{hidden, legend, point};
 use crate::output::frame_data::{Frame, Header};
 use crate::scene::outputs::Colour;
-use crate::space::Solid;
+use crate::space::{Solid, Vector};
 use crate::writers::colour::{self, Rgb};
 
 /// Grains, wall grains and door grains of a frame.
@@ -38,6 +38,7 @@ impl Grains {
         let (Some(positions), Some(radii)) = (table.floats("position"), table.floats("radius")) else { return none };
         let bytes = |name: &str| numbers(table, name).unwrap_or_else(|| vec![0.0; table.rows]);
         let (kinds, species, shades) = (bytes("kind"), bytes("species"), shades(header, frame, style));
+        let map = legend::map(header, style);
         let cut = style.depth_of_cut(header).unwrap_or(f64::NEG_INFINITY);
         let mut all = Vec::with_capacity(table.rows);
         for (row, &radius) in radii.iter().enumerate() {
@@ -48,7 +49,7 @@ impl Grains {
                 (2, _) => colour::DOOR,
                 (1, _) => colour::WALL,
                 (_, None) => colour::species(species),
-                (_, Some(&share)) => colour::viridis(share),
+                (_, Some(&share)) => map(share),
             };
             let depth = style.camera.depth.dot(position);
             all.push(Grain { position, radius, species, kind, depth, is_shown: depth >= cut, colour });
@@ -76,7 +77,7 @@ impl Grains {
     }
 
     /// Returns the discs that can be seen, from back to front.
-    pub fn discs(&self, style: &Style, is_solid: bool) -> Vec<(crate::space::Vector, f64, Rgb)> {
+    pub fn discs(&self, style: &Style, is_solid: bool) -> Vec<(Vector, f64, Rgb)> {
         let mut shown: Vec<&Grain> = self.all.iter().filter(|grain| grain.is_shown).collect();
         // At equal depth in the order of ids.
         shown.sort_by(|a, b| b.depth.total_cmp(&a.depth));
@@ -94,7 +95,7 @@ impl Grains {
     }
 }
 
-fn is_in_view(style: &Style, centre: crate::space::Vector, radius: f64) -> bool {
+fn is_in_view(style: &Style, centre: Vector, radius: f64) -> bool {
     let (low, high) = style.view;
     (centre + radius).cmpge(low).all() && (centre - radius).cmple(high).all()
 }
@@ -109,14 +110,4 @@ fn shades(header: &Header, frame: &Frame, style: &Style) -> Vec<f64> {
         Colour::Column(name, from, to) => ((from.get(), to.get()), numbers(table, name).unwrap_or_default()),
     };
     values.into_iter().map(|value| (value - from) / (to - from)).collect()
-}
-
-/// Returns the speed of each grain, m/s.
-#[must_use]
-pub(super) fn speeds(header: &Header, frame: &Frame) -> Vec<f64> {
-    let velocities = frame.table("grains").and_then(|grains| grains.floats("velocity")).unwrap_or_default();
-    velocities
-        .chunks(usize::from(header.dimension).max(1))
-        .map(|v| v.iter().map(|component| component * component).sum::<f64>().sqrt())
-        .collect()
 }

@@ -5,6 +5,7 @@ use std::collections::BTreeSet;
 use super::bonds::{self, Bonds};
 use super::grains::Grains;
 use super::style::Style;
+use crate::measure::outputs::Palette;
 use crate::output::frame_data::{Frame, Header};
 use crate::scene::outputs::Colour;
 use crate::space::{Solid, Vector};
@@ -19,7 +20,8 @@ pub(super) fn header(header: &Header, frame: &Frame, style: &Style) -> Vec<Strin
 }
 
 pub(super) fn legend(header: &Header, frame: &Frame, style: &Style, grains: &Grains) -> Legend {
-    let scale = |from: f64, to: f64, title: String| Legend::Scale { from, to, title, map: colour::viridis };
+    let map = map(header, style);
+    let scale = |from: f64, to: f64, title: String| Legend::Scale { from, to, title, map };
     match &style.colour {
         Colour::Species => {
             let present: BTreeSet<usize> = grains.species().map(usize::from).collect();
@@ -33,9 +35,20 @@ pub(super) fn legend(header: &Header, frame: &Frame, style: &Style, grains: &Gra
         Colour::Column(name, from, to) => {
             let column = frame.table("grains").and_then(|grains| grains.column(name));
             let unit = column.map(|column| column.unit.as_str()).filter(|unit| !unit.is_empty());
-            let name = name.replace('_', " ");
+            let registered = header.columns.iter().find(|column| column.name == *name);
+            let name = registered.map_or_else(|| name.replace('_', " "), |column| column.label.clone());
             scale(from.get(), to.get(), unit.map_or(name.clone(), |unit| format!("{name}, {unit}")))
         }
+    }
+}
+
+/// Returns the colour map: that which a behaviour suggests for its column, or viridis.
+pub(super) fn map(header: &Header, style: &Style) -> fn(f64) -> Rgb {
+    let Colour::Column(name, ..) = &style.colour else { return colour::viridis };
+    let registered = header.columns.iter().find(|column| column.name == *name).and_then(|column| column.scale);
+    match registered.map(|scale| scale.palette) {
+        Some(Palette::BlueRed) => colour::blue_red,
+        _ => colour::viridis,
     }
 }
 

@@ -64,6 +64,13 @@ pub fn draw(header: &Header, frame: &Frame, style: &Style) -> Picture {
     }
 }
 
+/// Returns the number of rows above the view in every picture of a run.
+#[must_use]
+pub fn rows(header: &Header, style: &Style) -> usize {
+    // The header and a colour scale have three.
+    legend::rows(header, style).max(3)
+}
+
 /// Returns a point of a column of vectors.
 fn point(numbers: &[f64], dimension: u8, row: usize) -> Option<Solid> {
     let first = row.checked_mul(dimension.into())?;

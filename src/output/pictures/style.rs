@@ -96,6 +96,16 @@ pub fn numbers(grains: &Table, name: &str) -> Option<Vec<f64>> {
     })
 }
 
+/// Returns the speed of each grain, m/s.
+#[must_use]
+pub fn speeds(header: &Header, frame: &Frame) -> Vec<f64> {
+    let velocities = frame.table("grains").and_then(|grains| grains.floats("velocity")).unwrap_or_default();
+    velocities
+        .chunks(usize::from(header.dimension).max(1))
+        .map(|v| v.iter().map(|component| component * component).sum::<f64>().sqrt())
+        .collect()
+}
+
 fn endless<V: Space>(loaded: &Loaded) -> Vec<u32> {
     let surfaces = loaded.surfaces::<V>();
     let endless = surfaces.iter().filter(|wall| matches!(wall.surface, Surface::HalfPlane(_)));

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 use crate::fault::Fault;
 use crate::output::run_directory::marker::{Claim, MARKER, Marker};
-use crate::output::run_directory::{CHECKPOINTS, FRAMES, PLOTS, SCENE, SERIES, SUMMARY, VTK, in_use, is_own};
+use crate::output::run_directory::{CHECKPOINTS, FRAMES, PICTURES, PLOTS, SCENE, SERIES, SUMMARY, VTK, in_use, is_own};
 
 /// Content of the place where a run directory shall be.
 #[derive(Debug)]
@@ -71,7 +71,7 @@ pub(super) fn examine(shown: &Path, target: &Path) -> Result<Content, Fault> {
     for entry in entries {
         let entry = entry.map_err(failed)?;
         let (name, kind) = (entry.file_name(), entry.file_type().map_err(failed)?);
-        let is_expected = if [FRAMES, CHECKPOINTS, VTK, PLOTS].iter().any(|own| name == *own) {
+        let is_expected = if [FRAMES, CHECKPOINTS, VTK, PLOTS, PICTURES].iter().any(|own| name == *own) {
             kind.is_dir()
         } else {
             kind.is_file()

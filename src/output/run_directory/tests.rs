@@ -40,6 +40,8 @@ fn names_of_own_files() {
         "plots/discharge.svg",
         "plots/mean_temperature_k.png",
         "vtk/grains.pvd",
+        "pictures/t_012.50.png",
+        "movie.png",
     ] {
         assert!(is_own(Path::new(own)), "{own}");
     }
@@ -48,6 +50,8 @@ fn names_of_own_files() {
         "frames/film.mp4",
         "frames/1.svg",
         "vtk/state.pvsm",
+        "pictures/t_1.svg",
+        "pictures/slide.png",
         "vtk/grains-1.vtp",
         "frames/00001.jpg",
         "frames.part",

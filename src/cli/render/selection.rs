@@ -1,0 +1,145 @@
+//! Which frames are drawn, and the ends of colour scales that cover them.
+
+use std::collections::BTreeSet;
+use std::io;
+
+use super::RenderArgs;
+use crate::output::frame_data::{Frame, Header};
+use crate::output::pictures::style::{numbers, speeds};
+
+/// Most frames of a movie without `--every`.
+const MOVIE_FRAMES: usize = 200;
+
+/// The frames of a run: their times, and the lowest and highest number that colours grains in each.
+#[derive(Default)]
+pub(super) struct Survey {
+    pub times: Vec<f64>,
+    pub ranges: Vec<Option<(f64, f64)>>,
+}
+
+impl Survey {
+    /// Reads all frames. With `colour`, also the numbers of that name.
+    pub fn of(
+        header: &Header,
+        frames: impl Iterator<Item = io::Result<Frame>>,
+        colour: Option<&str>,
+    ) -> io::Result<Self> {
+        let mut survey = Self::default();
+        for frame in frames {
+            let frame = frame?;
+            survey.times.push(frame.time);
+            survey.ranges.push(colour.and_then(|name| range(header, &frame, name)));
+        }
+        Ok(survey)
+    }
+
+    /// Returns the numbers of the frames to be drawn, ascending.
+    pub fn select(&self, args: &RenderArgs) -> Vec<usize> {
+        let count = self.times.len();
+        if let Some(every) = args.every {
+            return self.every(every);
+        }
+        if !args.at.is_empty() {
+            return args
+                .at
+                .iter()
+                .filter_map(|&time| self.nearest(time))
+                .collect::<BTreeSet<_>>()
+                .into_iter()
+                .collect();
+        }
+        if args.movie {
+            let most = count.min(MOVIE_FRAMES);
+            let last = most.saturating_sub(1).max(1);
+            return (0..most).map(|number| number * count.saturating_sub(1) / last).collect();
+        }
+        count.checked_sub(1).into_iter().collect()
+    }
+
+    fn nearest(&self, time: f64) -> Option<usize> {
+        let apart = |number: &usize| (self.times[*number] - time).abs();
+        (0..self.times.len()).min_by(|a, b| apart(a).total_cmp(&apart(b)))
+    }
+
+    /// Returns the first frame at or after each multiple of an interval, s.
+    fn every(&self, interval: f64) -> Vec<usize> {
+        let mut next = f64::NEG_INFINITY;
+        let mut selected = Vec::new();
+        for (number, &time) in self.times.iter().enumerate() {
+            // Times of frames are multiples of the step, so they may be a little early.
+            if time >= next - 1e-3 * interval {
+                selected.push(number);
+                next = ((time / interval + 1e-3).floor() + 1.0) * interval;
+            }
+        }
+        selected
+    }
+
+    /// Returns the lowest and highest number in the selected frames.
+    pub fn range(&self, selected: &[usize]) -> Option<(f64, f64)> {
+        let ranges = selected.iter().filter_map(|&number| self.ranges[number]);
+        ranges.reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+    }
+}
+
+/// Returns the lowest and highest number of grains, without wall grains; `None` if there is none.
+fn range(header: &Header, frame: &Frame, name: &str) -> Option<(f64, f64)> {
+    let grains = frame.table("grains")?;
+    let values = if name == "speed" { speeds(header, frame) } else { numbers(grains, name)? };
+    let kinds = numbers(grains, "kind")?;
+    let values = values.into_iter().zip(kinds).filter(|(value, kind)| *kind < 0.5 && value.is_finite());
+    values.map(|(value, _)| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
+}
+
+/// Returns a round number at or above this one, with one or two digits.
+pub(super) fn round_up(value: f64) -> f64 {
+    let power = 10f64.powf(value.log10().floor());
+    let steps = [1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
+    steps.into_iter().map(|m| m * power).find(|&end| end >= value * (1.0 - 1e-12)).unwrap_or(value)
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Call {
+        #[command(flatten)]
+        args: RenderArgs,
+    }
+
+    fn selected(times: Vec<f64>, options: &[&str]) -> Vec<usize> {
+        let ranges = vec![None; times.len()];
+        let call = Call::parse_from([&["render", "run"], options].concat());
+        Survey { times, ranges }.select(&call.args)
+    }
+
+    #[test]
+    fn frames_are_selected_by_time() {
+        let times = || vec![0.0, 0.5, 0.999_999, 1.5, 2.0, 2.3];
+        assert_eq!(selected(times(), &["--at", "0.6", "--at", "0.1", "--at", "99", "--at=-5"]), [0, 1, 5]);
+        assert_eq!(selected(times(), &["--every", "1"]), [0, 2, 4]);
+        assert_eq!(selected(times(), &["--every", "0.01"]), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(selected(times(), &["--movie"]), [0, 1, 2, 3, 4, 5]);
+        assert_eq!(selected(times(), &["--width", "500"]), [5]);
+        assert_eq!(selected(Vec::new(), &["--movie"]), [0_usize; 0]);
+        assert_eq!(selected(vec![0.0], &["--movie"]), [0]);
+    }
+
+    #[test]
+    fn a_movie_of_a_long_run_begins_and_ends_with_it() {
+        let times = (0..1000).map(f64::from).collect();
+        let movie = selected(times, &["--movie"]);
+        assert_eq!((movie.len(), movie[0], movie[199]), (200, 0, 999));
+        assert!(movie.windows(2).all(|pair| pair[1] - pair[0] >= 5));
+    }
+
+    #[test]
+    fn scales_end_at_round_numbers() {
+        for (value, expected) in [(0.97, 1.0), (1.0, 1.0), (1.3, 1.5), (0.034, 0.04), (6.1, 8.0), (9.0, 10.0)] {
+            assert!((round_up(value) - expected).abs() < 1e-12 * expected, "{value}");
+        }
+    }
+}
