@@ -92,7 +92,9 @@ mod tests {
         let frames = [blank, dot.clone(), dot, line];
         let mut file = Vec::new();
         let mut movie = MovieWriter::new(&mut file, [5, 4], 4, 40).unwrap();
-        frames.iter().for_each(|frame| movie.add(frame.clone()).unwrap());
+        for frame in &frames {
+            movie.add(frame.clone()).unwrap();
+        }
         movie.finish().unwrap();
 
         let mut reader = ::png::Decoder::new(Cursor::new(&file)).read_info().unwrap();

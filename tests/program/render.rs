@@ -96,7 +96,7 @@ fn a_movie_is_read_back_with_all_frames_and_their_delay() {
     let here = tempfile::tempdir().unwrap();
     run(here.path(), "couette.ron", &["until=0.05", "data_frames=(interval: 0.01)"]);
     let said = render(here.path(), &["--movie", "--duration", "1.2"]);
-    assert!(said.starts_with("run/movie.png: 6 frames, 960 x"), "{said}");
+    assert!(said.starts_with("run/movie.png: 6 frames, "), "{said}");
     let read = |name: &str| {
         let file = Cursor::new(fs::read(here.path().join(name)).unwrap());
         let mut reader = png::Decoder::new(file).read_info().unwrap();
@@ -115,7 +115,8 @@ fn a_movie_is_read_back_with_all_frames_and_their_delay() {
         (frames, size)
     };
     let (frames, (width, height)) = read("run/movie.png");
-    assert!(frames == 6 && width == 960 && height <= 720, "{width} x {height}");
+    // The scene is taller than a slide.
+    assert!(frames == 6 && width < 960 && (700..=720).contains(&height), "{width} x {height}");
     render(here.path(), &["--movie", "--every", "0.02", "--fps", "10", "--width", "200", "--out", "few.png"]);
     assert_eq!((read("few.png").0, read("few.png").1.0), (3, 200));
 }

@@ -264,6 +264,8 @@ fn several(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Re
         fault(error)
     })?;
     let names = plan.selected.iter().map(|&number| target.join(plan.name(plan.times[number])));
-    say(&names.map(|name| format!("{}\n", name.display())).collect::<String>());
+    for name in names {
+        say(&format!("{}\n", name.display()));
+    }
     Ok(Verdict::Done)
 }
