@@ -10,7 +10,7 @@ use crate::cli::exit_status::Verdict;
 use crate::cli::say;
 use crate::fault::Fault;
 use crate::output::frame_data::reader::FrameReader;
-use crate::output::frame_export;
+use crate::output::frame_export::{self, Target};
 use crate::output::run_directory::{frame_data_of, scene_of};
 use crate::scene::load::{self, AnyScene};
 use crate::scene::outputs::Format;
@@ -22,20 +22,30 @@ The frames of a run that goes on or was killed are exported up to the last whole
 
   siloflow run scenes/silo1.ron
   siloflow export out/silo1 --to vtk      # then open out/silo1/vtk/grains.pvd in ParaView
-  siloflow export out/silo1 --to extxyz   # then open out/silo1/frames.xyz in OVITO")]
+  siloflow export out/silo1 --to extxyz   # then open out/silo1/frames.xyz in OVITO
+  siloflow export out/silo1 --to csv      # then read out/silo1/csv/grains.csv in a notebook
+
+Parquet needs a program that was built with it: cargo build --release --features parquet")]
 pub(super) struct ExportArgs {
     /// A run directory with frames.bin: of a scene with pictures, or with `data_frames`.
     run: PathBuf,
-    /// The format: VTK PolyData for ParaView, extended XYZ for OVITO and ASE, or a dump of LAMMPS for OVITO.
-    #[arg(long, value_name = "FORMAT", value_parser = PossibleValuesParser::new(Format::ALL.map(|(name, _)| name)))]
+    /// The format: VTK PolyData for ParaView, extended XYZ for OVITO and ASE, a dump of LAMMPS for OVITO, or tables for notebooks in
+    /// CSV or Parquet.
+    #[arg(long, value_name = "FORMAT", value_parser = PossibleValuesParser::new(Target::ALL.map(|(name, _)| name)))]
     to: String,
-    /// The directory (vtk) or file to write, which must not exist. Default: vtk, frames.xyz or frames.dump in the run directory.
+    /// The directory (vtk, csv, parquet) or file to write, which must not exist. Default: vtk, frames.xyz, frames.dump, csv or parquet
+    /// in the run directory.
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
 }
 
 pub(super) fn export(args: &ExportArgs) -> Result<Verdict, Fault> {
-    let format = Format::ALL.into_iter().find(|(name, _)| *name == args.to).map_or(Format::Vtk, |(_, format)| format);
+    let vtk = Target::Live(Format::Vtk);
+    let format = Target::ALL.into_iter().find(|(name, _)| *name == args.to).map_or(vtk, |(_, format)| format);
+    if !format.is_available() {
+        return Err(Fault::new("export::feature", format!("this siloflow was built without the format {}", args.to))
+            .help("build it with `cargo build --release --features parquet`, or export `--to csv`"));
+    }
     let path = frame_data_of(&args.run);
     if !path.is_file() {
         return Err(without_frames(
@@ -53,7 +63,7 @@ pub(super) fn export(args: &ExportArgs) -> Result<Verdict, Fault> {
             .help("is it a run of this version of siloflow? Else run its scene.ron again")
     })?;
     let header = reader.header.clone();
-    let count = frame_export::export(format, &header, reader, &target).map_err(|error| {
+    let count = frame_export::export(format, &header, reader, &args.run, &target).map_err(|error| {
         if error.kind() == ErrorKind::InvalidData {
             return Fault::new("export::read", format!("could not read {}: {error}", path.display()))
                 .help("nothing was written; the file has been changed since the run: run its scene.ron again");
@@ -61,7 +71,12 @@ pub(super) fn export(args: &ExportArgs) -> Result<Verdict, Fault> {
         Fault::new("export::write", format!("could not export {} to {}: {error}", path.display(), target.display()))
             .help("nothing was written; is there space, and may you write there? Or give another place with --out")
     })?;
-    let shown = if format == Format::Vtk { target.join("grains.pvd") } else { target };
+    let shown = match format {
+        Target::Live(Format::Vtk) => target.join("grains.pvd"),
+        Target::Live(_) => target,
+        Target::Csv => target.join("grains.csv"),
+        Target::Parquet => target.join("grains.parquet"),
+    };
     say(&format!("{}: {count} frames\n", shown.display()));
     Ok(Verdict::Done)
 }

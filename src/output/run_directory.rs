@@ -184,6 +184,13 @@ pub fn report_of(run: &Path) -> PathBuf {
     run.join(REPORT)
 }
 
+/// Returns the names, without ending, of siloflow's CSV files in a run directory, and their paths.
+#[must_use]
+pub fn tables_of(run: &Path) -> Vec<(&'static str, PathBuf)> {
+    let names = OWN_FILES.iter().filter_map(|name| Some((name.strip_suffix(".csv")?, run.join(name))));
+    names.filter(|(_, path)| path.is_file()).collect()
+}
+
 /// Returns the directory of the checkpoints in a run directory.
 #[must_use]
 pub fn checkpoints_directory(run: &Path) -> PathBuf {
@@ -285,8 +292,22 @@ pub fn is_drawn(path: &Path) -> bool {
 }
 
 /// Directories of results whose files have names of one pattern.
-const DIRECTORIES: [(&str, fn(&Path) -> bool); 4] =
-    [(CHECKPOINTS, is_checkpoint), (VTK, is_vtk), (PLOTS, is_plot), (PICTURES, is_picture)];
+const DIRECTORIES: [(&str, fn(&Path) -> bool); 6] = [
+    (CHECKPOINTS, is_checkpoint),
+    (VTK, is_vtk),
+    (PLOTS, is_plot),
+    (PICTURES, is_picture),
+    ("csv", |name| is_exported_table(name, "csv")),
+    ("parquet", |name| is_exported_table(name, "parquet")),
+];
+
+/// Whether `siloflow export` writes a table of this name, with this ending.
+fn is_exported_table(name: &Path, ending: &str) -> bool {
+    let stem = name.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
+    let is_of_frames = ["grains", "contacts", "wall_contacts"].contains(&stem);
+    let is_of_run = ending == "parquet" && OWN_FILES.iter().any(|own| own.strip_suffix(".csv") == Some(stem));
+    name.extension().is_some_and(|found| found == ending) && (is_of_frames || is_of_run)
+}
 
 /// Whether siloflow writes a file or directory of this path in a run directory.
 fn is_own(path: &Path) -> bool {

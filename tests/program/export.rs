@@ -1,8 +1,11 @@
 //! `siloflow export`: what it writes, what is written during a run, and what it refuses. `tests/readback` reads the files with the
 //! programs that they are meant for.
 
+use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
+
+use siloflow::output::frame_data::reader::FrameReader;
 
 use crate::command_line::{siloflow, text};
 use crate::run_directory::content;
@@ -56,6 +59,43 @@ fn a_run_writes_the_same_files_as_a_later_export() {
 }
 
 #[test]
+fn tables_hold_every_frame_and_go_with_their_run() {
+    let here = tempfile::tempdir().unwrap();
+    run(here.path(), "couette.ron", &["until=0.05", "data_frames=(interval: 0.01)"]);
+    let output = siloflow(here.path(), &["export", "run", "--to", "csv"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let frames = FrameReader::open(&here.path().join("run/frames.bin")).unwrap().map(Result::unwrap);
+    let frames: Vec<_> = frames.collect();
+    for name in ["grains", "contacts", "wall_contacts"] {
+        let mut rows = csv::Reader::from_path(here.path().join(format!("run/csv/{name}.csv"))).unwrap();
+        let places: HashMap<_, _> =
+            rows.headers().unwrap().iter().enumerate().map(|(place, name)| (name.to_owned(), place)).collect();
+        let mut rows = rows.records().map(Result::unwrap);
+        for frame in &frames {
+            let table = frame.table(name).unwrap();
+            for row in 0..table.rows {
+                let cells = rows.next().unwrap();
+                let number = |name: &str| cells[places[name]].parse::<f64>().unwrap();
+                assert!(number("time_s") == frame.time && number("step") == frame.step as f64);
+                let (quantity, column) = if name == "grains" {
+                    ("velocity", "velocity_y")
+                } else {
+                    ("tangential_force", "tangential_force_y")
+                };
+                assert_eq!(number(column).to_bits(), table.floats(quantity).unwrap()[2 * row + 1].to_bits());
+            }
+        }
+        assert!(rows.next().is_none());
+    }
+    fs::write(here.path().join("run/csv/notes.txt"), "mine").unwrap();
+    assert_eq!(siloflow(here.path(), &["export", "run", "--to", "csv"]).status.code(), Some(2));
+    fs::remove_file(here.path().join("run/csv/notes.txt")).unwrap();
+    run(here.path(), "couette.ron", &["until=0.01", "data_frames=None"]);
+    assert!(!here.path().join("run/csv").exists());
+    assert_eq!(fs::read_dir(here.path()).unwrap().count(), 1);
+}
+
+#[test]
 fn a_run_that_was_killed_is_exported_up_to_its_last_whole_frame() {
     let here = tempfile::tempdir().unwrap();
     run(here.path(), "couette.ron", &["until=0.05", "data_frames=(interval: 0.01)"]);
@@ -90,6 +130,9 @@ fn what_cannot_be_exported_is_refused_with_a_remedy() {
     assert_refused(&[".", "--to", "vtk"], &["no run directory"]);
     assert_refused(&["run", "--to", "povray"], &["povray", "vtk", "extxyz", "dump"]);
     assert_refused(&["run"], &["--to"]);
+    if !cfg!(feature = "parquet") {
+        assert_refused(&["run", "--to", "parquet"], &["without", "cargo build --release --features parquet"]);
+    }
     fs::write(here.path().join("taken"), "mine").unwrap();
     assert_refused(&["run", "--to", "extxyz", "--out", "taken"], &["taken exists", "--out"]);
     assert_refused(&["run", "--to", "vtk", "--out", "a/b/c"], &["could not export", "--out"]);

@@ -1,12 +1,14 @@
 """Reads exported frames with the programs they are meant for, and compares the numbers at full precision.
 
-    pip install -r tests/readback/requirements.txt
-    python tests/readback/readback.py target/release/siloflow
+    pip install -r tests/readback/requirements.txt -r tests/readback/optional.txt
+    python tests/readback/readback.py target/release/siloflow [target/release/outside]
 
-Files are read by VTK (the reader of ParaView), ASE and pandas. What they read is compared
+The second program is that of `examples/outside`: its behaviour has a column of grains, of the series, and a value. Files are read by
+VTK (the reader of ParaView), ASE, OVITO and pandas. OVITO is left out where it is not installed, and Parquet where it or the feature of
+siloflow is missing; the last line says so. What they read is compared
 
 * with `state.csv` and `series.csv` of the run, which siloflow writes on another path: equal to the last bit, sums to rounding;
-* with each other: the three formats hold the same doubles;
+* with each other: all formats hold the same doubles. OVITO rounds a last bit, and keeps radii as floats of 4 bytes;
 * with geometry: a contact line is as long as both radii less the overlap, and walls have the areas of the scene.
 """
 
@@ -23,14 +25,29 @@ from vtk import vtkXMLPolyDataReader
 from vtk.util.numpy_support import vtk_to_numpy
 from xml.etree import ElementTree
 
+try:
+    from ovito.io import import_file
+except ImportError:
+    import_file = None
+try:
+    import pyarrow.parquet
+except ImportError:
+    pyarrow = None
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
-# Scene, settings, number of components of a vector.
+CONDUCTION = (
+    'behaviours={"conduction": (temperatures: [400.0, 300.0], conductance: 200.0, heat_capacity: 800.0, interval: 0.5)}'
+)
+
+# Scene, settings, number of components of a vector, whether it needs the behaviour of examples/outside.
 RUNS = [
-    ("silo1-mixture.ron", ["spawner.count=60", "until=4.0", "data_frames=(interval: 1.0)"], 2),
-    ("couette.ron", ["until=0.3", "data_frames=(interval: 0.1)"], 2),
-    ("chute3d.ron", ["until=0.06", "data_frames=(interval: 0.02)"], 3),
-    ("silo3d.ron", ["until=0.02", "data_frames=(interval: 0.01)", "door.opens=At(0.005)"], 3),
+    ("silo1-mixture.ron", ["spawner.count=60", "until=4.0", "data_frames=(interval: 1.0)"], 2, False),
+    ("couette.ron", ["until=0.3", "data_frames=(interval: 0.1)"], 2, False),
+    ("chute3d.ron", ["until=0.06", "data_frames=(interval: 0.02)"], 3, False),
+    ("silo3d.ron", ["until=0.02", "data_frames=(interval: 0.01)", "door.opens=At(0.005)"], 3, False),
+    ("silo1-mixture.ron", ["spawner.count=60", "until=4.0", "data_frames=(interval: 1.0)", CONDUCTION], 2, True),
+    ("silo3d.ron", ["until=0.02", "data_frames=(interval: 0.01)", CONDUCTION], 3, True),
 ]
 
 
@@ -43,7 +60,17 @@ def same(a, b, *words):
     """Both arrays have the same bits."""
     a, b = np.asarray(a), np.asarray(b)
     check(a.shape == b.shape, *words, "shapes", a.shape, b.shape)
-    check(np.array_equal(a, b), *words, "differ by up to", np.max(np.abs(a.astype(float) - b.astype(float)), initial=0.0))
+    check(np.array_equal(a, b, equal_nan=a.dtype.kind == "f"), *words, "differ by up to", np.max(np.abs(a.astype(float) - b.astype(float)), initial=0.0))
+
+
+def near(a, b, *words):
+    """Numbers differ by a last bit at most: OVITO's reader of text rounds so. Whole numbers are equal."""
+    a, b = np.asarray(a), np.asarray(b)
+    if b.dtype.kind != "f":
+        return same(a, b, *words)
+    check(a.shape == b.shape, *words, "shapes", a.shape, b.shape)
+    is_near = (np.abs(a - b) <= np.spacing(np.abs(b))) | (np.isnan(a) & np.isnan(b))
+    check(is_near.all(), *words, "differ by up to", np.nanmax(np.abs(a - b), initial=0.0))
 
 
 def run(program, *arguments):
@@ -72,8 +99,80 @@ def read_pvd(path):
     return [(float(one.get("timestep")), path.parent / one.get("file")) for one in sets]
 
 
+# Names that OVITO has for columns of the table `grains`.
+OVITO_NAMES = {
+    "id": "Particle Identifier", "mass": "Mass", "velocity": "Velocity", "force": "Force", "pressure": "pressure",
+    "kind": "kind", "temperature": "temperature",
+}
+
+
+def compare_ovito(run_directory, place, columns, points, components):
+    """A frame, as OVITO reads it."""
+    for name in ("frames.xyz", "frames.dump"):
+        path = run_directory / name
+        particles = import_file(str(path)).compute(place).particles
+        near(particles.identifiers[...], columns["id"], path, "ids of OVITO")
+        near(particles.positions[...], points, path, "positions of OVITO")
+        near(particles["Radius"][...], columns["radius"].astype(np.float32), path, "radii of OVITO")
+        first = 1 if name == "frames.dump" else 0
+        near(particles.particle_types[...], columns["species"].astype(int) + first, path, "types of OVITO")
+        for own, other in OVITO_NAMES.items():
+            if own in columns:
+                values = particles[other][...]
+                expected = columns[own] if values.ndim == 1 else columns[own][:, :3]
+                near(values, expected, path, own, "of OVITO")
+
+
+def compare_tables(program, run_directory, place, columns, points, components):
+    """A frame in CSV and Parquet tables."""
+    tables = {"csv": pandas.read_csv(run_directory / "csv/grains.csv")}
+    if has_parquet(program):
+        tables["parquet"] = pandas.read_parquet(run_directory / "parquet/grains.parquet")
+    for format, table in tables.items():
+        frames = [frame for _, frame in table.groupby("step", sort=False)]
+        frame = frames[place]
+        for axis, name in enumerate("xyz"[:components]):
+            same(frame[f"position_{name}"], points[:, axis], format, "position")
+            same(frame[f"velocity_{name}"], columns["velocity"][:, axis], format, "velocity")
+            same(frame[f"force_{name}"], columns["force"][:, axis], format, "force")
+        for name, values in columns.items():
+            if values.ndim == 1:
+                same(frame[name], values, format, name)
+        check(set(columns) >= {"id", "kinetic_energy"}, "columns", set(columns))
+    return tables
+
+
+def compare_files_of_tables(program, run_directory):
+    """Every CSV file of a run, and every exported one, against its Parquet file."""
+    if not has_parquet(program):
+        return
+    pairs = [(path, path.stem) for path in run_directory.glob("*.csv") if not path.stem.startswith("input-")]
+    pairs += [(path, path.stem) for path in (run_directory / "csv").glob("*.csv")]
+    check({"grains", "contacts", "wall_contacts", "series", "state"} <= {name for _, name in pairs}, "tables", pairs)
+    for path, name in pairs:
+        table, expected = pandas.read_parquet(run_directory / f"parquet/{name}.parquet"), pandas.read_csv(path)
+        check(list(table.columns) == list(expected.columns), path, "columns", list(table.columns))
+        for column in table.columns:
+            if expected[column].dtype.kind in "if":
+                same(table[column], expected[column], path, column)
+            else:
+                check(list(table[column]) == list(expected[column]), path, column)
+    units = pyarrow.parquet.read_schema(run_directory / "parquet/grains.parquet").metadata
+    check(units[b"unit:velocity_x"] == b"m/s" and units[b"unit:time_s"] == b"s", "units", units)
+
+
+def has_parquet(program):
+    if program not in HAS_PARQUET:
+        asked = subprocess.run([program, "export", "nowhere", "--to", "parquet"], capture_output=True, text=True, check=False)
+        HAS_PARQUET[program] = pyarrow is not None and "export::feature" not in asked.stderr
+    return HAS_PARQUET[program]
+
+
+HAS_PARQUET = {}
+
+
 def compare_run(program, run_directory, components):
-    for format in ("vtk", "extxyz", "dump"):
+    for format in ("vtk", "extxyz", "dump", "csv") + (("parquet",) if has_parquet(program) else ()):
         run(program, "export", run_directory, "--to", format)
     again = subprocess.run([program, "export", run_directory, "--to", "vtk"], capture_output=True, check=False)
     check(again.returncode == 2, "an existing target is not refused")
@@ -83,8 +182,11 @@ def compare_run(program, run_directory, components):
     check(len(grains) == len(xyz) == len(dump) >= 3, "numbers of frames", len(grains), len(xyz), len(dump))
     axes = "xyz"[:components]
     series = pandas.read_csv(run_directory / "series.csv")
-    for (time, path), atoms, atoms_of_dump in zip(grains, xyz, dump):
+    for place, ((time, path), atoms, atoms_of_dump) in enumerate(zip(grains, xyz, dump)):
         data, points, columns, _, own_time = read_vtp(path)
+        if import_file:
+            compare_ovito(run_directory, place, columns, points, components)
+        compare_tables(program, run_directory, place, columns, points, components)
         check(time == own_time == atoms.info["Time"], "times", time, own_time, atoms.info["Time"])
         check(data.GetNumberOfVerts() == len(points) == len(atoms) == len(atoms_of_dump), path, "has points without cells")
         for name, of_xyz in [
@@ -103,6 +205,12 @@ def compare_run(program, run_directory, components):
         kinetic = columns["kinetic_energy"].sum()
         # Sums in another order: at most as many roundings as grains.
         check(abs(kinetic - row["kinetic_j"].iloc[0]) <= 1e-12 * max(kinetic, 1e-300), "kinetic energy", kinetic, row["kinetic_j"])
+        if "temperature" in columns:
+            same(columns["temperature"], atoms.arrays["temperature"], path, "temperature")
+            in_order = np.argsort(columns["id"])
+            same(columns["temperature"][in_order], atoms_of_dump.arrays["temperature"].ravel(), path, "temperature of the dump")
+            compare_heat(columns, row)
+    compare_files_of_tables(program, run_directory)
     # The last frame is the final state.
     state = pandas.read_csv(run_directory / "state.csv")
     own = columns["kind"] == 0
@@ -115,6 +223,20 @@ def compare_run(program, run_directory, components):
         same(columns["spin"][own], spins, "spins of state.csv")
     contacts = compare_contacts(run_directory, points, columns, components)
     return len(grains), len(points), contacts
+
+
+def compare_heat(columns, row):
+    """Temperatures of a frame against the row of the series at its time, computed by another system."""
+    temperatures, is_grain = columns["temperature"], columns["kind"] == 0
+    check(np.isnan(temperatures[~is_grain]).all(), "wall grains have a temperature")
+    # A grain that has just been released gets its temperature one step later.
+    known = np.isfinite(temperatures)
+    check(known.sum() >= is_grain.sum() - 1, "grains without a temperature")
+    heat = 800.0 * (columns["mass"] * temperatures)[known].sum()
+    check(abs(heat / row["heat_j"].iloc[0] - 1.0) < 1e-13, "heat", heat, row["heat_j"].iloc[0])
+    mean = heat / (800.0 * columns["mass"][known].sum())
+    check(abs(mean / row["mean_temperature_k"].iloc[0] - 1.0) < 1e-13, "mean temperature", mean)
+    check(temperatures[known].min() >= 300.0 and temperatures[known].max() <= 400.0, "temperatures")
 
 
 def compare_contacts(run_directory, points, columns, components):
@@ -143,7 +265,7 @@ def compare_contacts(run_directory, points, columns, components):
         _, path = read_pvd(walls)[-1]
         data, corners, _, cells, _ = read_vtp(path)
         check(data.GetNumberOfCells() == len(cells["wall"]), path, "numbers of cells")
-        if components == 3 and "silo3d" in str(run_directory):
+        if "temperature" not in columns and components == 3 and "silo3d" in str(run_directory):
             # The hopper has four half-spaces and two inclined panels; the door has gone.
             check(sorted(set(cells["wall"])) == [1, 2, 3, 4, 5, 6] and not cells["door"].any(), "walls", set(cells["wall"]))
             areas = {wall: 0.0 for wall in set(cells["wall"])}
@@ -156,16 +278,29 @@ def compare_contacts(run_directory, points, columns, components):
 
 
 def main():
-    program = pathlib.Path(sys.argv[1]).resolve()
+    programs = [pathlib.Path(argument).resolve() for argument in sys.argv[1:]]
     with tempfile.TemporaryDirectory() as here:
-        for scene, settings, components in RUNS:
-            directory = pathlib.Path(here) / scene.removesuffix(".ron")
+        for place, (scene, settings, components, with_behaviour) in enumerate(RUNS):
+            if with_behaviour and len(programs) < 2:
+                print("no column of a behaviour: give the program of examples/outside too")
+                continue
+            program = programs[1 if with_behaviour else 0]
+            directory = pathlib.Path(here) / f"{place}-{scene.removesuffix('.ron')}"
             set_all = [word for setting in settings for word in ("--set", setting)]
             run(program, "run", ROOT / "scenes" / scene, "--quiet", "--out", directory, *set_all)
             frames, grains, contacts = compare_run(program, directory, components)
             print(f"{scene}: {frames} frames, {grains} particles and {contacts} contacts in the last one: all equal")
             summary = json.loads((directory / "summary.json").read_text())
             check(summary["grains"]["lost"] == 0, scene, "lost grains")
+            if with_behaviour:
+                value = summary["behaviours"]["conduction"]["heat"]
+                series = pandas.read_csv(directory / "series.csv")
+                check(value["unit"] == "J" and value["value"] == series["heat_j"].iloc[-1], "heat in the summary", value)
+    left_out = [] if import_file else ["OVITO is not installed (pip install ovito)"]
+    if pyarrow is None:
+        left_out.append("pyarrow is not installed")
+    left_out += [f"{program.name} was built without `--features parquet`" for program in programs if not has_parquet(program)]
+    print("left out:", "; ".join(left_out) or "nothing")
 
 
 main()

@@ -12,7 +12,7 @@ const LONGEST: usize = 64;
 /// Names that the outputs have already.
 pub(crate) struct Reserved<'a> {
     /// Columns of grains.
-    pub grains: &'a [&'a str],
+    pub grains: Vec<&'a str>,
     /// Columns of the series.
     pub series: Vec<&'a str>,
     /// Whether the run directory has or may get a file of this name.
@@ -27,7 +27,7 @@ pub(crate) fn refuse(world: &World, reserved: &Reserved) -> Result<(), (String, 
     }
     let of_grains = outputs.grain_columns.iter().map(|column| &column.quantity);
     let of_series = outputs.series_columns.iter().map(|column| &column.quantity);
-    columns("column of grains", of_grains, reserved.grains)?;
+    columns("column of grains", of_grains, &reserved.grains)?;
     columns("column of series.csv", of_series, &reserved.series)?;
     let mut taken = HashSet::new();
     for quantity in outputs.values.iter().map(|value| &value.quantity) {
@@ -123,7 +123,7 @@ mod tests {
         app.summary_value("heat", "J", || 1.0).run_file("heat.csv");
         BehaviourOutputs::begin(&mut app, "second");
         register(&mut app);
-        let reserved = Reserved { grains: &["mass"], series: vec!["time_s"], is_file: |name| name == "series.csv" };
+        let reserved = Reserved { grains: vec!["mass"], series: vec!["time_s"], is_file: |name| name == "series.csv" };
         refuse(app.world(), &reserved).err()
     }
 

@@ -44,37 +44,11 @@ use crate::measure::outputs::Scale;
 /// Format 2 added the last field of the [`Header`]. Files of format 1 are read as if it were empty.
 pub const FORMAT: u32 = 2;
 
-/// Names of the columns of `grains`, and names that exports derive from them. A column that a behaviour registers has another one.
-pub(crate) const TAKEN_NAMES: [&str; 28] = [
-    "id",
-    "kind",
-    "species",
-    "radius",
-    "mass",
-    "position",
-    "velocity",
-    "spin",
-    "force",
-    "pressure",
-    "coordination",
-    "kinetic_energy",
-    "age",
-    "speed",
-    "time_s",
-    "type",
-    "pos",
-    "velo",
-    "x",
-    "y",
-    "z",
-    "vx",
-    "vy",
-    "vz",
-    "fx",
-    "fy",
-    "fz",
-    "step",
-];
+/// Names of the columns of `grains`, and names that exports and viewers derive from them. A column that a behaviour registers has
+/// another one.
+pub(crate) const TAKEN_NAMES: &str = "id kind species radius mass position velocity spin force pressure coordination kinetic_energy \
+    age speed time_s step type pos velo x y z vx vy vz fx fy fz position_x position_y position_z velocity_x velocity_y velocity_z \
+    spin_x spin_y spin_z force_x force_y force_z";
 
 /// Facts about a run that all its frames share.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

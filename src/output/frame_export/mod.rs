@@ -1,16 +1,22 @@
-//! Frames in the formats of other programs: VTK for ParaView, extended XYZ and LAMMPS dumps for OVITO.
+//! Frames in the formats of other programs: VTK for ParaView, extended XYZ and LAMMPS dumps for OVITO, CSV and Parquet for notebooks.
 //!
 //! | format | default name in a run directory | content |
 //! |---|---|---|
 //! | [`vtk`] | `vtk/` | grains as points, contacts as lines, walls as surfaces, with all columns |
 //! | [`xyz`] | `frames.xyz` | all columns of grains |
 //! | [`dump`] | `frames.dump` | all columns of grains |
+//! | [`csv`] | `csv/` | grains and contacts, a number in each cell |
+//! | `parquet`, with the feature of this name | `parquet/` | as CSV, and all CSV files of the run |
 //!
 //! Every format has the columns of the table `grains`, also ones that it does not know, and `kinetic_energy`. Floats are written
 //! so that reading them gives the same bits.
 
+pub mod csv;
 pub mod dump;
+pub mod flat;
 pub mod live;
+#[cfg(feature = "parquet")]
+pub mod parquet;
 pub mod vtk;
 pub mod vtp;
 pub mod xyz;
@@ -23,38 +29,90 @@ use crate::output::frame_data::{Column, Frame, Header, Table, Values};
 use crate::scene::outputs::Format;
 use crate::writers::whole_file;
 
-/// Writes frames to `target`, which must not exist: all of them or none. Returns their number.
+/// A format that frames are converted to.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Target {
+    /// One that can also be written during a run.
+    Live(Format),
+    /// CSV tables.
+    Csv,
+    /// Parquet tables. They need the feature `parquet` of the package.
+    Parquet,
+}
+
+impl Target {
+    /// All formats with the names that the command line has for them.
+    pub const ALL: [(&'static str, Self); 5] = {
+        let [vtk, xyz, dump] = Format::ALL;
+        [
+            (vtk.0, Self::Live(vtk.1)),
+            (xyz.0, Self::Live(xyz.1)),
+            (dump.0, Self::Live(dump.1)),
+            ("csv", Self::Csv),
+            ("parquet", Self::Parquet),
+        ]
+    };
+
+    /// Whether this program can write the format.
+    #[must_use]
+    pub fn is_available(self) -> bool {
+        self != Self::Parquet || cfg!(feature = "parquet")
+    }
+
+    /// Returns the default name in a run directory.
+    #[must_use]
+    pub fn file_name(self) -> &'static str {
+        match self {
+            Self::Live(format) => format.file_name(),
+            Self::Csv => "csv",
+            Self::Parquet => "parquet",
+        }
+    }
+}
+
+/// Writes frames of the run in the directory `run` to `target`, which must not exist: all of them or none. Returns their number.
 ///
 /// # Errors
 /// If a frame cannot be read, or the target cannot be written. Then there is no target.
 pub fn export(
-    format: Format,
+    format: Target,
     header: &Header,
     frames: impl Iterator<Item = io::Result<Frame>>,
+    run: &Path,
     target: &Path,
 ) -> io::Result<usize> {
     let mut count = 0;
-    let counted = frames.inspect(|_| count += 1);
+    let mut counted = frames.inspect(|_| count += 1);
     match format {
-        Format::Vtk => {
-            let part = whole_file::part_of(target);
-            fs::create_dir(&part)?;
-            let mut directory = vtk::Directory::open(&part)?;
-            let mut frames = counted.into_iter();
-            let written = frames.try_for_each(|frame| directory.add(header, &frame?));
-            let written = written.and_then(|()| fs::rename(&part, target));
-            written.inspect_err(|_| {
-                let _ = fs::remove_dir_all(&part);
-            })?;
-        }
-        Format::ExtXyz | Format::LammpsDump => {
+        Target::Live(Format::Vtk) => whole_directory(target, |part| {
+            let mut directory = vtk::Directory::open(part)?;
+            counted.try_for_each(|frame| directory.add(header, &frame?))
+        }),
+        Target::Live(format) => {
             let text = if format == Format::ExtXyz { xyz::text } else { dump::text };
             whole_file::write_with(target, |file| {
-                counted.into_iter().try_for_each(|frame| file.write_all(text(header, &frame?).as_bytes()))
-            })?;
+                counted.try_for_each(|frame| file.write_all(text(header, &frame?).as_bytes()))
+            })
         }
-    }
+        Target::Csv => whole_directory(target, |part| csv::write(header, counted, part)),
+        #[cfg(feature = "parquet")]
+        Target::Parquet => whole_directory(target, |part| parquet::write(header, counted, run, part)),
+        #[cfg(not(feature = "parquet"))]
+        Target::Parquet => {
+            let _ = run;
+            Err(io::Error::other("this program was built without Parquet"))
+        }
+    }?;
     Ok(count)
+}
+
+/// Makes a directory with the files that `write` writes: all of them or none.
+fn whole_directory(target: &Path, write: impl FnOnce(&Path) -> io::Result<()>) -> io::Result<()> {
+    let part = whole_file::part_of(target);
+    fs::create_dir(&part)?;
+    write(&part).and_then(|()| fs::rename(&part, target)).inspect_err(|_| {
+        let _ = fs::remove_dir_all(&part);
+    })
 }
 
 /// Returns the columns of the grains of a frame with their kinetic energy.

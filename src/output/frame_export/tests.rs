@@ -55,14 +55,31 @@ fn dump_has_every_column_with_all_digits() {
 
 #[test]
 fn an_export_that_fails_leaves_nothing() {
-    let here = tempfile::tempdir().unwrap();
-    for (name, format) in Format::ALL {
+    let [here, run] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    for (name, format) in Target::ALL.into_iter().filter(|(_, format)| format.is_available()) {
         let frames = [Ok(frame()), Err(io::Error::other("torn"))];
-        let error = export(format, &header(2), frames.into_iter(), &here.path().join(name)).unwrap_err();
+        let error = export(format, &header(2), frames.into_iter(), run.path(), &here.path().join(name)).unwrap_err();
         assert_eq!(error.to_string(), "torn", "{name}");
-        let count = export(format, &header(2), std::iter::once(Ok(frame())), &here.path().join(name)).unwrap();
+        let count =
+            export(format, &header(2), std::iter::once(Ok(frame())), run.path(), &here.path().join(name)).unwrap();
         assert_eq!(count, 1);
         assert!(here.path().join(name).exists());
     }
-    assert_eq!(fs::read_dir(here.path()).unwrap().count(), 3);
+    assert_eq!(fs::read_dir(here.path()).unwrap().count(), if cfg!(feature = "parquet") { 5 } else { 4 });
+}
+
+#[test]
+fn csv_has_a_row_for_each_grain_and_frame_with_all_digits() {
+    let [here, run] = [(); 2].map(|()| tempfile::tempdir().unwrap());
+    let target = here.path().join("csv");
+    let later = Frame { step: 10, time: 0.75, ..frame() };
+    let frames = [frame(), later].into_iter().map(Ok);
+    assert_eq!(export(Target::Csv, &header(2), frames, run.path(), &target).unwrap(), 2);
+    let row = "7,2,2.5e-1,4e0,1e-1,1e-30,3e0,-4e0,3.333333333333333e-1,8e0,5e1";
+    let expected = format!(
+        "time_s,step,id,species,radius,mass,position_x,position_y,velocity_x,velocity_y,heat flow_x,heat flow_y,kinetic_energy\n\
+         5e-1,9,{row}\n7.5e-1,10,{row}\n"
+    );
+    assert_eq!(fs::read_to_string(target.join("grains.csv")).unwrap(), expected);
+    assert_eq!(fs::read_dir(target).unwrap().count(), 1);
 }
