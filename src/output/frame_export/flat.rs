@@ -86,9 +86,7 @@ impl FlatColumn<'_> {
     #[must_use]
     pub fn floats(&self) -> Option<Vec<f64>> {
         match self.values {
-            Values::F64(all) => {
-                Some(all.iter().skip(self.component).step_by(self.components.max(1)).copied().collect())
-            }
+            Values::F64(all) => Some(self.part(all, |number| number)),
             _ => None,
         }
     }
@@ -96,18 +94,17 @@ impl FlatColumn<'_> {
     /// The numbers, if they are whole. They fit into 4 bytes with a sign, except for large `U32`s, which count as the largest.
     #[must_use]
     pub fn whole(&self) -> Option<Vec<i32>> {
-        let step = self.components.max(1);
-        fn part<T: Copy, U>(all: &[T], skip: usize, step: usize, of: impl Fn(T) -> U) -> Vec<U> {
-            all.iter().skip(skip).step_by(step).map(|&number| of(number)).collect()
-        }
         match self.values {
             Values::F64(_) => None,
-            Values::I32(all) => Some(part(all, self.component, step, |number| number)),
-            Values::U32(all) => {
-                Some(part(all, self.component, step, |number| i32::try_from(number).unwrap_or(i32::MAX)))
-            }
-            Values::U16(all) => Some(part(all, self.component, step, i32::from)),
-            Values::U8(all) => Some(part(all, self.component, step, i32::from)),
+            Values::I32(all) => Some(self.part(all, |number| number)),
+            Values::U32(all) => Some(self.part(all, |number| i32::try_from(number).unwrap_or(i32::MAX))),
+            Values::U16(all) => Some(self.part(all, i32::from)),
+            Values::U8(all) => Some(self.part(all, i32::from)),
         }
+    }
+
+    /// Returns the numbers of this component.
+    fn part<T: Copy, U>(&self, all: &[T], of: impl Fn(T) -> U) -> Vec<U> {
+        all.iter().skip(self.component).step_by(self.components.max(1)).map(|&number| of(number)).collect()
     }
 }
