@@ -100,7 +100,7 @@ fn events(run: &Run, has_name: bool) -> String {
     }
     match (items.is_empty(), has_name) {
         (true, _) => String::new(),
-        (false, true) => format!("<h3><bdi>{}</bdi></h3>\n{}", escape(&run.label), list(&items)),
+        (false, true) => format!("<h3><bdi>{}</bdi></h3>\n{}", escape(run.label()), list(&items)),
         (false, false) => list(&items),
     }
 }

@@ -114,7 +114,7 @@ fn table(runs: &[Run], rows: &[Row]) -> String {
     };
     let mut html = format!("<table>\n<caption>{caption}</caption>\n<thead>\n<tr><th scope=\"col\">Key</th>");
     for run in runs {
-        let _ = write!(html, "<th scope=\"col\"><bdi>{}</bdi></th>", escape(&run.label));
+        let _ = write!(html, "<th scope=\"col\"><bdi>{}</bdi></th>", escape(run.label()));
     }
     html += "</tr>\n</thead>\n<tbody>\n";
     for (key, values) in rows.iter().take(MOST_ROWS) {

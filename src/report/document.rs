@@ -18,7 +18,7 @@ use crate::report::run::Run;
 use crate::report::{
     accounting, behaviours, differences, discharge, energy, overview, profiles, provenance, step, walls,
 };
-use crate::text::cut;
+use crate::text::{cut, for_terminal};
 
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
@@ -41,7 +41,7 @@ impl Contents<'_> {
     /// Returns the page.
     #[must_use]
     pub fn html(&self) -> String {
-        let labels: Vec<String> = self.runs.iter().map(|run| run.label.clone()).collect();
+        let labels: Vec<String> = self.runs.iter().map(|run| run.label().to_owned()).collect();
         let sections: Vec<Section> = [
             overview::section_of(self.runs, &labels),
             differences::section_of(self.runs),
@@ -97,14 +97,14 @@ impl Contents<'_> {
     fn players(&self) -> Option<Section> {
         let mut content = "<div class=\"players\">\n".to_owned();
         for (number, (run, frames)) in self.runs.iter().zip(&self.frames).enumerate() {
-            let label = escape(&run.label);
+            let label = escape(run.label());
             let heading = if self.runs.len() > 1 { format!("<h3><bdi>{label}</bdi></h3>\n") } else { String::new() };
             let player = match frames {
                 Ok(_) => format!(
                     "<div class=\"run\">\n{heading}<div class=\"player\" role=\"group\" aria-label=\"Player of {label}\" \
                      data-frames=\"{}\"{}></div>\n</div>\n",
                     frames_id(number),
-                    opening(run).map(|time| format!(" data-opening=\"{time}\"")).unwrap_or_default(),
+                    run.files.opening().map(|time| format!(" data-opening=\"{time}\"")).unwrap_or_default(),
                 ),
                 Err(why) => format!("<div class=\"run\">\n{heading}<p class=\"note\">{why}</p>\n</div>\n"),
             };
@@ -115,7 +115,7 @@ impl Contents<'_> {
             content += "<noscript><p class=\"note\">The player needs JavaScript.</p></noscript>\n";
         }
         let opened =
-            self.runs.iter().zip(&self.frames).filter(|(run, frames)| frames.is_ok() && opening(run).is_some());
+            self.runs.iter().zip(&self.frames).filter(|(run, frames)| frames.is_ok() && run.files.opening().is_some());
         if self.runs.len() > 1 && opened.count() == self.runs.len() {
             content = format!(
                 "<p><label><input type=\"checkbox\" id=\"since-opening\" checked> show the runs at the same time since their \
@@ -140,20 +140,20 @@ impl Contents<'_> {
     fn figure(&self, Figure { name, title, svg, .. }: &Figure) -> String {
         // Times of the figure of the discharge of several runs count from the opening of their doors, if all open.
         let is_since_opening =
-            name == "discharge" && self.runs.len() > 1 && self.runs.iter().all(|run| opening(run).is_some());
+            name == "discharge" && self.runs.len() > 1 && self.runs.iter().all(|run| run.files.opening().is_some());
         let clock = if is_since_opening { "opening" } else { "run" };
         // An XML declaration has no place inside a page.
         let svg = svg.find("<svg").map_or(&**svg, |start| &svg[start..]);
         format!(
             "<figure class=\"plot\" data-clock=\"{clock}\">\n<figcaption>{}</figcaption>\n{}</figure>\n",
             escape(title),
-            scrolled(title, svg)
+            scrolled(title, &for_terminal(svg))
         )
     }
 
     /// The summaries of all runs as JSON that cannot end its element.
     fn summaries(&self) -> String {
-        let summary = |run: &Run| (run.label.clone(), run.summary.clone().unwrap_or(Value::Null));
+        let summary = |run: &Run| (run.label().to_owned(), run.files.summary.clone());
         let all: Map<String, Value> = self.runs.iter().map(summary).collect();
         let text = serde_json::to_string(&all).unwrap_or_default();
         text.chars().fold(String::with_capacity(text.len()), |mut json, c| {
@@ -166,11 +166,6 @@ impl Contents<'_> {
             json
         })
     }
-}
-
-/// The time at which the door of a run opened, in the clock of the run.
-fn opening(run: &Run) -> Option<f64> {
-    run.number("/door_open_time_s").or(run.number("/door_open_step"))
 }
 
 fn frames_id(number: usize) -> String {

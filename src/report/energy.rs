@@ -15,8 +15,8 @@ const ROWS: [(&str, &str, &str); 13] = [
     ("Potential energy gained at periodic sides", "lifted", "lifted_j"),
     ("Work of forces of behaviours", "added_work", "added_work_j"),
     ("Dissipated by damping and friction", "dissipated", "dissipated_j"),
-    ("of which by friction", "channels/tangential", ""),
-    ("of which by rolling resistance", "channels/rolling", ""),
+    ("\u{2013} of which by friction", "channels/tangential", ""),
+    ("\u{2013} of which by rolling resistance", "channels/rolling", ""),
     ("Energy of grains that were removed", "removed", "removed_j"),
     ("Error of the balance", "balance_error", "balance_error_j"),
 ];

@@ -26,8 +26,8 @@ pub mod walls;
 
 use std::path::Path;
 
-use crate::charts;
 use crate::charts::run_files::RunFiles;
+use crate::charts::{self, Figure};
 use crate::fault::Fault;
 use crate::report::document::Contents;
 use crate::report::player::Packed;
@@ -36,25 +36,33 @@ use crate::report::run::Run;
 /// Most runs of one report.
 pub const MOST_RUNS: usize = 12;
 
+/// Least number of characters of the data of a player, if there are many.
+const LEAST_BUDGET: usize = 2_000_000;
+
 /// Returns the page of these run directories.
 ///
 /// # Errors
-/// If one of them is no run directory, or a file of it cannot be read.
+/// If one of them is no run directory, or its summary or series cannot be read.
 pub fn page(directories: &[&Path]) -> Result<String, Fault> {
     let mut runs = directories.iter().map(|path| Run::open(path)).collect::<Result<Vec<_>, _>>()?;
     Run::distinguish(&mut runs);
-    let files = runs
-        .iter()
-        .map(|run| RunFiles::open(&run.path).map(|files| RunFiles { name: run.label.clone(), ..files }))
-        .collect::<Result<Vec<_>, _>>()?;
-    let figures = charts::figures(&files)?;
-    let frames = runs.iter().map(frames).collect();
+    let files: Vec<RunFiles> = runs.iter().map(|run| run.files.clone()).collect();
+    let figures = figures(&files);
+    // Pages with several players stay within the size of a page with one.
+    let budget = (player::BUDGET / runs.len()).max(LEAST_BUDGET);
+    let frames = runs.iter().map(|run| frames(run, budget)).collect();
     Ok(Contents { runs: &runs, frames, figures }.html())
 }
 
+/// All figures, of whichever the files can be read.
+fn figures(files: &[RunFiles]) -> Vec<Figure> {
+    charts::figures(files)
+        .unwrap_or_else(|_| charts::names().filter_map(|name| charts::named(files, name).ok().flatten()).collect())
+}
+
 /// The frames of a run, or why there are none, as HTML.
-fn frames(run: &Run) -> Result<Packed, String> {
-    match Packed::of(&run.path) {
+fn frames(run: &Run, budget: usize) -> Result<Packed, String> {
+    match Packed::within(&run.path, budget) {
         Ok(Some(frames)) => Ok(frames),
         Ok(None) if run.is_lattice() => Err(
             "The lattice gas keeps no frames to play. Its pictures are in <code>frames/</code> of the run directory."

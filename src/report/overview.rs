@@ -49,7 +49,7 @@ pub fn fate(run: &Run) -> (Verdict, String) {
         ),
         "grains_lost" => (Verdict::Failure, "Grains were lost: they left, but not through a door.".to_owned()),
         "failed" => (Verdict::Failure, format!("The run failed: {}.", failure().trim_end_matches('.'))),
-        _ if run.summary.is_none() => (
+        _ if !run.has_summary() => (
             Verdict::Incomplete,
             "There is no summary: the run goes on, or it was killed. This page shows what its files hold so far."
                 .to_owned(),
@@ -90,7 +90,7 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
         let (verdict, sentence) = fate(run);
         let (class, word) = verdict.words();
         let name = if runs.len() > 1 {
-            format!("<strong><bdi>{}</bdi></strong> (<bdi>{}</bdi>): ", escape(&run.label), escape(run.title()))
+            format!("<strong><bdi>{}</bdi></strong> (<bdi>{}</bdi>): ", escape(run.label()), escape(run.title()))
         } else {
             String::new()
         };
@@ -131,7 +131,7 @@ fn sheet_rows(runs: &[Run]) -> Vec<(&'static str, Vec<Cell>)> {
     let is_of = |run: &Run, name: &str, pointer: &str| {
         let is_of_lattice = pointer.starts_with("/particles") || pointer.ends_with("_step");
         // Without a summary a column may have a namesake in the series of the other method.
-        run.summary.is_some()
+        run.has_summary()
             || (name != "Simulated time" || !run.is_lattice())
                 && (pointer == "/time_s" || pointer == "/steps" || run.is_lattice() == is_of_lattice)
     };

@@ -1,26 +1,16 @@
 /* Starts the players of the page, keeps them at the same time, and draws that time into the figures.
 
    Each player has the clock of its run. Players are kept together by simulated time or, if the box `since-opening` is ticked, by the time
-   since their doors opened. The player that the reader used last leads. */
+   since their doors opened. The player that the reader used last leads, and the others are paused. */
 (async () => {
   "use strict";
   const boxes = [...document.querySelectorAll("[data-frames]")];
   const choice = document.getElementById("since-opening");
   const openings = boxes.map((box) => Number(box.dataset.opening ?? NaN));
-  const players = await Promise.all(boxes.map(async (box) => {
-    try {
-      return await siloflowPlayer(box, box.dataset.frames);
-    } catch (error) {
-      const text = document.createElement("p");
-      text.className = "fault";
-      text.textContent = `The player cannot show this run: ${error.message ?? error}`;
-      box.replaceChildren(text);
-      return null;
-    }
-  }));
-  let leader = players.findIndex((player) => player !== null);
-  let time = leader < 0 ? NaN : players[leader].times?.[0] ?? NaN;
-  let isSetting = false;
+  const players = await Promise.all(boxes.map((box) => siloflowPlayer(box, box.dataset.frames)));
+  const works = (player) => player.times.length > 0;
+  let leader = players.findIndex(works);
+  let time = leader < 0 ? NaN : players[leader].times[0];
 
   /* The time of a run at the present moment of the leader. */
   const timeOf = (number) => {
@@ -40,7 +30,7 @@
   /* Draws the times of all runs into the figures: one line where they agree. */
   const drawCursors = () => {
     for (const { group, lines, numbers: [left, right, top, bottom, from, to], isSinceOpening } of panels) {
-      const times = players.map((player, number) => player && timeOf(number) - (isSinceOpening ? openings[number] : 0));
+      const times = players.map((player, number) => works(player) && timeOf(number) - (isSinceOpening ? openings[number] : 0));
       const places = [...new Set(times.filter(Number.isFinite))].filter((at) => at >= from && at <= to && to > from);
       while (lines.length < places.length) {
         const line = document.createElementNS(svgName, "line");
@@ -59,26 +49,26 @@
   };
 
   const follow = () => {
-    isSetting = true;
     players.forEach((player, number) => {
-      if (player && number !== leader) player.setTime(timeOf(number));
+      if (number !== leader) player.setTime(timeOf(number));
     });
-    isSetting = false;
     drawCursors();
   };
 
-  boxes.forEach((box, number) => {
-    for (const event of ["pointerdown", "keydown", "focusin", "wheel"]) {
-      box.addEventListener(event, () => { if (players[number]) leader = number; }, { capture: true, passive: true });
-    }
-    players[number]?.onTime((now) => {
-      if (isSetting || number !== leader) return;
-      time = now;
-      follow();
-    });
-  });
+  players.forEach((player, number) => player.onTime((now) => {
+    if (number !== leader) players[leader].pause();
+    leader = number;
+    time = now;
+    follow();
+  }));
   choice?.addEventListener("change", follow);
-  if (leader >= 0) follow();
+  if (leader >= 0) {
+    // The page begins where the silo is full, if it opens at all.
+    const { times } = players[leader];
+    if (openings[leader] >= times[0] && openings[leader] <= times.at(-1)) time = openings[leader];
+    players[leader].setTime(time);
+    follow();
+  }
 
   /* A click on a figure sets the time. */
   for (const panel of panels) {

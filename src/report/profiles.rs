@@ -5,10 +5,10 @@ use crate::report::run::Run;
 use crate::report::table;
 
 const TABLES: [(&str, &str); 4] = [
-    ("profiles.csv", "profiles in bins"),
-    ("centres.csv", "centres of mass by species"),
-    ("fields.csv", "fields on grids"),
-    ("flow.csv", "field of mean velocity"),
+    ("profiles.csv", "Profiles in bins"),
+    ("centres.csv", "Centres of mass by species"),
+    ("fields.csv", "Fields on grids"),
+    ("flow.csv", "Field of mean velocity"),
 ];
 
 /// The section of profiles and fields, which begins with `figures`; nothing if no run has any.
@@ -16,9 +16,9 @@ const TABLES: [(&str, &str); 4] = [
 pub fn section_of(runs: &[Run], figures: String) -> Option<Section> {
     let mut content = figures;
     for run in runs {
-        let name = if runs.len() > 1 { format!("{}: ", run.label) } else { String::new() };
+        let name = if runs.len() > 1 { format!("{}: ", run.label()) } else { String::new() };
         for (file, title) in TABLES {
-            content += &table::details(&run.table(file), &format!("{name}{title} ({file})"));
+            content += &table::details(run.table(file).as_ref(), &format!("{name}{title} ({file})"));
         }
     }
     Section::of("profiles", "Profiles and fields", content)

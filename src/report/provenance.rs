@@ -11,7 +11,7 @@ use crate::scene::load::AnyScene;
 /// The section of the origin of each run.
 #[must_use]
 pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
-    let mut sheet = Sheet::default();
+    let mut sheet = Sheet::of_words();
     let mut row = |name: &str, of: &dyn Fn(&Run) -> Cell| sheet.add(name, runs.iter().map(of).collect());
     let coded = |text: Option<&str>| text.map_or(Cell::Nothing, |text| Cell::Html(code(text)));
     row("Run directory", &|run| coded(Some(&run.path.display().to_string())));
@@ -39,7 +39,7 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
     });
     let mut content = sheet.html("Origin of the results", labels);
     for run in runs {
-        let name = if runs.len() > 1 { format!(" of {}", run.label) } else { String::new() };
+        let name = if runs.len() > 1 { format!(" of {}", run.label()) } else { String::new() };
         let _ = writeln!(
             content,
             "<details>\n<summary>The scene{}</summary>\n<pre tabindex=\"0\"><code>{}</code></pre>\n</details>",

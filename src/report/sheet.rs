@@ -9,6 +9,8 @@ use crate::report::html::{escape, quantity, scrolled, uncertain};
 #[derive(Clone, Debug, Default)]
 pub struct Sheet {
     rows: Vec<Row>,
+    /// Whether most values are words, so that all values begin at the left.
+    is_of_words: bool,
 }
 
 #[derive(Clone, Debug)]
@@ -53,6 +55,12 @@ impl Cell {
 }
 
 impl Sheet {
+    /// An empty table most of whose values are words, so that all values begin at the left.
+    #[must_use]
+    pub fn of_words() -> Self {
+        Self { is_of_words: true, ..Self::default() }
+    }
+
     /// Adds a row, unless no run has a value. The name is HTML.
     pub fn add(&mut self, name: impl Into<String>, cells: Vec<Cell>) {
         if cells.iter().any(|cell| *cell != Cell::Nothing) {
@@ -74,8 +82,11 @@ impl Sheet {
         }
         let has_ratios = |column: usize| self.rows.iter().any(|row| ratio(row, column).is_some());
         let columns: Vec<_> = (0..labels.len()).map(|column| (column, column > 0 && has_ratios(column))).collect();
-        let mut html =
-            format!("<table>\n<caption>{}</caption>\n<thead>\n<tr><th scope=\"col\">Quantity</th>", escape(caption));
+        let mut html = format!(
+            "<table{}>\n<caption>{}</caption>\n<thead>\n<tr><th scope=\"col\">Quantity</th>",
+            if self.is_of_words { " class=\"words\"" } else { "" },
+            escape(caption)
+        );
         for &(column, has_ratio) in &columns {
             let label = if labels.len() > 1 { escape(&labels[column]) } else { "Value".to_owned() };
             let _ = write!(html, "<th scope=\"col\" class=\"figure\">{label}</th>");

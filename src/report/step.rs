@@ -67,7 +67,7 @@ fn grains(run: &Run) -> Option<&Loaded> {
 
 /// Warnings about the scene of a run, or why it cannot be examined.
 fn remarks(run: &Run, has_name: bool) -> String {
-    let name = if has_name { format!("<strong><bdi>{}</bdi></strong>: ", escape(&run.label)) } else { String::new() };
+    let name = if has_name { format!("<strong><bdi>{}</bdi></strong>: ", escape(run.label())) } else { String::new() };
     let warnings = match &run.scene {
         Ok(AnyScene::Grains(loaded)) => check::warnings(loaded),
         Ok(AnyScene::Lattice(loaded)) => lattice::check::warnings(loaded),
@@ -75,7 +75,7 @@ fn remarks(run: &Run, has_name: bool) -> String {
     };
     let item = |warning: &Warning| {
         let Warning { code: name, message, help } = warning;
-        format!("{} {}. {}", code(name), escape(message), escape(help))
+        format!("{}: {}; {}.", code(name), escape(message), escape(help))
     };
     if warnings.is_empty() {
         return format!("<p>{name}<code>siloflow check</code> has no warnings.</p>\n");

@@ -2,18 +2,16 @@
 
 use std::fmt::Write as _;
 
+use crate::output::table::Table;
 use crate::report::html::{escape, rounded, scrolled};
-use crate::report::run::Table;
 
 /// Most rows of a table that are shown: those of the latest times.
 const MOST_ROWS: usize = 200;
 
 /// Returns the last rows of a table, folded; nothing without rows. The caption is plain text.
 #[must_use]
-pub fn details(table: &Table, caption: &str) -> String {
-    if table.is_empty() {
-        return String::new();
-    }
+pub fn details(table: Option<&Table>, caption: &str) -> String {
+    let Some(table) = table else { return String::new() };
     let first = table.len().saturating_sub(MOST_ROWS);
     let shown = match first {
         0 => caption.to_owned(),

@@ -5,8 +5,9 @@
 
 use std::fmt::Write as _;
 
+use crate::output::table::Table;
 use crate::report::html::{Section, escape, quantity, scrolled};
-use crate::report::run::{Run, Table};
+use crate::report::run::Run;
 use crate::report::table;
 use crate::scene::load::AnyScene;
 use crate::walls::config::Wall;
@@ -19,14 +20,14 @@ const MOST_WALLS: usize = 60;
 pub fn section_of(runs: &[Run], figures: &str) -> Option<Section> {
     let mut content = figures.to_owned();
     for run in runs {
-        let name = if runs.len() > 1 { format!("{}: ", run.label) } else { String::new() };
-        let groups = forces(run, &run.table("wall_groups.csv"), "walls");
-        let walls = forces(run, &run.table("walls.csv"), "wall");
+        let name = if runs.len() > 1 { format!("{}: ", run.label()) } else { String::new() };
+        let groups = run.table("wall_groups.csv").and_then(|table| forces(run, &table, "walls"));
+        let walls = run.table("walls.csv").and_then(|table| forces(run, &table, "wall"));
         content +=
-            &groups.map_or(String::new(), |html| captioned(&format!("{name}forces on all walls of one name"), &html));
-        content += &walls.map_or(String::new(), |html| captioned(&format!("{name}forces on walls"), &html));
-        let caption = format!("{name}pressure and friction on walls by height");
-        content += &table::details(&run.table("wall_bands.csv"), &caption);
+            &groups.map_or(String::new(), |html| captioned(&format!("{name}Forces on all walls of one name"), &html));
+        content += &walls.map_or(String::new(), |html| captioned(&format!("{name}Forces on walls"), &html));
+        let caption = format!("{name}Pressure and friction on walls by height");
+        content += &table::details(run.table("wall_bands.csv").as_ref(), &caption);
     }
     if content.is_empty() {
         return None;

@@ -310,7 +310,15 @@ fn a_killed_run_is_reported_as_far_as_its_files_go() {
     fs::remove_file(directory.join("frames.bin")).unwrap();
     fs::write(directory.join("summary.json"), "{\"status\": \"emp").unwrap();
     let output = siloflow(here.path(), &["report", "a", "--force"]);
-    assert!(output.status.success() || text(&output.stderr).contains("summary.json"), "{}", text(&output.stderr));
+    assert_eq!(output.status.code(), Some(2));
+    assert!(text(&output.stderr).contains("summary.json is not JSON"), "{}", text(&output.stderr));
+    fs::remove_file(directory.join("summary.json")).unwrap();
+    done(here.path(), &["report", "a", "--force"]);
+    assert_sound(&read(&directory.join("report.html")));
+    // A scene that cannot be read leaves a gap.
+    fs::write(directory.join("scene.ron"), "(gravity: ").unwrap();
+    done(here.path(), &["report", "a", "--force"]);
+    assert!(read(&directory.join("report.html")).contains("cannot be examined"));
 }
 
 #[test]
@@ -327,10 +335,10 @@ fn what_cannot_be_reported_is_refused_with_a_remedy() {
         assert_eq!(content(here.path()), before, "{arguments:?}");
     };
     assert_refused(&[], &["RUN"]);
-    assert_refused(&["nowhere"], &["there is no nowhere", "siloflow run"]);
-    assert_refused(&["run", "nowhere"], &["there is no nowhere"]);
-    assert_refused(&["."], &["no run directory", "scene.ron"]);
-    assert_refused(&["run/scene.ron"], &["no run directory", "it is a file"]);
+    assert_refused(&["nowhere"], &["there is no run directory nowhere", "siloflow run"]);
+    assert_refused(&["run", "nowhere"], &["there is no run directory nowhere"]);
+    assert_refused(&["."], &["no run directory", "series.csv"]);
+    assert_refused(&["run/scene.ron"], &["is not a directory"]);
     assert_refused(&["run", "run/../run"], &["given twice"]);
     assert_refused(&["run", "--pages", "2"], &["--pages"]);
     assert_refused(&["run", "--out", "a/b/c.html"], &["could not write", "--out"]);
