@@ -5,9 +5,10 @@
 //! | part | content |
 //! |---|---|
 //! | `packing.rs` | the two readings of `frames.bin`, and the format of the data |
-//! | `facts.rs`, `plan.rs` | what the frames contain, and how they are packed |
+//! | `facts.rs`, `plan.rs`, `thinning.rs` | what the frames contain, and how and which of them are packed |
 //! | `grid.rs`, `scale.rs` | rounding of places and of other numbers |
 //! | `frame_packer.rs`, `links.rs`, `wall_shapes.rs`, `bytes.rs` | a frame as bytes |
+//! | `pictures.rs` | pictures of the lattice gas in place of frames |
 //! | `script/` | the script: decoding, drawing with WebGL, controls |
 
 mod bytes;
@@ -18,6 +19,7 @@ mod grains;
 mod grid;
 mod links;
 mod packing;
+mod pictures;
 mod plan;
 mod scale;
 #[cfg(test)]
@@ -29,6 +31,7 @@ mod scale;
     reason = "small numbers"
 )]
 mod tests;
+mod thinning;
 #[cfg(test)]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "levels are bytes")]
 mod unpack;
@@ -53,9 +56,11 @@ pub const SCRIPT: &str = concat!(
     include_str!("script/camera.js"),
     include_str!("script/shaders.js"),
     include_str!("script/walls.js"),
+    include_str!("script/occlusion.js"),
     include_str!("script/renderer.js"),
     include_str!("script/flat_renderer.js"),
     include_str!("script/view.js"),
+    include_str!("script/pictures.js"),
     include_str!("script/form.js"),
     include_str!("script/player.js"),
     "return siloflowPlayer;\n})();\n",
@@ -72,25 +77,25 @@ pub struct Packed {
 }
 
 impl Packed {
-    /// Packs the frames of the run in directory `run` into at most [`BUDGET`] characters; `None` if the run has no `frames.bin`.
+    /// Packs the frames of the run in directory `run` into at most [`BUDGET`] characters; `None` if the run has nothing to play:
+    /// no `frames.bin`, and no pictures of the lattice gas.
     ///
     /// # Errors
-    /// If `frames.bin` cannot be read.
+    /// If `frames.bin` or a picture cannot be read.
     pub fn of(run: &Path) -> io::Result<Option<Self>> {
         Self::within(run, BUDGET)
     }
 
-    /// Packs the frames of the run in directory `run` into about `characters`; `None` if the run has no `frames.bin`. A run that needs
-    /// more is shown with fewer frames, evenly spaced, but at least two.
+    /// Packs the frames of the run in directory `run` into about `characters`. A run that needs more is shown with fewer frames,
+    /// evenly spaced, but at least two. `None` as for [`Packed::of`].
     ///
     /// # Errors
-    /// If `frames.bin` cannot be read.
+    /// As [`Packed::of`].
     pub fn within(run: &Path, characters: usize) -> io::Result<Option<Self>> {
         let path = frame_data_of(run);
-        if !path.is_file() {
-            return Ok(None);
-        }
-        packing::pack(&path, characters).map(|text| Some(Self { text }))
+        let text =
+            if path.is_file() { packing::pack(&path, characters).map(Some) } else { pictures::pack(run, characters) };
+        Ok(text?.map(|text| Self { text }))
     }
 
     /// Returns the data as an HTML element, a script that a browser does not run. `id` must need no escapes.

@@ -27,6 +27,16 @@ use crate::output::frame_data::{Frame, Header};
 /// Level of the compression: higher ones take twice the time for 2 % less.
 const LEVEL: u32 = 6;
 
+/// Returns the level of compression of all parts.
+pub(super) fn compression() -> Compression {
+    Compression::new(LEVEL)
+}
+
+/// Returns two compressed parts as text.
+pub(super) fn join(first: &[u8], second: &[u8]) -> String {
+    format!("{} {}", STANDARD.encode(first), STANDARD.encode(second))
+}
+
 /// Facts about the packed frames.
 #[derive(Default)]
 struct FrameColumns {
@@ -48,9 +58,9 @@ pub(super) fn pack(path: &Path, most: usize) -> io::Result<String> {
     let most = most / 4 * 3;
     loop {
         let (bytes, columns, is_whole) = pack_frames(path, &header, &plan, most)?;
-        if is_whole || !plan.thin(bytes.len(), columns.times.len(), most) {
+        if is_whole || !plan.thinning.thin(bytes.len(), columns.times.len(), most) {
             let first = first_part(&header, &plan, &columns)?;
-            return Ok(format!("{} {}", STANDARD.encode(first), STANDARD.encode(bytes)));
+            return Ok(join(&first, &bytes));
         }
     }
 }
@@ -58,18 +68,18 @@ pub(super) fn pack(path: &Path, most: usize) -> io::Result<String> {
 /// Returns the compressed frames, facts about them, and whether these are all: packing ends at `most` bytes unless there are only two.
 fn pack_frames(path: &Path, header: &Header, plan: &Plan, most: usize) -> io::Result<(Vec<u8>, FrameColumns, bool)> {
     let (mut packer, _) = FramePacker::new(header, plan);
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(LEVEL));
+    let mut encoder = ZlibEncoder::new(Vec::new(), compression());
     let mut columns = FrameColumns::default();
     // A run that goes on has more frames now.
     for (number, frame) in FrameReader::open(path)?.enumerate().take(plan.facts.frames) {
         let frame = frame?;
-        if !plan.takes(number) {
+        if !plan.thinning.takes(number) {
             continue;
         }
         let bytes = packer.pack(&frame)?;
         encoder.write_all(&bytes)?;
         columns.add(&frame, bytes.len());
-        if encoder.get_ref().len() > most && plan.frames > 2 {
+        if encoder.get_ref().len() > most && plan.thinning.kept > 2 {
             return Ok((encoder.finish()?, columns, false));
         }
     }
@@ -94,7 +104,7 @@ impl FrameColumns {
 fn first_part(header: &Header, plan: &Plan, columns: &FrameColumns) -> io::Result<Vec<u8>> {
     let description =
         serde_json::to_vec(&Description::of(header, plan, columns.times.len())).map_err(io::Error::other)?;
-    let mut encoder = ZlibEncoder::new(Vec::new(), Compression::new(LEVEL));
+    let mut encoder = ZlibEncoder::new(Vec::new(), compression());
     encoder.write_all(&length(description.len()).to_le_bytes())?;
     encoder.write_all(&description)?;
     let mut column = |bytes: Vec<u8>| encoder.write_all(&bytes);

@@ -78,6 +78,12 @@ fn inflate(text: &str) -> Vec<u8> {
     bytes
 }
 
+/// Returns the content of both parts.
+pub fn parts(text: &str) -> (Vec<u8>, Vec<u8>) {
+    let (first, second) = text.split_once(' ').unwrap();
+    (inflate(first), inflate(second))
+}
+
 type Shape = (Vec<[i32; 3]>, usize, usize);
 
 /// The state of unpacking.
@@ -94,8 +100,7 @@ struct Unpacker {
 }
 
 pub fn unpack(text: &str) -> Unpacked {
-    let (first, second) = text.split_once(' ').unwrap();
-    let (first, second) = (inflate(first), inflate(second));
+    let (first, second) = parts(text);
     let (mut facts, mut all) = (Bytes(&first), Bytes(&second));
     let length = u32::from_le_bytes(facts.take(4).try_into().unwrap()) as usize;
     let description: Value = serde_json::from_slice(facts.take(length)).unwrap();

@@ -63,6 +63,7 @@ async function decodeRun(text) {
   const [facts, frames] = await Promise.all([inflate(first), inflate(second)]);
   const length = new DataView(facts.take(4).slice().buffer).getUint32(0, true);
   const run = JSON.parse(new TextDecoder().decode(facts.take(length)));
+  if (run.is_pictures) return decodePictures(run, facts, frames);
   const count = run.particles;
   run.times = facts.column(Float64Array, run.frames);
   run.counts = facts.column(Float64Array, 4 * run.frames);

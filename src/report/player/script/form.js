@@ -15,22 +15,30 @@ function button(text, label, act) {
   return make("button", { type: "button", textContent: text, title: label, "aria-label": label, onclick: act });
 }
 
+let controls = 0;
+
+/** A control with a label before it. */
+function labelled(text, box) {
+  box.id = `sfp-${++controls}`;
+  return { box, element: make("div", { className: "sfp-field" }, [make("label", { for: box.id, textContent: text }), box]) };
+}
+
 /** A select with its label; `options` are pairs of value and text. */
 function select(text, options, chosen, act) {
   const box = make("select", { onchange: () => act(box.value) });
   for (const [value, name] of options) box.append(make("option", { value, textContent: name, selected: value === chosen }));
-  return { box, element: make("label", {}, [make("span", { textContent: text }), box]) };
-}
-
-function checkbox(text, isOn, act) {
-  const box = make("input", { type: "checkbox", checked: isOn, onchange: () => act(box.checked) });
-  return make("label", { className: "sfp-check" }, [box, make("span", { textContent: text })]);
+  return labelled(text, box);
 }
 
 /** A slider with its label. */
 function slider(text, high, act) {
   const box = make("input", { type: "range", min: 0, max: high, step: 1, value: 0, oninput: () => act(Number(box.value)) });
-  return { box, element: make("label", {}, [make("span", { textContent: text }), box]) };
+  return labelled(text, box);
+}
+
+function checkbox(text, isOn, act) {
+  const box = make("input", { type: "checkbox", checked: isOn, onchange: () => act(box.checked) });
+  return make("label", { className: "sfp-check" }, [box, text]);
 }
 
 /** A legend of colours: swatches of species, or a bar with ticks; then walls and force chains, as far as they are shown. */

@@ -1,6 +1,6 @@
 // The player: a view with its controls.
 
-const SPEEDS = [1, 2, 5].flatMap((digit) => [-4, -3, -2, -1, 0, 1, 2].map((power) => Number(`${digit}e${power}`))).sort((a, b) => a - b);
+const SPEEDS = [1, 2, 5].flatMap((digit) => [-4, -3, -2, -1, 0, 1, 2, 3, 4].map((power) => Number(`${digit}e${power}`))).sort((a, b) => a - b);
 
 /** Seconds that a run is played for, at the speed that is chosen first. */
 const PLAYED = 20;
@@ -13,24 +13,33 @@ class Player {
     this.number = 0;
     this.isPlaying = false;
     this.listeners = [];
-    this.colourings = colourings(run);
+    this.colourings = run.is_pictures ? [] : colourings(run);
     const duration = run.times[run.frames - 1] - run.times[0];
     this.speed = SPEEDS.findLastIndex((speed) => speed * PLAYED <= duration * 1.01);
     if (this.speed < 0) this.speed = 0;
     this.build(container);
+    if (run.is_pictures) this.view = new PictureView(this.canvas, (aspect) => this.setAspect(aspect));
+    else this.makeView();
+    this.scrub.addEventListener("input", () => this.go(Number(this.scrub.value)));
+    this.root.addEventListener("keydown", (event) => this.key(event));
+    this.show(0);
+  }
+
+  makeView() {
+    const { run } = this;
     this.view = new View(this.canvas, run);
     this.view.afterDraw = () => this.drawScaleBar();
-    const isMixed = run.species.length > 1 && new Set(run.speciesOf.filter((_, particle) => run.kinds[particle] === 0)).size > 1;
+    const isMixed = new Set(run.speciesOf.filter((_, particle) => run.kinds[particle] === 0)).size > 1;
     this.colour(isMixed || this.colourings.length < 2 ? 0 : 1);
     this.listen();
-    this.show(0);
   }
 
   build(container) {
     const { run } = this;
     const isSolid = run.dimension === 3;
     const name = run.title || run.scene;
-    this.canvas = make("canvas", { tabIndex: 0, role: "img", "aria-label": `Grains of ${name}. ${KEYS}${isSolid ? ", shift with arrows turns the view" : ""}.` });
+    const turns = isSolid ? ", shift with arrows turns the view" : "";
+    this.canvas = make(run.is_pictures ? "img" : "canvas", { tabIndex: 0, role: "img", "aria-label": `${name}. ${KEYS}${turns}.` });
     this.scrub = make("input", { type: "range", className: "sfp-scrub", min: 0, max: run.frames - 1, step: 1, value: 0, "aria-label": "Frame" });
     this.playButton = button("▶", "Play", () => this.toggle());
     this.facts = make("div", { className: "sfp-facts" });
@@ -44,26 +53,38 @@ class Player {
       this.scrub,
     ]);
     this.message = make("p", { className: "sfp-message", hidden: true, role: "alert" });
-    this.root = make("div", { className: "sfp", role: "group", "aria-label": `Player: ${name}` }, [
+    this.picture = make("div", { className: "sfp-picture" }, [
       make("div", { className: "sfp-view" }, [this.canvas, this.message]),
-      make("div", { className: "sfp-under" }, [this.scaleBar, this.facts]),
       transport,
-      this.buildSettings(isSolid),
-      this.legendBox,
-      make("p", { className: "sfp-note", textContent: noteOf(run) }),
+    ]);
+    this.root = make("div", { className: "sfp", role: "group", "aria-label": `Player: ${name}` }, [
+      this.picture,
+      make("div", { className: "sfp-side" }, [
+        this.facts,
+        this.buildSettings(isSolid),
+        this.legendBox,
+        this.scaleBar,
+        make("p", { className: "sfp-note", textContent: noteOf(run) }),
+      ]),
       this.live,
     ]);
     container.replaceChildren(this.root);
-    const box = visibleBox(run);
-    const [width, height] = isSolid ? [4, 3] : [0, 1].map((axis) => box[1][axis] - box[0][axis]);
-    this.canvas.style.aspectRatio = String(Math.min(Math.max(width / height || 1, 0.75), 2.2));
+    const box = run.is_pictures ? null : visibleBox(run);
+    const [width, height] = isSolid || !box ? [1, 1] : [0, 1].map((axis) => box[1][axis] - box[0][axis]);
+    this.setAspect(width / height);
+  }
+
+  /** Sets width over height of the picture, within limits. */
+  setAspect(aspect) {
+    this.picture.style.setProperty("--aspect", String(Math.min(Math.max(aspect || 1, 0.6), 2.2)));
   }
 
   buildSettings(isSolid) {
     const { run } = this;
-    const speeds = SPEEDS.map((speed, place) => [String(place), `${shortNumber(speed)} × real time`]);
+    const speeds = SPEEDS.map((speed, place) => [String(place), `${shortNumber(speed)} ${speedUnit(run)}`]);
     const speed = select("Speed", speeds, String(this.speed), (place) => this.setSpeed(Number(place)));
     this.speedBox = speed.box;
+    if (run.is_pictures) return make("div", { className: "sfp-row sfp-settings" }, [speed.element]);
     const colours = this.colourings.map((colouring, place) => [String(place), `${colouring.name}${colouring.unit ? ` (${colouring.unit})` : ""}`]);
     const colour = select("Colour", colours, "0", (place) => this.colour(Number(place), true));
     this.colourBox = colour.box;
@@ -76,7 +97,7 @@ class Player {
       const axes = [["-1", "none"], ["0", "along x"], ["1", "along y"], ["2", "along z"]];
       const cut = select("Cut", axes, "-1", (axis) => this.setCut(Number(axis)));
       this.cutPlace = slider("Depth of the cut", 100, (share) => this.look(() => (this.view.cut.share = share / 100)));
-      this.cutPlace.box.disabled = true;
+      this.cutPlace.element.hidden = true;
       parts.push(view.element, cut.element, this.cutPlace.element);
     }
     const zoom = (factor) => () => this.look(() => this.view.camera.zoomBy(factor));
@@ -90,8 +111,6 @@ class Player {
 
   listen() {
     const { canvas, view } = this;
-    this.scrub.addEventListener("input", () => this.go(Number(this.scrub.value)));
-    this.root.addEventListener("keydown", (event) => this.key(event));
     new ResizeObserver(() => view.redraw()).observe(canvas);
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => view.redraw());
     canvas.addEventListener("webglcontextlost", (event) => {
@@ -140,11 +159,16 @@ class Player {
     this.number = Math.min(Math.max(number, 0), run.frames - 1);
     const frame = run.frameList[this.number];
     view.show(frame);
-    const [released, inside, out, lost] = run.counts.subarray(4 * this.number, 4 * this.number + 4);
-    const leftOut = frame.leftOut ? ` · ${frame.leftOut} outside of the picture` : "";
-    this.facts.textContent = `${timeOf(run, this.number)} s · ${released} released · ${inside} inside · ${out} out · ${lost} lost${leftOut}`;
     this.scrub.value = this.number;
-    this.scrub.setAttribute("aria-valuetext", `${timeOf(run, this.number)} seconds`);
+    this.scrub.setAttribute("aria-valuetext", momentOf(run, this.number));
+    if (run.is_pictures) {
+      this.facts.replaceChildren(make("b", { textContent: momentOf(run, this.number) }), `picture ${this.number + 1} of ${run.frames}`);
+      return;
+    }
+    const [released, inside, out, lost] = run.counts.subarray(4 * this.number, 4 * this.number + 4);
+    const counts = [["released", released], ["inside", inside], ["out", out], ["lost", lost], ["outside of the picture", frame.leftOut]];
+    const shown = counts.filter(([name, count]) => count || !["lost", "outside of the picture"].includes(name));
+    this.facts.replaceChildren(make("b", { textContent: momentOf(run, this.number) }), ` ${shown.map(([name, count]) => `${count} ${name}`).join(" · ")}`);
   }
 
   /** Shows a frame because the user wants it, and tells listeners. */
@@ -207,7 +231,7 @@ class Player {
   setSpeed(place) {
     this.speed = Math.min(Math.max(place, 0), SPEEDS.length - 1);
     this.speedBox.value = this.speed;
-    this.announce(`Speed ${shortNumber(SPEEDS[this.speed])} times real time`);
+    this.announce(`Speed ${shortNumber(SPEEDS[this.speed])} ${speedUnit(this.run)}`);
   }
 
   colour(place, isChosen = false) {
@@ -228,8 +252,8 @@ class Player {
   }
 
   setCut(axis) {
-    const { box } = this.cutPlace;
-    box.disabled = axis < 0;
+    const { box, element } = this.cutPlace;
+    element.hidden = axis < 0;
     if (axis >= 0 && Number(box.value) === 0) box.value = 50;
     this.look(() => Object.assign(this.view.cut, { axis, share: Number(box.value) / 100 }));
   }
@@ -264,17 +288,28 @@ function frameAt(times, time) {
   return low;
 }
 
-/** The time of a frame with as many digits as tell frames apart. */
+/** The time of a frame with as many digits as the times of the first frames have. */
 function timeOf(run, number) {
-  const between = run.frames > 1 ? (run.times[run.frames - 1] - run.times[0]) / (run.frames - 1) : 1;
-  return run.times[number].toFixed(Math.min(Math.max(1 - Math.floor(Math.log10(between)), 0), 9));
+  run.digits ??= [0, 1, 2, 3, 4, 5, 6, 7, 8].find((digits) =>
+    run.times.subarray(0, 3).every((time) => Math.abs(time * 10 ** digits - Math.round(time * 10 ** digits)) < 1e-4)) ?? 9;
+  return run.times[number].toFixed(run.digits);
 }
 
-/** What the picture leaves out. */
+/** The time of a frame with its unit. */
+function momentOf(run, number) {
+  return run.is_pictures ? `step ${run.times[number]}` : `${timeOf(run, number)} s`;
+}
+
+function speedUnit(run) {
+  return run.is_pictures ? "steps per second" : "× real time";
+}
+
+/** What the player leaves out. */
 function noteOf(run) {
   const frames = run.frames < run.frames_of_run
-    ? `Shown are ${run.frames} of the ${run.frames_of_run} frames of the run, evenly spaced, to keep this page small. `
+    ? `Shown are ${run.frames} of the ${run.frames_of_run} ${run.is_pictures ? "pictures" : "frames"} of the run, evenly spaced, to keep this page small. `
     : "";
+  if (run.is_pictures) return `${frames}These are the pictures in frames/ of the run directory.`;
   const finest = run.step * 1000;
   const resolution = finest < 1 ? `${shortNumber(finest * 1000, 2)} µm` : `${shortNumber(finest, 2)} mm`;
   return `${frames}Positions here are rounded to ${resolution}, colours to ${run.top + 1} levels; frames.bin has all digits.`;

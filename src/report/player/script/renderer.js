@@ -7,39 +7,37 @@ class Renderer {
     this.gl = gl;
     this.run = run;
     this.isSolid = run.dimension === 3;
-    this.grains = compile(gl, GRAIN_VERTEX, this.isSolid ? SPHERE_FRAGMENT : DISC_FRAGMENT);
+    // As pairs of triangles, and as points.
+    this.grains = [false, true].map((isPoints) => compile(gl, grainVertex(isPoints), (this.isSolid ? sphereFragment : discFragment)(isPoints)));
     this.lines = compile(gl, LINE_VERTEX, LINE_FRAGMENT);
     this.faces = compile(gl, FACE_VERTEX, FACE_FRAGMENT);
     this.palette = gl.createTexture();
     gl.bindTexture(gl.TEXTURE_2D, this.palette);
     for (const name of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, name, gl.NEAREST);
-    this.grainArray = this.instances(this.grains, { x: 0, y: 0, z: 0, radius: 0, colour: 0 });
+    this.grainBuffers = Object.fromEntries(["x", "y", "z", "radius", "colour"].map((name) => [name, gl.createBuffer()]));
+    this.grainArrays = this.grains.map((program, isPoints) => this.instances(program, isPoints ? 0 : 1));
+    this.order = gl.createBuffer();
     this.bondArray = this.lineArray();
     this.wallArray = this.lineArray();
     this.faceArray = this.strided(this.faces, { from: [3, 0], kind: [1, 12] }, 16, 0);
     this.count = 0;
   }
 
-  /** An array with a buffer for each attribute, read once for each grain. */
-  instances(program, names) {
+  /** An array with a buffer for each attribute of grains. */
+  instances(program, divisor) {
     const { gl } = this;
     const array = gl.createVertexArray();
     gl.bindVertexArray(array);
-    const buffers = {};
-    for (const name of Object.keys(names)) {
+    for (const [name, buffer] of Object.entries(this.grainBuffers)) {
       const place = program.attribute(name);
-      buffers[name] = gl.createBuffer();
-      gl.bindBuffer(gl.ARRAY_BUFFER, buffers[name]);
-      const type = name === "radius" ? gl.FLOAT : gl.UNSIGNED_SHORT;
-      if (name === "z" && !this.isSolid) {
-        gl.vertexAttrib1f(place, 0);
-        continue;
-      }
+      // In the plane z is 0, the value of an attribute without an array.
+      if (name === "z" && !this.isSolid) continue;
+      gl.bindBuffer(gl.ARRAY_BUFFER, buffer);
       gl.enableVertexAttribArray(place);
-      gl.vertexAttribPointer(place, 1, type, false, 0, 0);
-      gl.vertexAttribDivisor(place, 1);
+      gl.vertexAttribPointer(place, 1, name === "radius" ? gl.FLOAT : gl.UNSIGNED_SHORT, false, 0, 0);
+      gl.vertexAttribDivisor(place, divisor);
     }
-    return { array, buffers };
+    return array;
   }
 
   /** An array of floats in one buffer; `names` has the count and the first byte of each attribute. */
@@ -68,8 +66,11 @@ class Renderer {
 
   /** Sets the grains: columns of places, radii (m) and places in the palette. */
   setGrains(places, radii, colours) {
-    const { buffers } = this.grainArray;
+    const buffers = this.grainBuffers;
+    this.places = places;
+    this.radii = radii;
     ["x", "y", "z"].forEach((axis, number) => places[number] && this.fill(buffers[axis], places[number]));
+    this.largest = radii.reduce((most, radius) => Math.max(most, radius), 0);
     this.fill(buffers.radius, radii);
     this.fill(buffers.colour, colours);
     this.count = colours.length;
@@ -126,14 +127,37 @@ class Renderer {
 
   drawGrains(camera, look) {
     const { gl } = this;
-    const uniforms = this.use(this.grains, camera);
+    // A point is not drawn if its centre is outside of the viewport, so the viewport has a margin of the largest radius.
+    const [width, height] = [gl.drawingBufferWidth, gl.drawingBufferHeight];
+    const margin = Math.ceil((this.largest * look.shrink * height) / (2 * camera.halfHeight)) + 2;
+    const isPoints = 2 * margin <= Math.min(gl.getParameter(gl.ALIASED_POINT_SIZE_RANGE)[1], 256);
+    const uniforms = this.use(this.grains[Number(isPoints)], camera);
+    if (isPoints) {
+      const half = camera.halfHeight;
+      gl.viewport(-margin, -margin, width + 2 * margin, height + 2 * margin);
+      gl.uniform3f(uniforms("scale"), width / (half * camera.aspect * (width + 2 * margin)), height / (half * (height + 2 * margin)), 1 / camera.halfDepth);
+    }
     this.setEnabled(gl.BLEND, !this.isSolid);
     gl.uniform1f(uniforms("gridStep"), this.run.step);
     gl.uniform1f(uniforms("shrink"), look.shrink);
     gl.uniform4fv(uniforms("cut"), look.cut);
     gl.bindTexture(gl.TEXTURE_2D, this.palette);
-    gl.bindVertexArray(this.grainArray.array);
-    gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.count);
+    gl.bindVertexArray(this.grainArrays[Number(isPoints)]);
+    if (isPoints && this.isSolid) this.drawVisible(camera, look, (2 * camera.halfHeight) / height, [width, height]);
+    else if (isPoints) gl.drawArrays(gl.POINTS, 0, this.count);
+    else gl.drawArraysInstanced(gl.TRIANGLE_STRIP, 0, 4, this.count);
+    gl.viewport(0, 0, width, height);
+  }
+
+  /** Draws spheres as points, those that can be seen. */
+  drawVisible(camera, look, pixel, size) {
+    const { gl } = this;
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.order);
+    const radii = look.shrink === 1 ? this.radii : this.radii.map((radius) => radius * look.shrink);
+    const cell = look.shrink * look.middleRadius;
+    const rows = visibleRows(this.places, radii, this.run.step, camera, pixel, size, look.cut, cell);
+    gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, rows, gl.DYNAMIC_DRAW);
+    gl.drawElements(gl.POINTS, rows.length, gl.UNSIGNED_INT, 0);
   }
 
   drawLines(array, camera, style, look) {

@@ -102,15 +102,18 @@ class View {
     const colours = run.wall_colours.map((text) => [...fromHex(text.slice(1)).map((byte) => byte / 255), 1]);
     const withAlpha = (alpha) => colours.map(([r, g, b]) => [r, g, b, alpha]);
     const sliding = [...fromHex(SLIDING.slice(1)).map((byte) => byte / 255), 1];
-    const metres = 0.9 * this.middleRadius;
+    // Points of walls are rounded, so the box in which half-spaces are drawn is a little larger.
+    const around = box.map((corner, isHigh) => corner.map((place) => place + (isHigh ? 2 : -2) * run.step));
+    const metres = (isSolid ? 0.9 : 0.7) * this.middleRadius;
     return {
       density,
+      middleRadius: this.middleRadius,
       paper: cssColour(style.backgroundColor),
       shrink: isSolid && shown.bonds ? 0.3 : 1,
       cut: this.cutPlane(),
-      bonds: shown.bonds && { metres, pixels: 0.8, casing: isSolid ? 0 : 0.9, colours: [ink, sliding], box },
-      walls: shown.walls && { metres: 0, pixels: isSolid ? 1.4 : 2.5, casing: 0, colours: isSolid ? withAlpha(0.7) : colours, box },
-      faces: withAlpha(0.14),
+      bonds: shown.bonds && { metres, pixels: 0.8, casing: isSolid ? 0 : 0.6, colours: [ink, sliding], box },
+      walls: shown.walls && { metres: 0, pixels: isSolid ? 1.4 : 2.5, casing: 0, colours: isSolid ? withAlpha(0.7) : colours, box: around },
+      faces: withAlpha(0.09),
     };
   }
 
