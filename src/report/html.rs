@@ -24,6 +24,20 @@ pub fn code(text: &str) -> String {
     format!("<code>{}</code>", escape(&crate::text::cut(text, LONGEST_VALUE)))
 }
 
+/// Returns a message as HTML, with what it puts between backticks as code.
+#[must_use]
+pub fn message(text: &str) -> String {
+    let escaped = escape(text);
+    if escaped.matches('`').count() % 2 == 1 {
+        return escaped;
+    }
+    let part = |(number, part): (usize, &str)| match number % 2 {
+        0 => part.to_owned(),
+        _ => format!("<code>{part}</code>"),
+    };
+    escaped.split('`').enumerate().map(part).collect()
+}
+
 /// Returns a number with its unit. The unit may be empty.
 #[must_use]
 pub fn quantity(value: f64, unit: &str) -> String {
@@ -180,6 +194,12 @@ mod tests {
         assert!(shown(8.31, 0.041).contains(">8.310 ± 0.041<"));
         assert!(shown(12_345.0, 230.0).contains(">12,345 ± 230<"));
         assert!(shown(5.0, 0.0).contains(">5</data> ± "), "{}", shown(5.0, 0.0));
+    }
+
+    #[test]
+    fn what_a_message_quotes_is_code() {
+        assert_eq!(message("raise `until`, or `<b>`"), "raise <code>until</code>, or <code>&lt;b&gt;</code>");
+        assert_eq!(message("an odd `"), "an odd `");
     }
 
     #[test]

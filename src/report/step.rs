@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 
 use crate::fault::Warning;
 use crate::lattice;
-use crate::report::html::{Section, code, escape, list};
+use crate::report::html::{Section, code, escape, list, message};
 use crate::report::run::Run;
 use crate::report::sheet::{Cell, Sheet};
 use crate::scene::TimeStep;
@@ -74,8 +74,8 @@ fn remarks(run: &Run, has_name: bool) -> String {
         Err(error) => return format!("<p>{name}the scene of the run cannot be examined: {}</p>\n", escape(error)),
     };
     let item = |warning: &Warning| {
-        let Warning { code: name, message, help } = warning;
-        format!("{}: {}; {}.", code(name), escape(message), escape(help))
+        let Warning { code: name, message: text, help } = warning;
+        format!("{}: {}; {}.", code(name), message(text), message(help))
     };
     if warnings.is_empty() {
         return format!("<p>{name}<code>siloflow check</code> has no warnings.</p>\n");
