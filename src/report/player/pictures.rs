@@ -18,7 +18,6 @@ use super::bytes::length;
 use super::grains::damaged;
 use super::packing::{compression, join};
 use super::thinning::Thinning;
-use crate::text::cut;
 
 /// Largest picture that is read, bytes.
 const LARGEST: u64 = 32 << 20;
@@ -103,9 +102,7 @@ fn pack_files(files: &[PathBuf], thinning: Thinning) -> io::Result<(Vec<u8>, Vec
 
 /// Returns the step in the header of a picture.
 fn step_of(svg: &str) -> Option<f64> {
-    // The header stands before all shapes.
-    let head = cut(svg, 20_000);
-    let number = head.split_once(">step ")?.1;
+    let number = svg.split_once(">step ")?.1;
     number.split(|c: char| !c.is_ascii_digit()).next()?.parse().ok()
 }
 
@@ -127,7 +124,7 @@ mod tests {
             write(
                 run.path(),
                 &format!("0000{number}.svg"),
-                &format!("<svg><text>step {}, 3 since</text></svg>", 200 * number),
+                &format!("<svg>{}<text>step {}, 3 since</text></svg>", "<path/>".repeat(9000), 200 * number),
             );
         }
         write(run.path(), "00000.png", "no picture of interest");
@@ -140,7 +137,7 @@ mod tests {
             first[from..from + 32].as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect();
         assert_eq!(steps, [0.0, 200.0, 400.0, 600.0]);
         assert_eq!(first.len(), from + 32 + 16);
-        assert!(second.starts_with(b"<svg><text>step 0,") && second.ends_with(b"step 600, 3 since</text></svg>"));
+        assert!(second.starts_with(b"<svg><path/>") && second.ends_with(b"step 600, 3 since</text></svg>"));
         // Two pictures are shown whatever they need.
         assert!(pack(run.path(), 8).unwrap().is_some());
     }
