@@ -65,7 +65,7 @@ fn frames(run: &Run, budget: usize) -> Result<Packed, String> {
     match Packed::within(&run.path, budget) {
         Ok(Some(frames)) => Ok(frames),
         Ok(None) if run.is_lattice() => Err(
-            "The lattice gas keeps no frames to play. Its pictures are in <code>frames/</code> of the run directory."
+            "The lattice gas keeps no frames to play, and this run has no pictures: set the key <code>pictures</code>."
                 .to_owned(),
         ),
         Ok(None) => Err(
