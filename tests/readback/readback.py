@@ -47,7 +47,7 @@ RUNS = [
     ("chute3d.ron", ["until=0.06", "data_frames=(interval: 0.02)"], 3, False),
     ("silo3d.ron", ["until=0.02", "data_frames=(interval: 0.01)", "door.opens=At(0.005)"], 3, False),
     ("silo1-mixture.ron", ["spawner.count=60", "until=4.0", "data_frames=(interval: 1.0)", CONDUCTION], 2, True),
-    ("silo3d.ron", ["until=0.02", "data_frames=(interval: 0.01)", CONDUCTION], 3, True),
+    ("chute3d.ron", ["until=0.06", "data_frames=(interval: 0.02)", CONDUCTION], 3, True),
 ]
 
 
