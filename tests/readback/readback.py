@@ -46,8 +46,7 @@ RUNS = [
     ("couette.ron", ["until=0.3", "data_frames=(interval: 0.1)"], 2, False),
     ("chute3d.ron", ["until=0.06", "data_frames=(interval: 0.02)"], 3, False),
     ("silo3d.ron", ["until=0.02", "data_frames=(interval: 0.01)", "door.opens=At(0.005)"], 3, False),
-    ("silo1-mixture.ron", ["spawner.count=60", "until=4.0", "data_frames=(interval: 1.0)", CONDUCTION], 2, True),
-    ("chute3d.ron", ["until=0.06", "data_frames=(interval: 0.02)", CONDUCTION], 3, True),
+    ("chute3d.ron", ["until=0.004", "series.interval=0.002", "data_frames=(interval: 0.002)", CONDUCTION], 3, True),
 ]
 
 
@@ -207,8 +206,7 @@ def compare_run(program, run_directory, components):
         check(abs(kinetic - row["kinetic_j"].iloc[0]) <= 1e-12 * max(kinetic, 1e-300), "kinetic energy", kinetic, row["kinetic_j"])
         if "temperature" in columns:
             same(columns["temperature"], atoms.arrays["temperature"], path, "temperature")
-            in_order = np.argsort(columns["id"])
-            same(columns["temperature"][in_order], atoms_of_dump.arrays["temperature"].ravel(), path, "temperature of the dump")
+            # ASE leaves further columns of a dump out; OVITO reads them.
             compare_heat(columns, row)
     compare_files_of_tables(program, run_directory)
     # The last frame is the final state.
