@@ -60,10 +60,12 @@ mod tests {
     pub fn run_pair(here: &Path, space: Dimension, behaviours: &str, until: f64) -> PathBuf {
         let grains = include_str!("../scenes/pair.csv");
         std::fs::write(here.join("pair.csv"), grains).expect("a file");
-        let text = scene_of_pair(space, behaviours, until).replace("pictures: None", "pictures: None, data_frames: (interval: 0.5)");
+        let text = scene_of_pair(space, behaviours, until)
+            .replace("pictures: None", "pictures: None, data_frames: (interval: 0.5)");
         std::fs::write(here.join("pair.ron"), text).expect("a file");
         let [scene, out] = ["pair.ron", "run"].map(|name| here.join(name));
-        let arguments = ["siloflow".into(), "run".into(), "--quiet".into(), scene.into(), "--out".into(), out.clone().into()];
+        let arguments =
+            ["siloflow".into(), "run".into(), "--quiet".into(), scene.into(), "--out".into(), out.clone().into()];
         assert_eq!(siloflow::cli::run_with(&registry(), arguments), ExitCode::SUCCESS);
         out
     }
