@@ -24,7 +24,7 @@ use crate::output::outflow::OutflowPlugin;
 use crate::output::parent::ParentPlugin;
 use crate::output::pictures::during_run::PicturesPlugin;
 use crate::output::profiles::ProfilesPlugin;
-use crate::output::run_directory::RunDirectory;
+use crate::output::run_directory::{RunDirectory, names};
 use crate::output::series::SeriesPlugin;
 use crate::output::summary::{Cost, Energy, Summary, movable_grains};
 use crate::output::wall_bands::WallBandsPlugin;
@@ -189,29 +189,38 @@ impl<V: Space> Outputs<V> {
         let species = u8::try_from(loaded.largest_species()).unwrap_or(u8::MAX);
         let tracks_energy = loaded.scene.energy_balance;
         Ok(Self {
-            series: SeriesPlugin::create(loaded.scene.series, tracks_energy, world, &directory.series())?,
+            series: SeriesPlugin::create(loaded.scene.series, tracks_energy, world, &directory.rows(names::SERIES))?,
             walls: if names.is_empty() {
                 None
             } else {
-                Some(WallForcesPlugin::create(&names, &directory.walls(), &directory.wall_groups())?)
+                Some(WallForcesPlugin::create(
+                    &names,
+                    &directory.rows(names::WALLS),
+                    &directory.rows(names::WALL_GROUPS),
+                )?)
             },
             wall_bands: if bands.is_empty() {
                 None
             } else {
-                Some(WallBandsPlugin::create(bands, &directory.wall_bands())?)
+                Some(WallBandsPlugin::create(bands, &directory.rows(names::WALL_BANDS))?)
             },
             profiles: if profiles.is_empty() {
                 None
             } else {
-                Some(ProfilesPlugin::create(&profiles, species, &directory.profiles(), &directory.centres())?)
+                Some(ProfilesPlugin::create(
+                    &profiles,
+                    species,
+                    &directory.rows(names::PROFILES),
+                    &directory.rows(names::CENTRES),
+                )?)
             },
             fields: if loaded.scene.fields.is_empty() {
                 None
             } else {
-                Some(FieldsPlugin::create(loaded.fields(), &directory.fields())?)
+                Some(FieldsPlugin::create(loaded.fields(), &directory.rows(names::FIELDS))?)
             },
-            flow: loaded.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.flow())).transpose()?,
-            frame_data: FrameDataPlugin::create(loaded, world, &directory.frame_data())?,
+            flow: loaded.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.rows(names::FLOW))).transpose()?,
+            frame_data: FrameDataPlugin::create(loaded, world, &directory.rows(names::FRAME_DATA))?,
         })
     }
 }

@@ -22,7 +22,7 @@ use crate::lattice::sites::Sites;
 use crate::lattice::summary::{Summary, write_state};
 use crate::outcome::End;
 use crate::output::cost::CostPlugin;
-use crate::output::run_directory::RunDirectory;
+use crate::output::run_directory::{RunDirectory, names};
 use crate::output::summary::Cost;
 use crate::persist::{CheckpointConfig, Section, UnknownState};
 use crate::simulation::Simulation;
@@ -46,8 +46,9 @@ impl Method for LoadedLattice {
 
     fn build(&mut self, call: &Call, directory: &RunDirectory, saved: Option<&[Section]>) -> Result<Simulation, Fault> {
         let outputs = |world: &World| -> io::Result<_> {
-            let series = SeriesPlugin::create(self.scene.series, world, &directory.series())?;
-            let flow = self.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.flow())).transpose()?;
+            let series = SeriesPlugin::create(self.scene.series, world, &directory.rows(names::SERIES))?;
+            let flow =
+                self.scene.flow.map(|flow| FlowPlugin::create(flow, &directory.rows(names::FLOW))).transpose()?;
             Ok((series, flow))
         };
         let more = Box::new(|app: &mut Assembly<'_>| {

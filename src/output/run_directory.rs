@@ -18,6 +18,7 @@
 mod examine;
 mod exchange;
 mod marker;
+pub(crate) mod names;
 mod path;
 mod results;
 mod stage;
@@ -31,16 +32,21 @@ use serde::Serialize;
 
 use self::examine::{examine, refuse_content, resolve};
 use self::marker::{Claim, Marker};
+pub(crate) use self::names::is_reserved;
+use self::names::{FRAMES, LOSSES, REPORT, SCENE, STATE, SUMMARY, copy_name, is_own};
+pub use self::names::{
+    checkpoint_name, checkpoints_directory, checkpoints_in, frame_data_of, hash_of_input, is_drawn, movie_of,
+    pictures_of, remove_incomplete_checkpoints, report_of, scene_of, tables_of,
+};
 pub use self::path::RunPath;
 pub use self::results::{check_results, write_results};
 use self::stage::Stage;
 use crate::fault::Fault;
 use crate::source::Source;
 use crate::source::places;
-use crate::writers::fnv::Fnv;
 use crate::writers::frame_writer::Guard;
 use crate::writers::rows::RowsPlace;
-use crate::writers::whole_file::{PART, part_of, remove_if_there, write_with};
+use crate::writers::whole_file::{part_of, remove_if_there, write_with};
 
 /// A run directory that this process has locked.
 #[derive(Debug)]
@@ -64,281 +70,8 @@ enum Place {
     Gone,
 }
 
-const SCENE: &str = "scene.ron";
-const SERIES: &str = "series.csv";
-const FRAMES: &str = "frames";
-const FRAME_DATA: &str = "frames.bin";
-const VTK: &str = "vtk";
-/// Pictures and a movie of `siloflow render`.
-const PICTURES: &str = "pictures";
-const MOVIE: &str = "movie.png";
-/// Figures of `siloflow plot`.
-const PLOTS: &str = "plots";
-const CHECKPOINTS: &str = "checkpoints";
-const CHECKPOINT_ENDING: &str = "checkpoint";
-const WALLS: &str = "walls.csv";
-const WALL_GROUPS: &str = "wall_groups.csv";
-const WALL_BANDS: &str = "wall_bands.csv";
-const PROFILES: &str = "profiles.csv";
-const CENTRES: &str = "centres.csv";
-const FIELDS: &str = "fields.csv";
-const FLOW: &str = "flow.csv";
-const LOSSES: &str = "losses.csv";
-const STATE: &str = "state.csv";
-const SUMMARY: &str = "summary.json";
-const REPORT: &str = "report.html";
-/// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 16] = [
-    MOVIE,
-    SERIES,
-    FRAME_DATA,
-    "frames.xyz",
-    "frames.dump",
-    WALLS,
-    WALL_GROUPS,
-    WALL_BANDS,
-    PROFILES,
-    CENTRES,
-    FIELDS,
-    FLOW,
-    LOSSES,
-    STATE,
-    SUMMARY,
-    REPORT,
-];
-
-/// Names of the files that hold the input of a run, without those of meshes and motions.
-const INPUT_FILES: [&str; 4] = [SCENE, "input-silo.dat", "input-grains.csv", "input-contacts.csv"];
-const MESH_START: &str = "input-wall-";
-const TABLE_START: &str = "input-motion-";
-
 /// Bytes that `summary.json.part` occupies from the start, so that a full disk at the end leaves space for the summary.
 const SUMMARY_RESERVE: usize = 32 << 10;
-
-/// Returns the name of the copy of the input file `from` that the scene key `key` names.
-fn copy_name(key: &str, from: &Path) -> String {
-    let name = match key {
-        "silo.file" => "input-silo.dat",
-        "grains.contacts" => "input-contacts.csv",
-        "grains.file" => "input-grains.csv",
-        _ if key.starts_with("motions") => {
-            // The table of a motion: `motions[3].rotate.by.file`.
-            let number: String = key.chars().filter(char::is_ascii_digit).collect();
-            let course = if key.contains("rotate") { "rotate" } else { "translate" };
-            return format!("{TABLE_START}{number}-{course}.csv");
-        }
-        _ => {
-            // The mesh of a wall: `walls[3].file`.
-            let number: String = key.chars().filter(char::is_ascii_digit).collect();
-            let ending = from.extension().unwrap_or_default().to_ascii_lowercase();
-            return format!("{MESH_START}{number}.{}", ending.display());
-        }
-    };
-    name.to_owned()
-}
-
-/// Whether a file of this name at the top of a run directory holds input.
-fn is_input(name: &str) -> bool {
-    let is_numbered = |rest: &str, endings: &[&str]| {
-        let number = endings.iter().find_map(|ending| rest.strip_suffix(ending));
-        number.is_some_and(|number| !number.is_empty() && number.bytes().all(|byte| byte.is_ascii_digit()))
-    };
-    INPUT_FILES.contains(&name)
-        || name.strip_prefix(MESH_START).is_some_and(|rest| is_numbered(rest, &[".stl", ".obj"]))
-        || name.strip_prefix(TABLE_START).is_some_and(|rest| is_numbered(rest, &["-translate.csv", "-rotate.csv"]))
-}
-
-/// Returns the path of the scene in a run directory.
-#[must_use]
-pub fn scene_of(run: &Path) -> PathBuf {
-    run.join(SCENE)
-}
-
-/// Returns the hash of the scene in a run directory and of the copies of the files that it names.
-///
-/// # Errors
-/// If a file cannot be read.
-pub fn hash_of_input(run: &Path) -> io::Result<u64> {
-    let mut names = Vec::new();
-    for entry in fs::read_dir(run)? {
-        names.extend(entry?.file_name().into_string().ok().filter(|name| is_input(name)));
-    }
-    names.sort_unstable();
-    let mut hash = Fnv::default();
-    for name in names {
-        hash.update(name.as_bytes());
-        hash.update_from(File::open(run.join(name))?)?;
-    }
-    Ok(hash.value())
-}
-
-/// Returns the path of the frames of data in a run directory.
-#[must_use]
-pub fn frame_data_of(run: &Path) -> PathBuf {
-    run.join(FRAME_DATA)
-}
-
-/// Returns the path of the report in a run directory.
-#[must_use]
-pub fn report_of(run: &Path) -> PathBuf {
-    run.join(REPORT)
-}
-
-/// Returns the names, without ending, of siloflow's CSV files in a run directory, and their paths.
-#[must_use]
-pub fn tables_of(run: &Path) -> Vec<(&'static str, PathBuf)> {
-    let names = OWN_FILES.iter().filter_map(|name| Some((name.strip_suffix(".csv")?, run.join(name))));
-    names.filter(|(_, path)| path.is_file()).collect()
-}
-
-/// Returns the directory of the checkpoints in a run directory.
-#[must_use]
-pub fn checkpoints_directory(run: &Path) -> PathBuf {
-    run.join(CHECKPOINTS)
-}
-
-/// Returns the name of the checkpoint after a number of steps. Names sort in the order of steps.
-#[must_use]
-pub fn checkpoint_name(steps: u64) -> String {
-    format!("{steps:016}.{CHECKPOINT_ENDING}")
-}
-
-/// Whether a checkpoint may have this name.
-fn is_checkpoint(name: &Path) -> bool {
-    let number = name.file_stem().unwrap_or_default().as_encoded_bytes();
-    name.extension().is_some_and(|ending| ending == CHECKPOINT_ENDING)
-        && number.len() >= 16
-        && number.iter().all(u8::is_ascii_digit)
-}
-
-/// Returns the checkpoints in a directory, the latest first. Links and other files are left out.
-///
-/// # Errors
-/// If the directory cannot be read; a missing one is empty.
-pub fn checkpoints_in(directory: &Path) -> io::Result<Vec<PathBuf>> {
-    let entries = match fs::read_dir(directory) {
-        Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
-        entries => entries?,
-    };
-    let mut paths = Vec::new();
-    for entry in entries {
-        let entry = entry?;
-        if entry.file_type()?.is_file() && is_checkpoint(Path::new(&entry.file_name())) {
-            paths.push(entry.path());
-        }
-    }
-    paths.sort_unstable_by(|a, b| b.cmp(a));
-    Ok(paths)
-}
-
-/// Removes checkpoints that a killed process has left incomplete.
-///
-/// # Errors
-/// If the directory cannot be read, or a file cannot be removed.
-pub fn remove_incomplete_checkpoints(directory: &Path) -> io::Result<()> {
-    for entry in fs::read_dir(directory)? {
-        let path = entry?.path();
-        let is_part = path.extension().is_some_and(|ending| ending == PART);
-        if is_part && is_checkpoint(Path::new(path.file_stem().unwrap_or_default())) {
-            remove_if_there(&path)?;
-        }
-    }
-    Ok(())
-}
-
-/// Whether siloflow writes a file of this name in the directory `vtk`.
-fn is_vtk(name: &Path) -> bool {
-    let name = name.to_str().unwrap_or_default();
-    let (kind, rest) = name.split_once(['-', '.']).unwrap_or_default();
-    let number = rest.strip_suffix(".vtp").unwrap_or_default();
-    let is_frame = number.len() >= 5 && number.bytes().all(|byte| byte.is_ascii_digit());
-    ["grains", "contacts", "walls"].contains(&kind) && (is_frame || rest == "pvd")
-}
-
-/// Whether a file of this name in `plots` is a figure: named after a column, as SVG or PNG.
-fn is_plot(name: &Path) -> bool {
-    let name = name.to_str().unwrap_or_default();
-    let stem = name.strip_suffix(".svg").or(name.strip_suffix(".png")).unwrap_or_default();
-    !stem.is_empty() && stem.bytes().all(|byte| byte.is_ascii_lowercase() || byte.is_ascii_digit() || byte == b'_')
-}
-
-/// Whether a file of this name in `pictures` is a picture of a time: `t_01.50.png`.
-fn is_picture(name: &Path) -> bool {
-    let time = name.to_str().and_then(|name| name.strip_prefix("t_")?.strip_suffix(".png")).unwrap_or_default();
-    !time.is_empty() && time.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.')
-}
-
-/// Returns the directory of pictures that are drawn after a run.
-#[must_use]
-pub fn pictures_of(run: &Path) -> PathBuf {
-    run.join(PICTURES)
-}
-
-/// Returns the path of a run's movie.
-#[must_use]
-pub fn movie_of(run: &Path) -> PathBuf {
-    run.join(MOVIE)
-}
-
-/// Whether `path` is a picture file, or a directory with pictures of times and nothing else.
-#[must_use]
-pub fn is_drawn(path: &Path) -> bool {
-    let Ok(entries) = fs::read_dir(path) else {
-        let is_picture = path.extension().is_some_and(|ending| ["png", "svg", "apng"].iter().any(|own| ending == *own));
-        return is_picture && !path.is_dir();
-    };
-    let mut entries = entries;
-    entries.all(|entry| entry.is_ok_and(|entry| is_picture(Path::new(&entry.file_name()))))
-}
-
-/// Directories of results whose files have names of one pattern.
-const DIRECTORIES: [(&str, fn(&Path) -> bool); 6] = [
-    (CHECKPOINTS, is_checkpoint),
-    (VTK, is_vtk),
-    (PLOTS, is_plot),
-    (PICTURES, is_picture),
-    ("csv", |name| is_exported_table(name, "csv")),
-    ("parquet", |name| is_exported_table(name, "parquet")),
-];
-
-/// Whether `siloflow export` writes a table of this name, with this ending.
-fn is_exported_table(name: &Path, ending: &str) -> bool {
-    let stem = name.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
-    let is_of_frames = ["grains", "contacts", "wall_contacts"].contains(&stem);
-    let is_of_run = ending == "parquet" && OWN_FILES.iter().any(|own| own.strip_suffix(".csv") == Some(stem));
-    name.extension().is_some_and(|found| found == ending) && (is_of_frames || is_of_run)
-}
-
-/// Whether siloflow writes a file or directory of this path in a run directory.
-fn is_own(path: &Path) -> bool {
-    let complete = path.with_extension("");
-    let complete = if path.extension().is_some_and(|ending| ending == PART) { &*complete } else { path };
-    match complete.strip_prefix(FRAMES) {
-        Ok(picture) if picture == Path::new("") => complete == path,
-        Ok(picture) => {
-            let number = picture.file_stem().unwrap_or_default().as_encoded_bytes();
-            let is_picture = picture.extension().is_some_and(|ending| ending == "svg" || ending == "png");
-            is_picture
-                && picture.components().count() == 1
-                && number.len() >= 5
-                && number.iter().all(u8::is_ascii_digit)
-        }
-        Err(_) => {
-            let inside =
-                DIRECTORIES.iter().find_map(|(name, is_file)| Some((complete.strip_prefix(name).ok()?, is_file)));
-            match inside {
-                Some((inside, _)) if inside == Path::new("") => complete == path,
-                Some((inside, is_file)) => inside.components().count() == 1 && is_file(inside),
-                None => complete.to_str().is_some_and(|name| OWN_FILES.contains(&name) || is_input(name)),
-            }
-        }
-    }
-}
-
-/// Whether a behaviour may not have a file of this name at the top of a run directory.
-pub(crate) fn is_reserved(name: &str) -> bool {
-    is_own(Path::new(name)) || name.ends_with(&format!(".{PART}"))
-}
 
 impl RunDirectory {
     /// Prepares a run directory beside `path`, with `scene.ron` and copies of the files that it names. `path` itself is
@@ -502,63 +235,10 @@ impl RunDirectory {
         RunPath { now: self.now().to_owned(), is_resumed: matches!(self.place, Place::Published(_)) }
     }
 
-    /// Returns the place of a file of rows.
-    fn rows(&self, name: &str) -> RowsPlace {
+    /// Returns the place of a file of rows, for example `series.csv`. It changes when the directory is published.
+    #[must_use]
+    pub fn rows(&self, name: &str) -> RowsPlace {
         RowsPlace { path: self.now().join(name), is_continued: matches!(self.place, Place::Published(_)) }
-    }
-
-    /// Returns the place of `series.csv`. It changes when the directory is published.
-    #[must_use]
-    pub fn series(&self) -> RowsPlace {
-        self.rows(SERIES)
-    }
-
-    /// Returns the place of `frames.bin`. It changes when the directory is published.
-    #[must_use]
-    pub fn frame_data(&self) -> RowsPlace {
-        self.rows(FRAME_DATA)
-    }
-
-    /// Returns the place of `walls.csv`. It changes when the directory is published.
-    #[must_use]
-    pub fn walls(&self) -> RowsPlace {
-        self.rows(WALLS)
-    }
-
-    /// Returns the place of `wall_groups.csv`. It changes when the directory is published.
-    #[must_use]
-    pub fn wall_groups(&self) -> RowsPlace {
-        self.rows(WALL_GROUPS)
-    }
-
-    /// Returns the place of `wall_bands.csv`. It changes when the directory is published.
-    #[must_use]
-    pub fn wall_bands(&self) -> RowsPlace {
-        self.rows(WALL_BANDS)
-    }
-
-    /// Returns the place of `profiles.csv`. It changes when the directory is published.
-    #[must_use]
-    pub fn profiles(&self) -> RowsPlace {
-        self.rows(PROFILES)
-    }
-
-    /// Returns the place of `centres.csv`. It changes when the directory is published.
-    #[must_use]
-    pub fn centres(&self) -> RowsPlace {
-        self.rows(CENTRES)
-    }
-
-    /// Returns the place of `fields.csv`. It changes when the directory is published.
-    #[must_use]
-    pub fn fields(&self) -> RowsPlace {
-        self.rows(FIELDS)
-    }
-
-    /// Returns the place of `flow.csv`. It changes when the directory is published.
-    #[must_use]
-    pub fn flow(&self) -> RowsPlace {
-        self.rows(FLOW)
     }
 
     /// Returns the path of `losses.csv`. It changes when the directory is published.

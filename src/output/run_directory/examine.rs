@@ -7,8 +7,9 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use crate::fault::Fault;
+use crate::output::run_directory::in_use;
 use crate::output::run_directory::marker::{Claim, MARKER, Marker};
-use crate::output::run_directory::{CHECKPOINTS, FRAMES, PICTURES, PLOTS, SCENE, SERIES, SUMMARY, VTK, in_use, is_own};
+use crate::output::run_directory::names::{CHECKPOINTS, FRAMES, PICTURES, PLOTS, SCENE, SERIES, SUMMARY, VTK, is_own};
 
 /// Content of the place where a run directory shall be.
 #[derive(Debug)]

@@ -1,6 +1,7 @@
 use std::path::Path;
 
 use super::marker::MARKER;
+use super::names::SERIES;
 use super::*;
 
 fn source(text: &str) -> Source {
@@ -10,7 +11,7 @@ fn source(text: &str) -> Source {
 /// Creates, publishes and finishes a run.
 fn run(path: &Path, scene: &str, replace: bool) -> Result<RunDirectory, Fault> {
     let mut directory = RunDirectory::create(path, &source(scene), replace)?;
-    fs::write(directory.series().path, "rows").unwrap();
+    fs::write(directory.rows(SERIES).path, "rows").unwrap();
     fs::write(directory.frames().join("00000.svg"), scene).unwrap();
     directory.publish()?;
     directory.write_state(|file| file.write_all(b"state")).unwrap();
