@@ -134,8 +134,8 @@ impl Behaviour for Conduction {
             ),
         );
         match Dimension::of_world(app.world()) {
-            Dimension::Plane => app.add_systems(Step, conduct::<Plane>.in_set(Phase::Control)),
-            Dimension::Solid => app.add_systems(Step, conduct::<Solid>.in_set(Phase::Control)),
+            Dimension::Plane => app.add_systems(Step, conduct::<Plane>.in_set(Phase::Kick)),
+            Dimension::Solid => app.add_systems(Step, conduct::<Solid>.in_set(Phase::Kick)),
         };
     }
 }
@@ -152,6 +152,19 @@ mod tests {
             .iter(world)
             .map(|(mass, temperature)| 800.0 * mass.0 * temperature.0)
             .sum()
+    }
+
+    #[test]
+    fn grains_conduct_in_a_scene_with_a_door() {
+        let keys = "{\"conduction\": (temperatures: [400.0, 300.0], conductance: 50.0, heat_capacity: 800.0, interval: 0.25)}";
+        let scene = format!(
+            "(gravity: (0.0, 0.0), grains: (file: \"pair.csv\"), step: Fixed(1.0e-4), until: 0.01, \
+              contact: Linear(k: 1.0e4, damping: B(20.0), attraction: Allowed), pictures: None, \
+              walls: [Segment(from: (-9.0, -9.0), to: (9.0, -9.0), door: true)], door: (opens: At(0.005)), \
+              behaviours: {keys})"
+        );
+        let mut run = simulation("door", scene);
+        assert_eq!(run.run(), End::TimeReached);
     }
 
     #[test]
