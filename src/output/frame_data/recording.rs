@@ -7,7 +7,7 @@
 //! | `wall_contacts` | with wall surfaces: `grain`, `wall` (number), the same forces, and `point`, the nearest point of the wall |
 //!
 //! The id of wall grain 3 is -3. Rows are in ascending order of ids, wall grains after grains and in the order of their numbers. Forces are those of the full step, as in
-//! [`survey::view`](crate::survey::view). The pressure is that of [`pressure`](super::pressure).
+//! [`survey::view`](crate::survey::view). The pressure of a particle is the sum of its elastic contact forces over its circumference, or in solid space over its surface.
 
 use std::marker::PhantomData;
 use std::path::Path;
