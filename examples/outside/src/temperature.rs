@@ -156,7 +156,8 @@ mod tests {
 
     #[test]
     fn grains_conduct_in_a_scene_with_a_door() {
-        let keys = "{\"conduction\": (temperatures: [400.0, 300.0], conductance: 50.0, heat_capacity: 800.0, interval: 0.25)}";
+        let keys =
+            "{\"conduction\": (temperatures: [400.0, 300.0], conductance: 50.0, heat_capacity: 800.0, interval: 0.25)}";
         let scene = format!(
             "(gravity: (0.0, 0.0), grains: (file: \"pair.csv\"), step: Fixed(1.0e-4), until: 0.01, \
               contact: Linear(k: 1.0e4, damping: B(20.0), attraction: Allowed), pictures: None, \
