@@ -87,13 +87,14 @@ fn rates_of(rows: &[(f64, f64)]) -> Vec<(f64, f64)> {
 
 /// Returns the curve of an amount, and the line of its mean rate.
 fn with_fit(run: &RunFiles, quantity: &Quantity, number: usize, name: String, rows: &[(f64, f64)]) -> Vec<Curve> {
+    // Among several runs, the line has the colour of its run.
+    let line_colour = if name.is_empty() { colour(2) } else { colour(number) };
     let curve = Curve { name, colour: colour(number), points: thinned(rows), has_line: true, ..Curve::default() };
     let Some(fit) = Fit::of(rows) else { return vec![curve] };
     let per = if run.is_lattice() { "step" } else { "s" };
     let line = Curve {
         name: in_words(&fit.rate, &format!("{}/{per}", quantity.unit)),
-        // Beside a black curve a line in colour, and the reverse.
-        colour: if number == 0 { colour(2) } else { colour(0) },
+        colour: line_colour,
         points: vec![fit.start, fit.end],
         has_line: true,
         is_dashed: true,

@@ -9,7 +9,7 @@
 //! | `grains` | `series.csv` | released, inside, out and lost |
 //! | `energy` | `series.csv` | energies; flows of energy; error of the balance |
 //! | `contacts` | `series.csv` | contacts per grain; largest overlap |
-//! | `speed` | `series.csv` | largest speed; of the lattice gas mean velocity |
+//! | `speed` | `series.csv` | largest speed; of the lattice gas mean velocity, centre of mass and share at rest |
 //! | `walls` | `walls.csv`, `wall_groups.csv` | forces on walls |
 //! | `bands` | `wall_bands.csv` | pressure and friction on walls by height |
 //! | `profiles` | `profiles.csv` | packing fraction, velocity and temperature in bins |

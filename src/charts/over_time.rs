@@ -75,12 +75,24 @@ const CONTACTS: [Group; 2] = [
     },
 ];
 
-const SPEED: [Group; 2] = [
+const SPEED: [Group; 4] = [
     Group {
         title: "Largest speed of a grain",
         label: "speed, m/s",
         is_log: false,
         columns: &[("largest_speed_m_per_s", "largest speed")],
+    },
+    Group {
+        title: "Mean velocity of the lattice gas",
+        label: "velocity, m/step",
+        is_log: false,
+        columns: &[("vx_m_per_step", "along x"), ("vy_m_per_step", "along y")],
+    },
+    Group {
+        title: "Centre of mass of the lattice gas",
+        label: "place, m",
+        is_log: false,
+        columns: &[("x_m", "x"), ("y_m", "y")],
     },
     Group { title: "Share of particles at rest", label: "share", is_log: false, columns: &[("at_rest", "at rest")] },
 ];

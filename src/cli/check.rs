@@ -93,7 +93,7 @@ fn describe(loaded: &Loaded, text: &mut String) {
     let Some(e) = Estimates::of(loaded) else { return };
     let _ = write!(
         text,
-        "smallest grain    radius {} m, mass {} kg\n\
+        "smallest grain    radius {:.3e} m, mass {:.3e} kg\n\
          contact           {:.3e} s long, restitution {:.3}\n\
          step              {:.3e} s = contact/{:.1}; limit {:.3e} s for one contact, {:.3e} s in a dense bed\n\
          impact            up to {:.2} m/s, overlap up to {:.2} of the radius\n\
