@@ -26,7 +26,7 @@ impl Table {
         let text = files::read_text(path, files::RESULT_BYTES).map_err(|error| {
             Fault::new("results::unreadable", format!("could not read {shown}: {error}")).help(help)
         })?;
-        let whole = text.rfind('\n').map_or("", |end| &text[..=end]);
+        let whole = text.rfind('\n').map_or(&text[..], |end| &text[..=end]);
         let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(whole.as_bytes());
         let broken = |error: csv::Error| {
             Fault::new("results::unreadable", format!("{shown}: {error}"))
