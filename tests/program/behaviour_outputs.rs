@@ -280,7 +280,12 @@ fn columns_are_computed_for_rows_and_frames_only() {
     assert_eq!(CALLS.each_ref().map(|calls| calls.load(Ordering::Relaxed)), counts);
     assert!(counts[0] > 10 && counts[1] == 6, "{counts:?}");
     // Without frames the column of grains is not computed.
-    assert!(run(&here.path().join("none"), "silo1-mixture.ron", "{\"counts\": ()}", &["until=1.0", "pictures=None"]));
+    assert!(run(
+        &here.path().join("none"),
+        "silo1-mixture.ron",
+        "{\"counts\": ()}",
+        &["until=1.0", "pictures=None", "data_frames=None"]
+    ));
     assert_eq!(CALLS[1].load(Ordering::Relaxed), counts[1]);
 }
 

@@ -188,7 +188,7 @@ fn a_scene_chooses_what_frames_hold() {
     let none = |more: &str| {
         let all = [&settings[..], &[more]].concat();
         let set: Vec<_> = all.iter().flat_map(|setting| ["--set", setting]).collect();
-        let path = crate::scene("silo1.ron").display().to_string();
+        let path = crate::scene("silo1-polydisperse.ron").display().to_string();
         let output =
             siloflow(here.path(), &[&["run", &path, "--quiet", "--force", "--out", "none"], &set[..]].concat());
         assert!(output.status.success(), "{}", text(&output.stderr));
@@ -196,7 +196,7 @@ fn a_scene_chooses_what_frames_hold() {
     };
     assert!(none("seed=1") && none("data_frames=None") && !none("data_frames=(interval: 0.1)"));
     let less = [&settings[..], &["data_frames=(interval: 0.1, contacts: false, walls: false)"]].concat();
-    let (header, frames) = run(here.path(), "silo1.ron", &less);
+    let (header, frames) = run(here.path(), "silo1-polydisperse.ron", &less);
     assert_eq!(frames.len(), 6);
     assert!(header.walls.is_empty() && frames.iter().all(|frame| frame.tables.len() == 1));
 }

@@ -251,7 +251,12 @@ fn hostile_text_stays_text() {
 fn several_runs_are_compared() {
     let here = tempfile::tempdir().unwrap();
     run(here.path(), "a/silo", "silo1.ron", &["spawner.count=12", "until=1.0"]);
-    run(here.path(), "b/silo", "silo1-mixture.ron", &["spawner.count=6", "until=1.0", "pictures=None"]);
+    run(
+        here.path(),
+        "b/silo",
+        "silo1-mixture.ron",
+        &["spawner.count=6", "until=1.0", "pictures=None", "data_frames=None"],
+    );
     run(here.path(), "gas", "funnel-flow.ron", &["until=5"]);
     let said = done(here.path(), &["report", "a/silo", "b/silo"]);
     assert_eq!(said, "out/report.html\n");

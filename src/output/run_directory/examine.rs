@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::fault::Fault;
 use crate::output::run_directory::in_use;
 use crate::output::run_directory::marker::{Claim, MARKER, Marker};
-use crate::output::run_directory::names::{CHECKPOINTS, FRAMES, PICTURES, PLOTS, SCENE, SERIES, SUMMARY, VTK, is_own};
+use crate::output::run_directory::names::{FRAMES, SCENE, SERIES, SUMMARY, is_directory, is_own};
 
 /// Content of the place where a run directory shall be.
 #[derive(Debug)]
@@ -72,11 +72,7 @@ pub(super) fn examine(shown: &Path, target: &Path) -> Result<Content, Fault> {
     for entry in entries {
         let entry = entry.map_err(failed)?;
         let (name, kind) = (entry.file_name(), entry.file_type().map_err(failed)?);
-        let is_expected = if [FRAMES, CHECKPOINTS, VTK, PLOTS, PICTURES].iter().any(|own| name == *own) {
-            kind.is_dir()
-        } else {
-            kind.is_file()
-        };
+        let is_expected = if is_directory(Path::new(&name)) { kind.is_dir() } else { kind.is_file() };
         if (is_own(Path::new(&name)) || name == MARKER) && !is_expected {
             odd = Some(name.clone());
         }

@@ -242,6 +242,11 @@ const DIRECTORIES: [(&str, fn(&Path) -> bool); 6] = [
     ("parquet", |name| is_exported_table(name, "parquet")),
 ];
 
+/// Whether siloflow makes a directory of this name, and no file, at the top of a run directory.
+pub(super) fn is_directory(name: &Path) -> bool {
+    name == Path::new(FRAMES) || DIRECTORIES.iter().any(|(own, _)| name == Path::new(own))
+}
+
 /// Whether `siloflow export` writes a table of this name, with this ending.
 fn is_exported_table(name: &Path, ending: &str) -> bool {
     let stem = name.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
