@@ -277,7 +277,10 @@ fn several_runs_are_compared() {
     assert_sound(&page);
     assert_eq!(row(&page, "Grains released"), ["12 grains", "none", ""]);
     assert_eq!(row(&page, "Steps"), ["1,000 steps", "5 steps", "0.005"]);
-    assert!(page.contains("The lattice gas keeps no frames to play"));
+    assert!(page.contains("id=\"frames-2\""), "its pictures are played");
+    run(here.path(), "unseen", "funnel-flow.ron", &["until=5", "pictures=None"]);
+    done(here.path(), &["report", "unseen"]);
+    assert!(read(&here.path().join("unseen/report.html")).contains("The lattice gas keeps no frames to play"));
 }
 
 #[test]
