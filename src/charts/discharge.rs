@@ -6,9 +6,8 @@
 use super::over_time::{marks, thinned};
 use super::rate::Fit;
 use super::run_files::RunFiles;
-use crate::fault::Fault;
 use crate::measure::outflow::Rate;
-use crate::writers::plot::{Axis, Curve, Key, Panel, colour};
+use crate::writers::plot::{Axis, Clock, Curve, Key, Panel, colour};
 
 /// A quantity that leaves.
 struct Quantity {
@@ -24,9 +23,8 @@ const QUANTITIES: [Quantity; 2] = [
     Quantity { column: "out_kg", title: "Mass that is out", label: "mass, kg", unit: "kg" },
 ];
 
-#[expect(clippy::unnecessary_wraps, reason = "as all figures")]
-pub(super) fn panels(runs: &[RunFiles]) -> Result<Vec<Panel>, Fault> {
-    let openings: Option<Vec<_>> = runs.iter().map(RunFiles::opening).collect();
+pub(super) fn panels(runs: &[&RunFiles]) -> Vec<Panel> {
+    let openings: Option<Vec<_>> = runs.iter().map(|run| run.opening()).collect();
     let starts = openings.filter(|_| runs.len() > 1);
     let rows = |number: usize, column: &str| -> Option<Vec<(f64, f64)>> {
         let start = starts.as_ref().map_or(0.0, |starts| starts[number]);
@@ -56,10 +54,10 @@ pub(super) fn panels(runs: &[RunFiles]) -> Result<Vec<Panel>, Fault> {
         rates.push(Curve { name, colour: colour(number), points: rates_of(&rows), has_line: true, ..Curve::default() });
     }
     if !rates.is_empty() {
-        let label = if runs.iter().any(RunFiles::is_lattice) { "grains/step" } else { "grains/s" };
+        let label = if runs.iter().any(|run| run.is_lattice()) { "grains/step" } else { "grains/s" };
         panels.push(panel(runs, "Rate of discharge", label, rates, starts.is_some()));
     }
-    Ok(panels)
+    panels
 }
 
 /// Intervals of the rate over time.
@@ -117,18 +115,19 @@ fn in_words(rate: &Rate, unit: &str) -> String {
     }
 }
 
-fn panel(runs: &[RunFiles], title: &str, label: &'static str, curves: Vec<Curve>, is_since_opening: bool) -> Panel {
+fn panel(runs: &[&RunFiles], title: &str, label: &'static str, curves: Vec<Curve>, is_since_opening: bool) -> Panel {
     let all = || curves.iter().flat_map(|curve| curve.points.iter());
     let last = all().map(|point| point.0).fold(0.0, f64::max);
-    let time = match (is_since_opening, runs.iter().any(RunFiles::is_lattice)) {
-        (false, _) => runs.first().map_or("", RunFiles::time_label),
+    let time = match (is_since_opening, runs.iter().any(|run| run.is_lattice())) {
+        (false, _) => runs.first().map_or("", |run| run.time_label()),
         (true, false) => "time since the door opened, s",
         (true, true) => "time since the door opened, steps",
     };
     let x = Axis::linear(time, 0.0, if last > 0.0 { last } else { 1.0 });
     let y = Axis::around(label, all().map(|point| point.1).chain([0.0]));
+    let clock = Some(if is_since_opening { Clock::Opening } else { Clock::Run });
     let marks = if is_since_opening { Vec::new() } else { marks(runs) };
-    Panel { curves, marks, key: Key::Above, is_over_time: !is_since_opening, ..Panel::new(title, x, y) }
+    Panel { curves, marks, key: Key::Above, clock, ..Panel::new(title, x, y) }
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::writers::plot::{Axis, Cell, Panel, Scale};
 /// A value at a place of a grid: the two coordinates, m, and the value.
 type Sample = (f64, f64, f64);
 
-pub(super) fn panels(runs: &[RunFiles]) -> Result<Vec<Panel>, Fault> {
+pub(super) fn panels(runs: &[&RunFiles]) -> Result<Vec<Panel>, Fault> {
     let mut panels = Vec::new();
     for run in runs {
         let of_run = |title: &str| if runs.len() == 1 { title.to_owned() } else { format!("{}: {title}", run.name) };

@@ -18,7 +18,7 @@
 //! Any other column of `series.csv` has a figure of its name.
 //!
 //! The colours of an SVG are attributes, and its elements have classes, which [`STYLE`] gives the colours of a page. Panels over
-//! time have the attributes of [`Panel::is_over_time`](crate::writers::plot::Panel::is_over_time), so that a page can draw a cursor.
+//! time have the attributes of [`Panel::clock`](crate::writers::plot::Panel::clock), so that a page can draw a cursor.
 
 mod by_height;
 mod discharge;
@@ -52,15 +52,15 @@ pub const STYLE: &str = "\
 .plot circle.k0 { fill: var(--ink) }
 ";
 
-type Draw = fn(&[RunFiles]) -> Result<Vec<Panel>, Fault>;
+type Draw = fn(&[&RunFiles]) -> Result<Vec<Panel>, Fault>;
 
 /// All figures that have their own code: name, title and drawing.
 const FIGURES: [(&str, &str, Draw); 9] = [
-    ("discharge", "Discharge", discharge::panels),
-    ("grains", "Grains", over_time::grains),
-    ("energy", "Energy", over_time::energy),
-    ("contacts", "Contacts", over_time::contacts),
-    ("speed", "Speed", over_time::speed),
+    ("discharge", "Discharge", |runs| Ok(discharge::panels(runs))),
+    ("grains", "Grains", |runs| Ok(over_time::of_groups(runs, &over_time::GRAINS))),
+    ("energy", "Energy", |runs| Ok(over_time::of_groups(runs, &over_time::ENERGY))),
+    ("contacts", "Contacts", |runs| Ok(over_time::of_groups(runs, &over_time::CONTACTS))),
+    ("speed", "Speed", |runs| Ok(over_time::of_groups(runs, &over_time::SPEED))),
     ("walls", "Forces on walls", over_time::walls),
     ("bands", "Walls by height", by_height::bands),
     ("profiles", "Profiles", by_height::profiles),
@@ -80,7 +80,7 @@ pub fn names() -> impl Iterator<Item = &'static str> + Clone {
 ///
 /// # Errors
 /// If a file cannot be read.
-pub fn figures(runs: &[RunFiles]) -> Result<Vec<Figure>, Fault> {
+pub fn figures(runs: &[&RunFiles]) -> Result<Vec<Figure>, Fault> {
     let own = FIGURES.iter().map(|&(name, title, draw)| Ok(figure(name, title, &draw(runs)?)));
     let others = over_time::other_columns(runs).into_iter().map(|name| named(runs, &name));
     own.chain(others).filter_map(Result::transpose).collect()
@@ -90,7 +90,7 @@ pub fn figures(runs: &[RunFiles]) -> Result<Vec<Figure>, Fault> {
 ///
 /// # Errors
 /// If a file cannot be read.
-pub fn named(runs: &[RunFiles], name: &str) -> Result<Option<Figure>, Fault> {
+pub fn named(runs: &[&RunFiles], name: &str) -> Result<Option<Figure>, Fault> {
     match FIGURES.iter().find(|figure| figure.0 == name) {
         Some(&(name, title, draw)) => Ok(figure(name, title, &draw(runs)?)),
         None => Ok(figure(name, name, &over_time::column(runs, name))),

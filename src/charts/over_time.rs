@@ -5,20 +5,20 @@ use std::collections::BTreeMap;
 use super::run_files::RunFiles;
 use crate::fault::Fault;
 use crate::output::table::Table;
-use crate::writers::plot::{Axis, Curve, Key, Mark, Panel, colour};
+use crate::writers::plot::{Axis, Clock, Curve, Key, Mark, Panel, colour};
 
 /// A column and its name in a legend.
 type Named = (&'static str, &'static str);
 
 /// Columns that share a panel.
-struct Group {
+pub(super) struct Group {
     title: &'static str,
     label: &'static str,
     is_log: bool,
     columns: &'static [Named],
 }
 
-const GRAINS: [Group; 1] = [Group {
+pub(super) const GRAINS: [Group; 1] = [Group {
     title: "Grains",
     label: "grains",
     is_log: false,
@@ -31,7 +31,7 @@ const GRAINS: [Group; 1] = [Group {
     ],
 }];
 
-const ENERGY: [Group; 3] = [
+pub(super) const ENERGY: [Group; 3] = [
     Group {
         title: "Energies",
         label: "energy, J",
@@ -60,7 +60,7 @@ const ENERGY: [Group; 3] = [
     },
 ];
 
-const CONTACTS: [Group; 2] = [
+pub(super) const CONTACTS: [Group; 2] = [
     Group {
         title: "Contacts per grain",
         label: "coordination number",
@@ -75,7 +75,7 @@ const CONTACTS: [Group; 2] = [
     },
 ];
 
-const SPEED: [Group; 4] = [
+pub(super) const SPEED: [Group; 4] = [
     Group {
         title: "Largest speed of a grain",
         label: "speed, m/s",
@@ -100,28 +100,8 @@ const SPEED: [Group; 4] = [
 /// Columns of `series.csv` that other figures show.
 const ELSEWHERE: [&str; 7] = ["time_s", "step", "out_kg", "outflow_per_s", "outflow_per_step", "culled", "energy_j"];
 
-#[expect(clippy::unnecessary_wraps, reason = "as all figures")]
-pub(super) fn grains(runs: &[RunFiles]) -> Result<Vec<Panel>, Fault> {
-    Ok(of_groups(runs, &GRAINS))
-}
-
-#[expect(clippy::unnecessary_wraps, reason = "as all figures")]
-pub(super) fn energy(runs: &[RunFiles]) -> Result<Vec<Panel>, Fault> {
-    Ok(of_groups(runs, &ENERGY))
-}
-
-#[expect(clippy::unnecessary_wraps, reason = "as all figures")]
-pub(super) fn contacts(runs: &[RunFiles]) -> Result<Vec<Panel>, Fault> {
-    Ok(of_groups(runs, &CONTACTS))
-}
-
-#[expect(clippy::unnecessary_wraps, reason = "as all figures")]
-pub(super) fn speed(runs: &[RunFiles]) -> Result<Vec<Panel>, Fault> {
-    Ok(of_groups(runs, &SPEED))
-}
-
 /// Returns the figure of one column of `series.csv`; nothing if no run has it.
-pub(super) fn column(runs: &[RunFiles], name: &str) -> Vec<Panel> {
+pub(super) fn column(runs: &[&RunFiles], name: &str) -> Vec<Panel> {
     let curves: Vec<_> = runs.iter().filter_map(|run| Some((run.name.clone(), points(run, name)?))).collect();
     if curves.is_empty() {
         return Vec::new();
@@ -132,7 +112,7 @@ pub(super) fn column(runs: &[RunFiles], name: &str) -> Vec<Panel> {
 }
 
 /// Names of the columns of `series.csv` that no other figure shows: those of behaviours.
-pub(super) fn other_columns(runs: &[RunFiles]) -> Vec<String> {
+pub(super) fn other_columns(runs: &[&RunFiles]) -> Vec<String> {
     let groups = || [&GRAINS[..], &ENERGY, &CONTACTS, &SPEED].into_iter().flatten();
     let is_known = |name: &str| {
         ELSEWHERE.contains(&name) || groups().any(|group| group.columns.iter().any(|column| column.0 == name))
@@ -151,7 +131,8 @@ fn points(run: &RunFiles, name: &str) -> Option<Vec<(f64, f64)>> {
     Some(thinned(&run.times().into_iter().zip(run.series.numbers(name)?).collect::<Vec<_>>()))
 }
 
-fn of_groups(runs: &[RunFiles], groups: &[Group]) -> Vec<Panel> {
+/// Returns a panel for each group, or for several runs a panel for each column.
+pub(super) fn of_groups(runs: &[&RunFiles], groups: &[Group]) -> Vec<Panel> {
     let of_run = |run: &RunFiles, &(column, name): &Named| {
         // A quantity that is zero throughout is not part of the run.
         let points =
@@ -184,7 +165,7 @@ fn of_groups(runs: &[RunFiles], groups: &[Group]) -> Vec<Panel> {
 }
 
 /// Forces on walls: of one run a curve for each wall, or for each name if walls have names; of several runs the sums over all walls.
-pub(super) fn walls(runs: &[RunFiles]) -> Result<Vec<Panel>, Fault> {
+pub(super) fn walls(runs: &[&RunFiles]) -> Result<Vec<Panel>, Fault> {
     let mut panels = Vec::new();
     for (axis, title) in [("fx_n", "along x"), ("fy_n", "along y"), ("fz_n", "along z")] {
         let mut curves = Vec::new();
@@ -246,7 +227,7 @@ fn sum(name: &str, table: &Table, axis: &str) -> Option<(String, Vec<(f64, f64)>
 
 /// Returns a panel over time with marks of the runs.
 fn panel(
-    runs: &[RunFiles],
+    runs: &[&RunFiles],
     title: String,
     label: String,
     is_log: bool,
@@ -254,7 +235,7 @@ fn panel(
 ) -> Panel {
     let all = || curves.iter().flat_map(|curve| curve.1.iter());
     let last = all().map(|point| point.0).fold(0.0, f64::max);
-    let x = Axis::linear(runs.first().map_or("", RunFiles::time_label), 0.0, if last > 0.0 { last } else { 1.0 });
+    let x = Axis::linear(runs.first().map_or("", |run| run.time_label()), 0.0, if last > 0.0 { last } else { 1.0 });
     let y = if is_log {
         decades(label, all().map(|point| point.1))
     } else {
@@ -270,7 +251,7 @@ fn panel(
         ..Curve::default()
     });
     let curves = curves.collect();
-    Panel { curves, marks: marks(runs), key: Key::Above, is_over_time: true, ..Panel::new(title, x, y) }
+    Panel { curves, marks: marks(runs), key: Key::Above, clock: Some(Clock::Run), ..Panel::new(title, x, y) }
 }
 
 /// Most decades of a logarithmic axis.
@@ -283,7 +264,7 @@ fn decades(label: String, values: impl Iterator<Item = f64> + Clone) -> Axis {
 }
 
 /// Returns the marks of a run. Several runs have their own times, which are marked if there are few, with their names.
-pub(super) fn marks(runs: &[RunFiles]) -> Vec<Mark> {
+pub(super) fn marks(runs: &[&RunFiles]) -> Vec<Mark> {
     match runs {
         [run] => run.marks(),
         _ if runs.len() > 3 => Vec::new(),

@@ -52,19 +52,18 @@ impl RunFiles {
         })
     }
 
-    /// Opens several runs. Runs of equal names are told apart by their paths.
-    ///
-    /// # Errors
-    /// As [`RunFiles::open`].
-    pub fn open_all(directories: &[PathBuf]) -> Result<Vec<Self>, Fault> {
-        let mut runs = directories.iter().map(|run| Self::open(run)).collect::<Result<Vec<_>, _>>()?;
-        let names: Vec<_> = runs.iter().map(|run| run.name.clone()).collect();
-        for run in &mut runs {
-            if names.iter().filter(|name| **name == run.name).count() > 1 {
-                run.name = run.directory.display().to_string();
+    /// Gives runs different names: their own if those differ, else those of their directories, else their paths.
+    pub fn distinguish(runs: &mut [&mut Self]) {
+        for name in [name_of, |directory: &Path| directory.display().to_string()] {
+            let mut names: Vec<_> = runs.iter().map(|run| &run.name).collect();
+            names.sort_unstable();
+            if names.windows(2).all(|two| two[0] != two[1]) {
+                return;
+            }
+            for run in runs.iter_mut() {
+                run.name = name(&run.directory);
             }
         }
-        Ok(runs)
     }
 
     /// Returns a table of the run; `None` if the run has no such file, or only its header.
@@ -79,10 +78,10 @@ impl RunFiles {
         Ok(Some(Table::read(&path, "may you read it?")?).filter(|table| !table.is_empty()))
     }
 
-    /// Returns a number of the summary; `None` if it is absent or `null`.
+    /// Returns a number of the summary, by its JSON pointer; `None` if it is absent or `null`.
     #[must_use]
-    pub fn number(&self, keys: &[&str]) -> Option<f64> {
-        keys.iter().try_fold(&self.summary, |value, key| value.get(key)).and_then(Value::as_f64)
+    pub fn number(&self, pointer: &str) -> Option<f64> {
+        self.summary.pointer(pointer)?.as_f64()
     }
 
     /// Whether the run is one of the lattice gas, whose times are steps.
@@ -106,13 +105,13 @@ impl RunFiles {
     /// Returns the time at which the door began to open; `None` if the run has no door, or it stayed shut.
     #[must_use]
     pub fn opening(&self) -> Option<f64> {
-        self.number(&["door_open_time_s"]).or(self.number(&["door_open_step"]))
+        self.number("/door_open_time_s").or(self.number("/door_open_step"))
     }
 
     /// Returns marks at the times of rest and of the opening of the door.
     #[must_use]
     pub fn marks(&self) -> Vec<Mark> {
-        let rest = self.number(&["rest_time_s"]).or(self.number(&["rest_step"]));
+        let rest = self.number("/rest_time_s").or(self.number("/rest_step"));
         let mark = |at: f64, name: &str| Mark { at, name: name.to_owned() };
         match (rest, self.opening()) {
             #[expect(clippy::float_cmp, reason = "the same event")]

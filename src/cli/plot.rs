@@ -34,7 +34,9 @@ pub(super) struct PlotArgs {
 }
 
 pub(super) fn plot(args: &PlotArgs) -> Result<Verdict, Fault> {
-    let runs = RunFiles::open_all(&args.runs)?;
+    let mut runs = args.runs.iter().map(|run| RunFiles::open(run)).collect::<Result<Vec<_>, _>>()?;
+    RunFiles::distinguish(&mut runs.iter_mut().collect::<Vec<_>>());
+    let runs: Vec<_> = runs.iter().collect();
     let directory = match (&args.out, &runs[..]) {
         (Some(out), _) => out.clone(),
         (None, [run]) => run.directory.join("plots"),
@@ -67,7 +69,7 @@ pub(super) fn plot(args: &PlotArgs) -> Result<Verdict, Fault> {
 }
 
 /// Returns the figure of this name.
-fn named(runs: &[RunFiles], name: &str) -> Result<Figure, Fault> {
+fn named(runs: &[&RunFiles], name: &str) -> Result<Figure, Fault> {
     if let Some(figure) = charts::named(runs, name)? {
         return Ok(figure);
     }

@@ -69,10 +69,10 @@ fn differing(scenes: &[BTreeMap<String, Written>]) -> Vec<Row> {
 /// Returns the values of a scene by key, and for each of its files a hash of its content.
 fn values(run: &Run) -> BTreeMap<String, Written> {
     let mut values = written(&run.scene_text);
-    let entries = std::fs::read_dir(&run.path).into_iter().flatten().filter_map(Result::ok);
+    let entries = std::fs::read_dir(&run.files.directory).into_iter().flatten().filter_map(Result::ok);
     for name in entries.filter_map(|entry| entry.file_name().into_string().ok()) {
         let is_input = name.starts_with("input-");
-        if is_input && let Ok(bytes) = files::read_bytes(&run.path.join(&name), files::GRAIN_BYTES) {
+        if is_input && let Ok(bytes) = files::read_bytes(&run.files.directory.join(&name), files::GRAIN_BYTES) {
             let mut hash = Fnv::default();
             hash.update(&bytes);
             let text = format!("content with the hash {:016x}", hash.value());

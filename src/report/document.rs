@@ -128,26 +128,20 @@ impl Contents<'_> {
     /// Figures over time.
     fn curves(&self) -> Option<Section> {
         let figures = self.figures.iter().filter(|figure| !is_of_places(figure));
-        Section::of("curves", "Curves", figures.map(|figure| self.figure(figure)).collect())
+        Section::of("curves", "Curves", figures.map(Self::figure).collect())
     }
 
     /// Figures of these names.
     fn figures_of(&self, names: &[&str]) -> String {
         let figures = self.figures.iter().filter(|figure| names.contains(&&*figure.name));
-        figures.map(|figure| self.figure(figure)).collect()
+        figures.map(Self::figure).collect()
     }
 
-    fn figure(&self, Figure { name, title, svg, .. }: &Figure) -> String {
-        // Times of the figure of the discharge of several runs count from the opening of their doors, if all open.
-        let is_since_opening =
-            name == "discharge" && self.runs.len() > 1 && self.runs.iter().all(|run| run.files.opening().is_some());
-        let clock = if is_since_opening { "opening" } else { "run" };
-        // An XML declaration has no place inside a page.
-        let svg = svg.find("<svg").map_or(&**svg, |start| &svg[start..]);
+    fn figure(figure: &Figure) -> String {
         format!(
-            "<figure class=\"plot\" data-clock=\"{clock}\">\n<figcaption>{}</figcaption>\n{}</figure>\n",
-            escape(title),
-            scrolled(title, &for_terminal(svg))
+            "<figure class=\"plot\">\n<figcaption>{}</figcaption>\n{}</figure>\n",
+            escape(&figure.title),
+            scrolled(&figure.title, &for_terminal(&figure.svg))
         )
     }
 

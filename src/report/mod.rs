@@ -46,7 +46,7 @@ const LEAST_BUDGET: usize = 2_000_000;
 pub fn page(directories: &[&Path]) -> Result<String, Fault> {
     let mut runs = directories.iter().map(|path| Run::open(path)).collect::<Result<Vec<_>, _>>()?;
     Run::distinguish(&mut runs);
-    let files: Vec<RunFiles> = runs.iter().map(|run| run.files.clone()).collect();
+    let files: Vec<_> = runs.iter().map(|run| &run.files).collect();
     let figures = figures(&files);
     // Pages with several players stay within the size of a page with one.
     let budget = (player::BUDGET / runs.len()).max(LEAST_BUDGET);
@@ -55,14 +55,14 @@ pub fn page(directories: &[&Path]) -> Result<String, Fault> {
 }
 
 /// All figures, of whichever the files can be read.
-fn figures(files: &[RunFiles]) -> Vec<Figure> {
+fn figures(files: &[&RunFiles]) -> Vec<Figure> {
     charts::figures(files)
         .unwrap_or_else(|_| charts::names().filter_map(|name| charts::named(files, name).ok().flatten()).collect())
 }
 
 /// The frames of a run, or why there are none, as HTML.
 fn frames(run: &Run, budget: usize) -> Result<Packed, String> {
-    match Packed::within(&run.path, budget) {
+    match Packed::within(&run.files.directory, budget) {
         Ok(Some(frames)) => Ok(frames),
         Ok(None) if run.is_lattice() => Err(
             "The lattice gas keeps no frames to play, and this run has no pictures: set the key <code>pictures</code>."

@@ -29,7 +29,7 @@ impl Verdict {
     }
 }
 
-/// What became of a run: a verdict, and a sentence as HTML.
+/// Returns how a run ended: a verdict, and a sentence as HTML.
 #[must_use]
 pub fn fate(run: &Run) -> (Verdict, String) {
     let grains = if run.is_lattice() { "particles" } else { "grains" };
@@ -59,7 +59,7 @@ pub fn fate(run: &Run) -> (Verdict, String) {
     (verdict, format!("{sentence} {}", counts(run)))
 }
 
-/// What became of the grains, in words.
+/// Returns the numbers of grains by their fate, in words.
 fn counts(run: &Run) -> String {
     let count = |pointer: &str, column: &str, unit: &str| run.last(pointer, column).map(|count| quantity(count, unit));
     let all = if run.is_lattice() {

@@ -23,7 +23,7 @@
     const { left, right, top, bottom, from, to } = group.dataset;
     return {
       group, lines: [], numbers: [left, right, top, bottom, from, to].map(Number),
-      isSinceOpening: group.closest("[data-clock]")?.dataset.clock === "opening",
+      isSinceOpening: group.dataset.clock === "opening",
     };
   });
 

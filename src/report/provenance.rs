@@ -14,7 +14,7 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
     let mut sheet = Sheet::of_words();
     let mut row = |name: &str, of: &dyn Fn(&Run) -> Cell| sheet.add(name, runs.iter().map(of).collect());
     let coded = |text: Option<&str>| text.map_or(Cell::Nothing, |text| Cell::Html(code(text)));
-    row("Run directory", &|run| coded(Some(&run.path.display().to_string())));
+    row("Run directory", &|run| coded(Some(&run.files.directory.display().to_string())));
     row("Scene", &|run| Cell::text(run.text("/scene")));
     row("Command", &|run| coded(run.text("/provenance/command")));
     row("Version of siloflow", &|run| Cell::text(run.text("/provenance/version")));
@@ -35,7 +35,7 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
     row("Hash of the grains at the start", &|run| coded(run.text("/parent/state_hash")));
     row("Hash of the state at the end", &|run| coded(run.text("/state_hash")));
     row("Hash of the scene and its files", &|run| {
-        hash_of_input(&run.path).map_or(Cell::Nothing, |hash| Cell::Html(code(&format!("{hash:016x}"))))
+        hash_of_input(&run.files.directory).map_or(Cell::Nothing, |hash| Cell::Html(code(&format!("{hash:016x}"))))
     });
     let mut content = sheet.html("Origin of the results", labels);
     for run in runs {

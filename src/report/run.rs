@@ -2,7 +2,7 @@
 //!
 //! A run that was killed has no `summary.json`, and its tables may end in the middle of a row. That row is left out.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use serde_json::Value;
 
@@ -16,9 +16,7 @@ use crate::source::files;
 /// A run of a report.
 #[derive(Debug)]
 pub struct Run {
-    /// The run directory, as the caller names it.
-    pub path: PathBuf,
-    /// Its files. Their name is short, and different from those of other runs of the report.
+    /// The files. Their name is short, and different from those of other runs of the report.
     pub files: RunFiles,
     /// Text of `scene.ron`; empty if it cannot be read.
     pub scene_text: String,
@@ -38,7 +36,6 @@ impl Run {
         }
         let scene = scene_of(path);
         Ok(Self {
-            path: path.to_owned(),
             scene_text: files::read_text(&scene, files::SCENE_BYTES).unwrap_or_default(),
             scene: load::named(&scene, &files.name).map_err(|fault| fault.to_string()),
             files,
@@ -59,17 +56,7 @@ impl Run {
 
     /// Gives runs of one report different labels: names of their scenes, or of their directories, or whole paths.
     pub fn distinguish(runs: &mut [Self]) {
-        let last = |run: &Self| run.path.file_name().map(|name| name.to_string_lossy().into_owned());
-        for name in [last, |run: &Self| Some(run.path.display().to_string())] {
-            let mut labels: Vec<_> = runs.iter().map(|run| run.label().to_owned()).collect();
-            labels.sort_unstable();
-            if labels.windows(2).all(|two| two[0] != two[1]) {
-                return;
-            }
-            for run in runs.iter_mut() {
-                run.files.name = name(run).unwrap_or_else(|| run.label().to_owned());
-            }
-        }
+        RunFiles::distinguish(&mut runs.iter_mut().map(|run| &mut run.files).collect::<Vec<_>>());
     }
 
     /// The title of the scene, or else the name of the run.
@@ -104,7 +91,7 @@ impl Run {
     /// A number of the summary.
     #[must_use]
     pub fn number(&self, pointer: &str) -> Option<f64> {
-        self.value(pointer)?.as_f64()
+        self.files.number(pointer)
     }
 
     /// A text of the summary.

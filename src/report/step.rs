@@ -1,4 +1,4 @@
-//! What `siloflow check` estimates about the scene of a run, computed from its `scene.ron`: the step, its limits, the expected error of
+//! The estimates of `siloflow check` for the scene of a run, computed from its `scene.ron`: the step, its limits, the expected error of
 //! an impact, and warnings.
 
 use std::fmt::Write as _;
@@ -52,7 +52,7 @@ pub fn section_of(runs: &[Run], labels: &[String]) -> Option<Section> {
             content,
             "<p class=\"note\">The error is that of a single impact, as a root mean square over the phases of a step. \
              <code>siloflow accuracy {}</code> measures the effect of the step on the observables of the scene.</p>",
-            escape(&run.path.join("scene.ron").display().to_string())
+            escape(&run.files.directory.join("scene.ron").display().to_string())
         );
     }
     Section::of("step", "Step and expected error", content)

@@ -82,7 +82,9 @@ fn moments(run: &Run, times: &[f64]) -> Vec<(&'static str, f64)> {
 fn wall_name(run: &Run, key: &str, text: &str) -> String {
     let Ok(AnyScene::Grains(loaded)) = &run.scene else { return escape(text) };
     let wall = (key == "wall").then(|| text.parse::<usize>().ok()?.checked_sub(1)).flatten();
-    match wall.and_then(|wall| loaded.scene.walls.get(wall)).and_then(Wall::name) {
+    // Discs have no number.
+    let mut surfaces = loaded.scene.walls.iter().filter(|wall| wall.is_surface());
+    match wall.and_then(|wall| surfaces.nth(wall)).and_then(Wall::name) {
         Some(name) => format!("{} <bdi>{}</bdi>", escape(text), escape(name)),
         None => format!("<bdi>{}</bdi>", escape(text)),
     }

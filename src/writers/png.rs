@@ -87,8 +87,8 @@ pub fn encode(svg: &str) -> Result<Vec<u8>, String> {
     compressed(draw(svg)?).map_err(|error| error.to_string())
 }
 
-/// Returns an SVG document as pixels: width and height, and red, green and blue of each pixel, by rows from above. What is
-/// transparent is black.
+/// Returns an SVG document as pixels: width and height, and red, green and blue of each pixel, by rows from above.
+/// Transparent pixels are black.
 ///
 /// # Errors
 /// As [`encode`].

@@ -1,4 +1,4 @@
-//! What a summary records about its origin: version of siloflow, command line, date, and machine.
+//! The origin of a summary: version of siloflow, command line, date, and machine.
 //!
 //! The processor is `model name` of `/proc/cpuinfo` (Linux on x86), and `null` where there is none. Cores are the threads that the
 //! system lets the process run at once.

@@ -41,7 +41,13 @@ fn a_discharge_has_its_rate_by_number_and_mass() {
         }
     }
     let svg = fs::read_to_string(here.path().join("run/plots/discharge.svg")).unwrap();
-    for words in ["mean rate 40.000 grains/s", "mean rate 20.000 kg/s", "at rest, door opens", r#"data-to="10""#] {
+    for words in [
+        "mean rate 40.000 grains/s",
+        "mean rate 20.000 kg/s",
+        "at rest, door opens",
+        r#"data-clock="run""#,
+        r#"data-to="10""#,
+    ] {
         assert!(svg.contains(words), "{words}");
     }
     assert_refused(here.path(), &["run"], &["exists", "--force"]);
@@ -58,7 +64,14 @@ fn figures_of_several_runs_have_a_curve_for_each() {
     let output = siloflow(here.path(), &["plot", "slow", "fast", "other/fast", "--out", "plots"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let svg = fs::read_to_string(here.path().join("plots/discharge.svg")).unwrap();
-    for words in [">slow<", ">fast<", ">other/fast<", "since the door opened", "mean rate 20.000 grains/s"] {
+    for words in [
+        ">slow<",
+        ">fast<",
+        ">other/fast<",
+        "since the door opened",
+        "mean rate 20.000 grains/s",
+        r#"data-clock="opening""#,
+    ] {
         assert!(svg.contains(words), "{words}");
     }
 }

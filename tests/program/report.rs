@@ -82,7 +82,7 @@ fn tags(page: &str) -> Vec<Tag> {
             attributes.push((key, value));
         }
         if ["script", "style"].contains(&&*name) {
-            // What they hold is no markup.
+            // The content of these elements is no markup.
             rest = &rest[rest.find(&format!("</{name}>")).unwrap()..];
         }
         tags.push(Tag { name, attributes });
@@ -245,6 +245,18 @@ fn hostile_text_stays_text() {
     let names = |page: &str| tags(page).into_iter().map(|tag| tag.name).collect::<Vec<_>>();
     assert_eq!(names(&pages[0]), names(&pages[1]));
     assert!(pages[1].contains("&lt;/script&gt;&lt;script&gt;alert(1)&lt;/script&gt;&lt;img src=x"), "the title");
+}
+
+#[test]
+fn walls_have_their_own_names_beside_discs() {
+    let here = tempfile::tempdir().unwrap();
+    let scene = r#"(gravity: (0.0, -9.81), contact: Linear(k: 1.0e4, damping: Restitution(0.5)), mass: Disc(100.0), step: Fixed(1.0e-4),
+        walls: [Disc(centre: (0.5, 0.5), radius: 0.1), Segment(from: (-1.0, 0.0), to: (1.0, 0.0), name: "floor")],
+        spawner: (point: (0.0, 0.1), velocity: (0.0, 0.0), interval: 1.0, count: 1, radius: Fixed(0.05)), until: 0.1)"#;
+    fs::write(here.path().join("floor.ron"), scene).unwrap();
+    done(here.path(), &["run", "floor.ron", "--quiet", "--out", "run", "--report"]);
+    // Discs have no number in walls.csv.
+    assert!(read(&here.path().join("run/report.html")).contains("1 <bdi>floor</bdi>"));
 }
 
 #[test]

@@ -34,7 +34,7 @@ const FPS: f64 = 20.0;
 /// Shortest and longest time of a frame, ms: programs show a shorter one for longer, and the format has no longer one.
 const DELAY_MS: [f64; 2] = [20.0, 60_000.0];
 
-/// What is drawn.
+/// The frames to draw, and their style.
 struct Plan {
     path: PathBuf,
     style: Style,

@@ -5,7 +5,7 @@ use std::io;
 
 use super::RenderArgs;
 use crate::output::frame_data::{Frame, Header};
-use crate::output::pictures::style::{numbers, speeds};
+use crate::output::pictures::style::speeds;
 
 /// Most frames of a movie without `--every`.
 const MOVIE_FRAMES: usize = 200;
@@ -85,8 +85,8 @@ impl Survey {
 /// Returns the lowest and highest number of grains, without wall grains; `None` if there is none.
 fn range(header: &Header, frame: &Frame, name: &str) -> Option<(f64, f64)> {
     let grains = frame.table("grains")?;
-    let values = if name == "speed" { speeds(header, frame) } else { numbers(grains, name)? };
-    let kinds = numbers(grains, "kind")?;
+    let values = if name == "speed" { speeds(header, frame) } else { grains.numbers(name)? };
+    let kinds = grains.numbers("kind")?;
     let values = values.into_iter().zip(kinds).filter(|(value, kind)| *kind < 0.5 && value.is_finite());
     values.map(|(value, _)| (value, value)).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
 }

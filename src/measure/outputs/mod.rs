@@ -106,7 +106,7 @@ struct SummaryValue {
     system: BoxedReadOnlySystem<(), f64>,
 }
 
-/// What the behaviours of a run have registered.
+/// The outputs that the behaviours of a run have registered.
 #[derive(Resource, Default)]
 pub struct BehaviourOutputs {
     /// The behaviour that is being built.

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::SystemCondition;
+use bevy_ecs::system::BoxedSystem;
 use serde::Serialize;
 
 use crate::measure::ObserveStage;
@@ -60,29 +61,24 @@ pub(crate) fn names(world: &World) -> String {
 pub(crate) fn compute_grain_columns<M>(app: &mut App, due: impl SystemCondition<M> + Clone) {
     let columns = BehaviourOutputs::of_grains(app.world());
     let systems: Vec<_> = columns.iter().enumerate().map(|(place, column)| (column.make)(place)).collect();
-    if systems.is_empty() {
-        return;
-    }
-    app.insert_resource(GrainValues(vec![Vec::new(); systems.len()]))
-        .derived::<GrainValues>()
-        // Each system writes its own column.
-        .allow_ambiguous_resource::<GrainValues>();
-    for system in systems {
-        app.add_systems(Step, system.in_set(ObserveStage::Columns).run_if(due.clone()));
-    }
+    let values = GrainValues(vec![Vec::new(); systems.len()]);
+    compute(app, systems, values, due);
 }
 
 /// Adds the systems that compute the columns of the series, run if `due` holds. Without columns nothing is added.
 pub(crate) fn compute_series<M>(app: &mut App, due: impl SystemCondition<M> + Clone) {
     let columns = BehaviourOutputs::of_series(app.world());
     let systems: Vec<_> = columns.iter().enumerate().map(|(place, column)| (column.make)(place)).collect();
+    let values = SeriesValues(vec![f64::NAN; systems.len()]);
+    compute(app, systems, values, due);
+}
+
+/// Adds systems that each write a column of their own in `values`. Checkpoints leave the values out.
+fn compute<R: Resource, M>(app: &mut App, systems: Vec<BoxedSystem>, values: R, due: impl SystemCondition<M> + Clone) {
     if systems.is_empty() {
         return;
     }
-    app.insert_resource(SeriesValues(vec![f64::NAN; systems.len()]))
-        .derived::<SeriesValues>()
-        // Each system writes its own number.
-        .allow_ambiguous_resource::<SeriesValues>();
+    app.insert_resource(values).derived::<R>().allow_ambiguous_resource::<R>();
     for system in systems {
         app.add_systems(Step, system.in_set(ObserveStage::Columns).run_if(due.clone()));
     }

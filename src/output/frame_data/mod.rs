@@ -165,6 +165,13 @@ impl Table {
         }
     }
 
+    /// Returns the numbers of a column of this name with one number for each row, whatever their type; `None` if there is none.
+    #[must_use]
+    pub fn numbers(&self, name: &str) -> Option<Vec<f64>> {
+        let column = self.column(name).filter(|column| column.components == 1)?;
+        (0..self.rows).map(|row| column.values.get(row)).collect()
+    }
+
     /// Returns the whole numbers of a column of this name; `None` if there is no such column, or it has floats.
     #[must_use]
     pub fn whole(&self, name: &str) -> Option<Vec<i64>> {
@@ -204,4 +211,18 @@ pub enum Values {
     U16(Vec<u16>),
     /// Whole numbers of 1 byte.
     U8(Vec<u8>),
+}
+
+impl Values {
+    /// Returns the number at a place; `None` beyond the end.
+    #[must_use]
+    pub fn get(&self, place: usize) -> Option<f64> {
+        match self {
+            Self::F64(numbers) => numbers.get(place).copied(),
+            Self::I32(numbers) => numbers.get(place).map(|&number| number.into()),
+            Self::U32(numbers) => numbers.get(place).map(|&number| number.into()),
+            Self::U16(numbers) => numbers.get(place).map(|&number| number.into()),
+            Self::U8(numbers) => numbers.get(place).map(|&number| number.into()),
+        }
+    }
 }

@@ -38,7 +38,7 @@ use crate::survey::{Partner, Survey, SurveyParam};
 use crate::writers::colour;
 use crate::writers::rows::{RowsPlace, TakenOnce};
 
-/// What a frame of a run holds.
+/// The content of the frames of a run.
 #[derive(Clone, Debug)]
 pub(in crate::output) struct Content {
     /// Whether it holds contacts.

@@ -35,12 +35,12 @@ pub struct PicturesPlugin<V: Space> {
     space: PhantomData<V>,
 }
 
-/// What the pictures of a run share.
+/// The data that the pictures of a run share.
 #[derive(Resource, Clone)]
 struct Drawing {
     header: Arc<Header>,
     style: Arc<Style>,
-    /// What a frame must hold for a picture.
+    /// The content that a picture needs of a frame.
     content: Content,
 }
 

@@ -26,7 +26,7 @@ pub(super) struct Edge {
     pub is_front: bool,
 }
 
-/// What the faces at an edge have in common.
+/// The properties that the faces at an edge share.
 struct Shared {
     ends: [Solid; 2],
     first: usize,

@@ -2,7 +2,7 @@
 
 use rustc_hash::FxHashMap;
 
-use super::style::{Style, numbers, speeds};
+use super::style::{Style, speeds};
 use super::{hidden, legend, point};
 use crate::output::frame_data::{Frame, Header};
 use crate::scene::outputs::Colour;
@@ -36,7 +36,7 @@ impl Grains {
         let none = Self { all: Vec::new(), rows: FxHashMap::default() };
         let Some(table) = frame.table("grains") else { return none };
         let (Some(positions), Some(radii)) = (table.floats("position"), table.floats("radius")) else { return none };
-        let bytes = |name: &str| numbers(table, name).unwrap_or_else(|| vec![0.0; table.rows]);
+        let bytes = |name: &str| table.numbers(name).unwrap_or_else(|| vec![0.0; table.rows]);
         let (kinds, species, shades) = (bytes("kind"), bytes("species"), shades(header, frame, style));
         let map = legend::map(header, style);
         let cut = style.depth_of_cut(header).unwrap_or(f64::NEG_INFINITY);
@@ -106,8 +106,8 @@ fn shades(header: &Header, frame: &Frame, style: &Style) -> Vec<f64> {
     let ((from, to), values) = match &style.colour {
         Colour::Species => return Vec::new(),
         Colour::Speed(top) => ((0.0, top.get()), speeds(header, frame)),
-        Colour::Pressure(top) => ((0.0, top.get()), numbers(table, "pressure").unwrap_or_default()),
-        Colour::Column(name, from, to) => ((from.get(), to.get()), numbers(table, name).unwrap_or_default()),
+        Colour::Pressure(top) => ((0.0, top.get()), table.numbers("pressure").unwrap_or_default()),
+        Colour::Column(name, from, to) => ((from.get(), to.get()), table.numbers(name).unwrap_or_default()),
     };
     values.into_iter().map(|value| (value - from) / (to - from)).collect()
 }

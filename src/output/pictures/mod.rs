@@ -11,7 +11,7 @@
 //!
 //! | part | content |
 //! |---|---|
-//! | `style.rs` | what a picture shows and from where |
+//! | `style.rs` | quantities, colours and direction of looking |
 //! | `grains.rs`, `hidden.rs` | discs and spheres; which spheres cannot be seen |
 //! | `bonds.rs` | contact forces |
 //! | `walls.rs`, `edges.rs`, `clip.rs` | walls as lines, and as translucent surfaces with edges |

@@ -1,6 +1,6 @@
-//! What a picture shows and from where.
+//! The style of a picture: its quantities, its colours and its direction of looking.
 
-use crate::output::frame_data::{Frame, Header, Table, Values};
+use crate::output::frame_data::{Frame, Header};
 use crate::scene::camera::Camera;
 use crate::scene::load::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
@@ -74,26 +74,13 @@ impl Style {
             Colour::Pressure(_) => "pressure",
             Colour::Column(name, ..) => name,
         };
-        if numbers(grains, name).is_some() {
+        if grains.numbers(name).is_some() {
             return Ok(());
         }
         let columns: Vec<_> = grains.columns.iter().filter(|column| column.components == 1).collect();
         let columns = columns.iter().map(|column| column.name.as_str()).collect::<Vec<_>>().join(", ");
         Err(format!("grains have no column `{name}` of one number; the columns are: {columns}"))
     }
-}
-
-/// Returns a column of one number for each row; `None` if there is none of this name.
-#[must_use]
-pub fn numbers(grains: &Table, name: &str) -> Option<Vec<f64>> {
-    let column = grains.column(name).filter(|column| column.components == 1)?;
-    Some(match &column.values {
-        Values::F64(numbers) => numbers.clone(),
-        Values::I32(numbers) => numbers.iter().map(|&number| number.into()).collect(),
-        Values::U32(numbers) => numbers.iter().map(|&number| number.into()).collect(),
-        Values::U16(numbers) => numbers.iter().map(|&number| number.into()).collect(),
-        Values::U8(numbers) => numbers.iter().map(|&number| number.into()).collect(),
-    })
 }
 
 /// Returns the speed of each grain, m/s.

@@ -9,7 +9,7 @@ use crate::measure::outputs::Palette;
 use crate::output::frame_data::Header;
 use crate::writers::colour::{self, Rgb};
 
-/// What the script needs to know besides the numbers.
+/// The description of a run that the script needs besides the numbers.
 #[derive(Serialize)]
 pub(super) struct Description<'a> {
     title: &'a str,

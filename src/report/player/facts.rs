@@ -40,7 +40,7 @@ impl Default for Bounds {
     }
 }
 
-/// What does not change about a particle.
+/// The quantities of a particle that are constant.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Particle {
     pub id: i32,

@@ -98,11 +98,7 @@ impl Quantity<'_> {
     /// Returns the number of a row; NaN if there is none.
     pub fn number(&self, row: usize) -> f64 {
         let number = match self.numbers {
-            Numbers::Column(Values::F64(numbers)) => numbers.get(row).copied(),
-            Numbers::Column(Values::I32(numbers)) => numbers.get(row).map(|&number| number.into()),
-            Numbers::Column(Values::U32(numbers)) => numbers.get(row).map(|&number| number.into()),
-            Numbers::Column(Values::U16(numbers)) => numbers.get(row).map(|&number| number.into()),
-            Numbers::Column(Values::U8(numbers)) => numbers.get(row).map(|&number| number.into()),
+            Numbers::Column(values) => values.get(row),
             Numbers::Length(numbers, components) => numbers
                 .get(row * components..(row + 1) * components)
                 .map(|vector| vector.iter().map(|number| number * number).sum::<f64>().sqrt()),

@@ -22,7 +22,7 @@ use super::thinning::Thinning;
 /// Largest picture that is read, bytes.
 const LARGEST: u64 = 32 << 20;
 
-/// What the script needs to know besides the pictures.
+/// The description of a run that the script needs besides the pictures.
 #[derive(Serialize)]
 struct Description {
     is_pictures: bool,

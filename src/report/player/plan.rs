@@ -1,4 +1,4 @@
-//! What is packed of a run: its grid, its quantities with their scales, and the choice of frames.
+//! The plan for packing a run: its grid, its quantities with their scales, and the choice of frames.
 
 use super::facts::{Facts, QuantityFacts};
 use super::grid::Grid;

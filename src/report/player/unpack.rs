@@ -6,7 +6,7 @@ use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::Value;
 
-/// What a page gets to know about a run.
+/// The content of a packed run, as a page unpacks it.
 pub struct Unpacked {
     pub description: Value,
     pub ids: Vec<i32>,

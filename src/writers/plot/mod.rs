@@ -53,6 +53,15 @@ pub struct Scale {
     pub map: fn(f64) -> [u8; 3],
 }
 
+/// The start of an axis of time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Clock {
+    /// The start of the run.
+    Run,
+    /// The opening of the door.
+    Opening,
+}
+
 /// The place of the legend.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Key {
@@ -86,10 +95,10 @@ pub struct Panel {
     pub scale: Option<Scale>,
     /// Place of the legend.
     pub key: Key,
-    /// Whether the horizontal axis is the time of a run. The group of the panel then has attributes that a page needs to draw a
-    /// cursor: `data-left`, `data-right`, `data-top`, `data-bottom` (ends of the axes in the SVG), `data-from` and `data-to` (the times at
-    /// the first two).
-    pub is_over_time: bool,
+    /// The clock of the horizontal axis, if it is one of time. The group of the panel then has attributes that a page needs to draw a
+    /// cursor: `data-clock` (`run` or `opening`), `data-left`, `data-right`, `data-top`, `data-bottom` (ends of the axes in the SVG),
+    /// `data-from` and `data-to` (the times at the left and right end).
+    pub clock: Option<Clock>,
 }
 
 impl Panel {
@@ -109,7 +118,7 @@ impl Panel {
             cells: Vec::new(),
             scale: None,
             key: Key::default(),
-            is_over_time: false,
+            clock: None,
         }
     }
 }
@@ -210,14 +219,14 @@ mod tests {
         let panel = Panel {
             curves: names,
             key: Key::Above,
-            is_over_time: true,
+            clock: Some(Clock::Opening),
             ..Panel::new("", Axis::linear("", 0.0, 2.0), axis())
         };
         let svg = sheet(&[panel], 1);
         // Each name takes 103 px of 432, so six names need two lines of 18 px.
         assert!(
             svg.contains(
-                r#"data-left="72" data-right="504" data-top="80" data-bottom="344" data-from="0" data-to="2""#
+                r#"data-clock="opening" data-left="72" data-right="504" data-top="80" data-bottom="344" data-from="0" data-to="2""#
             )
         );
     }

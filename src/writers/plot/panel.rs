@@ -6,7 +6,7 @@
 use std::fmt::Write as _;
 
 use super::axis::Axis;
-use super::{Curve, Key, MARGIN, Panel, SCALE, SIZE, Scale, class};
+use super::{Clock, Curve, Key, MARGIN, Panel, SCALE, SIZE, Scale, class};
 use crate::text::for_xml;
 
 /// Height of a line of the legend, px.
@@ -68,8 +68,12 @@ pub(super) fn draw(svg: &mut String, panel: &Panel, left: f64) {
     let (x, y) = (&panel.x, &panel.y);
     // Writing to a string cannot fail; the same holds below.
     let _ = write!(svg, r#"<g class="panel""#);
-    if panel.is_over_time {
-        let _ = write!(svg, r#" data-left="{x0}" data-right="{x1}" data-top="{top}" data-bottom="{bottom}""#);
+    if let Some(clock) = panel.clock {
+        let clock = if clock == Clock::Run { "run" } else { "opening" };
+        let _ = write!(
+            svg,
+            r#" data-clock="{clock}" data-left="{x0}" data-right="{x1}" data-top="{top}" data-bottom="{bottom}""#
+        );
         let _ = write!(svg, r#" data-from="{}" data-to="{}""#, x.from, x.to);
     }
     svg.push_str(">\n");

@@ -1,4 +1,4 @@
-// What grains are coloured by, and the colours.
+// The quantities that colour grains, and their colours.
 
 /** Places of the colours in a palette: levels or species, no number, wall grain, door grain. */
 const NO_NUMBER = 255;
