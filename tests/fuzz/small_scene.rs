@@ -148,7 +148,8 @@ const RADII: &[&str] = &["Fixed(0.04)", "Uniform(0.001, 0.04)", "Mixture([(0.04,
 const STEPS: u64 = 20;
 
 /// Warnings of a step that is too large.
-const UNSTABLE: [&str; 3] = ["check::unstable_step", "check::unstable_bed", "check::fast_grains"];
+const UNSTABLE: [&str; 4] =
+    ["check::unstable_step", "check::unstable_bed", "check::unstable_start", "check::fast_grains"];
 
 #[test]
 fn every_accepted_small_scene_steps_with_finite_numbers() {

@@ -1,8 +1,10 @@
 //! Warnings of `check` about the start of a scene, its walls and its speeds: each has a scene that causes it, and a scene next to
 //! it that does not.
 
+use std::num::NonZeroUsize;
 use std::path::Path;
 
+use siloflow::measure::totals;
 use siloflow::prelude::*;
 use siloflow::scene::check;
 
@@ -42,6 +44,38 @@ fn overlaps_at_the_start_are_found() {
     assert_eq!(codes(&doubled(0.1)), [""; 0]);
     // With a wall surface.
     assert_eq!(codes(&format!("{FLOOR}, {}", block(-0.03, ""))), ["check::overlaps_at_start"]);
+}
+
+/// Five discs on a line overlap each other, all ten pairs. Without drag, their fastest motion along the line is w^2 = 5 k/m, the largest
+/// eigenvalue of the complete graph. The limit from each grain's four contacts is 2/sqrt(8 k/m).
+#[test]
+fn overlaps_at_the_start_shorten_the_stable_step() {
+    let (k, mass) = (1e4, 1.0f64);
+    let scene = |dt: f64| {
+        let fill = "fill: [(low: (0.0, 0.0), high: (0.5, 0.1), spacing: 0.1, radius: Fixed(0.5), count: 5)]";
+        format!(
+            "(contact: Linear(k: {k:?}, damping: B(0.0)), mass: ArealSquare(4.0), gravity: (0.0, 0.0), integrator: Verlet, \
+             step: Fixed({dt:e}), {fill}, until: 1.0e3, rest: None, watchdog: None, pictures: None)"
+        )
+    };
+    let limit = 2.0 / (8.0 * k / mass).sqrt();
+    let is_warned = |dt: f64| {
+        let loaded = load::from_text("clump.ron", "clump", Path::new(""), scene(dt), &[]).unwrap();
+        check::warnings(&loaded).iter().any(|warning| warning.code == "check::unstable_start")
+    };
+    assert!(is_warned(1.001 * limit) && !is_warned(0.999 * limit));
+    // Overlaps of 0.9, 0.8, 0.7 and 0.6 m.
+    let at_start = 0.5 * k * (4.0 * 0.81 + 3.0 * 0.64 + 2.0 * 0.49 + 0.36);
+    let growth = |dt: f64| {
+        let loaded = load::from_text("clump.ron", "clump", Path::new(""), scene(dt), &[]).unwrap();
+        let mut run = Simulation::new(&loaded, &Registry::default(), NonZeroUsize::MIN).unwrap();
+        run.run_steps(100);
+        totals::of_world(run.world()).energy() / at_start
+    };
+    // From rest, Verlet keeps 1 - (w dt/2)^2 of the energy of each motion: at least 3/8 at this step. It gains energy with a step that is
+    // too large.
+    let (stable, unstable) = (growth(0.999 * limit), growth(1.95 * limit));
+    assert!((0.375..=1.0).contains(&stable) && unstable > 1.0, "{stable} {unstable}");
 }
 
 #[test]

@@ -228,9 +228,10 @@ pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
     let mut warnings = loaded.source.unused_parameters();
     renamed_keys(loaded, &mut warnings);
     stop(loaded, &mut warnings);
-    start::examine(loaded, &mut warnings);
+    let estimates = Estimates::of(loaded);
+    start::examine(loaded, estimates.as_ref(), &mut warnings);
     meshes::examine(loaded, &mut warnings);
-    let Some(estimates) = Estimates::of(loaded) else { return warnings };
+    let Some(estimates) = estimates else { return warnings };
     step(&estimates, &mut warnings);
     feeds(loaded, estimates.dt, &mut warnings);
     softness(loaded, &estimates, &mut warnings);

@@ -29,9 +29,9 @@ const DRAWN: u32 = 10_000;
 
 /// Mass (kg) and radius (m) of a body; infinite mass if fixed, infinite radius if flat.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Body {
-    mass: f64,
-    radius: f64,
+pub(super) struct Body {
+    pub mass: f64,
+    pub radius: f64,
 }
 
 /// Two bodies that can meet.
@@ -67,6 +67,16 @@ impl SpeciesPair {
             inertia,
             rolling: (turning(first) + turning(second)) / inertia,
         }
+    }
+
+    /// The pair of two bodies with their species, pressed together by this overlap (m): the impact that reaches the overlap has its stiffness.
+    /// The deepest overlap of an impact is a power of its speed for every law of a scene.
+    pub(super) fn pressed(loaded: &Loaded, bodies: [(u8, Body); 2], overlap: f64) -> Self {
+        let mut pair = Self::new(loaded, bodies, 1.0);
+        let deepest = |speed: f64| pair.law.0.deepest(&Bounce { speed, ..pair.bounce });
+        let [slow, fast] = [1.0, 2.0].map(deepest);
+        pair.bounce.speed = (overlap / slow).powf(1.0 / (fast / slow).log2());
+        pair
     }
 
     /// The three ways to move with the weights of a single contact: normal, tangential, rolling.
@@ -355,6 +365,27 @@ mod tests {
         // A dashpot of 0.1 N s/m counts as 0.1/k_t, and a strong one leaves nothing to add.
         assert!((pair("B(0.1)").spring_damping(dt) - (whole - 0.1 / 4.0e3)).abs() < 1e-15);
         assert!(pair("B(1.0)").spring_damping(dt).abs() < f64::MIN_POSITIVE);
+    }
+
+    #[test]
+    fn a_pressed_pair_has_the_stiffness_at_its_overlap() {
+        let scene = |contact: &str| {
+            let keys = format!("contact: {contact}, mass: Sphere(2500.0), step: Fixed(1.0e-7)");
+            scene(&format!("{keys}, {}", spawner(2, "Fixed(0.1)"))).unwrap()
+        };
+        let bodies = [(0, Body { mass: 1.0, radius: 0.1 }), (0, Body { mass: 3.0, radius: 0.3 })];
+        let stiffness = |contact: &str, overlap: f64| {
+            let pair = SpeciesPair::pressed(&scene(contact), bodies, overlap);
+            pair.law.0.stiffness(&pair.bounce)
+        };
+        // 2 E* sqrt(R* d) with E* = E/(2 (1 - nu^2)) and R* = 0.1 x 0.3/0.4 m; the second overlap is deeper than the smaller grain.
+        let hertz = "Hertz(restitution: 0.5), materials: [(young: 1.0e7, poisson: 0.3)]";
+        for overlap in [1e-4, 0.15] {
+            let closed: f64 = 2.0 * (1e7 / (2.0 * 0.91)) * f64::sqrt(0.075 * overlap);
+            let found = stiffness(hertz, overlap);
+            assert!((found / closed - 1.0).abs() < 1e-12, "{found} {closed}");
+        }
+        assert!((stiffness("Linear(k: 1.0e4, damping: B(2.0))", 0.15) - 1e4).abs() < 1e-9);
     }
 
     #[test]

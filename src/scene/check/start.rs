@@ -3,9 +3,14 @@
 //! An overlap counts from [`LARGE_OVERLAP`] of the smaller radius on, because a bed at rest has small ones. Pairs that meet
 //! through a periodic side are not examined, nor more than [`PATIENCE`] bodies.
 
+mod release;
+mod stability;
+
 use rustc_hash::FxHashMap;
 
 use crate::fault::Warning;
+use crate::scene::check::Estimates;
+use crate::scene::check::species_pairs;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::walls::config::Wall;
@@ -15,24 +20,37 @@ use crate::watchdog::LARGE_OVERLAP;
 /// Most bodies that are examined, and most pairs of them. More would take seconds.
 const PATIENCE: [usize; 2] = [2_000_000, 50_000_000];
 
+/// Warnings of deep overlaps.
+const DEEP: [&str; 2] = ["check::overlaps_at_start", "check::starts_in_wall"];
+
 /// A disc or sphere at the start.
 struct Body {
     centre: Solid,
     radius: f64,
-    /// Id of a grain; `None` for a wall grain.
-    grain: Option<u32>,
+    species: u8,
+    /// Mass (kg) and id of a grain; `None` for a wall grain.
+    grain: Option<(f64, u32)>,
 }
 
-/// Adds the warnings about the start.
-pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
-    match loaded.scene.space {
-        Dimension::Plane => examine_in::<Plane>(loaded, warnings),
-        Dimension::Solid => examine_in::<Solid>(loaded, warnings),
+impl Body {
+    /// The body as a partner of a contact.
+    fn partner(&self) -> (u8, species_pairs::Body) {
+        let mass = self.grain.map_or(f64::INFINITY, |(mass, _)| mass);
+        (self.species, species_pairs::Body { mass, radius: self.radius })
     }
 }
 
-fn examine_in<V: Space>(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+/// Adds the warnings about the start. A scene without estimates has no grains.
+pub(super) fn examine(loaded: &Loaded, estimates: Option<&Estimates>, warnings: &mut Vec<Warning>) {
+    match loaded.scene.space {
+        Dimension::Plane => examine_in::<Plane>(loaded, estimates, warnings),
+        Dimension::Solid => examine_in::<Solid>(loaded, estimates, warnings),
+    }
+}
+
+fn examine_in<V: Space>(loaded: &Loaded, estimates: Option<&Estimates>, warnings: &mut Vec<Warning>) {
     let bodies = bodies(loaded);
+    let before = warnings.len();
     if bodies.len() <= PATIENCE[0] {
         pairs(&bodies, warnings);
     }
@@ -49,28 +67,34 @@ fn examine_in<V: Space>(loaded: &Loaded, warnings: &mut Vec<Warning>) {
     if let Some(first) = pressed.first() {
         overlapping(pressed.len(), &format!("{} and a wall surface at {}", name(first), place(first.centre)), warnings);
     }
+    let is_deep = warnings[before..].iter().any(|warning| DEEP.contains(&warning.code));
+    if let Some(estimates) = estimates.filter(|_| is_deep) {
+        stability::examine(loaded, estimates, &bodies, &surfaces, warnings);
+    }
     let all = 0..surfaces.all.len();
-    release(loaded, &bodies, |x| distances(&surfaces, all.clone(), x), warnings);
+    release::examine(loaded, &bodies, |x| distances(&surfaces, all.clone(), x), warnings);
 }
 
 fn bodies(loaded: &Loaded) -> Vec<Body> {
-    let disc = |centre: Solid, radius: f64| Body { centre, radius, grain: None };
-    let silo = loaded.silo.wall.iter().chain(&loaded.silo.door).map(|d| disc(d.centre.extend(0.0), d.radius));
+    let disc = |centre: Solid, radius: f64, species: u8| Body { centre, radius, species, grain: None };
+    let of_silo = loaded.scene.silo.as_ref().map_or(0, |silo| silo.species);
+    let silo = loaded.silo.wall.iter().chain(&loaded.silo.door).map(|d| disc(d.centre.extend(0.0), d.radius, of_silo));
     let own = loaded.scene.walls.iter().filter_map(|wall| match wall {
-        Wall::Disc { centre, radius, .. } => Some(disc(centre.padded(), radius.get())),
+        Wall::Disc { centre, radius, species, .. } => Some(disc(centre.padded(), radius.get(), *species)),
         _ => None,
     });
-    let fixed = loaded.fixed.iter().map(|grain| disc(grain.position, grain.radius));
+    let fixed = loaded.fixed.iter().map(|grain| disc(grain.position, grain.radius, grain.species.0));
     let grains = loaded.grains.iter().map(|grain| Body {
         centre: grain.position,
         radius: grain.radius,
-        grain: Some(grain.id.number()),
+        species: grain.species.0,
+        grain: Some((grain.mass, grain.id.number())),
     });
     silo.chain(own).chain(fixed).chain(grains).collect()
 }
 
 fn name(body: &Body) -> String {
-    body.grain.map_or("a wall grain".to_owned(), |id| format!("grain {id}"))
+    body.grain.map_or("a wall grain".to_owned(), |(_, id)| format!("grain {id}"))
 }
 
 fn place(x: Solid) -> String {
@@ -176,45 +200,4 @@ fn overlapping(count: usize, example: &str, warnings: &mut Vec<Warning>) {
         message: format!("{count} contacts start with an overlap of more than {LARGE_OVERLAP} of the smaller radius, for example {example}"),
         help: "move them apart: their elastic energy is released at the start".to_owned(),
     });
-}
-
-/// A release needs room, and a place inside the walls.
-fn release(loaded: &Loaded, bodies: &[Body], distances: impl Fn(Solid) -> [f64; 2], warnings: &mut Vec<Warning>) {
-    let Some(spawner) = loaded.scene.spawner.as_ref().filter(|spawner| spawner.count > 0) else { return };
-    let (point, jitter) = (spawner.point.padded(), spawner.jitter.map_or(0.0, |jitter| jitter.padded().length()));
-    let (smallest, _) = spawner.radius.range();
-    let [half, thin] = distances(point);
-    let walls = || bodies.iter().filter(|body| body.grain.is_none());
-    let room = walls().map(|wall| wall.centre.distance(point) - wall.radius).fold(half.min(thin), f64::min);
-    if room + jitter < smallest {
-        warnings.push(Warning {
-            code: "check::no_room_to_release",
-            message: format!(
-                "the release point is {room:.3} m from a wall, and the smallest grain has a radius of {smallest} m"
-            ),
-            help: "move `spawner.point` away from the wall".to_owned(),
-        });
-    }
-    // Half-planes have no ends, so they bound no box.
-    let thin_walls = loaded.scene.walls.iter().filter_map(Wall::bounds).flatten();
-    let corners: Vec<Solid> = walls().map(|wall| wall.centre).chain(thin_walls).collect();
-    let bounds = corners.iter().copied().reduce(Solid::min).zip(corners.iter().copied().reduce(Solid::max));
-    let Some((low, high)) = bounds.filter(|_| half.is_infinite()) else { return };
-    let up = super::up(loaded);
-    let beside =
-        |axis: usize| loaded.scene.periodic.axes()[axis].is_none() && !(low[axis]..=high[axis]).contains(&point[axis]);
-    let is_outside =
-        (0..loaded.scene.space.count()).any(|axis| if axis == up { point[axis] < low[axis] } else { beside(axis) });
-    if is_outside {
-        warnings.push(Warning {
-            code: "check::release_outside",
-            message: format!(
-                "the release point {} is outside the walls, which reach from {} to {}",
-                place(point),
-                place(low),
-                place(high)
-            ),
-            help: "move `spawner.point` into the silo, or above it".to_owned(),
-        });
-    }
 }
