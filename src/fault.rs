@@ -64,6 +64,12 @@ impl Fault {
         self.0.key.as_deref()
     }
 
+    /// The help line.
+    #[must_use]
+    pub fn remedy(&self) -> Option<&str> {
+        self.0.help.as_deref()
+    }
+
     /// Line and column of the place, both counted from 1.
     #[must_use]
     pub fn line_and_column(&self) -> Option<(usize, usize)> {
@@ -88,7 +94,7 @@ impl Diagnostic for Fault {
     }
 
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.0.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+        self.remedy().map(|help| Box::new(help) as Box<dyn fmt::Display>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {

@@ -1,7 +1,5 @@
 //! Exit statuses of all commands.
 
-use std::process::ExitCode;
-
 /// Every exit status with its meaning, as `--help` and the documentation state them.
 pub const EXIT_STATUSES: [(&str, &str); 6] = [
     ("0", "done"),
@@ -31,13 +29,14 @@ pub(super) enum Verdict {
 /// The exit status of a wrong input or call.
 pub(super) const REFUSED: u8 = 2;
 
-impl From<Verdict> for ExitCode {
-    fn from(verdict: Verdict) -> Self {
-        Self::from(match verdict {
-            Verdict::Done => 0,
-            Verdict::Failed | Verdict::Different => 1,
-            Verdict::Interrupted(signal) => 128u8.saturating_add(signal),
-        })
+impl Verdict {
+    /// Returns the exit status.
+    pub(super) fn status(self) -> u8 {
+        match self {
+            Self::Done => 0,
+            Self::Failed | Self::Different => 1,
+            Self::Interrupted(signal) => 128u8.saturating_add(signal),
+        }
     }
 }
 

@@ -18,6 +18,8 @@ mod run;
 mod run_grains;
 mod run_lattice;
 mod run_path;
+#[cfg(feature = "shell")]
+mod shell;
 mod signals;
 mod study;
 
@@ -87,6 +89,12 @@ enum Command {
     Report(report::ReportArgs),
     /// Convert the frames of a run for ParaView (VTK) or OVITO (extended XYZ, LAMMPS dump).
     Export(export::ExportArgs),
+    /// Print the completions of a shell.
+    #[cfg(feature = "shell")]
+    Completions(shell::CompletionsArgs),
+    /// Write man pages, one for the program and one for each command.
+    #[cfg(feature = "shell")]
+    Man(shell::ManArgs),
 }
 
 /// A scene, and settings that change it.
@@ -142,6 +150,12 @@ pub fn main_with(registry: &Registry) -> ExitCode {
 /// Runs the program with the behaviours in `registry` on these arguments. The first argument is the program's name.
 #[must_use]
 pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    ExitCode::from(status_of(registry, arguments))
+}
+
+/// Like [`run_with`], with the [exit status](EXIT_STATUSES) as a number, for callers that are not a `main`.
+#[must_use]
+pub fn status_of(registry: &Registry, arguments: impl IntoIterator<Item = OsString>) -> u8 {
     let cli = match Cli::try_parse_from(arguments) {
         Ok(cli) => cli,
         Err(error) => {
@@ -150,7 +164,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
             if let Some(scene) = scene_without_command(&error) {
                 say_aside(&format!("\n  help: to run a scene, write `siloflow run {scene}`"));
             }
-            return ExitCode::from(u8::try_from(error.exit_code()).unwrap_or(REFUSED));
+            return u8::try_from(error.exit_code()).unwrap_or(REFUSED);
         }
     };
     start_log(&cli);
@@ -168,12 +182,16 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Plot(args) => plot::plot(args),
         Command::Report(args) => report::report(args),
         Command::Export(args) => export::export(args),
+        #[cfg(feature = "shell")]
+        Command::Completions(args) => Ok(shell::completions(args)),
+        #[cfg(feature = "shell")]
+        Command::Man(args) => shell::man(args),
     };
     match result {
-        Ok(verdict) => verdict.into(),
+        Ok(verdict) => verdict.status(),
         Err(fault) => {
             show(fault);
-            ExitCode::from(REFUSED)
+            REFUSED
         }
     }
 }

@@ -1,0 +1,17 @@
+"""The command line: ``python -m siloflow``, and the program ``siloflow`` of the package."""
+
+import signal
+import sys
+
+from siloflow._siloflow import command_line
+
+
+def main() -> None:
+    """Runs the program on the arguments of the process."""
+    # The program handles signals itself: a run that is interrupted writes a checkpoint.
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
+    sys.exit(command_line(sys.argv))
+
+
+if __name__ == "__main__":
+    main()

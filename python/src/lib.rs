@@ -1,0 +1,41 @@
+//! The compiled module `siloflow._siloflow`: the command line, a stepped simulation, and the frames of a run. Columns of numbers are
+//! passed as bytes; the Python part of the package makes NumPy arrays of them.
+
+mod frames;
+mod simulation;
+
+use std::ffi::OsString;
+
+use pyo3::prelude::*;
+use pyo3::types::{PyBytes, PyDict};
+use siloflow::behaviour::Registry;
+
+pyo3::create_exception!(siloflow, SceneError, pyo3::exceptions::PyValueError, "A scene, setting or file is wrong.");
+
+/// Runs the program with these arguments, of which the first is its name, and returns its exit status.
+#[pyfunction]
+fn command_line(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+    py.detach(|| siloflow::cli::status_of(&Registry::default(), arguments))
+}
+
+/// A column as (type of its numbers, numbers of a row, bytes).
+fn set_column<T: Copy>(
+    columns: &Bound<'_, PyDict>,
+    name: &str,
+    dtype: &str,
+    components: u8,
+    values: &[T],
+    bytes_of: impl Fn(T) -> Vec<u8>,
+) -> PyResult<()> {
+    let bytes: Vec<u8> = values.iter().copied().flat_map(bytes_of).collect();
+    columns.set_item(name, (dtype, components, PyBytes::new(columns.py(), &bytes)))
+}
+
+#[pymodule]
+fn _siloflow(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    module.add("SceneError", module.py().get_type::<SceneError>())?;
+    module.add_function(wrap_pyfunction!(command_line, module)?)?;
+    module.add_class::<simulation::Simulation>()?;
+    module.add_class::<frames::Frames>()
+}
