@@ -111,7 +111,8 @@ impl Simulation {
 }
 
 /// The components of a grain that Python sees.
-type Row<V> = (&'static GrainId, &'static Species, &'static Radius, &'static Mass, &'static Position<V>, &'static Velocity<V>);
+type Row<V> =
+    (&'static GrainId, &'static Species, &'static Radius, &'static Mass, &'static Position<V>, &'static Velocity<V>);
 
 fn columns<'py, V: Space>(py: Python<'py>, world: &mut World) -> PyResult<Bound<'py, PyDict>> {
     let mut rows: Vec<_> = world.query_filtered::<Row<V>, With<Grain>>().iter(world).collect();
