@@ -7,9 +7,12 @@ Without a file, the program first makes such a curve itself, with mu = 0.45 and 
 use, so that the answer is known.
 
 Method: the curve is the outflow at a few times. Runs at points of a Latin hypercube in (mu, mu_r), with several seeds, give the mean
-curve at each point. A quadratic polynomial in (mu, mu_r) is fitted to each value of the curve, with mu and mu_r on a scale of roots,
-since discharge changes fastest at low friction. The best (mu, mu_r) minimises the squared distance to the measured curve in units
-of the residual of these fits. Standard errors come from the curvature at the minimum.
+curve at each point. A quadratic polynomial in the roots of mu and mu_r is fitted to each value of the curve, since discharge changes
+fastest at low friction. The best (mu, mu_r) minimises the squared distance to the measured curve. Its weights are the inverse of a
+covariance: the scatter of the seeds for the measured curve, and the residual of the fits for the polynomials.
+
+A discharge curve constrains a combination of the two coefficients more than each of them: less friction with more rolling
+resistance empties a silo as fast. The printed ranges contain this; the file misfit.csv has the whole map.
 """
 
 import sys
@@ -25,8 +28,8 @@ import siloflow
 SCENE = Path(__file__).parent / "silo.ron"
 OUT = Path("out/calibration")
 LOW, HIGH = np.array([0.1, 0.0]), np.array([0.8, 0.4])
-POINTS, SEEDS = 24, (1, 2, 3)
-TRUTH = (0.45, 0.15)
+POINTS, SEEDS = 40, (1, 2, 3, 4)
+TRUTH, REPEATS = (0.45, 0.15), (101, 102, 103, 104, 105)
 
 
 def discharge(mu: float, mu_r: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -38,12 +41,11 @@ def discharge(mu: float, mu_r: float, seed: int) -> tuple[np.ndarray, np.ndarray
     return since, series["out_kg"].to_numpy()
 
 
-def mean_curves(points: np.ndarray, seeds: tuple[int, ...], times: np.ndarray) -> np.ndarray:
-    """Returns the mean curve over the seeds at each point. Runs use all cores, one for each run."""
+def curves_at(points: np.ndarray, seeds: tuple[int, ...], times: np.ndarray) -> np.ndarray:
+    """Returns the curve of each seed at each point. Runs use all cores, one for each run."""
     with ThreadPoolExecutor(cpu_count()) as pool:
-        runs = {(k, seed): pool.submit(discharge, *point, seed) for k, point in enumerate(points) for seed in seeds}
-        curves = {key: np.interp(times, *run.result()) for key, run in runs.items()}
-    return np.array([np.mean([curves[k, seed] for seed in seeds], axis=0) for k in range(len(points))])
+        runs = [[pool.submit(discharge, *point, seed) for seed in seeds] for point in points]
+        return np.array([[np.interp(times, *run.result()) for run in row] for row in runs])
 
 
 def latin_hypercube(count: int) -> np.ndarray:
@@ -57,41 +59,42 @@ def terms(points: np.ndarray) -> np.ndarray:
     return np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=1)
 
 
-def measured() -> pd.DataFrame:
+def measured() -> tuple[pd.DataFrame, int]:
+    """Returns the measured curve, and the number of measurements of which it is the mean."""
     if len(sys.argv) > 1:
-        return pd.read_csv(sys.argv[1])
+        return pd.read_csv(sys.argv[1]), 1
     print(f"no measured curve given: making one with mu = {TRUTH[0]} and mu_r = {TRUTH[1]}")
     times = np.linspace(0.0, 2.0, 41)
-    [curve] = mean_curves(np.array([TRUTH]), (101, 102, 103, 104, 105), times)
-    return pd.DataFrame({"time_s": times, "out_kg": curve})
+    [curves] = curves_at(np.array([TRUTH]), REPEATS, times)
+    return pd.DataFrame({"time_s": times, "out_kg": curves.mean(axis=0)}), len(REPEATS)
 
 
 def main() -> None:
-    target = measured()
-    # The part of the curve in which the silo flows: from 10 to 80 % out.
-    flows = target["out_kg"].between(0.1 * target["out_kg"].max(), 0.8 * target["out_kg"].max())
+    target, repeats = measured()
+    # The part of the curve in which the silo flows.
+    flows = target["out_kg"].between(0.05 * target["out_kg"].max(), 0.95 * target["out_kg"].max())
     times, curve = target["time_s"][flows].to_numpy(), target["out_kg"][flows].to_numpy()
     points = latin_hypercube(POINTS)
-    curves = mean_curves(points, SEEDS, times)
-    surface, *_ = np.linalg.lstsq(terms(points), curves, rcond=None)
-    residual = curves - terms(points) @ surface
-    freedom = POINTS - surface.shape[0]
-    # Values of one curve vary together, so their distance is that of the whole covariance, with a small share of its mean variance added.
-    covariance = residual.T @ residual / freedom
+    curves = curves_at(points, SEEDS, times)
+    means = curves.mean(axis=1)
+    scatter = np.einsum("psi,psj->ij", curves - means[:, None], curves - means[:, None]) / (POINTS * (len(SEEDS) - 1))
+    surface, *_ = np.linalg.lstsq(terms(points), means, rcond=None)
+    residual = means - terms(points) @ surface
+    covariance = scatter / repeats + residual.T @ residual / (POINTS - len(surface))
+    # Neighbouring values are nearly equal, which makes the matrix nearly singular: a hundredth of its mean variance is added.
     covariance += 0.01 * np.trace(covariance) / len(times) * np.eye(len(times))
-    inverse = np.linalg.inv(covariance)
-    grid = np.stack(np.meshgrid(*(np.linspace(low, high, 401) for low, high in zip(LOW, HIGH)), indexing="ij"), axis=-1)
-    distance = terms(grid.reshape(-1, 2)) @ surface - curve
-    misfit = np.einsum("ij,jk,ik->i", distance, inverse, distance)
-    best = grid.reshape(-1, 2)[misfit.argmin()]
-    near = misfit - misfit.min() < 1.0
-    spread = grid.reshape(-1, 2)[near]
-    pd.DataFrame({"mu": points[:, 0], "mu_r": points[:, 1]}).join(pd.DataFrame(curves, columns=[f"{t:.3f}" for t in times])) \
-        .to_csv(OUT / "curves.csv", index=False)
-    for name, value, low, high in zip(("mu", "mu_r"), best, spread.min(axis=0), spread.max(axis=0)):
-        print(f"{name:5} {value:.3f}, between {low:.3f} and {high:.3f} within one standard error")
-    [found] = mean_curves(np.array([best]), SEEDS, times)
-    print(f"rms distance of the curves: {np.sqrt(np.mean((found - curve) ** 2)):.3f} kg of {curve.max():.1f} kg")
+    mu, mu_r = (axis.ravel() for axis in np.meshgrid(*np.linspace(LOW, HIGH, 201).T, indexing="ij"))
+    distance = terms(np.stack([mu, mu_r], axis=1)) @ surface - curve
+    misfit = np.einsum("ij,jk,ik->i", distance, np.linalg.inv(covariance), distance)
+    pd.DataFrame({"mu": mu, "mu_r": mu_r, "misfit": misfit}).to_csv(OUT / "misfit.csv", index=False)
+    best, near = misfit.argmin(), misfit < misfit.min() + 1.0
+    for name, axis in (("mu", mu), ("mu_r", mu_r)):
+        print(f"{name:5} {axis[best]:.3f}, within one standard error from {axis[near].min():.3f} to {axis[near].max():.3f}")
+    if len(sys.argv) == 1:
+        truth = np.hypot(mu - TRUTH[0], mu_r - TRUTH[1]).argmin()
+        print(f"misfit of the true coefficients: {misfit[truth] - misfit[best]:.1f} above the best; below 2.3 in 68 % of such trials")
+    [found] = curves_at(np.array([[mu[best], mu_r[best]]]), SEEDS, times)
+    print(f"rms distance of the curves: {np.sqrt(np.mean((found.mean(axis=0) - curve) ** 2)):.3f} kg of {curve.max():.1f} kg")
 
 
 if __name__ == "__main__":
