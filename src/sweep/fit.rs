@@ -231,7 +231,7 @@ mod tests {
 
     #[test]
     fn beverloo_recovers_the_constants_of_scattered_data_within_its_errors() {
-        let (c, k, d) = (0.58, 1.4, 0.01);
+        let (c, k, d): (f64, f64, f64) = (0.58, 1.4, 0.01);
         let law = Law::Beverloo { power: 1.5, grain: Some(d), density: Some(1.0), gravity: 1.0 };
         let stream = Stream::new(1, "test");
         let trials = 400;
