@@ -221,6 +221,14 @@ impl SweepDirectory {
                 fs::create_dir_all(parent)?;
             }
             whole_file::write(&path, content)?;
+            #[cfg(feature = "parquet")]
+            if path.extension().is_some_and(|ending| ending == "csv") {
+                let target = path.with_extension("parquet");
+                let part = whole_file::part_of(&target);
+                whole_file::remove_if_there(&part)?;
+                crate::output::frame_export::parquet::convert(&path, &part)?;
+                fs::rename(part, target)?;
+            }
         }
         Ok(())
     }
