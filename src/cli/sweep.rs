@@ -88,8 +88,11 @@ pub(super) fn sweep(args: &SweepArgs, registry: &Registry, quiet: bool) -> Resul
     let all = sweep.tasks();
     let tasks = args.task.map_or_else(|| all.clone(), |part| part.of(&all));
     let signals = Signals::catch();
+    let known = match SweepDirectory::find(&path, &sweep) {
+        Err(fault) if !args.force => return Err(fault),
+        found => found.ok().flatten(),
+    };
     // Before the directory is made: an error of a scene changes nothing.
-    let known = SweepDirectory::open(&path, &sweep).ok();
     let todo = todo(args, &sweep, known.as_ref(), &tasks)?;
     check(&sweep, &todo, registry, quiet)?;
     let directory = SweepDirectory::prepare(&path, &sweep, args.force)?;
@@ -177,8 +180,8 @@ fn check(sweep: &Sweep, todo: &[Task], registry: &Registry, quiet: bool) -> Resu
 /// Checks all points and lists all runs.
 fn list(sweep: &Sweep, path: &Path, registry: &Registry, quiet: bool) -> Result<Verdict, Fault> {
     let tasks = sweep.tasks();
+    let directory = SweepDirectory::find(path, sweep)?;
     check(sweep, &tasks, registry, quiet)?;
-    let directory = if path.exists() { Some(SweepDirectory::open(path, sweep)?) } else { None };
     let mut text = String::new();
     for (number, &task) in (1..).zip(&tasks) {
         let state = directory.as_ref().map_or(Ok(State::Missing), |directory| directory.state(sweep, task))?;

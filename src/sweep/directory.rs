@@ -100,18 +100,29 @@ impl SweepDirectory {
         Ok(directory)
     }
 
+    /// Finds the directory of a sweep; `None` if there is nothing, or an empty directory. Nothing is changed.
+    ///
+    /// # Errors
+    /// The directory holds another sweep, or something else.
+    pub fn find(path: &Path, sweep: &Sweep) -> Result<Option<Self>, Fault> {
+        Self::refuse_content(path)?;
+        let directory = Self { path: path.to_owned() };
+        match directory.difference(sweep)? {
+            Difference::None => Ok(Some(directory)),
+            Difference::Other => Err(other_sweep(path)),
+            Difference::Nothing => Ok(None),
+        }
+    }
+
     /// Opens the directory of a sweep. Nothing is changed.
     ///
     /// # Errors
     /// The directory holds no sweep, or another one.
     pub fn open(path: &Path, sweep: &Sweep) -> Result<Self, Fault> {
-        let directory = Self { path: path.to_owned() };
-        match directory.difference(sweep)? {
-            Difference::None => Ok(directory),
-            Difference::Other => Err(other_sweep(path)),
-            Difference::Nothing => Err(Fault::new("sweep::directory", format!("{} holds no sweep", path.display()))
-                .help("run the sweep first, or give its directory with --out")),
-        }
+        Self::find(path, sweep)?.ok_or_else(|| {
+            Fault::new("sweep::directory", format!("{} holds no sweep", path.display()))
+                .help("run the sweep first, or give its directory with --out")
+        })
     }
 
     /// Refuses a directory with content that is no sweep.

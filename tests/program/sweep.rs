@@ -197,6 +197,7 @@ fn missing_and_wrong_files_and_existing_targets_are_refused() {
     assert_refused(&siloflow(here.path(), &["sweep", "plate.ron"]), &["it is a scene"]);
     fs::write(here.path().join("grains.csv"), "id,radius\n1,2\n").unwrap();
     assert_refused(&siloflow(here.path(), &["sweep", "grains.csv"]), &["no RON text"]);
+    assert_refused(&siloflow(here.path(), &["run", "s.ron"]), &["this is a sweep file", "siloflow sweep"]);
     let lost = read(here.path().join("s.ron")).replace("plate.ron", "gone.ron");
     fs::write(here.path().join("lost.ron"), lost).unwrap();
     assert_refused(&siloflow(here.path(), &["sweep", "lost.ron"]), &["gone.ron", "scene"]);
