@@ -174,6 +174,12 @@ impl Fitted {
         }
     }
 
+    /// Returns the place where the law begins, if it has one.
+    #[must_use]
+    pub fn start(&self) -> Option<f64> {
+        matches!(self.law, Law::Beverloo { .. }).then(|| -self.line.intercept / self.line.slope)
+    }
+
     /// Returns the law with its numbers, for example `12.3 (x - 0.045)^1.5`.
     #[must_use]
     pub fn in_words(&self) -> String {
@@ -278,6 +284,6 @@ mod tests {
 
     #[test]
     fn numbers_have_four_digits() {
-        assert_eq!([0.0, 12.3456, -0.012_345, 1.0e7].map(short), ["0.000", "12.35", "-0.01234", "1.000e7"]);
+        assert_eq!([0.0, 12.3456, -0.012_346, 1.0e7].map(short), ["0.000", "12.35", "-0.01235", "1.000e7"]);
     }
 }

@@ -156,8 +156,9 @@ fn panel(sweep: &Sweep, cells: &[Cell], key: usize, figure: usize) -> Panel {
     Panel { curves, key: Key::Above, ..Panel::new(sweep.name.clone(), x, y) }
 }
 
-/// Returns the curve of a fit between two places.
+/// Returns the curve of a fit between two places, or from the place where its law begins, if that is positive.
 fn curve_of(fit: &GroupFit, (low, high): (f64, f64), colour: &'static str) -> Curve {
+    let low = fit.fitted.start().filter(|start| (0.0..low).contains(start)).unwrap_or(low);
     let place = |n| low + (high - low) * f64::from(n) / f64::from(FIT_POINTS);
     let points = (0..=FIT_POINTS).map(place).filter_map(|x| Some((x, fit.fitted.at(x)?))).collect();
     Curve { name: fit.fitted.in_words(), colour, points, has_line: true, has_dots: false, is_dashed: true }

@@ -8,9 +8,9 @@ use std::time::{Duration, Instant};
 
 use crate::command_line::{siloflow, text};
 
-/// Three discs fall on a plate for 0.2 s. A parameter may make the run last longer, or fail.
+/// Three discs fall on a plate. A parameter may make the run last longer, or fail.
 const SCENE: &str = r#"(
-    parameters: {"height": 0.5, "end": 0.2, "stiff": 1.0e4},
+    parameters: {"height": 0.5, "end": 0.5, "stiff": 1.0e4},
     gravity: (0.0, -9.81),
     contact: Linear(k: "= stiff", damping: Restitution(0.5)),
     mass: Disc(10.0),
@@ -45,7 +45,7 @@ fn assert_refused(output: &Output, words: &[&str]) {
 /// Five heights and three seeds, each run long enough that the sweep can be stopped within it.
 fn heights(here: &Path) {
     let axes = r#"Range(key: "parameters.height", from: 0.5, to: 0.9, count: 5)"#;
-    write_sweep(here, axes, &format!("set: {{\"parameters.end\": 1.5}}, seeds: 3, {FIGURES}"));
+    write_sweep(here, axes, &format!("set: {{\"parameters.end\": 1.0}}, seeds: 3, {FIGURES}"));
 }
 
 #[test]
@@ -90,15 +90,13 @@ fn a_sweep_writes_its_tables_and_pictures_and_runs_nothing_twice() {
 fn a_sweep_that_is_stopped_and_killed_continues_to_the_same_table() {
     let here = tempfile::tempdir().unwrap();
     heights(here.path());
-    let start = Instant::now();
     let straight = siloflow(here.path(), &["sweep", "s.ron", "--out", "straight", "--cores", "2"]);
     assert!(straight.status.success(), "{}", text(&straight.stderr));
-    let whole = start.elapsed();
     let over = || {
         let runs = fs::read_dir(here.path().join("stopped/runs"));
         runs.map_or(0, |runs| runs.filter(|run| run.as_ref().unwrap().path().join("summary.json").exists()).count())
     };
-    for (signal, part) in [("TERM", 0.3), ("KILL", 0.6)] {
+    for (signal, after) in [("TERM", 2), ("KILL", 6)] {
         let mut child = Command::new(env!("CARGO_BIN_EXE_siloflow"))
             .args(["sweep", "s.ron", "--out", "stopped", "--cores", "2"])
             .current_dir(here.path())
@@ -106,14 +104,15 @@ fn a_sweep_that_is_stopped_and_killed_continues_to_the_same_table() {
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        std::thread::sleep(whole.mul_f64(part * 0.5));
+        let start = Instant::now();
+        while over() < after && start.elapsed() < Duration::from_secs(300) {
+            std::thread::sleep(Duration::from_millis(2));
+        }
         Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status().unwrap();
         let status = child.wait().unwrap();
-        assert!(!status.success(), "the sweep was over before its signal");
-        assert_eq!(status.code(), (signal == "TERM").then_some(143));
+        assert_eq!(status.code(), (signal == "TERM").then_some(143), "the sweep was over before its signal");
         assert!(over() < 15, "the sweep was over before its signal");
     }
-    assert!(over() > 0 || whole < Duration::from_secs(2), "nothing was done before the signals");
     let last = siloflow(here.path(), &["sweep", "s.ron", "--out", "stopped", "--cores", "2"]);
     assert!(last.status.success(), "{}", text(&last.stderr));
     for name in ["table.csv", "results.csv", "figures/parameters-height.svg"] {
@@ -128,23 +127,23 @@ fn a_sweep_that_is_stopped_and_killed_continues_to_the_same_table() {
 #[test]
 fn failing_runs_are_listed_and_do_not_hide_the_others() {
     let here = tempfile::tempdir().unwrap();
-    // The contact that is far too stiff for the step fails.
+    // The overlap at a contact that is far too soft exceeds the limit of the watchdog.
     write_sweep(
         here.path(),
-        r#"Values(key: "parameters.stiff", values: [1.0e4, 1.0e9])"#,
+        r#"Values(key: "parameters.stiff", values: [1.0e4, 2.0])"#,
         &format!("seeds: 2, {FIGURES}"),
     );
     let output = siloflow(here.path(), &["sweep", "s.ron"]);
     let message = text(&output.stderr);
     assert_eq!(output.status.code(), Some(1), "{message}");
-    assert!(message.contains("run 0002-1 (parameters.stiff = 1.0e9, seed 1) has no result: step"), "{message}");
-    assert!(message.contains("points 2: check::unstable_step"), "{message}");
+    assert!(message.contains("run 0002-1 (parameters.stiff = 2.0, seed 1) has no result: step"), "{message}");
+    assert!(message.contains("points 2: check::"), "{message}");
     let table = read(here.path().join("out/s/table.csv"));
     assert!(
         table.lines().any(|line| line.starts_with("1,1.0e4,energy.kinetic,") && line.ends_with(",2,0,0,0")),
         "{table}"
     );
-    assert!(table.lines().any(|line| line == "2,1.0e9,energy.kinetic,,,0,0,2,0"), "{table}");
+    assert!(table.lines().any(|line| line == "2,2.0,energy.kinetic,,,0,0,2,0"), "{table}");
     // Failed runs are not repeated, unless that is asked for.
     let log = here.path().join("out/s/runs/0002-1/summary.json");
     let before = fs::metadata(&log).unwrap().modified().unwrap();
