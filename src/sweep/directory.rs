@@ -143,11 +143,14 @@ impl SweepDirectory {
         }
     }
 
-    /// Compares the copy of the sweep file with a sweep.
+    /// Compares the copy of the sweep file with a sweep. Comments and layout do not count.
     fn difference(&self, sweep: &Sweep) -> Result<Difference, Fault> {
         match files::read_text(&self.path.join(PLAN), files::SCENE_BYTES) {
-            Ok(text) if text == sweep.text => Ok(Difference::None),
-            Ok(_) => Ok(Difference::Other),
+            Ok(text) => {
+                let [ours, theirs] =
+                    [text, sweep.text.clone()].map(|text| Source::new(PLAN, "sweep", Path::new(""), text));
+                Ok(if changes(&ours, &theirs).is_empty() { Difference::None } else { Difference::Other })
+            }
             Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
                 Ok(Difference::Nothing)
             }

@@ -252,6 +252,7 @@ fn runs_of_a_scene_that_has_changed_are_not_mixed_with_others() {
     // A comment and other layout change nothing.
     let same = format!("// a comment\n{}", SCENE.replace("Disc(10.0)", "Disc( 11.0 )"));
     fs::write(here.path().join("plate.ron"), same).unwrap();
+    fs::write(here.path().join("s.ron"), format!("// a comment\n{}\n", read(here.path().join("s.ron")))).unwrap();
     let again = siloflow(here.path(), &["sweep", "s.ron"]);
     assert!(again.status.success(), "{}", text(&again.stderr));
 }
