@@ -76,6 +76,7 @@ fn a_sweep_writes_its_tables_and_pictures_and_runs_nothing_twice() {
     for name in ["parameters-height.svg", "parameters-height.png", "integrator.svg", "integrator.png"] {
         assert!(out.join("figures").join(name).is_file(), "{name}");
     }
+    assert_eq!(out.join("table.parquet").is_file(), cfg!(feature = "parquet"));
     let summary = out.join("runs/0002-3/summary.json");
     let before = fs::metadata(&summary).unwrap().modified().unwrap();
     let again = siloflow(here.path(), &["sweep", "s.ron"]);
