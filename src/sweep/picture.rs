@@ -61,13 +61,14 @@ fn groups(sweep: &Sweep, key: usize) -> Vec<(String, Vec<usize>)> {
     groups
 }
 
-/// Returns the place of each point along the key with this number, and the label of the axis.
-fn places(sweep: &Sweep, key: usize) -> (Vec<f64>, String) {
+/// Returns the place of each point along the key with this number, and the axis.
+fn places(sweep: &Sweep, key: usize) -> (Vec<f64>, Axis) {
     let name = &sweep.keys[key];
     let texts: Vec<&str> = sweep.points.iter().map(|point| point.values[key].as_str()).collect();
     let numbers: Option<Vec<f64>> = texts.iter().map(|text| text.parse().ok()).collect();
     if let Some(numbers) = numbers {
-        return (numbers, name.clone());
+        let axis = Axis::around(name.clone(), numbers.iter().copied());
+        return (numbers, axis);
     }
     let mut distinct: Vec<&str> = Vec::new();
     for &text in &texts {
@@ -78,7 +79,13 @@ fn places(sweep: &Sweep, key: usize) -> (Vec<f64>, String) {
     #[expect(clippy::cast_precision_loss, reason = "a small number")]
     let place = |text: &&str| distinct.iter().position(|other| other == text).map_or(0.0, |n| (n + 1) as f64);
     let legend: Vec<_> = (1..).zip(&distinct).map(|(n, text)| format!("{n}: {text}")).collect();
-    (texts.iter().map(place).collect(), format!("{name} ({})", legend.join(", ")))
+    let numbers: Vec<f64> = texts.iter().map(place).collect();
+    let mut ticks = numbers.clone();
+    ticks.sort_by(f64::total_cmp);
+    ticks.dedup();
+    let to = ticks.last().map_or(1.5, |last| last + 0.5);
+    let label = format!("{name} ({})", legend.join(", "));
+    (numbers, Axis { ticks, ..Axis::linear(label, 0.5, to) })
 }
 
 /// Returns the fit of each group that has one. It is a fit of the sweep's figure against its key.
@@ -125,7 +132,7 @@ pub fn fit_in_words(fit: &GroupFit) -> String {
 
 /// Returns the panel of a figure against the key with this number.
 fn panel(sweep: &Sweep, cells: &[Cell], key: usize, figure: usize) -> Panel {
-    let (place, label) = places(sweep, key);
+    let (place, axis) = places(sweep, key);
     let groups = groups(sweep, key);
     let name = &sweep.plan.figures[figure];
     let is_fitted = sweep.plan.fit.as_ref().is_some_and(|fit| fit.figure == *name && fit.against == sweep.keys[key]);
@@ -148,17 +155,17 @@ fn panel(sweep: &Sweep, cells: &[Cell], key: usize, figure: usize) -> Panel {
         let has_line = fit.is_none() && has_lines(sweep, key) && groups.len() <= MOST_CURVES;
         curves.push(Curve { name: group.clone(), colour, points: means, has_line, has_dots: true, is_dashed: false });
         curves.push(Curve { colour, points: bars, has_line: true, ..Curve::default() });
-        curves.extend(fit.map(|fit| curve_of(fit, ends(points), if groups.len() > 1 { colour } else { "#222222" })));
+        curves.extend(
+            fit.map(|fit| curve_of(fit, ends(points), axis.from, if groups.len() > 1 { colour } else { "#222222" })),
+        );
     }
-    let all = || curves.iter().flat_map(|curve| &curve.points);
-    let x = Axis::around(label, all().map(|point| point.0));
-    let y = Axis::around(name.clone(), all().map(|point| point.1));
-    Panel { curves, key: Key::Above, ..Panel::new(sweep.name.clone(), x, y) }
+    let y = Axis::around(name.clone(), curves.iter().flat_map(|curve| &curve.points).map(|point| point.1));
+    Panel { curves, key: Key::Above, ..Panel::new(sweep.name.clone(), axis, y) }
 }
 
-/// Returns the curve of a fit between two places, or from the place where its law begins, if that is positive.
-fn curve_of(fit: &GroupFit, (low, high): (f64, f64), colour: &'static str) -> Curve {
-    let low = fit.fitted.start().filter(|start| (0.0..low).contains(start)).unwrap_or(low);
+/// Returns the curve of a fit between two places, or from the place where its law begins, if the axis, which begins at `first`, has it.
+fn curve_of(fit: &GroupFit, (low, high): (f64, f64), first: f64, colour: &'static str) -> Curve {
+    let low = fit.fitted.start().filter(|start| (first..low).contains(start)).unwrap_or(low);
     let place = |n| low + (high - low) * f64::from(n) / f64::from(FIT_POINTS);
     let points = (0..=FIT_POINTS).map(place).filter_map(|x| Some((x, fit.fitted.at(x)?))).collect();
     Curve { name: fit.fitted.in_words(), colour, points, has_line: true, has_dots: false, is_dashed: true }
