@@ -78,6 +78,7 @@ pub mod step;
 pub mod stop;
 pub mod store;
 pub mod survey;
+pub mod sweep;
 pub(crate) mod table_sort;
 pub mod text;
 pub mod threads;

@@ -22,6 +22,8 @@ mod run_path;
 mod shell;
 mod signals;
 mod study;
+mod sweep;
+mod sweep_runs;
 
 use std::ffi::OsString;
 use std::io::IsTerminal as _;
@@ -75,6 +77,8 @@ enum Command {
     Explain(SceneArgs),
     /// Run the lattice-gas study: silos, variants and seeds, and a verdict on each claim of its paper.
     Study(study::StudyArgs),
+    /// Run a scene with many values and seeds, and gather means, standard errors, fits and figures.
+    Sweep(sweep::SweepArgs),
     /// Compare flow patterns and costs of runs or scenes with a reference.
     Compare(compare::CompareArgs),
     /// Run two scenes together and report the first step, grain and quantity in which they differ.
@@ -175,6 +179,7 @@ pub fn status_of(registry: &Registry, arguments: impl IntoIterator<Item = OsStri
         Command::Check(args) => check::check(args, registry),
         Command::Explain(args) => explain::explain(args, registry),
         Command::Study(args) => study::study(args, cli.quiet),
+        Command::Sweep(args) => sweep::sweep(args, registry, cli.quiet),
         Command::Compare(args) => compare::compare(args, registry, cli.quiet),
         Command::Diff(args) => diff::diff(args, registry, cli.quiet),
         Command::Accuracy(args) => accuracy::accuracy(args, registry, cli.quiet),

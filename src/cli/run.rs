@@ -129,11 +129,15 @@ pub(super) fn run_into(path: &Path, scene: &mut AnyScene, call: &Call) -> Result
 
 /// The default run directory of a scene.
 pub(super) fn default_directory(scene: &AnyScene) -> Result<PathBuf, Fault> {
-    let name = &scene.source().name;
-    // A scene file `...ron` has the name `..`.
-    if matches!(name.as_str(), "." | "..") {
-        return Err(Fault::new("run::directory", format!("the scene's name, {name}, is no name of a directory"))
-            .help("rename the scene file, or give a directory with --out"));
+    directory_named(&scene.source().name)
+}
+
+/// The default directory of the results of a scene or a sweep of this name.
+pub(super) fn directory_named(name: &str) -> Result<PathBuf, Fault> {
+    // A file `...ron` has the name `..`.
+    if matches!(name, "." | "..") {
+        return Err(Fault::new("run::directory", format!("the file's name, {name}, is no name of a directory"))
+            .help("rename the file, or give a directory with --out"));
     }
     Ok(PathBuf::from("out").join(name))
 }

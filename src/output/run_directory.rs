@@ -36,7 +36,7 @@ pub(crate) use self::names::is_reserved;
 use self::names::{FRAMES, LOSSES, REPORT, SCENE, STATE, SUMMARY, copy_name, is_own};
 pub use self::names::{
     checkpoint_name, checkpoints_directory, checkpoints_in, frame_data_of, hash_of_input, is_drawn, movie_of,
-    pictures_of, remove_incomplete_checkpoints, report_of, scene_of, tables_of,
+    pictures_of, remove_incomplete_checkpoints, report_of, scene_of, summary_of, tables_of,
 };
 pub use self::path::RunPath;
 pub use self::results::{check_results, write_results};

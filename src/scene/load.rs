@@ -111,6 +111,11 @@ pub fn started_from(
 }
 
 fn any_from(source: Source, settings: &[(String, String)]) -> Result<AnyScene, Fault> {
+    if source.value_of("scene").is_some() && source.value_of("figures").is_some() {
+        return Err(source
+            .fault("scene::is_a_sweep", "scene", "this is a sweep file, not a scene")
+            .help("run it with `siloflow sweep`, or give the scene that it names"));
+    }
     if source.value_of("method").is_some_and(|method| method.starts_with("LatticeGas")) {
         return LoadedLattice::new(source, settings).map(Box::new).map(AnyScene::Lattice);
     }

@@ -76,12 +76,21 @@ impl Source {
         if !settings.is_empty() {
             self.parse_text::<T>()?;
         }
+        self.apply(settings)?;
+        self.parse_text()
+    }
+
+    /// Applies settings (key path, value as RON) to the text.
+    ///
+    /// # Errors
+    /// If a setting is wrong.
+    pub fn apply(&mut self, settings: &[(String, String)]) -> Result<(), Fault> {
         for (key, value) in settings {
             parameters::check_setting(&self.places, key)?;
             self.text = places::set(&self.text, key, value)?;
         }
         self.places = Places::scan(&self.text);
-        self.parse_text()
+        Ok(())
     }
 
     fn parse_text<T: DeserializeOwned>(&mut self) -> Result<T, Fault> {
@@ -146,9 +155,15 @@ impl Source {
 
     /// Records a file that `key` names, and returns its path.
     pub fn name_file(&mut self, key: &str, file: &Path) -> PathBuf {
-        let path = self.directory.join(file);
+        let path = self.path_of(file);
         self.files.push((key.to_owned(), path.clone()));
         path
+    }
+
+    /// Returns the path of a file that the text names.
+    #[must_use]
+    pub fn path_of(&self, file: &Path) -> PathBuf {
+        self.directory.join(file)
     }
 
     /// Returns the text that stands for the file that `key` names, if there is one.

@@ -58,6 +58,7 @@ mod scenes;
 mod searches;
 mod silo_file;
 mod stops;
+mod sweep;
 mod synchronisation;
 mod wall_loads;
 mod without_energy_balance;

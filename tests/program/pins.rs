@@ -24,9 +24,9 @@
 //!
 //! Limits: the first line names the target of the hashes. On other targets sine, logarithm and similar functions come
 //! from another mathematical library with other last bits. The test is skipped there with a message. A C library of the
-//! same target with other last bits shows as rows that differ although the program has not changed. Two kinds of scenes
-//! have no row: `examples/vibrating_wall.ron`, which needs a behaviour that the plain program lacks, and studies in
-//! `scenes/studies`.
+//! same target with other last bits shows as rows that differ although the program has not changed. Three kinds of scenes
+//! have no row: `examples/vibrating_wall.ron`, which needs a behaviour that the plain program lacks, studies in
+//! `scenes/studies`, and sweeps with their scenes in `scenes/sweeps`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;

@@ -79,8 +79,11 @@ fn columns_of(flat: &FlatTable) -> Vec<(String, Cells)> {
     start.into_iter().chain(rest).collect()
 }
 
-/// Converts a CSV file.
-fn convert(from: &Path, to: &Path) -> io::Result<()> {
+/// Converts a CSV file. `to` must not exist.
+///
+/// # Errors
+/// If a file cannot be read or written.
+pub fn convert(from: &Path, to: &Path) -> io::Result<()> {
     let mut rows = csv::Reader::from_path(from).map_err(io::Error::other)?;
     let names = rows.headers().map_err(io::Error::other)?.clone();
     let mut texts = vec![Vec::new(); names.len()];

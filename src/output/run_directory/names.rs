@@ -95,6 +95,12 @@ pub fn scene_of(run: &Path) -> PathBuf {
     run.join(SCENE)
 }
 
+/// Returns the path of the summary in a run directory.
+#[must_use]
+pub fn summary_of(run: &Path) -> PathBuf {
+    run.join(SUMMARY)
+}
+
 /// Returns the hash of the scene in a run directory and of the copies of the files that it names.
 ///
 /// # Errors

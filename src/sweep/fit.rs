@@ -1,0 +1,289 @@
+//! Fits of a law to means: least squares of a straight line, after a transformation that makes the law straight.
+//!
+//! | law | formula | straight line |
+//! |---|---|---|
+//! | `Line` | y = a + b x | y against x |
+//! | `Power` | y = A x^m | ln y against ln x |
+//! | `Beverloo` | y = A (x - D0)^p | y^(1/p) against x |
+//!
+//! Beverloo's law gives the discharge rate W of an orifice of width D: W = C rho sqrt(g) (D - k d)^p, with the diameter d of the grains, the
+//! density rho of the bed and p = 5/2 for a hole in solid space, 3/2 for a slot in the plane (Beverloo, Leniger and van de Velde, Chem. Eng. Sci.
+//! 15, 260, 1961). So A = C rho sqrt(g) and D0 = k d. For a rate in grains per second rho is the number of grains per volume or area.
+//!
+//! Standard errors follow from the residuals of the line, to first order. They need three points. All points have the same weight in
+//! the transformed figure.
+
+use serde::Deserialize;
+
+/// A law that is fitted.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub enum Law {
+    /// y = a + b x.
+    Line,
+    /// y = A x^m.
+    Power,
+    /// y = A (x - D0)^p.
+    Beverloo {
+        /// The exponent p: 1.5 in the plane, 2.5 in solid space.
+        power: f64,
+        /// Diameter of the grains, m. With it k = D0/d is given.
+        #[serde(default)]
+        grain: Option<f64>,
+        /// Density of the bed in the figure's unit. With it C is given.
+        #[serde(default)]
+        density: Option<f64>,
+        /// Acceleration of gravity, m/s^2.
+        #[serde(default = "earth")]
+        gravity: f64,
+    },
+}
+
+fn earth() -> f64 {
+    9.81
+}
+
+/// A fitted number with its standard error, which needs three points.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Name.
+    pub name: &'static str,
+    /// Value.
+    pub value: f64,
+    /// Standard error.
+    pub error: Option<f64>,
+}
+
+/// A fitted law.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fitted {
+    law: Law,
+    line: Line,
+    /// Numbers of the law, and at last the share `r_squared` of the variance of the transformed figure that the line explains.
+    pub parameters: Vec<Parameter>,
+}
+
+/// A straight line with the covariances of its numbers.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Line {
+    intercept: f64,
+    slope: f64,
+    /// Variances of intercept and slope, and their covariance.
+    covariance: Option<[f64; 3]>,
+    r_squared: f64,
+}
+
+impl Line {
+    /// Fits a line; `None` without two different places.
+    fn through(points: &[(f64, f64)]) -> Option<Self> {
+        #[expect(clippy::cast_precision_loss, reason = "a number of points")]
+        let n = points.len() as f64;
+        let mean = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>() / n;
+        let (x, y) = (mean(&|p| p.0), mean(&|p| p.1));
+        let sum = |of: &dyn Fn(&(f64, f64)) -> f64| points.iter().map(of).sum::<f64>();
+        let (xx, xy) = (sum(&|p| (p.0 - x).powi(2)), sum(&|p| (p.0 - x) * (p.1 - y)));
+        let yy = sum(&|p| (p.1 - y).powi(2));
+        if !(xx > 0.0 && xx.is_finite() && yy.is_finite()) {
+            return None;
+        }
+        let slope = xy / xx;
+        let intercept = y - slope * x;
+        let residual = sum(&|p| (p.1 - intercept - slope * p.0).powi(2));
+        let covariance = (points.len() > 2).then(|| {
+            let variance = residual / (n - 2.0) / xx;
+            [variance * (xx / n + x * x), variance, -variance * x]
+        });
+        let r_squared = if yy > 0.0 { 1.0 - residual / yy } else { 1.0 };
+        Some(Self { intercept, slope, covariance, r_squared })
+    }
+
+    /// Standard error of a function of the numbers with these derivatives by intercept and slope.
+    fn error(&self, (by_intercept, by_slope): (f64, f64)) -> Option<f64> {
+        let [ii, ss, is] = self.covariance?;
+        let variance = by_intercept.powi(2) * ii + by_slope.powi(2) * ss + 2.0 * by_intercept * by_slope * is;
+        Some(variance.max(0.0).sqrt())
+    }
+
+    fn parameter(&self, name: &'static str, value: f64, derivatives: (f64, f64)) -> Parameter {
+        Parameter { name, value, error: self.error(derivatives) }
+    }
+}
+
+impl Law {
+    /// Checks the numbers of the law.
+    ///
+    /// # Errors
+    /// The key of a wrong number, and a message.
+    pub fn check(&self) -> Result<(), (&'static str, String)> {
+        let Self::Beverloo { power, grain, density, gravity } = *self else { return Ok(()) };
+        let all = [("power", Some(power)), ("grain", grain), ("density", density), ("gravity", Some(gravity))];
+        let wrong = all.into_iter().find(|(_, value)| value.is_some_and(|value| !(value > 0.0 && value.is_finite())));
+        wrong.map_or(Ok(()), |(key, _)| Err((key, "expected a positive number".to_owned())))
+    }
+
+    /// Returns a point as a point of the straight line; `None` if the law does not apply there.
+    fn transformed(&self, (x, y): (f64, f64)) -> Option<(f64, f64)> {
+        let point = match *self {
+            Self::Line => (x, y),
+            Self::Power if x > 0.0 && y > 0.0 => (x.ln(), y.ln()),
+            Self::Beverloo { power, .. } if y > 0.0 => (x, y.powf(1.0 / power)),
+            _ => return None,
+        };
+        (point.0.is_finite() && point.1.is_finite()).then_some(point)
+    }
+
+    /// Fits the law to points; `None` if there are not two different places where the law applies, or if no curve of the law rises
+    /// through them.
+    #[must_use]
+    pub fn fit(self, points: &[(f64, f64)]) -> Option<Fitted> {
+        let points: Vec<_> = points.iter().filter_map(|&point| self.transformed(point)).collect();
+        let line = Line::through(&points)?;
+        let (a, b) = (line.intercept, line.slope);
+        let mut parameters = match self {
+            Self::Line => vec![line.parameter("intercept", a, (1.0, 0.0)), line.parameter("slope", b, (0.0, 1.0))],
+            Self::Power => {
+                vec![line.parameter("prefactor", a.exp(), (a.exp(), 0.0)), line.parameter("exponent", b, (0.0, 1.0))]
+            }
+            Self::Beverloo { power, grain, density, gravity } => {
+                if b <= 0.0 {
+                    return None;
+                }
+                let (amplitude, steep) = (b.powf(power), power * b.powf(power - 1.0));
+                let (offset, by) = (-a / b, (-1.0 / b, a / (b * b)));
+                let scale = density.map(|density| density * gravity.sqrt());
+                let c = scale.map(|scale| line.parameter("C", amplitude / scale, (0.0, steep / scale)));
+                let k = grain.map(|d| line.parameter("k", offset / d, (by.0 / d, by.1 / d)));
+                let own = [line.parameter("amplitude", amplitude, (0.0, steep)), line.parameter("offset", offset, by)];
+                own.into_iter().chain(c).chain(k).collect()
+            }
+        };
+        parameters.push(Parameter { name: "r_squared", value: line.r_squared, error: None });
+        Some(Fitted { law: self, line, parameters })
+    }
+}
+
+impl Fitted {
+    /// Returns the value of the law; `None` where it has none.
+    #[must_use]
+    pub fn at(&self, x: f64) -> Option<f64> {
+        let Line { intercept: a, slope: b, .. } = self.line;
+        match self.law {
+            Law::Line => Some(a + b * x),
+            Law::Power => (x > 0.0).then(|| (a + b * x.ln()).exp()),
+            Law::Beverloo { power, .. } => (a + b * x >= 0.0).then(|| (a + b * x).powf(power)),
+        }
+    }
+
+    /// Returns the place where the law begins, if it has one.
+    #[must_use]
+    pub fn start(&self) -> Option<f64> {
+        matches!(self.law, Law::Beverloo { .. }).then(|| -self.line.intercept / self.line.slope)
+    }
+
+    /// Returns the law with its numbers, for example `12.3 (x - 0.045)^1.5`.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        let [first, second] = [0, 1].map(|n| self.parameters.get(n).map_or(f64::NAN, |parameter| parameter.value));
+        let sign = |x: f64| if x < 0.0 { '-' } else { '+' };
+        match self.law {
+            Law::Line => format!("{} {} {} x", short(first), sign(second), short(second.abs())),
+            Law::Power => format!("{} x^{}", short(first), short(second)),
+            Law::Beverloo { power, .. } => {
+                format!("{} (x {} {})^{power}", short(first), sign(-second), short(second.abs()))
+            }
+        }
+    }
+}
+
+/// Returns a number with four significant digits.
+#[must_use]
+pub fn short(x: f64) -> String {
+    let size = if x == 0.0 || !x.is_finite() { 0.0 } else { x.abs().log10().floor() };
+    if !(-4.0..6.0).contains(&size) {
+        return format!("{x:.3e}");
+    }
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
+    let decimals = (3.0 - size).clamp(0.0, 8.0) as usize;
+    format!("{x:.decimals$}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::random::Stream;
+
+    fn value(fitted: &Fitted, name: &str) -> Parameter {
+        *fitted.parameters.iter().find(|parameter| parameter.name == name).unwrap()
+    }
+
+    /// Whether a fitted number is within a relative round-off of 1e-9.
+    fn is(fitted: &Fitted, name: &str, expected: f64) -> bool {
+        (value(fitted, name).value - expected).abs() < 1e-9 * expected.abs()
+    }
+
+    #[test]
+    fn beverloo_recovers_the_constants_of_exact_data() {
+        for power in [1.5, 2.5] {
+            let (c, k, d, density) = (0.58, 1.4, 0.01, 1600.0);
+            let law = Law::Beverloo { power, grain: Some(d), density: Some(density), gravity: 9.81 };
+            let rate = |x: f64| c * density * 9.81f64.sqrt() * (x - k * d).powf(power);
+            let points = [0.04, 0.05, 0.07, 0.1, 0.15].map(|x| (x, rate(x)));
+            let fitted = law.fit(&points).unwrap();
+            assert!(is(&fitted, "C", c) && is(&fitted, "k", k) && is(&fitted, "r_squared", 1.0), "{fitted:?}");
+            assert!((fitted.at(0.08).unwrap() / rate(0.08) - 1.0).abs() < 1e-9);
+            assert_eq!(fitted.at(0.01), None);
+        }
+    }
+
+    #[test]
+    fn beverloo_recovers_the_constants_of_scattered_data_within_its_errors() {
+        let (c, k, d): (f64, f64, f64) = (0.58, 1.4, 0.01);
+        let law = Law::Beverloo { power: 1.5, grain: Some(d), density: Some(1.0), gravity: 1.0 };
+        let stream = Stream::new(1, "test");
+        let trials = 400;
+        let mut outside = [0u32; 2];
+        for trial in 0..trials {
+            let noise: [f64; 12] = stream.gaussian(trial);
+            let points: Vec<_> = (0..12u8)
+                .map(|n| 0.04 + 0.01 * f64::from(n))
+                .zip(noise)
+                // Two percent of the straight line's figure at its middle.
+                .map(|(x, noise)| {
+                    (x, ((c.powf(2.0 / 3.0) * (x - k * d)) + 0.002 * c.powf(2.0 / 3.0) * noise).powf(1.5))
+                })
+                .collect();
+            let fitted = law.fit(&points).unwrap();
+            for (count, (name, expected)) in outside.iter_mut().zip([("C", c), ("k", k)]) {
+                let Parameter { value, error, .. } = value(&fitted, name);
+                *count += u32::from((value - expected).abs() > 2.228 * error.unwrap());
+            }
+        }
+        // With 10 degrees of freedom 5 % are beyond 2.228 errors: 20 of 400, with a standard deviation of 4.4. The bounds are 4 of them.
+        assert!(outside.iter().all(|count| (3..=37).contains(count)), "{outside:?}");
+    }
+
+    #[test]
+    fn lines_and_powers_are_recovered_and_too_few_points_have_no_fit() {
+        let line = Law::Line.fit(&[(0.0, 1.0), (1.0, 3.0), (2.0, 5.0)]).unwrap();
+        assert!(is(&line, "intercept", 1.0) && is(&line, "slope", 2.0));
+        let power = Law::Power.fit(&[(1.0, 3.0), (2.0, 12.0), (4.0, 48.0), (-1.0, 5.0)]).unwrap();
+        assert!(is(&power, "prefactor", 3.0) && is(&power, "exponent", 2.0));
+        assert_eq!(value(&Law::Line.fit(&[(0.0, 1.0), (1.0, 3.0)]).unwrap(), "slope").error, None);
+        assert!(Law::Line.fit(&[(0.0, 1.0)]).is_none() && Law::Line.fit(&[]).is_none());
+        let law = Law::Beverloo { power: 1.5, grain: None, density: None, gravity: 9.81 };
+        assert!(law.fit(&[(1.0, 2.0), (2.0, 1.0)]).is_none());
+    }
+
+    #[test]
+    fn the_error_of_a_slope_is_that_of_the_textbook() {
+        // Residuals 1, -2, 1 of the line through (0, 1), (1, -2), (2, 1): variance 6/1, sum of squares of x 2.
+        let line = Law::Line.fit(&[(0.0, 1.0), (1.0, -2.0), (2.0, 1.0)]).unwrap();
+        assert!((value(&line, "slope").error.unwrap() - 3f64.sqrt()).abs() < 1e-12);
+        assert!((value(&line, "intercept").error.unwrap() - 5f64.sqrt()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn numbers_have_four_digits() {
+        assert_eq!([0.0, 12.3456, -0.012_346, 1.0e7].map(short), ["0.000", "12.35", "-0.01235", "1.000e7"]);
+    }
+}
