@@ -5,6 +5,7 @@ mod frames;
 mod simulation;
 
 use std::ffi::OsString;
+use std::path::PathBuf;
 
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
@@ -12,9 +13,12 @@ use siloflow::behaviour::Registry;
 
 pyo3::create_exception!(siloflow, SceneError, pyo3::exceptions::PyValueError, "A scene, setting or file is wrong.");
 
-/// Runs the program with these arguments, of which the first is its name, and returns its exit status.
+/// Runs the program with these arguments, of which the first is its name, and returns its exit status. `program` is the file that starts it.
 #[pyfunction]
-fn command_line(py: Python<'_>, arguments: Vec<OsString>) -> u8 {
+fn command_line(py: Python<'_>, arguments: Vec<OsString>, program: Option<PathBuf>) -> u8 {
+    if let Some(program) = program {
+        siloflow::cli::set_program(program);
+    }
     py.detach(|| siloflow::cli::status_of(&Registry::default(), arguments))
 }
 

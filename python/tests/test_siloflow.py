@@ -11,6 +11,7 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 import siloflow
 
@@ -144,6 +145,14 @@ class Program(InADirectory):
         self.assertEqual(told.strip(), f"siloflow {siloflow.__version__}")
         done = subprocess.run([program, "run", "fall.ron", "--json"], capture_output=True, encoding="utf-8", check=True)
         self.assertEqual(json.loads(done.stdout)["status"], "time_reached")
+
+    def test_a_sweep_starts_the_program_for_each_run(self):
+        plan = '(scene: "fall.ron", axes: [Values(key: "until", values: [0.1, 0.2])], seeds: 2, figures: ["time_s"])'
+        Path("sweep.ron").write_text(plan, encoding="utf-8")
+        subprocess.run([sys.executable, "-m", "siloflow", "--quiet", "sweep", "sweep.ron"], check=True)
+        table = pd.read_csv("out/sweep/table.csv")
+        np.testing.assert_allclose(table["mean"], [0.1, 0.2])
+        self.assertEqual(list(table["n"]), [2, 2])
 
 
 if __name__ == "__main__":

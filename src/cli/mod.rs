@@ -30,6 +30,7 @@ use std::io::IsTerminal as _;
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
+use std::sync::OnceLock;
 
 use clap::error::{ContextKind, ContextValue};
 use clap::{Args, Parser, Subcommand};
@@ -199,6 +200,23 @@ pub fn status_of(registry: &Registry, arguments: impl IntoIterator<Item = OsStri
             REFUSED
         }
     }
+}
+
+/// The program that [`set_program`] names.
+static PROGRAM: OnceLock<PathBuf> = OnceLock::new();
+
+/// Names the program that `sweep` starts for each run. It is for callers whose process is another program, such as an interpreter of
+/// Python; without a call it is the program of the process. Only the first call counts.
+pub fn set_program(path: PathBuf) {
+    let _ = PROGRAM.set(path);
+}
+
+/// The program to start for a command.
+fn program() -> Result<PathBuf, Fault> {
+    let path = PROGRAM.get().map_or_else(std::env::current_exe, |path| Ok(path.clone()));
+    path.map_err(|error| {
+        Fault::new("call::program", format!("could not find the program: {error}")).help("start it by its full path")
+    })
 }
 
 fn show(fault: Fault) {

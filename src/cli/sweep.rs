@@ -14,7 +14,7 @@ use crate::cli::progress::Progress;
 use crate::cli::run::directory_named;
 use crate::cli::signals::Signals;
 use crate::cli::sweep_runs::{Failure, Runs};
-use crate::cli::{picture_files, say, show};
+use crate::cli::{picture_files, program, say, show};
 use crate::fault::Fault;
 use crate::sweep::directory::{State, SweepDirectory};
 use crate::sweep::fit::short;
@@ -218,9 +218,7 @@ fn script(
                 .help("start the command in a directory that exists")
         })
     };
-    let program = std::env::current_exe().map_err(|error| {
-        Fault::new("sweep::script", format!("could not find the program: {error}")).help("start it by its full path")
-    })?;
+    let program = program()?;
     let directory = SweepDirectory::prepare(path, sweep, args.force)?;
     let calls = Calls {
         program: &program,

@@ -10,6 +10,7 @@ use std::path::Path;
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
+use crate::cli::program;
 use crate::cli::progress::Progress;
 use crate::cli::signals::Signals;
 use crate::fault::Fault;
@@ -72,10 +73,7 @@ struct Queue {
 impl Runs<'_> {
     /// Does all runs of `todo`, out of `all`, and returns those that have no result. After a signal no run is started.
     pub(super) fn run(&self, all: usize, todo: &[Task]) -> Result<Vec<Failure>, Fault> {
-        let program = std::env::current_exe().map_err(|error| {
-            Fault::new("sweep::program", format!("could not find the program: {error}"))
-                .help("start it by its full path")
-        })?;
+        let program = program()?;
         let mut queue = Queue {
             waiting: todo.iter().map(|&task| (task, None)).collect(),
             elsewhere: VecDeque::new(),
