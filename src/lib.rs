@@ -54,6 +54,7 @@ pub mod gravity;
 pub mod instructions;
 pub mod integrate;
 pub mod lattice;
+pub mod lammps;
 pub mod lattice_study;
 pub mod ledger;
 pub mod measure;

@@ -8,6 +8,7 @@ mod diff;
 mod exit_status;
 mod explain;
 mod export;
+mod export_scene;
 mod from;
 mod new;
 mod plot;
@@ -85,7 +86,7 @@ enum Command {
     Plot(plot::PlotArgs),
     /// Write one HTML file about a run, or compare several: players, curves, tables.
     Report(report::ReportArgs),
-    /// Convert the frames of a run for ParaView (VTK) or OVITO (extended XYZ, LAMMPS dump).
+    /// Convert the frames of a run for ParaView (VTK) or OVITO (extended XYZ, LAMMPS dump), or write a scene for LAMMPS.
     Export(export::ExportArgs),
 }
 
@@ -167,7 +168,7 @@ pub fn run_with(registry: &Registry, arguments: impl IntoIterator<Item = OsStrin
         Command::Render(args) => render::render(args, cli.quiet),
         Command::Plot(args) => plot::plot(args),
         Command::Report(args) => report::report(args),
-        Command::Export(args) => export::export(args),
+        Command::Export(args) => export::export(args, cli.quiet),
     };
     match result {
         Ok(verdict) => verdict.into(),
