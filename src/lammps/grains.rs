@@ -173,7 +173,7 @@ impl Particles {
             text.push_str("fix plane all enforce2d\n");
         }
         let axes = if planar { "xy" } else { "xyz" };
-        let _ = writeln!(text, "fix shares all balance 1000 1.1 shift {axes} 10 1.05\nthermo_modify lost ignore");
+        let _ = writeln!(text, "fix shares all balance 1000 1.1 shift {axes} 10 1.05");
         text
     }
 

@@ -67,7 +67,7 @@ pub(super) struct Laws {
     walls: Vec<Vec<String>>,
     /// Whether the pair style lets friction act at R - delta/2.
     pub shortens_arm: bool,
-    /// Whether contacts have tangential or rolling springs.
+    /// Whether friction has springs.
     pub has_springs: bool,
 }
 

@@ -152,6 +152,10 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
         "springs of contacts at the start (grains.contacts) are lost: a data file of LAMMPS has no contact history",
     );
     say(
+        laws.has_springs,
+        "in step 0, springs are empty, and LAMMPS gives a contact that slides no friction there; siloflow gives it the cap",
+    );
+    say(
         walls.may_meet,
         "where an edge of a wall continues in another wall, LAMMPS counts both contacts and siloflow one",
     );
@@ -168,8 +172,8 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
 fn head(loaded: &Loaded, differences: &[String]) -> String {
     let mut text = format!(
         "# {} in LAMMPS, written by siloflow {}.\n\
-         # mpirun -np 2 lmp -in {SCRIPT}                        fills, waits for rest, opens the door, discharges\n\
-         # lmp -in {SCRIPT} -var forces forces.dump             only writes the forces of step 0, for a comparison\n\
+         # mpirun -np 2 lmp -in {SCRIPT}       fills, waits for rest, opens the door, discharges\n\
+         # lmp -in {SCRIPT} -var forces yes    only writes forces.dump, the forces of step 0, for a comparison\n\
          # It writes series.csv and summary.json (siloflow plot reads them), wall_forces.csv, frames.dump (OVITO reads it),\n\
          # restart.1 and restart.2 (with contact springs) and final.data (without them).\n\
          # LAMMPS 29 Sep 2021 (Debian) is the reference; 22 Jul 2025 reads this script too. SI units.\n",
@@ -178,7 +182,9 @@ fn head(loaded: &Loaded, differences: &[String]) -> String {
     );
     if !differences.is_empty() {
         text.push_str("# Not the same as in siloflow:\n");
-        differences.iter().for_each(|sentence| drop(writeln!(text, "# - {sentence}.")));
+        for sentence in differences {
+            let _ = writeln!(text, "# - {sentence}.");
+        }
     }
     text
 }

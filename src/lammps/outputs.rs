@@ -13,8 +13,8 @@ use crate::spin::InertiaLaw;
 pub(super) fn step_zero(loaded: &Loaded) -> String {
     let torques = if loaded.scene.contact.spins() { " tqx tqy tqz" } else { "" };
     format!(
-        "\n# Forces of step 0, without weight, if they are asked for.\nvariable forces index none\n\
-         if \"${{forces}} != none\" then &\n  \"{}dump step_zero grains custom 1 ${{forces}} id fx fy fz{torques}\" &\n  \
+        "\n# Forces of step 0, without weight, if they are asked for.\nvariable forces index no\n\
+         if \"${{forces}} == yes\" then &\n  \"{}dump step_zero grains custom 1 forces.dump id fx fy fz{torques}\" &\n  \
          \"dump_modify step_zero sort id format float %.17g\" &\n  \"run 0\" &\n  \"quit\"\n",
         if loaded.scene.gravity.padded() == crate::space::Solid::ZERO { "" } else { "unfix weight\" &\n  \"" }
     )
@@ -80,6 +80,7 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
          file series.csv screen no title \"time_s,released,inside,out,culled,out_kg,kinetic_j,rotational_j,potential_j,\
          largest_speed_m_per_s\"\n"
     );
+    let _ = writeln!(text, "variable cpu_now equal cpu\nfix clock all ave/time {every} 1 {every} v_cpu_now");
     let is_door = |number: usize| {
         let fixes = walls.fixes.iter().find(|(own, _)| *own == number).map(|(_, fixes)| fixes);
         walls.doors.iter().any(|(_, door)| fixes.is_some_and(|fixes| fixes.iter().any(|fix| door.contains(fix))))

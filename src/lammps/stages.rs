@@ -17,6 +17,9 @@ use crate::stop::StopCondition;
 /// Tests in each interval that a condition must hold.
 const TESTS: f64 = 20.0;
 
+/// Adds the wall-clock time of the run before it, s, up to its last row of the series. `cpu` cannot be read between runs.
+const CLOCK: &str = "variable wall_s equal $(v_wall_s+f_clock)\n";
+
 /// The part of the script that runs.
 pub(super) struct Course {
     pub script: String,
@@ -32,7 +35,7 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls) -> Result<Course, Fault> {
     let dt = loaded.step();
     let last = steps(scene.until.get(), dt);
     let mut script = String::from(
-        "\n# Course of the run.\nvariable begin timer\nvariable rest_time equal -1\nvariable open_time equal -1\n",
+        "\n# Course of the run.\nvariable wall_s equal 0\nvariable rest_time equal -1\nvariable open_time equal -1\n",
     );
     let mut differences = Vec::new();
     let stop = scene.stop_conditions();
@@ -42,7 +45,7 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls) -> Result<Course, Fault> {
     if let (true, Some(rest)) = (waits, scene.rest) {
         let every = rest_test(loaded, &rest, &mut script);
         differences.push(format!("rest is tested every {every} steps; siloflow tests it in every step"));
-        let _ = writeln!(script, "run {last} upto\nunfix at_rest\nunfix loud");
+        let _ = writeln!(script, "run {last} upto\n{CLOCK}unfix at_rest\nunfix loud");
         let _ = writeln!(script, "if \"$(step) >= {last}\" then \"jump SELF end\"\nvariable rest_time equal $(time:%.9f)");
         if stop.contains(&StopCondition::AtRest) {
             script.push_str("jump SELF end\n");
@@ -51,12 +54,12 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls) -> Result<Course, Fault> {
     if let Some(opens) = &opens {
         if let DoorOpens::At(time) = opens {
             let step = if time.get() > 0.0 { steps(time.get(), dt) } else { 0 };
-            let _ = writeln!(script, "if \"{step} >= {last}\" then \"run {last} upto\" \"jump SELF end\"\nrun {step} upto");
+            let _ = writeln!(script, "if \"{step} >= {last}\" then \"run {last} upto\" \"jump SELF end\"\nrun {step} upto\n{CLOCK}");
         }
         script.push_str(&open(loaded, walls));
     }
     discharge(loaded, &stop, opens.is_some(), &mut script, &mut differences);
-    let _ = writeln!(script, "run {last} upto\nlabel end");
+    let _ = writeln!(script, "run {last} upto\n{CLOCK}label end");
     script.push_str(&summary(loaded));
     Ok(Course { script, differences })
 }
@@ -154,10 +157,10 @@ fn summary(loaded: &Loaded) -> String {
          variable rest string ${{rest_time}}\nvariable opened string ${{open_time}}\n\
          if \"${{rest_time}} < 0\" then \"variable rest delete\" \"variable rest string null\"\n\
          if \"${{open_time}} < 0\" then \"variable opened delete\" \"variable opened string null\"\n\
-         run 0 post no\nvariable finish timer\n\
+         run 0 post no\n\
          print '{{\"program\": \"LAMMPS\", \"rest_time_s\": ${{rest}}, \"door_open_time_s\": ${{opened}}, \"end_time_s\": $(time:%.9f), \
          \"grains\": {{\"released\": {count}, \"inside\": $(v_inside:%.0f), \"out\": $(v_out:%.0f)}}, \
-         \"performance\": {{\"wall_s\": $(v_finish-v_begin:%.3f)}}}}' file summary.json\n\
+         \"performance\": {{\"wall_s\": $(v_wall_s:%.3f)}}}}' file summary.json\n\
          write_data final.data nocoeff\n"
     )
 }

@@ -116,11 +116,7 @@ fn region(loaded: &Loaded, wall: &Wall, key: &str, place: usize) -> Result<Strin
         Wall::Segment { from, to, .. } => {
             let (from, along) = (from.padded(), to.padded() - from.padded());
             match loaded.scene.space {
-                // In the plane, the segment stands for a band that reaches far above and below the plane.
-                Dimension::Plane => {
-                    let depth = along.length();
-                    rectangle(&name, place, from - Solid::Z * depth, [along, Solid::Z * (2.0 * depth)])
-                }
+                Dimension::Plane => band(&name, place, from, along),
                 Dimension::Solid => rectangle(&name, place, from, [along, Solid::ZERO]),
             }
         }
@@ -138,6 +134,17 @@ fn region(loaded: &Loaded, wall: &Wall, key: &str, place: usize) -> Result<Strin
         }
         Wall::Polygon { .. } | Wall::Mesh { .. } | Wall::Disc { .. } => String::new(),
     })
+}
+
+/// A segment of the plane: a band of no thickness that reaches above and below the plane.
+fn band(name: &str, place: usize, from: Solid, along: Solid) -> String {
+    let depth = Solid::Z * along.length();
+    if along.x == 0.0 || along.y == 0.0 {
+        return rectangle(name, place, from - depth, [along, 2.0 * depth]);
+    }
+    let block = sides(from - depth, from + Solid::X * along.length() + depth);
+    let (angle, from) = (number(along.y.atan2(along.x)), vector(from));
+    format!("variable turn_{place} equal {angle}\n{name} block {block} side out rotate v_turn_{place} {from} 0 0 1\n")
 }
 
 /// A block of no thickness from a corner and two edges at right angles, of which the second may be zero.
