@@ -156,6 +156,15 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
         "in step 0, springs are empty, and LAMMPS gives a contact that slides no friction there; siloflow gives it the cap",
     );
     say(
+        laws.has_springs && laws.shortens_arm,
+        "where the plane of a contact turns, `granular` keeps the length of the spring; siloflow keeps its part in the new plane",
+    );
+    say(
+        laws.has_springs && !laws.shortens_arm && walls.may_turn,
+        "where the plane of a contact turns on an edge or a curved wall, LAMMPS keeps the length of the spring; siloflow keeps its part in \
+         the new plane",
+    );
+    say(
         walls.may_meet,
         "where an edge of a wall continues in another wall, LAMMPS counts both contacts and siloflow one",
     );

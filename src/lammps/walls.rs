@@ -39,6 +39,8 @@ pub(super) struct Walls {
     pub has_planes: bool,
     /// Whether walls with edges are more than one.
     pub may_meet: bool,
+    /// Whether the normal of a contact may turn: on an edge or a curved wall.
+    pub may_turn: bool,
 }
 
 /// Translates the wall surfaces of a scene.
@@ -75,6 +77,7 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
         with_edges += usize::from(!is_plane);
     }
     walls.may_meet = with_edges > 1;
+    walls.may_turn = with_edges > 0;
     Ok(walls)
 }
 

@@ -280,7 +280,7 @@ fn motion_with_springs_is_equal_to_round_off_with_the_classic_law() {
     let here = tempfile::tempdir().unwrap();
     let contact = "Linear(k: 1.0e4, damping: PerMass(60.0),
         tangential: Spring(k: 3.0e3, damping: PerMass(30.0), friction: 0.4))";
-    let walls = "HalfPlane(point: (0.0, 0.0), normal: (0.1, 1.0)), Segment(from: (0.1, 0.3), to: (0.3, 0.55)),
+    let walls = "HalfPlane(point: (0.0, 0.0), normal: (0.1, 1.0)), HalfPlane(point: (0.0, 0.0), normal: (1.0, 0.0)),
         Disc(centre: (0.4, 0.3), radius: 0.05)";
     let end = format!("until: {:e}", 1e-5 * STEPS as f64);
     let loaded = scene(here.path(), "Plane", contact, walls, "gravity: (0.0, -9.81)", true, 1);
