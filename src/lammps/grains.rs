@@ -8,6 +8,7 @@ use std::f64::consts::PI;
 use std::fmt::Write as _;
 
 use crate::fault::Fault;
+use crate::lammps::releases::all_grains;
 use crate::lammps::{DATA, number, vector};
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Solid};
@@ -83,6 +84,9 @@ impl Particles {
         for (axis, name) in ["x", "y", "z"].into_iter().enumerate() {
             let _ = writeln!(text, "{} {} {name}lo {name}hi", number(self.low[axis]), number(self.high[axis]));
         }
+        if loaded.grains.is_empty() && self.fixed.is_empty() {
+            return text;
+        }
         text.push_str("\nAtoms # sphere\n\n");
         for grain in &loaded.grains {
             let density = grain.mass / (4.0 * PI / 3.0 * grain.radius.powi(3));
@@ -118,7 +122,7 @@ impl Particles {
             side(2)
         );
         if self.fixed.is_empty() {
-            text.push_str("group grains union all\n");
+            text.push_str("group fixed empty\ngroup grains union all\n");
         } else {
             let last = self.first_fixed as usize + self.fixed.len() - 1;
             let _ = writeln!(text, "group fixed id {}:{last}\ngroup grains subtract all fixed", self.first_fixed);
@@ -177,16 +181,17 @@ impl Particles {
         text
     }
 
-    /// Number of grains.
-    pub(super) fn count(loaded: &Loaded) -> usize {
-        loaded.grains.len()
+    /// The id that the next atom gets in LAMMPS.
+    pub(super) fn next_id(&self) -> usize {
+        self.first_fixed as usize + self.fixed.len()
     }
 }
 
 /// Lower and upper corner of the box, m: periodic sides, and around all grains and walls with room to fly.
 fn box_of(loaded: &Loaded, fixed: &[FixedAtom]) -> (Solid, Solid) {
     let planar = loaded.scene.space == Dimension::Plane;
-    let grains = loaded.grains.iter().map(|grain| (grain.position, grain.radius));
+    let grains = all_grains(loaded);
+    let grains = grains.iter().map(|grain| (grain.position, grain.radius));
     let balls = grains.chain(fixed.iter().map(|disc| (disc.position, disc.radius)));
     let walls = loaded.scene.walls.iter().filter_map(Wall::bounds);
     let around = balls.map(|(x, radius)| [x - radius, x + radius]).chain(walls);

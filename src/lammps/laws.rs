@@ -27,6 +27,7 @@ use crate::contact::hertz::Material;
 use crate::contact::rolling::{RollingDamping, RollingResistance};
 use crate::contact::tangential::{Lever, TangentialDamping};
 use crate::fault::Fault;
+use crate::lammps::releases::all_grains;
 use crate::lammps::{number, refused};
 use crate::scene::load::Loaded;
 
@@ -136,7 +137,8 @@ struct Masses {
 
 impl Masses {
     fn of(loaded: &Loaded) -> Self {
-        let mut masses = loaded.grains.iter().map(|grain| grain.mass);
+        let grains = all_grains(loaded);
+        let mut masses = grains.iter().map(|grain| grain.mass);
         let first = masses.next();
         // Masses that differ by rounding are equal.
         let alone = first.filter(|first| masses.all(|mass| (mass / first - 1.0).abs() < 1e-12));

@@ -9,6 +9,7 @@
 mod grains;
 mod laws;
 mod outputs;
+mod releases;
 mod stages;
 mod walls;
 
@@ -48,7 +49,7 @@ pub fn export(loaded: &Loaded) -> Result<Export, Fault> {
     let walls = walls::walls(loaded, &laws)?;
     let particles = Particles::of(loaded)?;
     let mut differences = differences(loaded, &laws, &walls);
-    let course = stages::course(loaded, &walls)?;
+    let course = stages::course(loaded, &walls, &particles)?;
     differences.extend(course.differences.iter().cloned());
     let mut script = head(loaded, &differences);
     script.push_str(&particles.setup(loaded));
@@ -84,9 +85,6 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
     if !scene.behaviours.is_empty() {
         return refuse("behaviours", "behaviours of other crates have no counterpart in LAMMPS", "export without them");
     }
-    if scene.spawner.as_ref().is_some_and(|spawner| spawner.count > 0) {
-        return refuse("spawner", "LAMMPS has no release that waits until its place is free", start);
-    }
     if !scene.feed.is_empty() {
         return refuse("feed", "`fix pour` of LAMMPS derives its rate from its region, and keeps no order of sizes", start);
     }
@@ -96,8 +94,8 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
     if scene.kick.is_some() {
         return refuse("kick", "kicks that restart the flow are not written", "export without it");
     }
-    if loaded.grains.is_empty() {
-        return refuse("fill", "there are no grains at the start", "give `grains` or `fill`");
+    if releases::all_grains(loaded).is_empty() {
+        return refuse("fill", "there are no grains", "give `grains`, `fill` or `spawner`");
     }
     for (number, fill) in scene.fill.iter().enumerate() {
         if fill.fixed && (fill.velocity.is_some() || fill.agitation.is_some()) {
@@ -172,6 +170,10 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
     say(
         loaded.has_outlet(),
         "grains count as out below the level of the door; siloflow counts crossings of the orifice, and losses apart",
+    );
+    say(
+        loaded.scene.spawner.is_some(),
+        "a release waits while a centre is nearer to its place than the sum of the radii, with the largest radius for every grain",
     );
     say(true, "grains that leave the box of the data file are removed and count as out");
     list

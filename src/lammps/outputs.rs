@@ -42,7 +42,7 @@ fn up(loaded: &Loaded) -> usize {
 pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> String {
     let dt = loaded.step();
     let every = steps(loaded.scene.series.interval.get(), dt);
-    let count = Particles::count(loaded);
+    let count = loaded.grains.len();
     let gravity = loaded.scene.gravity.padded();
     let mut text = String::from("\n# Outputs.\n");
     let level = outlet_level(loaded).map_or_else(|| "INF".to_owned(), number);
@@ -53,11 +53,13 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
         text,
         "region above block {above}\n\
          variable inside equal count(grains,above)\n\
-         variable out equal {count}-v_inside\n\
-         variable culled equal {count}-count(grains)\n\
+         variable released equal {count}\n\
+         variable released_kg equal {}\n\
+         variable out equal v_released-v_inside\n\
+         variable culled equal v_released-count(grains)\n\
          variable mass_of atom mass\n\
          compute mass_inside grains reduce/region above sum v_mass_of\n\
-         variable out_kg equal {}-c_mass_inside\n\
+         variable out_kg equal v_released_kg-c_mass_inside\n\
          compute moving grains ke\n\
          compute turning grains erotate/sphere\n\
          variable kinetic equal c_moving\n\
@@ -75,7 +77,7 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
     );
     let _ = write!(
         text,
-        "fix series all print {every} \"$(time:%.9f),{count},$(v_inside:%.0f),$(v_out:%.0f),$(v_culled:%.0f),\
+        "fix series all print {every} \"$(time:%.9f),$(v_released:%.0f),$(v_inside:%.0f),$(v_out:%.0f),$(v_culled:%.0f),\
          $(v_out_kg:%.15g),$(v_kinetic:%.15g),$(v_rotational:%.15g),$(v_potential:%.15g),$(v_fastest:%.15g)\" &\n  \
          file series.csv screen no title \"time_s,released,inside,out,culled,out_kg,kinetic_j,rotational_j,potential_j,\
          largest_speed_m_per_s\"\n"

@@ -7,8 +7,10 @@ use std::fmt::Write as _;
 
 use crate::door::DoorOpens;
 use crate::fault::Fault;
+use crate::lammps::grains::Particles;
 use crate::lammps::number;
 use crate::lammps::outputs::steps;
+use crate::lammps::releases::{self, all_grains};
 use crate::lammps::walls::Walls;
 use crate::rest::Rest;
 use crate::scene::load::Loaded;
@@ -30,7 +32,7 @@ pub(super) struct Course {
 ///
 /// # Errors
 /// If a condition has no counterpart.
-pub(super) fn course(loaded: &Loaded, walls: &Walls) -> Result<Course, Fault> {
+pub(super) fn course(loaded: &Loaded, walls: &Walls, particles: &Particles) -> Result<Course, Fault> {
     let scene = &loaded.scene;
     let dt = loaded.step();
     let last = steps(scene.until.get(), dt);
@@ -38,6 +40,7 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls) -> Result<Course, Fault> {
         "\n# Course of the run.\nvariable wall_s equal 0\nvariable rest_time equal -1\nvariable open_time equal -1\n",
     );
     let mut differences = Vec::new();
+    script.push_str(&releases::releases(loaded, particles)?);
     let stop = scene.stop_conditions();
     let opens = scene.door_controls().into_iter().map(|(_, _, control)| control.opens);
     let opens = opens.into_iter().find(|opens| *opens != DoorOpens::Never);
@@ -70,7 +73,7 @@ fn rest_test(loaded: &Loaded, rest: &Rest, script: &mut String) -> u64 {
     let g = loaded.scene.gravity.padded().length();
     let every = steps(rest.hold.get() / TESTS, dt);
     let window = steps(rest.hold.get(), dt).div_ceil(every) + 1;
-    let scale: f64 = loaded.grains.iter().map(|grain| grain.mass * g * grain.radius).sum();
+    let scale: f64 = all_grains(loaded).iter().map(|grain| grain.mass * g * grain.radius).sum();
     let _ = write!(
         script,
         "compute radius_of grains property/atom radius\n\
@@ -78,13 +81,14 @@ fn rest_test(loaded: &Loaded, rest: &Rest, script: &mut String) -> u64 {
          compute froude grains reduce max v_froude_of\n\
          variable loud equal (c_froude>{})||((v_kinetic+v_rotational)>{})\n\
          fix loud all ave/time {every} 1 {every} v_loud ave window {window}\n\
-         variable at_rest equal (f_loud<{})&&(step>={})\n\
+         variable rest_from equal $(step)+{}\n\
+         variable at_rest equal (f_loud<{})&&(step>=v_rest_from)\n\
          fix at_rest all halt {every} v_at_rest > 0.5 error continue\n",
         number(g),
         number(rest.speed.get().powi(2)),
         number(rest.energy.get() * scale),
-        number(0.5 / f64::from(u32::try_from(window).unwrap_or(u32::MAX))),
         every * (window - 1),
+        number(0.5 / f64::from(u32::try_from(window).unwrap_or(u32::MAX))),
     );
     every
 }
@@ -151,7 +155,7 @@ fn discharge(
 
 /// Commands that write the figures of the run in the words of `summary.json`.
 fn summary(loaded: &Loaded) -> String {
-    let count = loaded.grains.len();
+    let count = all_grains(loaded).len();
     format!(
         "\n# Figures of the run: null is a time that never came.\n\
          variable rest string ${{rest_time}}\nvariable opened string ${{open_time}}\n\
