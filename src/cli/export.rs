@@ -63,8 +63,11 @@ pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<Verdict, Fault> {
         return export_scene::export(&scene, args.out.clone(), quiet);
     }
     if !args.set.is_empty() || args.seed.is_some() {
-        return Err(Fault::new("export::set", format!("--set and --seed change a scene, and --to {} reads a run", args.to))
-            .help("give them to `siloflow run`"));
+        return Err(Fault::new(
+            "export::set",
+            format!("--set and --seed change a scene, and --to {} reads a run", args.to),
+        )
+        .help("give them to `siloflow run`"));
     }
     let vtk = Target::Live(Format::Vtk);
     let format = Target::ALL.into_iter().find(|(name, _)| *name == args.to).map_or(vtk, |(_, format)| format);

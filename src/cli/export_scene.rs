@@ -20,8 +20,11 @@ pub(super) fn export(args: &SceneArgs, out: Option<PathBuf>, quiet: bool) -> Res
             .help(format!("for the scene of a run, write `siloflow export {shown}/scene.ron --to {LAMMPS}`")));
     }
     let AnyScene::Grains(loaded) = args.load()? else {
-        return Err(Fault::new("export::method", "a lattice gas has no grains, and LAMMPS has no lattice gas of its kind")
-            .help("give a scene of grains"));
+        return Err(Fault::new(
+            "export::method",
+            "a lattice gas has no grains, and LAMMPS has no lattice gas of its kind",
+        )
+        .help("give a scene of grains"));
     };
     let target = out.unwrap_or_else(|| PathBuf::from("out").join(format!("{}-{LAMMPS}", loaded.source.name)));
     if target.symlink_metadata().is_ok() {
@@ -37,7 +40,7 @@ pub(super) fn export(args: &SceneArgs, out: Option<PathBuf>, quiet: bool) -> Res
         say(&format!(
             "{}: {} grains. Run it: cd {} && mpirun -np 2 lmp -in {SCRIPT}\n",
             target.join(SCRIPT).display(),
-            loaded.grains.len(),
+            written.grains,
             target.display()
         ));
     }

@@ -133,7 +133,8 @@ impl Particles {
         }
         if loaded.contacts().species > 1 {
             for kind in 1..=self.types {
-                let _ = writeln!(text, "group type_{kind} type {kind}\ngroup species_{kind} intersect type_{kind} grains");
+                let _ =
+                    writeln!(text, "group type_{kind} type {kind}\ngroup species_{kind} intersect type_{kind} grains");
             }
         }
         // The list must be renewed before a grain has moved half of the skin: a tenth of the diameter costs few renewals and few candidates.

@@ -263,11 +263,14 @@ fn model(
     }
 }
 
-const CONTACT_POINT: &str = "LAMMPS computes the sliding velocity with the radii as arms, not with arms to the contact point";
+const CONTACT_POINT: &str =
+    "LAMMPS computes the sliding velocity with the radii as arms, not with arms to the contact point";
 const TOO_DAMPED: &str = "`damping tsuji` of LAMMPS cannot damp as much as this restitution needs";
-const TOO_DAMPED_HELP: &str = "export with a restitution of 0.12 or more, or with `damping: PerMass(...)`";
-const OTHER_KIND: &str = "LAMMPS takes the drag of friction as a share of the normal drag, and these two are of different kinds";
-const OTHER_KIND_HELP: &str = "give both as B or both as PerMass with a normal damping above 0, or this one as OfNormal(share)";
+const TOO_DAMPED_HELP: &str = "export with a restitution of 0.27 or more, or with `Linear` and `damping: PerMass(...)`";
+const OTHER_KIND: &str =
+    "LAMMPS takes the drag of friction as a share of the normal drag, and these two are of different kinds";
+const OTHER_KIND_HELP: &str =
+    "give both as B or both as PerMass with a normal damping above 0, or this one as OfNormal(share)";
 
 /// The drag of friction as a share of the normal drag, if it is one.
 fn share_of_normal(given: TangentialDamping, normal: f64, model: &str) -> Option<f64> {
@@ -291,8 +294,12 @@ fn rolling_words(
         (RollingDamping::PerMass(gamma), _) if gamma.get() <= 0.0 => 0.0,
         (RollingDamping::PerMass(gamma), Some(mass)) => gamma.get() * mass,
         (RollingDamping::PerMass(_), None) => {
-            return Err(refused(loaded, key, "`rolling sds` of LAMMPS has one drag for all masses, and masses differ here")
-                .help("give it as B(...), or export grains of one mass without fixed discs"));
+            return Err(refused(
+                loaded,
+                key,
+                "`rolling sds` of LAMMPS has one drag for all masses, and masses differ here",
+            )
+            .help("give it as B(...), or export grains of one mass without fixed discs"));
         }
     };
     let [k, drag, friction] = [rolling.k.get(), drag, rolling.friction.get()].map(number);
@@ -335,7 +342,8 @@ mod tests {
         }
         assert_eq!(tsuji(0.0), Some((0.0, "velocity")));
         assert_eq!(tsuji(1.3), None);
-        let falls = (1..=1000).all(|n| tsuji_polynomial(f64::from(n) / 999.5) < tsuji_polynomial(f64::from(n - 1) / 999.5));
+        let falls =
+            (1..=1000).all(|n| tsuji_polynomial(f64::from(n) / 999.5) < tsuji_polynomial(f64::from(n - 1) / 999.5));
         assert!(falls);
     }
 }

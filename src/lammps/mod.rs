@@ -37,6 +37,8 @@ pub struct Export {
     pub data: String,
     /// What is not the same in LAMMPS, one sentence each.
     pub differences: Vec<String>,
+    /// Number of grains, those to be released included.
+    pub grains: usize,
 }
 
 /// Translates a scene.
@@ -59,7 +61,8 @@ pub fn export(loaded: &Loaded) -> Result<Export, Fault> {
     script.push_str(&outputs::step_zero(loaded));
     script.push_str(&outputs::series(loaded, &particles, &walls));
     script.push_str(&course.script);
-    Ok(Export { script, data: particles.data(loaded), differences })
+    let grains = releases::all_grains(loaded).len();
+    Ok(Export { script, data: particles.data(loaded), differences, grains })
 }
 
 /// A number with all its digits.
@@ -81,12 +84,17 @@ fn refused(loaded: &Loaded, key: &str, reason: &str) -> Fault {
 fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
     let scene = &loaded.scene;
     let refuse = |key: &str, reason: &str, help: &str| Err(refused(loaded, key, reason).help(help.to_owned()));
-    let start = "run the filling in siloflow, then export with its grains: `--set \"grains=(file: \\\"state.csv\\\")\"`";
+    let start =
+        "run the filling in siloflow, then export with its grains: `--set \"grains=(file: \\\"state.csv\\\")\"`";
     if !scene.behaviours.is_empty() {
         return refuse("behaviours", "behaviours of other crates have no counterpart in LAMMPS", "export without them");
     }
     if !scene.feed.is_empty() {
-        return refuse("feed", "`fix pour` of LAMMPS derives its rate from its region, and keeps no order of sizes", start);
+        return refuse(
+            "feed",
+            "`fix pour` of LAMMPS derives its rate from its region, and keeps no order of sizes",
+            start,
+        );
     }
     if !scene.motions.is_empty() {
         return refuse("motions", "motions of walls are not written", "export without them");

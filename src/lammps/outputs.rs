@@ -46,7 +46,8 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
     let gravity = loaded.scene.gravity.padded();
     let mut text = String::from("\n# Outputs.\n");
     let level = outlet_level(loaded).map_or_else(|| "INF".to_owned(), number);
-    let above = if up(loaded) == 1 { format!("INF INF {level} INF INF INF") } else { format!("INF INF INF INF {level} INF") };
+    let above =
+        if up(loaded) == 1 { format!("INF INF {level} INF INF INF") } else { format!("INF INF INF INF {level} INF") };
     let turning = if loaded.inertia() == InertiaLaw::Disc { "1.25" } else { "1.0" };
     let total: f64 = loaded.grains.iter().map(|grain| grain.mass).sum();
     let _ = write!(

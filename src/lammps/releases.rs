@@ -38,19 +38,32 @@ fn released(loaded: &Loaded) -> Vec<GrainRow> {
 /// # Errors
 /// If a door opens at a time, which may come before the last release, or places are next to a wall.
 pub(super) fn releases(loaded: &Loaded, particles: &Particles) -> Result<String, Fault> {
-    let Some(spawner) = loaded.scene.spawner.as_ref().filter(|spawner| spawner.count > 0) else { return Ok(String::new()) };
+    let Some(spawner) = loaded.scene.spawner.as_ref().filter(|spawner| spawner.count > 0) else {
+        return Ok(String::new());
+    };
     let controls = loaded.scene.door_controls();
     if let Some((_, key, _)) = controls.iter().find(|(_, _, control)| matches!(control.opens, DoorOpens::At(_))) {
-        return Err(refused(loaded, &format!("{key}.opens"), "a door that opens at a time is not written for a scene with a spawner")
-            .help("export with `opens: AtRest`"));
+        return Err(refused(
+            loaded,
+            &format!("{key}.opens"),
+            "a door that opens at a time is not written for a scene with a spawner",
+        )
+        .help("export with `opens: AtRest`"));
     }
     let grains = released(loaded);
     let is_clear = |grain: &GrainRow| match loaded.scene.space {
-        Dimension::Plane => loaded.surfaces::<Plane>().iter().all(|wall| wall.surface.distance(grain.position.truncate()) >= grain.radius),
-        Dimension::Solid => loaded.surfaces::<Solid>().iter().all(|wall| wall.surface.distance(grain.position) >= grain.radius),
+        Dimension::Plane => loaded
+            .surfaces::<Plane>()
+            .iter()
+            .all(|wall| wall.surface.distance(grain.position.truncate()) >= grain.radius),
+        Dimension::Solid => {
+            loaded.surfaces::<Solid>().iter().all(|wall| wall.surface.distance(grain.position) >= grain.radius)
+        }
     };
     if !grains.iter().all(is_clear) {
-        return Err(refused(loaded, "spawner.point", "a place of release touches a wall").help("move it away from walls"));
+        return Err(
+            refused(loaded, "spawner.point", "a place of release touches a wall").help("move it away from walls")
+        );
     }
     let largest = loaded.fixed_radii().chain(grains.iter().map(|grain| grain.radius)).fold(0.0, f64::max);
     let largest = loaded.grains.iter().map(|grain| grain.radius).fold(largest, f64::max);

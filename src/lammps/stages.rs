@@ -49,7 +49,8 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls, particles: &Particles) -> R
         let every = rest_test(loaded, &rest, &mut script);
         differences.push(format!("rest is tested every {every} steps; siloflow tests it in every step"));
         let _ = writeln!(script, "run {last} upto\n{CLOCK}unfix at_rest\nunfix loud");
-        let _ = writeln!(script, "if \"$(step) >= {last}\" then \"jump SELF end\"\nvariable rest_time equal $(time:%.9f)");
+        let _ =
+            writeln!(script, "if \"$(step) >= {last}\" then \"jump SELF end\"\nvariable rest_time equal $(time:%.9f)");
         if stop.contains(&StopCondition::AtRest) {
             script.push_str("jump SELF end\n");
         }
@@ -57,7 +58,10 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls, particles: &Particles) -> R
     if let Some(opens) = &opens {
         if let DoorOpens::At(time) = opens {
             let step = if time.get() > 0.0 { steps(time.get(), dt) } else { 0 };
-            let _ = writeln!(script, "if \"{step} >= {last}\" then \"run {last} upto\" \"jump SELF end\"\nrun {step} upto\n{CLOCK}");
+            let _ = writeln!(
+                script,
+                "if \"{step} >= {last}\" then \"run {last} upto\" \"jump SELF end\"\nrun {step} upto\n{CLOCK}"
+            );
         }
         script.push_str(&open(loaded, walls));
     }
@@ -117,13 +121,7 @@ fn open(loaded: &Loaded, walls: &Walls) -> String {
 }
 
 /// Commands that end the discharge.
-fn discharge(
-    loaded: &Loaded,
-    stop: &[StopCondition],
-    opens: bool,
-    script: &mut String,
-    differences: &mut Vec<String>,
-) {
+fn discharge(loaded: &Loaded, stop: &[StopCondition], opens: bool, script: &mut String, differences: &mut Vec<String>) {
     let dt = loaded.step();
     let every = steps(loaded.scene.series.interval.get() / TESTS, dt);
     if loaded.has_outlet() || loaded.scene.cull.is_some() {
@@ -133,7 +131,11 @@ fn discharge(
     for (number, condition) in stop.iter().enumerate() {
         match *condition {
             StopCondition::Out(count) => {
-                let _ = writeln!(script, "fix stop_{number} all halt {every} v_out > {}.5 error continue", i64::from(count) - 1);
+                let _ = writeln!(
+                    script,
+                    "fix stop_{number} all halt {every} v_out > {}.5 error continue",
+                    i64::from(count) - 1
+                );
             }
             StopCondition::EndOfFlow { still } | StopCondition::Clogged { still } if opens => {
                 let every = steps(still.get() / TESTS, dt);

@@ -132,7 +132,8 @@ fn region(loaded: &Loaded, wall: &Wall, key: &str, place: usize) -> Result<Strin
         Wall::Annulus { centre, normal, outer, .. } => {
             let (axis, [a, b]) = axis_of(loaded, key, normal.padded())?;
             let centre = centre.padded();
-            let [a, b, radius, at] = [centre[a], centre[b], outer.get(), centre["xyz".find(axis).unwrap_or(2)]].map(number);
+            let [a, b, radius, at] =
+                [centre[a], centre[b], outer.get(), centre["xyz".find(axis).unwrap_or(2)]].map(number);
             format!("{name} cylinder {axis} {a} {b} {radius} {at} {at} side out\n")
         }
         Wall::Polygon { .. } | Wall::Mesh { .. } | Wall::Disc { .. } => String::new(),

@@ -7,6 +7,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
+use serde_json::Value;
 use siloflow::grains::file::GrainRow;
 use siloflow::lammps;
 use siloflow::prelude::*;
@@ -130,7 +131,9 @@ fn scene(here: &Path, space: &str, contact: &str, walls: &str, more: &str, masse
         "(space: {space}, {gravity}contact: {contact}, walls: [{walls}], grains: (file: \"grains.csv\"), \
          integrator: Verlet, step: Fixed(1.0e-5), until: 1.0, pictures: None, watchdog: None, {more})"
     );
-    let load = || load::from_text("test.ron", "test", here, scene.clone(), &[]).unwrap_or_else(|fault| panic!("{fault}: {scene}"));
+    let load = || {
+        load::from_text("test.ron", "test", here, scene.clone(), &[]).unwrap_or_else(|fault| panic!("{fault}: {scene}"))
+    };
     // Grains whose centre is nearer than NEAREST to a wall are left out.
     let loaded = load();
     let is_clear = |grain: &GrainRow| {
@@ -172,12 +175,16 @@ fn assert_equal(what: &str, ours: &BTreeMap<u32, [f64; 6]>, theirs: &BTreeMap<u3
         }
     }
     let touched = ours.values().filter(|row| row[0] != 0.0).count();
-    println!("{what}: {touched} of {} grains touched, largest force {largest:.3e} N, worst difference {worst:.1e} N", ours.len());
+    println!(
+        "{what}: {touched} of {} grains touched, largest force {largest:.3e} N, worst difference {worst:.1e} N",
+        ours.len()
+    );
     assert!(2 * touched > ours.len(), "{what}: most grains must have contacts");
 }
 
 /// Walls of every flat kind, which do not meet.
-const FLAT: &str = "HalfPlane(point: (-0.02, 0.0), normal: (1.0, 0.1)), HalfPlane(point: (0.0, 0.0), normal: (0.0, 2.0)),
+const FLAT: &str =
+    "HalfPlane(point: (-0.02, 0.0), normal: (1.0, 0.1)), HalfPlane(point: (0.0, 0.0), normal: (0.0, 2.0)),
     Segment(from: (0.1, 0.3), to: (0.3, 0.55)), Segment(from: (0.4, 0.2), to: (0.55, 0.2))";
 const FLAT_SOLID: &str = "HalfPlane(point: (-0.02, 0.0, 0.0), normal: (1.0, 0.1, 0.05)),
     Panel(corner: (0.1, 0.1, 0.05), along: (0.3, 0.0, 0.0), across: (0.0, 0.2, 0.0)),
@@ -256,7 +263,13 @@ fn state_of_lammps(here: &Path) -> BTreeMap<u32, [f64; 9]> {
     for line in file.lines() {
         let cells: Vec<_> = line.split_whitespace().collect();
         if let Some(name) = cells.first().filter(|name| name.starts_with(char::is_alphabetic)) {
-            section = if *name == "Atoms" { "Atoms" } else if *name == "Velocities" { "Velocities" } else { "" };
+            section = if *name == "Atoms" {
+                "Atoms"
+            } else if *name == "Velocities" {
+                "Velocities"
+            } else {
+                ""
+            };
         } else if !section.is_empty() && cells.len() >= 7 {
             let numbers: Vec<f64> = cells.iter().map(|cell| cell.parse().unwrap()).collect();
             let row: &mut [f64; 9] = state.entry(numbers[0] as u32).or_default();
@@ -286,8 +299,13 @@ fn motion_with_springs_is_equal_to_round_off_with_the_classic_law() {
     let loaded = scene(here.path(), "Plane", contact, walls, "gravity: (0.0, -9.81)", true, 1);
     let grains = fs::read_to_string(here.path().join("grains.csv")).unwrap();
     // Grains start at rest, so that no contact slides in step 0, and their springs load and slide on the way.
-    let still: Vec<_> = grains.lines().skip(1).map(|line| line.split(',').take(6).collect::<Vec<_>>().join(",") + ",0,0,0,0,0,0,0").collect();
-    fs::write(here.path().join("grains.csv"), format!("{}\n{}\n", grains.lines().next().unwrap(), still.join("\n"))).unwrap();
+    let still: Vec<_> = grains
+        .lines()
+        .skip(1)
+        .map(|line| line.split(',').take(6).collect::<Vec<_>>().join(",") + ",0,0,0,0,0,0,0")
+        .collect();
+    fs::write(here.path().join("grains.csv"), format!("{}\n{}\n", grains.lines().next().unwrap(), still.join("\n")))
+        .unwrap();
     let source = loaded.source.text.replace("until: 1.0", &end);
     let loaded = load::from_text("test.ron", "test", here.path(), source, &[]).unwrap();
     write(&loaded, here.path());
@@ -402,14 +420,18 @@ fn what_does_not_map_is_refused_with_its_key_and_nothing_is_written() {
             "Hertz",
         ),
         (
-            more("mass: Sphere(1000.0), feed: [(region: Box(low: (0.0, 0.0, 2.0), high: (1.0, 1.0, 2.0)), rate: Grains(1.0), \
-                  total: Grains(3), radius: Fixed(0.03), velocity: (0.0, 0.0, 0.0))],"),
+            more(
+                "mass: Sphere(1000.0), feed: [(region: Box(low: (0.0, 0.0, 2.0), high: (1.0, 1.0, 2.0)), rate: Grains(1.0), \
+                  total: Grains(3), radius: Fixed(0.03), velocity: (0.0, 0.0, 0.0))],",
+            ),
             "feed",
             "fix pour",
         ),
         (
-            more("mass: Sphere(1000.0), spawner: (point: (0.0, 0.0, 2.0), velocity: (0.0, 0.0, 0.0), interval: 0.1, count: 2, \
-                  radius: Fixed(0.03)),"),
+            more(
+                "mass: Sphere(1000.0), spawner: (point: (0.0, 0.0, 2.0), velocity: (0.0, 0.0, 0.0), interval: 0.1, count: 2, \
+                  radius: Fixed(0.03)),",
+            ),
             "spawner",
             "waits until its place is free",
         ),
@@ -453,4 +475,59 @@ fn wrong_calls_are_refused() {
     }
     assert!(fs::read_dir(here.path().join("there")).unwrap().next().is_none());
     assert!(!here.path().join("out").exists());
+}
+
+/// Exports a scene with settings into `out` and runs it in LAMMPS; returns its summary.
+fn run_exported(here: &Path, scene: &Path, settings: &[&str], out: &str, ranks: usize) -> Value {
+    let set: Vec<_> = settings.iter().flat_map(|setting| ["--set", setting]).collect();
+    let scene = scene.display().to_string();
+    let output = siloflow(here, &[&["export", &scene, "--to", "lammps", "--out", out], &set[..]].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("not the same in LAMMPS") && text(&output.stdout).contains("mpirun"));
+    lmp(&here.join(out), ranks, &["-screen", "none"]);
+    serde_json::from_str(&fs::read_to_string(here.join(out).join("summary.json")).unwrap()).unwrap()
+}
+
+#[test]
+fn silos_fill_come_to_rest_and_discharge_in_lammps_and_their_figures_are_drawn() {
+    if !has_lammps() {
+        return;
+    }
+    let here = tempfile::tempdir().unwrap();
+    let small = ["fill[0].count=60", "data_frames=(interval: 0.5)"];
+    for (name, ranks) in [("flat", 1), ("wedge", 2), ("cone", 1)] {
+        let scene = crate::root().join(format!("docs/measure/lammps/{name}.ron"));
+        let summary = run_exported(here.path(), &scene, &small, name, ranks);
+        let [rest, opened, end] =
+            ["rest_time_s", "door_open_time_s", "end_time_s"].map(|key| summary[key].as_f64().unwrap());
+        assert!(rest > 0.0 && rest == opened && opened < end && end < 10.0, "{summary}");
+        let [out, inside] = ["out", "inside"].map(|key| summary["grains"][key].as_u64().unwrap());
+        // A flat bottom keeps some grains.
+        assert!(out + inside == 60 && out > 30 && (name == "flat" || inside == 0), "{summary}");
+        for file in ["series.csv", "wall_forces.csv", "door_forces.csv", "frames.dump", "final.data"] {
+            assert!(here.path().join(name).join(file).metadata().unwrap().len() > 100, "{file}");
+        }
+    }
+    let output = siloflow(here.path(), &["plot", "flat", "wedge", "--out", "plots", "--quiet"]);
+    assert!(output.status.success() && here.path().join("plots").is_dir(), "{}", text(&output.stderr));
+}
+
+#[test]
+fn a_spawner_releases_all_grains_in_lammps() {
+    if !has_lammps() {
+        return;
+    }
+    let here = tempfile::tempdir().unwrap();
+    let settings = ["spawner.count=40", "data_frames=None", "pictures=None"];
+    let summary = run_exported(here.path(), &crate::scene("silo1.ron"), &settings, "silo1", 1);
+    assert!(summary["grains"]["out"] == 40 && summary["grains"]["released"] == 40, "{summary}");
+    // The first grain has the place and the speed that siloflow gives it.
+    let loaded = crate::load("silo1.ron", &[("spawner.count", "40")]);
+    let mut simulation = crate::simulation(&loaded, 1);
+    simulation.step();
+    let world = simulation.world_mut();
+    let first = world.query_filtered::<&Position, With<Grain>>().iter(world).next().unwrap().0;
+    let script = fs::read_to_string(here.path().join("silo1").join(lammps::SCRIPT)).unwrap();
+    let line = format!("create_atoms 1 single {:?} {:?} 0.0 units box", first.x, first.y);
+    assert!(script.contains(&line), "{line}");
 }
