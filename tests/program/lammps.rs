@@ -429,11 +429,11 @@ fn what_does_not_map_is_refused_with_its_key_and_nothing_is_written() {
         ),
         (
             more(
-                "mass: Sphere(1000.0), spawner: (point: (0.0, 0.0, 2.0), velocity: (0.0, 0.0, 0.0), interval: 0.1, count: 2, \
+                "mass: Sphere(1000.0), spawner: (point: (0.0, 0.0, 0.01), velocity: (0.0, 0.0, 0.0), interval: 0.1, count: 2, \
                   radius: Fixed(0.03)),",
             ),
-            "spawner",
-            "waits until its place is free",
+            "spawner.point",
+            "touches a wall",
         ),
     ];
     for ((contact, walls, more), key, reason) in cases {
