@@ -7,7 +7,6 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
-use crate::fault::Fault;
 use crate::lammps::releases::all_grains;
 use crate::lammps::{DATA, number, vector};
 use crate::scene::load::Loaded;
@@ -38,10 +37,7 @@ pub(super) struct Particles {
 
 impl Particles {
     /// Collects the atoms of a scene.
-    ///
-    /// # Errors
-    /// If ids run out.
-    pub(super) fn of(loaded: &Loaded) -> Result<Self, Fault> {
+    pub(super) fn of(loaded: &Loaded) -> Self {
         let mut fixed: Vec<_> = loaded
             .fixed
             .iter()
@@ -66,7 +62,7 @@ impl Particles {
         let (low, high) = box_of(loaded, &fixed);
         let doors = loaded.silo.door.len();
         let types = loaded.largest_species() + 1;
-        Ok(Self { fixed, doors, first_fixed: loaded.first_free_id(), low, high, types })
+        Self { fixed, doors, first_fixed: loaded.first_free_id(), low, high, types }
     }
 
     /// Whether the silo file has a door.

@@ -42,7 +42,7 @@ struct Model {
     /// Coefficient of the damping model.
     damping: f64,
     /// Damping model.
-    damping_model: &'static str,
+    drag_kind: &'static str,
     /// Tangential force, such as `linear_history 3e4 0.5 0.4`.
     tangential: String,
     /// Rolling resistance with the word before it, or nothing.
@@ -54,8 +54,8 @@ struct Model {
 impl Model {
     /// The law as arguments of `pair_coeff` and of `fix wall/gran/region granular`.
     fn words(&self) -> String {
-        let Self { normal, damping, damping_model, tangential, rolling, limit } = self;
-        format!("{normal} {} tangential {tangential}{rolling} damping {damping_model}{limit}", number(*damping))
+        let Self { normal, damping, drag_kind, tangential, rolling, limit } = self;
+        format!("{normal} {} tangential {tangential}{rolling} damping {drag_kind}{limit}", number(*damping))
     }
 }
 
@@ -104,14 +104,14 @@ pub(super) fn laws(loaded: &Loaded) -> Result<Laws, Fault> {
         }
         None => lines.push_str("pair_style granular\n"),
     }
-    for a in 0..species {
+    for (a, row) in walls.iter_mut().enumerate() {
         for b in 0..species {
             let pair = [a, b].map(|species| u8::try_from(species).unwrap_or(u8::MAX));
             let contact = contacts.contact_of(pair[0], pair[1]);
             let key = key_of(loaded, pair);
             let materials = (!contacts.materials.is_empty()).then(|| contacts.materials(pair[0], pair[1]));
             let of = |masses: Option<f64>| model(loaded, &contact, materials, &key, masses);
-            walls[a].push(format!("granular {}", of(masses.alone)?.words()));
+            row.push(format!("granular {}", of(masses.alone)?.words()));
             if classic.is_none() && a <= b {
                 let types = if species == 1 { "* *".to_owned() } else { format!("{} {}", a + 1, b + 1) };
                 let _ = writeln!(lines, "pair_coeff {types} {}", of(masses.of_pair())?.words());
@@ -199,7 +199,7 @@ fn model(
         Contact::Assignment { k, b } => Ok(Model {
             normal: format!("hooke {}", number(k.get())),
             damping: b.get(),
-            damping_model: "velocity",
+            drag_kind: "velocity",
             tangential: format!("linear_nohistory 1.0 {NO_CAP:e}"),
             rolling: String::new(),
             limit: "",
@@ -211,7 +211,7 @@ fn model(
             refuse("Hertz.lever", CONTACT_POINT, "export with `lever: Radius`")
         }
         Contact::Linear { k, damping, attraction, tangential, rolling, .. } => {
-            let (damping, damping_model) = match damping {
+            let (damping, drag_kind) = match damping {
                 Damping::B(b) => (b.get(), "velocity"),
                 Damping::PerMass(gamma) => (gamma.get(), "mass_velocity"),
                 Damping::Restitution(e) => match tsuji(2.0 * attraction.damping_ratio(e)) {
@@ -226,7 +226,7 @@ fn model(
                         Friction::Dashpot { damping, friction } => (damping, friction, None),
                         Friction::Spring { k, damping, friction } => (damping, friction, Some(k)),
                     };
-                    let Some(share) = share_of_normal(given, damping, damping_model) else {
+                    let Some(share) = share_of_normal(given, damping, drag_kind) else {
                         return refuse("Linear.tangential.damping", OTHER_KIND, OTHER_KIND_HELP);
                     };
                     let style = spring.map_or_else(
@@ -238,14 +238,14 @@ fn model(
             };
             let rolling = rolling_words(loaded, rolling.as_ref(), mass, &format!("{key}.Linear.rolling.damping"))?;
             let normal = format!("hooke {}", number(k.get()));
-            Ok(Model { normal, damping, damping_model, tangential, rolling, limit: limit(attraction) })
+            Ok(Model { normal, damping, drag_kind, tangential, rolling, limit: limit(attraction) })
         }
         Contact::Hertz { restitution, attraction, tangential, rolling, .. } => {
             let Some(materials) = materials else { unreachable!("the rules require materials with Hertz's law") };
             let [a, b] = materials;
             let (modulus, shear) = (a.effective_modulus(b), a.effective_shear_modulus(b));
             // c = 2 sqrt(5/6) zeta sqrt(S_n m_eff), and S_n is 3/2 of the k sqrt(R* delta) that LAMMPS takes here.
-            let Some((damping, damping_model)) = tsuji(5.0f64.sqrt() * attraction.damping_ratio(restitution)) else {
+            let Some((damping, drag_kind)) = tsuji(5.0f64.sqrt() * attraction.damping_ratio(restitution)) else {
                 return refuse("Hertz.restitution", TOO_DAMPED, TOO_DAMPED_HELP);
             };
             let tangential = match tangential {
@@ -258,7 +258,7 @@ fn model(
             };
             let rolling = rolling_words(loaded, rolling.as_ref(), mass, &format!("{key}.Hertz.rolling.damping"))?;
             let normal = format!("hertz {}", number(4.0 / 3.0 * modulus));
-            Ok(Model { normal, damping, damping_model, tangential, rolling, limit: limit(attraction) })
+            Ok(Model { normal, damping, drag_kind, tangential, rolling, limit: limit(attraction) })
         }
     }
 }

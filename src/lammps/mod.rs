@@ -49,7 +49,7 @@ pub fn export(loaded: &Loaded) -> Result<Export, Fault> {
     refuse_unmapped(loaded)?;
     let laws = laws::laws(loaded)?;
     let walls = walls::walls(loaded, &laws)?;
-    let particles = Particles::of(loaded)?;
+    let particles = Particles::of(loaded);
     let mut differences = differences(loaded, &laws, &walls);
     let course = stages::course(loaded, &walls, &particles)?;
     differences.extend(course.differences.iter().cloned());

@@ -57,10 +57,10 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls, particles: &Particles) -> R
     }
     if let Some(opens) = &opens {
         if let DoorOpens::At(time) = opens {
-            let step = if time.get() > 0.0 { steps(time.get(), dt) } else { 0 };
+            let opening = if time.get() > 0.0 { steps(time.get(), dt) } else { 0 };
             let _ = writeln!(
                 script,
-                "if \"{step} >= {last}\" then \"run {last} upto\" \"jump SELF end\"\nrun {step} upto\n{CLOCK}"
+                "if \"{opening} >= {last}\" then \"run {last} upto\" \"jump SELF end\"\nrun {opening} upto\n{CLOCK}"
             );
         }
         script.push_str(&open(loaded, walls));

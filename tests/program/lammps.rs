@@ -19,7 +19,7 @@ use crate::command_line::{siloflow, text};
 fn has_lammps() -> bool {
     let found = Command::new("lmp").arg("-h").output().is_ok_and(|output| output.status.success());
     if !found {
-        println!("LAMMPS (lmp) is not installed: its part of this test is left out");
+        eprintln!("LAMMPS (lmp) is not installed: its part of this test is left out");
     }
     found
 }
@@ -175,7 +175,7 @@ fn assert_equal(what: &str, ours: &BTreeMap<u32, [f64; 6]>, theirs: &BTreeMap<u3
         }
     }
     let touched = ours.values().filter(|row| row[0] != 0.0).count();
-    println!(
+    eprintln!(
         "{what}: {touched} of {} grains touched, largest force {largest:.3e} N, worst difference {worst:.1e} N",
         ours.len()
     );
@@ -324,7 +324,7 @@ fn motion_with_springs_is_equal_to_round_off_with_the_classic_law() {
         worst[0] = worst[0].max(off[0]).max(off[1]);
         worst[1] = worst[1].max(off[2]).max(off[3]).max(off[4]);
     }
-    println!("after {STEPS} steps: positions differ by up to {:.1e} m, velocities by {:.1e} m/s", worst[0], worst[1]);
+    eprintln!("after {STEPS} steps: positions differ by up to {:.1e} m, velocities by {:.1e} m/s", worst[0], worst[1]);
     // Forces round at 5e-12 N, so that 200 steps of 1e-5 s give 0.1 kg a velocity of 1e-13 m/s; the data file has 17 digits.
     assert!(worst[0] < 1e-13 && worst[1] < 1e-11, "{worst:?}");
 }
