@@ -28,8 +28,8 @@ The frames of a run that goes on or was killed are exported up to the last whole
 
 A scene is written as an input of LAMMPS, for runs on many ranks. Keys that LAMMPS cannot do are refused.
 
-  siloflow export scenes/hopper-panels.ron --to lammps
-  cd out/hopper-panels-lammps && mpirun -np 2 lmp -in in.silo
+  siloflow export scenes/silo3d.ron --to lammps
+  cd out/silo3d-lammps && mpirun -np 2 lmp -in in.silo
 
 Parquet needs a program that was built with it: cargo build --release --features parquet")]
 pub(super) struct ExportArgs {

@@ -1,7 +1,7 @@
 //! A scene as an input of LAMMPS: a script and a data file, for runs on many ranks over MPI.
 //!
-//! The reference is LAMMPS of 29 September 2021, the version of Debian; that of 22 July 2025 reads the same script. [`laws`] and [`walls`]
-//! have the tables of what becomes what, [`stages`] the course of a run, [`outputs`] the files that LAMMPS writes.
+//! The reference is LAMMPS of 29 September 2021, the version of Debian; that of 22 July 2025 reads the same script. The files `laws` and `walls`
+//! have the tables of what becomes what, `stages` the course of a run, `outputs` the files that LAMMPS writes.
 //!
 //! Forces of step 0 are equal to round-off. What has no counterpart is refused with its key. What can be written but is not the same is
 //! listed at the head of the script and in [`Export::differences`]. The scheme of LAMMPS is velocity Verlet whatever the scene says.
