@@ -53,6 +53,7 @@ pub mod grains;
 pub mod gravity;
 pub mod instructions;
 pub mod integrate;
+pub mod lammps;
 pub mod lattice;
 pub mod lattice_study;
 pub mod ledger;

@@ -7,7 +7,8 @@ use clap::Args;
 use clap::builder::PossibleValuesParser;
 
 use crate::cli::exit_status::Verdict;
-use crate::cli::say;
+use crate::cli::export_scene::{self, LAMMPS};
+use crate::cli::{SceneArgs, say, setting};
 use crate::fault::Fault;
 use crate::output::frame_data::reader::FrameReader;
 use crate::output::frame_export::{self, Target};
@@ -25,21 +26,49 @@ The frames of a run that goes on or was killed are exported up to the last whole
   siloflow export out/silo1 --to extxyz   # then open out/silo1/frames.xyz in OVITO
   siloflow export out/silo1 --to csv      # then read out/silo1/csv/grains.csv in a notebook
 
+A scene is written as an input of LAMMPS, for runs on many ranks. Keys that LAMMPS cannot do are refused.
+
+  siloflow export scenes/silo3d.ron --to lammps
+  cd out/silo3d-lammps && mpirun -np 2 lmp -in in.silo
+
 Parquet needs a program that was built with it: cargo build --release --features parquet")]
 pub(super) struct ExportArgs {
-    /// A run directory with frames.bin: of a scene with pictures, or with `data_frames`.
+    /// A run directory with frames.bin: of a scene with pictures, or with `data_frames`. For LAMMPS a scene, a RON file.
+    #[arg(value_name = "RUN|SCENE")]
     run: PathBuf,
     /// The format: VTK PolyData for ParaView, extended XYZ for OVITO and ASE, a dump of LAMMPS for OVITO, or tables for notebooks in
-    /// CSV or Parquet.
-    #[arg(long, value_name = "FORMAT", value_parser = PossibleValuesParser::new(Target::ALL.map(|(name, _)| name)))]
+    /// CSV or Parquet; `lammps` writes a scene as an input of LAMMPS.
+    #[arg(long, value_name = "FORMAT", value_parser = PossibleValuesParser::new(formats()))]
     to: String,
-    /// The directory (vtk, csv, parquet) or file to write, which must not exist. Default: vtk, frames.xyz, frames.dump, csv or parquet
-    /// in the run directory.
+    /// The directory (vtk, csv, parquet, lammps) or file to write, which must not exist. Default: vtk, frames.xyz, frames.dump, csv or
+    /// parquet in the run directory; for LAMMPS out/<scene name>-lammps.
     #[arg(long, value_name = "PATH")]
     out: Option<PathBuf>,
+    /// Change a key of the scene, as for `run`. Only with `--to lammps`. May be repeated.
+    #[arg(long = "set", value_name = "PATH=VALUE", value_parser = setting)]
+    set: Vec<(String, String)>,
+    /// Seed of all random numbers. Only with `--to lammps`.
+    #[arg(long, value_name = "N")]
+    seed: Option<u64>,
 }
 
-pub(super) fn export(args: &ExportArgs) -> Result<Verdict, Fault> {
+/// The names of all formats.
+fn formats() -> Vec<&'static str> {
+    Target::ALL.into_iter().map(|(name, _)| name).chain([LAMMPS]).collect()
+}
+
+pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<Verdict, Fault> {
+    if args.to == LAMMPS {
+        let scene = SceneArgs { scene: args.run.clone(), set: args.set.clone(), seed: args.seed };
+        return export_scene::export(&scene, args.out.clone(), quiet);
+    }
+    if !args.set.is_empty() || args.seed.is_some() {
+        return Err(Fault::new(
+            "export::set",
+            format!("--set and --seed change a scene, and --to {} reads a run", args.to),
+        )
+        .help("give them to `siloflow run`"));
+    }
     let vtk = Target::Live(Format::Vtk);
     let format = Target::ALL.into_iter().find(|(name, _)| *name == args.to).map_or(vtk, |(_, format)| format);
     if !format.is_available() {

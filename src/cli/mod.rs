@@ -8,6 +8,7 @@ mod diff;
 mod exit_status;
 mod explain;
 mod export;
+mod export_scene;
 mod from;
 mod new;
 mod plot;
@@ -92,7 +93,7 @@ enum Command {
     Plot(plot::PlotArgs),
     /// Write one HTML file about a run, or compare several: players, curves, tables.
     Report(report::ReportArgs),
-    /// Convert the frames of a run for ParaView (VTK) or OVITO (extended XYZ, LAMMPS dump).
+    /// Convert the frames of a run for ParaView (VTK) or OVITO (extended XYZ, LAMMPS dump), or write a scene for LAMMPS.
     Export(export::ExportArgs),
     /// Print the completions of a shell.
     #[cfg(feature = "shell")]
@@ -187,7 +188,7 @@ pub fn status_of(registry: &Registry, arguments: impl IntoIterator<Item = OsStri
         Command::Render(args) => render::render(args, cli.quiet),
         Command::Plot(args) => plot::plot(args),
         Command::Report(args) => report::report(args),
-        Command::Export(args) => export::export(args),
+        Command::Export(args) => export::export(args, cli.quiet),
         #[cfg(feature = "shell")]
         Command::Completions(args) => Ok(shell::completions(args)),
         #[cfg(feature = "shell")]

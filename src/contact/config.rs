@@ -227,7 +227,7 @@ impl Contacts<'_> {
     }
 
     /// Returns the scene's law for a species pair.
-    fn contact_of(&self, a: u8, b: u8) -> Contact {
+    pub(crate) fn contact_of(&self, a: u8, b: u8) -> Contact {
         let named = self.pairs.iter().find(|pair| pair.species == (a, b) || pair.species == (b, a));
         named.map_or(self.usual, |pair| pair.contact)
     }
@@ -279,7 +279,7 @@ impl Contacts<'_> {
         }
     }
 
-    fn materials(&self, a: u8, b: u8) -> [Material; 2] {
+    pub(crate) fn materials(&self, a: u8, b: u8) -> [Material; 2] {
         [a, b].map(|species| self.materials[usize::from(species).min(self.materials.len() - 1)])
     }
 

@@ -13,6 +13,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
 use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
@@ -22,7 +23,7 @@ use crate::particles::Particles;
 use crate::periodic::Periodic;
 use crate::persist::PersistApp as _;
 use crate::random::Stream;
-use crate::space::Space;
+use crate::space::{Solid, Space};
 use crate::step::{Clock, Phase, Step};
 use crate::store::PlainCommands;
 use crate::values::{FiniteVector, NonNegative, Positive, Share};
@@ -156,6 +157,38 @@ struct SpawnerState<V: Space> {
     next: Option<Candidate<V>>,
 }
 
+impl Spawner {
+    /// Returns the random numbers of the spawner.
+    fn stream(seed: u64) -> Stream {
+        Stream::new(seed, "spawner")
+    }
+
+    /// Returns place, radius (m) and species of the grain with this id. Grains are drawn in the order of their ids.
+    fn draw<V: Space>(&self, random: &Stream, id: u32, quotas: &mut [u32]) -> (V, f64, Species) {
+        let [u, share @ ..] = random.uniform::<4>(u64::from(id));
+        let (radius, species) = self.radius.choose(u, quotas);
+        let half_widths = self.jitter.map_or(V::ZERO, FiniteVector::get);
+        let mut position = self.point.get::<V>();
+        for (axis, share) in share.into_iter().enumerate().take(V::COMPONENTS) {
+            position = position.with_axis(axis, position.axis(axis) + half_widths.axis(axis) * (2.0 * share - 1.0));
+        }
+        (position, radius, species)
+    }
+
+    /// Returns the grains in the order of their release, for programs that release them themselves.
+    #[must_use]
+    pub fn grains<V: Space>(&self, mass: MassLaw, seed: u64, first_id: u32) -> Vec<GrainRow> {
+        let (random, mut quotas) = (Self::stream(seed), self.radius.quotas(self.count));
+        let grain = |number: u32| {
+            let id = GrainId::grain(first_id.checked_add(number)?)?;
+            let (position, radius, species) = self.draw::<V>(&random, id.number(), &mut quotas);
+            let (position, velocity) = (position.spread(), self.velocity.padded());
+            Some(GrainRow { id, radius, mass: mass.of(radius), position, velocity, spin: Solid::ZERO, species })
+        };
+        (0..self.count).map_while(grain).collect()
+    }
+}
+
 /// A grain to be released.
 #[derive(Clone, Copy, Deserialize, Serialize)]
 struct Candidate<V> {
@@ -170,13 +203,7 @@ impl<V: Space> SpawnerState<V> {
     fn candidate(&mut self, periodic: Option<&Periodic<V>>) -> Option<Candidate<V>> {
         if self.next.is_none() {
             let id = GrainId::grain(self.next_id)?;
-            let [u, share @ ..] = self.random.uniform::<4>(u64::from(self.next_id));
-            let (radius, species) = self.config.radius.choose(u, &mut self.quotas);
-            let half_widths = self.config.jitter.map_or(V::ZERO, FiniteVector::get);
-            let mut position = self.config.point.get::<V>();
-            for (axis, share) in share.into_iter().enumerate().take(V::COMPONENTS) {
-                position = position.with_axis(axis, position.axis(axis) + half_widths.axis(axis) * (2.0 * share - 1.0));
-            }
+            let (position, radius, species) = self.config.draw::<V>(&self.random, self.next_id, &mut self.quotas);
             let position = periodic.map_or(position, |periodic| periodic.wrapped(position));
             self.next = Some(Candidate { id, position, radius, species });
         }
@@ -285,7 +312,7 @@ impl<V: Space> Plugin for SpawnerPlugin<V> {
         app.init_resource::<ReleaseDelays>().insert_resource(SpawnerState::<V> {
             config: self.config.clone(),
             mass: self.mass,
-            random: Stream::new(self.seed, "spawner"),
+            random: Spawner::stream(self.seed),
             quotas: self.config.radius.quotas(self.config.count),
             next_id: self.first_id,
             due: 0.0,

@@ -530,7 +530,7 @@ impl Loaded {
     }
 
     /// Radii of all fixed discs and spheres, m.
-    pub(super) fn fixed_radii(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn fixed_radii(&self) -> impl Iterator<Item = f64> {
         let own = self.scene.walls.iter().filter_map(|wall| match wall {
             Wall::Disc { radius, .. } => Some(radius.get()),
             _ => None,

@@ -39,6 +39,7 @@ mod hard;
 #[cfg(unix)]
 mod hostile;
 mod instructions;
+mod lammps;
 mod lattice;
 mod long_runs;
 mod new;

@@ -1,0 +1,209 @@
+//! A scene as an input of LAMMPS: a script and a data file, for runs on many ranks over MPI.
+//!
+//! The reference is LAMMPS of 29 September 2021, the version of Debian; that of 22 July 2025 reads the same script. The files `laws` and `walls`
+//! have the tables of what becomes what, `stages` the course of a run, `outputs` the files that LAMMPS writes.
+//!
+//! Forces of step 0 are equal to round-off. What has no counterpart is refused with its key. What can be written but is not the same is
+//! listed at the head of the script and in [`Export::differences`]. The scheme of LAMMPS is velocity Verlet whatever the scene says.
+
+mod grains;
+mod laws;
+mod outputs;
+mod releases;
+mod stages;
+mod walls;
+
+use std::fmt::Write as _;
+
+use crate::door::{DoorMotion, DoorOpens};
+use crate::fault::Fault;
+use crate::integrate::Integrator;
+use crate::lammps::grains::Particles;
+use crate::scene::TimeStep;
+use crate::scene::load::Loaded;
+use crate::space::Solid;
+
+/// Name of the script.
+pub const SCRIPT: &str = "in.silo";
+/// Name of the data file.
+pub const DATA: &str = "grains.data";
+
+/// A scene as an input of LAMMPS.
+#[derive(Debug)]
+pub struct Export {
+    /// Content of [`SCRIPT`].
+    pub script: String,
+    /// Content of [`DATA`].
+    pub data: String,
+    /// What is not the same in LAMMPS, one sentence each.
+    pub differences: Vec<String>,
+    /// Number of grains, those to be released included.
+    pub grains: usize,
+}
+
+/// Translates a scene.
+///
+/// # Errors
+/// If the scene has a key without a counterpart. The fault names it.
+pub fn export(loaded: &Loaded) -> Result<Export, Fault> {
+    refuse_unmapped(loaded)?;
+    let laws = laws::laws(loaded)?;
+    let walls = walls::walls(loaded, &laws)?;
+    let particles = Particles::of(loaded);
+    let mut differences = differences(loaded, &laws, &walls);
+    let course = stages::course(loaded, &walls, &particles)?;
+    differences.extend(course.differences.iter().cloned());
+    let mut script = head(loaded, &differences);
+    script.push_str(&particles.setup(loaded));
+    let _ = write!(script, "\n# Contact law.\n{}", laws.lines);
+    let _ = write!(script, "\n# Walls.\n{}", walls.lines);
+    script.push_str(&particles.motion(loaded));
+    script.push_str(&outputs::step_zero(loaded));
+    script.push_str(&outputs::series(loaded, &particles, &walls));
+    script.push_str(&course.script);
+    let grains = releases::all_grains(loaded).len();
+    Ok(Export { script, data: particles.data(loaded), differences, grains })
+}
+
+/// A number with all its digits.
+fn number(x: f64) -> String {
+    format!("{x:?}")
+}
+
+/// Three numbers with all their digits.
+fn vector(v: Solid) -> String {
+    v.to_array().map(number).join(" ")
+}
+
+/// The fault of a key without a counterpart.
+fn refused(loaded: &Loaded, key: &str, reason: &str) -> Fault {
+    loaded.fault("lammps::unmapped", key, reason)
+}
+
+/// Refuses keys whose behaviour LAMMPS does not have, or that are not written yet.
+fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
+    let scene = &loaded.scene;
+    let refuse = |key: &str, reason: &str, help: &str| Err(refused(loaded, key, reason).help(help.to_owned()));
+    let start =
+        "run the filling in siloflow, then export with its grains: `--set \"grains=(file: \\\"state.csv\\\")\"`";
+    if !scene.behaviours.is_empty() {
+        return refuse("behaviours", "behaviours of other crates have no counterpart in LAMMPS", "export without them");
+    }
+    if !scene.feed.is_empty() {
+        return refuse(
+            "feed",
+            "`fix pour` of LAMMPS derives its rate from its region, and keeps no order of sizes",
+            start,
+        );
+    }
+    if !scene.motions.is_empty() {
+        return refuse("motions", "motions of walls are not written", "export without them");
+    }
+    if scene.kick.is_some() {
+        return refuse("kick", "kicks that restart the flow are not written", "export without it");
+    }
+    if releases::all_grains(loaded).is_empty() {
+        return refuse("fill", "there are no grains", "give `grains`, `fill` or `spawner`");
+    }
+    for (number, fill) in scene.fill.iter().enumerate() {
+        if fill.fixed && (fill.velocity.is_some() || fill.agitation.is_some()) {
+            let reason = "fixed grains that move are not written";
+            return refuse(&format!("fill[{number}].velocity"), reason, "export fixed grains at rest");
+        }
+    }
+    let controls = scene.door_controls();
+    for (_, key, control) in &controls {
+        if control.how != DoorMotion::Remove && control.opens != DoorOpens::Never {
+            let reason = "doors that slide or move are not written";
+            return refuse(&format!("{key}.how"), reason, "export with a door that vanishes: `how: Remove`");
+        }
+        if matches!(control.opens, DoorOpens::Schedule(_)) {
+            let reason = "doors that open and shut by a schedule are not written";
+            return refuse(&format!("{key}.opens"), reason, "export with `At(...)` or `AtRest`");
+        }
+    }
+    let mut opening = controls.iter().filter(|(_, _, control)| control.opens != DoorOpens::Never);
+    if let (Some((_, _, first)), Some((_, key, _))) =
+        (opening.next(), opening.find(|(_, _, control)| Some(&control.opens) != controls.first().map(|c| &c.2.opens)))
+    {
+        let reason = format!("doors that open at different times are not written: the first opens {:?}", first.opens);
+        return refuse(&format!("{key}.opens"), &reason, "export with doors that open together");
+    }
+    Ok(())
+}
+
+/// What is not the same in LAMMPS.
+fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<String> {
+    let scene = &loaded.scene;
+    let mut list = Vec::new();
+    let mut say = |says: bool, sentence: &str| {
+        if says {
+            list.push(sentence.to_owned());
+        }
+    };
+    say(
+        scene.integrator != Integrator::Verlet,
+        "LAMMPS integrates with velocity Verlet; the scene asks for another scheme, so use a smaller step for the same error",
+    );
+    say(
+        matches!(scene.step, TimeStep::Auto { .. }),
+        "the time step is the automatic one of the scene's scheme, and LAMMPS keeps it fixed",
+    );
+    say(
+        laws.shortens_arm,
+        "`pair granular` lets friction between grains turn them with the arm R - delta/2; siloflow and the walls of LAMMPS take R",
+    );
+    say(
+        !loaded.contacts_at_start.is_empty(),
+        "springs of contacts at the start (grains.contacts) are lost: a data file of LAMMPS has no contact history",
+    );
+    say(
+        laws.has_springs,
+        "in step 0, springs are empty, and LAMMPS gives a contact that slides no friction there; siloflow gives it the cap",
+    );
+    say(
+        laws.has_springs && laws.shortens_arm,
+        "where the plane of a contact turns, `granular` keeps the length of the spring; siloflow keeps its part in the new plane",
+    );
+    say(
+        laws.has_springs && !laws.shortens_arm && walls.may_turn,
+        "where the plane of a contact turns on an edge or a curved wall, LAMMPS keeps the length of the spring; siloflow keeps its part in \
+         the new plane",
+    );
+    say(
+        walls.may_meet,
+        "where an edge of a wall continues in another wall, LAMMPS counts both contacts and siloflow one",
+    );
+    say(walls.has_planes, "LAMMPS does not push back a grain whose centre is behind a plane; siloflow does");
+    say(
+        loaded.has_outlet(),
+        "grains count as out below the level of the door; siloflow counts crossings of the orifice, and losses apart",
+    );
+    say(
+        loaded.scene.spawner.is_some(),
+        "a release waits while a centre is nearer to its place than the sum of the radii, with the largest radius for every grain",
+    );
+    say(true, "grains that leave the box of the data file are removed and count as out");
+    list
+}
+
+/// The comment at the head of the script.
+fn head(loaded: &Loaded, differences: &[String]) -> String {
+    let mut text = format!(
+        "# {} in LAMMPS, written by siloflow {}.\n\
+         # mpirun -np 2 lmp -in {SCRIPT}       fills, waits for rest, opens the door, discharges\n\
+         # lmp -in {SCRIPT} -var forces yes    only writes forces.dump, the forces of step 0, for a comparison\n\
+         # It writes series.csv and summary.json (siloflow plot reads them), wall_forces.csv, frames.dump (OVITO reads it),\n\
+         # restart.1 and restart.2 (with contact springs) and final.data (without them).\n\
+         # LAMMPS 29 Sep 2021 (Debian) is the reference; 22 Jul 2025 reads this script too. SI units.\n",
+        crate::text::for_terminal(&loaded.source.name).lines().next().unwrap_or_default(),
+        env!("CARGO_PKG_VERSION")
+    );
+    if !differences.is_empty() {
+        text.push_str("# Not the same as in siloflow:\n");
+        for sentence in differences {
+            let _ = writeln!(text, "# - {sentence}.");
+        }
+    }
+    text
+}

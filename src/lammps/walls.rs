@@ -1,0 +1,204 @@
+//! Walls in the words of LAMMPS: a region and a `fix wall/gran/region` for each wall of the scene.
+//!
+//! | siloflow | region |
+//! |---|---|
+//! | `HalfPlane` | `plane` |
+//! | `Panel`, `Segment` | `block` of no thickness, `side out`, turned by a constant `rotate` where it is not along the axes |
+//! | `Cylinder`, `Cone` along an axis | `cylinder`, `cone`, open at both ends |
+//! | `Annulus` without a hole along an axis | `cylinder` of no height, `side out` |
+//!
+//! A block of no thickness has the nearest point of the rectangle for every point of space. An open cylinder or cone acts on both of its
+//! sides and at its rims. So distances and normals are those of siloflow (measured: equal to round-off). Unions and intersections are never
+//! written: their forces are documented as wrong at convex edges, such as the lip of an outlet.
+//!
+//! Limits: siloflow drops the contact with an edge that another wall continues; LAMMPS counts both. A grain whose centre is behind a plane
+//! is pushed back by siloflow, and not by LAMMPS. LAMMPS's contact radius of curved walls belongs to one of their sides, so that laws that
+//! depend on it are refused there.
+
+use std::fmt::Write as _;
+
+use crate::contact::Contact;
+use crate::fault::Fault;
+use crate::lammps::laws::Laws;
+use crate::lammps::{number, refused, vector};
+use crate::scene::load::Loaded;
+use crate::space::{Dimension, Solid};
+use crate::values::NonNegative;
+use crate::walls::config::Wall;
+
+/// The walls of a scene.
+#[derive(Debug, Default)]
+pub(super) struct Walls {
+    /// Regions and fixes.
+    pub lines: String,
+    /// The fixes of each wall, with its number from 1 as in `walls.csv`.
+    pub fixes: Vec<(usize, Vec<String>)>,
+    /// The fixes of each door, by its number.
+    pub doors: Vec<(u16, Vec<String>)>,
+    /// Whether a wall is a half-plane.
+    pub has_planes: bool,
+    /// Whether walls with edges are more than one.
+    pub may_meet: bool,
+    /// Whether the normal of a contact may turn: on an edge or a curved wall.
+    pub may_turn: bool,
+}
+
+/// Translates the wall surfaces of a scene.
+///
+/// # Errors
+/// If a wall has no counterpart.
+pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
+    let mut walls = Walls::default();
+    let surfaces = loaded.scene.walls.iter().enumerate().filter(|(_, wall)| wall.is_surface());
+    let mut with_edges = 0;
+    for (number, (index, wall)) in (1..).zip(surfaces) {
+        let key = format!("walls[{index}]");
+        check(loaded, wall, &key)?;
+        let region = region(loaded, wall, &key, number)?;
+        walls.lines.push_str(&region);
+        let mut fixes = Vec::new();
+        for grain in 0..laws.species() {
+            let one = laws.species() == 1;
+            let name = if one { format!("wall_{number}") } else { format!("wall_{number}_{}", grain + 1) };
+            let group = if one { "grains".to_owned() } else { format!("species_{}", grain + 1) };
+            let law = laws.wall(grain, wall.species());
+            let _ = writeln!(walls.lines, "fix {name} {group} wall/gran/region {law} region shape_{number} contacts");
+            fixes.push(name);
+        }
+        if let Some(door) = loaded.scene.door_of(wall) {
+            match walls.doors.iter_mut().find(|(number, _)| *number == door) {
+                Some((_, own)) => own.extend(fixes.iter().cloned()),
+                None => walls.doors.push((door, fixes.clone())),
+            }
+        }
+        walls.fixes.push((number, fixes));
+        let is_plane = matches!(wall, Wall::HalfPlane { .. });
+        walls.has_planes |= is_plane;
+        with_edges += usize::from(!is_plane);
+    }
+    walls.may_meet = with_edges > 1;
+    walls.may_turn = with_edges > 0;
+    Ok(walls)
+}
+
+fn check(loaded: &Loaded, wall: &Wall, key: &str) -> Result<(), Fault> {
+    let (message, help) = match wall {
+        Wall::Polygon { .. } | Wall::Mesh { .. } => {
+            ("walls of triangles need LAMMPS of July 2026 or later, and are not written", "build the wall from panels")
+        }
+        Wall::Annulus { inner: Some(inner), .. } if inner.get() > 0.0 => {
+            ("LAMMPS has no region for a flat ring", "use panels, or a cone with a slope")
+        }
+        _ if wall.moves_in_place() => {
+            ("walls that move in their place are not written", "export without its velocity or spin")
+        }
+        Wall::Cylinder { .. } | Wall::Cone { .. } if depends_on_curvature(loaded) => (
+            "LAMMPS takes the radius of a curved wall for one side, and Hertz's law and rolling resistance depend on it",
+            "export with a `Linear` law without `rolling`, or use panels",
+        ),
+        _ => return Ok(()),
+    };
+    Err(refused(loaded, key, message).help(help))
+}
+
+fn depends_on_curvature(loaded: &Loaded) -> bool {
+    matches!(loaded.scene.contact, Contact::Hertz { .. } | Contact::Linear { rolling: Some(_), .. })
+}
+
+/// The region command of a wall, with the variable that it needs.
+fn region(loaded: &Loaded, wall: &Wall, key: &str, place: usize) -> Result<String, Fault> {
+    let name = format!("region shape_{place}");
+    Ok(match wall {
+        Wall::HalfPlane { point, normal, .. } => {
+            let normal = normal.padded() / normal.padded().length();
+            format!("{name} plane {} {}\n", vector(point.padded()), vector(normal))
+        }
+        Wall::Panel { corner, along, across, .. } => {
+            rectangle(&name, place, corner.padded(), [along.padded(), across.padded()])
+        }
+        Wall::Segment { from, to, .. } => {
+            let (from, along) = (from.padded(), to.padded() - from.padded());
+            match loaded.scene.space {
+                Dimension::Plane => band(&name, place, from, along),
+                Dimension::Solid => rectangle(&name, place, from, [along, Solid::ZERO]),
+            }
+        }
+        Wall::Cylinder { from, to, radius, .. } => {
+            revolved(loaded, &name, key, [from.padded(), to.padded()], [radius.get(); 2])?
+        }
+        Wall::Cone { from, to, radii, .. } => {
+            revolved(loaded, &name, key, [from.padded(), to.padded()], <[NonNegative; 2]>::from(*radii).map(f64::from))?
+        }
+        Wall::Annulus { centre, normal, outer, .. } => {
+            let (axis, [a, b]) = axis_of(loaded, key, normal.padded())?;
+            let centre = centre.padded();
+            let [a, b, radius, at] =
+                [centre[a], centre[b], outer.get(), centre["xyz".find(axis).unwrap_or(2)]].map(number);
+            format!("{name} cylinder {axis} {a} {b} {radius} {at} {at} side out\n")
+        }
+        Wall::Polygon { .. } | Wall::Mesh { .. } | Wall::Disc { .. } => String::new(),
+    })
+}
+
+/// A segment of the plane: a band of no thickness that reaches above and below the plane.
+fn band(name: &str, place: usize, from: Solid, along: Solid) -> String {
+    let depth = Solid::Z * along.length();
+    if along.x == 0.0 || along.y == 0.0 {
+        return rectangle(name, place, from - depth, [along, 2.0 * depth]);
+    }
+    let block = sides(from - depth, from + Solid::X * along.length() + depth);
+    let (angle, from) = (number(along.y.atan2(along.x)), vector(from));
+    format!("variable turn_{place} equal {angle}\n{name} block {block} side out rotate v_turn_{place} {from} 0 0 1\n")
+}
+
+/// A block of no thickness from a corner and two edges at right angles, of which the second may be zero.
+fn rectangle(name: &str, place: usize, corner: Solid, edges: [Solid; 2]) -> String {
+    let along_axis = |edge: Solid| edge.to_array().iter().filter(|part| **part != 0.0).count() <= 1;
+    if edges.into_iter().all(along_axis) {
+        let (low, high) = (corner.min(corner + edges[0]), corner.max(corner + edges[0]));
+        let (low, high) = (low.min(low + edges[1]), high.max(high + edges[1]));
+        return format!("{name} block {} side out\n", sides(low, high));
+    }
+    let first = edges[0] / edges[0].length();
+    let second = if edges[1] == Solid::ZERO { first.any_orthonormal_vector() } else { edges[1] / edges[1].length() };
+    let turn = glam::DQuat::from_mat3(&glam::DMat3::from_cols(first, second, first.cross(second))).normalize();
+    let (axis, angle) = turn.to_axis_angle();
+    let size = Solid::new(edges[0].length(), edges[1].length(), 0.0);
+    format!(
+        "variable turn_{place} equal {}\n{name} block {} side out rotate v_turn_{place} {} {}\n",
+        number(angle),
+        sides(corner, corner + size),
+        vector(corner),
+        vector(axis)
+    )
+}
+
+fn sides(low: Solid, high: Solid) -> String {
+    (0..3).map(|axis| format!("{} {}", number(low[axis]), number(high[axis]))).collect::<Vec<_>>().join(" ")
+}
+
+/// The axis that a direction is along, and the numbers of the two others in LAMMPS's order.
+fn axis_of(loaded: &Loaded, key: &str, direction: Solid) -> Result<(char, [usize; 2]), Fault> {
+    match direction.to_array().map(|part| part != 0.0) {
+        [true, false, false] => Ok(('x', [1, 2])),
+        [false, true, false] => Ok(('y', [0, 2])),
+        [false, false, true] => Ok(('z', [0, 1])),
+        _ => Err(refused(loaded, key, "round regions of LAMMPS are along x, y or z, and this axis is not")
+            .help("turn the scene so that the axis is along x, y or z")),
+    }
+}
+
+fn revolved(loaded: &Loaded, name: &str, key: &str, ends: [Solid; 2], radii: [f64; 2]) -> Result<String, Fault> {
+    let [from, to] = ends;
+    let (axis, [a, b]) = axis_of(loaded, key, to - from)?;
+    let along = "xyz".find(axis).unwrap_or(2);
+    let upwards = from[along] < to[along];
+    let (low, high, radii) = if upwards { (from, to, radii) } else { (to, from, [radii[1], radii[0]]) };
+    let [a, b, low, high] = [from[a], from[b], low[along], high[along]].map(number);
+    let [r_low, r_high] = radii.map(number);
+    Ok(if radii[0].to_bits() == radii[1].to_bits() {
+        format!("{name} cylinder {axis} {a} {b} {r_low} {low} {high} open 1 open 2\n")
+    } else {
+        format!("{name} cone {axis} {a} {b} {r_low} {r_high} {low} {high} open 1 open 2\n")
+    })
+}
