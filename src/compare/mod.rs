@@ -6,6 +6,8 @@
 //! * the [field] of vertical velocity by its mean downward speed;
 //! * the [discharge] by the time until half of the grains are out.
 //!
+//! A run of LAMMPS has no field, so its discharge alone is compared.
+//!
 //! After scaling, only the patterns differ. The cost of a run is the wall-clock time of its steps. Two runs of one
 //! scene with different seeds show the differences that are due to chance alone.
 
@@ -17,7 +19,7 @@ pub mod report;
 
 use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
-use crate::compare::report::{Report, Row};
+use crate::compare::report::{FieldFigures, Report, Row};
 use crate::fault::Fault;
 use crate::space::Vector;
 use crate::walls::silo_file::Disc;
@@ -27,8 +29,8 @@ use crate::walls::silo_file::Disc;
 pub struct Run {
     /// Name in tables and pictures.
     pub name: String,
-    /// Mean velocities in cells.
-    pub field: Field,
+    /// Mean velocities in cells; `None` for a run of LAMMPS, which writes none.
+    pub field: Option<Field>,
     /// Fraction of the grains that are out, as a function of the time since the door opened.
     pub discharge: Curve,
     /// Unit of time, `s` or `step`.
@@ -63,25 +65,30 @@ fn no_discharge(run: &Run) -> Fault {
 }
 
 fn row(reference: &Run, run: &Run, looks: f64, unit_share: f64) -> Result<Row, Fault> {
-    let fields = run.field.against(&reference.field, looks).map_err(|trouble| {
-        let (one, other) = (&run.name, &reference.name);
-        Fault::new("compare::field", format!("{one} and {other}: {trouble}")).help(
-            "give the scenes the same `flow.cell`, silos in the same place and a window in which they flow; or lower \
+    let fields = run.field.as_ref().zip(reference.field.as_ref()).map(|(field, reference_field)| {
+        field.against(reference_field, looks).map_err(|trouble| {
+            let (one, other) = (&run.name, &reference.name);
+            Fault::new("compare::field", format!("{one} and {other}: {trouble}")).help(
+                "give the scenes the same `flow.cell`, silos in the same place and a window in which they flow; or lower \
                  --looks",
-        )
-    })?;
+            )
+        })
+    });
+    let fields = fields.transpose()?;
     let unit =
         |run: &Run| run.discharge.time_of(unit_share).filter(|&time| time > 0.0).ok_or_else(|| no_discharge(run));
     let (unit_time, reference_unit) = (unit(run)?, unit(reference)?);
     let discharge = run.discharge.in_units(unit_time).largest_difference(&reference.discharge.in_units(reference_unit));
     Ok(Row {
         run: run.name.clone(),
-        field_rms: fields.rms,
-        field_correlation: fields.correlation,
-        common_cells: fields.common,
-        only_reference: fields.only_reference,
-        only_run: fields.only_run,
-        mean_speed: fields.mean_run,
+        field: fields.map(|fields| FieldFigures {
+            field_rms: fields.rms,
+            field_correlation: fields.correlation,
+            common_cells: fields.common,
+            only_reference: fields.only_reference,
+            only_run: fields.only_run,
+            mean_speed: fields.mean_run,
+        }),
         discharge_difference: discharge,
         unit_time,
         time_unit: run.time_unit,
@@ -107,7 +114,7 @@ pub(crate) mod tests {
         let times = (0..200u8).map(|n| 0.05 * f64::from(n) * time);
         Run {
             name: name.to_owned(),
-            field: Field::new(&field.means()).unwrap(),
+            field: Field::new(&field.means()),
             discharge: Curve::new(times.map(|t| (t, 1.0 - (-t / time).exp()))),
             time_unit: "s",
             wall_s: time,
@@ -125,11 +132,26 @@ pub(crate) mod tests {
         assert_eq!((report.rows.len(), report.unit_share), (3, 0.5));
         for row in &report.rows {
             // Scaling by powers of two rounds only in the argument of the exponential.
-            assert!(row.field_rms < 1e-15 && row.discharge_difference < 1e-15, "{row:?}");
-            assert!((row.field_correlation.unwrap() - 1.0).abs() < 1e-15, "{row:?}");
+            let field = row.field.as_ref().unwrap();
+            assert!(field.field_rms < 1e-15 && row.discharge_difference < 1e-15, "{row:?}");
+            assert!((field.field_correlation.unwrap() - 1.0).abs() < 1e-15, "{row:?}");
         }
         assert_eq!(report.rows[2].wall_ratio, 0.125);
-        assert!((report.rows[2].mean_speed / report.rows[0].mean_speed - 8.0).abs() < 1e-14);
+        let [slow, fast] = [0, 2].map(|row: usize| report.rows[row].field.as_ref().unwrap().mean_speed);
+        assert!((fast / slow - 8.0).abs() < 1e-14);
+    }
+
+    #[test]
+    fn a_run_without_a_field_is_compared_by_its_discharge() {
+        let reference = run("reference", 2.0, |x, _| 1.0 + x);
+        let other = Run { field: None, ..run("other", 1.0, |_, _| 1.0) };
+        for (first, second) in [(&reference, &other), (&other, &reference)] {
+            let report = compare(first, std::slice::from_ref(second), 1.0).unwrap();
+            assert_eq!(report.rows[0].field.is_some(), first.field.is_some());
+            let row = &report.rows[1];
+            assert!(row.field.is_none() && row.discharge_difference < 1e-15, "{row:?}");
+            assert_eq!(row.wall_ratio, second.wall_s / first.wall_s);
+        }
     }
 
     #[test]

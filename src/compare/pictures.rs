@@ -1,32 +1,50 @@
 //! The pictures of a comparison: fields side by side, discharge curves, disagreement against cost.
 
 use crate::compare::Run;
-use crate::compare::field::Cell;
-use crate::compare::report::{Report, Row};
+use crate::compare::field::{Cell, Field};
+use crate::compare::report::{FieldFigures, Report, Row};
 use crate::space::Vector;
 use crate::writers::colour::{WALL, viridis};
 use crate::writers::plot::{Axis, Curve, colour, figure};
 use crate::writers::svg::{Legend, Picture};
 
-/// Returns the pictures of a comparison as pairs of name and SVG document.
+/// Returns the pictures of a comparison as pairs of name and SVG document. Fields and cost are drawn for the runs with a field.
 #[must_use]
-pub fn all(runs: &[Run], report: &Report) -> [(&'static str, String); 3] {
-    [("fields", fields(runs, report)), ("discharge", discharge(runs, report)), ("cost", cost(report))]
+pub fn all(runs: &[Run], report: &Report) -> Vec<(&'static str, String)> {
+    let panels: Vec<_> = runs.iter().zip(&report.rows).filter_map(|(run, row)| Panel::of(run, row)).collect();
+    let mut pictures = vec![("discharge", discharge(runs, report))];
+    if let Some(fields) = fields(&panels, report.looks) {
+        pictures.extend([("fields", fields), ("cost", cost(report))]);
+    }
+    pictures
+}
+
+/// A run with a field, and its comparison.
+struct Panel<'a> {
+    run: &'a Run,
+    field: &'a Field,
+    figures: &'a FieldFigures,
+}
+
+impl<'a> Panel<'a> {
+    fn of(run: &'a Run, row: &'a Row) -> Option<Self> {
+        Some(Self { run, field: run.field.as_ref()?, figures: row.field.as_ref()? })
+    }
 }
 
 /// Width of a run's panel, px.
 const PANEL: f64 = 320.0;
 
-/// Draws the vertical velocity over its mean for every run, with equal length scale and equal colour scale.
-fn fields(runs: &[Run], report: &Report) -> String {
-    let side = runs.first().map_or(1.0, |run| run.field.side);
+/// Draws the vertical velocity over its mean for every run, with equal length scale and equal colour scale; `None` without a run.
+fn fields(panels: &[Panel], looks: f64) -> Option<String> {
+    let side = panels.first()?.field.side;
     let corner = |[row, column]: [i64; 2]| side * Vector::new(to_f64(column), to_f64(row));
-    let (low, high) = bounds(runs, report.looks, side);
+    let (low, high) = bounds(panels, looks, side);
     let step = Vector::new(1.15 * (high.x - low.x), 0.0);
-    let all = f64::from(u32::try_from(runs.len()).unwrap_or(1)) * step;
+    let all = f64::from(u32::try_from(panels.len()).unwrap_or(1)) * step;
     // The names above have a size in proportion to the total width.
     let (margin, above) = (0.07 * (high.x - low.x), Vector::new(0.0, 0.08 * all.x));
-    let top = top(runs, report);
+    let top = top(panels, looks);
     let mut picture = Picture {
         low: low - Vector::splat(margin),
         high: Vector::new(low.x - margin + all.x, high.y) + above,
@@ -39,28 +57,28 @@ fn fields(runs: &[Run], report: &Report) -> String {
     let mut offset = Vector::ZERO;
     // Names alternate between two heights, because they may be wider than their panels.
     let rows = [0.2, 0.65].into_iter().cycle();
-    for ((run, row), height) in runs.iter().zip(&report.rows).zip(rows) {
+    for (Panel { run, field, figures }, height) in panels.iter().zip(rows) {
         let square = |(key, cell): ([i64; 2], Cell)| {
             let low = corner(key) + offset;
-            (viridis(cell.down / row.mean_speed / top), vec![(low, low + Vector::splat(side))])
+            (viridis(cell.down / figures.mean_speed / top), vec![(low, low + Vector::splat(side))])
         };
-        picture.cells.extend(run.field.seen(report.looks).map(square));
+        picture.cells.extend(field.seen(looks).map(square));
         picture.lines.extend(run.lines.iter().map(|&(from, to)| (from + offset, to + offset, WALL)));
         picture.discs.extend(run.walls.iter().map(|disc| (disc.centre + offset, disc.radius, WALL)));
         let name = Vector::new(0.5 * (low.x + high.x), high.y) + height * above + offset;
         picture.labels.push((name, run.name.clone()));
         offset += step;
     }
-    picture.to_svg()
+    Some(picture.to_svg())
 }
 
 /// Returns the lower left and upper right corner of the box around all cells and wall grains, m.
-fn bounds(runs: &[Run], looks: f64, side: f64) -> (Vector, Vector) {
-    let cells = runs.iter().flat_map(|run| run.field.seen(looks)).map(|([row, column], _)| {
+fn bounds(panels: &[Panel], looks: f64, side: f64) -> (Vector, Vector) {
+    let cells = panels.iter().flat_map(|panel| panel.field.seen(looks)).map(|([row, column], _)| {
         let corner = side * Vector::new(to_f64(column), to_f64(row));
         (corner, corner + Vector::splat(side))
     });
-    let discs = runs.iter().flat_map(|run| &run.walls);
+    let discs = panels.iter().flat_map(|panel| &panel.run.walls);
     let discs = discs.map(|disc| (disc.centre - Vector::splat(disc.radius), disc.centre + Vector::splat(disc.radius)));
     cells.chain(discs).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1))).unwrap_or((Vector::ZERO, Vector::ONE))
 }
@@ -72,9 +90,9 @@ fn to_f64(number: i64) -> f64 {
 
 /// Returns the upper end of the colour scale: a round number above the relative speed of 95 % of the reference's
 /// grains.
-fn top(runs: &[Run], report: &Report) -> f64 {
-    let Some((run, row)) = runs.iter().zip(&report.rows).next() else { return 1.0 };
-    let mut cells: Vec<_> = run.field.seen(report.looks).map(|(_, cell)| (cell.down, cell.count)).collect();
+fn top(panels: &[Panel], looks: f64) -> f64 {
+    let Some(Panel { field, figures, .. }) = panels.first() else { return 1.0 };
+    let mut cells: Vec<_> = field.seen(looks).map(|(_, cell)| (cell.down, cell.count)).collect();
     cells.sort_by(|a, b| a.0.total_cmp(&b.0));
     let all: f64 = cells.iter().map(|cell| cell.1).sum();
     let mut below = 0.0;
@@ -82,7 +100,7 @@ fn top(runs: &[Run], report: &Report) -> f64 {
         below += cell.1;
         below >= 0.95 * all
     });
-    let most = most.map_or(1.0, |cell| cell.0 / row.mean_speed).max(1e-9);
+    let most = most.map_or(1.0, |cell| cell.0 / figures.mean_speed).max(1e-9);
     let power = 10f64.powf(most.log10().floor());
     [1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0].into_iter().map(|m| m * power).find(|&end| end >= most).unwrap_or(10.0 * power)
 }
@@ -110,17 +128,22 @@ fn discharge(runs: &[Run], report: &Report) -> String {
 const LEAST: f64 = 1e-6;
 
 fn cost(report: &Report) -> String {
-    let others = || report.rows.iter().enumerate().skip(1);
-    let point = |row: &Row| (row.wall_s.max(LEAST), row.field_rms.max(LEAST));
-    let curves = others().map(|(number, row)| Curve {
+    // The colour of a run is that of its discharge curve.
+    let others = || {
+        let rows = report.rows.iter().enumerate().skip(1);
+        rows.filter_map(|(number, row)| Some((number, row, row.field.as_ref()?.field_rms)))
+    };
+    let point = |row: &Row, rms: f64| (row.wall_s.max(LEAST), rms.max(LEAST));
+    let curves = others().map(|(number, row, rms)| Curve {
         name: row.run.clone(),
         colour: colour(number),
-        points: vec![point(row)],
+        points: vec![point(row, rms)],
         has_dots: true,
         ..Curve::default()
     });
-    let x = Axis::logarithmic("cost: wall-clock time of the steps, s", others().map(|(_, row)| point(row).0));
-    let y = Axis::logarithmic("disagreement of the field, mean speeds", others().map(|(_, row)| point(row).1));
+    let x = Axis::logarithmic("cost: wall-clock time of the steps, s", others().map(|(_, row, rms)| point(row, rms).0));
+    let y =
+        Axis::logarithmic("disagreement of the field, mean speeds", others().map(|(_, row, rms)| point(row, rms).1));
     let reference = report.rows.first();
     let title = reference.map_or_else(String::new, |row| format!("Against {}, {:.1} s", row.run, row.wall_s));
     figure(&[(&title, x, y, curves.collect())])
@@ -145,9 +168,24 @@ mod tests {
             assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}: {svg}");
         }
         // There are 16 cells per run. Each run except the reference has a dot and a dot in the legend.
-        let [(_, fields), _, (_, cost)] = all(&runs, &report);
+        let pictures = all(&runs, &report);
+        let [_, (_, fields), (_, cost)] = &pictures[..] else { panic!("{} pictures", pictures.len()) };
         assert_eq!(fields.matches('Z').count(), 16 * 3);
         assert_eq!(cost.matches("<circle").count(), 4);
+    }
+
+    #[test]
+    fn runs_without_a_field_are_in_the_discharge_alone() {
+        let without = |name: &str| Run { field: None, ..run(name, 1.0, |_, _| 1.0) };
+        let mixed = [run("first", 1.0, |x, _| 1.0 + x), without("second")];
+        let report = compare(&mixed[0], &mixed[1..], 1.0).unwrap();
+        let names = |pictures: &[(&'static str, String)], text: &str| {
+            pictures.iter().filter(|(_, svg)| svg.contains(text)).map(|(name, _)| *name).collect::<Vec<_>>()
+        };
+        assert_eq!(names(&all(&mixed, &report), "second"), ["discharge"]);
+        let neither = [without("first"), without("second")];
+        let report = compare(&neither[0], &neither[1..], 1.0).unwrap();
+        assert_eq!(names(&all(&neither, &report), "<svg"), ["discharge"]);
     }
 
     #[test]
@@ -155,6 +193,7 @@ mod tests {
         let runs = [run("a", 1.0, |x, _| if x < 0.5 { 1.0 } else { 3.0 })];
         let report = compare(&runs[0], &[], 1.0).unwrap();
         // The mean is 2.5, so the largest relative speed is 3/2.5 = 1.2.
-        assert!((top(&runs, &report) - 1.5).abs() < 1e-15);
+        let panels = [Panel::of(&runs[0], &report.rows[0]).unwrap()];
+        assert!((top(&panels, 1.0) - 1.5).abs() < 1e-15);
     }
 }

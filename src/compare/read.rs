@@ -4,7 +4,8 @@
 //!   opened, `door_open_time_s` (s) or `door_open_step`. If the latter is `null` or absent, the silo was open from the
 //!   start.
 //! * `series.csv`: `out` as a function of `time_s` or `step`.
-//! * `flow.csv`: `x_m`, `y_m`, `samples`, `count`, and `vx`, `vy` in `_m_per_s` or `_m_per_step`.
+//! * `flow.csv`: `x_m`, `y_m`, `samples`, `count`, and `vx`, `vy` in `_m_per_s` or `_m_per_step`. LAMMPS writes none
+//!   ([`crate::lammps`]).
 //! * `scene.ron`: wall grains, for pictures; optional.
 
 use std::path::Path;
@@ -52,11 +53,12 @@ pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
     };
     let opened = number(&["door_open_time_s"]).or(number(&["door_open_step"])).unwrap_or(0.0);
     let released = number(&["grains", "released"]).or(number(&["particles", "entered"]));
+    let has_field = summary.get("program").is_none_or(|program| program != "LAMMPS");
     // If the scene cannot be read, pictures show no walls.
     let (walls, lines) = load::any(&directory.join("scene.ron"), &[]).map(|scene| outlines(&scene)).unwrap_or_default();
     Ok(Run {
         name: name.to_owned(),
-        field: field(&directory.join("flow.csv"))?,
+        field: has_field.then(|| field(&directory.join("flow.csv"))).transpose()?,
         discharge: Curve::of_rows(&rows, needed(released, "grains.released or particles.entered")?, opened),
         time_unit,
         wall_s: needed(number(&["performance", "wall_s"]), "performance.wall_s")?,
@@ -128,8 +130,17 @@ mod tests {
         let run = run(directory(&[SUMMARY, SERIES, FLOW]).path(), "lattice").unwrap();
         assert_eq!((run.time_unit, run.wall_s), ("step", 0.5));
         assert_eq!(run.discharge.points(), [(0.0, 0.0), (2.0, 0.5), (4.0, 1.0)]);
-        let cells: Vec<_> = run.field.seen(0.0).map(|(key, cell)| (key, cell.looks, cell.down)).collect();
+        let cells: Vec<_> = run.field.unwrap().seen(0.0).map(|(key, cell)| (key, cell.looks, cell.down)).collect();
         assert_eq!(cells, [([0, 0], 25.0, 0.5), ([0, 1], 10.0, 1.0)]);
+    }
+
+    #[test]
+    fn a_run_of_lammps_has_no_field() {
+        let summary = r#"{"program": "LAMMPS", "grains": {"released": 8}, "door_open_time_s": 2, "performance": {"wall_s": 0.5}}"#;
+        let series = ("series.csv", "time_s,out\n0,0\n2,0\n4,4\n6,8\n");
+        let run = run(directory(&[("summary.json", summary), series]).path(), "lammps").unwrap();
+        assert!(run.field.is_none() && run.time_unit == "s");
+        assert_eq!(run.discharge.points(), [(0.0, 0.0), (2.0, 0.5), (4.0, 1.0)]);
     }
 
     #[test]

@@ -11,6 +11,8 @@
 //! | `unit_time` | `time_unit` | time from the opening until half (or the largest fraction of all runs) is out |
 //! | `time_unit` | | `s` or `step` |
 //! | `wall_s`, `wall_ratio` | s | wall-clock time of the steps, and its ratio to the reference's time |
+//!
+//! The columns of the field, from `field_rms` to `mean_speed`, are empty where this run or the reference has none.
 
 use std::fmt::Write as _;
 
@@ -21,6 +23,24 @@ use serde::Serialize;
 pub struct Row {
     /// Name of the run.
     pub run: String,
+    /// Comparison of the fields; `None` where this run or the reference has none.
+    #[serde(flatten)]
+    pub field: Option<FieldFigures>,
+    /// Largest difference of the fractions that are out.
+    pub discharge_difference: f64,
+    /// Unit of time of the discharge, s or steps.
+    pub unit_time: f64,
+    /// `s` or `step`.
+    pub time_unit: &'static str,
+    /// Wall-clock time of the steps, s.
+    pub wall_s: f64,
+    /// Wall-clock time over the reference's wall-clock time.
+    pub wall_ratio: f64,
+}
+
+/// Comparison of the field of one run with that of the reference.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FieldFigures {
     /// Rms difference of the patterns of velocity, in mean downward speeds.
     pub field_rms: f64,
     /// Correlation of the fields; `None` if one of them is uniform.
@@ -33,16 +53,6 @@ pub struct Row {
     pub only_run: usize,
     /// Mean downward speed over the common cells, m/s or m/step.
     pub mean_speed: f64,
-    /// Largest difference of the fractions that are out.
-    pub discharge_difference: f64,
-    /// Unit of time of the discharge, s or steps.
-    pub unit_time: f64,
-    /// `s` or `step`.
-    pub time_unit: &'static str,
-    /// Wall-clock time of the steps, s.
-    pub wall_s: f64,
-    /// Wall-clock time over the reference's wall-clock time.
-    pub wall_ratio: f64,
 }
 
 /// Results of a comparison.
@@ -69,21 +79,21 @@ impl Report {
             } else {
                 row.run.clone()
             };
-            let correlation = row.field_correlation.map_or_else(String::new, |r| format!("{r:.6}"));
+            let field = row.field.as_ref().map_or_else(
+                || ",".repeat(5),
+                |field| {
+                    let correlation = field.field_correlation.map_or_else(String::new, |r| format!("{r:.6}"));
+                    format!(
+                        "{:.6},{correlation},{},{},{},{:e}",
+                        field.field_rms, field.common_cells, field.only_reference, field.only_run, field.mean_speed
+                    )
+                },
+            );
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "{name},{:.6},{correlation},{},{},{},{:e},{:.6},{:e},{},{:.3},{:.6}",
-                row.field_rms,
-                row.common_cells,
-                row.only_reference,
-                row.only_run,
-                row.mean_speed,
-                row.discharge_difference,
-                row.unit_time,
-                row.time_unit,
-                row.wall_s,
-                row.wall_ratio
+                "{name},{field},{:.6},{:e},{},{:.3},{:.6}",
+                row.discharge_difference, row.unit_time, row.time_unit, row.wall_s, row.wall_ratio
             );
         }
         text
@@ -110,14 +120,15 @@ impl Report {
             .map(str::to_owned),
         ];
         lines.extend(self.rows.iter().map(|row| {
+            let figure = |of: &dyn Fn(&FieldFigures) -> String| row.field.as_ref().map_or_else(|| "-".to_owned(), of);
             [
                 row.run.clone(),
-                format!("{:.4}", row.field_rms),
-                row.field_correlation.map_or_else(|| "-".to_owned(), |r| format!("{r:.4}")),
-                row.common_cells.to_string(),
-                row.only_reference.to_string(),
-                row.only_run.to_string(),
-                format!("{:.4} m/{}", row.mean_speed, row.time_unit),
+                figure(&|field| format!("{:.4}", field.field_rms)),
+                figure(&|field| field.field_correlation.map_or_else(|| "-".to_owned(), |r| format!("{r:.4}"))),
+                figure(&|field| field.common_cells.to_string()),
+                figure(&|field| field.only_reference.to_string()),
+                figure(&|field| field.only_run.to_string()),
+                figure(&|field| format!("{:.4} m/{}", field.mean_speed, row.time_unit)),
                 format!("{:.4}", row.discharge_difference),
                 format!("{:.2} {}", row.unit_time, row.time_unit),
                 format!("{:.2} s", row.wall_s),
@@ -140,17 +151,21 @@ impl Report {
 
 #[cfg(test)]
 mod tests {
-    use crate::compare::{compare, tests::run};
+    use crate::compare::{Run, compare, tests::run};
 
     #[test]
     fn csv_and_table_have_a_line_per_run() {
         let reference = run("a", 1.0, |x, _| 1.0 + x);
-        let report = compare(&reference, &[run("b, c", 2.0, |_, y| 1.0 + y)], 1.0).unwrap();
+        let without = Run { field: None, ..run("d", 2.0, |_, _| 1.0) };
+        let report = compare(&reference, &[run("b, c", 2.0, |_, y| 1.0 + y), without], 1.0).unwrap();
         let csv = report.csv();
         assert!(csv.lines().nth(1).unwrap().starts_with("a,0.000000,1.000000,16,0,0,"), "{csv}");
         assert!(csv.lines().nth(2).unwrap().starts_with("\"b, c\","), "{csv}");
+        assert!(csv.lines().nth(3).unwrap().starts_with("d,,,,,,,"), "{csv}");
+        let columns: Vec<_> = csv.lines().skip(1).map(|line| line.replace("b, c", "b").split(',').count()).collect();
+        assert_eq!(columns, [12; 3]);
         let table = report.table();
-        assert_eq!(table.lines().count(), 3);
+        assert_eq!(table.lines().count(), 4);
         assert!(table.contains("50 % out after") && table.contains("m/s"), "{table}");
     }
 }

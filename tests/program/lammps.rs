@@ -508,6 +508,9 @@ fn silos_fill_come_to_rest_and_discharge_in_lammps_and_their_figures_are_drawn()
             assert!(here.path().join(name).join(file).metadata().unwrap().len() > 100, "{file}");
         }
     }
+    let output = siloflow(here.path(), &["compare", "flat", "wedge", "--out", "compared", "--quiet"]);
+    let table = fs::read_to_string(here.path().join("compared/compare.csv")).unwrap_or_default();
+    assert!(output.status.success() && table.lines().count() == 3, "{table} {}", text(&output.stderr));
     let output = siloflow(here.path(), &["plot", "flat", "wedge", "--out", "plots", "--quiet"]);
     assert!(output.status.success() && here.path().join("plots").is_dir(), "{}", text(&output.stderr));
 }
