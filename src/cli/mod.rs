@@ -24,7 +24,6 @@ mod shell;
 mod signals;
 mod study;
 mod sweep;
-mod sweep_runs;
 
 use std::ffi::OsString;
 use std::io::IsTerminal as _;

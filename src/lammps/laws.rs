@@ -13,11 +13,13 @@
 //! | attraction `Forbidden` | `limit_damping` |
 //!
 //! In LAMMPS, c_t is a share of the normal c, and a(e) is the polynomial of Tsuji, Tanaka and Ishida (Powder Technology 71, 239, 1992).
-//! It is inverted here, so that c is equal to round-off for every pair of masses. `mindlin_rescale/force` treats a changing stiffness as
+//! The file `laws/tsuji.rs` inverts it, so that c is equal to round-off for every pair of masses. `mindlin_rescale/force` treats a changing stiffness as
 //! [`Mindlin`](crate::contact::hertz::Mindlin) does: a stiffening spring keeps its force, a softening one its displacement.
 //!
 //! Limits: `pair granular` lets friction turn two grains with the arm R - delta/2 and computes the sliding velocity with R; the classic
 //! styles and walls use R in both places. Source: LAMMPS 29 Sep 2021 and 22 Jul 2025, measured.
+
+mod tsuji;
 
 use std::fmt::Write as _;
 
@@ -27,6 +29,7 @@ use crate::contact::hertz::Material;
 use crate::contact::rolling::{RollingDamping, RollingResistance};
 use crate::contact::tangential::{Lever, TangentialDamping};
 use crate::fault::Fault;
+use crate::lammps::laws::tsuji::tsuji;
 use crate::lammps::releases::all_grains;
 use crate::lammps::{number, refused};
 use crate::scene::load::Loaded;
@@ -304,46 +307,4 @@ fn rolling_words(
     };
     let [k, drag, friction] = [rolling.k.get(), drag, rolling.friction.get()].map(number);
     Ok(format!(" rolling sds {k} {drag} {friction}"))
-}
-
-/// Coefficient and name of the damping model with c = `factor` sqrt(k m_eff).
-fn tsuji(factor: f64) -> Option<(f64, &'static str)> {
-    if factor <= 0.0 {
-        return Some((0.0, "velocity"));
-    }
-    // The polynomial falls from 1.2728 at 0 through zero between 1 and 1.001.
-    let (mut low, mut high) = (0.0, 1.001);
-    if tsuji_polynomial(low) < factor {
-        return None;
-    }
-    for _ in 0..200 {
-        let middle = 0.5 * (low + high);
-        if tsuji_polynomial(middle) > factor { low = middle } else { high = middle }
-    }
-    Some((0.5 * (low + high), "tsuji"))
-}
-
-/// a(e) of LAMMPS.
-fn tsuji_polynomial(e: f64) -> f64 {
-    1.2728 - 4.2783 * e + 11.087 * e.powi(2) - 22.348 * e.powi(3) + 27.467 * e.powi(4) - 18.022 * e.powi(5)
-        + 4.8218 * e.powi(6)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_inverse_of_the_polynomial_gives_the_drag_that_was_asked_for() {
-        for factor in [1.2, 1.0, 0.5, 0.1, 0.01, 1e-4] {
-            let (e, model) = tsuji(factor).unwrap();
-            // The sum of the polynomial's terms rounds at 30 times the precision of a double.
-            assert!(model == "tsuji" && (tsuji_polynomial(e) - factor).abs() < 30.0 * f64::EPSILON, "{factor}: {e}");
-        }
-        assert_eq!(tsuji(0.0), Some((0.0, "velocity")));
-        assert_eq!(tsuji(1.3), None);
-        let falls =
-            (1..=1000).all(|n| tsuji_polynomial(f64::from(n) / 999.5) < tsuji_polynomial(f64::from(n - 1) / 999.5));
-        assert!(falls);
-    }
 }
