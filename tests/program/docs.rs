@@ -101,11 +101,16 @@ fn as_siloflow(block: &str) -> String {
 /// Whether the program understands the calls that stand on lines of their own.
 fn understood(block: &str) -> Result<(), String> {
     for line in as_siloflow(block).lines() {
-        let call = line.split(" #").next().unwrap_or(line).trim();
+        let call = line.split(" #").next().unwrap_or(line).split(" > ").next().unwrap_or(line).trim();
         let Some(arguments) = call.strip_prefix("siloflow ").filter(|rest| !rest.contains(['$', '|', '\\', ';']))
         else {
             continue;
         };
+        // These two exist with the feature `shell` alone.
+        if cfg!(not(feature = "shell")) && ["completions ", "man "].iter().any(|command| arguments.starts_with(command))
+        {
+            continue;
+        }
         // The help is printed only if all arguments before it are right.
         let arguments = arguments.split_whitespace().map(|word| word.trim_matches('\''));
         let output = Command::new(env!("CARGO_BIN_EXE_siloflow")).args(arguments).arg("--help").output().unwrap();
