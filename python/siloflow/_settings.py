@@ -1,9 +1,13 @@
 """Settings of a scene: Python values as the text of a RON file."""
 
+from numbers import Integral
+
+import numpy as np
+
 
 def ron(value) -> str:
     """Returns a value as RON: ``True`` as ``true``, ``None`` as ``None``, a tuple as ``(...)``, a list as ``[...]``. Text is RON already."""
-    if isinstance(value, bool):
+    if isinstance(value, (bool, np.bool_)):
         return str(value).lower()
     if isinstance(value, dict):
         return "(" + ", ".join(f"{key}: {ron(item)}" for key, item in value.items()) + ")"
@@ -13,7 +17,7 @@ def ron(value) -> str:
         return "[" + ", ".join(map(ron, value)) + "]"
     if value is None or isinstance(value, str):
         return str(value)
-    if isinstance(value, int):
+    if isinstance(value, Integral):
         return str(int(value))
     # NumPy numbers are floats too.
     return repr(float(value))

@@ -51,11 +51,11 @@ fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyDict>> 
     for column in &table.columns {
         let (name, components) = (&*column.name, column.components);
         match &column.values {
-            Values::F64(values) => set_column(&columns, name, "<f8", components, values, |x| x.to_le_bytes().to_vec()),
-            Values::I32(values) => set_column(&columns, name, "<i4", components, values, |x| x.to_le_bytes().to_vec()),
-            Values::U32(values) => set_column(&columns, name, "<u4", components, values, |x| x.to_le_bytes().to_vec()),
-            Values::U16(values) => set_column(&columns, name, "<u2", components, values, |x| x.to_le_bytes().to_vec()),
-            Values::U8(values) => set_column(&columns, name, "|u1", components, values, |x| vec![x]),
+            Values::F64(values) => set_column(&columns, name, "<f8", components, values, |x| x.to_le_bytes()),
+            Values::I32(values) => set_column(&columns, name, "<i4", components, values, |x| x.to_le_bytes()),
+            Values::U32(values) => set_column(&columns, name, "<u4", components, values, |x| x.to_le_bytes()),
+            Values::U16(values) => set_column(&columns, name, "<u2", components, values, |x| x.to_le_bytes()),
+            Values::U8(values) => set_column(&columns, name, "|u1", components, values, |x| [x]),
         }?;
     }
     Ok(columns)

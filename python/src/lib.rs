@@ -23,13 +23,13 @@ fn command_line(py: Python<'_>, arguments: Vec<OsString>, program: Option<PathBu
 }
 
 /// A column as (type of its numbers, numbers of a row, bytes).
-fn set_column<T: Copy>(
+fn set_column<T: Copy, const N: usize>(
     columns: &Bound<'_, PyDict>,
     name: &str,
     dtype: &str,
     components: u8,
     values: &[T],
-    bytes_of: impl Fn(T) -> Vec<u8>,
+    bytes_of: impl Fn(T) -> [u8; N],
 ) -> PyResult<()> {
     let bytes: Vec<u8> = values.iter().copied().flat_map(bytes_of).collect();
     columns.set_item(name, (dtype, components, PyBytes::new(columns.py(), &bytes)))

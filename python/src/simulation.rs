@@ -121,11 +121,11 @@ fn columns<'py, V: Space>(py: Python<'py>, world: &mut World) -> PyResult<Bound<
     let positions: Vec<_> = rows.iter().flat_map(|row| components(row.4.0)).collect();
     let velocities: Vec<_> = rows.iter().flat_map(|row| components(row.5.0)).collect();
     let columns = PyDict::new(py);
-    let number = |x: f64| x.to_le_bytes().to_vec();
+    let number = |x: f64| x.to_le_bytes();
     let ids: Vec<_> = rows.iter().map(|row| row.0.number()).collect();
-    set_column(&columns, "id", "<u4", 1, &ids, |x| x.to_le_bytes().to_vec())?;
+    set_column(&columns, "id", "<u4", 1, &ids, |x| x.to_le_bytes())?;
     let species: Vec<_> = rows.iter().map(|row| row.1.0).collect();
-    set_column(&columns, "species", "|u1", 1, &species, |x| vec![x])?;
+    set_column(&columns, "species", "|u1", 1, &species, |x| [x])?;
     let radii: Vec<_> = rows.iter().map(|row| row.2.0).collect();
     set_column(&columns, "radius", "<f8", 1, &radii, number)?;
     let masses: Vec<_> = rows.iter().map(|row| row.3.0).collect();

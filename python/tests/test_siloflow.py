@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 import siloflow
+from siloflow._settings import settings
 
 # Four elastic discs fall 1 m onto a floor.
 SCENE = """(
@@ -136,6 +137,15 @@ class Simulations(InADirectory):
         Path("wrong.ron").write_text(SCENE.replace("0.04", "-0.04"), encoding="utf-8")
         with self.assertRaisesRegex(siloflow.SceneError, r"wrong.ron:8:\d+: .*(?s:.*)help: "):
             siloflow.Simulation("wrong.ron")
+
+
+class Settings(unittest.TestCase):
+    def test_python_and_numpy_values_become_ron(self):
+        given = {"a[0].b": (1, 2.5), "c": [True, np.bool_(False)], "d": None, "e": {"f": np.int64(3), "g": np.float64(0.1)}, "h": "Fixed(0.1)"}
+        self.assertEqual(dict(settings(given, {"i__j": 1e-9, "c": 4})), {
+            "a[0].b": "(1, 2.5)", "c": "4", "d": "None", "e": "(f: 3, g: 0.1)", "h": "Fixed(0.1)", "i.j": "1e-09",
+        })
+        self.assertEqual(settings({"c": [True, np.bool_(False)]}, {}), [("c", "[true, false]")])
 
 
 class Program(InADirectory):

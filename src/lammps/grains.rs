@@ -7,6 +7,7 @@
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
+use crate::lammps::outputs::up;
 use crate::lammps::releases::all_grains;
 use crate::lammps::{DATA, number, vector};
 use crate::scene::load::Loaded;
@@ -187,15 +188,14 @@ impl Particles {
 /// Lower and upper corner of the box, m: periodic sides, and around all grains and walls with room to fly.
 fn box_of(loaded: &Loaded, fixed: &[FixedAtom]) -> (Solid, Solid) {
     let planar = loaded.scene.space == Dimension::Plane;
-    let grains = all_grains(loaded);
-    let grains = grains.iter().map(|grain| (grain.position, grain.radius));
+    let grains = all_grains(loaded).map(|grain| (grain.position, grain.radius));
     let balls = grains.chain(fixed.iter().map(|disc| (disc.position, disc.radius)));
     let walls = loaded.scene.walls.iter().filter_map(Wall::bounds);
     let around = balls.map(|(x, radius)| [x - radius, x + radius]).chain(walls);
     let [mut low, mut high] =
         around.reduce(|[a, b], [low, high]| [a.min(low), b.max(high)]).unwrap_or([Solid::ZERO, Solid::ONE]);
     let reach = loaded.contact_range();
-    let up = if planar { 1 } else { 2 };
+    let up = up(loaded);
     let room = 0.5 * (high - low) + 4.0 * reach;
     low -= room;
     high += room;

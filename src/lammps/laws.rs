@@ -140,8 +140,7 @@ struct Masses {
 
 impl Masses {
     fn of(loaded: &Loaded) -> Self {
-        let grains = all_grains(loaded);
-        let mut masses = grains.iter().map(|grain| grain.mass);
+        let mut masses = all_grains(loaded).map(|grain| grain.mass);
         let first = masses.next();
         // Masses that differ by rounding are equal.
         let alone = first.filter(|first| masses.all(|mass| (mass / first - 1.0).abs() < 1e-12));

@@ -1,9 +1,9 @@
 //! A scene as an input of LAMMPS: a script and a data file, for runs on many ranks over MPI.
 //!
 //! The reference is LAMMPS of 29 September 2021, the version of Debian; that of 22 July 2025 reads the same script. The files `laws` and `walls`
-//! have the tables of what becomes what, `stages` the course of a run, `outputs` the files that LAMMPS writes.
+//! have the tables of counterparts, `stages` the course of a run, `outputs` the files that LAMMPS writes.
 //!
-//! Forces of step 0 are equal to round-off. What has no counterpart is refused with its key. What can be written but is not the same is
+//! Forces of step 0 are equal to round-off. A key without a counterpart is refused. A term that can be written but is not the same is
 //! listed at the head of the script and in [`Export::differences`]. The scheme of LAMMPS is velocity Verlet whatever the scene says.
 
 mod grains;
@@ -35,7 +35,7 @@ pub struct Export {
     pub script: String,
     /// Content of [`DATA`].
     pub data: String,
-    /// What is not the same in LAMMPS, one sentence each.
+    /// Differences of the run in LAMMPS from that in siloflow, one sentence each.
     pub differences: Vec<String>,
     /// Number of grains, those to be released included.
     pub grains: usize,
@@ -61,7 +61,7 @@ pub fn export(loaded: &Loaded) -> Result<Export, Fault> {
     script.push_str(&outputs::step_zero(loaded));
     script.push_str(&outputs::series(loaded, &particles, &walls));
     script.push_str(&course.script);
-    let grains = releases::all_grains(loaded).len();
+    let grains = releases::all_grains(loaded).count();
     Ok(Export { script, data: particles.data(loaded), differences, grains })
 }
 
@@ -102,7 +102,7 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
     if scene.kick.is_some() {
         return refuse("kick", "kicks that restart the flow are not written", "export without it");
     }
-    if releases::all_grains(loaded).is_empty() {
+    if releases::all_grains(loaded).next().is_none() {
         return refuse("fill", "there are no grains", "give `grains`, `fill` or `spawner`");
     }
     for (number, fill) in scene.fill.iter().enumerate() {
@@ -132,7 +132,7 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
-/// What is not the same in LAMMPS.
+/// Returns the differences of the run in LAMMPS from that in siloflow.
 fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<String> {
     let scene = &loaded.scene;
     let mut list = Vec::new();

@@ -6,10 +6,9 @@ use crate::lammps::grains::Particles;
 use crate::lammps::number;
 use crate::lammps::walls::Walls;
 use crate::scene::load::Loaded;
-use crate::space::Dimension;
 use crate::spin::InertiaLaw;
 
-/// Commands that write the forces of step 0 and end, if the variable `forces` names a file.
+/// Commands that write the forces of step 0 and end, if the variable `forces` is `yes`.
 pub(super) fn step_zero(loaded: &Loaded) -> String {
     let torques = if loaded.scene.contact.spins() { " tqx tqy tqz" } else { "" };
     format!(
@@ -34,8 +33,9 @@ fn outlet_level(loaded: &Loaded) -> Option<f64> {
     doors.reduce(f64::min).or(loaded.scene.cull.map(|cull| cull.below.get()))
 }
 
-fn up(loaded: &Loaded) -> usize {
-    if loaded.scene.space == Dimension::Plane { 1 } else { 2 }
+/// The axis of heights: the last one.
+pub(super) fn up(loaded: &Loaded) -> usize {
+    loaded.scene.space.count() - 1
 }
 
 /// Variables and fixes of the files.

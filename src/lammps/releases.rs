@@ -18,10 +18,8 @@ use crate::space::{Dimension, Plane, Solid};
 const TESTS: u64 = 20;
 
 /// All grains of a scene: those of the start, then those of the spawner in the order of their release.
-pub(super) fn all_grains(loaded: &Loaded) -> Vec<GrainRow> {
-    let mut grains = loaded.grains.clone();
-    grains.extend(released(loaded));
-    grains
+pub(super) fn all_grains(loaded: &Loaded) -> impl Iterator<Item = GrainRow> {
+    loaded.grains.iter().copied().chain(released(loaded))
 }
 
 fn released(loaded: &Loaded) -> Vec<GrainRow> {

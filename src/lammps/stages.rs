@@ -67,7 +67,7 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls, particles: &Particles) -> R
     }
     discharge(loaded, &stop, opens.is_some(), &mut script, &mut differences);
     let _ = writeln!(script, "run {last} upto\n{CLOCK}label end");
-    script.push_str(&summary(loaded));
+    script.push_str(SUMMARY);
     Ok(Course { script, differences })
 }
 
@@ -77,7 +77,7 @@ fn rest_test(loaded: &Loaded, rest: &Rest, script: &mut String) -> u64 {
     let g = loaded.scene.gravity.padded().length();
     let every = steps(rest.hold.get() / TESTS, dt);
     let window = steps(rest.hold.get(), dt).div_ceil(every) + 1;
-    let scale: f64 = all_grains(loaded).iter().map(|grain| grain.mass * g * grain.radius).sum();
+    let scale: f64 = all_grains(loaded).map(|grain| grain.mass * g * grain.radius).sum();
     let _ = write!(
         script,
         "compute radius_of grains property/atom radius\n\
@@ -156,17 +156,12 @@ fn discharge(loaded: &Loaded, stop: &[StopCondition], opens: bool, script: &mut 
 }
 
 /// Commands that write the figures of the run in the words of `summary.json`.
-fn summary(loaded: &Loaded) -> String {
-    let count = all_grains(loaded).len();
-    format!(
-        "\n# Figures of the run: null is a time that never came.\n\
-         variable rest string ${{rest_time}}\nvariable opened string ${{open_time}}\n\
-         if \"${{rest_time}} < 0\" then \"variable rest delete\" \"variable rest string null\"\n\
-         if \"${{open_time}} < 0\" then \"variable opened delete\" \"variable opened string null\"\n\
-         run 0 post no\n\
-         print '{{\"program\": \"LAMMPS\", \"rest_time_s\": ${{rest}}, \"door_open_time_s\": ${{opened}}, \"end_time_s\": $(time:%.9f), \
-         \"grains\": {{\"released\": {count}, \"inside\": $(v_inside:%.0f), \"out\": $(v_out:%.0f)}}, \
-         \"performance\": {{\"wall_s\": $(v_wall_s:%.3f)}}}}' file summary.json\n\
-         write_data final.data nocoeff\n"
-    )
-}
+const SUMMARY: &str = "\n# Figures of the run: null is a time that never came.\n\
+     variable rest string ${rest_time}\nvariable opened string ${open_time}\n\
+     if \"${rest_time} < 0\" then \"variable rest delete\" \"variable rest string null\"\n\
+     if \"${open_time} < 0\" then \"variable opened delete\" \"variable opened string null\"\n\
+     run 0 post no\n\
+     print '{\"program\": \"LAMMPS\", \"rest_time_s\": ${rest}, \"door_open_time_s\": ${opened}, \"end_time_s\": $(time:%.9f), \
+     \"grains\": {\"released\": $(v_released:%.0f), \"inside\": $(v_inside:%.0f), \"out\": $(v_out:%.0f)}, \
+     \"performance\": {\"wall_s\": $(v_wall_s:%.3f)}}' file summary.json\n\
+     write_data final.data nocoeff\n";

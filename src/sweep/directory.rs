@@ -27,6 +27,7 @@ use crate::output::checkpoint::find;
 use crate::output::run_directory::{scene_of, summary_of};
 use crate::source::keys::changes;
 use crate::source::{Source, files};
+use crate::sweep::figures::is_failure;
 use crate::sweep::{Sweep, Task};
 use crate::writers::fnv::Fnv;
 use crate::writers::whole_file;
@@ -59,7 +60,7 @@ impl State {
     /// Whether the run failed.
     #[must_use]
     pub fn is_failure(&self) -> bool {
-        matches!(self, Self::Over(summary) if matches!(summary["status"].as_str(), Some("failed" | "grains_lost")))
+        matches!(self, Self::Over(summary) if summary["status"].as_str().is_some_and(is_failure))
     }
 }
 

@@ -18,6 +18,12 @@ const SCHEMA: &str = include_str!("../../docs/reference/summary.schema.json");
 /// Sections of a summary that a clogged run has no figures of.
 const RATES: [&str; 2] = ["discharge", "outflow"];
 
+/// Whether a status is that of a failed run, which has no figures.
+#[must_use]
+pub fn is_failure(status: &str) -> bool {
+    matches!(status, "failed" | "grains_lost")
+}
+
 /// The part of the path of a figure.
 enum Segment<'a> {
     Key(&'a str),
@@ -107,7 +113,8 @@ fn number<'a>(summary: &'a Value, path: &str) -> Option<&'a serde_json::Number> 
 pub fn figure(summary: &Value, path: &str) -> Option<String> {
     let section = path.split(['.', '[']).next().unwrap_or_default();
     match summary["status"].as_str()? {
-        "failed" | "grains_lost" | "interrupted" => None,
+        "interrupted" => None,
+        status if is_failure(status) => None,
         "clogged" if RATES.contains(&section) => None,
         _ => number(summary, path).map(ToString::to_string),
     }

@@ -37,7 +37,7 @@ impl Row {
     /// Whether the run failed.
     #[must_use]
     pub fn is_failure(&self) -> bool {
-        matches!(self.status.as_str(), "failed" | "grains_lost")
+        figures::is_failure(&self.status)
     }
 
     /// Whether the run has no end.
