@@ -83,6 +83,7 @@ pub mod sweep;
 pub(crate) mod table_sort;
 pub mod text;
 pub mod threads;
+pub mod validation;
 pub mod values;
 pub mod walls;
 pub mod watchdog;

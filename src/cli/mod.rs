@@ -24,6 +24,7 @@ mod shell;
 mod signals;
 mod study;
 mod sweep;
+mod validate;
 
 use std::ffi::OsString;
 use std::io::IsTerminal as _;
@@ -80,6 +81,8 @@ enum Command {
     Study(study::StudyArgs),
     /// Run a scene with many values and seeds, and gather means, standard errors, fits and figures.
     Sweep(sweep::SweepArgs),
+    /// Hold siloflow against silos and impacts that others have measured, and write a page with a figure and verdicts.
+    Validate(validate::ValidateArgs),
     /// Compare flow patterns and costs of runs or scenes with a reference.
     Compare(compare::CompareArgs),
     /// Run two scenes together and report the first step, grain and quantity in which they differ.
@@ -181,6 +184,7 @@ pub fn status_of(registry: &Registry, arguments: impl IntoIterator<Item = OsStri
         Command::Explain(args) => explain::explain(args, registry),
         Command::Study(args) => study::study(args, cli.quiet),
         Command::Sweep(args) => sweep::sweep(args, registry, cli.quiet),
+        Command::Validate(args) => validate::validate(args, registry, cli.quiet),
         Command::Compare(args) => compare::compare(args, registry, cli.quiet),
         Command::Diff(args) => diff::diff(args, registry, cli.quiet),
         Command::Accuracy(args) => accuracy::accuracy(args, registry, cli.quiet),

@@ -17,7 +17,7 @@ use crate::cli::progress::Progress;
 use crate::cli::run::directory_named;
 use crate::cli::signals::Signals;
 use crate::cli::sweep::results::{conclude_part, gather};
-use crate::cli::sweep::runs::Runs;
+use crate::cli::sweep::runs::{Failure, Runs};
 use crate::cli::{program, say};
 use crate::fault::Fault;
 use crate::sweep::directory::{State, SweepDirectory};
@@ -90,31 +90,9 @@ pub(super) fn sweep(args: &SweepArgs, registry: &Registry, quiet: bool) -> Resul
     let all = sweep.tasks();
     let tasks = args.task.map_or_else(|| all.clone(), |part| part.of(&all));
     let signals = Signals::catch();
-    let known = match SweepDirectory::find(&path, &sweep) {
-        Err(fault) if !args.force => return Err(fault),
-        found => found.ok().flatten(),
-    };
-    // Before the directory is made: an error of a scene changes nothing.
-    let todo = todo(args, &sweep, known.as_ref(), &tasks)?;
-    check(&sweep, &todo, registry, quiet)?;
-    let directory = SweepDirectory::prepare(&path, &sweep, args.force)?;
-    let todo = match known {
-        Some(_) => todo,
-        // The directory of another sweep may have runs that belong to this one.
-        None => self::todo(args, &sweep, Some(&directory), &tasks)?,
-    };
-    let cores = || std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN);
-    let cores = args.cores.unwrap_or_else(|| if args.task.is_some() { NonZeroUsize::MIN } else { cores() });
-    let runs = Runs {
-        sweep: &sweep,
-        directory: &directory,
-        cores,
-        signals: &signals,
-        quiet,
-        force: args.force,
-        retry: args.retry,
-    };
-    let failures = runs.run(tasks.len(), &todo)?;
+    let cores = args.cores.unwrap_or_else(|| if args.task.is_some() { NonZeroUsize::MIN } else { available_cores() });
+    let effort = Effort { cores, force: args.force, retry: args.retry };
+    let (directory, failures) = complete(&sweep, &path, &tasks, effort, &signals, registry, quiet)?;
     if let Some(signal) = signals.received() {
         tracing::error!("interrupted: the same command continues the sweep in {}", path.display());
         return Ok(Verdict::Interrupted(signal));
@@ -125,9 +103,54 @@ pub(super) fn sweep(args: &SweepArgs, registry: &Registry, quiet: bool) -> Resul
     }
 }
 
+/// The effort for the runs of a sweep.
+#[derive(Clone, Copy)]
+pub(super) struct Effort {
+    /// Most processes at a time.
+    pub cores: NonZeroUsize,
+    /// Whether the directory of another sweep is used, and runs of another scene are replaced.
+    pub force: bool,
+    /// Whether failed runs are replaced.
+    pub retry: bool,
+}
+
+/// Returns the number of cores.
+pub(super) fn available_cores() -> NonZeroUsize {
+    std::thread::available_parallelism().unwrap_or(NonZeroUsize::MIN)
+}
+
+/// Does those of `tasks` that are not over. Returns the directory and the runs without a result. After a signal no run is started.
+pub(super) fn complete(
+    sweep: &Sweep,
+    path: &Path,
+    tasks: &[Task],
+    effort: Effort,
+    signals: &Signals,
+    registry: &Registry,
+    quiet: bool,
+) -> Result<(SweepDirectory, Vec<Failure>), Fault> {
+    let Effort { cores, force, retry } = effort;
+    let known = match SweepDirectory::find(path, sweep) {
+        Err(fault) if !force => return Err(fault),
+        found => found.ok().flatten(),
+    };
+    // Before the directory is made: an error of a scene changes nothing.
+    let found = todo(effort, sweep, known.as_ref(), tasks)?;
+    check(sweep, &found, registry, quiet)?;
+    let directory = SweepDirectory::prepare(path, sweep, force)?;
+    let todo = match known {
+        Some(_) => found,
+        // The directory of another sweep may have runs that belong to this one.
+        None => todo(effort, sweep, Some(&directory), tasks)?,
+    };
+    let runs = Runs { sweep, directory: &directory, cores, signals, quiet, force, retry };
+    let failures = runs.run(tasks.len(), &todo)?;
+    Ok((directory, failures))
+}
+
 /// Returns the runs that are not over. Runs of another scene are an error without `--force`.
 fn todo(
-    args: &SweepArgs,
+    Effort { force, retry, .. }: Effort,
     sweep: &Sweep,
     directory: Option<&SweepDirectory>,
     tasks: &[Task],
@@ -136,8 +159,8 @@ fn todo(
     let mut todo = Vec::new();
     for &task in tasks {
         match directory.state(sweep, task)? {
-            State::Foreign(key) if !args.force => return Err(foreign(directory, sweep, task, &key)),
-            state @ State::Over(_) if !(args.retry && state.is_failure()) => {}
+            State::Foreign(key) if !force => return Err(foreign(directory, sweep, task, &key)),
+            state @ State::Over(_) if !(retry && state.is_failure()) => {}
             _ => todo.push(task),
         }
     }

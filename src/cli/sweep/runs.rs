@@ -38,7 +38,7 @@ pub(super) struct Runs<'a> {
 }
 
 /// A run without a result, and the reason.
-pub(super) struct Failure {
+pub(in crate::cli) struct Failure {
     pub task: Task,
     pub reason: String,
 }

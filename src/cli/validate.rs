@@ -1,0 +1,215 @@
+//! `siloflow validate`: runs validation cases and writes their verdicts.
+
+use std::fmt::Write as _;
+use std::fs;
+use std::num::NonZeroUsize;
+use std::path::{Path, PathBuf};
+
+use clap::Args;
+
+use crate::behaviour::Registry;
+use crate::cli::exit_status::Verdict as Status;
+use crate::cli::signals::Signals;
+use crate::cli::sweep::{Effort, available_cores, complete};
+use crate::cli::{picture_files, say, show};
+use crate::fault::Fault;
+use crate::output::run_directory::write_results;
+use crate::sweep::Sweep;
+use crate::validation::cases::CASES;
+use crate::validation::page::{self, Section};
+use crate::validation::runs::{Studies, sweep_directory};
+use crate::validation::verdict::Verdict;
+use crate::validation::{Case, Form};
+use crate::writers::whole_file;
+
+/// File that marks a directory of validations.
+const MARKER: &str = ".siloflow-validate";
+
+/// Arguments of `validate`.
+#[derive(Args, Debug)]
+#[command(after_help = "\
+  siloflow validate --list           # the cases, and what they are held against
+  siloflow validate anand-hopper     # its short form: minutes
+  siloflow validate --full           # all cases in full: hours; an interrupted validation continues
+
+The directory gets a section (CASE.md), a table (CASE.csv) and figures for each case, and README.md with all of them. Scenes, sweep files and runs
+are in CASE/. A rule is stated before the result. A figure that breaks it is a miss, and the exit status is 1 unless the page gives the reason.")]
+pub(super) struct ValidateArgs {
+    /// Names of the cases. Default: all.
+    #[arg(value_name = "CASE")]
+    cases: Vec<String>,
+    /// Run the full form: the published size, or as close as about an hour of one core comes.
+    #[arg(long)]
+    full: bool,
+    /// The directory of the results and runs.
+    #[arg(long, value_name = "DIR", default_value = "out/validate")]
+    out: PathBuf,
+    /// Number of runs at a time, each on one core. Default: the number of cores.
+    #[arg(long, value_name = "N")]
+    cores: Option<NonZeroUsize>,
+    /// List the cases. Nothing is run or written.
+    #[arg(long)]
+    list: bool,
+    /// Replace runs of another version of a scene.
+    #[arg(long, conflicts_with = "list")]
+    force: bool,
+}
+
+pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) -> Result<Status, Fault> {
+    let mut cases = args.cases.iter().map(|name| Case::named(name)).collect::<Result<Vec<_>, _>>()?;
+    if cases.is_empty() {
+        cases = CASES.to_vec();
+    }
+    if args.list {
+        return Ok(list(&cases));
+    }
+    refuse_content(&args.out)?;
+    let form = if args.full { Form::Full } else { Form::Short };
+    let signals = Signals::catch();
+    let mut status = Status::Done;
+    for case in cases {
+        let Some(studies) = run(case, form, args, &signals, registry, quiet)? else {
+            if let Some(signal) = signals.received() {
+                tracing::error!("interrupted: the same command continues the validation in {}", args.out.display());
+                return Ok(Status::Interrupted(signal));
+            }
+            status = Status::Failed;
+            continue;
+        };
+        let judgement = (case.judge)(&studies)?;
+        let section = Section { case, form, runs: studies.all().count(), seconds: studies.seconds(), judgement };
+        if !quiet {
+            say(&in_words(&section));
+        }
+        if section.judgement.has_new_miss() && status == Status::Done {
+            status = Status::Different;
+        }
+        if let Err(fault) = write(&args.out, &section) {
+            show(fault);
+            return Ok(Status::Failed);
+        }
+    }
+    if !quiet {
+        say(&format!("written to   {}\n", args.out.display()));
+    }
+    Ok(status)
+}
+
+fn list(cases: &[&Case]) -> Status {
+    for case in cases {
+        say(&format!("{:<18} {}\n{:<18} {}\n", case.name, case.title, "", case.sources));
+    }
+    Status::Done
+}
+
+/// Refuses a directory with content that is no validation.
+fn refuse_content(directory: &Path) -> Result<(), Fault> {
+    let refuse = |why: String| {
+        Err(Fault::new("validate::directory", format!("{} cannot hold a validation: {why}", directory.display()))
+            .help("give another directory with --out"))
+    };
+    if directory.join(MARKER).is_file() {
+        return Ok(());
+    }
+    match fs::read_dir(directory) {
+        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
+        Err(error) => refuse(error.to_string()),
+        Ok(mut entries) => match entries.next() {
+            Some(Ok(entry)) => refuse(format!("it holds {}", entry.file_name().display())),
+            _ => Ok(()),
+        },
+    }
+}
+
+/// Writes the files of a case and does its runs. `None` if runs have no result, or after a signal.
+fn run(
+    case: &Case,
+    form: Form,
+    args: &ValidateArgs,
+    signals: &Signals,
+    registry: &Registry,
+    quiet: bool,
+) -> Result<Option<Studies>, Fault> {
+    let directory = args.out.join(case.name);
+    write_inputs(&args.out, &directory, case).map_err(|error| {
+        Fault::new("validate::directory", format!("could not write to {}: {error}", directory.display()))
+            .help("is there space, and may you write there? Or give another directory with --out")
+    })?;
+    let effort = Effort { cores: args.cores.unwrap_or_else(available_cores), force: args.force, retry: false };
+    let mut studies = Studies::default();
+    let mut is_whole = true;
+    for name in case.sweeps(form) {
+        if !quiet {
+            tracing::info!("{}: {name}", case.name);
+        }
+        let sweep = Sweep::read(&directory.join(name))?;
+        let path = sweep_directory(&directory, name);
+        let (done, failures) = complete(&sweep, &path, &sweep.tasks(), effort, signals, registry, quiet)?;
+        if signals.received().is_some() {
+            return Ok(None);
+        }
+        for failure in &failures {
+            tracing::error!(
+                "{}, {name}: run {} has no result: {}",
+                case.name,
+                sweep.in_words(failure.task),
+                failure.reason
+            );
+        }
+        is_whole &= failures.is_empty();
+        if is_whole {
+            studies.add(name, &sweep, &done)?;
+        }
+    }
+    Ok(is_whole.then_some(studies))
+}
+
+/// Writes the scenes and sweep files of a case, if they are not there.
+fn write_inputs(out: &Path, directory: &Path, case: &Case) -> std::io::Result<()> {
+    fs::create_dir_all(directory)?;
+    fs::write(out.join(MARKER), "")?;
+    for (name, content) in case.files {
+        let path = directory.join(name);
+        if fs::read_to_string(&path).ok().as_deref() != Some(content) {
+            whole_file::write(&path, content.as_bytes())?;
+        }
+    }
+    Ok(())
+}
+
+/// Writes the section, the table and the figures of a case, and the page of all cases.
+fn write(out: &Path, section: &Section) -> Result<(), Fault> {
+    let name = section.case.name;
+    let mut files = vec![(format!("{name}.csv"), section.table().into_bytes())];
+    files.push((format!("{name}.md"), section.markdown().into_bytes()));
+    for picture in &section.judgement.pictures {
+        files.extend(picture_files(&section.picture_name(picture), picture.svg.clone())?);
+    }
+    let unwritable = |error: std::io::Error| {
+        Fault::new("results::write", format!("could not write to {}: {error}", out.display()))
+            .help("the runs are kept: the same command writes the results when there is space")
+    };
+    write_results(out, &files).map_err(unwritable)?;
+    write_results(out, &[("README.md".to_owned(), page::overview(out)?.into_bytes())]).map_err(unwritable)
+}
+
+/// Returns the verdicts in words.
+fn in_words(section: &Section) -> String {
+    let mut text = format!("{}\n", section.case.title);
+    for row in &section.judgement.rows {
+        let published = row.published.map_or_else(String::new, |value| format!(", published {value}"));
+        let rule = row.rule_in_words();
+        let rule = if rule.is_empty() { rule } else { format!(" ({rule})") };
+        // Writing to a string cannot fail.
+        let _ = writeln!(
+            text,
+            "  {:<9}{}: {} {}{published}{rule}",
+            row.verdict().word(),
+            row.quantity,
+            row.found_in_words(),
+            row.unit
+        );
+    }
+    let [pass, miss] = [Verdict::Pass, Verdict::Miss].map(|verdict| section.judgement.count(verdict));
+    text + &format!("  {pass} pass, {miss} miss; {} runs, {:.1} s on one core\n", section.runs, section.seconds)
+}

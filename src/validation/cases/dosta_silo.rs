@@ -1,0 +1,154 @@
+//! The silo of Dosta et al., Comput. Phys. Commun. 296, 109066 (2024), case 1: 100,000 spheres in a cylinder above a cone, two orifices, two materials.
+//!
+//! The rate is the slope of a straight line through the number of grains out, from 0.5 s after the opening to 3.5 s, or to the end of a shorter run. The
+//! published rates are those of LIGGGHTS and MUSEN for the published set-up, taken in the same window (`dem-bulk-dosta2024` of peclet-examples).
+//!
+//! Young's moduli are a hundredth of the published ones. `short.ron` and `full-stiff.ron` show the rate against the modulus.
+
+use crate::fault::Fault;
+use crate::validation::numbers::{between, interpolated, slope};
+use crate::validation::runs::{Run, Studies};
+use crate::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::validation::{Case, file};
+use crate::writers::plot::{Axis, Curve, Panel, colour, sheet};
+
+/// The case.
+pub static CASE: Case = Case {
+    name: "dosta-silo",
+    title: "Silo of Dosta et al. 2024",
+    sources: "Dosta et al. 2024, Comput. Phys. Commun. 296, 109066, case 1; rates of LIGGGHTS, MUSEN and peclet from \
+              `dem-bulk-dosta2024` of peclet-examples.",
+    files: &[
+        file!("dosta-silo", "silo.ron"),
+        file!("dosta-silo", "short.ron"),
+        file!("dosta-silo", "full.ron"),
+        file!("dosta-silo", "full-variants.ron"),
+        file!("dosta-silo", "full-friction.ron"),
+        file!("dosta-silo", "full-stiff.ron"),
+    ],
+    short: &["short.ron"],
+    full: &["full.ron", "full-variants.ron", "full-friction.ron", "short.ron", "full-stiff.ron"],
+    judge,
+};
+
+/// Rate of the large orifice with M1, grains/s.
+const RATE: f64 = 24_400.0;
+
+/// Grains left at 1, 2 and 3 s in LIGGGHTS, thousands.
+const LEFT: [(f64, f64); 3] = [(1.0, 76.0), (2.0, 51.3), (3.0, 27.0)];
+
+/// Window of the rate of a full bed, and of one of 30,000 or 40,000 grains, s after the opening.
+const WINDOW: (f64, f64) = (0.5, 3.5);
+const SHORT_WINDOW: (f64, f64) = (0.1, 0.4);
+
+/// Returns the rate of a run, grains/s.
+fn rate(run: &Run, (from, to): (f64, f64)) -> Result<f64, Fault> {
+    Ok(slope(&between(&run.discharge()?, from, to)).unwrap_or(f64::NAN))
+}
+
+/// Returns the points (value of an axis, rate) of some runs.
+fn rates(runs: &[Run], key: &str) -> Result<Vec<(f64, f64)>, Fault> {
+    let points = runs.iter().map(|run| Ok((run.value(key).unwrap_or(f64::NAN), rate(run, SHORT_WINDOW)?)));
+    points.collect()
+}
+
+fn judge(studies: &Studies) -> Result<Judgement, Fault> {
+    let mut judgement = Judgement::default();
+    let mut panels = Vec::new();
+    if let [run] = studies.runs("full.ron") {
+        judgement.rows.push(
+            Row::new("large orifice, M1: rate from 0.5 to 3.5 s", "grains/s", rate(run, WINDOW)?)
+                .published(RATE, Rule::Within(0.05)),
+        );
+        let left: Vec<_> = run.discharge()?.into_iter().map(|(time, out)| (time, 100.0 - 1e-3 * out)).collect();
+        for (time, published) in LEFT {
+            let found = interpolated(&left, time).unwrap_or(f64::NAN);
+            judgement.rows.push(
+                Row::new(format!("large orifice, M1: left at {time} s"), "thousand grains", found)
+                    .published(published, Rule::Reported),
+            );
+        }
+        panels.push(discharge_panel(left));
+    }
+    variants(studies.runs("full-variants.ron"), &mut judgement)?;
+    let mut soft = rates(studies.runs("short.ron"), "parameters.soft")?;
+    for run in studies.runs("full-stiff.ron") {
+        soft.push((1.0, rate(run, SHORT_WINDOW)?));
+    }
+    let friction = rates(studies.runs("full-friction.ron"), "parameters.friction")?;
+    for (share, found) in &soft {
+        let row = Row::new(
+            format!("30,000 grains, {share} of the published moduli: rate from 0.1 to 0.4 s"),
+            "grains/s",
+            *found,
+        );
+        judgement.rows.push(row.published(RATE, if *share < 0.005 { Rule::Reported } else { Rule::Within(0.05) }));
+    }
+    if let (Some(first), Some(last)) = (friction.first(), friction.last()) {
+        let row = Row::new(
+            format!("40,000 grains: rate at friction {} over rate at {}", first.0, last.0),
+            "",
+            first.1 / last.1,
+        );
+        // A rate that does not depend on friction would be an error of the program.
+        judgement.rows.push(row.rule(Rule::Between(1.05, 10.0)));
+        panels.push(panel("Friction", Axis::linear("friction, grains and wall", 0.0, 1.0), friction));
+    }
+    let axis = Axis::logarithmic("share of the published Young's moduli", soft.iter().map(|point| point.0));
+    panels.push(panel("Stiffness", axis, soft));
+    let caption = "Left to right: grains left after the opening, with LIGGGHTS as dots; rates against friction; rates against stiffness (short form: stiffness \
+                   alone)."
+        .to_owned();
+    let columns = panels.len();
+    judgement.pictures.push(Picture { name: "", svg: sheet(&panels, columns), caption });
+    judgement.remarks.push(
+        "Walls, materials and laws are the published ones. The bed is made here: grains begin on a lattice and settle. The published bed is a file of positions. \
+         Full runs have a hundredth of the published Young's moduli."
+            .to_owned(),
+    );
+    Ok(judgement)
+}
+
+/// Adds the rates of both orifices and materials, and the ratio of the orifices.
+fn variants(runs: &[Run], judgement: &mut Judgement) -> Result<(), Fault> {
+    let find = |orifice: f64, m2: f64| {
+        let is_it =
+            |run: &&Run| run.value("parameters.orifice") == Some(orifice) && run.value("parameters.m2") == Some(m2);
+        runs.iter().find(is_it).map(|run| rate(run, WINDOW)).transpose()
+    };
+    for (name, m2) in [("M1", 0.0), ("M2", 1.0)] {
+        let (Some(large), Some(small)) = (find(0.03, m2)?, find(0.02, m2)?) else { continue };
+        for (orifice, found) in [("large", large), ("small", small)] {
+            let row = Row::new(format!("{orifice} orifice, {name}: rate from 0.5 to 2.1 s"), "grains/s", found);
+            judgement.rows.push(row);
+        }
+        let row = Row::new(format!("{name}: rate of the large over the small orifice"), "", large / small);
+        judgement.rows.push(if m2 == 0.0 { row.published(3.10, Rule::WithinAbsolute(0.1)) } else { row });
+    }
+    Ok(())
+}
+
+fn discharge_panel(left: Vec<(f64, f64)>) -> Panel {
+    let curves = vec![
+        Curve { name: "siloflow".to_owned(), colour: colour(1), points: left, has_line: true, ..Curve::default() },
+        Curve {
+            name: "LIGGGHTS".to_owned(),
+            colour: colour(0),
+            points: LEFT.to_vec(),
+            has_dots: true,
+            ..Curve::default()
+        },
+    ];
+    let [x, y] = [("time after the opening, s", 4.0), ("grains left, thousands", 100.0)]
+        .map(|(label, to)| Axis::linear(label, 0.0, to));
+    Panel { curves, key: crate::writers::plot::Key::LowerLeft, ..Panel::new("Large orifice, M1", x, y) }
+}
+
+/// Returns a panel of rates.
+fn panel(title: &str, x: Axis, points: Vec<(f64, f64)>) -> Panel {
+    let thousands: Vec<_> = points.into_iter().map(|(x, rate)| (x, 1e-3 * rate)).collect();
+    let y = Axis::around("rate, thousand grains/s", thousands.iter().map(|point| point.1).chain([0.0]));
+    let curves =
+        vec![Curve { colour: colour(1), points: thousands, has_line: true, has_dots: true, ..Curve::default() }];
+    Panel { curves, ..Panel::new(title, x, y) }
+}
