@@ -7,6 +7,7 @@
 //! | rows of a verdict: figure, published figure, rule | [`verdict`] |
 //! | numbers of several cases: means over seeds, slopes, fits | [`numbers`] |
 //! | pages and tables | [`page`] |
+//! | paths of grains between frames | [`tracks`] |
 //!
 //! A case is a set of scenes and sweep files, which the program carries. Its short form takes minutes on one core, its full form at most about an
 //! hour. The runs are those of `siloflow sweep`, so an interrupted validation continues. A case then reads its run directories as any user
@@ -16,6 +17,7 @@ pub mod cases;
 pub mod numbers;
 pub mod page;
 pub mod runs;
+pub mod tracks;
 pub mod verdict;
 
 use crate::fault::Fault;

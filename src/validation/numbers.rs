@@ -36,6 +36,20 @@ pub fn interpolated(points: &[(f64, f64)], x: f64) -> Option<f64> {
     Some(two[0].1 + share * (two[1].1 - two[0].1))
 }
 
+/// Fits y = a + b f(x, q) by least squares over a, b and the candidates of q. Returns the best q and the line; `None` without a line.
+pub fn best_line(
+    points: &[(f64, f64)],
+    candidates: impl IntoIterator<Item = f64>,
+    f: impl Fn(f64, f64) -> f64,
+) -> Option<(f64, Fitted)> {
+    let fit = |q: f64| {
+        let fitted = Law::Line.fit(&points.iter().map(|(x, y)| (f(*x, q), *y)).collect::<Vec<_>>())?;
+        Some((q, fitted))
+    };
+    let explained = |fitted: &Fitted| named(fitted, "r_squared").map_or(f64::NEG_INFINITY, |(share, _)| share);
+    candidates.into_iter().filter_map(fit).max_by(|a, b| explained(&a.1).total_cmp(&explained(&b.1)))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -47,5 +61,12 @@ mod tests {
         assert!((slope(&between(&points, 0.0, 2.0)).unwrap() - 2.0).abs() < 1e-14);
         assert!((interpolated(&points, 1.25).unwrap() - 3.5).abs() < 1e-14);
         assert_eq!((interpolated(&points, 9.5), slope(&points[..1])), (None, None));
+    }
+
+    #[test]
+    fn the_best_line_recovers_an_exponent() {
+        let points: Vec<_> = (1..20).map(|n| (f64::from(n), 3.0 - 0.5 * f64::from(n).powf(1.5))).collect();
+        let (exponent, fitted) = best_line(&points, (50..300).map(|n| 0.01 * f64::from(n)), f64::powf).unwrap();
+        assert!((exponent - 1.5).abs() < 1e-9 && (named(&fitted, "slope").unwrap().0 + 0.5).abs() < 1e-9);
     }
 }

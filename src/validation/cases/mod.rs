@@ -1,9 +1,13 @@
 //! The validation cases, one file each.
 
 mod anand_hopper;
+mod clogging;
 mod dosta_silo;
+mod drainage;
+mod orifice_profiles;
 
 use crate::validation::Case;
 
 /// All cases, in the order of the page.
-pub static CASES: [&Case; 2] = [&dosta_silo::CASE, &anand_hopper::CASE];
+pub static CASES: [&Case; 5] =
+    [&dosta_silo::CASE, &anand_hopper::CASE, &orifice_profiles::CASE, &drainage::CASE, &clogging::CASE];

@@ -1,0 +1,251 @@
+//! A draining flat silo: diffusion of the grains (Choi, Kudrolli, Rosales and Bazant, Phys. Rev. Lett. 92, 174301, 2004) and the kinematic model of the mean
+//! flow (Nedderman and Tuzun, Powder Technol. 22, 243, 1979; Choi, Kudrolli and Bazant, J. Phys.: Condens. Matter 17, S2533, 2005).
+//!
+//! **Diffusion.** The mean squared displacement across, s(h), is taken at the distance h that a grain has fallen ([`tracks`](crate::validation::tracks)). The Peclet number is
+//! 2 d / (ds/dh), the ratio of advection along a diameter to diffusion: D = ds/dt / 2, Pe = v d / D. Exponents are slopes of ln s against ln h.
+//!
+//! **Kinematic model.** The downward velocity v obeys dv/dz = b d2v/dx2. Between side walls a distance L apart, a point sink at z = 0 gives
+//! v = (Q/L) (1 + 2 sum cos(2 pi n x/L) exp(-(2 pi n/L)^2 B)), with B(z) the integral of b from 0 to z. So B(z) = -(L/2 pi)^2 ln A(z) without a fit, where A is the mean of cos(2 pi x/L) weighted
+//! by the flux of grains at the height z. In a band of heights b is the slope of B. The void model takes b for the length of the grains' own diffusion as well,
+//! which is d/Pe.
+
+use crate::fault::Fault;
+use crate::lattice_study::results::Mean;
+use crate::sweep::fit::Law;
+use crate::validation::numbers::{between, named, slope};
+use crate::validation::runs::{Run, Studies};
+use crate::validation::tracks::{Tracks, Window};
+use crate::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::validation::{Case, file};
+use crate::writers::plot::{Axis, Curve, Panel, colour, sheet};
+
+/// The case.
+pub static CASE: Case = Case {
+    name: "drainage",
+    title: "Diffusion and mean flow in a draining silo (Choi et al. 2004, 2005)",
+    sources: "Choi, Kudrolli, Rosales and Bazant 2004, Phys. Rev. Lett. 92, 174301; Choi, Kudrolli and Bazant 2005, J. Phys.: Condens. Matter 17, S2533 \
+              (both read in the abstract).",
+    files: &[file!("drainage", "silo.ron"), file!("drainage", "short.ron"), file!("drainage", "full.ron")],
+    short: &["short.ron"],
+    full: &["full.ron"],
+    judge,
+};
+
+/// Mean diameter of the grains, m.
+const DIAMETER: f64 = 1.0e-3;
+
+/// Distances fallen, diameters.
+const FALLEN: [f64; 16] = [0.1, 0.15, 0.2, 0.3, 0.4, 0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
+
+/// Ranges of the distance fallen below and above one diameter.
+const BELOW: (f64, f64) = (0.1, 0.8);
+const ABOVE: (f64, f64) = (1.5, 6.0);
+
+/// Bands of heights above the orifice, diameters.
+const LOWER: (f64, f64) = (3.0, 12.0);
+const UPPER: (f64, f64) = (12.0, 24.0);
+
+/// Where tracers start: near the middle, below the free surface, and so high that they fall ten diameters above the outlet's own region.
+const WINDOW: Window = Window { half: 6.0, low: 16.0, high: 32.0 };
+
+/// A range of one order of magnitude about 100 on a logarithmic scale.
+const ORDER_OF_100: Rule = Rule::Between(31.6, 316.0);
+
+/// What one run gives. Lengths are in diameters.
+struct Drainage {
+    /// Mean squared displacements along x and y at the distances fallen.
+    spread: Vec<(f64, [f64; 2])>,
+    /// Points (z, B).
+    mean_flow: Vec<(f64, f64)>,
+}
+
+impl Drainage {
+    fn of(run: &Run) -> Result<Self, Fault> {
+        let table = run.table("fields.csv")?;
+        let column = |name: &str| table.numbers(name).unwrap_or_default();
+        let (x, z) = (column("x1_m"), column("x3_m"));
+        let (fraction, velocity) = (column("solid_fraction"), column("v3"));
+        let flux = fraction.into_iter().zip(velocity).map(|(phi, v)| if phi > 0.0 { -phi * v } else { 0.0 });
+        let cells: Vec<_> =
+            x.into_iter().zip(z).zip(flux).map(|((x, z), flux)| (x / DIAMETER, z / DIAMETER, flux)).collect();
+        let from = table.numbers("from_s").and_then(|times| times.first().copied()).unwrap_or(0.0);
+        let tracks = Tracks::read(&run.files.directory.join("frames.bin"), from, DIAMETER, WINDOW)?;
+        let spread = FALLEN.into_iter().zip(tracks.spread(WINDOW, &FALLEN)).map(|(h, (s, _))| (h, s)).collect();
+        Ok(Self { spread, mean_flow: kinematic(&cells) })
+    }
+
+    fn along(&self, axis: usize) -> Vec<(f64, f64)> {
+        self.spread.iter().map(|(h, s)| (*h, s[axis])).filter(|(_, s)| s.is_finite()).collect()
+    }
+
+    fn exponent(&self, axis: usize, (from, to): (f64, f64)) -> f64 {
+        let fit = Law::Power.fit(&between(&self.along(axis), from, to));
+        fit.and_then(|fit| named(&fit, "exponent")).map_or(f64::NAN, |(value, _)| value)
+    }
+
+    fn peclet(&self, axis: usize) -> f64 {
+        2.0 / slope(&between(&self.along(axis), ABOVE.0, ABOVE.1)).unwrap_or(f64::NAN)
+    }
+
+    fn b(&self, (from, to): (f64, f64)) -> f64 {
+        slope(&between(&self.mean_flow, from, to)).unwrap_or(f64::NAN)
+    }
+}
+
+/// Returns the points (z, B) of a field of cells (x, z, downward flux), in the unit of the lengths.
+fn kinematic(cells: &[(f64, f64, f64)]) -> Vec<(f64, f64)> {
+    let mut heights: Vec<f64> = cells.iter().map(|cell| cell.1).collect();
+    heights.sort_by(f64::total_cmp);
+    heights.dedup_by(|a, b| (*a - *b).abs() < 1e-6);
+    let places = || cells.iter().map(|cell| cell.0);
+    let (left, right) = places().fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
+    let columns = cells.iter().filter(|cell| heights.first().is_some_and(|low| (cell.1 - low).abs() < 1e-6)).count();
+    // Middles of cells lie half a cell inside.
+    let n = u32::try_from(columns).map_or(f64::NAN, f64::from);
+    let wave = std::f64::consts::TAU / ((right - left) * n / (n - 1.0));
+    let point = |z: f64| {
+        let row = || cells.iter().filter(move |cell| (cell.1 - z).abs() < 1e-6);
+        let flux: f64 = row().map(|cell| cell.2).sum();
+        let first: f64 = row().map(|cell| cell.2 * (wave * cell.0).cos()).sum();
+        (z, -(first / flux).ln() / (wave * wave))
+    };
+    heights.into_iter().map(point).filter(|point| point.1.is_finite()).collect()
+}
+
+fn judge(studies: &Studies) -> Result<Judgement, Fault> {
+    let runs = studies.first_of(&["short.ron", "full.ron"]);
+    Ok(judgement_of(&runs.iter().map(Drainage::of).collect::<Result<Vec<_>, _>>()?))
+}
+
+fn judgement_of(all: &[Drainage]) -> Judgement {
+    let mut judgement = Judgement::default();
+    let row = |quantity: &str, unit: &'static str, of: &dyn Fn(&Drainage) -> f64| {
+        Row::of_mean(quantity, unit, Mean::of(&all.iter().map(of).collect::<Vec<_>>()))
+    };
+    for (axis, name) in ["towards the walls", "along the slot"].into_iter().enumerate() {
+        judgement.rows.extend([
+            row(&format!("{name}: exponent below one diameter"), "", &|it| it.exponent(axis, BELOW))
+                .rule(Rule::Between(1.1, 1.9))
+                .remark("superdiffusive, but not ballistic"),
+            row(&format!("{name}: exponent from 1.5 to 6 diameters"), "", &|it| it.exponent(axis, ABOVE))
+                .published(1.0, Rule::WithinAbsolute(0.2))
+                .remark("diffusive"),
+            row(&format!("{name}: Peclet number from 1.5 to 6 diameters"), "", &|it| it.peclet(axis))
+                .published(100.0, ORDER_OF_100)
+                .remark("\"of order 100\""),
+        ]);
+    }
+    judgement.rows.extend([
+        row("kinematic b from 3 to 12 diameters above the orifice", "d", &|it| it.b(LOWER)),
+        row("kinematic b from 12 to 24 diameters", "d", &|it| it.b(UPPER)),
+        row("b of the upper band over b of the lower", "", &|it| it.b(UPPER) / it.b(LOWER))
+            .rule(Rule::Between(1.0, 10.0))
+            .remark("b increases with height"),
+        row("length of diffusion d/Pe towards the walls over b", "", &|it| 1.0 / it.peclet(0) / it.b(LOWER))
+            .published(1.0, Rule::Between(0.0, 0.2))
+            .remark("the void model has 1; the measured one is significantly less"),
+    ]);
+    judgement.pictures.push(Picture {
+        name: "",
+        svg: sheet(&[spreads(all), flow(all)], 2),
+        caption: "Left: mean squared displacement across against the distance fallen, of all runs; the lines have the slopes 1.5 and 1. Right: the integral of b over the height, whose slope is b."
+            .to_owned(),
+    });
+    judgement.remarks.push(
+        "Spheres in a slab four diameters deep, periodic along the slot; the experiment has glass beads between front and back walls eight diameters apart, seen through one of them. \
+         The mean flow is taken off each displacement."
+            .to_owned(),
+    );
+    judgement
+}
+
+fn spreads(all: &[Drainage]) -> Panel {
+    let mut curves = Vec::new();
+    for (axis, name) in ["towards the walls", "along the slot"].into_iter().enumerate() {
+        for (number, it) in all.iter().enumerate() {
+            let name = if number == 0 { name.to_owned() } else { String::new() };
+            curves.push(Curve {
+                name,
+                colour: colour(axis + 1),
+                points: it.along(axis),
+                has_line: true,
+                has_dots: true,
+                ..Curve::default()
+            });
+        }
+    }
+    let at = |h: f64, exponent: f64| (h, 0.015 * h.powf(exponent));
+    let guides = [(vec![at(0.1, 1.5), at(1.0, 1.5)], ""), (vec![at(1.0, 1.0), at(10.0, 1.0)], "")];
+    curves.extend(guides.into_iter().map(|(points, name)| Curve {
+        name: name.to_owned(),
+        colour: colour(0),
+        points,
+        has_line: true,
+        is_dashed: true,
+        ..Curve::default()
+    }));
+    let x = Axis::logarithmic("distance fallen, diameters", [0.16, 6.0]);
+    let y = Axis::logarithmic(
+        "mean square across, d^2",
+        curves.iter().flat_map(|curve| &curve.points).map(|point| point.1),
+    );
+    Panel { curves, ..Panel::new("Diffusion", x, y) }
+}
+
+fn flow(all: &[Drainage]) -> Panel {
+    let curve = |it: &Drainage| Curve {
+        colour: colour(1),
+        points: between(&it.mean_flow, 0.0, UPPER.1),
+        has_line: true,
+        has_dots: true,
+        ..Curve::default()
+    };
+    let curves: Vec<_> = all.iter().map(curve).collect();
+    let x = Axis::linear("height above the orifice, diameters", 0.0, 25.0);
+    let y = Axis::around(
+        "integral of b, d^2",
+        curves.iter().flat_map(|curve| &curve.points).map(|point| point.1).chain([0.0]),
+    );
+    Panel { curves, ..Panel::new("Kinematic model", x, y) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::validation::verdict::Verdict;
+
+    /// Returns the field of the kinematic model with b = 2 + z/12 between walls 40 apart.
+    fn model() -> Vec<(f64, f64, f64)> {
+        let wave = std::f64::consts::TAU / 40.0;
+        let value = |x: f64, z: f64| {
+            let integral = 2.0 * z + z * z / 24.0;
+            let mode = |n: f64| 2.0 * (n * wave * x).cos() * (-(n * wave).powi(2) * integral).exp();
+            1.0 + (1..200).map(|n| mode(f64::from(n))).sum::<f64>()
+        };
+        let place = |n: i32| f64::from(n) + 0.5;
+        (1..30).flat_map(|k| (-20..20).map(move |n| (place(n), place(k), value(place(n), place(k))))).collect()
+    }
+
+    #[test]
+    fn the_parameter_of_a_kinematic_field_is_recovered() {
+        let points = kinematic(&model());
+        let expected = |z: f64| 2.0 * z + z * z / 24.0;
+        assert!(points.iter().all(|(z, found)| (found / expected(*z) - 1.0).abs() < 1e-6), "{points:?}");
+    }
+
+    #[test]
+    fn ballistic_grains_and_a_constant_parameter_are_misses() {
+        let of = |below: f64, above: f64, flow: fn(f64) -> f64| {
+            let s = |h: f64| 0.02 * if h < 1.0 { h.powf(below) } else { h.powf(above) };
+            let spread = FALLEN.iter().map(|h| (*h, [s(*h); 2])).collect();
+            let mean_flow = (1..30).map(|n| (f64::from(n), flow(f64::from(n)))).collect();
+            judgement_of(&[Drainage { spread, mean_flow }]).count(Verdict::Miss)
+        };
+        let growing = |z: f64| 2.0 * z + z * z / 24.0;
+        assert_eq!(of(1.5, 1.0, growing), 0);
+        // Both exponents of both directions, the Peclet number of both, and the length of diffusion.
+        assert!(of(2.0, 2.0, growing) >= 4);
+        // A b that falls with height.
+        assert_eq!(of(1.5, 1.0, |z| 4.0 * z - z * z / 24.0), 1);
+    }
+}
