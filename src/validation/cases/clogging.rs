@@ -16,7 +16,7 @@ mod geometric;
 
 use self::geometric::{count, mean, ratio_of_moments, test};
 use crate::fault::Fault;
-use crate::sweep::fit::{Law, short};
+use crate::sweep::fit::Law;
 use crate::validation::numbers::{best_line, named};
 use crate::validation::runs::{Run, Studies};
 use crate::validation::verdict::{Judgement, Picture, Row, Rule};
@@ -93,8 +93,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     }
     for it in studies.runs("full-stiff.ron").iter().map(Avalanches::of) {
         let soft = all.iter().find(|other| (other.width - it.width).abs() < 1e-9);
-        let row =
-            Row::new(format!("D = {} d, grains five times as stiff: mean size", short(it.width)), "grains", it.mean());
+        let row = Row::new(format!("D = {} d, grains five times as stiff: mean size", it.width), "grains", it.mean());
         let row = row.error(Some(it.error()));
         judgement.rows.push(soft.map_or(row.clone(), |soft| {
             let error = it.error().hypot(soft.error());
@@ -128,7 +127,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 fn rows(it: &Avalanches, judgement: &mut Judgement) {
     let tail = it.tail();
     let test = test(&tail);
-    let name = format!("D = {} d", short(it.width));
+    let name = format!("D = {} d", it.width);
     let m = mean(&tail) + 1.0;
     judgement.rows.extend([
         Row::new(format!("{name}: mean size of {} avalanches", it.sizes.len()), "grains", it.mean())
@@ -190,7 +189,7 @@ fn survival(all: &[Avalanches]) -> Panel {
             .filter(|(_, share)| *share > 0.0)
             .collect();
         Curve {
-            name: format!("D = {} d", short(it.width)),
+            name: format!("D = {} d", it.width),
             colour: colour(number + 1),
             points,
             has_line: true,

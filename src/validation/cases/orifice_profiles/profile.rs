@@ -31,11 +31,18 @@ pub(super) struct Profile {
     pub(super) middle: f64,
     /// 1/nu.
     pub(super) fraction_exponent: f64,
+    /// Counted rate, grains/s.
+    pub(super) rate: f64,
     /// Flux of the profiles over the counted rate.
     pub(super) flux: f64,
 }
 
 impl Profile {
+    /// Returns the width of the orifice in diameters, for a name.
+    pub(super) fn width(&self) -> String {
+        format!("D = {} d", (200.0 * self.half / DIAMETER).round() / 100.0)
+    }
+
     /// Reads and fits the profile of a run.
     pub(super) fn of(run: &Run) -> Result<Self, Fault> {
         let half = 0.5 * DIAMETER * run.value("parameters.width").unwrap_or(f64::NAN);
@@ -65,7 +72,7 @@ impl Profile {
         let spacing = points.get(1).zip(points.first()).map_or(f64::NAN, |(b, a)| b.0 - a.0);
         let flux = points.iter().map(|(_, phi, v)| phi * v).sum::<f64>() * spacing / (0.25 * PI * DIAMETER.powi(2));
         let gamma = (above / below).powi(2) / (2.0 * GRAVITY * half);
-        Self { half, points, gamma, velocity_exponent, middle, fraction_exponent, flux: flux / counted }
+        Self { half, points, gamma, velocity_exponent, middle, fraction_exponent, rate: counted, flux: flux / counted }
     }
 }
 
