@@ -61,6 +61,7 @@ mod silo_file;
 mod stops;
 mod sweep;
 mod synchronisation;
+mod validate_impacts;
 mod wall_loads;
 mod without_energy_balance;
 
