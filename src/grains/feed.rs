@@ -68,6 +68,8 @@ pub struct Feed {
     /// Species of the first size of `radius`. Default 0.
     #[serde(default)]
     pub species: u8,
+    /// Law for the masses of these grains. Default: the scene's `mass`.
+    pub mass: Option<MassLaw>,
 }
 
 /// Most places that a feed may draw in a step. Each is compared with all particles near the region.
@@ -121,6 +123,7 @@ impl Feed {
     /// Returns the mean mass of a grain, kg.
     #[must_use]
     pub fn mean_mass(&self, mass: MassLaw) -> f64 {
+        let mass = self.mass.unwrap_or(mass);
         match &self.radius {
             RadiusLaw::Fixed(radius) => mass.of(radius.get()),
             RadiusLaw::Mixture(sizes) => sizes.iter().map(|(radius, share)| share.get() * mass.of(radius.get())).sum(),
@@ -243,7 +246,9 @@ pub struct FeedPlugin<V: Space> {
 
 impl<V: Space> Plugin for FeedPlugin<V> {
     fn build(&self, app: &mut App) {
-        let inlet = |(number, config): (usize, &Feed)| Inlet::new(config, number, self.mass, self.inertia, self.seed);
+        let inlet = |(number, config): (usize, &Feed)| {
+            Inlet::new(config, number, config.mass.unwrap_or(self.mass), self.inertia, self.seed)
+        };
         let inlets: Vec<Inlet<V>> = self.feeds.iter().enumerate().map(inlet).collect();
         // A feed without an end always has a grain to come.
         let to_come = inlets.iter().map(|inlet| inlet.left.unwrap_or(1));

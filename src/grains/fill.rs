@@ -54,6 +54,8 @@ pub struct Fill {
     /// Species of the first size of `radius`. Default 0.
     #[serde(default)]
     pub species: u8,
+    /// Law for the masses of these grains. Default: the scene's `mass`.
+    pub mass: Option<MassLaw>,
 }
 
 /// Where the grains of a fill stand.
@@ -172,7 +174,7 @@ impl Fill {
         GrainRow {
             id,
             radius,
-            mass: mass.map_or(1.0, |law| law.of(radius)),
+            mass: self.mass.or(mass).map_or(1.0, |law| law.of(radius)),
             position,
             velocity: velocity + agitation * (2.0 * u - Solid::ONE),
             spin: Solid::ZERO,
@@ -250,6 +252,18 @@ mod tests {
         assert_eq!(few.grains(Dimension::Plane, None, 1, 0, 1)[2].position, Solid::new(2.5, 0.5, 0.0));
         let endless = fill("(low: (-1.7e308, 0.0), high: (1.7e308, 0.1), spacing: 1.0, radius: Fixed(0.3))");
         assert_eq!((endless.capacity(Dimension::Plane), endless.size(Dimension::Plane)), (0.0, Some(0)));
+    }
+
+    #[test]
+    fn the_mass_of_a_fill_has_precedence_over_that_of_the_scene() {
+        let own = fill(
+            "(low: (0.0, 0.0, 0.0), high: (0.1, 0.1, 0.1), spacing: 0.1, radius: Fixed(0.04), mass: Sphere(7200.0))",
+        );
+        let scene = Some(MassLaw::Sphere(2500.0.try_into().unwrap()));
+        let mass = |fill: &Fill| fill.grains(Dimension::Solid, scene, 1, 0, 1)[0].mass;
+        let usual = Fill { mass: None, ..own.clone() };
+        // Products of five rounded numbers.
+        assert!((mass(&own) / mass(&usual) - 7200.0 / 2500.0).abs() < 10.0 * f64::EPSILON);
     }
 
     #[test]

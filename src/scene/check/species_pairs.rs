@@ -215,14 +215,16 @@ fn lightest(loaded: &Loaded) -> Vec<(u8, Body, Option<Body>)> {
 /// Grains that the feeds will release: two of each size, or two of the smallest radius of a range.
 fn fed(loaded: &Loaded) -> Vec<(u8, Body)> {
     let Some(law) = loaded.scene.mass else { return Vec::new() };
-    let body = |radius: f64| Body { mass: law.of(radius), radius };
-    let two = |species: u8, radius: f64| [(species, body(radius)); 2];
-    let of_feed = |feed: &Feed| match &feed.radius {
-        RadiusLaw::Mixture(sizes) => {
-            let sizes = (feed.species..=u8::MAX).zip(sizes).filter(|(_, (_, share))| share.get() > 0.0);
-            sizes.flat_map(|(species, (radius, _))| two(species, radius.get())).collect()
+    let of_feed = |feed: &Feed| {
+        let law = feed.mass.unwrap_or(law);
+        let two = |species: u8, radius: f64| [(species, Body { mass: law.of(radius), radius }); 2];
+        match &feed.radius {
+            RadiusLaw::Mixture(sizes) => {
+                let sizes = (feed.species..=u8::MAX).zip(sizes).filter(|(_, (_, share))| share.get() > 0.0);
+                sizes.flat_map(|(species, (radius, _))| two(species, radius.get())).collect()
+            }
+            radii => two(feed.species, radii.range().0).to_vec(),
         }
-        law => two(feed.species, law.range().0).to_vec(),
     };
     loaded.scene.feed.iter().flat_map(of_feed).collect()
 }

@@ -4,6 +4,7 @@ use crate::fault::Fault;
 use crate::grains::MOST_GRAINS;
 use crate::grains::feed::MOST_TRIES;
 use crate::grains::fill::{Fill, Placement};
+use crate::grains::mass::MassLaw;
 use crate::grains::spawner::RadiusLaw;
 use crate::particle::GrainId;
 use crate::scene::expected::BYTES_PER_GRAIN;
@@ -38,12 +39,13 @@ pub fn fill(loaded: &Loaded) -> Result<(), Fault> {
                 .fault("scene::out_of_range", &key("high"), message)
                 .help("raise the box, or lower the spacing"));
         }
-        if !fill.fixed && scene.mass.is_none() {
+        let mass = fill.mass.or(scene.mass);
+        if !fill.fixed && mass.is_none() {
             return Err(loaded
                 .fault("scene::missing_key", "mass", "`fill` needs to know how heavy its grains are")
                 .help("add for example `mass: Sphere(2500.0)`, m = rho 4/3 pi R^3 in kg/m^3"));
         }
-        radii(loaded, &key("radius"), &fill.radius, fill.species)?;
+        radii(loaded, &key("radius"), &fill.radius, fill.species, mass)?;
     }
     memory(loaded, total)
 }
@@ -129,7 +131,7 @@ pub(super) fn spawner(loaded: &Loaded) -> Result<(), Fault> {
             .fault("scene::missing_key", "mass", "the spawner needs to know how heavy its grains are")
             .help("add for example `mass: ArealSquare(100.0)`, m = rho R^2 in kg/m^2"));
     }
-    radii(loaded, "spawner.radius", &spawner.radius, 0)?;
+    radii(loaded, "spawner.radius", &spawner.radius, 0, loaded.scene.mass)?;
     let room = (GrainId::MAX_GRAIN + 1).saturating_sub(loaded.first_free_id());
     if spawner.count > room {
         let message = format!("{} grains are more than there are ids left, {room}", spawner.count);
@@ -149,7 +151,7 @@ pub(super) fn feed(loaded: &Loaded) -> Result<(), Fault> {
                 .fault("scene::missing_key", "mass", "the feed needs to know how heavy its grains are")
                 .help("add for example `mass: Sphere(2500.0)`, m = rho 4/3 pi R^3 in kg/m^3"));
         };
-        radii(loaded, &key(".radius"), &feed.radius, feed.species)?;
+        radii(loaded, &key(".radius"), &feed.radius, feed.species, feed.mass.or(scene.mass))?;
         let (low, high) = feed.region.bounds();
         let count = feed.count(mass);
         let (code, name, message, help) = if scene.spawner.is_some() {
@@ -179,7 +181,7 @@ pub(super) fn feed(loaded: &Loaded) -> Result<(), Fault> {
 }
 
 /// Shares must sum to one, and a range must begin at its smaller end.
-fn radii(loaded: &Loaded, key: &str, law: &RadiusLaw, first_species: u8) -> Result<(), Fault> {
+fn radii(loaded: &Loaded, key: &str, law: &RadiusLaw, first_species: u8, mass: Option<MassLaw>) -> Result<(), Fault> {
     if matches!(law, RadiusLaw::Mixture(sizes) if sizes.is_empty()) {
         return Err(loaded
             .fault("scene::out_of_range", key, "the mixture has no sizes")
@@ -193,7 +195,7 @@ fn radii(loaded: &Loaded, key: &str, law: &RadiusLaw, first_species: u8) -> Resu
             .help("use `Uniform(smallest, largest)` for many sizes"));
     }
     let (smallest, largest) = law.range();
-    let masses = loaded.scene.mass.map(|mass| [mass.of(smallest), mass.of(largest)]);
+    let masses = mass.map(|mass| [mass.of(smallest), mass.of(largest)]);
     if masses.is_some_and(|masses| !masses.into_iter().all(f64::is_normal)) {
         return Err(loaded
             .fault("scene::out_of_range", key, "grains of this size have no mass that a double can hold")
