@@ -26,7 +26,7 @@
 //! from another mathematical library with other last bits. The test is skipped there with a message. A C library of the
 //! same target with other last bits shows as rows that differ although the program has not changed. Three kinds of scenes
 //! have no row: `examples/vibrating_wall.ron`, which needs a behaviour that the plain program lacks, studies in
-//! `scenes/studies`, and sweeps with their scenes in `scenes/sweeps`.
+//! `scenes/studies`, and sweeps with their scenes in `scenes/sweeps` and `scenes/validation`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;

@@ -3,6 +3,8 @@
 mod anand_hopper;
 mod chung_ooi;
 mod clogging;
+mod dosta_drum;
+mod dosta_impact;
 mod dosta_silo;
 mod drainage;
 mod orifice_profiles;
@@ -10,8 +12,10 @@ mod orifice_profiles;
 use crate::validation::Case;
 
 /// All cases, in the order of the page.
-pub static CASES: [&Case; 6] = [
+pub static CASES: [&Case; 8] = [
     &dosta_silo::CASE,
+    &dosta_impact::CASE,
+    &dosta_drum::CASE,
     &anand_hopper::CASE,
     &orifice_profiles::CASE,
     &drainage::CASE,
