@@ -61,8 +61,8 @@ mod silo_file;
 mod stops;
 mod sweep;
 mod synchronisation;
-mod validate_impacts;
 mod validate;
+mod validate_impacts;
 mod wall_loads;
 mod without_energy_balance;
 
