@@ -7,12 +7,13 @@ mod dosta_drum;
 mod dosta_impact;
 mod dosta_silo;
 mod drainage;
+mod janssen;
 mod orifice_profiles;
 
 use crate::validation::Case;
 
 /// All cases, in the order of the page.
-pub static CASES: [&Case; 8] = [
+pub static CASES: [&Case; 9] = [
     &dosta_silo::CASE,
     &dosta_impact::CASE,
     &dosta_drum::CASE,
@@ -20,5 +21,6 @@ pub static CASES: [&Case; 8] = [
     &orifice_profiles::CASE,
     &drainage::CASE,
     &clogging::CASE,
+    &janssen::CASE,
     &chung_ooi::CASE,
 ];
