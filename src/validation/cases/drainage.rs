@@ -45,8 +45,9 @@ const ABOVE: (f64, f64) = (1.5, 6.0);
 const LOWER: (f64, f64) = (3.0, 12.0);
 const UPPER: (f64, f64) = (12.0, 24.0);
 
-/// Where tracers start: near the middle, below the free surface, and so high that they fall ten diameters above the outlet's own region.
-const WINDOW: Window = Window { half: 6.0, low: 16.0, high: 32.0 };
+/// Where tracers start, diameters: near the middle, and where the flow still converges, so that neighbours move past each other. Higher up the bed moves as a
+/// plug.
+const WINDOW: Window = Window { half: 6.0, low: 12.0, high: 24.0 };
 
 /// A range of one order of magnitude about 100 on a logarithmic scale.
 const ORDER_OF_100: Rule = Rule::Between(31.6, 316.0);
@@ -152,7 +153,7 @@ fn judgement_of(all: &[Drainage]) -> Judgement {
             .to_owned(),
     });
     judgement.remarks.push(
-        "Spheres in a slab four diameters deep, periodic along the slot; the experiment has glass beads between front and back walls eight diameters apart, seen through one of them. \
+        "Spheres in a slab three (short form) or four diameters deep, periodic along the slot; the experiment has glass beads between front and back walls eight diameters apart, seen through one of them. \
          The mean flow is taken off each displacement."
             .to_owned(),
     );

@@ -20,6 +20,7 @@ pub static CASES: [&Case; 9] = [
     &anand_hopper::CASE,
     &orifice_profiles::CASE,
     &drainage::CASE,
+    &chute::CASE,
     &clogging::CASE,
     &janssen::CASE,
     &chung_ooi::CASE,

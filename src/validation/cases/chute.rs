@@ -1,0 +1,333 @@
+//! A layer of spheres that flows down a rough incline: friction against the inertial number, and Bagnold's profile.
+//!
+//! For each window of time `fields.csv` has the solid fraction phi, the velocity v along the incline and the stress in cells of a diameter d. The depth D of a cell is the solid
+//! above its middle over the solid fraction of the bulk, in diameters, so it needs no free surface. Fits use the cells more than five diameters above the floor and more
+//! than two below the surface.
+//!
+//! | figure | definition |
+//! |---|---|
+//! | mu | shear stress over normal stress, sums over the cells; tan(angle) in a steady layer |
+//! | exponent n | least squares of v = v_s - A D^n over v_s, A and n; Bagnold's is 3/2 |
+//! | I | shear rate times d over sqrt(P/rho), of the fit with n = 3/2: 3 A / (2 sqrt(phi g cos(angle) d)), the same at all depths |
+//!
+//! mu(I) = mu_s + (mu_2 - mu_s) / (1 + I_0/I) (Jop, Forterre and Pouliquen, Nature 441, 727, 2006). With layers of several depths at one angle the mean velocity
+//! grows as the depth to the power of 3/2.
+
+use crate::fault::Fault;
+use crate::lattice_study::results::Mean;
+use crate::sweep::fit::{Law, short};
+use crate::validation::numbers::{best_line, named};
+use crate::validation::runs::{Run, Studies};
+use crate::validation::verdict::{Judgement, Picture, Row, Rule};
+use crate::validation::{Case, file};
+use crate::writers::plot::{Axis, Curve, Panel, colour, sheet};
+
+/// The case.
+pub static CASE: Case = Case {
+    name: "chute",
+    title: "Layer on a rough incline: mu(I) and Bagnold's profile",
+    sources: "Jop, Forterre and Pouliquen 2006, Nature 441, 727: the law, with the constants of glass beads as quoted by another code; \
+              Bagnold 1954, Proc. R. Soc. A 225, 49: the exponent 3/2.",
+    files: &[
+        file!("chute", "layer.ron"),
+        file!("chute", "short.ron"),
+        file!("chute", "short-angles.ron"),
+        file!("chute", "full.ron"),
+        file!("chute", "full-angles.ron"),
+        file!("chute", "full-depths.ron"),
+        file!("chute", "full-stiff.ron"),
+    ],
+    short: &["short.ron", "short-angles.ron"],
+    full: &["full.ron", "full-angles.ron", "full-depths.ron", "full-stiff.ron"],
+    judge,
+};
+
+/// Mean diameter of the spheres (m), and gravity (m/s^2).
+const DIAMETER: f64 = 1.0e-3;
+const GRAVITY: f64 = 9.81;
+
+/// Cells that count: heights above this, and depths below this, diameters.
+const FLOOR: f64 = 5.0;
+const SURFACE: f64 = 2.0;
+
+/// mu_s, mu_2 and I_0 of glass beads (Jop), as a secondary source quotes them.
+const GLASS: [f64; 3] = [0.382, 0.643, 0.279];
+
+/// A cell: height (diameters), solid fraction, velocity (m/s), normal and shear stress (Pa).
+type Cell = [f64; 5];
+
+/// The layer in one window of time.
+#[derive(Clone, Debug)]
+struct Layer {
+    /// Angle, radians.
+    angle: f64,
+    /// Points (depth in diameters, velocity in m/s) of the cells that count.
+    points: Vec<(f64, f64)>,
+    /// Depth of the layer, diameters.
+    depth: f64,
+    mean_velocity: f64,
+    friction: f64,
+    exponent: f64,
+    inertial: f64,
+}
+
+impl Layer {
+    fn of(angle: f64, cells: &[Cell]) -> Option<Self> {
+        let solid: f64 = cells.iter().map(|cell| cell[1]).sum();
+        let dense: Vec<f64> = cells.iter().filter(|cell| cell[0] > FLOOR).map(|cell| cell[1]).collect();
+        // The mean over the part of the layer that is far from its floor and surface.
+        let bulk = dense.iter().copied().filter(|phi| *phi > 0.4).collect::<Vec<_>>();
+        let bulk = Mean::of(&bulk)?.value;
+        let above = |n: usize| (cells[n + 1..].iter().map(|cell| cell[1]).sum::<f64>() + 0.5 * cells[n][1]) / bulk;
+        let counted: Vec<_> = (0..cells.len()).filter(|n| cells[*n][0] > FLOOR && above(*n) > SURFACE).collect();
+        let points: Vec<_> = counted.iter().map(|n| (above(*n), cells[*n][2])).collect();
+        let sum = |column: usize| counted.iter().map(|n| cells[*n][column]).sum::<f64>();
+        let (exponent, _) = best_line(&points, (50..=300).map(|n| 0.01 * f64::from(n)), f64::powf)?;
+        let bagnold = Law::Line.fit(&points.iter().map(|(depth, v)| (depth.powf(1.5), *v)).collect::<Vec<_>>())?;
+        let amplitude = -named(&bagnold, "slope")?.0;
+        let flux: f64 = cells.iter().filter(|cell| cell[1] > 0.0).map(|cell| cell[1] * cell[2]).sum();
+        Some(Self {
+            angle,
+            depth: solid / bulk,
+            mean_velocity: flux / solid,
+            friction: -sum(4) / sum(3),
+            exponent,
+            inertial: 1.5 * amplitude / (bulk * GRAVITY * angle.cos() * DIAMETER).sqrt(),
+            points,
+        })
+    }
+
+    /// Reads the layers of the second half of a run's windows.
+    fn all(run: &Run) -> Result<Vec<Self>, Fault> {
+        let table = run.table("fields.csv")?;
+        let column = |name: &str| table.numbers(name).unwrap_or_default();
+        let (from, to) = (column("from_s"), column("to_s"));
+        let last = to.iter().copied().fold(0.0, f64::max);
+        let first = from.iter().copied().fold(f64::INFINITY, f64::min);
+        let names = ["x3_m", "solid_fraction", "v1", "contact_33", "kinetic_33", "contact_13", "kinetic_13"];
+        let [z, phi, v, p, pk, s, sk] = names.map(column);
+        let angle = run.number("parameters.angle").or(run.value("parameters.angle")).unwrap_or(f64::NAN).to_radians();
+        let mut layers = Vec::new();
+        let mut cells: Vec<Cell> = Vec::new();
+        for n in 0..from.len() {
+            cells.push([z[n] / DIAMETER, phi[n], if v[n].is_nan() { 0.0 } else { v[n] }, p[n] + pk[n], s[n] + sk[n]]);
+            let is_last = n + 1 == from.len() || (from[n + 1] - from[n]).abs() > 1e-9;
+            if is_last {
+                let is_whole = to[n] - from[n] > 0.4;
+                if is_whole && from[n] > 0.5 * (first + last) - 0.05 {
+                    layers.extend(Self::of(angle, &cells));
+                }
+                cells.clear();
+            }
+        }
+        Ok(layers)
+    }
+}
+
+fn mean(layers: &[Layer], of: impl Fn(&Layer) -> f64) -> Option<Mean> {
+    Mean::of(&layers.iter().map(of).collect::<Vec<_>>())
+}
+
+fn layers_of(runs: &[Run]) -> Result<Vec<Vec<Layer>>, Fault> {
+    runs.iter().map(Layer::all).collect()
+}
+
+fn judge(studies: &Studies) -> Result<Judgement, Fault> {
+    let thick = layers_of(studies.first_of(&["short.ron", "full.ron"]))?.concat();
+    let angles = layers_of(studies.first_of(&["short-angles.ron", "full-angles.ron"]))?;
+    let depths = layers_of(studies.runs("full-depths.ron"))?;
+    let stiff = layers_of(studies.runs("full-stiff.ron"))?.concat();
+    let mut judgement = judgement_of(&thick, &angles);
+    if !stiff.is_empty() {
+        let row = |name: &str, of: fn(&Layer) -> f64| {
+            let other = mean(&thick, of).map_or(f64::NAN, |mean| mean.value);
+            Row::of_mean(format!("grains ten times as stiff: {name}"), "", mean(&stiff, of))
+                .published(other, Rule::Within(0.1))
+                .remark("the other value is the soft grains'")
+        };
+        judgement.rows.push(row("inertial number", |it| it.inertial));
+        judgement.rows.push(row("exponent", |it| it.exponent));
+    }
+    let points: Vec<_> = depths
+        .iter()
+        .filter_map(|it| Some((mean(it, |it| it.depth)?.value, mean(it, |it| it.mean_velocity)?.value)))
+        .collect();
+    if let Some((exponent, error)) = Law::Power.fit(&points).and_then(|fit| named(&fit, "exponent")) {
+        judgement.rows.push(
+            Row::new(format!("exponent of the mean velocity over {} depths", points.len()), "", exponent)
+                .error(error)
+                .published(1.5, Rule::WithinAbsolute(0.15)),
+        );
+    }
+    Ok(judgement)
+}
+
+/// Judges the windows of the thick layer, and of the layers of several angles.
+fn judgement_of(thick: &[Layer], angles: &[Vec<Layer>]) -> Judgement {
+    let mut judgement = Judgement::default();
+    let rows = &mut judgement.rows;
+    let depth = mean(thick, |it| it.depth).map_or(f64::NAN, |mean| mean.value);
+    let tangent = thick.first().map_or(f64::NAN, |it| it.angle.tan());
+    rows.push(
+        Row::new("depth of the thick layer", "d", depth)
+            .rule(Rule::Between(28.5, 100.0))
+            .remark("30 at a solid fraction of 0.57"),
+    );
+    rows.push(
+        Row::of_mean("thick layer: shear over normal stress", "", mean(thick, |it| it.friction))
+            .published(tangent, Rule::Within(0.03))
+            .remark("a steady layer has the tangent of the angle"),
+    );
+    rows.push(
+        Row::of_mean("thick layer: exponent of v(surface) - v(z) against depth", "", mean(thick, |it| it.exponent))
+            .published(1.5, Rule::WithinAbsolute(0.15))
+            .remark("error over the windows of 0.5 s"),
+    );
+    rows.push(Row::of_mean("thick layer: inertial number", "", mean(thick, |it| it.inertial)));
+    let mut points = Vec::new();
+    for layers in angles {
+        let (Some(friction), Some(inertial)) = (mean(layers, |it| it.friction), mean(layers, |it| it.inertial)) else {
+            continue;
+        };
+        let degrees = (100.0 * layers[0].angle.to_degrees()).round() / 100.0;
+        rows.push(
+            Row::of_mean(format!("{degrees} degrees: mu"), "", Some(friction))
+                .published(layers[0].angle.tan(), Rule::Within(0.03))
+                .remark("as above"),
+        );
+        rows.push(Row::of_mean(format!("{degrees} degrees: I"), "", Some(inertial)));
+        points.push((inertial.value, friction.value));
+    }
+    let law = friction_law(&points);
+    if let Some(found) = law {
+        for ((name, found), glass) in ["mu_s", "mu_2", "I_0"].into_iter().zip(found).zip(GLASS) {
+            rows.push(
+                Row::new(name, "", found)
+                    .published(glass, Rule::Reported)
+                    .remark("the other value is that of glass beads, from a secondary source: no rule"),
+            );
+        }
+    }
+    judgement.pictures.push(Picture {
+        name: "",
+        svg: sheet(&[profile(thick), law_panel(&points, law)], 2),
+        caption: format!(
+            "Left: velocity against the depth to the power of 3/2 in the layer {} diameters deep, by windows; Bagnold's profile is a straight line. Right: friction against the inertial number, with the fit, and the law of \
+             glass beads dashed.",
+            short(depth)
+        ),
+    });
+    judgement.remarks.push(
+        "Spheres with friction 0.5 between each other and with the fixed ones, restitution 0.88. Each figure is a mean over the windows of the second half of the run. Layers of several angles are 15 diameters deep in the \
+         short form."
+            .to_owned(),
+    );
+    judgement
+}
+
+/// Fits mu_s, mu_2 and I_0 to points (I, mu); `None` below four points.
+fn friction_law(points: &[(f64, f64)]) -> Option<[f64; 3]> {
+    if points.len() < 4 {
+        return None;
+    }
+    let (scale, fit) = best_line(points, (5..=400).map(|n| 0.005 * f64::from(n)), |i, scale| i / (i + scale))?;
+    let start = named(&fit, "intercept")?.0;
+    Some([start, start + named(&fit, "slope")?.0, scale])
+}
+
+fn profile(thick: &[Layer]) -> Panel {
+    let curves: Vec<_> = thick
+        .iter()
+        .map(|it| Curve {
+            colour: colour(1),
+            points: it.points.iter().map(|(depth, v)| (depth.powf(1.5), *v)).collect(),
+            has_line: true,
+            has_dots: true,
+            ..Curve::default()
+        })
+        .collect();
+    let all = || curves.iter().flat_map(|curve| &curve.points);
+    let x = Axis::around("(depth / d)^(3/2)", all().map(|point| point.0).chain([0.0]));
+    let y = Axis::around("velocity, m/s", all().map(|point| point.1).chain([0.0]));
+    Panel { curves, ..Panel::new("Profile", x, y) }
+}
+
+fn law_panel(points: &[(f64, f64)], law: Option<[f64; 3]>) -> Panel {
+    let last = points.iter().map(|point| point.0).fold(0.1, f64::max) * 1.1;
+    let of = |[start, end, scale]: [f64; 3]| {
+        let places = (1..=100).map(|n| last * f64::from(n) / 100.0);
+        places.map(|i| (i, start + (end - start) * i / (i + scale))).collect::<Vec<_>>()
+    };
+    let mut curves = vec![
+        Curve {
+            name: "siloflow".to_owned(),
+            colour: colour(1),
+            points: points.to_vec(),
+            has_dots: true,
+            ..Curve::default()
+        },
+        Curve {
+            name: "glass beads (Jop)".to_owned(),
+            colour: colour(0),
+            points: of(GLASS),
+            has_line: true,
+            is_dashed: true,
+            ..Curve::default()
+        },
+    ];
+    curves.extend(law.map(|law| Curve { colour: colour(1), points: of(law), has_line: true, ..Curve::default() }));
+    let y =
+        Axis::around("shear over normal stress", curves.iter().flat_map(|curve| &curve.points).map(|point| point.1));
+    Panel { curves, ..Panel::new("mu(I)", Axis::linear("inertial number", 0.0, last), y) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::validation::verdict::Verdict;
+
+    /// Returns a layer 30 deep in which the velocity is v_s - A D^n.
+    fn layer(exponent: f64, friction: f64) -> Layer {
+        let angle = 24f64.to_radians();
+        let cell = |n: u8| {
+            let z = f64::from(n) + 0.5;
+            let depth = 30.0 - z;
+            let pressure = 2500.0 * 0.57 * GRAVITY * angle.cos() * depth * DIAMETER;
+            [z, 0.57, 1.8 - 0.01 * depth.powf(exponent), pressure, -friction * pressure]
+        };
+        Layer::of(angle, &(0..30).map(cell).collect::<Vec<_>>()).unwrap()
+    }
+
+    #[test]
+    fn exponent_friction_and_inertial_number_of_an_exact_layer_are_recovered() {
+        let it = layer(1.5, 0.43);
+        let inertial = 1.5 * 0.01 / (0.57 * GRAVITY * it.angle.cos() * DIAMETER).sqrt();
+        for (found, expected) in [(it.exponent, 1.5), (it.friction, 0.43), (it.inertial, inertial), (it.depth, 30.0)] {
+            assert!((found - expected).abs() < 1e-9, "{found} {expected}");
+        }
+        assert!((layer(2.0, 0.43).exponent - 2.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_parabola_and_an_accelerating_layer_are_misses() {
+        let misses = |it: Layer| judgement_of(&[it], &[]).count(Verdict::Miss);
+        let steady = 24f64.to_radians().tan();
+        assert_eq!(
+            (misses(layer(1.5, steady)), misses(layer(2.0, steady)), misses(layer(1.5, 0.9 * steady))),
+            (0, 1, 1)
+        );
+    }
+
+    #[test]
+    fn the_constants_of_the_friction_law_are_recovered() {
+        let [start, end, scale] = GLASS;
+        let points = [0.05, 0.1, 0.2, 0.3, 0.5].map(|i| (i, start + (end - start) * i / (i + scale)));
+        let found = friction_law(&points).unwrap();
+        // The steps of the third are 0.005.
+        assert!(
+            (found[2] - scale).abs() < 5e-3 && (found[0] - start).abs() < 2e-3 && (found[1] - end).abs() < 5e-3,
+            "{found:?}"
+        );
+        assert!(friction_law(&points[..3]).is_none());
+    }
+}
