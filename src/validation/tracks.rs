@@ -1,12 +1,13 @@
 //! Paths of grains of a draining silo, from its frames: mean squared displacement across the flow against the distance fallen.
 //!
-//! A tracer is a grain that is in a box above the orifice in a frame; tracers start in every tenth frame. Its displacement across is taken when it has fallen a
-//! distance for the first time, between the two frames about that time on a straight line.
+//! Tracers start in every tenth frame. The displacement across of a tracer is taken when it has fallen a distance for the first time, between the two frames about that
+//! time on a straight line. It counts if the tracer started in a box that lies half of this distance above the window, so the paths of all lengths have their middles
+//! in the window: grains spread faster near the orifice, where the flow shears more.
 //!
 //! | direction | what is taken off a step between two frames |
 //! |---|---|
 //! | x, towards the side walls | the mean step of all grains at that place, from cells of two by three lengths, linear between their middles: grains converge to the orifice |
-//! | y, along the periodic slot | the mean step of all grains in the box of tracers, since nothing holds the bed along the slot |
+//! | y, along the periodic slot | the mean step of all grains in the window, since nothing holds the bed along the slot |
 //!
 //! All lengths are in mean diameters.
 
@@ -31,20 +32,26 @@ pub struct Tracks {
     across: Vec<Vec<[f64; 2]>>,
 }
 
-/// A box of tracers: half-width, lowest and highest place.
+/// The window in which paths have their middles.
 #[derive(Clone, Copy, Debug)]
 pub struct Window {
     /// Half-width about the middle.
     pub half: f64,
-    /// Lowest start.
+    /// Lowest middle of a path.
     pub low: f64,
-    /// Highest start.
+    /// Highest middle of a path.
     pub high: f64,
 }
 
 impl Window {
     fn has(&self, place: [f64; 3]) -> bool {
         place[0].abs() < self.half && (self.low..self.high).contains(&place[2])
+    }
+
+    /// Whether a path from a place by at most the longest of some distances can have its middle in the window.
+    fn reaches(&self, place: [f64; 3], fallen: &[f64]) -> bool {
+        let longest = fallen.last().copied().unwrap_or(0.0);
+        place[0].abs() < self.half && (self.low..self.high + 0.5 * longest).contains(&place[2])
     }
 }
 
@@ -97,8 +104,8 @@ impl Tracks {
         let mut sums = vec![([0.0; 2], 0.0); fallen.len()];
         for start in (0..self.places.len()).step_by(EVERY) {
             for (grain, place) in self.places[start].iter().enumerate() {
-                if window.has(*place) {
-                    self.follow(start, grain, fallen, &mut sums);
+                if !place[0].is_nan() && window.reaches(*place, fallen) {
+                    self.follow(start, grain, window, fallen, &mut sums);
                 }
             }
         }
@@ -106,8 +113,8 @@ impl Tracks {
     }
 
     /// Adds the squared displacements of one tracer.
-    fn follow(&self, start: usize, grain: usize, fallen: &[f64], sums: &mut [([f64; 2], f64)]) {
-        let top = self.places[start][grain][2];
+    fn follow(&self, start: usize, grain: usize, window: Window, fallen: &[f64], sums: &mut [([f64; 2], f64)]) {
+        let [x, y, top] = self.places[start][grain];
         let mut next = 0;
         let mut before = 0.0;
         for frame in start + 1..self.places.len() {
@@ -115,11 +122,13 @@ impl Tracks {
             let fall = top - place[2];
             while next < fallen.len() && fall >= fallen[next] {
                 let share = if fall > before { (fallen[next] - before) / (fall - before) } else { 1.0 };
-                for axis in 0..2 {
-                    let [origin, a, b] = [start, frame - 1, frame].map(|frame| self.across[frame][grain][axis]);
-                    sums[next].0[axis] += (a + share * (b - a) - origin).powi(2);
+                if window.has([x, y, top - 0.5 * fallen[next]]) {
+                    for axis in 0..2 {
+                        let [origin, a, b] = [start, frame - 1, frame].map(|frame| self.across[frame][grain][axis]);
+                        sums[next].0[axis] += (a + share * (b - a) - origin).powi(2);
+                    }
+                    sums[next].1 += 1.0;
                 }
-                sums[next].1 += 1.0;
                 next += 1;
             }
             before = fall;

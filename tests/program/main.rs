@@ -62,6 +62,7 @@ mod stops;
 mod sweep;
 mod synchronisation;
 mod validate;
+mod validate_flows;
 mod validate_impacts;
 mod wall_loads;
 mod without_energy_balance;

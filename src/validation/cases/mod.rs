@@ -2,6 +2,7 @@
 
 mod anand_hopper;
 mod chung_ooi;
+mod chute;
 mod clogging;
 mod dosta_drum;
 mod dosta_impact;
