@@ -130,17 +130,22 @@ fn judgement_of(all: &[Drainage]) -> Judgement {
         Row::of_mean(quantity, unit, Mean::of(&all.iter().map(of).collect::<Vec<_>>()))
     };
     for (axis, name) in ["towards the walls", "along the slot"].into_iter().enumerate() {
-        judgement.rows.extend([
-            row(&format!("{name}: exponent below one diameter"), "", &|it| it.exponent(axis, BELOW))
-                .rule(Rule::Between(1.1, 1.9))
-                .remark("superdiffusive, but not ballistic"),
-            row(&format!("{name}: exponent from 1.5 to 6 diameters"), "", &|it| it.exponent(axis, ABOVE))
-                .published(1.0, Rule::WithinAbsolute(0.2))
-                .remark("diffusive"),
-            row(&format!("{name}: Peclet number from 1.5 to 6 diameters"), "", &|it| it.peclet(axis))
-                .published(100.0, ORDER_OF_100)
-                .remark("\"of order 100\""),
-        ]);
+        let rows = [
+            row(&format!("{name}: exponent below one diameter"), "", &|it| it.exponent(axis, BELOW)),
+            row(&format!("{name}: exponent from 1.5 to 6 diameters"), "", &|it| it.exponent(axis, ABOVE)),
+            row(&format!("{name}: Peclet number from 1.5 to 6 diameters"), "", &|it| it.peclet(axis)),
+        ];
+        // The camera of the experiment sees the direction towards the walls only.
+        let [below, above, peclet] = rows;
+        judgement.rows.extend(if axis == 0 {
+            [
+                below.rule(Rule::Between(1.1, 1.9)).remark("superdiffusive, but not ballistic"),
+                above.published(1.0, Rule::WithinAbsolute(0.2)).remark("diffusive"),
+                peclet.published(100.0, ORDER_OF_100).remark("\"of order 100\""),
+            ]
+        } else {
+            [below, above, peclet].map(|row| row.remark("not seen in the experiment"))
+        });
     }
     judgement.rows.extend([
         row("kinematic b from 3 to 8 diameters above the orifice", "d", &|it| it.b(LOWER)),
@@ -160,7 +165,7 @@ fn judgement_of(all: &[Drainage]) -> Judgement {
     });
     judgement.remarks.push(
         "Spheres in a slab three diameters deep, periodic along the slot; the experiment has glass beads between front and back walls eight diameters apart, seen through one of them. \
-         The mean flow is taken off each displacement."
+         The mean flow is taken off each displacement. Along the slot nothing holds the bed, so it also moves as a whole; only its mean motion near the axis is taken off."
             .to_owned(),
     );
     judgement
@@ -239,8 +244,8 @@ mod tests {
         };
         let growing = |z: f64| 1.0 + 0.05 * z;
         assert_eq!(of(1.5, 1.0, growing), 0);
-        // Both exponents of both directions, the Peclet number of both, and the length of diffusion.
-        assert!(of(2.0, 2.0, growing) >= 4);
+        // Both exponents. The Peclet number of this curve is 13.
+        assert_eq!(of(2.0, 2.0, growing), 3);
         // A b that falls with height.
         assert_eq!(of(1.5, 1.0, |z| 3.0 - 0.05 * z), 1);
     }
