@@ -14,7 +14,7 @@ mod orifice_profiles;
 use crate::validation::Case;
 
 /// All cases, in the order of the page.
-pub static CASES: [&Case; 9] = [
+pub static CASES: [&Case; 10] = [
     &dosta_silo::CASE,
     &dosta_impact::CASE,
     &dosta_drum::CASE,
