@@ -12,7 +12,7 @@ use crate::validation::numbers::{between, interpolated, slope};
 use crate::validation::runs::{Run, Studies};
 use crate::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::validation::{Case, file};
-use crate::writers::plot::{Axis, Curve, Panel, colour, sheet};
+use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
 
 /// The case.
 pub static CASE: Case = Case {
@@ -130,8 +130,8 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
             .rows
             .push(Row::of_mean(format!("{name}: mass that stays"), "g", mean(last)).published(9.2, Rule::Reported));
         let first = &all[0];
-        let points =
-            between(&first.curve, 0.0, 2.5).into_iter().map(|(time, grams)| (time - first.shift, grams)).collect();
+        let shifted: Vec<_> = first.curve.iter().map(|(time, grams)| (time - first.shift, *grams)).collect();
+        let points = between(&shifted, 0.0, 2.5);
         curves.push(Curve {
             name: name.to_owned(),
             colour: colour(number),
@@ -142,7 +142,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     }
     let axes = [Axis::linear("time, s (shifted to fit)", 0.0, 2.5), Axis::linear("mass out, g", 0.0, 100.0)];
     let [x, y] = axes;
-    let svg = sheet(&[Panel { curves, ..Panel::new("Discharge", x, y) }], 1);
+    let svg = sheet(&[Panel { curves, key: Key::Above, ..Panel::new("Discharge", x, y) }], 1);
     let caption = "Mass that has left a slab of 6,790 grains. Curves are those of the first seed.".to_owned();
     judgement.pictures.push(Picture { name: "", svg, caption });
     judgement.remarks.push(

@@ -84,7 +84,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     if depths.len() > 1 {
         judgement.rows.push(spread);
     }
-    judgement.pictures.push(picture(paths));
+    judgement.pictures.push(picture(&paths));
     judgement.remarks.push(
         "Spheres, box, ball and laws are the published ones. The beds are made here: spheres begin at random places and settle for 0.1 s while the ball flies freely \
          towards its published place and velocity."
@@ -93,43 +93,30 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     Ok(judgement)
 }
 
-fn picture(paths: Vec<Vec<(f64, f64)>>) -> Picture {
-    let mut curves: Vec<_> = paths
-        .into_iter()
-        .enumerate()
-        .map(|(number, points)| {
+fn picture(paths: &[Vec<(f64, f64)>]) -> Picture {
+    let panel = |title: &str, x: (f64, f64), y: (f64, f64)| {
+        let is_inside = |point: &(f64, f64)| (x.0..=x.1).contains(&point.0) && (y.0..=y.1).contains(&point.1);
+        let of_bed = |(number, path): (usize, &Vec<(f64, f64)>)| {
             let name = if number == 0 { "siloflow, each bed".to_owned() } else { String::new() };
+            let points = path.iter().copied().filter(is_inside).collect();
             Curve { name, colour: colour(1), points, has_line: true, ..Curve::default() }
-        })
-        .collect();
-    let points = CODES.iter().map(|code| (code.3, code.1)).collect();
-    curves.push(Curve {
-        name: "deepest place of seven codes".to_owned(),
-        colour: colour(2),
-        points,
-        has_dots: true,
-        ..Curve::default()
-    });
-    let panel = |title: &str, x: (f64, f64), y: (f64, f64)| Panel {
-        curves: curves.clone(),
-        key: Key::LowerLeft,
-        ..Panel::new(
-            title,
-            Axis::linear("time after the published start, ms", x.0, x.1),
-            Axis::linear("height of the ball's centre, mm", y.0, y.1),
-        )
+        };
+        let codes = CODES.iter().map(|code| (code.3, code.1)).collect();
+        let name = "deepest place of seven codes".to_owned();
+        let published = Curve { name, colour: colour(2), points: codes, has_dots: true, ..Curve::default() };
+        Panel {
+            curves: paths.iter().enumerate().map(of_bed).chain([published]).collect(),
+            key: Key::LowerLeft,
+            ..Panel::new(
+                title,
+                Axis::linear("time after the published start, ms", x.0, x.1),
+                Axis::linear("height of the ball's centre, mm", y.0, y.1),
+            )
+        }
     };
-    let svg = sheet(
-        &[
-            panel("Path of the ball", (0.0, 35.0), (-80.0, 60.0)),
-            panel("Near its deepest place", (28.0, 35.0), (-80.0, -76.0)),
-        ],
-        2,
-    );
-    Picture {
-        name: "",
-        svg,
-        caption: "Height of the ball's centre. The floor is at -90.2 mm, and the ball would touch it at -80.2 mm."
-            .to_owned(),
-    }
+    let whole = panel("Path of the ball", (0.0, 35.0), (-100.0, 60.0));
+    let deepest = panel("Near its deepest place", (28.0, 34.0), (-81.0, -76.0));
+    let caption =
+        "Height of the ball's centre. The floor is at -90.2 mm, and the ball would touch it at -80.2 mm.".to_owned();
+    Picture { name: "", svg: sheet(&[whole, deepest], 2), caption }
 }
