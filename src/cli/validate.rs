@@ -15,6 +15,7 @@ use crate::cli::{picture_files, say, show};
 use crate::fault::Fault;
 use crate::output::run_directory::write_results;
 use crate::sweep::Sweep;
+use crate::sweep::fit::short;
 use crate::validation::cases::CASES;
 use crate::validation::page::{self, Section};
 use crate::validation::runs::{Studies, sweep_directory};
@@ -77,7 +78,8 @@ pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) ->
             continue;
         };
         let judgement = (case.judge)(&studies)?;
-        let section = Section { case, form, runs: studies.all().count(), seconds: studies.seconds(), judgement };
+        let (runs, particle_steps, seconds) = (studies.all().count(), studies.particle_steps(), studies.seconds());
+        let section = Section { case, form, runs, particle_steps, seconds, judgement };
         if !quiet {
             say(&in_words(&section));
         }
@@ -211,5 +213,10 @@ fn in_words(section: &Section) -> String {
         );
     }
     let [pass, miss] = [Verdict::Pass, Verdict::Miss].map(|verdict| section.judgement.count(verdict));
-    text + &format!("  {pass} pass, {miss} miss; {} runs, {:.1} s on one core\n", section.runs, section.seconds)
+    text + &format!(
+        "  {pass} pass, {miss} miss; {} runs, {} particle-steps, {:.1} s on one core\n",
+        section.runs,
+        short(section.particle_steps),
+        section.seconds
+    )
 }

@@ -27,6 +27,8 @@ pub struct Section<'a> {
     pub form: Form,
     /// Number of runs.
     pub runs: usize,
+    /// Particle-steps of all runs.
+    pub particle_steps: f64,
     /// Time of the runs on their cores, s.
     pub seconds: f64,
     /// The verdict.
@@ -68,14 +70,14 @@ impl Section<'_> {
     /// Returns `CASE.md`. Writing to a string cannot fail.
     #[must_use]
     pub fn markdown(&self) -> String {
-        let Self { case, form, runs, seconds, judgement } = self;
+        let Self { case, form, runs, particle_steps, judgement, .. } = self;
         let flag = if *form == Form::Full { " --full" } else { "" };
         let mut text = format!(
-            "## {}\n\n{}\n\nThe {} form: {runs} runs, {} on one core. `siloflow validate {}{flag}`\n\n",
+            "## {}\n\n{}\n\nThe {} form: {runs} runs, {} particle-steps. `siloflow validate {}{flag}`\n\n",
             case.title,
             case.sources,
             form.name(),
-            duration(*seconds),
+            short(*particle_steps),
             case.name
         );
         text += "| quantity | siloflow | published | rule | verdict |\n|---|---|---|---|---|\n";
@@ -100,15 +102,6 @@ impl Section<'_> {
             let _ = write!(text, "\n{remark}\n");
         }
         text
-    }
-}
-
-/// Returns a time in the unit that suits it.
-fn duration(seconds: f64) -> String {
-    match seconds {
-        s if s < 100.0 => format!("{s:.1} s"),
-        s if s < 6000.0 => format!("{:.0} min", s / 60.0),
-        s => format!("{:.1} h", s / 3600.0),
     }
 }
 

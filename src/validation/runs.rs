@@ -112,6 +112,12 @@ impl Studies {
         found.next().map_or(&[], |(_, runs)| runs)
     }
 
+    /// Returns the particle-steps of all runs: the number of steps, summed over all grains.
+    #[must_use]
+    pub fn particle_steps(&self) -> f64 {
+        self.all().filter_map(|run| run.number("performance.particle_steps")).sum()
+    }
+
     /// Returns the time of all runs on their cores, s.
     #[must_use]
     pub fn seconds(&self) -> f64 {
