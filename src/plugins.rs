@@ -76,7 +76,10 @@ pub(crate) fn add_all<V: Space>(
         .add("always", StorePlugin(space))
         .add("always", TableSortPlugin)
         .add("always", ObservePlugin)
-        .add("neighbours", NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius })
+        .add(
+            "neighbours",
+            NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius, range: loaded.adhesive_range() },
+        )
         .add("integrator", IntegratorPlugin { kind: scene.integrator, space })
         .add("until", EndingPlugin { until: scene.until.get() })
         .add("always", FinitePlugin(space))

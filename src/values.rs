@@ -79,6 +79,11 @@ checked_number!(
     Share, "a share from 0 to 1", |s| (0.0..=1.0).contains(&s)
 );
 
+impl NonNegative {
+    /// Zero.
+    pub(crate) const ZERO: Self = Self(0.0);
+}
+
 /// A finite vector of two or three components, as many as the scene's `space` has ([`rules`](crate::scene::rules)).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
 #[serde(try_from = "Components", into = "Components")]

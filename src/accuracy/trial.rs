@@ -126,6 +126,14 @@ fn scene_text(system: &System, scheme: &Scheme, dt: f64, until: f64) -> String {
             "Hertz(restitution: {e:?}, tangential: Mindlin(friction: {mu:?})), \
              materials: [(young: {young:?}, poisson: {poisson:?})]"
         ),
+        Law::Jkr { young, poisson, work } => format!(
+            "Hertz(restitution: 1.0, tangential: Mindlin(friction: 0.0), adhesion: Jkr({work:?})), \
+             materials: [(young: {young:?}, poisson: {poisson:?})]"
+        ),
+        Law::Adhesive { young, poisson, e, mu, work } => format!(
+            "Hertz(restitution: {e:?}, tangential: Mindlin(friction: {mu:?}), adhesion: Dmt({work:?})), \
+             materials: [(young: {young:?}, poisson: {poisson:?})]"
+        ),
     };
     let mut walls = String::new();
     for Floor { point, normal } in &system.floors {

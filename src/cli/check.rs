@@ -110,6 +110,13 @@ fn describe(loaded: &Loaded, text: &mut String) {
         e.impact_overlap,
         e.static_overlap,
     );
+    if e.adhesive_overlap > 0.0 {
+        let _ = writeln!(
+            text,
+            "adhesion          overlap up to {:.2e} of the radius in bodies that touch at rest",
+            e.adhesive_overlap
+        );
+    }
     if let TimeStep::Auto { error } = loaded.scene.step {
         let _ = writeln!(text, "automatic step    {}", automatic(&e, error.get()).reason);
     }

@@ -26,18 +26,29 @@ use crate::space::{Linear, Space};
 use crate::store::{Rotation, TOTAL_AND_DISSIPATIVE};
 
 /// Returns a number that is negative if the contact may open or close within the step, or, with friction, if its normal
-/// force may change its sign. `even` (s) times the normal speed is the overlap from which neither happens without drag.
+/// force may change its sign. `even` (s) times the normal speed is the overlap from which neither happens without drag. `range`
+/// (m) is how far the contact exists beyond touch.
 #[inline(always)]
-fn slack<L: LawRequirements, V: Space>(pair: &Pair<V>, force: &PairForce<V>, even: f64) -> f64 {
+fn slack<L: PairLaw<V> + LawRequirements, V: Space>(
+    law: &L,
+    pair: &Pair<V>,
+    force: &PairForce<V>,
+    (even, range): (f64, f64),
+) -> f64 {
     let nearest = even * pair.normal_velocity().abs();
-    let opening = pair.overlap - nearest;
+    let overlap = if L::REACHES { pair.overlap + range } else { pair.overlap };
+    let opening = overlap - nearest;
     if !L::SPIN {
         return opening;
     }
     // The drag of a separating contact reduces the force, so that its sign may change at a larger overlap.
-    let total = force.smooth.dot(pair.normal);
+    let mut total = force.smooth.dot(pair.normal);
+    if L::PULLS {
+        // An adhesive pull does not count in the cap of friction.
+        total += law.pull(pair);
+    }
     let spring = total - force.drag.dot(pair.normal);
-    opening.min(total.min(spring) * pair.overlap - spring * nearest)
+    opening.min(total.min(spring) * overlap - spring * nearest)
 }
 
 /// Contacts i, j side by side; units as in [`Pair`].
@@ -150,6 +161,7 @@ impl<V: Space> Batch<V> {
         for lane in 0..self.lanes() {
             let pair = self.pair::<L>(lane, times);
             let mut memory = self.memory.get::<L>(lane);
+            let range = if CENTRED && L::REACHES { law.range(&pair, &memory) } else { 0.0 };
             let force = law.force(&pair, &mut memory);
             deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
             self.output.store_force::<L>(lane, &pair, &force);
@@ -158,12 +170,22 @@ impl<V: Space> Batch<V> {
             }
             self.memory_after.set::<L>(lane, &memory);
             if CENTRED {
-                let slack = slack::<L, V>(&pair, &force, even);
+                let slack = slack(law, &pair, &force, (even, range));
                 self.slack[lane] = slack;
                 near += u32::from(slack < 0.0);
             }
         }
         (deeper, near)
+    }
+
+    /// Marks the lanes of bodies that are within range beyond touch but not in contact.
+    #[inline]
+    pub fn mark_gaps<L: LawRequirements>(&mut self) {
+        for lane in 0..if L::REACHES { self.len.min(LANES) } else { 0 } {
+            if self.memory_after.get::<L>(lane).stiffness <= 0.0 {
+                self.output.no_contact(lane);
+            }
+        }
     }
 
     /// Evaluates `law` for all contacts of the batch. With [`TOTAL_AND_DISSIPATIVE`] as `NUMBERS` it also stores the

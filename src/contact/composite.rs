@@ -9,7 +9,12 @@ use crate::contact::tangential::{NormalLoad, Tangential, Unloading};
 use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::space::Space;
 
-/// A force along the normal: max(spring - c v_n, floor) n.
+/// Half-width of a step, in radii, from which differences of energies are accurate.
+const MEASURABLE: f64 = 1e-13;
+
+/// A force along the normal: (max(spring - c v_n, floor) - pull) n.
+///
+/// The pull is zero without adhesion. The force without the pull is the normal load, which caps friction.
 pub trait Normal: Copy + Send + Sync + 'static {
     /// See [`LawRequirements::RADII`].
     const RADII: bool = true;
@@ -18,6 +23,10 @@ pub trait Normal: Copy + Send + Sync + 'static {
     const EVEN: f64;
     /// Whether the drag coefficient goes to zero with the overlap.
     const FADES: bool = false;
+    /// Whether there is a pull.
+    const PULLS: bool = false;
+    /// Whether a contact exists beyond touch, up to [`Normal::range`], and its forces jump where it begins and ends.
+    const REACHES: bool = false;
 
     /// Returns the spring force, N.
     fn spring<V: Space>(&self, pair: &Pair<V>) -> f64;
@@ -36,12 +45,30 @@ pub trait Normal: Copy + Send + Sync + 'static {
     /// Returns the lower bound of the total normal force, N: 0, or minus infinity where the force may pull.
     fn floor(&self) -> f64;
 
+    /// Returns the pull, N. The part of it that acts from touch on is multiplied by `share`, the fraction of a step in
+    /// contact.
+    #[inline(always)]
+    fn pull<V: Space>(&self, _pair: &Pair<V>, _share: f64) -> f64 {
+        0.0
+    }
+
+    /// Returns the range of a contact beyond touch at a reduced radius (m), m.
+    #[inline(always)]
+    fn range(&self, _reduced_radius: f64) -> f64 {
+        0.0
+    }
+
+    /// See [`PairLaw::lost_at_break`].
+    fn lost_at_break<V: Space>(&self, _pair: &Pair<V>) -> f64 {
+        0.0
+    }
+
     /// See [`PairLaw::needs_mass_root`].
     fn needs_mass_root(&self) -> bool {
         false
     }
 
-    /// Returns the energy stored in the spring, J.
+    /// Returns the energy stored in the contact by spring and pull, J.
     fn energy<V: Space>(&self, pair: &Pair<V>) -> f64;
 
     /// See [`PairLaw::stiffness`].
@@ -77,28 +104,57 @@ impl<N: Normal, T: Tangential, R: Rolling> LawRequirements for Composite<N, T, R
     const SPRING: bool = T::SPRING;
     const STIFFNESS: bool = T::STIFFNESS;
     const ROLLING: bool = R::ROLLING;
+    const TWISTING: bool = R::TWISTING;
+    const PULLS: bool = N::PULLS;
+    const REACHES: bool = N::REACHES;
+}
+
+impl<N: Normal, T: Tangential, R: Rolling> Composite<N, T, R> {
+    /// Returns the range beyond touch of a contact with this memory, m; 0 if it does not exist.
+    #[inline(always)]
+    fn range_of<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        if N::REACHES && memory.stiffness > 0.0 { self.normal.range(pair.reduced_radius()) } else { 0.0 }
+    }
 }
 
 impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N, T, R> {
     #[inline(always)]
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
+        if N::REACHES && pair.overlap + self.range_of(pair, memory) <= 0.0 {
+            *memory = Memory::default();
+            return PairForce::default();
+        }
         let spring = self.normal.spring(pair);
         let drag = self.normal.drag(pair);
-        let total = (spring - drag * pair.normal_velocity()).max(self.normal.floor());
-        let mut force = PairForce::along(pair.normal, total, spring);
-        self.tangential.add(pair, total, drag, memory, &mut force.turning);
-        self.rolling.add(pair, total, memory, &mut force.turning);
+        let load = (spring - drag * pair.normal_velocity()).max(self.normal.floor());
+        let pull = self.normal.pull(pair, 1.0);
+        let mut force = PairForce::along(pair.normal, load - pull, spring - pull);
+        self.tangential.add(pair, load, drag, memory, &mut force.turning);
+        self.rolling.add(pair, load, memory, &mut force.turning);
         force
     }
 
     #[inline(always)]
     fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         let window = Window::of(pair);
-        let (overlap, before) = (pair.overlap, pair.overlap - window.moved);
-        let now = pair.at_overlap(overlap);
+        // Measured from where the contact breaks, if it exists beyond touch.
+        let range = self.range_of(pair, memory);
+        let exists = memory.stiffness > 0.0;
+        let overlap = if N::REACHES { pair.overlap + range } else { pair.overlap };
+        let before = overlap - window.moved;
+        let at = |overlap: f64| {
+            let mut pair = pair.at_overlap(overlap);
+            if N::REACHES {
+                pair.overlap -= range;
+            }
+            pair
+        };
+        let (now, then) = (at(overlap), at(before));
         let (spring, drag) = (self.normal.spring(&now), self.normal.drag(&now));
         let [mean, mean_before] = if overlap >= N::EVEN * window.half_width {
             [self.normal.even_drag(drag, &window, overlap); 2]
+        } else if N::REACHES {
+            [(&now, overlap), (&then, before)].map(|(pair, overlap)| self.normal.mean_drag(pair, &window, overlap))
         } else {
             [overlap, before].map(|overlap| self.normal.mean_drag(pair, &window, overlap))
         };
@@ -107,19 +163,43 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         // h times the mobility (1/kg) of the pair, and of its grains without another contact.
         let [half, half_lone] =
             [inverse_masses[0] + inverse_masses[1], pair.ahead.lone_mobility()].map(|m| 0.5 * pair.dt * m);
-        let spring_before = self.normal.spring(&pair.at_overlap(before));
+        let spring_before = self.normal.spring(&then);
+        let [pull, pull_before] = if N::PULLS {
+            [(&now, overlap), (&then, before)].map(|(pair, overlap)| self.normal.pull(pair, window.share(overlap)))
+        } else {
+            [0.0; 2]
+        };
+        // The force of a contact that reaches beyond touch jumps, and is steep where the contact breaks. So it is averaged
+        // exactly: its mean is the gain of the stored energy over the way.
+        let w = window.half_width;
+        let mean_over = |overlap: f64| {
+            let gained = self.normal.energy(&at(overlap + w)) - self.normal.energy(&at(overlap - w));
+            0.5 * gained / w + self.normal.pull(pair, window.share(overlap))
+        };
+        let [mean_spring, mean_spring_before] = if !N::REACHES || overlap >= N::EVEN * w {
+            [spring, spring_before]
+        } else if w > MEASURABLE * pair.radii[0] {
+            [mean_over(overlap), mean_over(before)]
+        } else {
+            [spring * window.share(overlap), spring_before * window.share(before)]
+        };
         let floor = self.normal.floor();
-        let force_before = (spring_before + mean_before * (window.closing - gained)).max(floor);
-        let change = half_lone * (spring_before - spring) + half * (force_before - spring_before);
+        let force_before = (mean_spring_before + mean_before * (window.closing - gained)).max(floor);
+        let change = half_lone * ((mean_spring_before - pull_before) - (mean_spring - pull))
+            + half * (force_before - mean_spring_before);
         let closing = (window.closing + gained + change) / (1.0 + half * mean);
-        let total = (spring + mean * closing).max(floor);
-        let mut force = PairForce::along(pair.normal, total, spring);
+        let total = (mean_spring + mean * closing).max(floor);
+        let mut force = PairForce::along(pair.normal, total - pull, mean_spring - pull);
         if T::SPIN {
             let whole = (spring + drag * closing).max(floor);
             // Turning normals and rounding may give a new contact a positive overlap at the beginning of the step. A
             // contact without a spring is treated as new.
-            let is_new = before <= 0.0 || T::SPRING && before < window.moved && memory.spring == V::ZERO;
-            let drag_at = |overlap: f64| self.normal.drag(&pair.at_overlap(overlap));
+            let is_new = if N::REACHES {
+                !exists
+            } else {
+                before <= 0.0 || T::SPRING && before < window.moved && memory.spring == V::ZERO
+            };
+            let drag_at = |overlap: f64| self.normal.drag(&at(overlap));
             // The normal force at the beginning of the step, without its lower bound.
             let begins = spring_before + drag_at(before) * (window.closing - gained);
             let event = if is_new {
@@ -128,7 +208,8 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
                     // contact opened.
                     let own = half * force_before;
                     let speed = window.closing + (gained + own) * (1.0 - 2.0 * ago / pair.dt) + 2.0 * own;
-                    (ago, (drag_at(0.0) * speed).max(floor), true)
+                    let load = drag_at(0.0) * speed;
+                    (ago, if N::REACHES { load + self.normal.spring(&at(0.0)) } else { load }.max(floor), true)
                 })
             } else {
                 let earlier = begins.max(floor);
@@ -136,7 +217,8 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
             };
             let gathering = if overlap > 0.0 { event.map_or(pair.dt, |(ago, ..)| ago) } else { 0.0 };
             let shares = [before, overlap].map(|overlap| window.share(overlap));
-            let unloading = if is_new {
+            // The load of a contact beyond touch does not fall to zero before it breaks.
+            let unloading = if is_new || N::REACHES {
                 None
             } else if overlap > 0.0 {
                 Unloading::of([begins, spring + drag * closing], pair.dt, &window, overlap, pair.dt)
@@ -149,6 +231,10 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
             let load = NormalLoad { whole, averaged, shares, drag, mean_drags, fades, gathering, event, unloading };
             self.tangential.add_centred(pair, &load, memory, &mut force.turning);
             self.rolling.add_centred(pair, &load, memory, &mut force.turning);
+            if N::REACHES && is_new && overlap <= 0.0 {
+                // The contact forms after this evaluation.
+                *memory = Memory::default();
+            }
         }
         force
     }
@@ -163,6 +249,24 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
 
     fn on_contact_end(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
         [self.tangential.on_contact_end(pair, memory), self.rolling.on_contact_end(pair, memory)]
+    }
+
+    #[inline(always)]
+    fn range(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        self.range_of(pair, memory)
+    }
+
+    fn range_at(&self, reduced_radius: f64) -> f64 {
+        self.normal.range(reduced_radius)
+    }
+
+    fn lost_at_break(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        if N::REACHES && memory.stiffness > 0.0 { self.normal.lost_at_break(pair) } else { 0.0 }
+    }
+
+    #[inline(always)]
+    fn pull(&self, pair: &Pair<V>) -> f64 {
+        self.normal.pull(pair, 1.0)
     }
 
     fn needs_mass_root(&self) -> bool {
@@ -195,6 +299,7 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
 
     fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
         let normal = [self.normal.stiffness(bounce), self.normal.damping(bounce)];
-        [normal, self.tangential.mode(bounce, normal[1]), self.rolling.mode(bounce)]
+        let tangential = self.tangential.mode(bounce, normal[1]);
+        [normal, tangential, self.rolling.mode(bounce, tangential[0])]
     }
 }

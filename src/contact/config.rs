@@ -4,16 +4,19 @@ use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
 
+use crate::contact::adhesion::{Adhesion, Adhesive};
 use crate::contact::assignment::Assignment;
 use crate::contact::composite::{Composite, Normal};
 use crate::contact::damping::{Attraction, Damping};
-use crate::contact::hertz::{Hertz, Material, Mindlin};
+use crate::contact::hertz::{Hertz, Material, Mindlin, MindlinDamping};
+use crate::contact::jkr::{Jkr, JkrFriction};
 use crate::contact::linear::LinearNormal;
-use crate::contact::rolling::{NoRolling, RollingResistance};
+use crate::contact::rolling::{AnyRolling, NoRolling, RollingKeys, RollingKind, RollingResistance};
 use crate::contact::table::PairTable;
 use crate::contact::tangential::{ConstantStiffness, Dashpot, Lever, NoFriction, SpringSlider, TangentialDamping};
+use crate::contact::twisting::TwistingKeys;
 use crate::contact::{AnyLaw, LawRequirements, PairLaw};
-use crate::space::Space;
+use crate::space::{Plane, Space};
 use crate::values::{NonNegative, Positive, Restitution};
 
 /// The scene's `contact`: the law between grains, and between grains and walls.
@@ -39,10 +42,16 @@ pub enum Contact {
         /// Friction. Without it, the default, grains do not spin.
         tangential: Option<Friction>,
         /// Rolling resistance; only together with `Spring` friction.
-        rolling: Option<RollingResistance>,
+        rolling: Option<RollingKeys>,
         /// Point at which friction acts.
         #[serde(default)]
         lever: Lever,
+        /// Adhesion; only together with friction with memory.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        adhesion: Option<Adhesion>,
+        /// Twisting resistance; only in solid space, together with friction with memory.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        twisting: Option<TwistingKeys>,
     },
     /// Hertz's law, [`Hertz`], between the scene's `materials`.
     Hertz {
@@ -54,10 +63,16 @@ pub enum Contact {
         /// Friction. Without it, the default, grains do not spin.
         tangential: Option<HertzFriction>,
         /// Rolling resistance; only together with friction.
-        rolling: Option<RollingResistance>,
+        rolling: Option<RollingKeys>,
         /// Point at which friction acts.
         #[serde(default)]
         lever: Lever,
+        /// Adhesion; only together with friction with memory.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        adhesion: Option<Adhesion>,
+        /// Twisting resistance; only in solid space, together with friction with memory.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        twisting: Option<TwistingKeys>,
     },
 }
 
@@ -91,6 +106,9 @@ pub enum HertzFriction {
     Mindlin {
         /// Coefficient mu.
         friction: NonNegative,
+        /// Tangential damping. By default, the damping ratio of the normal force.
+        #[serde(skip_serializing_if = "Option::is_none")]
+        damping: Option<MindlinDamping>,
     },
 }
 
@@ -110,6 +128,13 @@ impl Contact {
     pub fn kind(&self) -> &'static str {
         match self {
             Self::Assignment { .. } => "Assignment",
+            Self::Linear { adhesion: Some(_), .. } => "Linear with adhesion",
+            Self::Hertz { adhesion: Some(Adhesion::Jkr(_)), .. } => "Hertz with adhesion beyond touch",
+            Self::Hertz { adhesion: Some(_), .. } => "Hertz with adhesion",
+            Self::Linear { .. } if self.is_general() => {
+                "Linear with twisting, or rolling of the kind Elastic or Torque"
+            }
+            Self::Hertz { .. } if self.is_general() => "Hertz with twisting, or rolling of the kind Elastic or Torque",
             Self::Linear { tangential: None, .. } => "Linear",
             Self::Linear { tangential: Some(Friction::Dashpot { .. }), .. } => "Linear with Dashpot",
             Self::Linear { tangential: Some(_), rolling: None, .. } => "Linear with Spring",
@@ -118,6 +143,35 @@ impl Contact {
             Self::Hertz { rolling: None, .. } => "Hertz with Mindlin",
             Self::Hertz { .. } => "Hertz with Mindlin and rolling",
         }
+    }
+
+    /// Returns the twisting resistance.
+    #[must_use]
+    pub fn twisting(&self) -> Option<TwistingKeys> {
+        let (Self::Linear { twisting, .. } | Self::Hertz { twisting, .. }) = self else { return None };
+        *twisting
+    }
+
+    /// Returns the rolling resistance.
+    #[must_use]
+    pub fn rolling(&self) -> Option<RollingKeys> {
+        let (Self::Linear { rolling, .. } | Self::Hertz { rolling, .. }) = self else { return None };
+        *rolling
+    }
+
+    /// Returns the adhesion.
+    #[must_use]
+    pub fn adhesion(&self) -> Option<Adhesion> {
+        let (Self::Linear { adhesion, .. } | Self::Hertz { adhesion, .. }) = self else { return None };
+        *adhesion
+    }
+
+    /// Returns whether the law has a term whose kind is a number of the kernel: one kernel serves all such linear laws, and one
+    /// all such laws of Hertz.
+    fn is_general(&self) -> bool {
+        self.adhesion().is_some()
+            || self.twisting().is_some()
+            || self.rolling().is_some_and(|rolling| rolling.kind != RollingKind::Spring)
     }
 
     /// Returns whether the forces depend on positions alone. The centred scheme then changes nothing.
@@ -185,6 +239,13 @@ impl Contacts<'_> {
             // A single species needs no table.
             Contact::Assignment { k, b } if self.species == 1 => visitor.take(Assignment::new(k, b)),
             Contact::Assignment { .. } => visitor.take(self.table(|a, b| self.assignment(a, b))),
+            Contact::Linear { .. } if self.usual.is_general() => {
+                visitor.take(self.table(|a, b| self.general_linear(a, b)))
+            }
+            Contact::Hertz { adhesion: Some(Adhesion::Jkr(_)), .. } => visitor.take(self.table(|a, b| self.jkr(a, b))),
+            Contact::Hertz { .. } if self.usual.is_general() => {
+                visitor.take(self.table(|a, b| self.general_hertz(a, b)))
+            }
             Contact::Linear { tangential: None, .. } if self.species == 1 => {
                 visitor.take(frictionless(self.linear(0, 0).normal))
             }
@@ -273,10 +334,57 @@ impl Contacts<'_> {
     }
 
     fn rolling(&self, a: u8, b: u8) -> RollingResistance {
-        match self.contact_of(a, b) {
-            Contact::Linear { rolling: Some(rolling), .. } | Contact::Hertz { rolling: Some(rolling), .. } => rolling,
-            _ => unreachable!("{SAME_KIND}"),
-        }
+        self.contact_of(a, b)
+            .rolling()
+            .and_then(|rolling| rolling.spring())
+            .unwrap_or_else(|| unreachable!("{SAME_KIND}"))
+    }
+
+    fn general_rolling(&self, a: u8, b: u8, tangential: Option<f64>, fades: bool) -> AnyRolling {
+        let contact = self.contact_of(a, b);
+        AnyRolling::new(contact.rolling(), contact.twisting(), tangential, fades)
+    }
+
+    fn general_linear(
+        &self,
+        a: u8,
+        b: u8,
+    ) -> Composite<Adhesive<LinearNormal>, SpringSlider<ConstantStiffness>, AnyRolling> {
+        let Composite { normal, tangential, .. } = self.spring_friction(a, b, NoRolling);
+        let rolling = self.general_rolling(a, b, Some(tangential.modulus.k), true);
+        Composite { normal: Adhesive::new(normal, self.contact_of(a, b).adhesion()), tangential, rolling }
+    }
+
+    fn general_hertz(&self, a: u8, b: u8) -> Composite<Adhesive<Hertz>, SpringSlider<Mindlin>, AnyRolling> {
+        let Composite { normal, tangential, .. } = self.mindlin(a, b, NoRolling);
+        let rolling = self.general_rolling(a, b, None, true);
+        Composite { normal: Adhesive::new(normal, self.contact_of(a, b).adhesion()), tangential, rolling }
+    }
+
+    fn jkr(&self, a: u8, b: u8) -> Composite<Jkr, SpringSlider<JkrFriction>, AnyRolling> {
+        let Contact::Hertz {
+            restitution,
+            attraction,
+            tangential: Some(HertzFriction::Mindlin { friction, damping }),
+            adhesion: Some(Adhesion::Jkr(work)),
+            lever,
+            ..
+        } = self.contact_of(a, b)
+        else {
+            unreachable!("{SAME_KIND}")
+        };
+        let materials = self.materials(a, b);
+        let normal = Jkr::new(materials, restitution, attraction, work);
+        let share = damping.map(|MindlinDamping::OfNormal(share)| share.get());
+        let tangential =
+            SpringSlider { modulus: JkrFriction::new(materials, normal, share), friction: friction.get(), lever };
+        Composite { normal, tangential, rolling: self.general_rolling(a, b, None, false) }
+    }
+
+    /// Returns the largest range of a contact beyond touch at a reduced radius (m), m.
+    #[must_use]
+    pub fn range(&self, reduced_radius: f64) -> f64 {
+        self.any::<Plane>().0.range_at(reduced_radius)
     }
 
     pub(crate) fn materials(&self, a: u8, b: u8) -> [Material; 2] {
@@ -289,12 +397,17 @@ impl Contacts<'_> {
     }
 
     fn mindlin<R>(&self, a: u8, b: u8, rolling: R) -> Composite<Hertz, SpringSlider<Mindlin>, R> {
-        let Contact::Hertz { tangential: Some(HertzFriction::Mindlin { friction }), lever, .. } = self.contact_of(a, b)
+        let Contact::Hertz { tangential: Some(HertzFriction::Mindlin { friction, damping }), lever, .. } =
+            self.contact_of(a, b)
         else {
             unreachable!("{SAME_KIND}")
         };
         let normal = self.hertz(a, b);
-        let modulus = Mindlin::new(self.materials(a, b), normal);
+        let usual = Mindlin::new(self.materials(a, b), normal);
+        let modulus = match damping {
+            None => usual,
+            Some(MindlinDamping::OfNormal(share)) => usual.with_drag_share(share.get()),
+        };
         Composite { normal, tangential: SpringSlider { modulus, friction: friction.get(), lever }, rolling }
     }
 }

@@ -7,6 +7,7 @@ use std::ops::{AddAssign, Range, SubAssign};
 
 use crate::contact::batch::Batch;
 use crate::contact::geometry::{ended_pair, ended_wall_pair};
+use crate::contact::history::EndLosses;
 use crate::contact::kernel::{Pass, touch};
 use crate::contact::lanes::LANES;
 use crate::contact::{LawRequirements, Memory, Pair, PairForce, PairLaw, Turning};
@@ -18,12 +19,12 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
     /// Returns the energy stored in the springs of a contact that has ended, J. It is lost to friction and rolling
     /// resistance.
     #[cold]
-    pub(super) fn on_contact_end(&self, store: &ParticleStore<V>, contact: Candidate, memory: &Memory<V>) -> [f64; 2] {
+    pub(super) fn on_contact_end(&self, store: &ParticleStore<V>, contact: Candidate, memory: &Memory<V>) -> EndLosses {
         if !store.tracks_energy {
-            return [0.0; 2];
+            return [0.0; 3];
         }
         let [i, j] = contact.both();
-        self.law.on_contact_end(&ended_pair(store, i, j, self.dt), memory)
+        self.lost_at_end(&ended_pair(store, i, j, self.dt), memory)
     }
 
     /// Returns the energy lost when a contact with a wall ends, J. Returns 0 if the wall is a door that has been
@@ -34,12 +35,17 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         store: &ParticleStore<V>,
         contact: Candidate,
         memory: &Memory<V>,
-    ) -> [f64; 2] {
+    ) -> EndLosses {
         let [i, wall] = contact.both();
         if !(self.walls[wall].is_present && store.tracks_energy) {
-            return [0.0; 2];
+            return [0.0; 3];
         }
-        self.law.on_contact_end(&ended_wall_pair(store, i, &self.walls[wall], self.dt), memory)
+        self.lost_at_end(&ended_wall_pair(store, i, &self.walls[wall], self.dt), memory)
+    }
+
+    fn lost_at_end(&self, pair: &Pair<V>, memory: &Memory<V>) -> EndLosses {
+        let [sliding, rolling] = self.law.on_contact_end(pair, memory);
+        [sliding, rolling, self.law.lost_at_break(pair, memory)]
     }
 }
 

@@ -67,14 +67,14 @@ impl<V: Space> WallLine<V> {
     }
 }
 
-/// Returns the contact of the particles in slots `i` and `j` if they overlap and at least one can move. `root` asks for
-/// the root of the reduced mass.
+/// Returns the contact of the particles in slots `i` and `j` if they overlap or are within the range of a contact beyond touch,
+/// and at least one can move. `root` asks for the root of the reduced mass.
 // Always inlined: a `Pair` is large, and returning it through memory would make each contact stall on its own stores.
 #[inline(always)]
 #[must_use]
 pub fn touching<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, root: bool) -> Option<Pair<V>> {
     let (a, b) = (&store.body[i], &store.body[j]);
-    let (separation, reach) = (store.separation(a.position, b.position), a.radius + b.radius);
+    let (separation, reach) = (store.separation(a.position, b.position), a.radius + b.radius + store.prediction.range);
     let squared = separation.length_squared();
     // Written so that a NaN does not touch.
     if squared < reach * reach && !(store.is_fixed(i) && store.is_fixed(j)) {
@@ -126,14 +126,19 @@ fn closing_speed<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWal
     (store.middle_velocity(i) - of_wall).dot(normal).abs()
 }
 
-/// Returns the nearest point of a wall to the movable particle in slot `i`, if they touch within the time `ahead`, s.
+/// Returns the nearest point of a wall to the movable particle in slot `i`, if they touch within the time `ahead`, s, or are within
+/// the range of a contact beyond touch.
 #[inline(always)]
 fn beside_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, ahead: f64) -> Option<WallLine<V>> {
     let body = &store.body[i];
     let beside = WallLine::new(body, wall);
     let window = if ahead > 0.0 { ahead * closing_speed(store, i, wall, &beside) } else { 0.0 };
     // Written so that a NaN does not touch.
-    if beside.line.distance < body.radius + window && wall.is_present { Some(beside) } else { None }
+    if beside.line.distance < body.radius + (window + store.prediction.range) && wall.is_present {
+        Some(beside)
+    } else {
+        None
+    }
 }
 
 /// Returns the contact of the movable particle in slot `i` with a wall that no other wall is near, if they touch within

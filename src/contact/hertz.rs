@@ -10,7 +10,8 @@
 //!   Cleary, Powder Technology 233, 30, 2013, fits the forbidden case: its error in e is 3e-4 up to e = 0.9, and
 //!   2e-2 at e = 1;
 //! * tangential k_t = 8 G* sqrt(R* delta), c_t = 2 z sqrt(k_t m_eff) ([`Mindlin`]). This is the no-slip stiffness with
-//!   one spring and Coulomb's cap; the partial slip of Mindlin and Deresiewicz is not modelled.
+//!   one spring and Coulomb's cap; the partial slip of Mindlin and Deresiewicz is not modelled. A scene may give c_t as a
+//!   share of c instead, as in LAMMPS and MFiX.
 //!
 //! E and G in Pa. In a planar scene discs interact like spheres.
 
@@ -22,7 +23,7 @@ use crate::contact::damping::Attraction;
 use crate::contact::tangential::Modulus;
 use crate::contact::{Bounce, Pair};
 use crate::space::Space;
-use crate::values::{PoissonRatio, Positive, Restitution};
+use crate::values::{NonNegative, PoissonRatio, Positive, Restitution};
 
 /// One of the scene's `materials`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
@@ -158,6 +159,22 @@ impl Mindlin {
         let shear_modulus = a.effective_shear_modulus(b);
         Self { shear_modulus, ratio: normal.ratio, drag_share: (4.0 * shear_modulus / normal.modulus).sqrt(), normal }
     }
+}
+
+impl Mindlin {
+    /// Returns the term with c_t = `share` c.
+    #[must_use]
+    pub fn with_drag_share(self, share: f64) -> Self {
+        // c_t/c = sqrt(k_t/S_n) at equal ratios.
+        Self { ratio: self.ratio * share / self.drag_share, drag_share: share, ..self }
+    }
+}
+
+/// How a scene gives the tangential drag of [`Mindlin`].
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+pub enum MindlinDamping {
+    /// c_t is this fraction of the normal c.
+    OfNormal(NonNegative),
 }
 
 impl Modulus for Mindlin {

@@ -34,14 +34,20 @@ pub struct ContactLosses {
     pub rolling: f64,
     /// Lost to tangential dashpots, computed with the velocities that the force evaluation uses.
     pub dashpots: f64,
+    /// Lost where contacts beyond touch break.
+    pub breaking: f64,
 }
 
+/// Energies lost where a contact ends, J: with the tangential spring, with the rolling spring, and with the normal force.
+pub(crate) type EndLosses = [f64; 3];
+
 impl ContactLosses {
-    /// Adds losses by sliding and by rolling, J.
+    /// Adds the losses of a contact that has ended, J.
     #[inline]
-    pub(crate) fn add(&mut self, [sliding, rolling]: [f64; 2]) {
+    pub(crate) fn add(&mut self, [sliding, rolling, breaking]: EndLosses) {
         self.sliding += sliding;
         self.rolling += rolling;
+        self.breaking += breaking;
     }
 }
 
@@ -50,6 +56,7 @@ impl AddAssign for ContactLosses {
         self.sliding += more.sliding;
         self.rolling += more.rolling;
         self.dashpots += more.dashpots;
+        self.breaking += more.breaking;
     }
 }
 

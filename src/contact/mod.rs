@@ -4,8 +4,8 @@
 //! Particles i and j touch when |x_ij| < R_i + R_j, with x_ij = x_i - x_j. Their overlap is delta = R_i + R_j - |x_ij|.
 //! Their normal is n = x_ij/|x_ij|, from j to i.
 //!
-//! A contact law is a [`PairLaw`]. [`composite`] builds laws from terms: a normal force ([`linear`], [`hertz`]),
-//! friction ([`tangential`]) and rolling resistance ([`rolling`]). [`assignment`] is a law without terms. [`table`]
+//! A contact law is a [`PairLaw`]. [`composite`] builds laws from terms: a normal force ([`linear`], [`hertz`], with
+//! [`adhesion`], and [`jkr`]), friction ([`tangential`]) and rolling resistance ([`rolling`], with [`twisting`]). [`assignment`] is a law without terms. [`table`]
 //! holds the parameters for each species pair. [`centred`] averages a law over a step, for the integration scheme of
 //! second order.
 //!
@@ -13,6 +13,7 @@
 //! keeps the memories of contacts between steps. [`crate::survey`] shows contacts to other systems. Contacts with walls
 //! obey the same law, with a partner of infinite mass ([`crate::walls::surfaces`]).
 
+pub mod adhesion;
 pub mod assignment;
 pub(crate) mod batch;
 pub mod centred;
@@ -25,6 +26,7 @@ mod forces;
 pub mod geometry;
 pub mod hertz;
 pub mod history;
+pub mod jkr;
 pub mod kernel;
 pub(crate) mod lanes;
 pub mod linear;
@@ -35,6 +37,7 @@ pub mod spring;
 mod start;
 pub mod table;
 pub mod tangential;
+pub mod twisting;
 
 use std::sync::Arc;
 
@@ -141,6 +144,8 @@ pub struct Memory<V: Space = Plane> {
     pub spring: V,
     /// Displacement of the rolling spring, m.
     pub rolling: V,
+    /// Displacement of the twisting spring, m. It has the same sign from both sides.
+    pub twist: f64,
     /// Tangential stiffness at the last evaluation, N/m, for laws whose stiffness changes; 0 in a new contact. Laws
     /// from other crates may keep any number here: only the law reads it.
     pub stiffness: f64,
@@ -165,7 +170,7 @@ pub struct PairForce<V: Space = Plane> {
     pub turning: Turning<V>,
 }
 
-/// Friction and rolling resistance of a contact. The torque on i is `-arms[0] n x friction + rolling`. The torque on j
+/// Friction, rolling and twisting resistance of a contact. The torque on i is `-arms[0] n x friction + rolling`. The torque on j
 /// is `-arms[1] n x friction - rolling`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Turning<V: Space = Plane> {
@@ -175,7 +180,7 @@ pub struct Turning<V: Space = Plane> {
     pub friction_drag: V,
     /// Distances from the centres of i and j to the point at which `friction` acts, m.
     pub arms: [f64; 2],
-    /// Torque of rolling resistance on i, N m.
+    /// Torque of rolling and twisting resistance on i, N m.
     pub rolling: V::Spin,
     /// The dashpot part of `rolling`, N m.
     pub rolling_drag: V::Spin,
@@ -185,6 +190,8 @@ pub struct Turning<V: Space = Plane> {
     pub lost_by_rolling: f64,
     /// Whether the friction force is at its cap.
     pub is_sliding: bool,
+    /// Tangential stiffness at the previous evaluation, N/m, for laws whose stiffness changes: input of rolling resistance.
+    pub stiffness_before: f64,
 }
 
 impl<V: Space> PairForce<V> {
@@ -236,6 +243,28 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     /// k S/2 . v dt that the spring takes from the motion in the last step ([`spring`]).
     fn on_contact_end(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> [f64; 2] {
         [0.0, 0.0]
+    }
+
+    /// Returns the range of a contact beyond touch, m: a contact with this memory exists while its overlap is greater than
+    /// minus the range. A contact that does not exist has no range.
+    fn range(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> f64 {
+        0.0
+    }
+
+    /// Returns the range of a contact beyond touch at a reduced radius (m), for estimates and searches, m.
+    fn range_at(&self, _reduced_radius: f64) -> f64 {
+        0.0
+    }
+
+    /// Returns the energy that the normal force loses where a contact beyond touch breaks, J. `pair` is that of the end of
+    /// the step.
+    fn lost_at_break(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> f64 {
+        0.0
+    }
+
+    /// Returns the adhesive pull in the normal force, N. Friction is capped with the normal force without it.
+    fn pull(&self, _pair: &Pair<V>) -> f64 {
+        0.0
     }
 
     /// Whether the law reads [`Pair::root`]. Computing the root takes time.
@@ -307,8 +336,15 @@ pub trait LawRequirements {
     const SPRING: bool = false;
     /// [`Memory::rolling`].
     const ROLLING: bool = false;
+    /// [`Memory::twist`]. Only together with [`Self::ROLLING`].
+    const TWISTING: bool = false;
     /// [`Memory::stiffness`]: the tangential stiffness, or a number of the law's own.
     const STIFFNESS: bool = false;
+    /// Whether the normal force has an adhesive pull, [`PairLaw::pull`].
+    const PULLS: bool = false;
+    /// Whether contacts may exist beyond touch, [`PairLaw::range`]. A contact then exists if its [`Memory::stiffness`] is not
+    /// zero, so that the law needs [`Self::STIFFNESS`].
+    const REACHES: bool = false;
     /// Whether the kernel needs radius and mass of each particle, not only the sums for the pair.
     const INDIVIDUAL_BODIES: bool = Self::RADII || Self::SPIN;
     /// Whether contacts have a memory.

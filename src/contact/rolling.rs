@@ -1,4 +1,5 @@
-//! Rolling resistance: an elastic-plastic spring-dashpot against the relative rolling of two grains.
+//! Rolling resistance: an elastic-plastic spring-dashpot against the relative rolling of two grains. [`AnyRolling`] has other
+//! kinds.
 //!
 //! The rolling velocity v_r = R_eff (w_i - w_j) x n accumulates in a displacement xi (m), R_eff = R_i R_j/(R_i + R_j).
 //! The rolling force is F_r = -k xi - c v_r, capped at mu_r |F_n| as in [`Slider`]. The torque on i is R_eff n x F_r,
@@ -6,9 +7,13 @@
 //! the torque's cap is mu_r R_eff |F_n|.
 //!
 //! Source: model C of Ai, Chen, Rotter and Ooi, Powder Technology 206, 269, 2011, in the units of LAMMPS's `rolling
-//! sds`. Limit: twisting about the normal is not resisted.
+//! sds`. Twisting about the normal is resisted by [`twisting`](super::twisting).
+
+mod any;
 
 use serde::{Deserialize, Serialize};
+
+pub use self::any::{AnyRolling, RollingKeys, RollingKind};
 
 use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
 use crate::contact::tangential::NormalLoad;
@@ -16,9 +21,8 @@ use crate::contact::{Bounce, Memory, Pair, Turning, VelocityPrediction};
 use crate::space::Space;
 use crate::values::{NonNegative, Positive};
 
-/// The scene's `contact.rolling`.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
+/// A spring and a dashpot against rolling: the kind `Spring`.
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RollingResistance {
     /// Stiffness k, N/m.
     pub k: Positive,
@@ -39,7 +43,8 @@ pub enum RollingDamping {
 
 impl RollingDamping {
     /// Returns c, N s/m.
-    fn of(self, reduced_mass: f64) -> f64 {
+    #[inline(always)]
+    pub(super) fn of(self, reduced_mass: f64) -> f64 {
         match self {
             Self::B(b) => b.get(),
             Self::PerMass(gamma) => gamma.get() * reduced_mass,
@@ -51,6 +56,8 @@ impl RollingDamping {
 pub trait Rolling: Copy + Send + Sync + 'static {
     /// Whether the term needs [`Memory::rolling`].
     const ROLLING: bool;
+    /// Whether the term needs [`Memory::twist`].
+    const TWISTING: bool = false;
 
     /// Adds the torque; `normal_force` in N.
     fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>);
@@ -67,8 +74,8 @@ pub trait Rolling: Copy + Send + Sync + 'static {
     /// Returns the stored energy, J.
     fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
 
-    /// Returns stiffness (N/m) and drag coefficient (N s/m).
-    fn mode(&self, bounce: &Bounce) -> [f64; 2];
+    /// Returns stiffness (N/m) and drag coefficient (N s/m). `tangential` is the stiffness of friction, N/m.
+    fn mode(&self, bounce: &Bounce, tangential: f64) -> [f64; 2];
 
     /// Returns the energy lost at the end of a contact, J; see
     /// [`PairLaw::on_contact_end`](crate::contact::PairLaw::on_contact_end).
@@ -79,6 +86,14 @@ pub trait Rolling: Copy + Send + Sync + 'static {
 #[inline(always)]
 fn rolling_velocity<V: Space>(pair: &Pair<V>) -> V {
     pair.normal.turned_by((pair.spins[0] - pair.spins[1]) * pair.reduced_radius())
+}
+
+/// Returns the mobilities of rolling, 1/kg: R_eff^2/I summed over i and j, then only over grains without another contact.
+#[inline(always)]
+pub(super) fn mobilities<V: Space>(pair: &Pair<V>) -> [f64; 2] {
+    let VelocityPrediction { inverse_inertias: [i, j], only_contact, .. } = pair.ahead;
+    let squared = pair.reduced_radius().powi(2);
+    [squared * (i + j), squared * (only_contact[0] * i + only_contact[1] * j)]
 }
 
 /// Sets the torques of a rolling force with arm R_eff.
@@ -107,7 +122,7 @@ impl Rolling for NoRolling {
         0.0
     }
 
-    fn mode(&self, _: &Bounce) -> [f64; 2] {
+    fn mode(&self, _: &Bounce, _: f64) -> [f64; 2] {
         [0.0, 0.0]
     }
 
@@ -139,9 +154,7 @@ impl Rolling for RollingResistance {
         let (drag, friction) = (self.damping.of(pair.reduced_mass), self.friction.get());
         let slider = Slider { stiffness: self.k.get(), drag, cap: friction * load.whole.abs() };
         let middle = rolling_velocity(pair);
-        let VelocityPrediction { inverse_inertias: [i, j], only_contact, .. } = pair.ahead;
-        let squared = pair.reduced_radius().powi(2);
-        let mobilities = [squared * (i + j), squared * (only_contact[0] * i + only_contact[1] * j)];
+        let mobilities = mobilities(pair);
         let motion = [middle, rolling_velocity(&pair.predicted()) - middle];
         memory.rolling = at_evaluation(memory.rolling, motion, pair.lead);
         let mut sweep = load.sweep(motion, mobilities, friction, [pair.dt, pair.lead]);
@@ -157,7 +170,7 @@ impl Rolling for RollingResistance {
         0.5 * self.k.get() * (memory.rolling - rolling_velocity(pair) * pair.lead).length_squared()
     }
 
-    fn mode(&self, bounce: &Bounce) -> [f64; 2] {
+    fn mode(&self, bounce: &Bounce, _: f64) -> [f64; 2] {
         [self.k.get(), self.damping.of(bounce.reduced_mass)]
     }
 

@@ -24,11 +24,18 @@ pub(super) fn force_at_start<V: Space, L: PairLaw<V>>(
     half: f64,
     reach: f64,
 ) -> Option<PairForce<V>> {
+    if law.range(pair, memory) > 0.0 {
+        // A contact of an earlier run.
+        return Some(law.force(pair, memory));
+    }
     let moved = -half * pair.normal_velocity();
     // The overlap changes from `overlap` to `overlap + moved`.
     let [least, most] = [pair.overlap.min(pair.overlap + moved), pair.overlap.max(pair.overlap + moved)];
     if most <= 0.0 || pair.overlap <= 0.0 && moved > reach {
         return None;
+    }
+    if law.range_at(pair.reduced_radius()) > 0.0 {
+        return Some(beyond_touch(law, pair, memory, most / moved.abs()));
     }
     let empty = *memory;
     let mut force = law.force(&pair.at_overlap(pair.overlap), memory);
@@ -49,7 +56,34 @@ pub(super) fn force_at_start<V: Space, L: PairLaw<V>>(
             turning.rolling_drag += at.turning.rolling_drag * weight;
             turning.is_sliding |= at.turning.is_sliding;
         }
-        force = PairForce { smooth: force.elastic() + drag, drag, turning };
+        let mut smooth = force.elastic() + drag;
+        // A pull jumps to its value at touch, so that it acts in the share of the half step in contact.
+        let missing = (1.0 - share) * law.pull(&pair.at_overlap(pair.overlap));
+        if missing > 0.0 {
+            smooth += pair.normal * missing;
+        }
+        force = PairForce { smooth, drag, turning };
     }
     Some(force)
+}
+
+/// Returns the force of a contact that may exist beyond touch. It acts as it is if the bodies overlap. Otherwise it begins within
+/// the half step, and the force at touch acts in the share `lasts`.
+fn beyond_touch<V: Space, L: PairLaw<V>>(law: &L, pair: &Pair<V>, memory: &mut Memory<V>, lasts: f64) -> PairForce<V> {
+    if pair.overlap > 0.0 {
+        return law.force(pair, memory);
+    }
+    let touching = Pair { overlap: f64::MIN_POSITIVE, ..*pair };
+    let PairForce { smooth, drag, turning } = law.force(&touching, &mut Memory::default());
+    let share = lasts.min(1.0);
+    let turning = Turning {
+        friction: turning.friction * share,
+        friction_drag: turning.friction_drag * share,
+        rolling: turning.rolling * share,
+        rolling_drag: turning.rolling_drag * share,
+        lost_by_sliding: 0.0,
+        lost_by_rolling: 0.0,
+        ..turning
+    };
+    PairForce { smooth: smooth * share, drag: drag * share, turning }
 }

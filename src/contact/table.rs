@@ -44,7 +44,10 @@ impl<L: LawRequirements> LawRequirements for PairTable<L> {
     const RADII: bool = L::RADII;
     const SPRING: bool = L::SPRING;
     const ROLLING: bool = L::ROLLING;
+    const TWISTING: bool = L::TWISTING;
     const STIFFNESS: bool = L::STIFFNESS;
+    const PULLS: bool = L::PULLS;
+    const REACHES: bool = L::REACHES;
 }
 
 impl<V: Space, L: PairLaw<V>> PairLaw<V> for PairTable<L> {
@@ -68,6 +71,24 @@ impl<V: Space, L: PairLaw<V>> PairLaw<V> for PairTable<L> {
 
     fn on_contact_end(&self, pair: &Pair<V>, memory: &Memory<V>) -> [f64; 2] {
         self.of(pair.species).on_contact_end(pair, memory)
+    }
+
+    #[inline(always)]
+    fn range(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        self.of(pair.species).range(pair, memory)
+    }
+
+    fn range_at(&self, reduced_radius: f64) -> f64 {
+        self.largest(|law| law.range_at(reduced_radius))
+    }
+
+    fn lost_at_break(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        self.of(pair.species).lost_at_break(pair, memory)
+    }
+
+    #[inline(always)]
+    fn pull(&self, pair: &Pair<V>) -> f64 {
+        self.of(pair.species).pull(pair)
     }
 
     fn needs_mass_root(&self) -> bool {

@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::dashpot::Dashpot;
 pub use self::load::{NormalLoad, Unloading};
+pub(super) use self::spring_slider::mean_of;
 pub use self::spring_slider::{ConstantStiffness, Modulus, SpringSlider};
 use crate::contact::damping::Coefficient;
 use crate::contact::{Bounce, Memory, Pair, Turning, VelocityPrediction};

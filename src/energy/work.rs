@@ -99,7 +99,7 @@ pub(super) fn add_friction_loss<V: Space>(
     // Step zero counts too: a dashpot beyond the cap loads its spring there, and this energy must have a source.
     channels.tangential += losses.sliding + losses.dashpots;
     channels.rolling += losses.rolling;
-    flows.dissipated += losses.sliding + losses.rolling;
+    flows.dissipated += losses.sliding + losses.rolling + losses.breaking;
     if !clock.is_step_zero() {
         let half = 0.5 * clock.dt;
         channels.rolling += half * (last.rolling + rolling);

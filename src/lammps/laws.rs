@@ -11,6 +11,7 @@
 //! | friction `Dashpot`, `Spring`, `Mindlin` | `linear_nohistory`, `linear_history`, `mindlin_rescale/force` with k_t = 8 G* |
 //! | `rolling` | `rolling sds` |
 //! | attraction `Forbidden` | `limit_damping` |
+//! | `adhesion`, `twisting`, `rolling` of other kinds than `Spring` | refused |
 //!
 //! In LAMMPS, c_t is a share of the normal c, and a(e) is the polynomial of Tsuji, Tanaka and Ishida (Powder Technology 71, 239, 1992).
 //! The file `laws/tsuji.rs` inverts it, so that c is equal to round-off for every pair of masses. `mindlin_rescale/force` treats a changing stiffness as
@@ -26,7 +27,8 @@ use std::fmt::Write as _;
 use crate::contact::config::{Contact, Friction, HertzFriction};
 use crate::contact::damping::{Attraction, Damping};
 use crate::contact::hertz::Material;
-use crate::contact::rolling::{RollingDamping, RollingResistance};
+use crate::contact::hertz::MindlinDamping;
+use crate::contact::rolling::{RollingDamping, RollingKeys};
 use crate::contact::tangential::{Lever, TangentialDamping};
 use crate::fault::Fault;
 use crate::lammps::laws::tsuji::tsuji;
@@ -198,6 +200,10 @@ fn model(
 ) -> Result<Model, Fault> {
     let refuse = |term: &str, why: &str, help: &str| Err(refused(loaded, &format!("{key}.{term}"), why).help(help));
     match *contact {
+        Contact::Linear { twisting: Some(_), .. } => refuse("Linear.twisting", TWISTING, TWISTING_HELP),
+        Contact::Hertz { twisting: Some(_), .. } => refuse("Hertz.twisting", TWISTING, TWISTING_HELP),
+        Contact::Linear { adhesion: Some(_), .. } => refuse("Linear.adhesion", ADHESION, ADHESION_HELP),
+        Contact::Hertz { adhesion: Some(_), .. } => refuse("Hertz.adhesion", ADHESION, ADHESION_HELP),
         Contact::Assignment { k, b } => Ok(Model {
             normal: format!("hooke {}", number(k.get())),
             damping: b.get(),
@@ -238,7 +244,7 @@ fn model(
                     format!("{style} {} {}", number(share), number(friction.get()))
                 }
             };
-            let rolling = rolling_words(loaded, rolling.as_ref(), mass, &format!("{key}.Linear.rolling.damping"))?;
+            let rolling = rolling_words(loaded, rolling.as_ref(), mass, &format!("{key}.Linear.rolling"))?;
             let normal = format!("hooke {}", number(k.get()));
             Ok(Model { normal, damping, drag_kind, tangential, rolling, limit: limit(attraction) })
         }
@@ -252,19 +258,26 @@ fn model(
             };
             let tangential = match tangential {
                 None => "linear_nohistory 0.0 0.0".to_owned(),
-                Some(HertzFriction::Mindlin { friction }) => {
-                    let share = (4.0 * shear / modulus).sqrt();
+                Some(HertzFriction::Mindlin { friction, damping }) => {
+                    let share = match damping {
+                        None => (4.0 * shear / modulus).sqrt(),
+                        Some(MindlinDamping::OfNormal(share)) => share.get(),
+                    };
                     let [k, share, friction] = [8.0 * shear, share, friction.get()].map(number);
                     format!("mindlin_rescale/force {k} {share} {friction}")
                 }
             };
-            let rolling = rolling_words(loaded, rolling.as_ref(), mass, &format!("{key}.Hertz.rolling.damping"))?;
+            let rolling = rolling_words(loaded, rolling.as_ref(), mass, &format!("{key}.Hertz.rolling"))?;
             let normal = format!("hertz {}", number(4.0 / 3.0 * modulus));
             Ok(Model { normal, damping, drag_kind, tangential, rolling, limit: limit(attraction) })
         }
     }
 }
 
+const TWISTING: &str = "`twisting sds` of LAMMPS has one torque stiffness for all radii";
+const TWISTING_HELP: &str = "export without `twisting`";
+const ADHESION: &str = "adhesion is not translated: LAMMPS caps friction and limits damping in another way";
+const ADHESION_HELP: &str = "export without `adhesion`";
 const CONTACT_POINT: &str =
     "LAMMPS computes the sliding velocity with the radii as arms, not with arms to the contact point";
 const TOO_DAMPED: &str = "`damping tsuji` of LAMMPS cannot damp as much as this restitution needs";
@@ -286,11 +299,19 @@ fn share_of_normal(given: TangentialDamping, normal: f64, model: &str) -> Option
 
 fn rolling_words(
     loaded: &Loaded,
-    rolling: Option<&RollingResistance>,
+    rolling: Option<&RollingKeys>,
     mass: Option<f64>,
     key: &str,
 ) -> Result<String, Fault> {
-    let Some(rolling) = rolling else { return Ok(String::new()) };
+    let Some(keys) = rolling else { return Ok(String::new()) };
+    let Some(rolling) = keys.spring() else {
+        return Err(refused(
+            loaded,
+            &format!("{key}.kind"),
+            &format!("LAMMPS has no rolling resistance of the kind `{:?}`", keys.kind),
+        )
+        .help("export with `kind: Spring`"));
+    };
     let drag = match (rolling.damping, mass) {
         (RollingDamping::B(b), _) => b.get(),
         (RollingDamping::PerMass(gamma), _) if gamma.get() <= 0.0 => 0.0,
@@ -298,7 +319,7 @@ fn rolling_words(
         (RollingDamping::PerMass(_), None) => {
             return Err(refused(
                 loaded,
-                key,
+                &format!("{key}.damping"),
                 "`rolling sds` of LAMMPS has one drag for all masses, and masses differ here",
             )
             .help("give it as B(...), or export grains of one mass without fixed discs"));

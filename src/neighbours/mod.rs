@@ -110,7 +110,7 @@ impl<V: Space> Search<V> {
             Method::Cells(cells) => {
                 cells.fill(store.body.iter().map(|body| body.position));
                 let range_check = if renumbered { cells.check_range(store) } else { Ok(()) };
-                cells.set_reach(store.prediction.margin);
+                cells.set_reach(store.prediction.margin + store.prediction.range);
                 // The list is made even after an error, so that the state left by the failed step has a valid list.
                 cells.find(store, &mut self.list);
                 self.list.assign_tasks(store.len(), threads.count(), BLOCK);
@@ -139,7 +139,7 @@ impl<V: Space> ParticleStore<V> {
     /// Returns whether the contact law must test this pair.
     fn may_touch(&self, i: usize, j: usize) -> bool {
         // Summed in the same order as in the kernel, so that both agree to the last bit.
-        let reach = self.body[i].radius + self.body[j].radius + self.prediction.margin;
+        let reach = self.body[i].radius + self.body[j].radius + (self.prediction.margin + self.prediction.range);
         self.separation(self.body[i].position, self.body[j].position).length_squared() < reach * reach
     }
 }
@@ -180,10 +180,13 @@ pub struct NeighboursPlugin<V: Space> {
     pub periodic: Option<Periodic<V>>,
     /// Largest radius of all grains, m.
     pub largest_radius: f64,
+    /// Largest range of a contact beyond touch, m.
+    pub range: f64,
 }
 
 impl<V: Space> Plugin for NeighboursPlugin<V> {
     fn build(&self, app: &mut App) {
+        app.world_mut().resource_mut::<ParticleStore<V>>().prediction.range = self.range;
         app.insert_resource(Search::new(self.kind, self.periodic, self.largest_radius))
             .init_resource::<Rebuilds>()
             .derived::<Search<V>>()

@@ -2,7 +2,7 @@
 //!
 //! Each particle has an allowance, the distance it may move before the list must change: half the skin, plus the
 //! distance it covers in [`HORIZON`] steps at its present speed. A pair is listed if its centres are closer than
-//! R_i + R_j + both allowances. An unlisted pair cannot touch before one of the two has used up its allowance. So the
+//! R_i + R_j + both allowances. With contacts beyond touch, half of their largest range is not available for motion. An unlisted pair cannot touch before one of the two has used up its allowance. So the
 //! few grains that fall fast have long rows, and do not force the many grains at rest to renew theirs.
 //!
 //! Each row is in ascending order. A search rebuilds the list: with one grid of cells ([`candidate_search`]), or, if sizes differ
@@ -61,6 +61,7 @@ impl<V: Space> VerletList<V> {
         let left = |(i, (body, anchor)): (usize, (&Body<V>, &Anchor<V>))| {
             // With centred contacts, pairs that touch within the look-ahead time must be listed too.
             let ahead = store.prediction.lookahead * store.middle_velocity(i).extent();
+            let ahead = if store.prediction.range > 0.0 { ahead + 0.5 * store.prediction.range } else { ahead };
             anchor.allowance - ahead - store.separation(body.position, anchor.position).length()
         };
         let particles = || store.body.iter().zip(&self.anchors).enumerate();

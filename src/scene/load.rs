@@ -548,6 +548,13 @@ impl Loaded {
         start.chain(to_come).chain(feeds).reduce(|a, b| (a.0.min(b.0), a.1.max(b.1)))
     }
 
+    /// The largest range of a contact beyond touch, m, for the largest grain in a hollow of the wall that multiplies its reduced radius
+    /// by up to 8.
+    #[must_use]
+    pub fn adhesive_range(&self) -> f64 {
+        self.grain_radii().map_or(0.0, |(_, largest)| self.contacts().range(8.0 * largest))
+    }
+
     /// The largest centre distance, m, at which a grain touches another particle.
     #[must_use]
     pub fn contact_range(&self) -> f64 {

@@ -21,6 +21,8 @@ pub struct Prediction<V: Space = Plane> {
     pub spring_damping: f64,
     /// The largest gap that two particles can close in the time `lookahead`, m.
     pub margin: f64,
+    /// The largest range of a contact beyond touch, m. It belongs to the contact law and does not change.
+    pub range: f64,
     /// 1 for particles that had at most one contact when contacts were last counted, else 0.
     pub lone: Vec<u8>,
     /// Whether velocities are predicted ones.
@@ -39,6 +41,7 @@ impl<V: Space> Default for Prediction<V> {
             spin_share: 0.0,
             spring_damping: 0.0,
             margin: 0.0,
+            range: 0.0,
             lone: Vec::new(),
             is_ahead: false,
             middle: Vec::new(),

@@ -97,8 +97,8 @@ impl<'a, V: Space> Survey<'a, V> {
         let (store, mut memories) = (self.store, self.history.read_walls());
         for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
             for (index, pair) in self.contacts_with_walls(i) {
-                if accepts(i, Partner::Wall(index)) {
-                    let memory = memories.look_up(i, index).unwrap_or_default();
+                let memory = memories.look_up(i, index).unwrap_or_default();
+                if accepts(i, Partner::Wall(index)) && self.exists(&pair, || memory) {
                     visit(i, Partner::Wall(index), &pair, &memory);
                 }
             }
@@ -108,11 +108,16 @@ impl<'a, V: Space> Survey<'a, V> {
     /// Returns the contacts of the movable particle in slot `i` with walls, ascending.
     fn contacts_with_walls(&self, i: usize) -> Vec<(usize, Pair<V>)> {
         let body = &self.store.body[i];
-        let near = self.walls.near(body.position, body.radius);
+        let near = self.walls.near(body.position, body.radius + self.store.prediction.range);
         let mut contacts = geometry::WallContacts::default();
         let limits = (self.law.needs_mass_root(), 0.0);
         contacts.find(self.store, i, (&self.walls.all, near.iter()), limits, |_, _| {});
         contacts.found
+    }
+
+    /// Returns whether two bodies are in contact: they overlap, or their contact exists beyond touch. `memory` returns the memory of the contact.
+    fn exists(&self, pair: &Pair<V>, memory: impl FnOnce() -> Memory<V>) -> bool {
+        pair.overlap > 0.0 || pair.overlap + self.law.range(pair, &memory()) > 0.0
     }
 
     /// Visits the accepted contacts between particles.
@@ -126,7 +131,9 @@ impl<'a, V: Space> Survey<'a, V> {
         for [i, j] in candidates.filter(|&[i, j]| accepts(i, Partner::Particle(j))) {
             if let Some(pair) = geometry::touching(self.store, i, j, root) {
                 let memory = memories.look_up(i, j).unwrap_or_default();
-                visit(i, Partner::Particle(j), &pair, &memory);
+                if self.exists(&pair, || memory) {
+                    visit(i, Partner::Particle(j), &pair, &memory);
+                }
             }
         }
     }

@@ -28,7 +28,8 @@ impl<'a, V: Space> Survey<'a, V> {
             let [i, j] = candidate.both();
             let pair = geometry::touching(store, i, j, self.law.needs_mass_root());
             let are_present = store.is_present(i) && store.is_present(j);
-            Some(Touching { survey: self, row: i, partner: Partner::Particle(j), pair: pair? }).filter(|_| are_present)
+            let touching = Touching { survey: self, row: i, partner: Partner::Particle(j), pair: pair? };
+            Some(touching).filter(|touching| are_present && touching.exists())
         });
         between.chain(self.touching_walls())
     }
@@ -38,12 +39,19 @@ impl<'a, V: Space> Survey<'a, V> {
         let rows = (0..self.store.movable_end).filter(move |&i| self.store.is_present(i));
         rows.flat_map(move |i| {
             let of_row = self.contacts_with_walls(i).into_iter();
-            of_row.map(move |(index, pair)| Touching { survey: self, row: i, partner: Partner::Wall(index), pair })
+            let of_row =
+                of_row.map(move |(index, pair)| Touching { survey: self, row: i, partner: Partner::Wall(index), pair });
+            of_row.filter(Touching::exists)
         })
     }
 }
 
 impl<V: Space> Touching<'_, V> {
+    /// Returns whether the two are in contact: see [`Survey`].
+    fn exists(&self) -> bool {
+        self.survey.exists(&self.pair, || self.memory())
+    }
+
     /// Returns the slot of the first particle.
     #[must_use]
     pub fn row(&self) -> usize {
@@ -166,7 +174,7 @@ impl<V: Space> Touching<'_, V> {
         // A contact law without friction sets no lever arms.
         let has_friction = force.turning.arms.iter().any(|&arm| arm > 0.0);
         let is_sliding = has_friction && law.force(&Pair { dt, ..*pair }, &mut memory.clone()).turning.is_sliding;
-        let cap = law.friction(pair) * normal_force.abs();
+        let cap = law.friction(pair) * (normal_force + law.pull(pair)).abs();
         ContactState {
             grain: self.grain(),
             with: self.with(),

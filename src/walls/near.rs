@@ -28,7 +28,7 @@ impl NearWalls {
         if walls.all.is_empty() {
             return &[];
         }
-        let ahead = store.prediction.margin + (walls.travel() - self.wall_travel);
+        let ahead = store.prediction.margin + store.prediction.range + (walls.travel() - self.wall_travel);
         if has_changed || self.trigger.has_fired(store.travel_meter(), ahead) {
             let grains = &store.body[..store.movable_end];
             let largest = grains.iter().map(|body| body.radius).fold(0.0, f64::max);

@@ -31,7 +31,9 @@ impl Impact {
         match self.law {
             Law::Linear { e, attracts, .. } => duration(K, e, attracts, M),
             Law::Full { k, b } => PI / ((k / M) - (0.5 * b / M).powi(2)).sqrt(),
-            Law::Hertz { young, poisson, .. } => {
+            Law::Hertz { young, poisson, .. }
+            | Law::Adhesive { young, poisson, .. }
+            | Law::Jkr { young, poisson, .. } => {
                 let k = 4.0 / 3.0 * young / (2.0 * (1.0 - poisson * poisson)) * R.sqrt();
                 2.943_275 * (1.25 * M / k).powf(0.4)
             }

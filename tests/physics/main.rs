@@ -15,6 +15,7 @@
 )]
 
 mod accuracy;
+mod adhesion;
 mod automatic;
 mod bounce;
 mod channels;
@@ -28,10 +29,12 @@ mod grazing;
 mod hertz;
 mod hertz_curved;
 mod hertz_restitution;
+mod jkr;
 mod lammps;
 mod mfix;
 mod mfix_pair;
 mod mfix_rolling;
+mod mindlin_damping;
 mod momentum;
 mod moving_walls;
 mod oblique;
@@ -44,6 +47,7 @@ mod shear;
 mod sheared_bed;
 mod spring_slider;
 mod symmetry;
+mod twisting;
 mod wall_shapes;
 
 use std::num::NonZeroUsize;

@@ -39,6 +39,22 @@ pub fn hertz(lever: &str) -> String {
     format!("Hertz(restitution: 0.5, attraction: Allowed, tangential: Mindlin(friction: 0.5), lever: {lever})")
 }
 
+/// Returns the linear law with twisting resistance, in solid space.
+fn twisting(lever: &str) -> String {
+    format!(
+        "{}, twisting: (k: 1.0e3, damping: PerMass(20.0), friction: 0.1))",
+        linear(lever).trim_end_matches(')').to_owned() + ")"
+    )
+}
+
+/// Returns a law with adhesion, rolling resistance of constant torque and chosen tangential damping.
+fn adhesive(lever: &str) -> String {
+    format!(
+        "Hertz(restitution: 0.5, attraction: Allowed, tangential: Mindlin(friction: 0.5, damping: OfNormal(0.7)), \
+         rolling: (kind: Torque, friction: 0.1), adhesion: Dmt(0.5), lever: {lever})"
+    )
+}
+
 pub fn inertia(solid: bool, grain: &GrainRow) -> f64 {
     (if solid { 0.4 } else { 0.5 }) * grain.mass * grain.radius * grain.radius
 }
@@ -71,9 +87,9 @@ fn cloud(solid: bool) -> Vec<GrainRow> {
 }
 
 /// Returns the changes of momentum and angular momentum in an implosion, each with the bound of its round-off.
-fn changes(solid: bool, lever: &str) -> [(f64, f64); 2] {
+fn changes(solid: bool, contact: &str) -> [(f64, f64); 2] {
     let grains = cloud(solid);
-    let mut simulation = simulation(&keys(solid, &linear(lever), 2.0e-4), grains.clone());
+    let mut simulation = simulation(&keys(solid, contact, 2.0e-4), grains.clone());
     simulation.run_steps(0);
     let before = momenta(solid, &grains, &motion(&mut simulation));
     simulation.run();
@@ -92,11 +108,13 @@ fn changes(solid: bool, lever: &str) -> [(f64, f64); 2] {
 
 #[test]
 fn imploding_frictional_cloud_conserves_momentum_and_angular_momentum_to_round_off() {
-    for solid in [true, false] {
-        let [(change, bound), (turned, angular_bound)] = changes(solid, "ContactPoint");
+    let laws =
+        [(true, linear as fn(&str) -> String), (false, linear), (true, adhesive), (false, adhesive), (true, twisting)];
+    for (solid, law) in laws {
+        let [(change, bound), (turned, angular_bound)] = changes(solid, &law("ContactPoint"));
         assert!(change < bound, "solid {solid}: {change:e} kg m/s, bound {bound:e}");
         assert!(turned < angular_bound, "solid {solid}: {turned:e} kg m^2/s, bound {angular_bound:e}");
-        let [(change, bound), (turned, angular_bound)] = changes(solid, "Radius");
+        let [(change, bound), (turned, angular_bound)] = changes(solid, &law("Radius"));
         assert!(change < bound, "solid {solid}, Radius: {change:e} kg m/s, bound {bound:e}");
         // This change is no round-off: friction did act, and the bound above distinguishes the levers.
         assert!(turned > 1e6 * angular_bound, "solid {solid}, Radius: {turned:e} kg m^2/s");

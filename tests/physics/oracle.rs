@@ -23,7 +23,7 @@ mod vector;
 use siloflow::instructions::Instructions;
 
 use self::compare::{SAMPLE_STEPS, Sample, differences, seen};
-use self::law::{Damping, Friction, Law, Normal, Rolling};
+use self::law::{Adhesion, Damping, Friction, Law, Normal, Rolling, RollingKind};
 use self::scene::{Scene, Surroundings};
 use self::simulator::Scheme;
 
@@ -77,7 +77,8 @@ fn assert_agree(scene: &Scene, option: RunOptions) -> Vec<Sample> {
 /// Compares all small scenes with this law. Each scene runs with one combination of options, counted up from `first`.
 fn assert_same(first: usize, law: Law) {
     let mut options = (first..).map(RunOptions::of);
-    for solid in [false, true] {
+    // Discs of the plane cannot twist.
+    for solid in if law.twisting.is_some() { vec![true] } else { vec![false, true] } {
         for around in Surroundings::ALL {
             for scheme in [Scheme::Verlet, Scheme::Centred] {
                 let scene = Scene::new(law, solid, around, scheme, small(solid));
@@ -106,7 +107,8 @@ fn assert_changes_are_found(scene: &Scene, seen: &[Sample]) {
 }
 
 fn linear(damping: Damping, pulls: bool) -> Law {
-    Law { normal: Normal::Linear { k: 2.0e4, damping, pulls }, friction: None, rolling: None, at_point: false }
+    let normal = Normal::Linear { k: 2.0e4, damping, pulls };
+    Law { normal, adhesion: None, friction: None, rolling: None, twisting: None, at_point: false }
 }
 
 fn assignment() -> Law {
@@ -119,7 +121,7 @@ fn with_friction(damping: Damping, friction: Friction, rolling: Option<Rolling>,
 
 fn hertz(restitution: f64, pulls: bool, mu: Option<f64>, rolling: Option<Rolling>, at_point: bool) -> Law {
     let friction = mu.map(|mu| Friction::Mindlin { mu });
-    Law { normal: Normal::Hertz { restitution, pulls }, friction, rolling, at_point }
+    Law { normal: Normal::Hertz { restitution, pulls }, adhesion: None, friction, rolling, twisting: None, at_point }
 }
 
 fn spring(damping: Damping) -> Friction {
@@ -132,7 +134,7 @@ fn dashpot(damping: Damping) -> Friction {
 
 #[expect(clippy::unnecessary_wraps, reason = "a term of a law")]
 fn rolling(damping: Damping) -> Option<Rolling> {
-    Some(Rolling { k: 4.0e3, damping, mu: 0.1 })
+    Some(Rolling { k: 4.0e3, damping, mu: 0.1, kind: RollingKind::Spring })
 }
 
 #[test]
@@ -178,6 +180,50 @@ fn hertz_and_mindlin_agree() {
     assert_same(15, hertz(0.5, false, Some(0.3), None, true));
     assert_same(16, hertz(0.7, false, Some(0.3), rolling(Damping::B(2.0)), false));
     assert_same(17, hertz(0.7, true, Some(0.3), rolling(Damping::PerMass(40.0)), true));
+}
+
+#[test]
+fn adhesion_beyond_touch_agrees() {
+    let jkr = |work: f64, pulls: bool, law: Law| Law { normal: Normal::Jkr { restitution: 0.6, pulls, work }, ..law };
+    let elastic = rolling(Damping::B(2.0)).map(|rolling| Rolling { kind: RollingKind::Elastic, ..rolling });
+    assert_same(28, jkr(40.0, true, hertz(0.6, true, Some(0.3), None, false)));
+    assert_same(29, jkr(60.0, false, hertz(0.6, false, Some(0.3), elastic, true)));
+}
+
+#[test]
+fn kinds_of_rolling_resistance_agree() {
+    let of = |kind: RollingKind, damping: Damping| rolling(damping).map(|rolling| Rolling { kind, ..rolling });
+    let (elastic, torque) = (of(RollingKind::Elastic, Damping::B(2.0)), of(RollingKind::Torque, Damping::B(0.0)));
+    assert_same(22, with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), elastic, false));
+    assert_same(23, with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), torque, true));
+    assert_same(24, hertz(0.6, false, Some(0.3), elastic, false));
+    assert_same(25, hertz(0.7, true, Some(0.3), torque, true));
+}
+
+#[test]
+fn twisting_resistance_agrees() {
+    let twisting = |damping: Damping| rolling(damping).map(|term| Rolling { k: 3.0e3, mu: 0.05, ..term });
+    let linear = with_friction(Damping::B(8.0), spring(Damping::B(3.0)), rolling(Damping::PerMass(60.0)), false);
+    assert_same(30, Law { twisting: twisting(Damping::B(1.0)), ..linear });
+    let hertz = Law { adhesion: Some(Adhesion::Dmt(40.0)), ..hertz(0.6, false, Some(0.3), None, true) };
+    assert_same(31, Law { twisting: twisting(Damping::PerMass(30.0)), ..hertz });
+}
+
+#[test]
+fn chosen_damping_of_mindlin_agrees() {
+    let damped = |share: f64| Some(Friction::MindlinOfNormal { mu: 0.3, share });
+    assert_same(26, Law { friction: damped(0.4), ..hertz(0.6, false, Some(0.3), None, false) });
+    assert_same(27, Law { friction: damped(1.6), ..hertz(0.7, true, Some(0.3), rolling(Damping::B(2.0)), true) });
+}
+
+#[test]
+fn adhesion_agrees() {
+    let stuck = |law: Law, adhesion: Adhesion| Law { adhesion: Some(adhesion), ..law };
+    let rough = |rolling| with_friction(Damping::Restitution(0.5), spring(Damping::OfNormal(0.5)), rolling, false);
+    assert_same(18, stuck(rough(None), Adhesion::Force(4.0)));
+    assert_same(19, stuck(rough(rolling(Damping::B(2.0))), Adhesion::Area(3.0e4)));
+    assert_same(20, stuck(hertz(0.6, false, Some(0.3), None, true), Adhesion::Dmt(40.0)));
+    assert_same(21, stuck(hertz(0.7, true, Some(0.3), rolling(Damping::PerMass(40.0)), false), Adhesion::Area(2.0e4)));
 }
 
 #[test]

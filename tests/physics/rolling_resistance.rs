@@ -10,7 +10,15 @@ const MU_R: f64 = 0.05;
 /// Stiffness of both springs, N/m.
 const K: f64 = 1.0e4;
 
-/// Returns the keys of both springs, with gamma of their dashpots in 1/s.
+/// Returns the keys of both springs, with gamma of their dashpots in 1/s, and the same with a rolling spring that takes its
+/// stiffness from friction.
+fn laws(gamma_t: f64, gamma_r: f64) -> [String; 2] {
+    let given = law(gamma_t, gamma_r);
+    let elastic = given.replace(&format!("rolling: (k: {K:?}"), "rolling: (kind: Elastic");
+    assert_ne!(given, elastic);
+    [given, elastic]
+}
+
 fn law(gamma_t: f64, gamma_r: f64) -> String {
     format!(
         "tangential: Spring(k: {K:?}, damping: PerMass({gamma_t:?}), friction: {MU:?}), \
@@ -20,12 +28,12 @@ fn law(gamma_t: f64, gamma_r: f64) -> String {
 
 #[test]
 fn rolling_grain_decelerates_by_its_closed_form_and_stops() {
-    for case in Case::both(0.0) {
+    for (case, kind) in Case::both(0.0).into_iter().flat_map(|case| [(case, 0), (case, 1)]) {
         let (q, u0, dt) = (case.q(), 0.3, 4.0e-5);
         let inertia = 1.0 + q;
         let gamma = 170.0;
         let lasts = inertia * u0 / (MU_R * G);
-        let mut ride = case.start(&law(gamma, gamma), dt, u0, u0);
+        let mut ride = case.start(&laws(gamma, gamma)[kind], dt, u0, u0);
         let (first, then) = (ride.after((lasts / 6.0 / dt) as u64), ride.time());
         let second = ride.after((lasts / 2.0 / dt) as u64);
         let deceleration = (first.u - second.u) / (ride.time() - then);
@@ -75,11 +83,11 @@ fn pace(case: Case) -> (f64, f64) {
 
 #[test]
 fn grain_stays_at_rest_on_a_slope_below_its_rolling_resistance() {
-    for case in Case::both(0.9 * MU_R) {
+    for (case, kind) in Case::both(0.9 * MU_R).into_iter().flat_map(|case| [(case, 0), (case, 1)]) {
         let (gamma_t, gamma_r) = gammas(case);
         let (dt, slow) = pace(case);
         let steps = (40.0 / slow / dt) as u64;
-        let now = case.start(&law(gamma_t, gamma_r), dt, 0.0, 0.0).after(steps);
+        let now = case.start(&laws(gamma_t, gamma_r)[kind], dt, 0.0, 0.0).after(steps);
         // The contact slips by m g sin/k_t and rolls by m g sin/k_r.
         let expected = 2.0 * M * case.drive() / K;
         // Both relax at least at the rate `slow`, so less than e^-40 is left of either. The springs gather velocities that
@@ -109,5 +117,46 @@ fn grain_rolls_down_a_slope_above_its_rolling_resistance() {
         let rounded = 2.0 * last.u * (steps as f64 * f64::EPSILON + (-40.0f64).exp());
         let tolerance = rounded / (ride.time() - then) + MU_R * press_round_off(last.way);
         assert!((acceleration - expected).abs() < tolerance, "{case:?}: {acceleration} m/s^2, not {expected}");
+    }
+}
+
+#[test]
+fn constant_torque_slows_and_stops_a_grain_and_lets_it_creep_on_a_slope() {
+    let gamma = 170.0;
+    let torque = format!(
+        "tangential: Spring(k: {K:?}, damping: PerMass({gamma:?}), friction: {MU:?}), rolling: (kind: Torque, friction: {MU_R:?})"
+    );
+    for case in Case::both(0.0) {
+        let (inertia, u0, dt) = (1.0 + case.q(), 0.3, 4.0e-5);
+        let expected = MU_R * G / inertia;
+        let lasts = u0 / expected;
+        let mut ride = case.start(&torque, dt, u0, u0);
+        let (first, then) = (ride.after((lasts / 6.0 / dt) as u64), ride.time());
+        let second = ride.after((lasts / 2.0 / dt) as u64);
+        let deceleration = (first.u - second.u) / (ride.time() - then);
+        // The tolerance of the first test of this file.
+        let beta = 0.5 * gamma * (1.0 + 1.0 / case.q());
+        let ringing = expected * (M / K).sqrt() * (-beta * then).exp();
+        let rounded = ride.time() / dt * f64::EPSILON * u0;
+        let tolerance = (2.0 * ringing + rounded) / (ride.time() - then) + MU_R * press_round_off(second.way);
+        assert!((deceleration - expected).abs() < tolerance, "{case:?}: slows by {deceleration}, not {expected} m/s^2");
+        // Below v* = mu_r g dt/0.05 the torque is proportional to the speed: the way to rest is longer by half of the
+        // decay there. The friction spring shifts it by its displacement.
+        let last = ride.after((2.0 * lasts / dt) as u64);
+        let slowest = MU_R * G * dt / 0.05;
+        let way = 0.5 * u0 * lasts + 0.5 * slowest * slowest / expected;
+        let spring = MU_R * M * G / K;
+        assert!((last.way - way).abs() < 2.0 * spring + 2.0 * u0 * dt, "{case:?}: went {} m, not {way} m", last.way);
+        assert!(last.u.abs() < 1e-9, "{case:?}: still rolls at {:e} m/s", last.u);
+    }
+    // On a slope with half of the tangent mu_r it creeps at v*/2, in proportion to the step.
+    for case in Case::both(0.5 * MU_R) {
+        for dt in [4.0e-5, 2.0e-5] {
+            let mut ride = case.start(&torque, dt, 0.0, 0.0);
+            let [early, late] = [0.2, 0.4].map(|time| ride.after((time / dt) as u64).way);
+            let creep = (late - early) / 0.2;
+            let expected = case.drive() * dt / 0.05;
+            assert!((creep / expected - 1.0).abs() < 1e-3, "{case:?}: creeps at {creep:e}, not {expected:e} m/s");
+        }
     }
 }

@@ -16,6 +16,29 @@ pub const LINEAR: &str = "Linear(k: 1.0e4, damping: Restitution(0.8), attraction
     rolling: (k: 1.0e3, damping: PerMass(20.0), friction: 0.1))";
 pub const HERTZ: &str = "Hertz(restitution: 0.8, attraction: Allowed, tangential: Mindlin(friction: 0.4))";
 
+pub const ADHESIVE: &str = "Hertz(restitution: 0.8, attraction: Allowed, tangential: Mindlin(friction: 0.4, damping: \
+    OfNormal(0.6)), rolling: (kind: Elastic, damping: B(0.02), friction: 0.1), adhesion: Dmt(0.5))";
+pub const STICKY: &str = "Linear(k: 1.0e4, damping: Restitution(0.8), tangential: Spring(k: 2.9e3, damping: PerMass(20.0), \
+    friction: 0.4), rolling: (kind: Torque, friction: 0.1), adhesion: Area(5.0e3))";
+pub const JKR: &str = "Hertz(restitution: 0.8, tangential: Mindlin(friction: 0.4), rolling: (kind: Elastic, friction: 0.1), \
+    adhesion: Jkr(0.5))";
+pub const TWISTING: &str = "Linear(k: 1.0e4, damping: Restitution(0.8), tangential: Spring(k: 2.9e3, damping: PerMass(20.0), \
+    friction: 0.4), twisting: (k: 1.0e3, damping: PerMass(20.0), friction: 0.1))";
+/// All laws, each in both spaces; discs of the plane cannot twist.
+const LAWS: [(bool, &str); 11] = [
+    (true, TWISTING),
+    (true, JKR),
+    (false, JKR),
+    (true, LINEAR),
+    (true, HERTZ),
+    (true, ADHESIVE),
+    (true, STICKY),
+    (false, LINEAR),
+    (false, HERTZ),
+    (false, ADHESIVE),
+    (false, STICKY),
+];
+
 /// Returns the keys of free grains: no gravity, no walls.
 fn keys(solid: bool, contact: &str) -> String {
     let (space, gravity) = if solid { ("Solid", "(0.0, 0.0, 0.0)") } else { ("Plane", "(0.0, 0.0)") };
@@ -102,7 +125,7 @@ fn images(solid: bool) -> Vec<(&'static str, Image)> {
 
 #[test]
 fn rotated_mirrored_or_shifted_run_is_the_image_of_the_run() {
-    for (solid, contact) in [(true, LINEAR), (true, HERTZ), (false, LINEAR), (false, HERTZ)] {
+    for (solid, contact) in LAWS {
         let keys = keys(solid, contact);
         let grains = colliding_grains(solid);
         let reference = end(&keys, &grains);
@@ -134,7 +157,7 @@ fn mirror_across_an_axis_changes_no_bit() {
     // must therefore change no other bit. Only two grains: more forces are summed in the order of positions, which a
     // mirror reverses.
     let mirror = Image { turn: DMat3::from_diagonal(DVec3::new(-1.0, 1.0, 1.0)), shift: DVec3::ZERO };
-    for (solid, contact) in [(true, LINEAR), (true, HERTZ), (false, LINEAR), (false, HERTZ)] {
+    for (solid, contact) in LAWS {
         let keys = keys(solid, contact);
         let mut grains = colliding_grains(solid);
         grains.truncate(2);

@@ -789,3 +789,20 @@ fn every_hard_scene_has_a_test() {
     let w0_dt = (1e4 / 0.08f64).sqrt() * 4e-4;
     assert!(error.abs() < w0_dt * w0_dt / 4.0 * (totals.elastic + flows.released), "{error}");
 }
+
+#[test]
+fn a_chain_hangs_by_adhesion_below_its_pull_off_force_and_falls_above() {
+    let mut run = through("hanging-chain", &[]);
+    let lowest = planar(&mut run).iter().map(|grain| grain.0.y).fold(0.0, f64::min);
+    // The contacts hold at a gap of up to 5 um each.
+    assert!(lowest > -0.15 - 8.0 * 5.0e-6, "{lowest}");
+    let (totals, _, error) = balance(&run);
+    assert!(totals.elastic < 0.0 && error.abs() < 1e-4 * totals.elastic.abs(), "{error:e} J of {totals:?}");
+    // At rest up to the swing that is left after forty periods.
+    let load = run.world().resource::<Surfaces>().loads[0].force.y;
+    assert!((load / (8.0 * 1.0e-3 * -0.67) - 1.0).abs() < 0.2, "{load} N");
+    let mut run = through("hanging-chain", &[("gravity", "(0.0, -1.9)")]);
+    let heights: Vec<_> = planar(&mut run).iter().map(|grain| grain.0.y).collect();
+    // They fall from rest after the contact has opened, which takes some periods.
+    assert!(heights[0] > -0.011 && heights[1..].iter().all(|&y| y < -0.1), "{heights:?}");
+}

@@ -1,7 +1,7 @@
 //! Oblique impacts: two smooth discs, and one disc with friction on a floor.
 //!
 //! The disc with friction slides throughout, sticks first and slides at the end, or sticks until it parts. The laws are the
-//! spring slider, the spring slider with rolling resistance, and the law of Hertz and Mindlin.
+//! spring slider, the spring slider with rolling resistance, and the law of Hertz and Mindlin with and without adhesion.
 
 use glam::DVec2;
 
@@ -35,6 +35,7 @@ pub(super) fn cases() -> Vec<Case> {
         rough("oblique-rolling", "oblique with rolling resistance", spring(E, 0.5, rolling), DVec2::new(1.0, -1.0)),
         rough("mindlin-slip", "Hertz and Mindlin, sliding", mindlin(0.1), DVec2::new(1.0, -1.0)),
         rough("mindlin-stick", "Hertz and Mindlin, sticking", mindlin(0.5), DVec2::new(0.5, -1.0)),
+        rough("adhesive", "Hertz and Mindlin with adhesion", adhesive(0.3), DVec2::new(1.0, -1.0)),
         rough("mindlin-stuck", "Hertz and Mindlin, stuck until parting", mindlin(1.0e3), DVec2::new(0.5, -1.0)),
     ]
 }
@@ -46,6 +47,11 @@ fn spring(e: f64, mu: f64, rolling: Option<Rolling>) -> Law {
 
 fn mindlin(mu: f64) -> Law {
     Law::Hertz { young: YOUNG, poisson: 0.3, e: E, mu }
+}
+
+/// Returns the same law with a pull of 10 N, an eighth of the largest force at 1 m/s.
+fn adhesive(mu: f64) -> Law {
+    Law::Adhesive { young: YOUNG, poisson: 0.3, e: E, mu, work: 40.0 }
 }
 
 fn smooth() -> Case {

@@ -1,5 +1,7 @@
 //! One contact of the reference: its modes, the force in each mode, and the conditions that end a mode.
 
+use std::f64::consts::PI;
+
 use glam::DVec2;
 
 use super::moduli::{self, Moduli};
@@ -12,7 +14,7 @@ pub enum Normal {
     Open,
     /// Spring and dashpot act.
     Closed,
-    /// The sides still overlap, but the force is set to 0 because it would be attractive.
+    /// The sides still overlap, but the force of spring and dashpot is set to 0 because it would be attractive.
     Cut,
 }
 
@@ -84,6 +86,8 @@ pub struct Link {
     mu: f64,
     rolling: Option<Rolling>,
     attracts: bool,
+    /// Constant pull while the sides overlap, N.
+    pull: f64,
 }
 
 /// Force on disc i (N), the part of it along z x n that makes a torque (N), and the torque of rolling resistance on i (N m).
@@ -112,6 +116,10 @@ impl Link {
             moduli: Moduli::new(&system.law, reduced_mass, reduced_radius),
             mu,
             rolling,
+            pull: match system.law {
+                Law::Adhesive { work, .. } => 2.0 * PI * work * reduced_radius,
+                _ => 0.0,
+            },
             attracts: matches!(system.law, Law::Full { .. } | Law::Linear { attracts: true, .. }),
         }
     }
@@ -181,8 +189,10 @@ impl Link {
 
     /// Returns the force in the present mode, a smooth function of the arguments; `s` are the springs of the sliders, m.
     pub fn force(&self, m: &Meeting, s: [f64; SLIDERS]) -> Push {
-        if self.normal != Normal::Closed {
-            return (DVec2::ZERO, 0.0, 0.0);
+        match self.normal {
+            Normal::Open => return (DVec2::ZERO, 0.0, 0.0),
+            Normal::Cut => return (m.n * -self.pull, 0.0, 0.0),
+            Normal::Closed => {}
         }
         if self.is_full() {
             return (m.n * self.moduli.spring(m.overlap) - m.v * self.moduli.damping(m.overlap), 0.0, 0.0);
@@ -191,7 +201,7 @@ impl Link {
             Slide::Stick => self.trial(number, m, s[number]),
             Slide::Slip(sign) => sign * self.cap(number, m),
         });
-        (m.n * self.normal_force(m) + m.n.perp() * along, along, self.reduced_radius * rolling)
+        (m.n * (self.normal_force(m) - self.pull) + m.n.perp() * along, along, self.reduced_radius * rolling)
     }
 
     /// Returns k_t'/k_t of friction if the contact is unloading as `unloads` says, else 0, 1/s. k_t goes with the root of the

@@ -16,6 +16,9 @@
 //!   S_n = 2 E* sqrt(R_eff delta). Friction has k_t = 8 G* sqrt(R_eff delta), c_t = 2 z sqrt(k_t m_eff). While k_t grows, S
 //!   also obeys S' = -S k_t'/k_t, so that the spring keeps its force.
 //!
+//! * [`Law::Adhesive`]: the same with a constant pull 2 pi w R_eff while the sides overlap, which does not count in the cap of
+//!   friction and is not cut.
+//!
 //! Each contact is in a mode (`contact`) in which its force is smooth. [`path`] integrates with the classical
 //! fourth-order Runge-Kutta scheme and ends a step where a mode ends. [`closed`] has the closed forms. `moduli` has the
 //! coefficients of a contact.
@@ -86,6 +89,29 @@ pub enum Law {
         /// Friction coefficient mu.
         mu: f64,
     },
+    /// Elastic spheres with a constant pull, `siloflow::contact::adhesion`.
+    Adhesive {
+        /// Young's modulus, Pa.
+        young: f64,
+        /// Poisson's ratio.
+        poisson: f64,
+        /// Restitution without the pull.
+        e: f64,
+        /// Friction coefficient mu.
+        mu: f64,
+        /// Work of adhesion w, J/m^2.
+        work: f64,
+    },
+    /// Elastic spheres with adhesion beyond touch, `siloflow::contact::jkr`, without damping and friction. Known by its closed
+    /// form only: [`path`] does not integrate it.
+    Jkr {
+        /// Young's modulus, Pa.
+        young: f64,
+        /// Poisson's ratio.
+        poisson: f64,
+        /// Work of adhesion w, J/m^2.
+        work: f64,
+    },
 }
 
 /// A disc and its initial motion.
@@ -153,7 +179,7 @@ impl System {
     pub fn energy(&self, state: &State) -> f64 {
         let k = match self.law {
             Law::Full { k, .. } | Law::Linear { k, .. } => k,
-            Law::Hertz { .. } => 0.0,
+            Law::Hertz { .. } | Law::Adhesive { .. } | Law::Jkr { .. } => 0.0,
         };
         let mut energy = 0.0;
         for (i, disc) in self.discs.iter().enumerate() {

@@ -24,7 +24,8 @@ impl Moduli {
                 let (k_t, c_t) = friction.map_or((0.0, 0.0), |f| (f.k, f.share * c));
                 Self::Constant([k, c, k_t, c_t])
             }
-            Law::Hertz { young, poisson, e, .. } => {
+            Law::Jkr { young, poisson, .. } => Self::new(&Law::Hertz { young, poisson, e: 1.0, mu: 0.0 }, mass, radius),
+            Law::Hertz { young, poisson, e, .. } | Law::Adhesive { young, poisson, e, .. } => {
                 // Both sides have the same material: 1/E* = 2 (1 - nu^2)/E and 1/G* = 4 (2 - nu) (1 + nu)/E.
                 let normal = young / (2.0 * (1.0 - poisson * poisson));
                 let shear = young / (4.0 * (2.0 - poisson) * (1.0 + poisson));
@@ -75,8 +76,8 @@ impl Moduli {
 /// Returns the coefficients of friction of a law, and its rolling resistance.
 pub fn sliders(law: &Law) -> (f64, Option<Rolling>) {
     match law {
-        Law::Full { .. } => (0.0, None),
+        Law::Full { .. } | Law::Jkr { .. } => (0.0, None),
         Law::Linear { friction, .. } => friction.map_or((0.0, None), |friction| (friction.mu, friction.rolling)),
-        Law::Hertz { mu, .. } => (*mu, None),
+        Law::Hertz { mu, .. } | Law::Adhesive { mu, .. } => (*mu, None),
     }
 }

@@ -163,7 +163,7 @@ impl<'a> Path<'a> {
         let mut a = vec![self.system.gravity; discs.len()];
         let mut turns = vec![0.0; discs.len()];
         let mut springs = vec![[0.0; SLIDERS]; self.links.len()];
-        for (number, link) in self.links.iter().enumerate().filter(|(_, link)| link.normal == Normal::Closed) {
+        for (number, link) in self.links.iter().enumerate().filter(|(_, link)| link.normal != Normal::Open) {
             let meeting = self.meeting(link, &flow.state);
             let (force, along, rolling) = link.force(&meeting, flow.springs[number]);
             springs[number] = link.spring_rates(&meeting, flow.springs[number]);

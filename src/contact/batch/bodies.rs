@@ -46,14 +46,14 @@ pub struct Bodies<V: Space> {
 impl<V: Space> Bodies<V> {
     /// Loads two bodies into a lane. Returns the square of their distance and the square below which they count as a
     /// contact, m^2. With `CENTRED` this includes gaps that may close in half a step, `half` (s), or with laws without memory
-    /// all gaps below `margin`, m.
+    /// all gaps below `margin`, m. With [`LawRequirements::REACHES`] it includes gaps below `range`, m.
     #[inline(always)]
     pub fn take<L: LawRequirements, const CENTRED: bool>(
         &mut self,
         lane: usize,
         metric: &impl Metric<V>,
         [i, j]: [&Body<V>; 2],
-        [half, margin]: [f64; 2],
+        [half, margin, range]: [f64; 3],
     ) -> (f64, f64) {
         let [one, two] = &mut self.loaded;
         let (x, v) = (|body: &Body<V>, axis| body.position.axis(axis), |body: &Body<V>, axis| body.velocity.axis(axis));
@@ -86,6 +86,7 @@ impl<V: Space> Bodies<V> {
             let squared = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2];
             (squared, apart[0] * apart[3] + apart[1] * vy + apart[2] * vz)
         };
+        let reach = if L::REACHES { reach + range } else { reach };
         let farthest = if !CENTRED {
             reach * reach
         } else if L::MEMORY {
@@ -209,7 +210,7 @@ mod tests {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;
                 let measured = (separation.length_squared(), (i.radius + j.radius).powi(2));
-                assert_eq!(bodies.take::<L, false>(lane, &Open, [&i, &j], [0.0; 2]), measured);
+                assert_eq!(bodies.take::<L, false>(lane, &Open, [&i, &j], [0.0; 3]), measured);
             }
             assert!(!bodies.measure::<L>(LANES, true, instructions));
             for lane in 0..LANES {

@@ -45,6 +45,11 @@ impl<V: Space> ContactOutput<V> {
         self.gaps |= 1 << lane;
     }
 
+    /// Marks a lane as a contact.
+    pub(super) fn contact(&mut self, lane: usize) {
+        self.gaps &= !(1 << lane);
+    }
+
     /// Marks all lanes as contacts.
     #[inline(always)]
     pub fn clear_gaps(&mut self) {
@@ -124,6 +129,11 @@ impl<V: Space> ContactOutput<V> {
             }
             sums.into_iter().sum()
         };
-        ContactLosses { sliding: sum(0), rolling: if L::ROLLING { sum(1) } else { 0.0 }, dashpots: sum(2) }
+        ContactLosses {
+            sliding: sum(0),
+            rolling: if L::ROLLING { sum(1) } else { 0.0 },
+            dashpots: sum(2),
+            breaking: 0.0,
+        }
     }
 }

@@ -55,6 +55,8 @@ impl<V: Space> Batch<V> {
             }
             if force.is_none() {
                 self.output.no_contact(lane);
+            } else if L::REACHES {
+                self.output.contact(lane);
             }
             self.memory_after.set::<L>(lane, &memory);
         }
@@ -75,7 +77,7 @@ pub struct EventStep<'a, V: Space> {
 
 impl<V: Space> EventStep<'_, V> {
     /// Returns the averaged force of a contact, or `None` if there is no contact in this step.
-    fn force<L: PairLaw<V>>(
+    fn force<L: PairLaw<V> + LawRequirements>(
         &self,
         law: &L,
         contact: Candidate,
@@ -83,11 +85,12 @@ impl<V: Space> EventStep<'_, V> {
         memory: &mut Memory<V>,
     ) -> Option<PairForce<V>> {
         let half = self.store.prediction.lookahead;
+        let overlap = if L::REACHES { pair.overlap + law.range(pair, memory) } else { pair.overlap };
         // The factor allows for the difference of predicted velocities from those of the window.
-        if pair.overlap + 1.25 * half * pair.normal_velocity().abs() < 0.0 {
+        if overlap + 1.25 * half * pair.normal_velocity().abs() < 0.0 {
             return None;
         }
         (self.predict)(self.store, contact, pair);
-        Window::of(pair).touches(pair.overlap).then(|| law.centred(pair, memory))
+        Window::of(pair).touches(overlap).then(|| law.centred(pair, memory))
     }
 }

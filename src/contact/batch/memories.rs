@@ -12,6 +12,7 @@ use crate::space::Space;
 pub struct MemoryLanes<V: Space> {
     spring: Lanes<V>,
     rolling: Lanes<V>,
+    twist: Scalars,
     stiffness: Scalars,
 }
 
@@ -21,6 +22,7 @@ impl<V: Space> MemoryLanes<V> {
         Memory {
             spring: if L::SPRING { self.spring.get(lane) } else { V::ZERO },
             rolling: if L::ROLLING { self.rolling.get(lane) } else { V::ZERO },
+            twist: if L::TWISTING { self.twist[lane] } else { 0.0 },
             stiffness: if L::STIFFNESS { self.stiffness[lane] } else { 0.0 },
         }
     }
@@ -32,6 +34,9 @@ impl<V: Space> MemoryLanes<V> {
         }
         if L::ROLLING {
             self.rolling.set(lane, memory.rolling);
+        }
+        if L::TWISTING {
+            self.twist[lane] = memory.twist;
         }
         if L::STIFFNESS {
             self.stiffness[lane] = memory.stiffness;

@@ -19,6 +19,7 @@ pub struct HistoryBlock<V: Space> {
     pub(super) contacts: Vec<Candidate>,
     spring: Vec<V>,
     rolling: Vec<V>,
+    twist: Vec<f64>,
     stiffness: Vec<f64>,
     /// Energy lost in contacts of these rows in the last pass.
     pub lost: ContactLosses,
@@ -30,6 +31,7 @@ impl<V: Space> Default for HistoryBlock<V> {
             contacts: Vec::new(),
             spring: Vec::new(),
             rolling: Vec::new(),
+            twist: Vec::new(),
             stiffness: Vec::new(),
             lost: ContactLosses::default(),
         }
@@ -55,6 +57,9 @@ impl<V: Space> HistoryBlock<V> {
         if L::ROLLING {
             copy_front(&mut self.rolling, &earlier.rolling, first);
         }
+        if L::TWISTING {
+            copy_front(&mut self.twist, &earlier.twist, first);
+        }
         if L::STIFFNESS {
             copy_front(&mut self.stiffness, &earlier.stiffness, first);
         }
@@ -71,6 +76,7 @@ impl<V: Space> HistoryBlock<V> {
         self.contacts.truncate(first);
         self.spring.truncate(first);
         self.rolling.truncate(first);
+        self.twist.truncate(first);
         self.stiffness.truncate(first);
     }
 
@@ -79,6 +85,7 @@ impl<V: Space> HistoryBlock<V> {
         Memory {
             spring: if L::SPRING { self.spring[at] } else { V::ZERO },
             rolling: if L::ROLLING { self.rolling[at] } else { V::ZERO },
+            twist: if L::TWISTING { self.twist[at] } else { 0.0 },
             stiffness: if L::STIFFNESS { self.stiffness[at] } else { 0.0 },
         }
     }
@@ -88,6 +95,7 @@ impl<V: Space> HistoryBlock<V> {
         Memory {
             spring: self.spring.get(at).copied().unwrap_or_default(),
             rolling: self.rolling.get(at).copied().unwrap_or_default(),
+            twist: self.twist.get(at).copied().unwrap_or_default(),
             stiffness: self.stiffness.get(at).copied().unwrap_or_default(),
         }
     }
@@ -101,6 +109,9 @@ impl<V: Space> HistoryBlock<V> {
         }
         if L::ROLLING {
             self.rolling.push(memory.rolling);
+        }
+        if L::TWISTING {
+            self.twist.push(memory.twist);
         }
         if L::STIFFNESS {
             self.stiffness.push(memory.stiffness);
@@ -129,6 +140,9 @@ impl<V: Space> HistoryBlock<V> {
         if L::ROLLING {
             move_entry(&mut self.rolling, from, to);
         }
+        if L::TWISTING {
+            move_entry(&mut self.twist, from, to);
+        }
         if L::STIFFNESS {
             move_entry(&mut self.stiffness, from, to);
         }
@@ -156,6 +170,9 @@ impl<V: Space> HistoryBlock<V> {
         if L::ROLLING {
             self.rolling.extend(lanes.clone().map(|lane| memories.get::<L>(lane).rolling));
         }
+        if L::TWISTING {
+            self.twist.extend(lanes.clone().map(|lane| memories.get::<L>(lane).twist));
+        }
         if L::STIFFNESS {
             self.stiffness.extend(lanes.map(|lane| memories.get::<L>(lane).stiffness));
         }
@@ -182,6 +199,9 @@ impl<V: Space> HistoryBlock<V> {
         }
         if L::ROLLING {
             write(&mut self.rolling[contacts.clone()], |lane| memories.get::<L>(lane).rolling);
+        }
+        if L::TWISTING {
+            write(&mut self.twist[contacts.clone()], |lane| memories.get::<L>(lane).twist);
         }
         if L::STIFFNESS {
             write(&mut self.stiffness[contacts], |lane| memories.get::<L>(lane).stiffness);

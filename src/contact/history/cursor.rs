@@ -5,7 +5,7 @@
 //! place. From the first new or ended contact on, the block is rewritten: it is swapped with a spare block.
 
 use crate::contact::batch::MemoryLanes;
-use crate::contact::history::{ContactLosses, HistoryBlock};
+use crate::contact::history::{ContactLosses, EndLosses, HistoryBlock};
 use crate::contact::{LawRequirements, Memory};
 use crate::neighbours::list::{Candidate, are_same};
 use crate::space::Space;
@@ -120,7 +120,7 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
     pub fn end<L: LawRequirements>(
         &mut self,
         mut lost: ContactLosses,
-        mut on_end: impl FnMut(Candidate, &Memory<V>) -> [f64; 2],
+        mut on_end: impl FnMut(Candidate, &Memory<V>) -> EndLosses,
     ) {
         let before = if self.is_rewriting { &*self.spare } else { &*self.block };
         for at in self.passed..before.len() {
@@ -141,7 +141,7 @@ mod tests {
 
     /// Returns losses by sliding and by rolling, J.
     fn lost(sliding: f64, rolling: f64) -> ContactLosses {
-        ContactLosses { sliding, rolling, dashpots: 0.0 }
+        ContactLosses { sliding, rolling, ..ContactLosses::default() }
     }
 
     /// Returns the contact of slots i and j.
@@ -245,7 +245,7 @@ mod tests {
             }
             assert!(cursor.recall_all::<Springs>(&contacts()[..2], &mut memories));
             cursor.remember_all::<Springs>(&contacts()[..2], &memories);
-            cursor.end::<Springs>(lost(1.0, 2.0), |_, memory| [memory.spring.x, 0.0]);
+            cursor.end::<Springs>(lost(1.0, 2.0), |_, memory| [memory.spring.x, 0.0, 0.0]);
             assert_eq!(springs(&block), [([0, 1], 0.1), ([0, 3], 0.2)]);
             assert_eq!(block.lost, lost(1.0 + 0.3 + 0.4, 2.0));
         }

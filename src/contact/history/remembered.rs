@@ -8,6 +8,7 @@
 //! | `spring_x`, `spring_y`, `spring_z` | m | tangential spring, seen from `grain` |
 //! | `rolling_x`, `rolling_y`, `rolling_z` | m | rolling spring |
 //! | `stiffness` | N/m | tangential stiffness at the last evaluation, for laws whose stiffness changes |
+//! | `twist` | m | twisting spring; may be missing |
 //!
 //! Numbers are written with enough digits to be read back to the same bits.
 
@@ -52,6 +53,8 @@ pub struct Remembered {
     rolling_y: f64,
     rolling_z: f64,
     stiffness: f64,
+    #[serde(default)]
+    twist: f64,
 }
 
 impl Remembered {
@@ -68,6 +71,7 @@ impl Remembered {
             rolling_y: rolling.y,
             rolling_z: rolling.z,
             stiffness: memory.stiffness,
+            twist: memory.twist,
         }
     }
 
@@ -77,12 +81,13 @@ impl Remembered {
             spring: V::narrow(Solid::new(self.spring_x, self.spring_y, self.spring_z)),
             rolling: V::narrow(Solid::new(self.rolling_x, self.rolling_y, self.rolling_z)),
             stiffness: self.stiffness,
+            twist: self.twist,
         }
     }
 
     fn is_finite(&self) -> bool {
         let numbers = [self.spring_x, self.spring_y, self.spring_z, self.rolling_x, self.rolling_y, self.rolling_z];
-        numbers.iter().all(|number| number.is_finite()) && self.stiffness.is_finite()
+        numbers.iter().all(|number| number.is_finite()) && self.stiffness.is_finite() && self.twist.is_finite()
     }
 }
 

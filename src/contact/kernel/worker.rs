@@ -3,7 +3,7 @@
 use crate::contact::batch::{Batch, EventStep, Predict};
 use crate::contact::force_accumulation::ForceAccumulation;
 use crate::contact::geometry::coincident;
-use crate::contact::history::{ContactLosses, HistoryBlock, HistoryCursor};
+use crate::contact::history::{ContactLosses, EndLosses, HistoryBlock, HistoryCursor};
 use crate::contact::kernel::{HaloImport, Pass};
 use crate::contact::lanes::LANES;
 use crate::contact::{LawRequirements, Memory, MemoryTimes, PairLaw};
@@ -11,7 +11,7 @@ use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{self, Candidate, Task};
 use crate::periodic::{Metric, Open};
 use crate::space::Space;
-use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
+use crate::store::{ParticleStore, Prediction, TOTAL, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::WallLoad;
 
 /// The data that one thread reads and writes.
@@ -92,7 +92,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         candidates: &'c [Candidate],
     ) -> &'c [Candidate] {
         let (bodies, batch, pass) = (&self.view.body[..], &mut *self.batch, self.pass);
-        let limits = [self.view.prediction.lookahead, self.view.prediction.margin];
+        let Prediction { lookahead, margin, range, .. } = self.view.prediction;
+        let limits = [lookahead, margin, range];
         pass.instructions.run_narrow(
             #[inline(always)]
             || {
@@ -191,6 +192,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             self.batch.evaluate::<L, TOTAL>(law, times, instructions, [deepest, even])
         };
         self.batch.output.clear_gaps();
+        self.batch.mark_gaps::<L>();
         if view.predicts() && (near_events > 0 || self.batch.lone != 0) {
             let step = EventStep { store: view, predict, starts, instructions };
             self.batch.evaluate_events::<L>(law, MemoryTimes { spring_damping: 0.0, ..times }, &step);
@@ -253,7 +255,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     pub(super) fn store_results(
         &mut self,
         Block { cursor, lost }: &mut Block<'_, V>,
-        on_end: impl Fn(Candidate, &Memory<V>) -> [f64; 2],
+        on_end: impl Fn(Candidate, &Memory<V>) -> EndLosses,
     ) {
         let batch = &mut *self.batch;
         if L::SPIN && self.view.tracks_energy {

@@ -13,6 +13,8 @@ use crate::space::Space;
 pub trait Modulus: Copy + Send + Sync + 'static {
     /// Whether the stiffness changes while a contact lasts.
     const VARIES: bool;
+    /// Whether a stiffness that changes goes to zero where a contact begins and ends.
+    const FADES: bool = true;
 
     /// Returns k_t (N/m) and c_t (N s/m); `normal_drag` is the normal c, N s/m.
     fn of<V: Space>(&self, pair: &Pair<V>, normal_drag: f64) -> (f64, f64);
@@ -75,16 +77,22 @@ pub struct SpringSlider<M> {
     pub lever: Lever,
 }
 
-impl<M: Modulus> SpringSlider<M> {
-    /// Returns the mean stiffness of a step divided by the stiffness at its end. Displacement accumulated while a
-    /// spring stiffens keeps its force. The stiffness grows with the square root of the overlap, so that its mean between a
-    /// and b is 2/3 (a^2 + a b + b^2)/(a + b). The trapezoidal rule instead would be of order 3/2 where a contact begins.
-    #[inline(always)]
-    fn mean_stiffness(before: f64, now: f64) -> f64 {
-        let ratio = before / now;
-        if before >= now { 1.0 } else { 2.0 / 3.0 * (1.0 + ratio + ratio * ratio) / (1.0 + ratio) }
-    }
+/// Returns the mean stiffness of a step divided by the stiffness at its end. Displacement accumulated while a
+/// spring stiffens keeps its force. The stiffness grows with the square root of the overlap, so that its mean between a
+/// and b is 2/3 (a^2 + a b + b^2)/(a + b). The trapezoidal rule instead would be of order 3/2 where a contact begins.
+#[inline(always)]
+pub(in crate::contact) fn mean_stiffness(before: f64, now: f64) -> f64 {
+    let ratio = before / now;
+    if before >= now { 1.0 } else { 2.0 / 3.0 * (1.0 + ratio + ratio * ratio) / (1.0 + ratio) }
+}
 
+/// Like [`mean_stiffness`]. A stiffness that does not go to zero where a contact begins is constant in its first step.
+#[inline(always)]
+pub(in crate::contact) fn mean_of(fades: bool, before: f64, now: f64) -> f64 {
+    if !fades && before <= 0.0 { 1.0 } else { mean_stiffness(before, now) }
+}
+
+impl<M: Modulus> SpringSlider<M> {
     /// Adapts the spring to a changed stiffness; returns the energy that it loses, J.
     #[inline(always)]
     fn adapt<V: Space>(k: f64, memory: &mut Memory<V>) -> f64 {
@@ -116,8 +124,9 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         let mut dt = pair.dt;
         if M::VARIES {
             if pair.lead > 0.0 {
-                dt *= Self::mean_stiffness(memory.stiffness, stiffness);
+                dt *= mean_of(M::FADES, memory.stiffness, stiffness);
             }
+            turning.stiffness_before = memory.stiffness;
             let ahead = velocity * pair.lead;
             memory.spring -= ahead;
             turning.lost_by_sliding = Self::adapt(stiffness, memory);
@@ -141,7 +150,9 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         turning: &mut Turning<V>,
     ) {
         // The arms meet across a gap too, so that arms to the contact point conserve angular momentum there as well.
-        let (stiffness, drag) = self.modulus.of(&pair.at_overlap(pair.overlap), load.drag);
+        // A stiffness that does not fade exists beyond touch.
+        let at = if M::FADES { pair.at_overlap(pair.overlap) } else { *pair };
+        let (stiffness, drag) = self.modulus.of(&at, load.drag);
         turning.arms = self.lever.arms(pair);
         let (motion, mobilities) = pair.sliding(turning.arms);
         memory.spring = at_evaluation(memory.spring, motion, pair.lead);
@@ -151,11 +162,14 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         let modulus = |pair: &Pair<V>| self.modulus.of(pair, load.drag);
         sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, modulus));
         if M::VARIES {
-            sweep.gathering *= Self::mean_stiffness(memory.stiffness, stiffness);
-            // A stiffness that varies is zero when a contact opens, and so is the drag: that event has no effect.
-            sweep.event = sweep.event.filter(|_| memory.stiffness > 0.0);
-            // So the force of the spring needs no share.
-            sweep.spring_shares = [1.0; 2];
+            turning.stiffness_before = memory.stiffness;
+            sweep.gathering *= mean_of(M::FADES, memory.stiffness, stiffness);
+            if M::FADES {
+                // The stiffness is zero when a contact opens, and so is the drag: that event has no effect.
+                sweep.event = sweep.event.filter(|_| memory.stiffness > 0.0);
+                // So the force of the spring needs no share.
+                sweep.spring_shares = [1.0; 2];
+            }
             turning.lost_by_sliding = Self::adapt(stiffness, memory);
         }
         let slider = Slider { stiffness, drag, cap: self.friction * load.whole.abs() };

@@ -7,6 +7,7 @@
 //!   takes 2 (k/2) (R + R_w - d/2)^2. [`leaks`] searches for gaps between rigid walls.
 //! * The bed: its weight over its base area is a pressure p. A contact at the bottom carries 2 R p (in solid space 4 R^2 p)
 //!   and is compressed by that force over k.
+//! * Adhesion: the overlap that it causes in two bodies that touch at rest.
 //! * The door: without wall discs on both sides it has no orifice through which a grain could count as out.
 //! * The path: a grain that moves farther than a wall is thick, or than a grain is wide, in one step may pass it undetected.
 //! * The start (`check/start.rs`) and the fall (`check/falling.rs`): overlaps, places inside and outside of walls, grains that fall for ever.
@@ -77,6 +78,8 @@ pub struct Estimates {
     pub caught_overlap: f64,
     /// Stiffness of a contact at that overlap, N/m.
     pub stiffness: f64,
+    /// Largest overlap over radius that adhesion alone causes, in two bodies that touch at rest.
+    pub adhesive_overlap: f64,
 }
 
 impl Estimates {
@@ -127,6 +130,7 @@ impl Estimates {
             static_overlap: carried_at_the_bottom(loaded, radius) / law.stiffness(&bounce) / radius,
             caught_overlap: heaviest * scene.gravity.padded().length() / law.stiffness(&bounce) / radius,
             stiffness: law.stiffness(&bounce),
+            adhesive_overlap: pairs.iter().map(SpeciesPair::adhesive_overlap).fold(0.0, f64::max),
         };
         estimates.dt = match scene.step {
             TimeStep::Fixed(dt) => dt.get(),
@@ -419,6 +423,16 @@ fn softness(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>)
                 estimates.impact_speed, estimates.impact_overlap
             ),
             help: "raise the stiffness, or let grains fall less far, if the impacts matter to you".to_owned(),
+        });
+    }
+    if estimates.adhesive_overlap > LARGE_OVERLAP {
+        warnings.push(Warning {
+            code: "check::strong_adhesion",
+            message: format!(
+                "two bodies that touch at rest are pulled together by {:.2} of their radius; the contact law is meant for small overlaps",
+                estimates.adhesive_overlap
+            ),
+            help: "raise the stiffness, or lower `contact.adhesion`".to_owned(),
         });
     }
     if estimates.static_overlap > LARGE_OVERLAP {

@@ -70,13 +70,21 @@ impl SpeciesPair {
     }
 
     /// The pair of two bodies with their species, pressed together by this overlap (m): the impact that reaches the overlap has its stiffness.
-    /// The deepest overlap of an impact is a power of its speed for every law of a scene.
+    /// An adhesive contact may be deeper than that in the slowest impact, which is taken then.
     pub(super) fn pressed(loaded: &Loaded, bodies: [(u8, Body); 2], overlap: f64) -> Self {
         let mut pair = Self::new(loaded, bodies, 1.0);
         let deepest = |speed: f64| pair.law.0.deepest(&Bounce { speed, ..pair.bounce });
         let [slow, fast] = [1.0, 2.0].map(deepest);
-        pair.bounce.speed = (overlap / slow).powf(1.0 / (fast / slow).log2());
+        // Without adhesion the deepest overlap is a power of the speed.
+        let speed = (overlap / slow).powf(1.0 / (fast / slow).log2());
+        let is_power = (deepest(speed) / overlap - 1.0).abs() < 1e-6;
+        pair.bounce.speed = if is_power { speed } else { speed_to_reach(overlap, deepest) };
         pair
+    }
+
+    /// The largest overlap of the two after they touch at rest, over twice their reduced radius: 0 without adhesion.
+    pub(super) fn adhesive_overlap(&self) -> f64 {
+        self.law.0.deepest(&Bounce { speed: 0.0, ..self.bounce }) / (2.0 * self.bounce.reduced_radius)
     }
 
     /// The three ways to move with the weights of a single contact: normal, tangential, rolling.
@@ -172,6 +180,19 @@ impl SpeciesPair {
             rolling: around * self.rolling,
         }
     }
+}
+
+/// Returns the speed (m/s) of an impact that is `overlap` (m) deep, by bisection. `deepest` grows with the speed.
+fn speed_to_reach(overlap: f64, deepest: impl Fn(f64) -> f64) -> f64 {
+    let (mut low, mut high) = (0.0, 1.0);
+    while deepest(high) < overlap && high < 1e12 {
+        high *= 2.0;
+    }
+    for _ in 0..60 {
+        let middle = 0.5 * (low + high);
+        if deepest(middle) < overlap { low = middle } else { high = middle }
+    }
+    high
 }
 
 /// Weights of the contacts around a grain: along normals and tangents if neighbours move, along tangents and in rolling if

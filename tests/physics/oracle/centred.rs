@@ -19,8 +19,8 @@
 //! * If the normal force, as a linear function of time, falls to zero before now + h, a slider that sticks until then acts
 //!   only before this moment ([`Unloading`]).
 
-use crate::oracle::law::{Normal, Rolling, Terms};
-use crate::oracle::plain::{Action, Memory, PairState, adapt, mean_stiffness, plain, rolling_drag};
+use crate::oracle::law::{Normal, Rolling, RollingKind, Terms};
+use crate::oracle::plain::{Action, Memory, PairState, UP, adapt, mean_of, plain};
 use crate::oracle::vector::V;
 
 /// Velocity change of both particles in half a step by the forces of its beginning, and their mobilities.
@@ -52,11 +52,18 @@ struct NormalMotion {
     closing: f64,
     /// w, m.
     half_width: f64,
-    /// delta and delta_t, m.
+    /// delta and delta_t, m. For a contact that exists beyond touch they count from where it breaks.
     overlaps: [f64; 2],
+    /// The range beyond touch, m, of a contact that exists.
+    range: f64,
 }
 
 impl NormalMotion {
+    /// Returns the overlap at which the law is evaluated.
+    fn at(&self, overlap: f64) -> f64 {
+        overlap.max(0.0) - self.range
+    }
+
     fn share(&self, overlap: f64) -> f64 {
         if overlap >= self.half_width {
             return 1.0;
@@ -67,8 +74,11 @@ impl NormalMotion {
     /// Returns c_mean of now and of the step before, N s/m.
     fn mean_drags(&self, terms: &Terms, pair_state: &PairState) -> [f64; 2] {
         let (w, drag) = (self.half_width, |overlap| terms.drag(pair_state.reduced, overlap));
+        if terms.reaches() && self.overlaps[0] >= 16.0 * w {
+            return [drag(self.at(self.overlaps[0])); 2];
+        }
         if !terms.law.is_hertz() {
-            return self.overlaps.map(|overlap| drag(0.0) * self.share(overlap));
+            return self.overlaps.map(|overlap| drag(self.at(overlap)) * self.share(overlap));
         }
         let overlap = self.overlaps[0];
         if overlap >= 8.0 * w {
@@ -97,6 +107,8 @@ struct NormalLoad {
     whole: f64,
     /// Averaged force before and now, N.
     averaged: [f64; 2],
+    /// Averaged pull, which is not part of these forces, N.
+    pull: f64,
     /// theta before and now.
     shares: [f64; 2],
     /// c_mean before and now, N s/m.
@@ -145,42 +157,63 @@ pub fn centred(
 ) -> Option<Action> {
     let closing = -pair_state.velocity.dot(pair_state.normal);
     let half_width = 0.5 * dt * closing.abs();
-    let normal_motion =
-        NormalMotion { closing, half_width, overlaps: [pair_state.overlap, pair_state.overlap - dt * closing] };
-    if pair_state.overlap + half_width <= 0.0 {
+    let exists = memory.stiffness > 0.0;
+    let range = if exists { terms.range(pair_state.reduced) } else { 0.0 };
+    let overlap = pair_state.overlap + range;
+    let normal_motion = NormalMotion { closing, half_width, overlaps: [overlap, overlap - dt * closing], range };
+    if overlap + half_width <= 0.0 {
         return None;
     }
     if let Normal::Assignment { .. } = terms.law.normal {
         return Some(assignment(terms, pair_state, ahead, &normal_motion, dt));
     }
     let [half, half_lone] = ahead.halves(dt, ahead.inverse_masses);
-    let [spring, spring_before] = normal_motion.overlaps.map(|overlap| terms.spring(pair_state.reduced, overlap));
+    let [spring, spring_before] =
+        normal_motion.overlaps.map(|overlap| terms.spring(pair_state.reduced, normal_motion.at(overlap)));
+    let mean_spring_of = |step: usize| {
+        let overlap = normal_motion.overlaps[step];
+        if !terms.reaches() || normal_motion.overlaps[0] >= 16.0 * half_width {
+            return [spring, spring_before][step];
+        }
+        let ends = [overlap - half_width, overlap + half_width].map(|overlap| normal_motion.at(overlap));
+        terms.mean_spring(pair_state.reduced, ends, 2.0 * half_width)
+            + terms.pull(pair_state.reduced, overlap, normal_motion.share(overlap))
+    };
+    let [mean_spring, mean_spring_before] = [0, 1].map(mean_spring_of);
     let [mean, mean_before] = normal_motion.mean_drags(terms, pair_state);
+    let [pull, pull_before] =
+        normal_motion.overlaps.map(|overlap| terms.pull(pair_state.reduced, overlap, normal_motion.share(overlap)));
     let gained = -ahead.velocity.dot(pair_state.normal);
-    let before = (spring_before + mean_before * (closing - gained)).max(terms.floor());
-    let predicted = closing + gained + half_lone * (spring_before - spring) + half * (before - spring_before);
+    let before = (mean_spring_before + mean_before * (closing - gained)).max(terms.floor());
+    let predicted = closing
+        + gained
+        + half_lone * (mean_spring_before - pull_before - mean_spring + pull)
+        + half * (before - mean_spring_before);
     let now = predicted / (1.0 + half * mean);
-    let total = (spring + mean * now).max(terms.floor());
-    let drag = terms.drag(pair_state.reduced, pair_state.overlap);
+    let total = (mean_spring + mean * now).max(terms.floor());
+    let drag = terms.drag(pair_state.reduced, normal_motion.at(overlap));
     let whole = (spring + drag * now).max(terms.floor());
     let mut load = NormalLoad {
         whole,
         averaged: [before, total],
+        pull,
         shares: [normal_motion.share(normal_motion.overlaps[1]), normal_motion.share(normal_motion.overlaps[0])],
         mean_drags: [mean_before, mean],
         is_hertz: terms.law.is_hertz(),
         event: None,
         unloading: None,
-        accumulation_time: if pair_state.overlap > 0.0 { dt } else { 0.0 },
+        accumulation_time: if overlap > 0.0 { dt } else { 0.0 },
         dt,
     };
-    let earlier = spring_before + terms.drag(pair_state.reduced, normal_motion.overlaps[1]) * (closing - gained);
-    if pair_state.overlap > 0.0 {
+    let at_before = normal_motion.at(normal_motion.overlaps[1]);
+    let earlier = spring_before + terms.drag(pair_state.reduced, at_before) * (closing - gained);
+    if overlap > 0.0 {
         let forces = [earlier.max(terms.floor()), whole];
         load.event = event(terms, pair_state, &normal_motion, memory, [gained, half * before], forces, dt);
         load.accumulation_time = load.event.map_or(dt, |event| event.ago);
     }
-    if !begins_now(terms, &normal_motion, memory, dt) {
+    // The load of a contact beyond touch does not fall to zero before it breaks.
+    if !terms.reaches() && !begins_now(terms, &normal_motion, memory, dt) {
         let [later, time] = if pair_state.overlap > 0.0 {
             [spring + drag * now, dt]
         } else {
@@ -188,7 +221,12 @@ pub fn centred(
         };
         load.unloading = unloading([earlier, later], time, &normal_motion, dt);
     }
-    Some(turn(terms, pair_state, ahead, memory, &load, drag))
+    let action = turn(terms, pair_state, ahead, memory, &load, (drag, normal_motion.at(overlap)));
+    if terms.reaches() && !exists && overlap <= 0.0 {
+        // It forms after this evaluation.
+        *memory = Memory::default();
+    }
+    Some(action)
 }
 
 /// Returns the action of a contact at the start of the run, averaged over the first half step `half` (s): the spring acts as
@@ -201,12 +239,24 @@ pub fn start(terms: &Terms, pair_state: &PairState, memory: &mut Memory, half: f
         return None;
     }
     let begin = PairState { overlap: pair_state.overlap.max(0.0), ..*pair_state };
+    if terms.reaches() {
+        // The force at touch acts in the share of the half step after it.
+        return Some(if pair_state.overlap > 0.0 {
+            plain(terms, pair_state, memory, [half, half, 0.0])
+        } else {
+            let share = (high / moved.abs()).min(1.0);
+            let touching = plain(terms, &begin, &mut Memory::default(), [half, half, 0.0]);
+            Action { force: touching.force * share, torques: touching.torques.map(|torque| torque * share) }
+        });
+    }
     let mut action = plain(terms, &begin, memory, [half, half, 0.0]);
     if moved != 0.0 {
         let normal = pair_state.normal;
-        let spring = |overlap: f64| normal * terms.spring(pair_state.reduced, overlap);
+        let pull = |overlap: f64| terms.pull(pair_state.reduced, overlap, 1.0);
+        let spring = |overlap: f64| normal * (terms.spring(pair_state.reduced, overlap) - pull(overlap));
         let (low, share) = (low.max(0.0), (high / moved.abs()).min(1.0));
-        action = Action { force: spring(begin.overlap), torques: [V::default(); 2] };
+        let missing = normal * ((1.0 - share) * pull(begin.overlap));
+        action = Action { force: spring(begin.overlap) + missing, torques: [V::default(); 2] };
         // Gauss's rule in the fourth root of the rise of the overlap.
         let root = 0.6_f64.sqrt();
         for (node, weight) in [(0.5 - 0.5 * root, 5.0), (0.5, 8.0), (0.5 + 0.5 * root, 5.0)] {
@@ -247,6 +297,9 @@ fn assignment(
 
 /// Whether a contact has begun in this step: one with an empty memory and an earlier overlap of less than one step, too.
 fn begins_now(terms: &Terms, normal_motion: &NormalMotion, memory: &Memory, dt: f64) -> bool {
+    if terms.reaches() {
+        return memory.stiffness == 0.0;
+    }
     let before = normal_motion.overlaps[1];
     let holds_nothing = terms.has_spring() && memory.spring == V::default();
     before <= 0.0 || holds_nothing && before < dt * normal_motion.closing
@@ -279,7 +332,8 @@ fn event(
         let ago = dt.min(pair_state.overlap / normal_motion.closing);
         // The contact's own averaged force acted before the contact began.
         let speed = normal_motion.closing + (gained + own) * (1.0 - 2.0 * ago / dt) + 2.0 * own;
-        let force = (terms.drag(pair_state.reduced, 0.0) * speed).max(terms.floor());
+        let at_touch = if terms.reaches() { terms.spring(pair_state.reduced, 0.0) } else { 0.0 };
+        let force = (at_touch + terms.drag(pair_state.reduced, 0.0) * speed).max(terms.floor());
         return Some(Event { ago, force, opens: true });
     }
     let [earlier, whole] = forces;
@@ -293,11 +347,12 @@ fn turn(
     ahead: &VelocityPrediction,
     memory: &mut Memory,
     load: &NormalLoad,
-    drag: f64,
+    (drag, overlap): (f64, f64),
 ) -> Action {
     let (levers, spins) = (pair_state.levers(terms.law.at_point), pair_state.spins);
     let (mut friction, mut rolling) = (V::default(), V::default());
-    if let Some([stiffness, damping, mu]) = terms.tangential(pair_state.reduced, pair_state.overlap, drag) {
+    let mut tangential_stiffness = [memory.stiffness; 2];
+    if let Some([stiffness, damping, mu]) = terms.tangential(pair_state.reduced, overlap, drag) {
         let mobility = |side: usize| ahead.inverse_masses[side] + levers[side].powi(2) * ahead.inverse_inertias[side];
         let mut motion = Motion {
             middle: pair_state.sliding(pair_state.velocity, spins, levers),
@@ -312,38 +367,74 @@ fn turn(
                 [stiffness, damping]
             }),
         };
+        tangential_stiffness[1] = stiffness;
+        if !terms.stiffness_varies() {
+            tangential_stiffness[0] = stiffness;
+        }
         memory.spring = at_start(memory.spring, &motion, load.dt);
         motion.pulled = memory.spring * -stiffness;
         let mut load = *load;
         if terms.stiffness_varies() {
             let before = memory.stiffness;
             motion.pulled = memory.spring * -before;
-            // The force of a spring whose stiffness fades with the overlap does not jump.
-            motion.spring_shares = [1.0; 2];
-            load.accumulation_time *= mean_stiffness(before, stiffness);
-            // Where a contact opens it has neither stiffness nor damping.
-            load.event = load.event.filter(|_| before > 0.0);
+            load.accumulation_time *= mean_of(terms, before, stiffness);
+            if !terms.reaches() {
+                // The force of a spring whose stiffness fades with the overlap does not jump.
+                motion.spring_shares = [1.0; 2];
+                // Where a contact opens it has neither stiffness nor damping.
+                load.event = load.event.filter(|_| before > 0.0);
+            }
             adapt(memory, stiffness);
         }
         friction = slide(&mut memory.spring, [stiffness, damping, mu], &motion, &load, pair_state.normal);
     }
-    if let Some(Rolling { k, damping, mu }) = terms.law.rolling {
+    if let Some(Rolling { mu, kind, .. }) = terms.law.rolling {
         let mobilities = ahead.inverse_inertias.map(|inverse| pair_state.reduced.radius.powi(2) * inverse);
+        let [[k_before, _], [k, c]] =
+            tangential_stiffness.map(|tangential| terms.rolling(pair_state.reduced, tangential, load.dt));
         let mut motion = Motion {
             middle: pair_state.rolling(spins),
             gained: pair_state.rolling(ahead.spins),
             halves: ahead.halves(load.dt, mobilities),
             pulled: V::default(),
-            mean_drags: load.shares.map(|share| share * rolling_drag(damping, pair_state.reduced)),
+            mean_drags: load.shares.map(|share| share * c),
             spring_shares: load.shares,
-            unloaded: [k, rolling_drag(damping, pair_state.reduced)],
+            unloaded: [k, c],
         };
+        let mut load = *load;
         memory.rolling = at_start(memory.rolling, &motion, load.dt);
-        motion.pulled = memory.rolling * -k;
-        let numbers = [k, rolling_drag(damping, pair_state.reduced), mu];
-        rolling = slide(&mut memory.rolling, numbers, &motion, load, pair_state.normal);
+        motion.pulled = memory.rolling * -k_before;
+        if kind == RollingKind::Elastic && terms.stiffness_varies() {
+            load.accumulation_time *= mean_of(terms, k_before, k);
+            if !terms.reaches() {
+                motion.spring_shares = [1.0; 2];
+                load.event = load.event.filter(|_| k_before > 0.0);
+            }
+            if k > k_before {
+                memory.rolling = memory.rolling * (k_before / k);
+            }
+        }
+        rolling = slide(&mut memory.rolling, [k, c, mu], &motion, &load, pair_state.normal);
+        if kind == RollingKind::Torque {
+            memory.rolling = V::default();
+        }
     }
-    pair_state.act(load.averaged[1], friction, levers, rolling)
+    let action = pair_state.act(load.averaged[1] - load.pull, friction, levers, rolling);
+    let Some(Rolling { k, damping, mu, .. }) = terms.law.twisting else { return action };
+    let (c, mobility) = (damping.drag(pair_state.reduced.mass, 0.0), pair_state.reduced.radius.powi(2));
+    let mut motion = Motion {
+        middle: pair_state.twisting(spins),
+        gained: pair_state.twisting(ahead.spins),
+        halves: ahead.halves(load.dt, ahead.inverse_inertias.map(|inverse| mobility * inverse)),
+        pulled: V::default(),
+        mean_drags: load.shares.map(|share| share * c),
+        spring_shares: load.shares,
+        unloaded: [k, c],
+    };
+    memory.twist = at_start(memory.twist, &motion, load.dt);
+    motion.pulled = memory.twist * -k;
+    let force = slide(&mut memory.twist, [k, c, mu], &motion, load, UP);
+    pair_state.twist(action, force)
 }
 
 /// Returns the stretch of a spring at the beginning of the step. Springs are stored half a step ahead; a new one is empty.

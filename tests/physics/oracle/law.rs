@@ -5,6 +5,8 @@
 //!   with beta = zeta, w^2 = 1 - zeta^2. With attraction e = exp(-pi beta/w); without it e = exp(-(beta/w) (pi -
 //!   atan2(2 beta w, w^2 - beta^2))).
 //! * Hertz: S = 2 E* sqrt(R* delta), spring 2/3 S delta, c = 2 sqrt(5/6) zeta sqrt(S m), with 1/E* = sum (1 - nu^2)/E.
+//! * Adhesion: a pull F, 2 pi w R*, or 2 pi q R* delta, which does not count in the cap of friction.
+//! * Rolling resistance: a spring of its own, one with k = k_t (`Elastic`), or a drag 0.05 m/dt (`Torque`).
 //! * Mindlin: k_t = 8 G* sqrt(R* delta), c_t = 2 sqrt(5/6) zeta sqrt(k_t m), with 1/G* = sum (2 - nu) 2 (1 + nu)/E.
 
 use std::f64::consts::PI;
@@ -20,16 +22,54 @@ pub enum Damping {
 
 #[derive(Clone, Copy, Debug)]
 pub enum Normal {
-    Assignment { k: f64, b: f64 },
-    Linear { k: f64, damping: Damping, pulls: bool },
-    Hertz { restitution: f64, pulls: bool },
+    Assignment {
+        k: f64,
+        b: f64,
+    },
+    Linear {
+        k: f64,
+        damping: Damping,
+        pulls: bool,
+    },
+    Hertz {
+        restitution: f64,
+        pulls: bool,
+    },
+    /// Johnson, Kendall and Roberts, with the work of adhesion.
+    Jkr {
+        restitution: f64,
+        pulls: bool,
+        work: f64,
+    },
 }
 
 #[derive(Clone, Copy, Debug)]
 pub enum Friction {
-    Dashpot { damping: Damping, mu: f64 },
-    Spring { k: f64, damping: Damping, mu: f64 },
-    Mindlin { mu: f64 },
+    Dashpot {
+        damping: Damping,
+        mu: f64,
+    },
+    Spring {
+        k: f64,
+        damping: Damping,
+        mu: f64,
+    },
+    Mindlin {
+        mu: f64,
+    },
+    /// With c_t as a share of the normal c.
+    MindlinOfNormal {
+        mu: f64,
+        share: f64,
+    },
+}
+
+/// Kind of rolling resistance, `siloflow::contact::rolling::RollingKind`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum RollingKind {
+    Spring,
+    Elastic,
+    Torque,
 }
 
 /// Stiffness (N/m), damping and coefficient of rolling resistance.
@@ -38,13 +78,24 @@ pub struct Rolling {
     pub k: f64,
     pub damping: Damping,
     pub mu: f64,
+    pub kind: RollingKind,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub enum Adhesion {
+    Force(f64),
+    Dmt(f64),
+    Area(f64),
 }
 
 #[derive(Clone, Copy, Debug)]
 pub struct Law {
     pub normal: Normal,
+    pub adhesion: Option<Adhesion>,
     pub friction: Option<Friction>,
     pub rolling: Option<Rolling>,
+    /// Twisting resistance, a spring and a dashpot like `RollingKind::Spring`; in solid space only.
+    pub twisting: Option<Rolling>,
     /// Whether friction acts at the contact point instead of at the radius.
     pub at_point: bool,
 }
@@ -89,6 +140,9 @@ impl Law {
             Normal::Assignment { k, b } => return format!("Assignment(k: {k:?}, b: {b:?})"),
             Normal::Linear { k, damping, pulls } => (format!("Linear(k: {k:?}, damping: {}", damping.ron()), pulls),
             Normal::Hertz { restitution, pulls } => (format!("Hertz(restitution: {restitution:?}"), pulls),
+            Normal::Jkr { restitution, pulls, work } => {
+                (format!("Hertz(restitution: {restitution:?}, adhesion: Jkr({work:?})"), pulls)
+            }
         };
         let tangential = self.friction.map_or(String::new(), |friction| match friction {
             Friction::Dashpot { damping, mu } => {
@@ -98,12 +152,23 @@ impl Law {
                 format!(", tangential: Spring(k: {k:?}, damping: {}, friction: {mu:?})", damping.ron())
             }
             Friction::Mindlin { mu } => format!(", tangential: Mindlin(friction: {mu:?})"),
+            Friction::MindlinOfNormal { mu, share } => {
+                format!(", tangential: Mindlin(friction: {mu:?}, damping: OfNormal({share:?}))")
+            }
         });
-        let rolling = self.rolling.map_or(String::new(), |Rolling { k, damping, mu }| {
-            format!(", rolling: (k: {k:?}, damping: {}, friction: {mu:?})", damping.ron())
+        let rolling = self.rolling.map_or(String::new(), |Rolling { k, damping, mu, kind }| match kind {
+            RollingKind::Spring => format!(", rolling: (k: {k:?}, damping: {}, friction: {mu:?})", damping.ron()),
+            RollingKind::Elastic => {
+                format!(", rolling: (kind: Elastic, damping: {}, friction: {mu:?})", damping.ron())
+            }
+            RollingKind::Torque => format!(", rolling: (kind: Torque, friction: {mu:?})"),
         });
         let lever = if self.at_point { "ContactPoint" } else { "Radius" };
-        format!("{head}, attraction: {}{tangential}{rolling}, lever: {lever})", attraction(pulls))
+        let twisting = self.twisting.map_or(String::new(), |Rolling { k, damping, mu, .. }| {
+            format!(", twisting: (k: {k:?}, damping: {}, friction: {mu:?})", damping.ron())
+        });
+        let adhesion = self.adhesion.map_or(String::new(), |adhesion| format!(", adhesion: {adhesion:?}"));
+        format!("{head}, attraction: {}{tangential}{rolling}{twisting}{adhesion}, lever: {lever})", attraction(pulls))
     }
 
     /// Returns all numbers of the law with their names.
@@ -112,15 +177,32 @@ impl Law {
             Normal::Assignment { k, b } => vec![("k", k), ("b", b)],
             Normal::Linear { k, damping, .. } => vec![("k", k), damping.number()],
             Normal::Hertz { restitution, .. } => vec![("e", restitution)],
+            Normal::Jkr { restitution, work, .. } => vec![("e", restitution), ("w", work)],
         };
         match &mut self.friction {
             None => {}
             Some(Friction::Dashpot { damping, mu }) => all.extend([damping.number(), ("mu", mu)]),
             Some(Friction::Spring { k, damping, mu }) => all.extend([("k_t", k), damping.number(), ("mu", mu)]),
             Some(Friction::Mindlin { mu }) => all.push(("mu", mu)),
+            Some(Friction::MindlinOfNormal { mu, share }) => all.extend([("mu", mu), ("share of c", share)]),
         }
-        if let Some(Rolling { k, damping, mu }) = &mut self.rolling {
-            all.extend([("k_r", k), damping.number(), ("mu_r", mu)]);
+        if let Some(Rolling { k, damping, mu, .. }) = &mut self.twisting {
+            all.extend([("k_w", k), damping.number(), ("mu_w", mu)]);
+        }
+        match &mut self.adhesion {
+            None => {}
+            Some(Adhesion::Force(force)) => all.push(("pull", force)),
+            Some(Adhesion::Dmt(work)) => all.push(("w", work)),
+            Some(Adhesion::Area(density)) => all.push(("q", density)),
+        }
+        if let Some(Rolling { k, damping, mu, kind }) = &mut self.rolling {
+            all.push(("mu_r", mu));
+            if *kind != RollingKind::Torque {
+                all.push(damping.number());
+            }
+            if *kind == RollingKind::Spring {
+                all.push(("k_r", k));
+            }
         }
         all
     }
@@ -151,7 +233,9 @@ impl Terms {
     pub fn new(law: Law, materials: [Material; 2]) -> Self {
         let zeta = match law.normal {
             Normal::Linear { damping: Damping::Restitution(e), pulls, .. } => damping_ratio(e, pulls),
-            Normal::Hertz { restitution, pulls } => damping_ratio(restitution, pulls),
+            Normal::Hertz { restitution, pulls } | Normal::Jkr { restitution, pulls, .. } => {
+                damping_ratio(restitution, pulls)
+            }
             _ => 0.0,
         };
         let normal = |m: Material| (1.0 - m.poisson * m.poisson) / m.young;
@@ -162,10 +246,70 @@ impl Terms {
 
     /// Returns the spring force at an overlap (m); zero across a gap.
     pub fn spring(&self, reduced: Reduced, overlap: f64) -> f64 {
+        if let Normal::Jkr { work, .. } = self.law.normal {
+            // Twice the pull-off force is counted with the pull.
+            let (modulus, a) = (self.moduli[0], self.contact_radius(reduced, overlap));
+            return 4.0 / 3.0 * modulus * a.powi(3) / reduced.radius - (8.0 * PI * work * modulus * a.powi(3)).sqrt()
+                + 3.0 * PI * work * reduced.radius;
+        }
         let overlap = overlap.max(0.0);
         match self.law.normal {
             Normal::Assignment { k, .. } | Normal::Linear { k, .. } => k * overlap,
-            Normal::Hertz { .. } => 4.0 / 3.0 * self.moduli[0] * (reduced.radius * overlap).sqrt() * overlap,
+            Normal::Hertz { .. } | Normal::Jkr { .. } => {
+                4.0 / 3.0 * self.moduli[0] * (reduced.radius * overlap).sqrt() * overlap
+            }
+        }
+    }
+
+    /// Returns the contact radius of Johnson, Kendall and Roberts at an overlap (m), m, by bisection. The overlap grows with the
+    /// radius from where the contact breaks on.
+    fn contact_radius(&self, reduced: Reduced, overlap: f64) -> f64 {
+        let Normal::Jkr { work, .. } = self.law.normal else { return (reduced.radius * overlap.max(0.0)).sqrt() };
+        let of = |a: f64| a * a / reduced.radius - (2.0 * PI * work * a / self.moduli[0]).sqrt();
+        let mut low = (PI * work * reduced.radius.powi(2) / (8.0 * self.moduli[0])).cbrt();
+        let mut high = 4.0 * low + 2.0 * (reduced.radius * overlap.max(0.0)).sqrt();
+        for _ in 0..80 {
+            let middle = 0.5 * (low + high);
+            if of(middle) < overlap { low = middle } else { high = middle }
+        }
+        high
+    }
+
+    /// Returns the mean of spring and pull over the overlaps from `low` to `high`, where the contact exists, N. The integral of the
+    /// force over the overlap is a polynomial in the root of the contact radius.
+    pub fn mean_spring(&self, reduced: Reduced, [low, high]: [f64; 2], width: f64) -> f64 {
+        let Normal::Jkr { work, .. } = self.law.normal else { return 0.0 };
+        let (modulus, radius) = (self.moduli[0], reduced.radius);
+        let energy = |overlap: f64| {
+            let a = self.contact_radius(reduced, overlap);
+            8.0 / 15.0 * modulus * a.powi(5) / radius.powi(2)
+                - 4.0 / 3.0 * (2.0 * PI * work * modulus).sqrt() * a.powf(3.5) / radius
+                + PI * work * a * a
+        };
+        (energy(high) - energy(low)) / width
+    }
+
+    /// Returns the range of a contact beyond touch, m.
+    pub fn range(&self, reduced: Reduced) -> f64 {
+        let Normal::Jkr { work, .. } = self.law.normal else { return 0.0 };
+        3.0 * (PI * work * reduced.radius.powi(2) / (8.0 * self.moduli[0])).cbrt().powi(2) / reduced.radius
+    }
+
+    /// Whether contacts exist beyond touch.
+    pub fn reaches(&self) -> bool {
+        matches!(self.law.normal, Normal::Jkr { .. })
+    }
+
+    /// Returns the pull at an overlap (m), N. What acts from touch on acts in `share` of a step.
+    pub fn pull(&self, reduced: Reduced, overlap: f64, share: f64) -> f64 {
+        if let Normal::Jkr { work, .. } = self.law.normal {
+            return share * 3.0 * PI * work * reduced.radius;
+        }
+        match self.law.adhesion {
+            None => 0.0,
+            Some(Adhesion::Force(force)) => share * force,
+            Some(Adhesion::Dmt(work)) => share * work * 2.0 * PI * reduced.radius,
+            Some(Adhesion::Area(density)) => density * 2.0 * PI * reduced.radius * overlap.max(0.0),
         }
     }
 
@@ -176,8 +320,13 @@ impl Terms {
             Normal::Assignment { b, .. } => b,
             Normal::Linear { k, damping: Damping::Restitution(_), .. } => 2.0 * self.zeta * (k * mass).sqrt(),
             Normal::Linear { damping, .. } => damping.drag(mass, 0.0),
-            Normal::Hertz { .. } => {
-                let stiffness = 2.0 * self.moduli[0] * (radius * overlap.max(0.0)).sqrt();
+            Normal::Hertz { .. } | Normal::Jkr { .. } => {
+                let a = if self.reaches() {
+                    self.contact_radius(reduced, overlap)
+                } else {
+                    (radius * overlap.max(0.0)).sqrt()
+                };
+                let stiffness = 2.0 * self.moduli[0] * a;
                 2.0 * (5.0f64 / 6.0).sqrt() * self.zeta * (stiffness * mass).sqrt()
             }
         }
@@ -186,7 +335,9 @@ impl Terms {
     /// Returns the smallest allowed normal force, N.
     pub fn floor(&self) -> f64 {
         match self.law.normal {
-            Normal::Linear { pulls: false, .. } | Normal::Hertz { pulls: false, .. } => 0.0,
+            Normal::Linear { pulls: false, .. }
+            | Normal::Hertz { pulls: false, .. }
+            | Normal::Jkr { pulls: false, .. } => 0.0,
             _ => f64::NEG_INFINITY,
         }
     }
@@ -197,8 +348,12 @@ impl Terms {
             Friction::Dashpot { damping, mu } => [0.0, damping.drag(reduced.mass, normal_drag), mu],
             Friction::Spring { k, damping, mu } => [k, damping.drag(reduced.mass, normal_drag), mu],
             Friction::Mindlin { mu } => {
-                let k = 8.0 * self.moduli[1] * (reduced.radius * overlap.max(0.0)).sqrt();
+                let k = 8.0 * self.moduli[1] * self.contact_radius(reduced, overlap);
                 [k, 2.0 * (5.0f64 / 6.0).sqrt() * self.zeta * (k * reduced.mass).sqrt(), mu]
+            }
+            Friction::MindlinOfNormal { mu, share } => {
+                let k = 8.0 * self.moduli[1] * self.contact_radius(reduced, overlap);
+                [k, share * self.drag(reduced, overlap), mu]
             }
         })
     }
@@ -214,18 +369,29 @@ impl Terms {
                 _ => both(&|step| damping.drag(reduced.mass, 0.0) * shares[step]),
             },
             // Both coefficients go with the root of their stiffness, 8 G* and 2 E* times the same root.
+            Some(Friction::MindlinOfNormal { share, .. }) => normal.map(|mean| mean * share),
             Some(Friction::Mindlin { .. }) => normal.map(|mean| mean * (4.0 * self.moduli[1] / self.moduli[0]).sqrt()),
+        }
+    }
+
+    /// Returns k and c of rolling resistance in a step of `dt` (s), at a tangential stiffness (N/m).
+    pub fn rolling(&self, reduced: Reduced, tangential: f64, dt: f64) -> [f64; 2] {
+        let Some(Rolling { k, damping, kind, .. }) = self.law.rolling else { return [0.0; 2] };
+        match kind {
+            RollingKind::Spring => [k, damping.drag(reduced.mass, 0.0)],
+            RollingKind::Elastic => [tangential, damping.drag(reduced.mass, 0.0)],
+            RollingKind::Torque => [0.0, 0.05 * reduced.mass / dt],
         }
     }
 
     /// Whether the tangential stiffness changes while a contact lasts.
     pub fn stiffness_varies(&self) -> bool {
-        matches!(self.law.friction, Some(Friction::Mindlin { .. }))
+        matches!(self.law.friction, Some(Friction::Mindlin { .. } | Friction::MindlinOfNormal { .. }))
     }
 
     /// Whether the tangential force has a memory.
     pub fn has_spring(&self) -> bool {
-        matches!(self.law.friction, Some(Friction::Mindlin { .. } | Friction::Spring { .. }))
+        matches!(self.law.friction, Some(Friction::Spring { .. })) || self.stiffness_varies()
     }
 }
 

@@ -11,7 +11,7 @@
 //!   on j.
 //! * Torques of friction: -l n x F_t on each.
 
-use crate::oracle::law::{Damping, Normal, Reduced, Rolling, Terms};
+use crate::oracle::law::{Normal, Reduced, Rolling, RollingKind, Terms};
 use crate::oracle::vector::V;
 
 /// Two particles in contact, seen from i. j may be a wall surface, which has no curvature.
@@ -33,6 +33,8 @@ pub struct PairState {
 pub struct Memory {
     pub spring: V,
     pub rolling: V,
+    /// Twisting spring, along x of a plane with the normal y, m.
+    pub twist: V,
     pub stiffness: f64,
 }
 
@@ -65,7 +67,20 @@ impl PairState {
         (spins[0] - spins[1]).cross(self.normal) * self.reduced.radius
     }
 
-    /// Combines a normal force (N), friction and rolling resistance into force and torques.
+    /// Returns R* (w_i - w_j).n for spins, as a vector along x.
+    pub fn twisting(&self, spins: [V; 2]) -> V {
+        V([(spins[0] - spins[1]).dot(self.normal) * self.reduced.radius, 0.0, 0.0])
+    }
+
+    /// Adds the torques of a twisting force along x, N.
+    pub fn twist(&self, mut action: Action, force: V) -> Action {
+        let couple = self.normal * (self.reduced.radius * force.0[0]);
+        action.torques[0] += couple;
+        action.torques[1] += -couple;
+        action
+    }
+
+    /// Combines a normal force with all pulls (N), friction and rolling resistance into force and torques.
     pub fn act(&self, total: f64, friction: V, levers: [f64; 2], rolling: V) -> Action {
         let moment = self.normal.cross(friction);
         let couple = (self.normal * self.reduced.radius).cross(rolling);
@@ -96,12 +111,14 @@ pub fn plain(terms: &Terms, pair_state: &PairState, memory: &mut Memory, [dt, le
     let total = (spring - drag * velocity.dot(normal)).max(terms.floor());
     let levers = pair_state.levers(terms.law.at_point);
     let mut friction = V::default();
+    let mut stiffnesses = [0.0; 2];
     if let Some([stiffness, damping, mu]) = terms.tangential(reduced, overlap, drag) {
         let sliding = pair_state.sliding(velocity, spins, levers);
         let mut gathering = dt;
+        stiffnesses = [if terms.stiffness_varies() { memory.stiffness } else { stiffness }, stiffness];
         if terms.stiffness_varies() {
             if lead > 0.0 {
-                gathering *= mean_stiffness(memory.stiffness, stiffness);
+                gathering *= mean_of(terms, memory.stiffness, stiffness);
             }
             // Only the stretch at the evaluation follows the stiffness, not the part that the spring is ahead.
             memory.spring = memory.spring - sliding * lead;
@@ -116,12 +133,36 @@ pub fn plain(terms: &Terms, pair_state: &PairState, memory: &mut Memory, [dt, le
         };
     }
     let mut rolling = V::default();
-    if let Some(Rolling { k, damping, mu }) = terms.law.rolling {
-        let numbers = [k, rolling_drag(damping, reduced) + k * damping_time, mu * total.abs()];
-        rolling = slide(&mut memory.rolling, numbers, pair_state.rolling(spins), normal, [dt, lead]);
+    if let Some(Rolling { mu, kind, .. }) = terms.law.rolling {
+        let velocity = pair_state.rolling(spins);
+        let [k, c] = terms.rolling(reduced, stiffnesses[1], dt);
+        let before = terms.rolling(reduced, stiffnesses[0], dt)[0];
+        let cap = mu * total.abs();
+        if kind == RollingKind::Torque {
+            // At rest, and in an evaluation without a step, the drag has no bound.
+            let force = if dt > 0.0 { velocity * -c } else { velocity * -1e200 };
+            let size = force.length();
+            rolling = if size > cap { velocity.unit() * -cap } else { force };
+        } else {
+            let ahead = velocity * lead;
+            let gathering = if lead > 0.0 { dt * mean_of(terms, before, k) } else { dt };
+            let mut stretch = memory.rolling - ahead;
+            if k > before {
+                stretch = stretch * (before / k);
+            }
+            memory.rolling = stretch + ahead;
+            rolling = slide(&mut memory.rolling, [k, c + k * damping_time, cap], velocity, normal, [gathering, lead]);
+        }
     }
-    pair_state.act(total, friction, levers, rolling)
+    let action = pair_state.act(total - terms.pull(reduced, overlap, 1.0), friction, levers, rolling);
+    let Some(Rolling { k, damping, mu, .. }) = terms.law.twisting else { return action };
+    let numbers = [k, damping.drag(reduced.mass, 0.0) + k * damping_time, mu * total.abs()];
+    let force = slide(&mut memory.twist, numbers, pair_state.twisting(spins), UP, [dt, lead]);
+    pair_state.twist(action, force)
 }
+
+/// The normal of the plane in which a twisting spring lies along x.
+pub const UP: V = V([0.0, 1.0, 0.0]);
 
 /// Adapts a spring to a changed stiffness, N/m.
 pub fn adapt(memory: &mut Memory, stiffness: f64) {
@@ -131,14 +172,14 @@ pub fn adapt(memory: &mut Memory, stiffness: f64) {
     memory.stiffness = stiffness;
 }
 
-/// Returns c of rolling resistance, N s/m.
-pub fn rolling_drag(damping: Damping, reduced: Reduced) -> f64 {
-    damping.drag(reduced.mass, 0.0)
+/// Like [`mean_stiffness`]; a contact that jumps to its stiffness has it in the whole first step.
+pub fn mean_of(terms: &Terms, before: f64, now: f64) -> f64 {
+    if terms.reaches() && before == 0.0 { 1.0 } else { mean_stiffness(before, now) }
 }
 
 /// Returns the mean stiffness of a step over the stiffness at its end. The overlap grows linearly, the stiffness with its
 /// root.
-pub fn mean_stiffness(before: f64, now: f64) -> f64 {
+fn mean_stiffness(before: f64, now: f64) -> f64 {
     if before >= now {
         return 1.0;
     }

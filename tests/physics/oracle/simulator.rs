@@ -239,7 +239,8 @@ impl Simulator {
         let action = if self.scheme == Scheme::Centred {
             self.meet_centred(&terms, &pair_state, [a, b], &mut memory, dt)
         } else {
-            (overlap > 0.0).then(|| plain(&terms, &pair_state, &mut memory, [dt, 0.0, 0.0]))
+            let range = if memory.stiffness > 0.0 { terms.range(pair_state.reduced) } else { 0.0 };
+            (overlap + range > 0.0).then(|| plain(&terms, &pair_state, &mut memory, [dt, 0.0, 0.0]))
         };
         let Some(action) = action else { return };
         self.memories.insert(pair, memory);
@@ -271,16 +272,27 @@ impl Simulator {
             spins: [0, 1].map(|side| pair_state.spins[side] + gains.spins[side] * beta_of_spins),
             ..*pair_state
         };
-        let even = if terms.law.is_hertz() { 8.0 } else { 3.0 };
+        let even = if terms.reaches() {
+            16.0
+        } else if terms.law.is_hertz() {
+            8.0
+        } else {
+            3.0
+        };
         let closing = -predicted.velocity.dot(predicted.normal);
         let nearest = even * half * closing.abs();
-        let mut is_even = pair_state.overlap >= nearest;
+        let range = if memory.stiffness > 0.0 { terms.range(pair_state.reduced) } else { 0.0 };
+        let overlap = pair_state.overlap + range;
+        let mut is_even = overlap >= nearest;
         if terms.law.friction.is_some() {
             // Near a change of the sign of the normal force the cap of friction is zero.
             let spring = terms.spring(predicted.reduced, predicted.overlap);
             let drag = terms.drag(predicted.reduced, predicted.overlap);
             let total = (spring + drag * closing).max(terms.floor());
-            is_even &= total.min(spring) * pair_state.overlap >= spring * nearest;
+            is_even &= total.min(spring) * overlap >= spring * nearest;
+        }
+        if terms.reaches() && overlap <= 0.0 {
+            is_even = false;
         }
         if dt == 0.0 && is_even {
             // At the start springs are empty, and stored ahead.
@@ -290,7 +302,7 @@ impl Simulator {
         } else if is_even && !both[0].is_lone && !both[1].is_lone {
             Some(plain(terms, &predicted, memory, [dt, half, damping_time]))
         } else {
-            let is_far = pair_state.overlap + 1.25 * half * predicted.velocity.dot(predicted.normal).abs() < 0.0;
+            let is_far = overlap + 1.25 * half * predicted.velocity.dot(predicted.normal).abs() < 0.0;
             if is_far { None } else { centred(terms, pair_state, &gains, memory, dt) }
         }
     }

@@ -1,0 +1,283 @@
+//! Rolling resistance whose kind is a number, not a type, with twisting resistance: one kernel serves all kinds.
+//!
+//! | kind | rolling force F_r in v_r = R_eff (w_i - w_j) x n, capped at mu_r |F_n| | source |
+//! |---|---|---|
+//! | `Spring` | -k xi - c v_r ([`RollingResistance`]) | model C of Ai, Chen, Rotter and Ooi, Powder Technology 206, 269, 2011 |
+//! | `Elastic` | the same with k = k_t, the tangential stiffness of the contact | Iwashita and Oda, J. Eng. Mech. 124, 285, 1998; `epsd2` of LIGGGHTS |
+//! | `Torque` | -mu_r F_n v_r/abs(v_r), a constant torque against the rolling | model A of Ai et al. |
+//!
+//! Where k_t changes with the overlap, a stiffening spring keeps its force and a softening one its displacement, as in
+//! [`SpringSlider`](crate::contact::tangential::SpringSlider).
+//!
+//! The torque of `Torque` jumps where the rolling changes its direction. Below the speed v* = mu_r F_n dt/(0.05 m_eff) it is
+//! proportional to v_r, which stops a grain within some twenty steps and keeps beds stable: twelve contacts of one grain
+//! together stop a rolling motion in no less than a step. So a grain on a slope that the torque could hold creeps with a
+//! speed of the order of v*, which is proportional to the step, and such a contact is of first order once it has stopped.
+//! `Spring` and `Elastic` hold.
+
+use serde::{Deserialize, Serialize};
+
+use crate::contact::rolling::{Rolling, RollingDamping, RollingResistance, mobilities, rolling_velocity, set_torques};
+use crate::contact::spring::{Slider, SliderForce, at_evaluation, lost_at_contact_end};
+use crate::contact::tangential::{NormalLoad, mean_of};
+use crate::contact::twisting::{Twisting, TwistingKeys};
+use crate::contact::{Bounce, Memory, Pair, Turning};
+use crate::space::Space;
+use crate::values::{NonNegative, Positive};
+
+/// c dt/m_eff of the drag of `Torque` below v*.
+const STOPPING: f64 = 0.05;
+
+/// The kind of a rolling resistance.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+pub enum RollingKind {
+    /// A spring of given stiffness and a dashpot.
+    #[default]
+    Spring,
+    /// A spring with the tangential stiffness of the contact.
+    Elastic,
+    /// A constant torque.
+    Torque,
+}
+
+/// The scene's `contact.rolling`.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub struct RollingKeys {
+    /// The kind.
+    #[serde(default)]
+    pub kind: RollingKind,
+    /// Stiffness k, N/m; only with `Spring`, which needs it.
+    pub k: Option<Positive>,
+    /// Damping of the rolling velocity; with `Spring`, which needs it, and `Elastic`.
+    pub damping: Option<RollingDamping>,
+    /// Coefficient mu_r.
+    pub friction: NonNegative,
+}
+
+impl RollingKeys {
+    /// Returns the spring and dashpot of kind `Spring`.
+    #[must_use]
+    pub fn spring(&self) -> Option<RollingResistance> {
+        let Self { kind: RollingKind::Spring, k: Some(k), damping: Some(damping), friction } = *self else {
+            return None;
+        };
+        Some(RollingResistance { k, damping, friction })
+    }
+}
+
+/// Rolling resistance of any kind, or none.
+#[derive(Clone, Copy, Debug)]
+pub struct AnyRolling {
+    /// Stiffness, N/m, and the share of the tangential stiffness that is added.
+    k: f64,
+    share: f64,
+    damping: RollingDamping,
+    /// mu_r.
+    friction: f64,
+    is_torque: bool,
+    /// Whether the tangential stiffness goes to zero where a contact begins and ends.
+    fades: bool,
+    twisting: Twisting,
+}
+
+impl AnyRolling {
+    /// Creates the term. `tangential` is the tangential stiffness, N/m, if it is the same at every overlap. `fades` states
+    /// whether one that changes goes to zero where a contact begins and ends.
+    #[must_use]
+    pub fn new(
+        keys: Option<RollingKeys>,
+        twisting: Option<TwistingKeys>,
+        tangential: Option<f64>,
+        fades: bool,
+    ) -> Self {
+        let none = RollingKeys { kind: RollingKind::Spring, k: None, damping: None, friction: NonNegative::ZERO };
+        let RollingKeys { kind, k, damping, friction } = keys.unwrap_or(none);
+        // Without a cap a stiffness has no effect, but must not be zero.
+        let k = k.map_or(1.0, Positive::get);
+        let (k, share) = match kind {
+            RollingKind::Spring | RollingKind::Torque => (k, 0.0),
+            RollingKind::Elastic => (tangential.unwrap_or(0.0), if tangential.is_some() { 0.0 } else { 1.0 }),
+        };
+        Self {
+            k,
+            share,
+            damping: damping.unwrap_or(RollingDamping::B(NonNegative::ZERO)),
+            friction: friction.get(),
+            is_torque: kind == RollingKind::Torque,
+            fades,
+            twisting: Twisting::new(twisting),
+        }
+    }
+
+    /// Returns the stiffness at a tangential stiffness, both N/m.
+    #[inline(always)]
+    fn stiffness(&self, tangential: f64) -> f64 {
+        self.k + self.share * tangential
+    }
+
+    /// Returns the force of a constant torque.
+    #[inline(always)]
+    fn torque<V: Space>(pair: &Pair<V>, velocity: V, cap: f64) -> SliderForce<V> {
+        let slowest = cap * pair.dt / (STOPPING * pair.reduced_mass);
+        // No force at rest, even if the evaluation does not advance time.
+        let speed = velocity.length().max(slowest).max(f64::MIN_POSITIVE);
+        let force = velocity * (-cap / speed);
+        SliderForce { force, drag: force, lost: 0.0, is_sliding: speed > slowest }
+    }
+
+    /// Adapts the spring to a stiffness that has changed from the first to the second, N/m; returns the energy that it loses, J.
+    #[inline(always)]
+    fn adapt<V: Space>(rolling: &mut V, [before, now]: [f64; 2]) -> f64 {
+        let stored = before * rolling.length_squared();
+        if now > before {
+            *rolling = *rolling * (before / now);
+        }
+        0.5 * (stored - now * rolling.length_squared())
+    }
+}
+
+impl Rolling for AnyRolling {
+    const ROLLING: bool = true;
+    const TWISTING: bool = true;
+
+    #[inline(always)]
+    fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>) {
+        let velocity = rolling_velocity(pair);
+        let [before, k] = [turning.stiffness_before, memory.stiffness].map(|k| self.stiffness(k));
+        let cap = self.friction * normal_force.abs();
+        let (mut rolling, mut dt) = (memory.rolling, pair.dt);
+        let ahead = velocity * pair.lead;
+        if pair.lead > 0.0 {
+            dt *= mean_of(self.fades, before, k);
+        }
+        rolling -= ahead;
+        let lost = Self::adapt(&mut rolling, [before, k]);
+        rolling += ahead;
+        let drag = self.damping.of(pair.reduced_mass) + k * pair.spring_damping;
+        let slider = Slider { stiffness: k, drag, cap };
+        let mut pull = slider.pull(&mut rolling, velocity, pair.normal, [dt, pair.lead]);
+        pull.lost += lost;
+        let torque = Self::torque(pair, velocity, cap);
+        (memory.rolling, pull) = if self.is_torque { (V::ZERO, torque) } else { (rolling, pull) };
+        set_torques(pair, &pull, turning);
+        self.twisting.add(pair, normal_force, memory, turning);
+    }
+
+    #[inline(always)]
+    fn add_centred<V: Space>(
+        &self,
+        pair: &Pair<V>,
+        load: &NormalLoad,
+        memory: &mut Memory<V>,
+        turning: &mut Turning<V>,
+    ) {
+        let [before, mut k] = [turning.stiffness_before, memory.stiffness].map(|k| self.stiffness(k));
+        let mut drag = self.damping.of(pair.reduced_mass);
+        if self.is_torque {
+            (k, drag) = (0.0, STOPPING * pair.reduced_mass / pair.dt);
+        }
+        let middle = rolling_velocity(pair);
+        let motion = [middle, rolling_velocity(&pair.predicted()) - middle];
+        memory.rolling = at_evaluation(memory.rolling, motion, pair.lead);
+        let mut sweep = load.sweep(motion, mobilities(pair), self.friction, [pair.dt, pair.lead]);
+        sweep.pulled = memory.rolling * -before;
+        sweep.mean_drags = load.mean_drags(|share, _| drag * share);
+        // Over a release the stiffness is that of the evaluation: there is none of a later overlap.
+        sweep.release = load.unloading.map(|unloading| unloading.release(pair, self.friction, |_| (k, drag)));
+        let mut lost = 0.0;
+        if self.share > 0.0 {
+            sweep.gathering *= mean_of(self.fades, before, k);
+            if self.fades {
+                // As for friction: the stiffness is zero where a contact opens.
+                sweep.event = sweep.event.filter(|_| before > 0.0);
+                sweep.spring_shares = [1.0; 2];
+            }
+            lost = Self::adapt(&mut memory.rolling, [before, k]);
+        }
+        let slider = Slider { stiffness: k, drag, cap: self.friction * load.whole.abs() };
+        let mut pull = slider.pull_centred(&mut memory.rolling, &sweep, pair.normal);
+        pull.lost += lost;
+        if self.is_torque {
+            memory.rolling = V::ZERO;
+        }
+        set_torques(pair, &pull, turning);
+        self.twisting.add_centred(pair, load, memory, turning);
+    }
+
+    fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        let spring = memory.rolling - rolling_velocity(pair) * pair.lead;
+        let k = if self.is_torque { 0.0 } else { self.stiffness(memory.stiffness) };
+        0.5 * k * spring.length_squared() + self.twisting.energy(pair, memory)
+    }
+
+    /// The stiffer and the more damped one of rolling and twisting, which have the same mobility.
+    fn mode(&self, bounce: &Bounce, tangential: f64) -> [f64; 2] {
+        let [twist_k, twist_drag] = self.twisting.mode(bounce.reduced_mass);
+        // The drag of a constant torque follows the step.
+        if self.is_torque || self.friction <= 0.0 {
+            return [twist_k, twist_drag];
+        }
+        [self.stiffness(tangential).max(twist_k), self.damping.of(bounce.reduced_mass).max(twist_drag)]
+    }
+
+    fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
+        let velocity = rolling_velocity(pair);
+        let spring = memory.rolling - velocity * pair.lead;
+        let k = if self.is_torque { 0.0 } else { self.stiffness(memory.stiffness) };
+        lost_at_contact_end(k, spring, velocity, pair.dt) + self.twisting.on_contact_end(pair, memory)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::tests::pair;
+    use crate::space::Vector;
+
+    fn turn(keys: RollingKeys, spin: f64, dt: f64) -> Turning {
+        let law = AnyRolling::new(Some(keys), None, Some(1e4), true);
+        let (mut memory, mut turning) = (Memory::default(), Turning::default());
+        law.add(&Pair { normal: Vector::Y, spins: [spin, 0.0], dt, ..pair() }, 100.0, &mut memory, &mut turning);
+        turning
+    }
+
+    #[test]
+    fn a_constant_torque_has_its_cap_and_is_zero_at_rest() {
+        let torque =
+            RollingKeys { kind: RollingKind::Torque, k: None, damping: None, friction: 0.1.try_into().unwrap() };
+        // R* = 2 cm: 0.1 100 N 0.02 m.
+        for (spin, expected) in [(50.0, -0.2), (-50.0, 0.2), (0.0, 0.0)] {
+            for dt in [0.0, 1e-6] {
+                assert!((turn(torque, spin, dt).rolling - expected).abs() < 1e-12, "{spin} {dt}");
+            }
+        }
+        // Half of v* = 10 N dt/(0.05 0.1 kg) = 2 mm/s at dt = 1e-6.
+        let slow = turn(torque, 0.5 * 2e-3 / 0.02, 1e-6);
+        assert!((slow.rolling + 0.1).abs() < 1e-12, "{}", slow.rolling);
+    }
+
+    #[test]
+    fn a_spring_agrees_with_its_own_term() {
+        let spring = RollingResistance {
+            k: 2e3.try_into().unwrap(),
+            damping: RollingDamping::B(3.0.try_into().unwrap()),
+            friction: 0.1.try_into().unwrap(),
+        };
+        let keys = RollingKeys {
+            kind: RollingKind::Spring,
+            k: Some(spring.k),
+            damping: Some(spring.damping),
+            friction: spring.friction,
+        };
+        let (mut memory, mut turning) = (Memory::default(), Turning::default());
+        spring.add(
+            &Pair { normal: Vector::Y, spins: [0.3, 0.0], dt: 1e-4, ..pair() },
+            100.0,
+            &mut memory,
+            &mut turning,
+        );
+        let any = turn(keys, 0.3, 1e-4);
+        assert!((any.rolling / turning.rolling - 1.0).abs() < 1e-15);
+    }
+}
