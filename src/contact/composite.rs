@@ -9,9 +9,6 @@ use crate::contact::tangential::{NormalLoad, Tangential, Unloading};
 use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
 use crate::space::Space;
 
-/// Half-width of a step, in radii, from which differences of energies are accurate.
-const MEASURABLE: f64 = 1e-13;
-
 /// A force along the normal: (max(spring - c v_n, floor) - pull) n.
 ///
 /// The pull is zero without adhesion. The force without the pull is the normal load, which caps friction.
@@ -56,6 +53,12 @@ pub trait Normal: Copy + Send + Sync + 'static {
     #[inline(always)]
     fn range(&self, _reduced_radius: f64) -> f64 {
         0.0
+    }
+
+    /// Returns the mean of the spring force over the overlaps between those of two pairs, N. Called for contacts that reach beyond
+    /// touch.
+    fn mean_spring<V: Space>(&self, _low: &Pair<V>, high: &Pair<V>) -> f64 {
+        self.spring(high)
     }
 
     /// See [`PairLaw::lost_at_break`].
@@ -169,19 +172,13 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         } else {
             [0.0; 2]
         };
-        // The force of a contact that reaches beyond touch jumps, and is steep where the contact breaks. So it is averaged
-        // exactly: its mean is the gain of the stored energy over the way.
+        // The force of a contact that reaches beyond touch jumps, and is steep where the contact breaks.
         let w = window.half_width;
-        let mean_over = |overlap: f64| {
-            let gained = self.normal.energy(&at(overlap + w)) - self.normal.energy(&at(overlap - w));
-            0.5 * gained / w + self.normal.pull(pair, window.share(overlap))
-        };
         let [mean_spring, mean_spring_before] = if !N::REACHES || overlap >= N::EVEN * w {
             [spring, spring_before]
-        } else if w > MEASURABLE * pair.radii[0] {
-            [mean_over(overlap), mean_over(before)]
         } else {
-            [spring * window.share(overlap), spring_before * window.share(before)]
+            let mean = |overlap: f64| self.normal.mean_spring(&at(overlap - w), &at(overlap + w));
+            [overlap, before].map(|overlap| window.share(overlap) * mean(overlap))
         };
         let floor = self.normal.floor();
         let force_before = (mean_spring_before + mean_before * (window.closing - gained)).max(floor);

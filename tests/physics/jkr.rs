@@ -96,15 +96,16 @@ fn impact(scheme: &str, speed: f64, n: f64, phase: f64) -> [f64; 2] {
 fn elastic_impact_loses_the_work_of_the_gap_with_second_order() {
     let speed = 1.5 * sticking_speed();
     let exact = (1.0f64 - 1.5f64.powi(-2)).sqrt();
-    for (scheme, expected, finest) in [("Centred", 2.0, 1e-3), ("Verlet", 1.0, 2e-2)] {
+    // `Verlet` misses parts of a step at the jumps, first order, and of the root where the contact breaks, order 3/2.
+    for (scheme, [least, most], finest) in [("Centred", [1.7, 2.3], 1e-3), ("Verlet", [0.7, 1.8], 1e-2)] {
         let [coarse, fine] = [50.0, 200.0].map(|n| {
             let all: Vec<_> = (0..20).map(|phase| impact(scheme, speed, n, f64::from(phase) / 20.0)).collect();
             [0, 1].map(|of| rms(&all.iter().map(|one| one[of] - if of == 0 { exact } else { 0.0 }).collect::<Vec<_>>()))
         });
         let orders = [0, 1].map(|of| (coarse[of] / fine[of]).log2() / 2.0);
         // As in `accuracy`: 20 phases scatter by 0.15 in the order.
-        assert!((orders[0] - expected).abs() < 0.3, "{scheme}: {orders:?} {coarse:?} {fine:?}");
-        assert!(orders[1] > expected - 0.3, "{scheme}, balance: {orders:?} {coarse:?} {fine:?}");
+        assert!((least..most).contains(&orders[0]), "{scheme}: {orders:?} {coarse:?} {fine:?}");
+        assert!(orders[1] > least, "{scheme}, balance: {orders:?} {coarse:?} {fine:?}");
         assert!(fine[0] < finest, "{scheme}: {fine:?}");
     }
 }

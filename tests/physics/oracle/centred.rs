@@ -176,8 +176,8 @@ pub fn centred(
             return [spring, spring_before][step];
         }
         let ends = [overlap - half_width, overlap + half_width].map(|overlap| normal_motion.at(overlap));
-        terms.mean_spring(pair_state.reduced, ends, 2.0 * half_width)
-            + terms.pull(pair_state.reduced, overlap, normal_motion.share(overlap))
+        let share = normal_motion.share(overlap);
+        share * terms.mean_spring(pair_state.reduced, ends) + terms.pull(pair_state.reduced, overlap, share)
     };
     let [mean_spring, mean_spring_before] = [0, 1].map(mean_spring_of);
     let [mean, mean_before] = normal_motion.mean_drags(terms, pair_state);

@@ -275,18 +275,20 @@ impl Terms {
         high
     }
 
-    /// Returns the mean of spring and pull over the overlaps from `low` to `high`, where the contact exists, N. The integral of the
-    /// force over the overlap is a polynomial in the root of the contact radius.
-    pub fn mean_spring(&self, reduced: Reduced, [low, high]: [f64; 2], width: f64) -> f64 {
+    /// Returns the mean of spring and pull over the overlaps from `low` to `high`, m, N. Overlap and integral of the force are
+    /// polynomials in the root q of the contact radius, so that q_high - q_low cancels in their quotient.
+    pub fn mean_spring(&self, reduced: Reduced, [low, high]: [f64; 2]) -> f64 {
         let Normal::Jkr { work, .. } = self.law.normal else { return 0.0 };
         let (modulus, radius) = (self.moduli[0], reduced.radius);
-        let energy = |overlap: f64| {
-            let a = self.contact_radius(reduced, overlap);
-            8.0 / 15.0 * modulus * a.powi(5) / radius.powi(2)
-                - 4.0 / 3.0 * (2.0 * PI * work * modulus).sqrt() * a.powf(3.5) / radius
-                + PI * work * a * a
+        let [q, p] = [low, high].map(|overlap| self.contact_radius(reduced, overlap).sqrt());
+        let slope = |power: i32| {
+            let terms = (0..power).map(|of_p| p.powi(of_p) * q.powi(power - 1 - of_p));
+            terms.sum::<f64>()
         };
-        (energy(high) - energy(low)) / width
+        let energy = 8.0 / 15.0 * modulus * slope(10) / radius.powi(2)
+            - 4.0 / 3.0 * (2.0 * PI * work * modulus).sqrt() * slope(7) / radius
+            + PI * work * slope(4);
+        energy / (slope(4) / radius - (2.0 * PI * work / modulus).sqrt())
     }
 
     /// Returns the range of a contact beyond touch, m.
