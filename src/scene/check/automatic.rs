@@ -24,6 +24,8 @@
 //! **The scheme** is the one of `Centred` and `Verlet` that simulates a second in less time. A step of `Centred` counts 1.2 times as
 //! much as one of `Verlet`, the middle of the costs measured in beds (1.06 to 1.4).
 //!
+//! Adhesion is not covered either, but a bounce with it is longer than the contact that the estimate takes.
+//!
 //! The error is that of one impact, not of a run: in a run chaos separates the paths of many grains at any step. Forces that a behaviour
 //! adds, and contacts of several grains at once, are not considered.
 
