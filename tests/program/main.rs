@@ -64,6 +64,7 @@ mod synchronisation;
 mod validate;
 mod validate_flows;
 mod validate_impacts;
+mod validate_rates;
 mod wall_loads;
 mod without_energy_balance;
 

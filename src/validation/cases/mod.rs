@@ -1,6 +1,7 @@
 //! The validation cases, one file each.
 
 mod anand_hopper;
+mod beverloo;
 mod chung_ooi;
 mod chute;
 mod clogging;
@@ -14,7 +15,7 @@ mod orifice_profiles;
 use crate::validation::Case;
 
 /// All cases, in the order of the page.
-pub static CASES: [&Case; 10] = [
+pub static CASES: [&Case; 11] = [
     &dosta_silo::CASE,
     &dosta_impact::CASE,
     &dosta_drum::CASE,
@@ -23,6 +24,7 @@ pub static CASES: [&Case; 10] = [
     &drainage::CASE,
     &chute::CASE,
     &clogging::CASE,
+    &beverloo::CASE,
     &janssen::CASE,
     &chung_ooi::CASE,
 ];
