@@ -146,8 +146,8 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     let caption = "Mass that has left a slab of 6,790 grains. Curves are those of the first seed.".to_owned();
     judgement.pictures.push(Picture { name: "", svg, caption });
     judgement.remarks.push(
-        "Rolling resistance is the one of Lethe's example, 0.09; its law there is a constant torque, here a spring with the same cap. Lethe finds \
-         85.1 g/s with side walls and 91.7 g/s in the periodic hopper."
+        "Rolling resistance is that of Lethe's example: a constant torque of 0.09 R* F_n. Lethe finds 85.1 g/s with side walls and 91.7 g/s in the \
+         periodic hopper."
             .to_owned(),
     );
     Ok(judgement)
