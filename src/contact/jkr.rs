@@ -143,10 +143,12 @@ fn solve(d: f64) -> f64 {
     let third = d / 3.0;
     let root = (third * third * third + 1.0 / 256.0).max(0.0).sqrt();
     let u = (0.0625 + root).cbrt();
-    let m = (u - third / u).max(1e-12);
+    let v = third / u;
+    // u - v, which cancels at large d, where u^3 - v^3 = 1/8 gives it.
+    let m = if d > 1e4 { 0.125 / (u * u + third + v * v) } else { u - v };
     let twice = 2.0 * m;
     let mut y = 0.5 * (twice.sqrt() + ((2.0 / m).sqrt() - twice).max(0.0).sqrt());
-    // m cancels at large d: Newton's method restores the digits. Near the break the equation has a double root, and the closed
+    // Newton's method restores the last digits. Near the break the equation has a double root, and the closed
     // form is exact enough.
     for _ in 0..3 {
         let slope = 4.0 * y * y * y - 1.0;

@@ -121,7 +121,7 @@ impl AnyRolling {
     fn torque<V: Space>(pair: &Pair<V>, velocity: V, cap: f64) -> SliderForce<V> {
         let slowest = cap * pair.dt / (STOPPING * pair.reduced_mass);
         // No force at rest, even if the evaluation does not advance time.
-        let speed = velocity.length().max(slowest).max(f64::MIN_POSITIVE);
+        let speed = velocity.length().max(slowest).max(1e-100);
         let force = velocity * (-cap / speed);
         SliderForce { force, drag: force, lost: 0.0, is_sliding: speed > slowest }
     }
