@@ -153,7 +153,7 @@ fn judgement_of(thick: &[Layer], angles: &[Vec<Layer>]) -> Judgement {
         name: "",
         svg: sheet(&[profile(thick), law_panel(&points, law)], 2),
         caption: format!(
-            "Left: velocity against the depth to the power of 3/2 in the layer {} diameters deep, by windows; Bagnold's profile is a straight line. Right: friction against the inertial number, with the fit, and the law of \
+            "Left: velocity against the depth to the power of 3/2 in the layer {} diameters deep, by windows; Bagnold's profile is a straight line. Right: friction against the inertial number, with the fit if the points leave one, and the law of \
              glass beads dashed.",
             short(depth)
         ),
