@@ -143,9 +143,9 @@ fn solve(d: f64) -> f64 {
     let third = d / 3.0;
     let root = (third * third * third + 1.0 / 256.0).max(0.0).sqrt();
     let u = (0.0625 + root).cbrt();
-    let v = third / u;
-    // u - v, which cancels at large d, where u^3 - v^3 = 1/8 gives it.
-    let m = if d > 1e4 { 0.125 / (u * u + third + v * v) } else { u - v };
+    let other = third / u;
+    // u - other, which cancels at large d, where the difference of the cubes, 1/8, gives it.
+    let m = if d > 1e4 { 0.125 / (u * u + third + other * other) } else { u - other };
     let twice = 2.0 * m;
     let mut y = 0.5 * (twice.sqrt() + ((2.0 / m).sqrt() - twice).max(0.0).sqrt());
     // Newton's method restores the last digits. Near the break the equation has a double root, and the closed
