@@ -84,11 +84,17 @@ fn assert_agree(scene: &Scene, option: RunOptions) -> Vec<Sample> {
 
 /// Compares all small scenes with this law. Each scene runs with one combination of options, counted up from `first`.
 fn assert_same(first: usize, law: Law) {
-    let mut options = (first..).map(RunOptions::of);
     // Discs of the plane cannot twist.
-    for solid in if law.twisting.is_some() { vec![true] } else { vec![false, true] } {
+    let spaces: &[bool] = if law.twisting.is_some() { &[true] } else { &[false, true] };
+    assert_same_in(first, law, spaces, &[Scheme::Verlet, Scheme::Centred]);
+}
+
+/// Like [`assert_same`], in some spaces (solid or not) and with some schemes.
+fn assert_same_in(first: usize, law: Law, spaces: &[bool], schemes: &[Scheme]) {
+    let mut options = (first..).map(RunOptions::of);
+    for &solid in spaces {
         for around in Surroundings::ALL {
-            for scheme in [Scheme::Verlet, Scheme::Centred] {
+            for &scheme in schemes {
                 let scene = Scene::new(law, solid, around, scheme, small(solid));
                 let seen = assert_agree(&scene, options.next().unwrap());
                 assert_changes_are_found(&scene, &seen);
@@ -191,12 +197,21 @@ fn hertz_and_mindlin_agree() {
     assert_same(17, hertz(0.7, true, Some(0.3), rolling(Damping::PerMass(40.0)), true));
 }
 
-/// Under `Verlet`, and under `Centred` in five of six surroundings of the plane, the two agree within the bound. In the sixth the
-/// force near a breaking contact, which goes with a root, amplifies round-off beyond it.
+/// The law of Johnson, Kendall and Roberts on another law's friction.
+fn jkr(work: f64, pulls: bool, law: Law) -> Law {
+    Law { normal: Normal::Jkr { restitution: 0.6, pulls, work }, ..law }
+}
+
 #[test]
-#[ignore = "the bound of round-off does not hold where a contact is about to break"]
+fn adhesion_beyond_touch_agrees_in_the_plane_with_verlet() {
+    assert_same_in(28, jkr(40.0, true, hertz(0.6, true, Some(0.3), None, false)), &[false], &[Scheme::Verlet]);
+}
+
+/// With `Centred` the differences exceed the bound in one of six surroundings of the plane, by a factor of 68 where 40 is expected. The
+/// reason is not known; the force goes with a root where a contact is about to break, which amplifies round-off. Solid space has not been compared.
+#[test]
+#[ignore = "the bound of round-off does not hold with `Centred`"]
 fn adhesion_beyond_touch_agrees() {
-    let jkr = |work: f64, pulls: bool, law: Law| Law { normal: Normal::Jkr { restitution: 0.6, pulls, work }, ..law };
     let elastic = rolling(Damping::B(2.0)).map(|rolling| Rolling { kind: RollingKind::Elastic, ..rolling });
     assert_same(28, jkr(40.0, true, hertz(0.6, true, Some(0.3), None, false)));
     assert_same(29, jkr(60.0, false, hertz(0.6, false, Some(0.3), elastic, true)));

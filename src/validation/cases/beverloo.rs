@@ -119,7 +119,8 @@ fn exponents(silo: Silo, runs: &[Run], judgement: &mut Judgement) -> Result<Opti
     let [offset, exponent] = [1, 2].map(|i| (laws.free.values[i], laws.free.errors[i]));
     let row = Row::new(format!("{name}: exponent of Beverloo's law, with C and k free"), "", exponent.0);
     let with = format!("with k {} ± {}: both numbers depend on each other", short(offset.0), short(offset.1));
-    judgement.rows.push(row.error(Some(exponent.1)).published(power, Rule::Reported).remark(with));
+    let row = row.error(Some(exponent.1)).published(power, Rule::WithinAbsolute(BOUND));
+    judgement.rows.push(row.known_miss(with));
     let c = laws.beverloo.values[0].exp();
     let row = Row::new(format!("{name}: C at an exponent of {power}"), "", c).error(Some(c * laws.beverloo.errors[0]));
     judgement.rows.push(row.published(silo.constants().0, Rule::Reported));
