@@ -34,7 +34,7 @@ const MARKER: &str = ".siloflow-validate";
   siloflow validate --full           # all cases in full: hours; an interrupted validation continues
 
 The directory gets a section (CASE.md), a table (CASE.csv) and figures for each case, and README.md with all of them. Scenes, sweep files and runs
-are in CASE/. A rule is stated before the result. A figure that breaks it is a miss, and the exit status is 1 unless the page gives the reason.")]
+are in CASE/. A rule comes from the publication or from theory. A figure that breaks it is a miss, and the exit status is 1 unless the page gives the reason.")]
 pub(super) struct ValidateArgs {
     /// Names of the cases. Default: all.
     #[arg(value_name = "CASE")]

@@ -112,7 +112,7 @@ impl Section<'_> {
 pub fn overview(directory: &Path) -> Result<String, Fault> {
     let mut text = "# Validation against published silos\n\nEach case is a set of scenes that the program carries. \
                     `siloflow validate CASE` runs its short form, which takes minutes, and `--full` its full form; it writes the case's section, \
-                    table and figures, and this page. A rule is stated before the result, and a figure that breaks its rule is shown as a miss. \
+                    table and figures, and this page. A rule comes from the publication or from theory, and a figure that breaks its rule is shown as a miss. \
                     Figures whose source could not be read are reported without a verdict.\n\n\
                     | case | form | pass | miss | reported |\n|---|---|---|---|---|\n"
         .to_owned();

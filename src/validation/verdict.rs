@@ -1,6 +1,6 @@
 //! Rows of a validation: a figure of siloflow, the published figure, and the rule between them.
 //!
-//! A rule is stated before the result. A figure without a published value that could be read is only reported.
+//! A rule comes from the publication or from theory. A figure without a published value that could be read is only reported.
 
 use crate::lattice_study::results::Mean;
 use crate::sweep::fit::short;

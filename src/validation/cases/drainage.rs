@@ -165,7 +165,8 @@ fn judgement_of(all: &[Drainage]) -> Judgement {
     });
     judgement.remarks.push(
         "Spheres in a slab three diameters deep, periodic along the slot; the experiment has glass beads between front and back walls eight diameters apart, seen through one of them. \
-         The mean flow is taken off each displacement. Along the slot nothing holds the bed, so it also moves as a whole; only its mean motion near the axis is taken off."
+         The mean flow is taken off each displacement. Along the slot nothing holds the bed, so it also moves as a whole; only its mean motion near the axis is taken off. Silo and window were \
+         chosen after first runs, so that the flow reaches the walls and is steady; narrower silos moved as a plug."
             .to_owned(),
     );
     judgement
