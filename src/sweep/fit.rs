@@ -198,12 +198,18 @@ impl Fitted {
 /// Returns a number with four significant digits.
 #[must_use]
 pub fn short(x: f64) -> String {
+    digits(x, 4)
+}
+
+/// Returns a number with this many significant digits, at least one. Whole digits are all kept.
+#[must_use]
+pub fn digits(x: f64, count: u8) -> String {
     let size = if x == 0.0 || !x.is_finite() { 0.0 } else { x.abs().log10().floor() };
     if !(-4.0..6.0).contains(&size) {
-        return format!("{x:.3e}");
+        return format!("{x:.*e}", usize::from(count.saturating_sub(1)));
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-    let decimals = (3.0 - size).clamp(0.0, 8.0) as usize;
+    let decimals = (f64::from(count) - 1.0 - size).clamp(0.0, 8.0) as usize;
     format!("{x:.decimals$}")
 }
 

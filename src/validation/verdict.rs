@@ -3,7 +3,7 @@
 //! A rule comes from the publication or from theory. A figure without a published value that could be read is only reported.
 
 use crate::lattice_study::results::Mean;
-use crate::sweep::fit::short;
+use crate::sweep::fit::{digits, short};
 
 /// The rule that a figure has to obey.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -147,17 +147,6 @@ impl Row {
         let error = self.error.map_or_else(String::new, |error| format!(" ± {}", digits(error, 2)));
         format!("{}{error}", short(self.found))
     }
-}
-
-/// Returns a number with `count` significant digits.
-fn digits(x: f64, count: usize) -> String {
-    let size = if x == 0.0 || !x.is_finite() { 0.0 } else { x.abs().log10().floor() };
-    if !(-4.0..6.0).contains(&size) {
-        return format!("{x:.*e}", count.saturating_sub(1));
-    }
-    #[expect(clippy::cast_possible_truncation, reason = "clamped")]
-    let before = (size + 1.0).max(-3.0) as i32;
-    format!("{x:.*}", usize::try_from(i32::try_from(count).unwrap_or(2) - before).unwrap_or(0))
 }
 
 /// Returns a number without zeros at its end.
