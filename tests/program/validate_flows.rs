@@ -45,12 +45,14 @@ fn sixty_avalanches_of_two_widths_are_exponential_and_grow() {
 }
 
 #[test]
-fn the_flux_of_the_profiles_is_the_counted_rate_and_half_of_the_orifice_misses() {
-    for (low, expected) in [("= -hole - d", Verdict::Pass), ("= 0", Verdict::Miss)] {
+fn the_flux_of_the_profiles_is_the_counted_rate_and_the_middle_of_the_orifice_misses() {
+    for (end, expected) in [("hole + d", Verdict::Pass), ("hole / 2", Verdict::Miss)] {
         let here = tempfile::tempdir().unwrap();
         let change = |text: &str| {
             let shorter = text.replace("[8.0, 11.0, 15.0, 20.0]", "[10.0]").replace("Out(1800)", "Out(900)");
-            shorter.replace("XY(low: (\"= -hole - d\"", &format!("XY(low: (\"{low}\""))
+            shorter
+                .replace("\"= -hole - d\"", &format!("\"= -({end})\""))
+                .replace("\"= hole + d\"", &format!("\"= {end}\""))
         };
         let rows = rows(here.path(), "orifice-profiles", change);
         let found = verdicts(&rows);
