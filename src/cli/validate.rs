@@ -11,7 +11,7 @@ use crate::behaviour::Registry;
 use crate::cli::exit_status::Verdict as Status;
 use crate::cli::signals::Signals;
 use crate::cli::sweep::{Effort, available_cores, complete};
-use crate::cli::{picture_files, say, show};
+use crate::cli::{picture_files, refused, say, show, unwritable};
 use crate::fault::Fault;
 use crate::output::run_directory::write_results;
 use crate::sweep::Sweep;
@@ -68,8 +68,17 @@ pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) ->
     let form = if args.full { Form::Full } else { Form::Short };
     let signals = Signals::catch();
     let mut status = Status::Done;
-    for case in cases {
-        let Some(studies) = run(case, form, args, &signals, registry, quiet)? else {
+    for (number, case) in cases.into_iter().enumerate() {
+        let directory = args.out.join(case.name);
+        if let Err(error) = write_inputs(&args.out, &directory, case) {
+            return refused(unwritable(&directory, &error), number > 0);
+        }
+        // From here on the call has changed something, so a fault is a failure.
+        let studies = run(case, form, args, &signals, registry, quiet).unwrap_or_else(|fault| {
+            show(fault);
+            None
+        });
+        let Some(studies) = studies else {
             if let Some(signal) = signals.received() {
                 tracing::error!("interrupted: the same command continues the validation in {}", args.out.display());
                 return Ok(Status::Interrupted(signal));
@@ -77,7 +86,14 @@ pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) ->
             status = Status::Failed;
             continue;
         };
-        let judgement = (case.judge)(&studies)?;
+        let judgement = match (case.judge)(&studies) {
+            Ok(judgement) => judgement,
+            Err(fault) => {
+                show(fault);
+                status = Status::Failed;
+                continue;
+            }
+        };
         let (runs, particle_steps, seconds) = (studies.all().count(), studies.particle_steps(), studies.seconds());
         let section = Section { case, form, runs, particle_steps, seconds, judgement };
         if !quiet {
@@ -123,7 +139,7 @@ fn refuse_content(directory: &Path) -> Result<(), Fault> {
     }
 }
 
-/// Writes the files of a case and does its runs. `None` if runs have no result, or after a signal.
+/// Does the runs of a case. `None` if runs have no result, or after a signal.
 fn run(
     case: &Case,
     form: Form,
@@ -133,10 +149,6 @@ fn run(
     quiet: bool,
 ) -> Result<Option<Studies>, Fault> {
     let directory = args.out.join(case.name);
-    write_inputs(&args.out, &directory, case).map_err(|error| {
-        Fault::new("validate::directory", format!("could not write to {}: {error}", directory.display()))
-            .help("is there space, and may you write there? Or give another directory with --out")
-    })?;
     let effort = Effort { cores: args.cores.unwrap_or_else(available_cores), force: args.force, retry: false };
     let mut studies = Studies::default();
     let mut is_whole = true;
