@@ -74,7 +74,7 @@ pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) ->
             return refused(unwritable(&directory, &error), number > 0);
         }
         // From here on the call has changed something, so a fault is a failure.
-        let studies = run(case, form, args, &signals, registry, quiet).unwrap_or_else(|fault| {
+        let studies = run(case, &directory, form, args, &signals, registry, quiet).unwrap_or_else(|fault| {
             show(fault);
             None
         });
@@ -107,7 +107,7 @@ pub(super) fn validate(args: &ValidateArgs, registry: &Registry, quiet: bool) ->
             return Ok(Status::Failed);
         }
     }
-    if !quiet {
+    if !quiet && status != Status::Failed {
         say(&format!("written to   {}\n", args.out.display()));
     }
     Ok(status)
@@ -142,13 +142,13 @@ fn refuse_content(directory: &Path) -> Result<(), Fault> {
 /// Does the runs of a case. `None` if runs have no result, or after a signal.
 fn run(
     case: &Case,
+    directory: &Path,
     form: Form,
     args: &ValidateArgs,
     signals: &Signals,
     registry: &Registry,
     quiet: bool,
 ) -> Result<Option<Studies>, Fault> {
-    let directory = args.out.join(case.name);
     let effort = Effort { cores: args.cores.unwrap_or_else(available_cores), force: args.force, retry: false };
     let mut studies = Studies::default();
     let mut is_whole = true;
@@ -157,7 +157,7 @@ fn run(
             tracing::info!("{}: {name}", case.name);
         }
         let sweep = Sweep::read(&directory.join(name))?;
-        let path = sweep_directory(&directory, name);
+        let path = sweep_directory(directory, name);
         let (done, failures) = complete(&sweep, &path, &sweep.tasks(), effort, signals, registry, quiet)?;
         if signals.received().is_some() {
             return Ok(None);
@@ -171,8 +171,13 @@ fn run(
             );
         }
         is_whole &= failures.is_empty();
-        if is_whole {
-            studies.add(name, &sweep, &done)?;
+        if !is_whole {
+            continue;
+        }
+        // A mean over the other runs would hide a run that failed.
+        for task in studies.add(name, &sweep, &done)? {
+            tracing::error!("{}, {name}: run {} failed; its summary.json tells why", case.name, sweep.in_words(task));
+            is_whole = false;
         }
     }
     Ok(is_whole.then_some(studies))

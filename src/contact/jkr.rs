@@ -243,7 +243,7 @@ impl Normal for Jkr {
     }
 
     fn contact_duration(&self, bounce: &Bounce) -> f64 {
-        // That of Hertz's law with the same stiffness at the deepest point: 2.943 sqrt(15/8) sqrt(m/S).
+        // The duration of Hertz's law with the same stiffness at the deepest point: 2.943 sqrt(15/8) sqrt(m/S).
         4.030_2 * (bounce.reduced_mass / self.stiffness(bounce)).sqrt()
     }
 

@@ -97,9 +97,11 @@ impl<'a, V: Space> Survey<'a, V> {
         let (store, mut memories) = (self.store, self.history.read_walls());
         for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
             for (index, pair) in self.contacts_with_walls(i) {
-                let memory = memories.look_up(i, index).unwrap_or_default();
-                if accepts(i, Partner::Wall(index)) && self.exists(&pair, || memory) {
-                    visit(i, Partner::Wall(index), &pair, &memory);
+                if accepts(i, Partner::Wall(index)) {
+                    let memory = memories.look_up(i, index).unwrap_or_default();
+                    if self.exists(&pair, || memory) {
+                        visit(i, Partner::Wall(index), &pair, &memory);
+                    }
                 }
             }
         }

@@ -201,7 +201,7 @@ pub fn short(x: f64) -> String {
     digits(x, 4)
 }
 
-/// Returns a number with this many significant digits, at least one. Whole digits are all kept.
+/// Returns a number with this many significant digits, at least one. Digits before the point are all kept.
 #[must_use]
 pub fn digits(x: f64, count: u8) -> String {
     let size = if x == 0.0 || !x.is_finite() { 0.0 } else { x.abs().log10().floor() };

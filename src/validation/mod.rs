@@ -22,6 +22,9 @@ pub mod runs;
 pub mod tracks;
 pub mod verdict;
 
+use std::io;
+use std::path::Path;
+
 use crate::fault::Fault;
 use crate::source::parse::did_you_mean;
 use crate::validation::cases::CASES;
@@ -88,6 +91,11 @@ impl Case {
                 .help(did_you_mean("cases", name, &names))
         })
     }
+}
+
+/// Returns the fault of a file of a case that cannot be read.
+fn unreadable(path: &Path, error: &io::Error) -> Fault {
+    Fault::new("validate::unreadable", format!("could not read {}: {error}", path.display())).help("run the case again")
 }
 
 /// Adds a file of `scenes/validation` to the list of a case.

@@ -4,10 +4,30 @@ use crate::lattice_study::results::Mean;
 use crate::sweep::fit::{Fitted, Law};
 use crate::validation::runs::Run;
 
+/// Returns the mean of some values with its standard error; `None` without values.
+#[must_use]
+pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<Mean> {
+    Mean::of(&values.into_iter().collect::<Vec<_>>())
+}
+
+/// Returns runs by a number of theirs, in ascending order; runs without the number are left out.
+#[must_use]
+pub fn groups_by(runs: &[Run], number: impl Fn(&Run) -> Option<f64>) -> Vec<(f64, Vec<&Run>)> {
+    let mut groups: Vec<(f64, Vec<&Run>)> = Vec::new();
+    for (run, number) in runs.iter().filter_map(|run| Some((run, number(run)?))) {
+        match groups.iter_mut().find(|(of_group, _)| of_group.to_bits() == number.to_bits()) {
+            Some((_, group)) => group.push(run),
+            None => groups.push((number, vec![run])),
+        }
+    }
+    groups.sort_by(|a, b| a.0.total_cmp(&b.0));
+    groups
+}
+
 /// Returns the mean of a number over runs, with its standard error; runs without the number do not count.
 #[must_use]
 pub fn mean_of<'a>(runs: impl IntoIterator<Item = &'a Run>, number: impl Fn(&Run) -> Option<f64>) -> Option<Mean> {
-    Mean::of(&runs.into_iter().filter_map(number).collect::<Vec<_>>())
+    mean(runs.into_iter().filter_map(number))
 }
 
 /// Returns the points with an abscissa between `from` and `to`.

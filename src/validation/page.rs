@@ -8,7 +8,6 @@
 //! | `README.md` | all cases that have a section in the directory, and the number of their verdicts |
 
 use std::fmt::Write as _;
-use std::io;
 use std::path::Path;
 
 use crate::fault::Fault;
@@ -16,7 +15,7 @@ use crate::output::table::Table;
 use crate::sweep::fit::short;
 use crate::validation::cases::CASES;
 use crate::validation::verdict::{Judgement, Picture, Verdict};
-use crate::validation::{Case, Form};
+use crate::validation::{Case, Form, unreadable};
 
 /// A case with its verdict.
 #[derive(Debug)]
@@ -142,8 +141,4 @@ fn anchor(title: &str) -> String {
     let kept =
         title.to_lowercase().chars().filter(|c| c.is_alphanumeric() || [' ', '-', '_'].contains(c)).collect::<String>();
     kept.replace(' ', "-")
-}
-
-fn unreadable(path: &Path, error: &io::Error) -> Fault {
-    Fault::new("validate::unreadable", format!("could not read {}: {error}", path.display())).help("run the case again")
 }

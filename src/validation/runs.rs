@@ -6,8 +6,10 @@ use std::path::Path;
 use crate::charts::run_files::RunFiles;
 use crate::fault::Fault;
 use crate::output::table::Table;
-use crate::sweep::figures::figure;
-use crate::sweep::{Sweep, directory::SweepDirectory};
+use crate::sweep::directory::SweepDirectory;
+use crate::sweep::figures::{figure, is_failure};
+use crate::sweep::{Sweep, Task};
+use crate::validation::numbers::{between, slope};
 
 /// A run that is over.
 #[derive(Debug)]
@@ -61,6 +63,14 @@ impl Run {
         Ok(times.into_iter().map(|time| time - opened).zip(out).filter(|(time, _)| *time >= 0.0).collect())
     }
 
+    /// Returns the slope of a straight line through the discharge between two times after the opening (s), grains/s; NaN without two rows.
+    ///
+    /// # Errors
+    /// As [`Run::discharge`].
+    pub fn rate(&self, from: f64, to: f64) -> Result<f64, Fault> {
+        Ok(slope(&between(&self.discharge()?, from, to)).unwrap_or(f64::NAN))
+    }
+
     /// Returns the run's time on its core, s.
     #[must_use]
     pub fn seconds(&self) -> f64 {
@@ -75,23 +85,25 @@ pub struct Studies {
 }
 
 impl Studies {
-    /// Adds the runs of a sweep. Runs that failed have no summary that counts, and are left out.
+    /// Adds the runs of a sweep. Runs that failed have no numbers; they are left out, and returned.
     ///
     /// # Errors
     /// If a run cannot be read.
-    pub fn add(&mut self, name: &'static str, sweep: &Sweep, directory: &SweepDirectory) -> Result<(), Fault> {
-        let mut runs = Vec::new();
+    pub fn add(&mut self, name: &'static str, sweep: &Sweep, directory: &SweepDirectory) -> Result<Vec<Task>, Fault> {
+        let (mut runs, mut failed) = (Vec::new(), Vec::new());
         for task in sweep.tasks() {
             let files = RunFiles::open(&directory.run(sweep, task))?;
             let keys = sweep.keys.iter().cloned();
             let values = keys.zip(sweep.points[task.point].values.iter().cloned()).collect();
             let run = Run { values, seed: task.seed, files };
-            if run.number("steps").is_some() {
+            if is_failure(run.status()) {
+                failed.push(task);
+            } else {
                 runs.push(run);
             }
         }
         self.sweeps.push((name, runs));
-        Ok(())
+        Ok(failed)
     }
 
     /// Returns the runs of a sweep file; none if it is not of this form.

@@ -4,7 +4,7 @@
 //! time on a straight line. It counts if the tracer started in a box that lies half of this distance above the window, so the paths of all lengths have their middles
 //! in the window: grains spread faster near the orifice, where the flow shears more.
 //!
-//! | direction | what is taken off a step between two frames |
+//! | direction | mean motion that is subtracted from a step between two frames |
 //! |---|---|
 //! | x, towards the side walls | the mean step of all grains at that place, from cells of two by three lengths, linear between their middles: grains converge to the orifice |
 //! | y, along the periodic slot | the mean step of all grains in the window, since nothing holds the bed along the slot |
@@ -16,6 +16,7 @@ use std::path::Path;
 use crate::fault::Fault;
 use crate::output::frame_data::Frame;
 use crate::output::frame_data::reader::FrameReader;
+use crate::validation::unreadable;
 
 /// Frames between the starts of tracers.
 const EVERY: usize = 10;
@@ -61,10 +62,7 @@ impl Tracks {
     /// # Errors
     /// If the frames cannot be read.
     pub fn read(path: &Path, from: f64, diameter: f64, window: Window) -> Result<Self, Fault> {
-        let unreadable = |error: std::io::Error| {
-            Fault::new("validate::frames", format!("could not read {}: {error}", path.display()))
-                .help("run the case again in another directory")
-        };
+        let unreadable = |error| unreadable(path, &error);
         let reader = FrameReader::open(path).map_err(unreadable)?;
         let depth = reader.header.periodic[1].map_or(f64::INFINITY, |(low, high)| (high - low) / diameter);
         let mut places = Vec::new();

@@ -58,7 +58,7 @@ pub struct Row {
     pub rule: Rule,
     /// Whether the figure is known to miss, for the reason in the remark.
     pub is_known_miss: bool,
-    /// What a reader has to know about the row; may be empty.
+    /// A remark for the reader of the row; may be empty.
     pub remark: String,
 }
 

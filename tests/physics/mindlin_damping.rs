@@ -40,7 +40,7 @@ fn sticking_contact_swings_with_the_chosen_drag() {
             let t = steps as f64 * 1e-6;
             let exact = slip * (-decay * t).exp() * ((frequency * t).cos() - decay / frequency * (frequency * t).sin());
             // A contact that exists at the start gathers its spring from a first half step that counts as one of growing
-            // stiffness: less than half a step of the phase. What follows is of second order.
+            // stiffness: less than half a step of the phase. Later errors are of second order.
             let tolerance = (0.5 * frequency * 1e-6 + 1e-5) * slip;
             assert!((surface - exact).abs() < tolerance, "{share}, {part}: {surface} not {exact}");
         }

@@ -182,7 +182,7 @@ fn state_of_another_scene_is_refused() {
 }
 
 /// Places where state could hide from access lists, each with the reason why it may.
-const HIDDEN: [(&str, &str); 10] = [
+const HIDDEN: [(&str, &str); 9] = [
     ("contact/forces.rs", "Local<NearWalls>, Local<LonePairs>: chosen anew from the list and the store"),
     ("survey/pair_forces.rs", "Local<'s, Vec<V>>: emptied before each use"),
     ("store/renumbering.rs", "Local<u64>: decides about the order of table rows only"),
@@ -192,7 +192,6 @@ const HIDDEN: [(&str, &str); 10] = [
     ("ending.rs", "the flag of signals"),
     ("simulation.rs", "the flag of signals"),
     ("cli/", "signals and progress"),
-    ("validation/", "static: the validation cases, which no run sees"),
 ];
 
 #[test]

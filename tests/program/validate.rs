@@ -64,3 +64,21 @@ fn every_sweep_of_every_case_is_valid() {
         }
     }
 }
+
+#[test]
+fn a_run_that_failed_is_not_passed_over() {
+    let here = tempfile::tempdir().unwrap();
+    let run = here.path().join("out/validate/dosta-impact/short/runs/0001-1");
+    fs::create_dir_all(&run).unwrap();
+    let inputs = crate::scene("validation").join("dosta-impact");
+    fs::copy(inputs.join("impact.ron"), run.join("scene.ron")).unwrap();
+    fs::copy(inputs.join("short.ron"), here.path().join("out/validate/dosta-impact/short/sweep.ron")).unwrap();
+    fs::write(run.join("summary.json"), r#"{"status": "failed", "failure": "test", "steps": 1}"#).unwrap();
+    fs::write(run.join("series.csv"), "time_s,out\n0,0\n").unwrap();
+    fs::write(here.path().join("out/validate/.siloflow-validate"), "").unwrap();
+    let output = siloflow(here.path(), &["validate", "dosta-impact"]);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(message.contains("run 0001-1 (seed 1) failed"), "{message}");
+    assert!(!here.path().join("out/validate/dosta-impact.csv").exists());
+}

@@ -7,15 +7,14 @@
 //! published clock starts with the experiment: the shift is the one of least mean square.
 
 use crate::fault::Fault;
-use crate::lattice_study::results::Mean;
-use crate::validation::numbers::{between, interpolated, slope};
+use crate::validation::numbers::{between, interpolated, mean, slope};
 use crate::validation::runs::{Run, Studies};
 use crate::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::validation::{Case, file};
 use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
 
 /// The case.
-pub static CASE: Case = Case {
+pub const CASE: Case = Case {
     name: "anand-hopper",
     title: "Rectangular hopper of Anand et al. 2008",
     sources: "Anand et al. 2008, Chem. Eng. Sci. 63, 5821; parameters and the digitised curve from the example \
@@ -120,7 +119,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
             continue;
         }
         let all = runs.iter().map(|run| Discharge::of(run, share)).collect::<Result<Vec<_>, _>>()?;
-        let mean = |of: fn(&Discharge) -> f64| Mean::of(&all.iter().map(of).collect::<Vec<_>>());
+        let mean = |of: fn(&Discharge) -> f64| mean(all.iter().map(of));
         let rate = Row::of_mean(format!("{name}: rate between 10 and 60 g"), "g/s", mean(|it| it.rate));
         judgement.rows.push(rate.published(82.3, bound.map_or(Rule::Reported, Rule::Within)));
         let rms = Row::of_mean(format!("{name}: rms of the curve after one shift"), "g", mean(|it| it.rms));

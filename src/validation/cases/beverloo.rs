@@ -19,20 +19,20 @@ mod laws;
 
 use std::fmt::Write as _;
 
-use self::bed::{Silo, by_width, density, rate};
+use self::bed::{Silo, density, rate};
 use self::heights::heights;
 use self::laws::{Laws, OFFSET};
 use crate::fault::Fault;
 use crate::lattice_study::results::Mean;
 use crate::sweep::fit::short;
-use crate::validation::numbers::mean_of;
+use crate::validation::numbers::{groups_by, mean_of};
 use crate::validation::runs::{Run, Studies};
 use crate::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::validation::{Case, file};
 use crate::writers::plot::sheet;
 
 /// The case.
-pub static CASE: Case = Case {
+pub const CASE: Case = Case {
     name: "beverloo",
     title: "Discharge rates: laws of Beverloo and Mankoc",
     sources: "Beverloo et al. 1961; exponents, validity and Mankoc's form: Mankoc et al. 2007 (arXiv:0707.4550); bound of the \
@@ -86,7 +86,7 @@ fn exponents(silo: Silo, runs: &[Run], judgement: &mut Judgement) -> Result<Opti
     let (name, power) = (silo.name(), silo.power());
     let clogged: Vec<_> = runs.iter().filter(|run| run.status() == "clogged").collect();
     let mut points = Vec::new();
-    let widths = by_width(silo, runs);
+    let widths = groups_by(runs, |run| silo.width(run));
     for (width, of_width) in &widths {
         let flowing: Vec<_> = of_width.iter().copied().filter(|run| run.status() != "clogged").collect();
         let rates = flowing.iter().map(|run| rate(run)).collect::<Result<Vec<_>, _>>()?;

@@ -25,7 +25,7 @@ use crate::writers::plot::{Curve, colour, sheet};
 const SWEEPS: [&str; 5] = ["test-1.ron", "test-2.ron", "test-3.ron", "test-4.ron", "test-5.ron"];
 
 /// The case.
-pub static CASE: Case = Case {
+pub const CASE: Case = Case {
     name: "chung-ooi",
     title: "Impacts of Chung and Ooi 2011, tests 1 to 5",
     sources: "Chung and Ooi 2011, Granular Matter 13, 643, as digitised by Kratos; experiment: Kharaz et al. 2001, Powder \
@@ -70,7 +70,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     judgement.remarks.push(
         "At small angles the published curves depend on how a code treats the tangential spring while its stiffness grows and shrinks with the overlap. \
          siloflow keeps the force while the stiffness grows, and lowers it in proportion while the stiffness shrinks, so that a contact never creates energy. \
-         The curves of test 4 come out with the force k_t S of the present stiffness. Those of test 5 come out with half the stiffness and a force \
+         The curves of test 4 come out with the force k_t S of the present stiffness. The curves of test 5 come out with half the stiffness and a force \
          that changes by k_t dS at all times. Half the stiffness is that of a plane whose shear modulus is the sphere's instead of a thousand times as large; \
          the paper could not be read for its reason. In both laws a stretched spring can gain energy from nowhere. The finite elements of the paper, which know no such law, lie nearer to siloflow \
          than to the paper's own curve (test 5)."

@@ -24,7 +24,7 @@ use crate::validation::{Case, file};
 use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
 
 /// The case.
-pub static CASE: Case = Case {
+pub const CASE: Case = Case {
     name: "clogging",
     title: "Clogging at small orifices",
     sources: "Zuriguel et al. 2005, Phys. Rev. E 71, 051303 (cond-mat/0407761): exponential sizes, a power law with a critical size for spheres; \

@@ -11,7 +11,7 @@ use crate::validation::{Case, file};
 use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
 
 /// The case.
-pub static CASE: Case = Case {
+pub const CASE: Case = Case {
     name: "dosta-impact",
     title: "Impact of Dosta et al. 2024",
     sources: "Dosta et al. 2024, Comput. Phys. Commun. 296, 109066, case 3, 25,000 grains: means over ten beds of MercuryDPM, MUSEN, MFiX, Kratos, Blaze-DEM, \
@@ -37,19 +37,18 @@ const CODES: [(&str, f64, f64, f64); 7] = [
     ("Yade", -78.50, 0.21, 32.0),
 ];
 
-/// Time at which the ball has the published place and velocity, s: the parameter `start` of the scene.
-const START: f64 = 0.1;
-
 /// Species of the ball.
 const BALL: &str = "1";
 
 /// Returns the path of the ball: time since the start (ms), height of its centre (mm).
 fn path(run: &Run) -> Result<Vec<(f64, f64)>, Fault> {
+    // At this time the ball has the published place and velocity.
+    let start = run.number("parameters.start").unwrap_or(f64::NAN);
     let table = run.table("centres.csv")?;
     let species = table.texts("species").unwrap_or_default();
     let (times, heights) = (table.needed("time_s")?, table.numbers("z_m").unwrap_or_default());
     let rows = species.into_iter().zip(times.into_iter().zip(heights)).filter(|(species, _)| *species == BALL);
-    Ok(rows.map(|(_, (time, z))| (1e3 * (time - START), 1e3 * z)).filter(|(time, _)| *time >= -1e-6).collect())
+    Ok(rows.map(|(_, (time, z))| (1e3 * (time - start), 1e3 * z)).filter(|(time, _)| *time >= -1e-6).collect())
 }
 
 fn judge(studies: &Studies) -> Result<Judgement, Fault> {

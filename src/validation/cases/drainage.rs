@@ -9,9 +9,8 @@
 //! grains' own diffusion as well, which is d/Pe.
 
 use crate::fault::Fault;
-use crate::lattice_study::results::Mean;
 use crate::sweep::fit::Law;
-use crate::validation::numbers::{between, named, slope};
+use crate::validation::numbers::{between, mean, named, slope};
 use crate::validation::runs::{Run, Studies};
 use crate::validation::tracks::{Tracks, Window};
 use crate::validation::verdict::{Judgement, Picture, Row, Rule};
@@ -19,7 +18,7 @@ use crate::validation::{Case, file};
 use crate::writers::plot::{Axis, Curve, Panel, colour, sheet};
 
 /// The case.
-pub static CASE: Case = Case {
+pub const CASE: Case = Case {
     name: "drainage",
     title: "Diffusion and mean flow in a draining silo (Choi et al. 2004, 2005)",
     sources: "Choi, Kudrolli, Rosales and Bazant 2004, Phys. Rev. Lett. 92, 174301; Choi, Kudrolli and Bazant 2005, J. Phys.: Condens. Matter 17, S2533 \
@@ -51,7 +50,7 @@ const WINDOW: Window = Window { half: 6.0, low: 10.0, high: 20.0 };
 /// A range of one order of magnitude about 100 on a logarithmic scale.
 const ORDER_OF_100: Rule = Rule::Between(31.6, 316.0);
 
-/// What one run gives. Lengths are in diameters.
+/// The figures of one run. Lengths are in diameters.
 struct Drainage {
     /// Mean squared displacements along x and y at the distances fallen.
     spread: Vec<(f64, [f64; 2])>,
@@ -88,8 +87,7 @@ impl Drainage {
     }
 
     fn b(&self, (from, to): (f64, f64)) -> f64 {
-        let values: Vec<_> = between(&self.mean_flow, from, to).into_iter().map(|point| point.1).collect();
-        Mean::of(&values).map_or(f64::NAN, |mean| mean.value)
+        mean(between(&self.mean_flow, from, to).into_iter().map(|point| point.1)).map_or(f64::NAN, |mean| mean.value)
     }
 }
 
@@ -127,7 +125,7 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 fn judgement_of(all: &[Drainage]) -> Judgement {
     let mut judgement = Judgement::default();
     let row = |quantity: &str, unit: &'static str, of: &dyn Fn(&Drainage) -> f64| {
-        Row::of_mean(quantity, unit, Mean::of(&all.iter().map(of).collect::<Vec<_>>()))
+        Row::of_mean(quantity, unit, mean(all.iter().map(of)))
     };
     for (axis, name) in ["towards the walls", "along the slot"].into_iter().enumerate() {
         let rows = [

@@ -18,14 +18,14 @@ mod standard;
 use self::loads::{GRAVITY, Loads, Window};
 use self::profile::{Profile, fit_vanel_clement};
 use crate::fault::Fault;
-use crate::lattice_study::results::Mean;
+use crate::validation::numbers::mean;
 use crate::validation::runs::{Run, Studies};
 use crate::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::validation::{Case, file};
 use crate::writers::plot::sheet;
 
 /// The case.
-pub static CASE: Case = Case {
+pub const CASE: Case = Case {
     name: "janssen",
     title: "Loads in a silo: Janssen's law",
     sources: "Janssen 1895; Vanel and Clement 1999, Eur. Phys. J. B 11, 525; hydrostatic top: Landry et al. 2003 \
@@ -137,10 +137,6 @@ fn balance<'a>(silos: impl Iterator<Item = &'a Silo<'a>> + Clone, rows: &mut Vec
 fn profiles(silos: &[&Silo<'_>], number: usize) -> Result<Vec<Profile>, Fault> {
     let all = silos.iter().map(|silo| Profile::of(silo.run, window(silo.run, number).from));
     Ok(all.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
-}
-
-fn mean(values: impl Iterator<Item = f64>) -> Option<Mean> {
-    Mean::of(&values.collect::<Vec<_>>())
 }
 
 /// Adds the rows of the stresses in a time.

@@ -15,7 +15,7 @@ mod orifice_profiles;
 use crate::validation::Case;
 
 /// All cases, in the order of the page.
-pub static CASES: [&Case; 11] = [
+pub const CASES: [&Case; 11] = [
     &dosta_silo::CASE,
     &dosta_impact::CASE,
     &dosta_drum::CASE,

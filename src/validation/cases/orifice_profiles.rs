@@ -15,14 +15,14 @@ mod profile;
 use self::profile::{DIAMETER, GRAVITY, Point, Profile};
 use crate::fault::Fault;
 use crate::lattice_study::results::Mean;
-use crate::validation::numbers::{best_line, named};
+use crate::validation::numbers::{self, best_line, groups_by, named};
 use crate::validation::runs::Studies;
 use crate::validation::verdict::{Judgement, Picture, Row, Rule};
 use crate::validation::{Case, file};
 use crate::writers::plot::{Axis, Curve, Key, Panel, colour, sheet};
 
 /// The case.
-pub static CASE: Case = Case {
+pub const CASE: Case = Case {
     name: "orifice-profiles",
     title: "Profiles at the orifice (Janda et al. 2012)",
     sources: "Janda, Zuriguel and Maza 2012, Phys. Rev. Lett. 108, 248001: the laws; its constants are quoted from memory, since the paper could not be \
@@ -39,14 +39,10 @@ pub static CASE: Case = Case {
 
 fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     let runs = studies.first_of(&["short.ron", "full.ron"]);
-    let mut widths: Vec<f64> = runs.iter().filter_map(|run| run.value("parameters.width")).collect();
-    widths.sort_by(f64::total_cmp);
-    widths.dedup();
     let mut groups = Vec::new();
-    for width in widths {
-        let of_width = runs.iter().filter(|run| run.value("parameters.width") == Some(width));
+    for (_, of_width) in groups_by(runs, |run| run.value("parameters.width")) {
         // A clogged run has no steady profile.
-        let flowing = of_width.filter(|run| run.status() != "clogged");
+        let flowing = of_width.into_iter().filter(|run| run.status() != "clogged");
         groups.push(flowing.map(Profile::of).collect::<Result<Vec<_>, _>>()?);
     }
     groups.retain(|group| !group.is_empty());
@@ -55,15 +51,19 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 
 /// Returns the mean over the seeds of one width.
 fn mean(group: &[Profile], of: impl Fn(&Profile) -> f64) -> Mean {
-    Mean::of(&group.iter().map(of).collect::<Vec<_>>()).unwrap_or(Mean { value: f64::NAN, error: 0.0 })
+    numbers::mean(group.iter().map(of)).unwrap_or(Mean { value: f64::NAN, error: 0.0 })
+}
+
+/// Returns the mean over the widths of the means over their seeds.
+fn over_widths(groups: &[Vec<Profile>], of: fn(&Profile) -> f64) -> Option<Mean> {
+    numbers::mean(groups.iter().map(|group| mean(group, of).value))
 }
 
 /// Judges the profiles, one group for each width.
 fn judgement_of(groups: &[Vec<Profile>]) -> Judgement {
     let mut judgement = Judgement::default();
     let unread = "published constant not read in the source: no rule";
-    let over =
-        |of: fn(&Profile) -> f64| Mean::of(&groups.iter().map(|group| mean(group, of).value).collect::<Vec<_>>());
+    let over = |of: fn(&Profile) -> f64| over_widths(groups, of);
     let rows = &mut judgement.rows;
     rows.push(
         Row::of_mean("gamma, mean over the widths", "", over(|it| it.gamma))
@@ -167,16 +167,13 @@ fn scaled(
 }
 
 fn velocities(groups: &[Vec<Profile>]) -> Panel {
-    let gamma = Mean::of(&groups.iter().map(|group| mean(group, |it| it.gamma).value).collect::<Vec<_>>());
-    let gamma = gamma.map_or(f64::NAN, |mean| mean.value);
+    let gamma = over_widths(groups, |it| it.gamma).map_or(f64::NAN, |mean| mean.value);
     let y = Axis::linear("velocity / sqrt(2 g R)", 0.0, 1.8);
     scaled(groups, y, "Velocity", |it, point| point.2 / (2.0 * GRAVITY * it.half).sqrt(), move |s| (gamma * s).sqrt())
 }
 
 fn fractions(groups: &[Vec<Profile>]) -> Panel {
-    let exponent =
-        Mean::of(&groups.iter().map(|group| mean(group, |it| it.fraction_exponent).value).collect::<Vec<_>>());
-    let exponent = exponent.map_or(f64::NAN, |mean| mean.value);
+    let exponent = over_widths(groups, |it| it.fraction_exponent).map_or(f64::NAN, |mean| mean.value);
     let y = Axis::linear("solid fraction / phi_0", 0.0, 1.2);
     scaled(groups, y, "Solid fraction", |it, point| point.1 / it.middle, move |s| s.powf(exponent))
 }

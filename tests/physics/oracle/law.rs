@@ -302,7 +302,7 @@ impl Terms {
         matches!(self.law.normal, Normal::Jkr { .. })
     }
 
-    /// Returns the pull at an overlap (m), N. What acts from touch on acts in `share` of a step.
+    /// Returns the pull at an overlap (m), N. The part that acts from touch on acts in `share` of a step.
     pub fn pull(&self, reduced: Reduced, overlap: f64, share: f64) -> f64 {
         if let Normal::Jkr { work, .. } = self.law.normal {
             return share * 3.0 * PI * work * reduced.radius;

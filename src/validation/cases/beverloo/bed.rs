@@ -3,7 +3,6 @@
 use std::f64::consts::PI;
 
 use crate::fault::Fault;
-use crate::validation::numbers::{between, slope};
 use crate::validation::runs::Run;
 
 /// Gravity, m/s^2, and mean diameter of the grains, m, in both scenes.
@@ -83,23 +82,9 @@ impl Silo {
     }
 }
 
-/// Returns the runs by the width of the orifice, narrowest first.
-pub(super) fn by_width(silo: Silo, runs: &[Run]) -> Vec<(f64, Vec<&Run>)> {
-    let mut groups: Vec<(f64, Vec<&Run>)> = Vec::new();
-    for run in runs {
-        let Some(width) = silo.width(run) else { continue };
-        match groups.iter_mut().find(|(of_group, _)| of_group.to_bits() == width.to_bits()) {
-            Some((_, group)) => group.push(run),
-            None => groups.push((width, vec![run])),
-        }
-    }
-    groups.sort_by(|a, b| a.0.total_cmp(&b.0));
-    groups
-}
-
 /// Returns the discharge rate of a run, grains/s; NaN if it is too short.
 pub(super) fn rate(run: &Run) -> Result<f64, Fault> {
-    Ok(slope(&between(&run.discharge()?, FROM, f64::INFINITY)).unwrap_or(f64::NAN))
+    run.rate(FROM, f64::INFINITY)
 }
 
 /// Returns the number of grains per volume at the end of a run, 1/m^3.

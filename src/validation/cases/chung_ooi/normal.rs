@@ -11,6 +11,7 @@ use super::{Points, bounded, by_axis, deviation, dots, end, line};
 use crate::fault::Fault;
 use crate::output::frame_data::reader::FrameReader;
 use crate::validation::runs::Run;
+use crate::validation::unreadable;
 use crate::validation::verdict::{Row, Rule};
 use crate::writers::plot::{Axis, Panel};
 
@@ -78,10 +79,7 @@ impl Elastic {
 /// Time since the touch (s), overlap (m) and force (N) in each frame of a contact.
 fn contact(run: &Run, elastic: &Elastic) -> Result<Vec<[f64; 3]>, Fault> {
     let path = run.files.directory.join("frames.bin");
-    let unreadable = |error: std::io::Error| {
-        Fault::new("results::unreadable", format!("could not read {}: {error}", path.display()))
-            .help("run the case again")
-    };
+    let unreadable = |error| unreadable(&path, &error);
     let mut rows: Vec<[f64; 3]> = Vec::new();
     for frame in FrameReader::open(&path).map_err(unreadable)? {
         let frame = frame.map_err(unreadable)?;

@@ -1,6 +1,6 @@
 //! Curves of Chung and Ooi, Granular Matter 13, 643 (2011), as Kratos has digitised them (`DEMApplication`, `paper_data` of its benchmarks).
 //!
-//! A curve is a list of points. Those of one panel of the paper are listed together.
+//! A curve is a list of points. The curves of one panel of the paper are listed together.
 
 /// Test 1, glass: overlap (um), force (kN).
 pub const GLASS_BY_OVERLAP: [(f64, f64); 14] = [
