@@ -1,4 +1,7 @@
 //! Culler: removes grains that have fallen far enough. A grain there that has not crossed the orifice is lost.
+//!
+//! The culler runs every [`CULL_INTERVAL`] steps, so that grains leave together. Slots, neighbour list and contact memories are renumbered when a grain has left, which
+//! takes as long as several steps, and a discharging silo loses a grain in nearly every step.
 
 use std::collections::HashSet;
 use std::marker::PhantomData;
@@ -15,7 +18,7 @@ use crate::particle::GrainId;
 use crate::particles::Particles;
 use crate::persist::PersistApp as _;
 use crate::space::Space;
-use crate::step::{Phase, Step};
+use crate::step::{Clock, Phase, Step};
 use crate::store::PlainCommands;
 use crate::values::Finite;
 
@@ -25,6 +28,14 @@ use crate::values::Finite;
 pub struct Cull {
     /// Height below which grains are removed, by their centres, m.
     pub below: Finite,
+}
+
+/// Steps between two passes of the culler. A grain may fall below the line for as long.
+const CULL_INTERVAL: u64 = 32;
+
+/// Run condition: the culler is due.
+fn is_due(clock: Res<Clock>) -> bool {
+    clock.steps.is_multiple_of(CULL_INTERVAL)
 }
 
 /// Ids of grains that the culler has despawned, until the store reports their removal.
@@ -81,6 +92,7 @@ impl<V: Space> Plugin for CullPlugin<V> {
             .add_systems(
                 Step,
                 cull::<V>
+                    .run_if(is_due)
                     .in_set(Phase::Cull)
                     .in_set(PlainCommands)
                     .after(count_released)

@@ -220,6 +220,21 @@ fn grain_that_crosses_orifice_and_cull_line_in_one_step_counts_as_out() {
 }
 
 #[test]
+fn a_grain_below_the_cull_line_leaves_within_32_steps() {
+    // It is below the line after 11 steps.
+    let text = "(gravity: (0.0, 0.0), contact: Linear(k: 1.0e5, damping: Restitution(0.5)), mass: Disc(100.0), step: Fixed(1.0e-3), \
+         fill: [(low: (0.0, -0.04), high: (0.08, 0.04), spacing: 0.08, count: 1, radius: Fixed(0.04), velocity: (0.0, -1.0))], \
+         cull: (below: -0.0105), until: 0.1, pictures: None)";
+    let loaded = loading::from_text("below.ron", "below", root(), text.to_owned(), &[]).unwrap();
+    let mut simulation = simulation(&loaded, 1);
+    let mut culled_after = |steps: u64| {
+        simulation.run_steps(steps);
+        simulation.world().resource::<Ledger>().culled
+    };
+    assert_eq!((culled_after(30), culled_after(34)), (0, 1));
+}
+
+#[test]
 fn grains_pressed_through_a_closed_door_count_as_lost() {
     let settings = [("pictures", "None"), ("spawner.count", "20"), ("door", "None"), ("rest", "None"), ("bed", "None")];
     let mut simulation = simulation(&load("silo1-literal.ron", &settings), 1);
