@@ -174,6 +174,10 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
         walls.may_meet,
         "where an edge of a wall continues in another wall, LAMMPS counts both contacts and siloflow one",
     );
+    say(
+        walls::have_another_radius(loaded),
+        "on a cone LAMMPS takes the contact radius of a cylinder, and on the outer side of a cylinder that of a plane; siloflow takes that of the wall",
+    );
     say(walls.has_planes, "LAMMPS does not push back a grain whose centre is behind a plane; siloflow does");
     say(
         loaded.has_outlet(),
