@@ -26,15 +26,24 @@ impl Table {
         let text = files::read_text(path, files::RESULT_BYTES).map_err(|error| {
             Fault::new("results::unreadable", format!("could not read {shown}: {error}")).help(help)
         })?;
-        let whole = text.rfind('\n').map_or(&text[..], |end| &text[..=end]);
+        Self::parse(shown, &text)
+    }
+
+    /// Reads the whole rows of a text. `name` stands for the text in faults.
+    ///
+    /// # Errors
+    /// If rows differ in length.
+    pub fn parse(name: impl Into<String>, text: &str) -> Result<Self, Fault> {
+        let path = name.into();
+        let whole = text.rfind('\n').map_or(text, |end| &text[..=end]);
         let mut reader = ReaderBuilder::new().trim(csv::Trim::All).from_reader(whole.as_bytes());
         let broken = |error: csv::Error| {
-            Fault::new("results::unreadable", format!("{shown}: {error}"))
+            Fault::new("results::unreadable", format!("{path}: {error}"))
                 .help("all rows must have as many columns as the first")
         };
         let header = reader.headers().map_err(broken)?.clone();
         let rows = reader.records().collect::<Result<_, _>>().map_err(broken)?;
-        Ok(Self { path: shown, header, rows })
+        Ok(Self { path, header, rows })
     }
 
     /// Names of the columns.
