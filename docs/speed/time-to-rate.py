@@ -33,16 +33,14 @@ COLUMNS = ("program", "scheme", "soft", "step_s", "grains", "seed", "rate_per_s"
 ROWS = (
     ("siloflow", "Verlet", 1e-3, 3.5e-5, 30_000, 3),
     ("siloflow", "Verlet", 1e-4, 9.4e-5, 30_000, 3),
-    ("lammps", "Verlet", 1e-4, 9.4e-5, 30_000, 2),
+    ("lammps", "Verlet", 1e-4, 9.4e-5, 30_000, 1),
     ("siloflow", "Verlet", 1e-1, 4.74e-6, 30_000, 1),
-    ("siloflow", "Verlet", 1e-5, 2.5e-4, 30_000, 3),
     ("siloflow", "Verlet", 1e-2, 1.3e-5, 30_000, 2),
-    ("siloflow", "Centred", 1e-3, 5.0e-5, 30_000, 2),
-    ("siloflow", "Verlet", 1e-3, 5.0e-5, 30_000, 2),
-    ("siloflow", "Verlet", 1e-3, 7.0e-5, 30_000, 2),
-    ("siloflow", "Verlet", 1e-3, 3.5e-5, 20_000, 2),
+    ("siloflow", "Verlet", 1e-2, 1.55e-5, 30_000, 1),
+    ("siloflow", "Verlet", 3e-3, 2.2e-5, 30_000, 1),
+    ("siloflow", "Centred", 1e-2, 1.3e-5, 30_000, 1),
+    ("siloflow", "Verlet", 1e-2, 1.3e-5, 20_000, 1),
     ("lammps", "Verlet", 1e-3, 3.5e-5, 30_000, 1),
-    ("siloflow", "Verlet", 1e-3, 3.5e-5, 60_000, 2),
 )
 REFERENCE = 1e-1  # soft
 

@@ -18,7 +18,7 @@ pub use self::spins::Spins;
 use crate::contact::centred::VelocityPrediction;
 use crate::contact::history::ContactLosses;
 use crate::contact::lanes::{LANES, PerLane, Scalars, of_both};
-use crate::contact::{LawRequirements, MemoryTimes, Pair, PairForce, PairLaw};
+use crate::contact::{LawRequirements, LawVisitor, MemoryTimes, Pair, PairForce, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
 use crate::particle::Species;
@@ -199,16 +199,55 @@ impl<V: Space> Batch<V> {
         limits: [f64; 2],
     ) -> (u32, u32) {
         if times.lead > 0.0 {
-            instructions.run(
-                #[inline(always)]
-                || self.evaluate_lanes::<L, NUMBERS, true>(law, times, limits),
-            )
+            self.evaluate_species::<L, NUMBERS, true>(law, times, instructions, limits)
         } else {
-            instructions.run(
-                #[inline(always)]
-                || self.evaluate_lanes::<L, NUMBERS, false>(law, times, limits),
-            )
+            self.evaluate_species::<L, NUMBERS, false>(law, times, instructions, limits)
         }
+    }
+
+    /// Evaluates all lanes with one law if all contacts are between the same two species, as in most batches of a silo: contacts of grains of one kind, or
+    /// of such grains with walls. Otherwise the law of each contact is looked up, which the compiler does not vectorise.
+    #[inline(always)]
+    fn evaluate_species<L: PairLaw<V> + LawRequirements, const NUMBERS: usize, const CENTRED: bool>(
+        &mut self,
+        law: &L,
+        times: MemoryTimes,
+        instructions: Instructions,
+        limits: [f64; 2],
+    ) -> (u32, u32) {
+        let only = if L::SPECIES { self.only_species() } else { Some([Species(0); 2]) };
+        match only {
+            Some(species) => instructions.run(
+                #[inline(always)]
+                || law.between(species, Lanes::<V, NUMBERS, CENTRED> { batch: self, times, limits }),
+            ),
+            None => self.evaluate_lanes::<L, NUMBERS, CENTRED>(law, times, limits),
+        }
+    }
+
+    /// Returns the two species of all contacts; `None` if they differ.
+    #[inline]
+    fn only_species(&self) -> Option<[Species; 2]> {
+        let [first, second] = self.species.each_ref().map(|species| &species[..self.len.min(LANES)]);
+        let species = [*first.first()?, *second.first()?];
+        let is_same = |(a, b): (&Species, &Species)| [*a, *b] == species;
+        first.iter().zip(second).all(is_same).then_some(species)
+    }
+}
+
+/// Evaluates all lanes of a batch, with arguments of [`Batch::evaluate`].
+struct Lanes<'a, V: Space, const NUMBERS: usize, const CENTRED: bool> {
+    batch: &'a mut Batch<V>,
+    times: MemoryTimes,
+    limits: [f64; 2],
+}
+
+impl<V: Space, const NUMBERS: usize, const CENTRED: bool> LawVisitor<V> for Lanes<'_, V, NUMBERS, CENTRED> {
+    type Output = (u32, u32);
+
+    #[inline(always)]
+    fn visit<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u32, u32) {
+        self.batch.evaluate_lanes::<L, NUMBERS, CENTRED>(law, self.times, self.limits)
     }
 }
 
@@ -221,6 +260,7 @@ mod tests {
     use crate::contact::force_accumulation::{drag, total};
     use crate::contact::linear::LinearNormal;
     use crate::contact::rolling::NoRolling;
+    use crate::contact::table::PairTable;
     use crate::contact::tangential::{ConstantStiffness, Lever, SpringSlider};
     use crate::space::{Linear, Plane, Solid};
     use crate::store::TOTAL;
@@ -256,8 +296,9 @@ mod tests {
 
     const TIMES: MemoryTimes = MemoryTimes { dt: 1e-5, lead: 0.0, spring_damping: 0.0 };
 
-    fn check_batch<V: Space, L: PairLaw<V> + LawRequirements>(law: &L) {
+    fn check_batch<V: Space, L: PairLaw<V> + LawRequirements>(law: &L, species: fn(u32) -> u8) {
         let contacts = 33;
+        let on_wall = |number: u32| Pair { species: [Species(species(number)), Species(1)], ..on_wall(number) };
         for instructions in Instructions::all() {
             let mut batch = Batch::<V>::default();
             for number in 0..contacts {
@@ -302,8 +343,21 @@ mod tests {
                 },
                 rolling: NoRolling,
             };
-            check_batch::<Plane, _>(&law);
-            check_batch::<Solid, _>(&law);
+            check_batch::<Plane, _>(&law, |_| 0);
+            check_batch::<Solid, _>(&law, |_| 0);
+            // Batches of one kind of contact, and of both kinds.
+            let twice = |a: u8, b: u8| Composite {
+                normal: LinearNormal::new(
+                    (1e5 * f64::from(1 + a + b)).try_into().unwrap(),
+                    Damping::PerMass(300.0.try_into().unwrap()),
+                    Attraction::Allowed,
+                ),
+                ..law
+            };
+            let table = PairTable::new(2, twice);
+            for species in [|_| 0, |_| 1, |number| u8::from(number > 20)] {
+                check_batch::<Solid, _>(&table, species);
+            }
         }
     }
 }

@@ -216,6 +216,15 @@ impl<V: Space> PairForce<V> {
     }
 }
 
+/// A computation that is compiled for the type of a law. [`PairLaw::between`] calls it.
+pub trait LawVisitor<V: Space> {
+    /// The result.
+    type Output;
+
+    /// Computes the result with `law`.
+    fn visit<L: PairLaw<V> + LawRequirements>(self, law: &L) -> Self::Output;
+}
+
 /// A contact law. Exchanging i and j reverses the normal and the relative velocity, and swaps the two entries of each
 /// array in `pair`. The force must then change its sign, to the last bit.
 pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
@@ -233,6 +242,15 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     /// [`PairLaw::centred`].
     fn even_from(&self) -> f64 {
         3.0
+    }
+
+    /// Calls `visitor` with the law of contacts between these species: with the law itself if it is the same for all species.
+    #[inline(always)]
+    fn between<W: LawVisitor<V>>(&self, _species: [Species; 2], visitor: W) -> W::Output
+    where
+        Self: LawRequirements + Sized,
+    {
+        visitor.visit(self)
     }
 
     /// Returns the energy stored in a contact, J.

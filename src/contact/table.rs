@@ -4,7 +4,7 @@
 //! numbers use the last entry. The kind of law is the same for all pairs and compiled in; only parameters are looked
 //! up.
 
-use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
+use crate::contact::{Bounce, LawRequirements, LawVisitor, Memory, Pair, PairForce, PairLaw};
 use crate::particle::Species;
 use crate::space::Space;
 
@@ -50,7 +50,7 @@ impl<L: LawRequirements> LawRequirements for PairTable<L> {
     const REACHES: bool = L::REACHES;
 }
 
-impl<V: Space, L: PairLaw<V>> PairLaw<V> for PairTable<L> {
+impl<V: Space, L: PairLaw<V> + LawRequirements> PairLaw<V> for PairTable<L> {
     #[inline(always)]
     fn force(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         self.of(pair.species).force(pair, memory)
@@ -59,6 +59,11 @@ impl<V: Space, L: PairLaw<V>> PairLaw<V> for PairTable<L> {
     #[inline(always)]
     fn centred(&self, pair: &Pair<V>, memory: &mut Memory<V>) -> PairForce<V> {
         self.of(pair.species).centred(pair, memory)
+    }
+
+    #[inline(always)]
+    fn between<W: LawVisitor<V>>(&self, species: [Species; 2], visitor: W) -> W::Output {
+        visitor.visit(self.of(species))
     }
 
     fn even_from(&self) -> f64 {
