@@ -40,7 +40,6 @@ ROWS = (
     ("siloflow", "Verlet", 3e-3, 2.2e-5, 30_000, 1),
     ("siloflow", "Centred", 1e-2, 1.3e-5, 30_000, 1),
     ("siloflow", "Verlet", 1e-2, 1.3e-5, 20_000, 1),
-    ("lammps", "Verlet", 1e-3, 3.5e-5, 30_000, 1),
 )
 REFERENCE = 1e-1  # soft
 
