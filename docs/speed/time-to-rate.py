@@ -122,34 +122,30 @@ def draw(points):
     """Error against time; a bar is a standard error."""
     width, height, left, right, top, bottom = 820, 470, 70, 20, 64, 60
     times = [wall for _, wall, _, _ in points]
-    low, high = 10 ** math.floor(math.log10(min(times))), 10 ** math.ceil(math.log10(max(times)))
-    most = max(2.0, math.ceil(max(abs(off) + error for _, _, off, error in points)))
+    low, high = 0.7 * min(times), 1.4 * max(times)
+    least, most = math.floor(min(-2.0, *(off - error for _, _, off, error in points))), math.ceil(max(2.0, *(off + error for _, _, off, error in points)))
     x = lambda t: left + (width - left - right) * math.log10(t / low) / math.log10(high / low)
-    y = lambda e: top + (height - top - bottom) * (most - e) / (2 * most)
+    y = lambda e: top + (height - top - bottom) * (most - e) / (most - least)
     colours = {("siloflow", "Verlet"): "#0072b2", ("siloflow", "Centred"): "#009e73", ("lammps", "Verlet"): "#d55e00"}
     names = {("siloflow", "Verlet"): "siloflow, Verlet", ("siloflow", "Centred"): "siloflow, Centred", ("lammps", "Verlet"): "LAMMPS"}
     svg = [f'<rect width="{width}" height="{height}" fill="white"/>', '<text x="20" y="24" font-size="15">Error of the discharge rate against the time of a run on one core</text>',
            f'<rect x="{left}" y="{y(1):.1f}" width="{width - left - right}" height="{y(-1) - y(1):.1f}" fill="#eef6ee"/>']
     for number, (key, colour) in enumerate(colours.items()):
         svg += [f'<circle cx="{26 + 160 * number}" cy="42" r="5" fill="{colour}"/>', f'<text x="{38 + 160 * number}" y="47">{names[key]}</text>']
-    for error in range(-int(most), int(most) + 1):
-        if most <= 6 or error % 2 == 0:
-            svg += [f'<line x1="{left}" y1="{y(error):.1f}" x2="{width - right}" y2="{y(error):.1f}" stroke="#ddd"/>',
-                    f'<text x="{left - 8}" y="{y(error) + 4:.1f}" text-anchor="end">{error:+d}</text>']
-    decade = low
-    while decade <= high:
-        for digit in (1, 2, 5):
-            if decade * digit <= high:
-                svg += [f'<line x1="{x(decade * digit):.1f}" y1="{top}" x2="{x(decade * digit):.1f}" y2="{height - bottom}" stroke="#eee"/>',
-                        f'<text x="{x(decade * digit):.1f}" y="{height - bottom + 18}" text-anchor="middle">{decade * digit:g}</text>']
-        decade *= 10
+    for error in range(least, most + 1, 1 if most - least <= 10 else 2):
+        svg += [f'<line x1="{left}" y1="{y(error):.1f}" x2="{width - right}" y2="{y(error):.1f}" stroke="#ddd"/>',
+                f'<text x="{left - 8}" y="{y(error) + 4:.1f}" text-anchor="end">{error}</text>']
+    for time in (digit * 10**power for power in range(6) for digit in (1, 2, 5)):
+        if low <= time <= high:
+            svg += [f'<line x1="{x(time):.1f}" y1="{top}" x2="{x(time):.1f}" y2="{height - bottom}" stroke="#eee"/>',
+                    f'<text x="{x(time):.1f}" y="{height - bottom + 18}" text-anchor="middle">{time}</text>']
     svg += [f'<text x="{(left + width) / 2:.0f}" y="{height - 14}" text-anchor="middle">time of a run, s</text>',
             f'<text x="20" y="{(top + height - bottom) / 2:.0f}" text-anchor="middle" transform="rotate(-90 20 {(top + height - bottom) / 2:.0f})">error of the rate, %</text>']
     for number, ((program, scheme, soft, step, grains), wall, off, error) in enumerate(points):
         colour = colours[(program, scheme)]
         svg += [f'<line x1="{x(wall):.1f}" y1="{y(off - error):.1f}" x2="{x(wall):.1f}" y2="{y(off + error):.1f}" stroke="{colour}" stroke-width="1.5"/>',
                 f'<circle cx="{x(wall):.1f}" cy="{y(off):.1f}" r="5" fill="{colour}"/>']
-        label = f"E {float(soft):g}, {1e6 * float(step):.3g} us" + ("" if int(grains) == 30_000 else f", {int(grains) // 1000}k")
+        label = f"E/{1 / float(soft):.0f}, {1e6 * float(step):.3g} us" + ("" if int(grains) == 30_000 else f", {int(grains) // 1000}k")
         place = y(off + error) - 6 if number % 2 else y(off - error) + 14
         svg.append(f'<text x="{x(wall):.1f}" y="{place:.1f}" text-anchor="middle" font-size="11" fill="{colour}">{label}</text>')
     FIGURE.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}" viewBox="0 0 {width} {height}" '
