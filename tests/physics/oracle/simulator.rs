@@ -177,7 +177,11 @@ impl Simulator {
         self.remove();
     }
 
+    /// Removes grains below the line, in every 32nd step.
     fn remove(&mut self) {
+        if !self.steps.is_multiple_of(32) {
+            return;
+        }
         for body in self.bodies.iter_mut().filter(|body| !body.is_fixed) {
             body.is_gone |= body.position.0[self.up] < self.cull;
         }
