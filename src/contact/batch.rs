@@ -199,29 +199,9 @@ impl<V: Space> Batch<V> {
         limits: [f64; 2],
     ) -> (u32, u32) {
         if times.lead > 0.0 {
-            self.evaluate_species::<L, NUMBERS, true>(law, times, instructions, limits)
+            Lanes::<V, NUMBERS, true> { batch: self, times, instructions, limits }.evaluate(law)
         } else {
-            self.evaluate_species::<L, NUMBERS, false>(law, times, instructions, limits)
-        }
-    }
-
-    /// Evaluates all lanes with one law if all contacts are between the same two species, as in most batches of a silo: contacts of grains of one kind, or
-    /// of such grains with walls. Otherwise the law of each contact is looked up, which the compiler does not vectorise.
-    #[inline(always)]
-    fn evaluate_species<L: PairLaw<V> + LawRequirements, const NUMBERS: usize, const CENTRED: bool>(
-        &mut self,
-        law: &L,
-        times: MemoryTimes,
-        instructions: Instructions,
-        limits: [f64; 2],
-    ) -> (u32, u32) {
-        let only = if L::SPECIES { self.only_species() } else { Some([Species(0); 2]) };
-        match only {
-            Some(species) => instructions.run(
-                #[inline(always)]
-                || law.between(species, Lanes::<V, NUMBERS, CENTRED> { batch: self, times, limits }),
-            ),
-            None => self.evaluate_lanes::<L, NUMBERS, CENTRED>(law, times, limits),
+            Lanes::<V, NUMBERS, false> { batch: self, times, instructions, limits }.evaluate(law)
         }
     }
 
@@ -239,15 +219,33 @@ impl<V: Space> Batch<V> {
 struct Lanes<'a, V: Space, const NUMBERS: usize, const CENTRED: bool> {
     batch: &'a mut Batch<V>,
     times: MemoryTimes,
+    instructions: Instructions,
     limits: [f64; 2],
+}
+
+impl<V: Space, const NUMBERS: usize, const CENTRED: bool> Lanes<'_, V, NUMBERS, CENTRED> {
+    /// Evaluates all lanes with one law if all contacts are between the same two species, as in most batches of a silo: contacts of grains of one kind, or
+    /// of such grains with walls. Otherwise the law of each contact is looked up, which the compiler does not vectorise.
+    #[inline]
+    fn evaluate<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u32, u32) {
+        let only = if L::SPECIES { self.batch.only_species() } else { Some([Species(0); 2]) };
+        match only {
+            Some(species) => law.between(species, self),
+            None => self.batch.evaluate_lanes::<L, NUMBERS, CENTRED>(law, self.times, self.limits),
+        }
+    }
 }
 
 impl<V: Space, const NUMBERS: usize, const CENTRED: bool> LawVisitor<V> for Lanes<'_, V, NUMBERS, CENTRED> {
     type Output = (u32, u32);
 
-    #[inline(always)]
+    /// A function of its own: compiled once for a law and for its table of pairs of species.
     fn visit<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u32, u32) {
-        self.batch.evaluate_lanes::<L, NUMBERS, CENTRED>(law, self.times, self.limits)
+        let Self { batch, times, instructions, limits } = self;
+        instructions.run(
+            #[inline(always)]
+            || batch.evaluate_lanes::<L, NUMBERS, CENTRED>(law, times, limits),
+        )
     }
 }
 

@@ -245,7 +245,7 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     }
 
     /// Calls `visitor` with the law of contacts between these species: with the law itself if it is the same for all species.
-    #[inline(always)]
+    #[inline]
     fn between<W: LawVisitor<V>>(&self, _species: [Species; 2], visitor: W) -> W::Output
     where
         Self: LawRequirements + Sized,

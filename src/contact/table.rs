@@ -61,7 +61,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> PairLaw<V> for PairTable<L> {
         self.of(pair.species).centred(pair, memory)
     }
 
-    #[inline(always)]
+    #[inline]
     fn between<W: LawVisitor<V>>(&self, species: [Species; 2], visitor: W) -> W::Output {
         visitor.visit(self.of(species))
     }
