@@ -10,8 +10,8 @@ The silo is that of Dosta et al. 2024 with the large orifice and M1 (scenes/vali
 discharges, on one core. The rate is the slope of the grains out from 0.1 to 0.4 s after the opening, read from `series.csv` of both programs in the same way; 20,000 grains
 run dry earlier, and their rate is from 0.1 to 0.3 s. LAMMPS runs the script of `siloflow export`. The time is the wall-clock time of the whole run.
 
-The error of a row is that of its mean rate over the seeds, against the mean of the stiffest rows (`soft` = 0.1). Its standard error comes from the scatter over the
-seeds of the row; a row with one seed takes the scatter of all rows. Runs that are in the table are not run again.
+The error of a row is that of its mean rate over the seeds, against the mean of the stiffest rows (`soft` = 0.1). Its standard error comes from the scatter over
+seeds, pooled over all rows. Runs that are in the table are not run again.
 """
 
 import argparse

@@ -96,9 +96,8 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
             let mut curves = Vec::new();
             for (zone, side) in [(1, 1.0), (2, -1.0)] {
                 let points = counts(run, material, side)?;
-                let codes = CODES.map(|code| published(&table, code, material, zone));
-                let [liggghts, musen] = codes;
-                let codes = [liggghts?, musen?];
+                let [first, second] = CODES.map(|code| published(&table, code, material, zone));
+                let codes = [first?, second?];
                 rows(&mut judgement, material, zone, &points, &codes);
                 let name = format!("zone {zone}");
                 let last = points.last().map_or(0.0, |point| point.0);

@@ -1,11 +1,11 @@
 //! The impact of Dosta et al., Comput. Phys. Commun. 296, 109066 (2024), case 3: a steel ball in a bed of 25,000 spheres.
 //!
-//! The published figures are means over ten beds for each of eight codes, computed from the table of the publication. Left out are a column of LIGGGHTS that has another
-//! unit, and a column of MUSEN whose bed is another one. The table has heights every millisecond, and the ball turns within a fraction of it, so the lowest of such heights
-//! lies above the deepest point by up to 1 mm. siloflow's path is therefore read at the same times. Only LIGGGHTS has a height every 50 us.
+//! The published figures are means over ten beds for each of eight codes, computed from the table of the publication. Left out are a column of LIGGGHTS that disagrees
+//! with its others by decimetres, and a column of MUSEN whose bed is another one. The table has heights every millisecond, and the ball turns within a fraction of it, so the
+//! lowest of such heights lies above the deepest point, in LIGGGHTS by 0.2 to 0.6 mm. siloflow's path is therefore read at the same times. Only LIGGGHTS has a height every 50 us.
 //!
 //! The bed decides how far the ball is ahead: LIGGGHTS and MUSEN, run with the file of positions of the published set-up (`dem-bulk-dosta2024` of peclet-examples),
-//! are 1.2 ms earlier at the deepest point than both codes in the ten beds. The file `dosta_impact.csv` has the means of the codes in the ten beds every millisecond, the
+//! are about 1.1 ms earlier at the deepest point than in the ten beds. The file `dosta_impact.csv` has the means of the codes in the ten beds every millisecond, the
 //! lowest and the highest of them, and both runs with the file.
 //!
 //! The rebound is chaotic and is not compared.

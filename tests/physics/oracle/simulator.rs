@@ -177,7 +177,7 @@ impl Simulator {
         self.remove();
     }
 
-    /// Removes grains below the line, in every 32nd step.
+    /// Removes grains below the cull line in steps that are multiples of 32, the start included.
     fn remove(&mut self) {
         if !self.steps.is_multiple_of(32) {
             return;
