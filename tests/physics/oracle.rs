@@ -66,19 +66,11 @@ fn run(scene: &Scene, option: RunOptions) -> Vec<Sample> {
     seen(&mut simulation)
 }
 
-/// Returns how much more round-off a law may show than the bound of `compare`. The force of a contact beyond touch jumps by 3 N
-/// where it forms. While a slow contact, 1 cm/s, passes this jump in a step of 2 um, a difference of its position acts like one of
-/// a spring of 2e6 N/m, twenty times the stiffness of that bound; two such contacts may share a grain.
-fn amplification(law: &Law) -> f64 {
-    if matches!(law.normal, Normal::Jkr { .. }) { 40.0 } else { 1.0 }
-}
-
 /// Asserts that siloflow and the naive simulator agree on a scene, and returns the samples of siloflow.
 fn assert_agree(scene: &Scene, option: RunOptions) -> Vec<Sample> {
     let seen = run(scene, option);
     let found = differences(&scene.simulator(), &seen);
-    let most = amplification(&scene.laws[0]);
-    assert!(found.iter().all(|share| *share < most), "{}, {option:?}: {found:?}", scene.title());
+    assert!(found.iter().all(|share| *share < 1.0), "{}, {option:?}: {found:?}", scene.title());
     seen
 }
 
@@ -86,15 +78,10 @@ fn assert_agree(scene: &Scene, option: RunOptions) -> Vec<Sample> {
 fn assert_same(first: usize, law: Law) {
     // Discs of the plane cannot twist.
     let spaces: &[bool] = if law.twisting.is_some() { &[true] } else { &[false, true] };
-    assert_same_in(first, law, spaces, &[Scheme::Verlet, Scheme::Centred]);
-}
-
-/// Like [`assert_same`], in some spaces (solid or not) and with some schemes.
-fn assert_same_in(first: usize, law: Law, spaces: &[bool], schemes: &[Scheme]) {
     let mut options = (first..).map(RunOptions::of);
     for &solid in spaces {
         for around in Surroundings::ALL {
-            for &scheme in schemes {
+            for scheme in [Scheme::Verlet, Scheme::Centred] {
                 let scene = Scene::new(law, solid, around, scheme, small(solid));
                 let seen = assert_agree(&scene, options.next().unwrap());
                 assert_changes_are_found(&scene, &seen);
@@ -106,7 +93,6 @@ fn assert_same_in(first: usize, law: Law, spaces: &[bool], schemes: &[Scheme]) {
 /// Asserts that a small change of each number of the laws, and the other scheme, are detected at the last sample.
 fn assert_changes_are_found(scene: &Scene, seen: &[Sample]) {
     let mut scene = scene.clone();
-    let amplified = amplification(&scene.laws[0]);
     let last = |scene: &Scene| differences(&scene.simulator(), seen)[SAMPLE_STEPS.len() - 1];
     for changed in 0..scene.numbers().len() {
         let mut other = scene.clone();
@@ -114,8 +100,8 @@ fn assert_changes_are_found(scene: &Scene, seen: &[Sample]) {
         let (name, number) = &mut numbers[changed];
         let name = *name;
         // Normal springs carry most of the force, so a smaller change is detected.
-        **number *= 1.0 + amplified * if name == "k" { 0.1 * RELATIVE_CHANGE } else { RELATIVE_CHANGE };
-        assert!(last(&other) > 5.0 * amplified, "{}: a change of {name} is not detected", scene.title());
+        **number *= 1.0 + if name == "k" { 0.1 * RELATIVE_CHANGE } else { RELATIVE_CHANGE };
+        assert!(last(&other) > 5.0, "{}: a change of {name} is not detected", scene.title());
     }
     scene.scheme = if scene.scheme == Scheme::Verlet { Scheme::Centred } else { Scheme::Verlet };
     assert!(last(&scene) > 1.0e6, "{}: a change of the scheme is not detected", scene.title());
@@ -203,16 +189,8 @@ fn jkr(work: f64, pulls: bool, law: Law) -> Law {
 }
 
 #[test]
-fn adhesion_beyond_touch_agrees_in_the_plane_with_verlet() {
-    assert_same_in(28, jkr(40.0, true, hertz(0.6, true, Some(0.3), None, false)), &[false], &[Scheme::Verlet]);
-}
-
-/// With `Centred` the differences exceed the bound in one of six surroundings of the plane, by a factor of 68 where 40 is expected. The
-/// reason is not known; the force goes with a root where a contact is about to break, which amplifies round-off. Solid space has not been compared.
-#[test]
-#[ignore = "the bound of round-off does not hold with `Centred`"]
 fn adhesion_beyond_touch_agrees() {
-    let elastic = rolling(Damping::B(2.0)).map(|rolling| Rolling { kind: RollingKind::Elastic, ..rolling });
+    let elastic = rolling(Damping::B(8.0)).map(|rolling| Rolling { kind: RollingKind::Elastic, ..rolling });
     assert_same(28, jkr(40.0, true, hertz(0.6, true, Some(0.3), None, false)));
     assert_same(29, jkr(60.0, false, hertz(0.6, false, Some(0.3), elastic, true)));
 }

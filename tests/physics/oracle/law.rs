@@ -267,6 +267,9 @@ impl Terms {
         let Normal::Jkr { work, .. } = self.law.normal else { return (reduced.radius * overlap.max(0.0)).sqrt() };
         let of = |a: f64| a * a / reduced.radius - (2.0 * PI * work * a / self.moduli[0]).sqrt();
         let mut low = (PI * work * reduced.radius.powi(2) / (8.0 * self.moduli[0])).cbrt();
+        if overlap + self.range(reduced) <= 0.0 {
+            return low;
+        }
         let mut high = 4.0 * low + 2.0 * (reduced.radius * overlap.max(0.0)).sqrt();
         for _ in 0..80 {
             let middle = 0.5 * (low + high);
