@@ -9,7 +9,7 @@ use std::fmt::Write as _;
 
 use crate::lammps::outputs::up;
 use crate::lammps::releases::all_grains;
-use crate::lammps::{DATA, number, vector};
+use crate::lammps::{DATA, motions, number, vector};
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Solid};
 use crate::spin::InertiaLaw;
@@ -191,7 +191,8 @@ fn box_of(loaded: &Loaded, fixed: &[FixedAtom]) -> (Solid, Solid) {
     let grains = all_grains(loaded).map(|grain| (grain.position, grain.radius));
     let balls = grains.chain(fixed.iter().map(|disc| (disc.position, disc.radius)));
     let walls = loaded.scene.walls.iter().filter_map(Wall::bounds);
-    let around = balls.map(|(x, radius)| [x - radius, x + radius]).chain(walls);
+    let ways = motions::places(loaded).map(|place| [place; 2]);
+    let around = balls.map(|(x, radius)| [x - radius, x + radius]).chain(walls).chain(ways);
     let [mut low, mut high] =
         around.reduce(|[a, b], [low, high]| [a.min(low), b.max(high)]).unwrap_or([Solid::ZERO, Solid::ONE]);
     let reach = loaded.contact_range();

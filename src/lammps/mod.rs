@@ -8,6 +8,7 @@
 
 mod grains;
 mod laws;
+mod motions;
 mod outputs;
 mod releases;
 mod stages;
@@ -96,9 +97,6 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
             start,
         );
     }
-    if !scene.motions.is_empty() {
-        return refuse("motions", "motions of walls are not written", "export without them");
-    }
     if scene.kick.is_some() {
         return refuse("kick", "kicks that restart the flow are not written", "export without it");
     }
@@ -177,6 +175,10 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
     say(
         walls::have_another_radius(loaded),
         "on a cone LAMMPS takes the contact radius of a cylinder, and on the outer side of a cylinder that of a plane; siloflow takes that of the wall",
+    );
+    say(
+        walls.move_in_time,
+        "LAMMPS takes the velocity of a wall that moves as its mean over the last step, and as zero in step 0",
     );
     say(walls.has_planes, "LAMMPS does not push back a grain whose centre is behind a plane; siloflow does");
     say(

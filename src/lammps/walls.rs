@@ -21,7 +21,7 @@ use std::fmt::Write as _;
 use crate::contact::Contact;
 use crate::fault::Fault;
 use crate::lammps::laws::Laws;
-use crate::lammps::{number, refused, vector};
+use crate::lammps::{motions, number, refused, vector};
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Solid};
 use crate::values::NonNegative;
@@ -40,6 +40,8 @@ pub(super) struct Walls {
     pub has_planes: bool,
     /// Whether walls with edges are more than one.
     pub may_meet: bool,
+    /// Whether a wall moves.
+    pub move_in_time: bool,
     /// Whether the normal of a contact may turn: on an edge or a curved wall.
     pub may_turn: bool,
 }
@@ -56,7 +58,13 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
         let key = format!("walls[{index}]");
         check(loaded, wall, &key)?;
         let region = region(loaded, wall, &key, number)?;
-        walls.lines.push_str(&region);
+        let motion = motions::motion(loaded, wall, number)?;
+        if motion.turns && region.contains(" rotate ") {
+            let message = "a region of LAMMPS has one rotation, which the slant of this wall needs";
+            return Err(refused(loaded, &key, message).help("turn walls that begin along the axes"));
+        }
+        walls.move_in_time |= !motion.words.is_empty();
+        let _ = writeln!(walls.lines, "{}{}{}", motion.variables, region.trim_end(), motion.words);
         let mut fixes = Vec::new();
         for grain in 0..laws.species() {
             let one = laws.species() == 1;
@@ -89,9 +97,6 @@ fn check(loaded: &Loaded, wall: &Wall, key: &str) -> Result<(), Fault> {
         }
         Wall::Annulus { inner: Some(inner), .. } if inner.get() > 0.0 => {
             ("LAMMPS has no region for a flat ring", "use panels, or a cone with a slope")
-        }
-        _ if wall.moves_in_place() => {
-            ("walls that move in their place are not written", "export without its velocity or spin")
         }
         _ => return Ok(()),
     };

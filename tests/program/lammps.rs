@@ -322,6 +322,19 @@ fn state_of_lammps(here: &Path) -> BTreeMap<u32, [f64; 9]> {
     state
 }
 
+/// Differences of each grain from a state of LAMMPS: of its position (m), and of its velocity and of its spin times 3 cm (m/s).
+fn differences<V: Space>(simulation: &mut Simulation, theirs: &BTreeMap<u32, [f64; 9]>) -> BTreeMap<u32, [f64; 2]> {
+    let world = simulation.world_mut();
+    let mut query = world.query_filtered::<(&GrainId, &Position<V>, &Velocity<V>, &Spin<V::Spin>), With<Grain>>();
+    let rows = query.iter(world).map(|(id, position, velocity, spin)| {
+        let ours = [position.0.spread(), velocity.0.spread(), spin.0.spread()];
+        let theirs = theirs[&id.number()].as_chunks::<3>().0;
+        let [x, v, w] = [0, 1, 2].map(|vector| (ours[vector] - Solid::from(theirs[vector])).length());
+        (id.number(), [x, v.max(0.03 * w)])
+    });
+    rows.collect()
+}
+
 /// Steps of the comparison of motions. Rounding grows by some factor of 2 in each contact time of 440 steps.
 const STEPS: u64 = 200;
 
@@ -353,20 +366,64 @@ fn motion_with_springs_is_equal_to_round_off_with_the_classic_law() {
     let theirs = state_of_lammps(here.path());
     let mut simulation = crate::simulation(&loaded, 1);
     simulation.run_steps(STEPS + 1);
-    let world = simulation.world_mut();
-    let mut query = world.query_filtered::<(&GrainId, &Position, &Velocity, &Spin), With<Grain>>();
-    let mut worst = [0.0f64; 2];
-    for (id, position, velocity, spin) in query.iter(world) {
-        let row = theirs[&id.number()];
-        let ours = [position.0.x, position.0.y, velocity.0.x, velocity.0.y, 0.03 * spin.0];
-        let off = ours.iter().zip([row[0], row[1], row[3], row[4], 0.03 * row[8]]).map(|(a, b)| (a - b).abs());
-        let off: Vec<_> = off.collect();
-        worst[0] = worst[0].max(off[0]).max(off[1]);
-        worst[1] = worst[1].max(off[2]).max(off[3]).max(off[4]);
-    }
+    let differences = differences::<Plane>(&mut simulation, &theirs);
+    let worst = differences.values().fold([0.0f64; 2], |worst, off| [worst[0].max(off[0]), worst[1].max(off[1])]);
     eprintln!("after {STEPS} steps: positions differ by up to {:.1e} m, velocities by {:.1e} m/s", worst[0], worst[1]);
     // Forces round at 5e-12 N, so that 200 steps of 1e-5 s give 0.1 kg a velocity of 1e-13 m/s; the data file has 17 digits.
     assert!(worst[0] < 1e-13 && worst[1] < 1e-11, "{worst:?}");
+}
+
+#[test]
+fn walls_that_move_push_and_drag_grains_in_lammps_as_in_siloflow() {
+    if !has_lammps() {
+        return;
+    }
+    let here = tempfile::tempdir().unwrap();
+    // Each grain meets one wall after some steps, so that the velocity of walls in step 0, zero in LAMMPS, does not matter.
+    let grains = "id,radius,mass,x,y,z,vx,vy,vz
+        1,0.03,0.2,0.0,0.0,0.0301,0.0,0.0,-1.0
+        2,0.03,0.2,1.1699,0.0,0.4,1.0,0.0,0.0
+        3,0.03,0.2,2.1,0.0,0.3302,0.0,0.0,0.0
+        4,0.03,0.2,3.1,0.0,0.3301,0.0,0.0,0.0
+        5,0.03,0.2,4.1,0.0,0.3322,0.0,0.0,-1.0
+        6,0.03,0.2,5.1,0.0,0.3302,0.0,0.0,0.0";
+    fs::write(here.path().join("grains.csv"), grains.replace("        ", "") + "\n").unwrap();
+    let panel = |x: f64, name: &str| {
+        format!("Panel(corner: ({x:?}, -0.1, 0.3), along: (0.2, 0.0, 0.0), across: (0.0, 0.2, 0.0), name: \"{name}\"),")
+    };
+    let scene = format!(
+        "(space: Solid, gravity: (0.0, 0.0, 0.0), integrator: Verlet, step: Fixed(1.0e-5), until: {:e}, pictures: None,
+          contact: Linear(k: 1.0e4, damping: PerMass(60.0), tangential: Spring(k: 3.0e3, damping: PerMass(30.0), friction: 0.4)),
+          grains: (file: \"grains.csv\"),
+          walls: [HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0), velocity: (0.5, -0.2, 0.0)),
+                  Cylinder(from: (1.0, 0.0, 0.6), to: (1.0, 0.0, 0.2), radius: 0.2, spin: 4.0), {}],
+          motions: [(walls: \"lift\", translate: Steady((0.2, 0.0, 1.0)), from: 1.0e-4),
+                    (walls: \"paddle\", rotate: (about: (3.0, 0.0, 0.3), axis: (0.0, 2.0, 0.0), by: Steady(-5.0))),
+                    (walls: \"stop\", translate: Steady((0.0, 0.0, 1.0)), until: 1.0e-3),
+                    (walls: \"shaker\", translate: Oscillate(amplitude: (0.0, 0.0, 1.0e-3), frequency: 50.0, phase: 0.2))])",
+        1e-5 * STEPS as f64,
+        [(2.0, "lift"), (3.0, "paddle"), (4.0, "stop"), (5.0, "shaker")].map(|(x, name)| panel(x, name)).concat()
+    );
+    let loaded = load::from_text("test.ron", "test", here.path(), scene, &[]).unwrap_or_else(|fault| panic!("{fault}"));
+    write(&loaded, here.path());
+    lmp(here.path(), 1, &["-log", "none"]);
+    let mut simulation = crate::simulation(&loaded, 1);
+    simulation.run_steps(STEPS + 1);
+    let theirs = state_of_lammps(here.path());
+    let speeds: Vec<_> = theirs.values().map(|row| Solid::from_slice(&row[3..6]).length()).collect();
+    // Every wall has acted: 1 N for 1 ms gives 0.2 kg 5 mm/s.
+    assert!(
+        speeds.len() == 6
+            && speeds.iter().zip([1.0, 1.0, 0.0, 0.0, 1.0, 0.0]).all(|(v, start)| (v - start).abs() > 5e-3),
+        "{speeds:?}"
+    );
+    for (grain, [position, velocity]) in differences::<Solid>(&mut simulation, &theirs) {
+        eprintln!("grain {grain}: {position:.1e} m, {velocity:.1e} m/s");
+        // Positions of walls round at 1e-16 m, so their velocity over a step of 1e-5 s at 1e-11 m/s, and the drag of 60/s acts for 2e-3 s. The
+        // mean velocity of the shaker over a step is late by half a step: a w^2 dt/2 = 5e-4 m/s.
+        let [far, fast] = if grain == 6 { [1e-7, 60.0 * 5e-4 * 2e-3] } else { [1e-13, 1e-11] };
+        assert!(position < far && velocity < fast, "grain {grain}: {position:e} m, {velocity:e} m/s");
+    }
 }
 
 #[test]
@@ -446,9 +503,14 @@ fn what_does_not_map_is_refused_with_its_key_and_nothing_is_written() {
             "along x, y or z",
         ),
         (
-            solid(linear, "Cylinder(from: (0.3, 0.3, 0.0), to: (0.3, 0.3, 0.6), radius: 0.3, spin: 2.0)"),
+            (
+                linear.to_owned(),
+                "Panel(corner: (0.1, 0.3, 0.3), along: (0.2, 0.0, 0.1), across: (0.0, 0.25, 0.0), name: \"paddle\")".to_owned(),
+                "motions: [(walls: \"paddle\", rotate: (about: (0.1, 0.3, 0.3), axis: (0.0, 1.0, 0.0), by: Steady(1.0)))],"
+                    .to_owned(),
+            ),
             "walls[0]",
-            "move",
+            "one rotation",
         ),
         (
             more(
