@@ -23,6 +23,7 @@ use crate::lammps::grains::Particles;
 use crate::scene::TimeStep;
 use crate::scene::load::Loaded;
 use crate::space::Solid;
+use crate::walls::config::Wall;
 
 /// Name of the script.
 pub const SCRIPT: &str = "in.silo";
@@ -177,7 +178,7 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
         "on a cone LAMMPS takes the contact radius of a cylinder, and on the outer side of a cylinder that of a plane; siloflow takes that of the wall",
     );
     say(
-        walls.move_in_time,
+        !scene.motions.is_empty() || scene.walls.iter().any(Wall::moves_in_place),
         "LAMMPS takes the velocity of a wall that moves as its mean over the last step, and as zero in step 0",
     );
     say(walls.has_planes, "LAMMPS does not push back a grain whose centre is behind a plane; siloflow does");

@@ -17,7 +17,7 @@ use crate::fault::Fault;
 use crate::lammps::{number, refused, vector};
 use crate::scene::load::Loaded;
 use crate::space::Solid;
-use crate::values::{Finite, NonNegative};
+use crate::values::{Finite, FiniteVector, NonNegative};
 use crate::walls::config::Wall;
 use crate::walls::motion::{Course, Motion, Values};
 
@@ -63,7 +63,7 @@ pub(super) fn motion(loaded: &Loaded, wall: &Wall, place: usize) -> Result<Regio
         }
         if let Some(turn) = &motion.rotate {
             let [angle, ..] = formulas(&turn.by, &tau).ok_or_else(|| table("rotate.by"))?;
-            region.turn(place, &angle, turn.about.padded(), turn.axis.map_or(Solid::Z, |axis| axis.padded()));
+            region.turn(place, &angle, turn.about.padded(), turn.axis.map_or(Solid::Z, FiniteVector::padded));
         }
     }
     Ok(region)

@@ -40,8 +40,6 @@ pub(super) struct Walls {
     pub has_planes: bool,
     /// Whether walls with edges are more than one.
     pub may_meet: bool,
-    /// Whether a wall moves.
-    pub move_in_time: bool,
     /// Whether the normal of a contact may turn: on an edge or a curved wall.
     pub may_turn: bool,
 }
@@ -63,7 +61,6 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
             let message = "a region of LAMMPS has one rotation, which the slant of this wall needs";
             return Err(refused(loaded, &key, message).help("turn walls that begin along the axes"));
         }
-        walls.move_in_time |= !motion.words.is_empty();
         let _ = writeln!(walls.lines, "{}{}{}", motion.variables, region.trim_end(), motion.words);
         let mut fixes = Vec::new();
         for grain in 0..laws.species() {
