@@ -112,8 +112,8 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
     }
     let controls = scene.door_controls();
     for (_, key, control) in &controls {
-        if control.how != DoorMotion::Remove && control.opens != DoorOpens::Never {
-            let reason = "doors that slide or move are not written";
+        if matches!(control.how, DoorMotion::Slide(_)) && control.opens != DoorOpens::Never {
+            let reason = "discs of a door that slide are not written";
             return refuse(&format!("{key}.how"), reason, "export with a door that vanishes: `how: Remove`");
         }
         if matches!(control.opens, DoorOpens::Schedule(_)) {
@@ -178,8 +178,12 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
         "on a cone LAMMPS takes the contact radius of a cylinder, and on the outer side of a cylinder that of a plane; siloflow takes that of the wall",
     );
     say(
-        !scene.motions.is_empty() || scene.walls.iter().any(Wall::moves_in_place),
+        !(scene.motions.is_empty() && walls.leaves.is_empty()) || scene.walls.iter().any(Wall::moves_in_place),
         "LAMMPS takes the velocity of a wall that moves as its mean over the last step, and as zero in step 0",
+    );
+    say(
+        scene.opens_a_door(),
+        "when the door opens a new run begins, and LAMMPS computes the forces of that step once more, with the velocities of its end",
     );
     say(walls.has_planes, "LAMMPS does not push back a grain whose centre is behind a plane; siloflow does");
     say(

@@ -6,6 +6,7 @@
 //! | `motions` with `rotate`: `Steady`, `Oscillate` | `rotate` about the same axis, which moves with the shift |
 //! | `velocity` of a `HalfPlane` | `move` along itself |
 //! | `spin` of a `Cylinder`, `Cone`, `Annulus` | `rotate` about its own axis |
+//! | door with `how: Move` | `move`, with variables that are zero until the door opens |
 //!
 //! Limits: LAMMPS takes the velocity of a wall as its mean over the last step, and as zero in step 0. Tables are not written, and a region
 //! has one rotation, which a slanted rectangle needs already.
@@ -13,6 +14,7 @@
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
+use crate::door::{DoorMotion, DoorOpens};
 use crate::fault::Fault;
 use crate::lammps::{number, refused, vector};
 use crate::scene::load::Loaded;
@@ -50,6 +52,9 @@ pub(super) fn motion(loaded: &Loaded, wall: &Wall, place: usize) -> Result<Regio
         }
         _ => {}
     }
+    if leaf(loaded, wall).is_some() {
+        region.shift(place, [(); 3].map(|()| "0".to_owned()));
+    }
     let motions = loaded.scene.motions.iter().enumerate();
     for (index, motion) in motions.filter(|(_, motion)| wall.name() == Some(&motion.walls)) {
         let tau = elapsed(motion);
@@ -69,10 +74,38 @@ pub(super) fn motion(loaded: &Loaded, wall: &Wall, place: usize) -> Result<Regio
     Ok(region)
 }
 
+/// Returns the shift (m) from shut to open, and the speed (m/s), of a wall that is a door that moves.
+pub(super) fn leaf(loaded: &Loaded, wall: &Wall) -> Option<(Solid, f64)> {
+    let door = loaded.scene.door_of(wall)?;
+    let controls = loaded.scene.door_controls();
+    let (_, _, control) =
+        controls.iter().find(|(number, _, control)| *number == door && control.opens != DoorOpens::Never)?;
+    match control.how {
+        DoorMotion::Move { by, speed } => Some((by.padded(), speed.get())),
+        _ => None,
+    }
+}
+
+/// Commands that open a door that moves, whose region has this number, from the present step on.
+pub(super) fn open_leaf(place: usize, (by, speed): (Solid, f64)) -> String {
+    let way = by.length();
+    let (whole, since) = (number(way / speed), "(step-$(step))*dt");
+    let mut text =
+        format!("variable leaf_{place} equal (({since})*(({since})<{whole})+{whole}*(({since})>={whole}))\n");
+    for (axis, rate) in ["x", "y", "z"].into_iter().zip((by * (speed / way)).to_array()) {
+        let _ = writeln!(text, "variable move_{axis}_{place} equal {}", product(rate, &format!("v_leaf_{place}")));
+    }
+    text
+}
+
 /// Returns places of the corners of walls that move, at times all through the run, m.
 pub(super) fn places(loaded: &Loaded) -> impl Iterator<Item = Solid> {
     let scene = &loaded.scene;
-    scene.motions.iter().flat_map(move |motion| {
+    let leaves = scene.walls.iter().filter_map(move |wall| {
+        let ((by, _), [low, high]) = (leaf(loaded, wall)?, wall.bounds()?);
+        Some([low + by, high + by])
+    });
+    let motions = scene.motions.iter().flat_map(move |motion| {
         let walls = scene.walls.iter().filter(|wall| wall.name() == Some(&motion.walls));
         let corners = walls.filter_map(Wall::bounds).flat_map(|[low, high]| {
             (0..8u8).map(move |corner| {
@@ -84,7 +117,8 @@ pub(super) fn places(loaded: &Loaded) -> impl Iterator<Item = Solid> {
             let times = (0..=100u8).map(|part| 0.01 * f64::from(part) * scene.until.get());
             times.map(move |time| motion.at::<Solid>(time).pose.point(corner))
         })
-    })
+    });
+    leaves.flatten().chain(motions)
 }
 
 impl RegionMotion {

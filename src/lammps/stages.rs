@@ -8,10 +8,10 @@ use std::fmt::Write as _;
 use crate::door::DoorOpens;
 use crate::fault::Fault;
 use crate::lammps::grains::Particles;
-use crate::lammps::number;
 use crate::lammps::outputs::steps;
 use crate::lammps::releases::{self, all_grains};
 use crate::lammps::walls::Walls;
+use crate::lammps::{motions, number};
 use crate::rest::Rest;
 use crate::scene::load::Loaded;
 use crate::stop::StopCondition;
@@ -112,6 +112,9 @@ fn open(loaded: &Loaded, walls: &Walls) -> String {
             let _ = writeln!(text, "uncompute load_{fix}_{axis}");
         }
         let _ = writeln!(text, "unfix {fix}");
+    }
+    for (place, leaf) in &walls.leaves {
+        text.push_str(&motions::open_leaf(*place, *leaf));
     }
     if !loaded.silo.door.is_empty() && opens(0) {
         text.push_str("delete_atoms group door compress no\n");

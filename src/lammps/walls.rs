@@ -34,8 +34,10 @@ pub(super) struct Walls {
     pub lines: String,
     /// The fixes of each wall, with its number from 1 as in `walls.csv`.
     pub fixes: Vec<(usize, Vec<String>)>,
-    /// The fixes of each door, by its number.
+    /// The fixes of each door that vanishes or stays, by its number.
     pub doors: Vec<(u16, Vec<String>)>,
+    /// The walls of doors that move: number of the region, shift (m) and speed (m/s).
+    pub leaves: Vec<(usize, (Solid, f64))>,
     /// Whether a wall is a half-plane.
     pub has_planes: bool,
     /// Whether walls with edges are more than one.
@@ -71,7 +73,10 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
             let _ = writeln!(walls.lines, "fix {name} {group} wall/gran/region {law} region shape_{number} contacts");
             fixes.push(name);
         }
-        if let Some(door) = loaded.scene.door_of(wall) {
+        let door = loaded.scene.door_of(wall);
+        if let Some(leaf) = motions::leaf(loaded, wall) {
+            walls.leaves.push((number, leaf));
+        } else if let Some(door) = door {
             match walls.doors.iter_mut().find(|(number, _)| *number == door) {
                 Some((_, own)) => own.extend(fixes.iter().cloned()),
                 None => walls.doors.push((door, fixes.clone())),
