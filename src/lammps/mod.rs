@@ -116,10 +116,6 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
             let reason = "discs of a door that slide are not written";
             return refuse(&format!("{key}.how"), reason, "export with a door that vanishes: `how: Remove`");
         }
-        if matches!(control.opens, DoorOpens::Schedule(_)) {
-            let reason = "doors that open and shut by a schedule are not written";
-            return refuse(&format!("{key}.opens"), reason, "export with `At(...)` or `AtRest`");
-        }
     }
     let mut opening = controls.iter().filter(|(_, _, control)| control.opens != DoorOpens::Never);
     if let (Some((_, _, first)), Some((_, key, _))) =

@@ -6,7 +6,7 @@
 //! | `motions` with `rotate`: `Steady`, `Oscillate` | `rotate` about the same axis, which moves with the shift |
 //! | `velocity` of a `HalfPlane` | `move` along itself |
 //! | `spin` of a `Cylinder`, `Cone`, `Annulus` | `rotate` about its own axis |
-//! | door with `how: Move` | `move`, with variables that are zero until the door opens |
+//! | door with `how: Move` | `move`; the variables follow the schedule, or are zero until the door opens |
 //!
 //! Limits: LAMMPS takes the velocity of a wall as its mean over the last step, and as zero in step 0. Tables are not written, and a region
 //! has one rotation, which a slanted rectangle needs already.
@@ -16,6 +16,7 @@ use std::fmt::Write as _;
 
 use crate::door::{DoorMotion, DoorOpens};
 use crate::fault::Fault;
+use crate::lammps::stages::first_step;
 use crate::lammps::{number, refused, vector};
 use crate::scene::load::Loaded;
 use crate::space::Solid;
@@ -52,8 +53,9 @@ pub(super) fn motion(loaded: &Loaded, wall: &Wall, place: usize) -> Result<Regio
         }
         _ => {}
     }
-    if leaf(loaded, wall).is_some() {
-        region.shift(place, [(); 3].map(|()| "0".to_owned()));
+    if let Some(leaf) = Leaf::of(loaded, wall) {
+        let way = leaf.scheduled_way(loaded.step());
+        region.shift(place, leaf.velocity().to_array().map(|rate| product(rate, way.as_deref().unwrap_or("0"))));
     }
     let motions = loaded.scene.motions.iter().enumerate();
     for (index, motion) in motions.filter(|(_, motion)| wall.name() == Some(&motion.walls)) {
@@ -74,36 +76,70 @@ pub(super) fn motion(loaded: &Loaded, wall: &Wall, place: usize) -> Result<Regio
     Ok(region)
 }
 
-/// Returns the shift (m) from shut to open, and the speed (m/s), of a wall that is a door that moves.
-pub(super) fn leaf(loaded: &Loaded, wall: &Wall) -> Option<(Solid, f64)> {
-    let door = loaded.scene.door_of(wall)?;
-    let controls = loaded.scene.door_controls();
-    let (_, _, control) =
-        controls.iter().find(|(number, _, control)| *number == door && control.opens != DoorOpens::Never)?;
-    match control.how {
-        DoorMotion::Move { by, speed } => Some((by.padded(), speed.get())),
-        _ => None,
-    }
+/// A wall of a door that moves.
+#[derive(Clone, Debug)]
+pub(super) struct Leaf {
+    /// Shift from shut to open, m.
+    by: Solid,
+    /// Speed, m/s.
+    speed: f64,
+    opens: DoorOpens,
 }
 
-/// Commands that open a door that moves, whose region has this number, from the present step on.
-pub(super) fn open_leaf(place: usize, (by, speed): (Solid, f64)) -> String {
-    let way = by.length();
-    let (whole, since) = (number(way / speed), "(step-$(step))*dt");
-    let mut text =
-        format!("variable leaf_{place} equal (({since})*(({since})<{whole})+{whole}*(({since})>={whole}))\n");
-    for (axis, rate) in ["x", "y", "z"].into_iter().zip((by * (speed / way)).to_array()) {
-        let _ = writeln!(text, "variable move_{axis}_{place} equal {}", product(rate, &format!("v_leaf_{place}")));
+impl Leaf {
+    /// Returns a wall as a leaf; `None` if it is not part of a door that moves.
+    pub(super) fn of(loaded: &Loaded, wall: &Wall) -> Option<Self> {
+        let door = loaded.scene.door_of(wall)?;
+        let (.., control) = loaded.scene.door_controls().into_iter().find(|(number, ..)| *number == door)?;
+        let DoorMotion::Move { by, speed } = control.how else { return None };
+        Some(Self { by: by.padded(), speed: speed.get(), opens: control.opens })
     }
-    text
+
+    fn velocity(&self) -> Solid {
+        self.by * (self.speed / self.by.length())
+    }
+
+    /// Returns the time of the whole way, s.
+    fn whole(&self) -> f64 {
+        self.by.length() / self.speed
+    }
+
+    /// Returns the time since the leaf was shut, less that of its way back, as a formula, s; `None` without a schedule. The leaf turns round where it is.
+    fn scheduled_way(&self, dt: f64) -> Option<String> {
+        let DoorOpens::Schedule(times) = &self.opens else { return None };
+        let turns = times.iter().flat_map(|(open, shut)| [*open, *shut]).map(|time| first_step(time.get(), dt) * dt);
+        let turns: Vec<_> = turns.chain([f64::INFINITY]).collect();
+        let (mut place, mut terms) = (0.0, Vec::new());
+        for (number, turn) in turns.windows(2).enumerate() {
+            let opens = number % 2 == 0;
+            let lasts = (turn[1] - turn[0]).min(if opens { self.whole() - place } else { place });
+            place += if opens { lasts } else { -lasts };
+            terms.push(format!("{}{}", if opens { "+" } else { "-" }, ramp(turn[0], turn[0] + lasts)));
+        }
+        Some(format!("(0{})", terms.concat()))
+    }
+
+    /// Returns commands that open the leaf, whose region has this number, from the present step on; none with a schedule.
+    pub(super) fn open(&self, place: usize) -> String {
+        if matches!(self.opens, DoorOpens::Schedule(_) | DoorOpens::Never) {
+            return String::new();
+        }
+        let (whole, since) = (number(self.whole()), "(step-$(step))*dt");
+        let mut text =
+            format!("variable leaf_{place} equal (({since})*(({since})<{whole})+{whole}*(({since})>={whole}))\n");
+        for (axis, rate) in ["x", "y", "z"].into_iter().zip(self.velocity().to_array()) {
+            let _ = writeln!(text, "variable move_{axis}_{place} equal {}", product(rate, &format!("v_leaf_{place}")));
+        }
+        text
+    }
 }
 
 /// Returns places of the corners of walls that move, at times all through the run, m.
 pub(super) fn places(loaded: &Loaded) -> impl Iterator<Item = Solid> {
     let scene = &loaded.scene;
     let leaves = scene.walls.iter().filter_map(move |wall| {
-        let ((by, _), [low, high]) = (leaf(loaded, wall)?, wall.bounds()?);
-        Some([low + by, high + by])
+        let (leaf, [low, high]) = (Leaf::of(loaded, wall)?, wall.bounds()?);
+        Some([low + leaf.by, high + leaf.by])
     });
     let motions = scene.motions.iter().flat_map(move |motion| {
         let walls = scene.walls.iter().filter(|wall| wall.name() == Some(&motion.walls));
@@ -142,15 +178,20 @@ impl RegionMotion {
 /// The time since the beginning of a motion, up to its end, as a formula of LAMMPS, s.
 fn elapsed(motion: &Motion) -> String {
     let from = motion.from.map_or(0.0, NonNegative::get);
-    let (begin, time) = (number(from), "step*dt");
     match motion.until.map(NonNegative::get) {
-        None if from == 0.0 => format!("({time})"),
-        None => format!("(({time}-{begin})*({time}>{begin}))"),
-        Some(until) => {
-            let (end, length) = (number(until), number((until - from).max(0.0)));
-            format!("(({time}-{begin})*(({time}>{begin})&&({time}<{end}))+{length}*({time}>={end}))")
-        }
+        None if from == 0.0 => "(step*dt)".to_owned(),
+        until => ramp(from, until.unwrap_or(f64::INFINITY).max(from)),
     }
+}
+
+/// The time since `from` (s), up to `until` (s), as a formula, s.
+fn ramp(from: f64, until: f64) -> String {
+    let (begin, time) = (number(from), "step*dt");
+    if until == f64::INFINITY {
+        return format!("(({time}-{begin})*({time}>{begin}))");
+    }
+    let (end, length) = (number(until), number(until - from));
+    format!("(({time}-{begin})*(({time}>{begin})&&({time}<{end}))+{length}*({time}>={end}))")
 }
 
 fn product(factor: f64, formula: &str) -> String {

@@ -8,10 +8,10 @@ use std::fmt::Write as _;
 use crate::door::DoorOpens;
 use crate::fault::Fault;
 use crate::lammps::grains::Particles;
+use crate::lammps::number;
 use crate::lammps::outputs::steps;
 use crate::lammps::releases::{self, all_grains};
 use crate::lammps::walls::Walls;
-use crate::lammps::{motions, number};
 use crate::rest::Rest;
 use crate::scene::load::Loaded;
 use crate::stop::StopCondition;
@@ -56,8 +56,13 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls, particles: &Particles) -> R
         }
     }
     if let Some(opens) = &opens {
-        if let DoorOpens::At(time) = opens {
-            let opening = if time.get() > 0.0 { steps(time.get(), dt) } else { 0 };
+        let at = match opens {
+            DoorOpens::At(time) => Some(time),
+            DoorOpens::Schedule(times) => times.first().map(|(open, _)| open),
+            DoorOpens::AtRest | DoorOpens::Never => None,
+        };
+        if let Some(time) = at {
+            let opening = first_step(time.get(), dt);
             let _ = writeln!(
                 script,
                 "if \"{opening} >= {last}\" then \"run {last} upto\" \"jump SELF end\"\nrun {opening} upto\n{CLOCK}"
@@ -69,6 +74,11 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls, particles: &Particles) -> R
     let _ = writeln!(script, "run {last} upto\n{CLOCK}label end");
     script.push_str(SUMMARY);
     Ok(Course { script, differences })
+}
+
+/// Returns the first step that has reached a time (s), by the rule of [`Clock::has_reached`](crate::step::Clock::has_reached).
+pub(super) fn first_step(time: f64, dt: f64) -> f64 {
+    (time / dt - 1e-3).ceil().max(0.0)
 }
 
 /// Commands that test for rest; returns the steps between tests.
@@ -114,7 +124,7 @@ fn open(loaded: &Loaded, walls: &Walls) -> String {
         let _ = writeln!(text, "unfix {fix}");
     }
     for (place, leaf) in &walls.leaves {
-        text.push_str(&motions::open_leaf(*place, *leaf));
+        text.push_str(&leaf.open(*place));
     }
     if !loaded.silo.door.is_empty() && opens(0) {
         text.push_str("delete_atoms group door compress no\n");

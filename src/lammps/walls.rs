@@ -21,7 +21,8 @@ use std::fmt::Write as _;
 use crate::contact::Contact;
 use crate::fault::Fault;
 use crate::lammps::laws::Laws;
-use crate::lammps::{motions, number, refused, vector};
+use crate::lammps::motions::{self, Leaf};
+use crate::lammps::{number, refused, vector};
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Solid};
 use crate::values::NonNegative;
@@ -36,8 +37,8 @@ pub(super) struct Walls {
     pub fixes: Vec<(usize, Vec<String>)>,
     /// The fixes of each door that vanishes or stays, by its number.
     pub doors: Vec<(u16, Vec<String>)>,
-    /// The walls of doors that move: number of the region, shift (m) and speed (m/s).
-    pub leaves: Vec<(usize, (Solid, f64))>,
+    /// The walls of doors that move, each with the number of its region.
+    pub leaves: Vec<(usize, Leaf)>,
     /// Whether a wall is a half-plane.
     pub has_planes: bool,
     /// Whether walls with edges are more than one.
@@ -74,7 +75,7 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
             fixes.push(name);
         }
         let door = loaded.scene.door_of(wall);
-        if let Some(leaf) = motions::leaf(loaded, wall) {
+        if let Some(leaf) = Leaf::of(loaded, wall) {
             walls.leaves.push((number, leaf));
         } else if let Some(door) = door {
             match walls.doors.iter_mut().find(|(number, _)| *number == door) {
