@@ -54,7 +54,13 @@ fn groups(sweep: &Sweep, key: usize) -> Vec<(String, Vec<usize>)> {
     }
     let names: Vec<_> = sweep.keys.iter().enumerate().filter(|(n, _)| *n != key).map(|(_, name)| name).collect();
     let words = |values: &[&String]| {
-        names.iter().zip(values).map(|(name, value)| format!("{name} = {value}")).collect::<Vec<_>>().join(", ")
+        let unit = |name: &str| sweep.plan.units.get(name).map_or_else(String::new, |unit| format!(" {unit}"));
+        names
+            .iter()
+            .zip(values)
+            .map(|(name, value)| format!("{name} = {value}{}", unit(name)))
+            .collect::<Vec<_>>()
+            .join(", ")
     };
     let mut groups: Vec<_> = all.into_iter().map(|(values, points)| (words(&values), points)).collect();
     groups.sort_by_key(|(_, points)| points[0]);
@@ -63,11 +69,11 @@ fn groups(sweep: &Sweep, key: usize) -> Vec<(String, Vec<usize>)> {
 
 /// Returns the place of each point along the key with this number, and the axis.
 fn places(sweep: &Sweep, key: usize) -> (Vec<f64>, Axis) {
-    let name = &sweep.keys[key];
+    let name = sweep.plan.label(&sweep.keys[key]);
     let texts: Vec<&str> = sweep.points.iter().map(|point| point.values[key].as_str()).collect();
     let numbers: Option<Vec<f64>> = texts.iter().map(|text| text.parse().ok()).collect();
     if let Some(numbers) = numbers {
-        let axis = Axis::around(name.clone(), numbers.iter().copied());
+        let axis = Axis::around(name, numbers.iter().copied());
         return (numbers, axis);
     }
     let mut distinct: Vec<&str> = Vec::new();

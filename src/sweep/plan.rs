@@ -30,6 +30,9 @@ pub struct Plan {
     /// Keys of the scene whose values are drawn together.
     #[serde(default)]
     pub latin_hypercube: Option<LatinHypercube>,
+    /// Units of keys with several values, for the axes of figures.
+    #[serde(default)]
+    pub units: BTreeMap<String, String>,
     /// Seeds of the runs of each point.
     pub seeds: Seeds,
     /// Paths of numbers in `summary.json`.
@@ -213,6 +216,12 @@ impl Plan {
         self.axes.iter().map(Axis::key).chain(drawn.map(|interval| interval.key.as_str()))
     }
 
+    /// Returns a key with its unit, for the axis of a figure.
+    #[must_use]
+    pub fn label(&self, key: &str) -> String {
+        self.units.get(key).map_or_else(|| key.to_owned(), |unit| format!("{key}, {unit}"))
+    }
+
     fn check_axes(&self, source: &Source) -> Result<(), Fault> {
         let fault =
             |key: String, message: String, help: &str| Err(source.fault("sweep::axis", &key, message).help(help));
@@ -283,7 +292,16 @@ impl Plan {
                     .help("remove one of the two; keys that change together are expressions of one parameter"));
             }
         }
-        Ok(())
+        let other = self.units.keys().find(|key| !self.keys().any(|own| own == *key));
+        other.map_or(Ok(()), |key| Err(self.no_such_key(source, "units", key)))
+    }
+
+    /// The fault of a key that has no axis.
+    fn no_such_key(&self, source: &Source, place: &str, key: &str) -> Fault {
+        let keys = self.keys().collect::<Vec<_>>().join(", ");
+        source
+            .fault("sweep::no_such_key", place, format!("`{key}` is no key of an axis of this file"))
+            .help(format!("the keys are: {keys}"))
     }
 
     fn check_results(&self, source: &Source) -> Result<(), Fault> {
@@ -300,9 +318,7 @@ impl Plan {
                 .help(format!("the figures are: {}", self.figures.join(", "))));
         }
         if !self.keys().any(|key| key == fit.against) {
-            return Err(source
-                .fault("sweep::fit", "fit.against", format!("`{}` is no key of an axis of this file", fit.against))
-                .help(format!("the keys are: {}", self.keys().collect::<Vec<_>>().join(", "))));
+            return Err(self.no_such_key(source, "fit.against", &fit.against));
         }
         fit.law.check().map_err(|(key, message)| {
             source.fault("sweep::fit", &format!("fit.law.{key}"), message).help("give a positive number, in SI units")

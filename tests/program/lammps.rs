@@ -575,6 +575,7 @@ fn wrong_calls_are_refused() {
     let here = tempfile::tempdir().unwrap();
     let bed = crate::scene("bed3d.ron").display().to_string();
     let lattice = crate::scene("silo2d-lattice.ron").display().to_string();
+    let table = crate::scene("hard/moving-walls.ron").display().to_string();
     fs::create_dir(here.path().join("run")).unwrap();
     fs::create_dir_all(here.path().join("there")).unwrap();
     fs::write(here.path().join("text.ron"), "no scene").unwrap();
@@ -583,6 +584,7 @@ fn wrong_calls_are_refused() {
         (vec!["run", "--to", "lammps"], "run/scene.ron"),
         (vec!["text.ron", "--to", "lammps"], "text.ron"),
         (vec![lattice.as_str(), "--to", "lammps"], "lattice gas"),
+        (vec![table.as_str(), "--to", "lammps"], "motions by a table"),
         (vec![bed.as_str(), "--to", "lamps"], "lammps"),
         (vec![bed.as_str(), "--to", "lammps", "--out", "there"], "there exists"),
         (vec![bed.as_str(), "--to", "lammps", "--set", "contct=1"], "contct"),

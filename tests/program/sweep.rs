@@ -54,7 +54,8 @@ fn a_sweep_writes_its_tables_and_pictures_and_runs_nothing_twice() {
     let axes =
         r#"Values(key: "parameters.height", values: [0.5, 0.6]), Values(key: "integrator", values: [Verlet, Centred])"#;
     let fit = r#"fit: (figure: "max_overlap_ratio", against: "parameters.height", law: Line)"#;
-    write_sweep(here.path(), axes, &format!("seeds: [3, 5], {FIGURES}, {fit}"));
+    let units = r#"units: {"parameters.height": "m"}"#;
+    write_sweep(here.path(), axes, &format!("seeds: [3, 5], {FIGURES}, {fit}, {units}"));
     let output = siloflow(here.path(), &["sweep", "s.ron"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let out = here.path().join("out/s");
@@ -76,6 +77,8 @@ fn a_sweep_writes_its_tables_and_pictures_and_runs_nothing_twice() {
     for name in ["parameters-height.svg", "parameters-height.png", "integrator.svg", "integrator.png"] {
         assert!(out.join("figures").join(name).is_file(), "{name}");
     }
+    assert!(read(out.join("figures/parameters-height.svg")).contains(">parameters.height, m<"));
+    assert!(read(out.join("figures/integrator.svg")).contains(">parameters.height = 0.5 m<"));
     assert_eq!(out.join("table.parquet").is_file(), cfg!(feature = "parquet"));
     let summary = out.join("runs/0002-3/summary.json");
     let before = fs::metadata(&summary).unwrap().modified().unwrap();
@@ -158,7 +161,7 @@ fn failing_runs_are_listed_and_do_not_hide_the_others() {
 fn wrong_sweep_files_are_refused_before_anything_is_written() {
     let here = tempfile::tempdir().unwrap();
     let height = r#"Values(key: "parameters.height", values: [0.5])"#;
-    let cases: [(&str, &str, &[&str]); 14] = [
+    let cases: [(&str, &str, &[&str]); 15] = [
         (r#"Values(key: "parameters.hight", values: [0.5])"#, "seeds: 1, figures: [\"steps\"]", &["hight", "height"]),
         (r#"Values(key: "contact.c", values: [0.5])"#, "seeds: 1, figures: [\"steps\"]", &["contact.c", "0001-1"]),
         (r#"Values(key: "step", values: [Fast])"#, "seeds: 1, figures: [\"steps\"]", &["Fast", "Fixed"]),
@@ -180,6 +183,7 @@ fn wrong_sweep_files_are_refused_before_anything_is_written() {
             "seeds: 1, figures: [\"steps\"], fit: (figure: \"steps\", against: \"until\", law: Line)",
             &["until", "height"],
         ),
+        (height, "seeds: 1, figures: [\"steps\"], units: {\"until\": \"s\"}", &["units", "until", "height"]),
         (height, "seeds: 1, figure: [\"steps\"]", &["figure", "did you mean `figures`"]),
     ];
     for (axes, more, words) in cases {
