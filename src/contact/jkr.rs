@@ -86,7 +86,7 @@ impl Jkr {
     #[inline(always)]
     fn state(&self, reduced_radius: f64, overlap: f64) -> [f64; 2] {
         let a0 = self.touching_radius(reduced_radius);
-        // Counted from the break, where y goes with the root of the overlap: the rounding of a difference there would leave 1e-8 in y.
+        // Counted from the break, so that y is exact there. It goes with the root of the overlap, and rounding of the difference would leave 1e-8.
         let from_break = overlap + Self::reach(reduced_radius, a0);
         [solve(GAP_BREAK + from_break * reduced_radius / (a0 * a0)), a0]
     }
@@ -321,7 +321,10 @@ mod tests {
             let tolerance = if y < 0.63 { 1e-7 } else { 1e-13 };
             assert!((solve(d) / y - 1.0).abs() < tolerance, "{y}: {}", solve(d));
         }
-        assert_eq!(solve(-1.0).to_bits(), Y_BREAK.to_bits());
+        let law = law();
+        for radius in [1e-4, 0.005, 0.03, 0.7] {
+            assert_eq!(law.state(radius, -law.range(radius))[0].to_bits(), Y_BREAK.to_bits());
+        }
     }
 
     #[test]

@@ -191,13 +191,12 @@ fn box_of(loaded: &Loaded, fixed: &[FixedAtom]) -> (Solid, Solid) {
     let grains = all_grains(loaded).map(|grain| (grain.position, grain.radius));
     let balls = grains.chain(fixed.iter().map(|disc| (disc.position, disc.radius)));
     let walls = loaded.scene.walls.iter().filter_map(Wall::bounds);
-    let ways = motions::places(loaded).map(|place| [place; 2]);
-    let around = balls.map(|(x, radius)| [x - radius, x + radius]).chain(walls).chain(ways);
+    let around = balls.map(|(x, radius)| [x - radius, x + radius]).chain(walls).chain(motions::ways(loaded));
     let [mut low, mut high] =
         around.reduce(|[a, b], [low, high]| [a.min(low), b.max(high)]).unwrap_or([Solid::ZERO, Solid::ONE]);
     let reach = loaded.contact_range();
     let up = up(loaded);
-    let room = 0.5 * (high - low) + 4.0 * reach;
+    let room = 0.5 * (high - low) + 4.0 * reach + motions::shift_of_half_planes(loaded);
     low -= room;
     high += room;
     if let Some(cull) = loaded.scene.cull {

@@ -118,8 +118,8 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
         }
     }
     let mut opening = controls.iter().filter(|(_, _, control)| control.opens != DoorOpens::Never);
-    if let (Some((_, _, first)), Some((_, key, _))) =
-        (opening.next(), opening.find(|(_, _, control)| Some(&control.opens) != controls.first().map(|c| &c.2.opens)))
+    if let Some((_, _, first)) = opening.next()
+        && let Some((_, key, _)) = opening.find(|(_, _, control)| control.opens != first.opens)
     {
         let reason = format!("doors that open at different times are not written: the first opens {:?}", first.opens);
         return refuse(&format!("{key}.opens"), &reason, "export with doors that open together");

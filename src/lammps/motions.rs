@@ -134,27 +134,47 @@ impl Leaf {
     }
 }
 
-/// Returns places of the corners of walls that move, at times all through the run, m.
-pub(super) fn places(loaded: &Loaded) -> impl Iterator<Item = Solid> {
+/// Returns boxes that the walls that move do not leave, lower and upper corner, m. Half-planes have none.
+pub(super) fn ways(loaded: &Loaded) -> impl Iterator<Item = [Solid; 2]> {
     let scene = &loaded.scene;
     let leaves = scene.walls.iter().filter_map(move |wall| {
         let (leaf, [low, high]) = (Leaf::of(loaded, wall)?, wall.bounds()?);
         Some([low + leaf.by, high + leaf.by])
     });
     let motions = scene.motions.iter().flat_map(move |motion| {
+        let shift = largest_shift(loaded, motion);
         let walls = scene.walls.iter().filter(|wall| wall.name() == Some(&motion.walls));
-        let corners = walls.filter_map(Wall::bounds).flat_map(|[low, high]| {
-            (0..8u8).map(move |corner| {
-                let side = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
-                Solid::new(side(0), side(1), side(2))
-            })
-        });
-        corners.flat_map(move |corner| {
-            let times = (0..=100u8).map(|part| 0.01 * f64::from(part) * scene.until.get());
-            times.map(move |time| motion.at::<Solid>(time).pose.point(corner))
+        walls.filter_map(Wall::bounds).map(move |[low, high]| {
+            let [low, high] = motion.rotate.as_ref().map_or([low, high], |turn| {
+                let about = turn.about.padded();
+                let reach = Solid::splat((low - about).abs().max((high - about).abs()).length());
+                [about - reach, about + reach]
+            });
+            [low - shift, high + shift]
         })
     });
-    leaves.flatten().chain(motions)
+    leaves.chain(motions)
+}
+
+/// Returns the largest shift of a half-plane, m, in each direction.
+pub(super) fn shift_of_half_planes(loaded: &Loaded) -> Solid {
+    let planes = || loaded.scene.walls.iter().filter(|wall| matches!(wall, Wall::HalfPlane { .. }));
+    let motions = loaded.scene.motions.iter();
+    let motions = motions.filter(|motion| planes().any(|wall| wall.name() == Some(&motion.walls)));
+    let leaves = planes().filter_map(|wall| Leaf::of(loaded, wall)).map(|leaf| leaf.by.abs());
+    motions.map(|motion| largest_shift(loaded, motion)).chain(leaves).fold(Solid::ZERO, Solid::max)
+}
+
+/// Returns a bound of the shift of a motion, m, in each direction.
+fn largest_shift(loaded: &Loaded, motion: &Motion) -> Solid {
+    let until = motion.until.map_or(f64::INFINITY, NonNegative::get).min(loaded.scene.until.get());
+    let lasts = (until - motion.from.map_or(0.0, NonNegative::get)).max(0.0);
+    match &motion.translate {
+        Some(Course::Steady(rate)) => rate.padded().abs() * lasts,
+        Some(Course::Oscillate { amplitude, .. }) => 2.0 * amplitude.padded().abs(),
+        // A table is refused.
+        Some(Course::Table { .. }) | None => Solid::ZERO,
+    }
 }
 
 impl RegionMotion {

@@ -40,11 +40,13 @@ pub(super) fn releases(loaded: &Loaded, particles: &Particles) -> Result<String,
         return Ok(String::new());
     };
     let controls = loaded.scene.door_controls();
-    if let Some((_, key, _)) = controls.iter().find(|(_, _, control)| matches!(control.opens, DoorOpens::At(_))) {
+    if let Some((_, key, _)) =
+        controls.iter().find(|(_, _, control)| matches!(control.opens, DoorOpens::At(_) | DoorOpens::Schedule(_)))
+    {
         return Err(refused(
             loaded,
             &format!("{key}.opens"),
-            "a door that opens at a time is not written for a scene with a spawner",
+            "a door that opens at given times is not written for a scene with a spawner",
         )
         .help("export with `opens: AtRest`"));
     }

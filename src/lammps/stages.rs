@@ -8,10 +8,10 @@ use std::fmt::Write as _;
 use crate::door::DoorOpens;
 use crate::fault::Fault;
 use crate::lammps::grains::Particles;
-use crate::lammps::number;
 use crate::lammps::outputs::steps;
 use crate::lammps::releases::{self, all_grains};
 use crate::lammps::walls::Walls;
+use crate::lammps::{number, refused};
 use crate::rest::Rest;
 use crate::scene::load::Loaded;
 use crate::stop::StopCondition;
@@ -44,6 +44,11 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls, particles: &Particles) -> R
     let stop = scene.stop_conditions();
     let opens = scene.door_controls().into_iter().map(|(_, _, control)| control.opens);
     let opens = opens.into_iter().find(|opens| *opens != DoorOpens::Never);
+    if stop.contains(&StopCondition::AtRest) && matches!(opens, Some(DoorOpens::At(_) | DoorOpens::Schedule(_))) {
+        let key = if scene.stop.contains(&StopCondition::AtRest) { "stop" } else { "rest.stop" };
+        let reason = "a run that stops at rest, with a door that opens at given times, is not written";
+        return Err(refused(loaded, key, reason).help("export with a door that opens at rest, or without the stop"));
+    }
     let waits = opens == Some(DoorOpens::AtRest) || stop.contains(&StopCondition::AtRest);
     if let (true, Some(rest)) = (waits, scene.rest) {
         let every = rest_test(loaded, &rest, &mut script);

@@ -59,6 +59,10 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
         let key = format!("walls[{index}]");
         check(loaded, wall, &key)?;
         let region = region(loaded, wall, &key, number)?;
+        if wall.moves_in_place() && Leaf::of(loaded, wall).is_some() {
+            let message = "a door that moves and has a velocity or spin of its own is not written";
+            return Err(refused(loaded, &key, message).help("export without the velocity or spin"));
+        }
         let motion = motions::motion(loaded, wall, number)?;
         if motion.turns && region.contains(" rotate ") {
             let message = "a region of LAMMPS has one rotation, which the slant of this wall needs";

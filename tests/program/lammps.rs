@@ -556,18 +556,65 @@ fn what_does_not_map_is_refused_with_its_key_and_nothing_is_written() {
             "touches a wall",
         ),
     ];
-    for ((contact, walls, more), key, reason) in cases {
-        let here = tempfile::tempdir().unwrap();
-        let loaded = scene(here.path(), "Solid", &contact, &walls, &more, true, 1);
-        let fault = lammps::export(&loaded).expect_err(&format!("{key} {reason}"));
-        assert_eq!((fault.code(), fault.scene_key()), ("lammps::unmapped", Some(key)), "{fault}");
-        assert!(fault.to_string().contains(reason), "{fault}");
-        fs::write(here.path().join("refused.ron"), &loaded.source.text).unwrap();
-        let output = siloflow(here.path(), &["export", "refused.ron", "--to", "lammps"]);
-        let said = text(&output.stderr);
-        assert!(output.status.code() == Some(2) && said.contains(key) && said.contains("help:"), "{said}");
-        assert!(output.stdout.is_empty() && !here.path().join("out").exists(), "{key}");
+    for case in cases {
+        assert_export_refused(case);
     }
+}
+
+#[test]
+fn doors_that_do_not_map_are_refused() {
+    let linear = "Linear(k: 1.0e4, damping: PerMass(60.0))";
+    let cases = [
+        (
+            (
+                linear.to_owned(),
+                "HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0), velocity: (0.1, 0.0, 0.0), name: \"belt\")".to_owned(),
+                "doors: [(walls: \"belt\", opens: At(0.1), how: Move(by: (0.0, 0.0, -0.1), speed: 1.0))],".to_owned(),
+            ),
+            "walls[0]",
+            "of its own",
+        ),
+        (
+            (
+                linear.to_owned(),
+                panel(0.0, "gate"),
+                "gravity: (0.0, 0.0, -9.81), doors: [(walls: \"gate\", opens: Schedule([(0.1, 0.2)]), how: Move(by: (0.2, 0.0, 0.0), speed: 1.0))], stop: [AtRest],
+                 rest: (speed: 0.1, energy: 1.0e-2, hold: 0.01),"
+                    .to_owned(),
+            ),
+            "stop",
+            "stops at rest",
+        ),
+        (
+            (
+                linear.to_owned(),
+                panel(0.0, "gate"),
+                "doors: [(walls: \"gate\", opens: Schedule([(0.1, 0.2)]), how: Move(by: (0.2, 0.0, 0.0), speed: 1.0))],
+                 mass: Sphere(1000.0), spawner: (point: (0.5, 0.5, 0.5), velocity: (0.0, 0.0, 0.0), interval: 0.1, count: 2,
+                  radius: Fixed(0.03)),"
+                    .to_owned(),
+            ),
+            "doors[0].opens",
+            "given times",
+        ),
+    ];
+    for case in cases {
+        assert_export_refused(case);
+    }
+}
+
+/// Asserts that a scene with this contact law, these walls and keys is refused with a key and words, and that nothing is written.
+fn assert_export_refused(((contact, walls, more), key, reason): ((String, String, String), &str, &str)) {
+    let here = tempfile::tempdir().unwrap();
+    let loaded = scene(here.path(), "Solid", &contact, &walls, &more, true, 1);
+    let fault = lammps::export(&loaded).expect_err(&format!("{key} {reason}"));
+    assert_eq!((fault.code(), fault.scene_key()), ("lammps::unmapped", Some(key)), "{fault}");
+    assert!(fault.to_string().contains(reason), "{fault}");
+    fs::write(here.path().join("refused.ron"), &loaded.source.text).unwrap();
+    let output = siloflow(here.path(), &["export", "refused.ron", "--to", "lammps"]);
+    let said = text(&output.stderr);
+    assert!(output.status.code() == Some(2) && said.contains(key) && said.contains("help:"), "{said}");
+    assert!(output.stdout.is_empty() && !here.path().join("out").exists(), "{key}");
 }
 
 #[test]
