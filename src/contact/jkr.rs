@@ -11,7 +11,7 @@
 //! 7.09 (w^5 R*^4/E*^2)^(1/3) of the gap, which counts as dissipated.
 //!
 //! [`centred`](super::centred) contacts near their beginning or end take the exact mean of F over the step, the change of the stored energy over that of the overlap.
-//! F is steep where the contact breaks, so that the order is between 3/2 and 2 if few steps fall into the gap.
+//! F is steep where the contact breaks: the order of `Centred` is 2 at coarse steps and falls at fine ones (`docs/explanation/accuracy.md`).
 //!
 //! Damping c = 2 z sqrt(S m_eff) with S = 2 E* a and z of Hertz's law. Friction has k_t = 8 G* a and c_t = 2 z sqrt(k_t m_eff),
 //! and is capped with F_n + 3 pi w R*: twice the pull-off force is added ([`JkrFriction`]).

@@ -178,8 +178,8 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
         "LAMMPS takes the velocity of a wall that moves as its mean over the last step, and as zero in step 0",
     );
     say(
-        scene.opens_a_door(),
-        "when the door opens a new run begins, and LAMMPS computes the forces of that step once more, with the velocities of its end",
+        scene.opens_a_door() || scene.spawner.is_some(),
+        "LAMMPS begins a new run at rest, at the opening and at each release, and computes the forces of that step once more, with the velocities of its end",
     );
     say(walls.has_planes, "LAMMPS does not push back a grain whose centre is behind a plane; siloflow does");
     say(

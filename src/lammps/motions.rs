@@ -27,10 +27,11 @@ use crate::walls::motion::{Course, Motion, Values};
 /// The motion of a region.
 #[derive(Debug, Default)]
 pub(super) struct RegionMotion {
-    /// Commands before that of the region.
+    /// Commands that precede the command of the region.
     pub variables: String,
     /// Words at the end of the command of the region; empty if it rests.
     pub words: String,
+    /// Whether the region turns.
     pub turns: bool,
 }
 
@@ -104,17 +105,18 @@ impl Leaf {
         self.by.length() / self.speed
     }
 
-    /// Returns the time since the leaf was shut, less that of its way back, as a formula, s; `None` without a schedule. The leaf turns round where it is.
+    /// Returns the way from the shut place in units of the speed, s, as a formula of the time; `None` without a schedule. A leaf that is told to turn
+    /// round on its way does so.
     fn scheduled_way(&self, dt: f64) -> Option<String> {
         let DoorOpens::Schedule(times) = &self.opens else { return None };
         let turns = times.iter().flat_map(|(open, shut)| [*open, *shut]).map(|time| first_step(time.get(), dt) * dt);
         let turns: Vec<_> = turns.chain([f64::INFINITY]).collect();
-        let (mut place, mut terms) = (0.0, Vec::new());
+        let (mut way, mut terms) = (0.0, Vec::new());
         for (number, turn) in turns.windows(2).enumerate() {
             let opens = number % 2 == 0;
-            let lasts = (turn[1] - turn[0]).min(if opens { self.whole() - place } else { place });
-            place += if opens { lasts } else { -lasts };
-            terms.push(format!("{}{}", if opens { "+" } else { "-" }, ramp(turn[0], turn[0] + lasts)));
+            let lasts = (turn[1] - turn[0]).min(if opens { self.whole() - way } else { way });
+            way += if opens { lasts } else { -lasts };
+            terms.push(format!("{}{}", if opens { "+" } else { "-" }, ramp("step*dt", turn[0], turn[0] + lasts)));
         }
         Some(format!("(0{})", terms.concat()))
     }
@@ -124,13 +126,8 @@ impl Leaf {
         if matches!(self.opens, DoorOpens::Schedule(_) | DoorOpens::Never) {
             return String::new();
         }
-        let (whole, since) = (number(self.whole()), "(step-$(step))*dt");
-        let mut text =
-            format!("variable leaf_{place} equal (({since})*(({since})<{whole})+{whole}*(({since})>={whole}))\n");
-        for (axis, rate) in ["x", "y", "z"].into_iter().zip(self.velocity().to_array()) {
-            let _ = writeln!(text, "variable move_{axis}_{place} equal {}", product(rate, &format!("v_leaf_{place}")));
-        }
-        text
+        let way = ramp("(step-$(step))*dt", 0.0, self.whole());
+        shift_variables(place, &self.velocity().to_array().map(|rate| product(rate, &way)))
     }
 }
 
@@ -179,11 +176,8 @@ fn largest_shift(loaded: &Loaded, motion: &Motion) -> Solid {
 
 impl RegionMotion {
     fn shift(&mut self, place: usize, formulas: [String; 3]) {
-        self.words.push_str(" move");
-        for (axis, formula) in ["x", "y", "z"].into_iter().zip(formulas) {
-            let _ = writeln!(self.variables, "variable move_{axis}_{place} equal {formula}");
-            let _ = write!(self.words, " v_move_{axis}_{place}");
-        }
+        self.variables.push_str(&shift_variables(place, &formulas));
+        let _ = write!(self.words, " move v_move_x_{place} v_move_y_{place} v_move_z_{place}");
     }
 
     fn turn(&mut self, place: usize, formula: &str, about: Solid, axis: Solid) {
@@ -195,18 +189,23 @@ impl RegionMotion {
     }
 }
 
+/// Commands that define the components of the shift of a region.
+fn shift_variables(place: usize, [x, y, z]: &[String; 3]) -> String {
+    format!("variable move_x_{place} equal {x}\nvariable move_y_{place} equal {y}\nvariable move_z_{place} equal {z}\n")
+}
+
 /// The time since the beginning of a motion, up to its end, as a formula of LAMMPS, s.
 fn elapsed(motion: &Motion) -> String {
     let from = motion.from.map_or(0.0, NonNegative::get);
     match motion.until.map(NonNegative::get) {
         None if from == 0.0 => "(step*dt)".to_owned(),
-        until => ramp(from, until.unwrap_or(f64::INFINITY).max(from)),
+        until => ramp("step*dt", from, until.unwrap_or(f64::INFINITY).max(from)),
     }
 }
 
-/// The time since `from` (s), up to `until` (s), as a formula, s.
-fn ramp(from: f64, until: f64) -> String {
-    let (begin, time) = (number(from), "step*dt");
+/// The time since `from` (s), up to `until` (s), as a formula, s. `time` is the formula of the time.
+fn ramp(time: &str, from: f64, until: f64) -> String {
+    let begin = number(from);
     if until == f64::INFINITY {
         return format!("(({time}-{begin})*({time}>{begin}))");
     }

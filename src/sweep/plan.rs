@@ -30,7 +30,7 @@ pub struct Plan {
     /// Keys of the scene whose values are drawn together.
     #[serde(default)]
     pub latin_hypercube: Option<LatinHypercube>,
-    /// Units of keys with several values, for the axes of figures.
+    /// Units of keys with several values, for the axes and legends of figures and the groups of fits.
     #[serde(default)]
     pub units: BTreeMap<String, String>,
     /// Seeds of the runs of each point.
@@ -216,7 +216,7 @@ impl Plan {
         self.axes.iter().map(Axis::key).chain(drawn.map(|interval| interval.key.as_str()))
     }
 
-    /// Returns a key with its unit, for the axis of a figure.
+    /// Returns a key, and its unit if the file names one.
     #[must_use]
     pub fn label(&self, key: &str) -> String {
         self.units.get(key).map_or_else(|| key.to_owned(), |unit| format!("{key}, {unit}"))

@@ -34,7 +34,7 @@ pub(super) fn cases() -> Vec<Case> {
     cases
 }
 
-/// Returns the bounce of elastic spheres with adhesion beyond touch. The work of adhesion takes a third of the energy.
+/// Returns the bounce of elastic spheres with adhesion beyond touch. The work of adhesion takes 8 % of the energy.
 fn jkr() -> Case {
     let (young, poisson, work) = (4.0e6, 0.3, 70.0);
     // At 1 m/s; the contact lasts longer with adhesion.

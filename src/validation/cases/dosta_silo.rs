@@ -40,6 +40,9 @@ const RATE: f64 = 24_400.0;
 const EARLY_RATE: f64 = 25_177.0;
 const SMALL_RATE: f64 = 7761.0;
 
+/// Rate of the large over the small orifice with M1, of the published set-up; its window is not known.
+const RATIO: f64 = 3.10;
+
 /// Grains left at 1, 2 and 3 s in LIGGGHTS, thousands.
 const LEFT: [(f64, f64); 3] = [(1.0, 76.0), (2.0, 51.3), (3.0, 27.0)];
 
@@ -119,11 +122,12 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
 
 /// Adds the rates of both orifices and materials, and the ratios of the orifices.
 fn variants(studies: &Studies, judgement: &mut Judgement) -> Result<(), Fault> {
-    let ([large], [small], [large_m2, small_m2]) =
-        (studies.runs("full.ron"), studies.runs("full-small.ron"), studies.runs("full-m2.ron"))
-    else {
-        return Ok(());
+    let ([large], [small]) = (studies.runs("full.ron"), studies.runs("full-small.ron")) else { return Ok(()) };
+    let of_m2 = |orifice: f64| {
+        let mut runs = studies.runs("full-m2.ron").iter();
+        runs.find(|run| run.value("parameters.orifice") == Some(orifice))
     };
+    let (Some(large_m2), Some(small_m2)) = (of_m2(0.03), of_m2(0.02)) else { return Ok(()) };
     for (material, large, small) in [("M1", large, small), ("M2", large_m2, small_m2)] {
         let [large, small] = [rate(large, VARIANT_WINDOW)?, rate(small, VARIANT_WINDOW)?];
         let mut rows = [
@@ -136,7 +140,7 @@ fn variants(studies: &Studies, judgement: &mut Judgement) -> Result<(), Fault> {
             rows = [
                 large.published(EARLY_RATE, Rule::Within(0.05)).remark("LIGGGHTS; MUSEN has 24625"),
                 small.published(SMALL_RATE, Rule::Within(0.05)).remark("MUSEN"),
-                ratio.published(3.10, Rule::WithinAbsolute(0.1)).remark("In this window MUSEN has 3.17"),
+                ratio.published(RATIO, Rule::WithinAbsolute(0.1)).remark("In this window MUSEN has 3.17"),
             ];
         }
         judgement.rows.extend(rows);
