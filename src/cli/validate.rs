@@ -21,6 +21,7 @@ use crate::validation::page::{self, Section};
 use crate::validation::runs::{Studies, sweep_directory};
 use crate::validation::verdict::Verdict;
 use crate::validation::{Case, Form};
+use crate::writers::marked::foreign_entry;
 use crate::writers::whole_file;
 
 /// File that marks a directory of validations.
@@ -122,21 +123,13 @@ fn list(cases: &[&Case]) -> Status {
 
 /// Refuses a directory with content that is no validation.
 fn refuse_content(directory: &Path) -> Result<(), Fault> {
-    let refuse = |why: String| {
-        Err(Fault::new("validate::directory", format!("{} cannot hold a validation: {why}", directory.display()))
-            .help("give another directory with --out"))
+    let why = match foreign_entry(directory, &[MARKER]) {
+        Ok(None) => return Ok(()),
+        Ok(Some(name)) => format!("it holds {}", name.display()),
+        Err(error) => error.to_string(),
     };
-    if directory.join(MARKER).is_file() {
-        return Ok(());
-    }
-    match fs::read_dir(directory) {
-        Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(()),
-        Err(error) => refuse(error.to_string()),
-        Ok(mut entries) => match entries.next() {
-            Some(Ok(entry)) => refuse(format!("it holds {}", entry.file_name().display())),
-            _ => Ok(()),
-        },
-    }
+    Err(Fault::new("validate::directory", format!("{} cannot hold a validation: {why}", directory.display()))
+        .help("give another directory with --out"))
 }
 
 /// Does the runs of a case. `None` if runs have no result, or after a signal.
@@ -185,8 +178,9 @@ fn run(
 
 /// Writes the scenes and sweep files of a case, if they are not there.
 fn write_inputs(out: &Path, directory: &Path, case: &Case) -> std::io::Result<()> {
-    fs::create_dir_all(directory)?;
+    fs::create_dir_all(out)?;
     fs::write(out.join(MARKER), "")?;
+    fs::create_dir_all(directory)?;
     for (name, content) in case.files {
         let path = directory.join(name);
         if fs::read_to_string(&path).ok().as_deref() != Some(content) {

@@ -30,6 +30,7 @@ use crate::source::{Source, files};
 use crate::sweep::figures::is_failure;
 use crate::sweep::{Sweep, Task};
 use crate::writers::fnv::Fnv;
+use crate::writers::marked::foreign_entry;
 use crate::writers::whole_file;
 
 const MARKER: &str = ".siloflow-sweep";
@@ -90,9 +91,13 @@ impl SweepDirectory {
                 .help("is there space, and may you write there? Or give another directory with --out")
         };
         Self::refuse_content(path)?;
-        fs::create_dir_all(path.join(RUNS)).and_then(|()| fs::create_dir_all(path.join(LOGS))).map_err(unwritable)?;
         let directory = Self { path: path.to_owned() };
+        fs::create_dir_all(path).map_err(unwritable)?;
+        // The lock makes the marker, which comes before all other content.
         let _lock = directory.lock().map_err(unwritable)?;
+        for name in [RUNS, LOGS] {
+            fs::create_dir_all(path.join(name)).map_err(unwritable)?;
+        }
         match directory.difference(sweep)? {
             Difference::None => {}
             Difference::Other if !replace => return Err(other_sweep(path)),
@@ -128,20 +133,13 @@ impl SweepDirectory {
 
     /// Refuses a directory with content that is no sweep.
     fn refuse_content(path: &Path) -> Result<(), Fault> {
-        let refuse = |why: String| {
-            Err(Fault::new("sweep::directory", format!("{} cannot be the directory of a sweep: {why}", path.display()))
-                .help("give another directory with --out"))
+        let why = match foreign_entry(path, &[MARKER, PLAN]) {
+            Ok(None) => return Ok(()),
+            Ok(Some(name)) => format!("it holds no sweep, but {}", name.display()),
+            Err(error) => error.to_string(),
         };
-        let mut names = match fs::read_dir(path) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return Ok(()),
-            Err(error) => return refuse(error.to_string()),
-            Ok(entries) => entries.filter_map(|entry| entry.ok().map(|entry| entry.file_name())),
-        };
-        let is_sweep = path.join(MARKER).is_file() || path.join(PLAN).is_file();
-        match names.next().filter(|_| !is_sweep) {
-            Some(name) => refuse(format!("it holds no sweep, but {}", name.display())),
-            None => Ok(()),
-        }
+        Err(Fault::new("sweep::directory", format!("{} cannot be the directory of a sweep: {why}", path.display()))
+            .help("give another directory with --out"))
     }
 
     /// Compares the copy of the sweep file with a sweep. Comments and layout do not count.

@@ -4,6 +4,7 @@
 pub mod colour;
 pub mod fnv;
 pub mod frame_writer;
+pub mod marked;
 pub mod memory;
 pub mod movie;
 pub mod plot;

@@ -4,7 +4,12 @@ use std::collections::BTreeSet;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
+use std::sync::Barrier;
+use std::thread;
 use std::time::{Duration, Instant};
+
+use siloflow::sweep::Sweep;
+use siloflow::sweep::directory::SweepDirectory;
 
 use crate::command_line::{siloflow, text};
 
@@ -110,7 +115,7 @@ fn a_sweep_that_is_stopped_and_killed_continues_to_the_same_table() {
             .unwrap();
         let start = Instant::now();
         while over() < after && start.elapsed() < Duration::from_mins(5) {
-            std::thread::sleep(Duration::from_millis(2));
+            thread::sleep(Duration::from_millis(2));
         }
         Command::new("kill").args([&format!("-{signal}"), &child.id().to_string()]).status().unwrap();
         let status = child.wait().unwrap();
@@ -361,6 +366,24 @@ fn two_sweeps_in_one_directory_share_the_work() {
         read(here.path().join("out/s/results.csv")).lines().filter(|line| line.contains("time_reached")).count(),
         15
     );
+}
+
+#[test]
+fn sweeps_that_start_at_once_agree_on_a_new_directory() {
+    let here = tempfile::tempdir().unwrap();
+    heights(here.path());
+    let sweep = Sweep::read(&here.path().join("s.ron")).unwrap();
+    for round in 0..50 {
+        let (path, gate) = (here.path().join(format!("new-{round}")), Barrier::new(8));
+        thread::scope(|scope| {
+            for _ in 0..8 {
+                scope.spawn(|| {
+                    gate.wait();
+                    SweepDirectory::prepare(&path, &sweep, false).unwrap();
+                });
+            }
+        });
+    }
 }
 
 #[test]
