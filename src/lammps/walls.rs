@@ -105,6 +105,7 @@ fn check(loaded: &Loaded, wall: &Wall, key: &str) -> Result<(), Fault> {
         Wall::Annulus { inner: Some(inner), .. } if inner.get() > 0.0 => {
             ("LAMMPS has no region for a flat ring", "use panels, or a cone with a slope")
         }
+        Wall::SphericalZone { .. } => ("LAMMPS has no region for a part of a sphere", "use a cone"),
         _ => return Ok(()),
     };
     Err(refused(loaded, key, message).help(help))
@@ -148,7 +149,7 @@ fn region(loaded: &Loaded, wall: &Wall, key: &str, place: usize) -> Result<Strin
                 [centre[a], centre[b], outer.get(), centre["xyz".find(axis).unwrap_or(2)]].map(number);
             format!("{name} cylinder {axis} {a} {b} {radius} {at} {at} side out\n")
         }
-        Wall::Polygon { .. } | Wall::Mesh { .. } | Wall::Disc { .. } => String::new(),
+        Wall::Polygon { .. } | Wall::Mesh { .. } | Wall::SphericalZone { .. } | Wall::Disc { .. } => String::new(),
     })
 }
 

@@ -10,7 +10,7 @@
 //! | `tx_nm`, `ty_nm`, `tz_nm` | N m | mean torque of this force about the reference point; in the plane z only |
 //!
 //! A mean is over all steps since the row before; the first row is of time 0 alone. The reference point is the `point` of a
-//! half-plane, the `from` of a segment, cylinder or cone, the `corner` of a panel and the `centre` of an annulus, and moves with
+//! half-plane, the `from` of a segment, cylinder or cone, the `corner` of a panel and the `centre` of an annulus or spherical zone, and moves with
 //! the wall; of a group it is the one of its first wall.
 
 use bevy_app::{App, Plugin};

@@ -202,7 +202,7 @@ pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64
     #[must_use]
     fn direction(number: u32) -> Self;
 
-    /// Returns a unit vector perpendicular to this one.
+    /// Returns a unit vector perpendicular to this one, which is not zero.
     #[must_use]
     fn any_perpendicular(self) -> Self;
 
@@ -316,6 +316,7 @@ mod tests {
             assert!((Solid::direction(number).length() - 1.0).abs() < 1e-15);
             let v = Solid::direction(number);
             assert!(Linear::dot(v, v.any_perpendicular()).abs() < 1e-15);
+            assert!((Linear::length(v.any_perpendicular()) - 1.0).abs() < 1e-15);
         }
     }
 }

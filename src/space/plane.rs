@@ -81,7 +81,7 @@ impl Space for Plane {
     }
 
     fn any_perpendicular(self) -> Self {
-        self.perp()
+        self.perp().normalize()
     }
 
     fn rows(reach: i64) -> impl Iterator<Item = [i64; 1]> {

@@ -84,7 +84,7 @@ impl Space for Solid {
     }
 
     fn any_perpendicular(self) -> Self {
-        self.any_orthogonal_vector()
+        self.any_orthogonal_vector().normalize()
     }
 
     fn rows(reach: i64) -> impl Iterator<Item = [i64; 2]> {

@@ -1,17 +1,21 @@
 //! Area of a wall between two heights, m^2; in the plane its length, m.
 //!
 //! Flat walls are clipped, which is exact. A surface of revolution about a vertical axis is a frustum between the two heights:
-//! pi (r_0 + r_1) s, with s the length of its line between them. About another axis it is cut into flat strips, with a relative
-//! error of about 1e-5.
+//! pi (r_0 + r_1) s, with s the length of its line between them, and a spherical zone has 2 pi R h between heights that differ by h. About another axis
+//! both are cut into flat strips, with a relative error of about 1e-5 for a surface with a straight line, 1e-4 for a spherical zone.
 
 use std::f64::consts::{PI, TAU};
 
 use crate::space::{Dimension, Linear, Space};
 use crate::walls::shapes::revolved::Revolved;
+use crate::walls::shapes::spherical_zone::SphericalZone;
 use crate::walls::surfaces::Surface;
 
 /// Number of strips round a surface of revolution.
 const STRIPS: u32 = 720;
+
+/// Number of pieces from pole to pole of a sphere.
+const ZONE_PIECES: u32 = 180;
 
 /// Returns the area of a wall between two heights; `None` for a half-plane, which has no ends.
 pub(crate) fn area_between<V: Space>(surface: &Surface<V>, low: f64, high: f64) -> Option<f64> {
@@ -26,6 +30,7 @@ pub(crate) fn area_between<V: Space>(surface: &Surface<V>, low: f64, high: f64) 
         Surface::Panel(wall) => Some(clipped_area(&wall.corners(), low, high)),
         Surface::Triangle(wall) => Some(clipped_area(&wall.0, low, high)),
         Surface::Revolved(wall) => Some(revolved_area(wall, low, high)),
+        Surface::SphericalZone(wall) => Some(zone_area(wall, low, high)),
     }
 }
 
@@ -88,19 +93,34 @@ fn revolved_area<V: Space>(wall: &Revolved<V>, low: f64, high: f64) -> f64 {
         let radius = |share: f64| r_0 + share * (r_1 - r_0);
         return PI * (radius(a) + radius(b)) * length * (b - a).abs();
     }
-    let across = wall.axis.any_perpendicular().unit_or_zero();
-    let other = V::narrow(wall.axis.spread().cross(across.spread()));
+    strips_area((wall.base, wall.axis), &[wall.from, wall.to], low, high)
+}
+
+fn zone_area<V: Space>(wall: &SphericalZone<V>, low: f64, high: f64) -> f64 {
+    let upwards = wall.axis.height();
+    if (upwards.abs() - 1.0).abs() < 1e-12 {
+        let [from, to] = wall.ends().map(|height| wall.centre.height() + upwards * height);
+        let within = from.max(to).min(high) - from.min(to).max(low);
+        return TAU * wall.radius * within.max(0.0);
+    }
+    strips_area((wall.centre, wall.axis), &wall.profile(ZONE_PIECES), low, high)
+}
+
+/// Returns the area between two heights of the surface that the line through `profile`, points (r, z), makes about an axis.
+fn strips_area<V: Space>((base, axis): (V, V), profile: &[[f64; 2]], low: f64, high: f64) -> f64 {
+    let across = axis.any_perpendicular();
+    let other = V::narrow(axis.spread().cross(across.spread()));
     // The chord of a strip is shorter than its arc.
     let stretch = (PI / f64::from(STRIPS)) / (PI / f64::from(STRIPS)).sin();
     let point = |[r, z]: [f64; 2], strip: u32| {
         let (sine, cosine) = (TAU * f64::from(strip) / f64::from(STRIPS)).sin_cos();
-        wall.base + wall.axis * z + (across * cosine + other * sine) * r
+        base + axis * z + (across * cosine + other * sine) * r
     };
-    let strip = |n: u32| {
-        let corners = [point(wall.from, n), point(wall.from, n + 1), point(wall.to, n + 1), point(wall.to, n)];
-        clipped_area(&corners, low, high)
+    let piece = |from: [f64; 2], to: [f64; 2], n: u32| {
+        clipped_area(&[point(from, n), point(from, n + 1), point(to, n + 1), point(to, n)], low, high)
     };
-    stretch * (0..STRIPS).map(strip).sum::<f64>()
+    let pieces = profile.windows(2).flat_map(|ends| (0..STRIPS).map(move |n| piece(ends[0], ends[1], n)));
+    stretch * pieces.sum::<f64>()
 }
 
 #[cfg(test)]
@@ -139,6 +159,20 @@ mod tests {
             area_between(&Surface::HalfPlane(HalfPlane { point: Solid::ZERO, normal: Solid::Z }), 0.0, 1.0),
             None
         );
+    }
+
+    #[test]
+    fn a_zone_has_the_area_of_archimedes_whichever_way_it_lies() {
+        let area = |axis: Solid, (low, high)| {
+            let zone = SphericalZone::new(Solid::new(0.0, 0.0, 1.0), axis, 2.0, [-2.0, 0.0]);
+            area_between(&Surface::SphericalZone(zone), low, high).unwrap()
+        };
+        let upright = SphericalZone::new(Solid::new(0.0, 0.0, 1.0), Solid::Z, 2.0, [-2.0, 0.0]);
+        assert_area(&Surface::SphericalZone(upright), (-0.5, 0.25), TAU * 2.0 * 0.75, 1e-14);
+        // Half of a sphere on its side has half of the area of any band of the sphere.
+        for (band, expected) in [((-2.0, 4.0), TAU * 4.0), ((0.0, 0.5), TAU * 0.5)] {
+            assert!((area(Solid::X, band) / expected - 1.0).abs() < 1e-4, "{}", area(Solid::X, band));
+        }
     }
 
     #[test]

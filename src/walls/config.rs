@@ -12,6 +12,7 @@ use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::shapes::panel::Panel;
 use crate::walls::shapes::revolved::Revolved;
 use crate::walls::shapes::segment::Segment;
+use crate::walls::shapes::spherical_zone::SphericalZone;
 use crate::walls::shapes::triangle::Triangle;
 use crate::walls::shapes::{Shape as _, box_around};
 use crate::walls::silo_file::LengthUnit;
@@ -179,6 +180,32 @@ pub enum Wall {
         #[serde(default)]
         door: bool,
     },
+    /// A thin part of a sphere between two heights along its axis, in solid space: a hemispherical bottom, a dome, or a hollow
+    /// sphere.
+    SphericalZone {
+        /// Centre of the sphere, m.
+        centre: FiniteVector,
+        /// Radius of the sphere, m.
+        radius: Positive,
+        /// Direction of the axis, of any non-zero length. Default: upwards, along z.
+        #[serde(default)]
+        axis: Option<FiniteVector>,
+        /// The two heights along the axis from the centre, m, the lower one first. Default: the whole sphere.
+        #[serde(default)]
+        heights: Option<(Finite, Finite)>,
+        /// Angular velocity about the axis, rad/s, positive by the right-hand rule along `axis`. Default 0.
+        #[serde(default)]
+        spin: Option<Finite>,
+        /// Material. Default 0.
+        #[serde(default)]
+        species: u8,
+        /// Name, for `motions` and `doors`; several walls may share one. Default: none.
+        #[serde(default)]
+        name: Option<String>,
+        /// Whether the wall is the door, as for a panel.
+        #[serde(default)]
+        door: bool,
+    },
     /// A fixed disc or sphere: a wall grain like a grain of a silo file.
     #[serde(alias = "Sphere")]
     Disc {
@@ -214,6 +241,11 @@ impl Wall {
             Self::Annulus { centre, normal, inner, outer, .. } => {
                 let radii = [inner.map_or(0.0, radius), outer.get()];
                 Surface::Revolved(Revolved::ring(vector(centre), vector(normal), radii))
+            }
+            Self::SphericalZone { centre, radius, axis, heights, .. } => {
+                let (axis, radius) = (axis.map_or_else(|| V::narrow(Solid::Z), &vector), radius.get());
+                let heights = heights.map_or([-radius, radius], |(low, high)| [low.get(), high.get()]);
+                Surface::SphericalZone(SphericalZone::new(vector(centre), axis, radius, heights))
             }
             Self::Polygon { .. } | Self::Mesh { .. } => {
                 // The rules have refused polygons without triangles.
@@ -255,6 +287,9 @@ impl Wall {
                 | Self::Cone { spin: Some(spin), .. }
                 | Self::Annulus { spin: Some(spin), .. },
             ) => V::narrow_spin(shape.axis.spread() * spin.get()),
+            (Surface::SphericalZone(shape), Self::SphericalZone { spin: Some(spin), .. }) => {
+                V::narrow_spin(shape.axis.spread() * spin.get())
+            }
             _ => V::Spin::ZERO,
         };
         let surface = |shape: Surface<V>| {
@@ -284,6 +319,7 @@ impl Wall {
             | Self::Cylinder { species, .. }
             | Self::Cone { species, .. }
             | Self::Annulus { species, .. }
+            | Self::SphericalZone { species, .. }
             | Self::Disc { species, .. } => species,
         }
     }
@@ -299,7 +335,8 @@ impl Wall {
             | Self::Mesh { door, .. }
             | Self::Cylinder { door, .. }
             | Self::Cone { door, .. }
-            | Self::Annulus { door, .. } => door,
+            | Self::Annulus { door, .. }
+            | Self::SphericalZone { door, .. } => door,
             Self::Disc { .. } => false,
         }
     }
@@ -315,7 +352,8 @@ impl Wall {
             | Self::Mesh { name, .. }
             | Self::Cylinder { name, .. }
             | Self::Cone { name, .. }
-            | Self::Annulus { name, .. } => name.as_deref(),
+            | Self::Annulus { name, .. }
+            | Self::SphericalZone { name, .. } => name.as_deref(),
             Self::Disc { .. } => None,
         }
     }
@@ -325,7 +363,10 @@ impl Wall {
     pub fn moves_in_place(&self) -> bool {
         match self {
             Self::HalfPlane { velocity, .. } => velocity.is_some(),
-            Self::Cylinder { spin, .. } | Self::Cone { spin, .. } | Self::Annulus { spin, .. } => spin.is_some(),
+            Self::Cylinder { spin, .. }
+            | Self::Cone { spin, .. }
+            | Self::Annulus { spin, .. }
+            | Self::SphericalZone { spin, .. } => spin.is_some(),
             _ => false,
         }
     }
@@ -367,8 +408,9 @@ impl Wall {
                 listed("points", points).chain(listed("hole", hole)).collect()
             }
             Self::Annulus { centre, normal, .. } => named(&["centre", "normal"], &[*centre, *normal]),
+            Self::SphericalZone { centre, axis: Some(axis), .. } => named(&["centre", "axis"], &[*centre, *axis]),
             Self::Mesh { .. } => Vec::new(),
-            Self::Disc { centre, .. } => named(&["centre"], &[*centre]),
+            Self::SphericalZone { centre, .. } | Self::Disc { centre, .. } => named(&["centre"], &[*centre]),
         }
     }
 }

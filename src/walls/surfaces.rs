@@ -26,6 +26,7 @@ use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::shapes::panel::Panel;
 use crate::walls::shapes::revolved::Revolved;
 use crate::walls::shapes::segment::Segment;
+use crate::walls::shapes::spherical_zone::SphericalZone;
 use crate::walls::shapes::triangle::Triangle;
 use crate::walls::shapes::{Nearest, Shape, box_around};
 use crate::walls::surface_index::{Candidates, SurfaceIndex};
@@ -44,6 +45,8 @@ pub enum Surface<V: Space = Plane> {
     Triangle(Triangle<V>),
     /// A thin cylinder, cone, frustum or ring of solid space.
     Revolved(Revolved<V>),
+    /// A thin part of a sphere, in solid space.
+    SphericalZone(SphericalZone<V>),
 }
 
 impl<V: Space> Surface<V> {
@@ -56,6 +59,7 @@ impl<V: Space> Surface<V> {
             Self::Panel(shape) => shape.corner,
             Self::Triangle(shape) => shape.0[0],
             Self::Revolved(shape) => shape.base,
+            Self::SphericalZone(shape) => shape.centre,
         }
     }
 
@@ -66,6 +70,7 @@ impl<V: Space> Surface<V> {
             Self::Panel(shape) => shape,
             Self::Triangle(shape) => shape,
             Self::Revolved(shape) => shape,
+            Self::SphericalZone(shape) => shape,
         }
     }
 
@@ -86,6 +91,7 @@ impl<V: Space> Shape<V> for Surface<V> {
             Self::Panel(shape) => shape.nearest(x),
             Self::Triangle(shape) => shape.nearest(x),
             Self::Revolved(shape) => shape.nearest(x),
+            Self::SphericalZone(shape) => shape.nearest(x),
         }
     }
 
@@ -104,6 +110,7 @@ impl<V: Space> Shape<V> for Surface<V> {
             Self::Panel(shape) => Self::Panel(shape.placed(pose)),
             Self::Triangle(shape) => Self::Triangle(shape.placed(pose)),
             Self::Revolved(shape) => Self::Revolved(shape.placed(pose)),
+            Self::SphericalZone(shape) => Self::SphericalZone(shape.placed(pose)),
         }
     }
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Ten spheres in a cylinder and in a cone: initial state, and LAMMPS's frames as CSV; see round-walls.in. SI units."""
+"""Ten spheres in a cylinder, in a cone and in a sphere: initial state, and LAMMPS's frames as CSV; see round-walls.in. SI units."""
 
 import random
 import sys
@@ -29,7 +29,7 @@ def frames():
     with open("round_walls_initial.csv", "w") as first, open("round_walls_frames.csv", "w") as out:
         first.write(f"id,radius,mass,{HEADER}\n")
         out.write(f"shape,time,id,{HEADER}\n")
-        for shape in ("cylinder", "cone"):
+        for shape in ("cylinder", "cone", "sphere"):
             lines = iter(open(f"{shape}.dump").read().splitlines())
             for line in lines:
                 if line.startswith("ITEM: TIMESTEP"):

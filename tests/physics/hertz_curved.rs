@@ -1,4 +1,4 @@
-//! Head-on impacts of elastic spheres on cylinders, cones and spheres.
+//! Head-on impacts of elastic spheres on cylinders, cones and spheres, thin and solid.
 //!
 //! The program replaces Hertz's ellipse of contact by a circle, with the reduced radius R/(1 + R H) of the mean curvature H. Its impacts
 //! must have the closed forms of that circle, to the error of the scheme. The circle itself is compared with the exact ellipse (Johnson,
@@ -25,9 +25,10 @@ const WALL: f64 = 0.05;
 /// A wall, the point that the sphere meets, the direction from there to the sphere, and the mean curvature there, 1/m.
 type Case = (&'static str, Solid, Solid, f64);
 
-fn cases() -> [Case; 5] {
+fn cases() -> [Case; 7] {
     let cylinder = "Cylinder(from: (0.0, -0.1, 0.0), to: (0.0, 0.1, 0.0), radius: 0.05, species: 1)";
     let cone = "Cone(from: (0.0, 0.0, 0.0), to: (0.0, 0.0, 0.1), radii: (0.0, 0.1), species: 1)";
+    let shell = "SphericalZone(centre: (0.0, 0.0, 0.0), radius: 0.05, species: 1)";
     let slope = FRAC_1_SQRT_2 * Solid::new(-1.0, 0.0, 1.0);
     let at = Solid::new(WALL, 0.0, WALL);
     [
@@ -36,6 +37,8 @@ fn cases() -> [Case; 5] {
         // Around the axis, the curvature of a cone is that of the normal's radial part over the distance from the axis.
         (cone, at, slope, -0.5 * FRAC_1_SQRT_2 / WALL),
         (cone, at, -slope, 0.5 * FRAC_1_SQRT_2 / WALL),
+        (shell, -WALL * Solid::Z, Solid::Z, -1.0 / WALL),
+        (shell, WALL * Solid::Z, Solid::Z, 1.0 / WALL),
         ("Sphere(centre: (0.0, 0.0, 0.0), radius: 0.05, species: 1)", WALL * Solid::Z, Solid::Z, 1.0 / WALL),
     ]
 }

@@ -690,6 +690,36 @@ fn a_sphere_that_blocks_a_funnel_comes_to_rest_on_its_axis() {
 }
 
 #[test]
+fn a_turning_bowl_holds_all_grains_and_does_the_work_that_the_balance_says() {
+    for integrator in ["Verlet", "Centred"] {
+        let mut run = through("bowl", &[("integrator", integrator)]);
+        let ledger = run.world().resource::<Ledger>();
+        let (released, inside) = (ledger.released, ledger.inside());
+        assert!(released == inside && released > 30, "{integrator}: {inside} of {released} are inside");
+        let grains = grains::<Solid>(&mut run);
+        let lightest = grains.iter().map(|(_, _, mass)| *mass).fold(f64::INFINITY, f64::min);
+        assert_energy_error_of_the_scheme(&run, (2.0 * 1e4 / lightest).sqrt() * 2e-5);
+    }
+}
+
+#[test]
+fn a_sphere_that_blocks_the_hole_of_a_bowl_comes_to_rest_on_its_axis() {
+    for integrator in ["Verlet", "Centred"] {
+        let mut run = through("bowl", &[("integrator", integrator), ("fill", "[]"), ("walls[0].spin", "0.0")]);
+        let (x, v, mass) = grains::<Solid>(&mut run)[0];
+        // The edge is a circle of radius h, 49.9 mm below the centre. The one contact carries the whole weight: its overlap is m g R/(k z), with z
+        // the height of the sphere above the edge.
+        let (radius, below) = (0.005f64, 0.0499f64);
+        let hole = (0.05f64.powi(2) - below.powi(2)).sqrt();
+        let above = (radius * radius - hole * hole).sqrt();
+        let overlap = mass * 9.81 * radius / (1e4 * above);
+        let height = ((radius - overlap).powi(2) - hole * hole).sqrt() - below;
+        assert!(x.truncate().length() < 1e-6 && (x.z - height).abs() < 1e-6, "{integrator}: {x}, not {height}");
+        assert!(v.length() < 1e-2, "{integrator}: {v}");
+    }
+}
+
+#[test]
 fn a_vessel_of_triangles_holds_all_grains_and_their_energy() {
     for integrator in ["Verlet", "Centred"] {
         let mut run = through("facets", &[("integrator", integrator)]);

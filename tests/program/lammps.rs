@@ -524,6 +524,7 @@ fn what_does_not_map_is_refused_with_its_key_and_nothing_is_written() {
             "walls[0]",
             "flat ring",
         ),
+        (solid(linear, "SphericalZone(centre: (0.3, 0.3, 0.3), radius: 0.3)"), "walls[0]", "part of a sphere"),
         (
             solid(linear, &format!("{plane}, Cylinder(from: (0.3, 0.3, 0.0), to: (0.4, 0.3, 0.6), radius: 0.3)")),
             "walls[1]",

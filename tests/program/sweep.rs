@@ -341,6 +341,35 @@ fn the_script_of_slurm_runs_in_a_shell_with_odd_names() {
     assert_eq!(read(odd.join("out/s/results.csv")).lines().filter(|line| line.contains("time_reached")).count(), 2);
 }
 
+/// Stands for `hq submit --name NAME --array 1-N --cpus 1 --wait -- COMMAND`.
+#[cfg(unix)]
+const HQ: &str = r#"#!/bin/sh
+while [ "$1" != -- ]; do
+    if [ "$1" = --array ]; then last=${2#1-}; fi
+    shift
+done
+shift
+for task in $(seq "$last"); do HQ_TASK_ID=$task "$@" || exit 1; done
+"#;
+
+#[test]
+#[cfg(unix)]
+fn the_script_of_hyperqueue_runs_in_a_shell_with_odd_names() {
+    use std::os::unix::fs::PermissionsExt as _;
+    let here = tempfile::tempdir().unwrap();
+    let odd = here.path().join("it's a $HOME");
+    fs::create_dir(&odd).unwrap();
+    write_sweep(&odd, r#"Values(key: "parameters.height", values: [0.5, 0.6])"#, &format!("seeds: 2, {FIGURES}"));
+    let script = siloflow(&odd, &["sweep", "s.ron", "--script", "hyperqueue", "--jobs", "3"]);
+    fs::write(here.path().join("jobs.sh"), &script.stdout).unwrap();
+    fs::write(here.path().join("hq"), HQ).unwrap();
+    fs::set_permissions(here.path().join("hq"), fs::Permissions::from_mode(0o755)).unwrap();
+    let path = format!("{}:{}", here.path().display(), std::env::var("PATH").unwrap());
+    let run = Command::new("sh").arg("jobs.sh").env("PATH", path).current_dir(here.path()).output().unwrap();
+    assert!(run.status.success() && run.stderr.is_empty(), "{}", text(&run.stderr));
+    assert_eq!(read(odd.join("out/s/results.csv")).lines().filter(|line| line.contains("time_reached")).count(), 4);
+}
+
 #[test]
 fn two_sweeps_in_one_directory_share_the_work() {
     let here = tempfile::tempdir().unwrap();

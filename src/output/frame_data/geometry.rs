@@ -5,6 +5,7 @@
 //! | segment | one line |
 //! | panel, triangle | two triangles, one triangle; polygons and meshes of a scene are triangles already |
 //! | cylinder, cone, annulus | [`SECTORS`] pairs of triangles |
+//! | spherical zone | rings of [`SECTORS`] pairs of triangles, as high as they are wide |
 //! | half-plane, half-space | the line or square around the middle of the domain that reaches half its diagonal to each side |
 //!
 //! Limit: a polygon of [`SECTORS`] corners has 0.3 % less area than its circle.
@@ -15,7 +16,6 @@ use super::WallGeometry;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Linear as _, Solid, Space};
 use crate::walls::config::Wall;
-use crate::walls::shapes::revolved::Revolved;
 use crate::walls::surfaces::{Surface, SurfaceWall};
 
 /// Number of sectors of a surface of revolution.
@@ -78,7 +78,12 @@ fn add<V: Space>(wall: &mut WallGeometry, surface: &Surface<V>, domain: [Solid; 
             }
         }
         Surface::Revolved(shape) => {
-            let (points, triangles) = revolved(shape);
+            let (points, triangles) = turned([shape.base, shape.axis].map(V::spread), &[shape.from, shape.to]);
+            add(&points, &[], &triangles);
+        }
+        Surface::SphericalZone(shape) => {
+            let axis = [shape.centre, shape.axis].map(V::spread);
+            let (points, triangles) = turned(axis, &shape.profile(SECTORS / 2));
             add(&points, &[], &triangles);
         }
     }
@@ -86,22 +91,26 @@ fn add<V: Space>(wall: &mut WallGeometry, surface: &Surface<V>, domain: [Solid; 
 
 const SQUARE: [[u32; 3]; 2] = [[0, 1, 2], [0, 2, 3]];
 
-/// Returns the points of both ends in turns, and triangles between them. Triangles without area are left out.
-fn revolved<V: Space>(shape: &Revolved<V>) -> (Vec<Solid>, Vec<[u32; 3]>) {
-    let (base, axis) = (shape.base.spread(), shape.axis.spread());
+/// Returns the surface that a line makes about an axis: sector by sector the points of its profile (r, z), and triangles between
+/// them. Triangles without area are left out.
+fn turned([base, axis]: [Solid; 2], profile: &[[f64; 2]]) -> (Vec<Solid>, Vec<[u32; 3]>) {
     let first = axis.any_orthonormal_vector();
     let second = axis.cross(first);
     let (mut points, mut triangles) = (Vec::new(), Vec::new());
+    let height = u32::try_from(profile.len()).unwrap_or(u32::MAX);
     for sector in 0..SECTORS {
         let angle = TAU * f64::from(sector) / f64::from(SECTORS);
         let outwards = first * angle.cos() + second * angle.sin();
-        points.extend([shape.from, shape.to].map(|[r, z]| base + axis * z + outwards * r));
-        let [a, b] = [2 * sector, 2 * ((sector + 1) % SECTORS)];
-        if shape.from[0] > 0.0 {
-            triangles.push([a, b, a + 1]);
-        }
-        if shape.to[0] > 0.0 {
-            triangles.push([b, b + 1, a + 1]);
+        points.extend(profile.iter().map(|[r, z]| base + axis * *z + outwards * *r));
+        let [a, b] = [height * sector, height * ((sector + 1) % SECTORS)];
+        for (place, ends) in (0..).zip(profile.windows(2)) {
+            let [a, b] = [a + place, b + place];
+            if ends[0][0] > 0.0 {
+                triangles.push([a, b, a + 1]);
+            }
+            if ends[1][0] > 0.0 {
+                triangles.push([b, b + 1, a + 1]);
+            }
         }
     }
     (points, triangles)
@@ -154,6 +163,8 @@ mod tests {
     use crate::space::Plane;
     use crate::walls::shapes::half_plane::HalfPlane;
     use crate::walls::shapes::panel::Panel;
+    use crate::walls::shapes::revolved::Revolved;
+    use crate::walls::shapes::spherical_zone::SphericalZone;
 
     const BOX: [Solid; 2] = [Solid::ZERO, Solid::new(3.0, 4.0, 12.0)];
 
@@ -178,6 +189,11 @@ mod tests {
         let plate = one(Surface::Revolved(Revolved::ring(Solid::ZERO, Solid::Y, [0.0, 2.0])));
         assert!((area(&plate) - 0.5 * n * 4.0 * (2.0 * half).sin()).abs() < 1e-12);
         assert_eq!(plate.triangles.len(), SECTORS as usize);
+        // A sphere of flat pieces has the area of the sphere but for terms of the square of the angle of a piece.
+        let sphere = one(Surface::SphericalZone(SphericalZone::new(Solid::ONE, Solid::X, 2.0, [-2.0, 2.0])));
+        let share = area(&sphere) / (4.0 * 0.5 * TAU * 4.0);
+        assert!(share < 1.0 && share > 1.0 - (2.0 * half).powi(2), "{share}");
+        assert_eq!(sphere.triangles.len(), (SECTORS * (SECTORS - 2)) as usize);
         // The diagonal of the box is 13 m.
         let ground = one(Surface::HalfPlane(HalfPlane { point: Solid::ZERO, normal: Solid::Z }));
         assert!((area(&ground) - 13.0 * 13.0).abs() < 1e-9 && ground.points.iter().all(|point| point[2].abs() < 1e-12));

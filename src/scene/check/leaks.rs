@@ -34,7 +34,11 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     let blocked_by_discs: f64 = discs.iter().map(|disc| points(Vector::ZERO, disc.radius + radius)).sum();
     let blocked_by_segments = surfaces.iter().map(|surface| match *surface {
         Surface::Segment(Segment { from, to }) => points(to - from, radius),
-        Surface::HalfPlane(_) | Surface::Panel(_) | Surface::Triangle(_) | Surface::Revolved(_) => 0.0,
+        Surface::HalfPlane(_)
+        | Surface::Panel(_)
+        | Surface::Triangle(_)
+        | Surface::Revolved(_)
+        | Surface::SphericalZone(_) => 0.0,
     });
     if points(high - low, radius) + blocked_by_discs + blocked_by_segments.sum::<f64>() > PATIENCE {
         return None;

@@ -295,12 +295,14 @@ fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
             Wall::Panel { along, across, .. } => Some(along.padded().length().min(across.padded().length())),
             Wall::Annulus { outer, .. } => Some(2.0 * outer.get()),
             Wall::Segment { from, to, .. } => Some(to.padded().distance(from.padded())),
-            // Flat: the smallest extent is about zero.
-            Wall::Polygon { .. } | Wall::Mesh { .. } => wall.bounds().map(|[low, high]| {
-                let mut extents = (high - low).to_array();
-                extents.sort_unstable_by(f64::total_cmp);
-                extents[1]
-            }),
+            // The smallest extent is the thickness: about zero, or the height of a cap.
+            Wall::Polygon { .. } | Wall::Mesh { .. } | Wall::SphericalZone { .. } => {
+                wall.bounds().map(|[low, high]| {
+                    let mut extents = (high - low).to_array();
+                    extents.sort_unstable_by(f64::total_cmp);
+                    extents[1]
+                })
+            }
             Wall::Cylinder { from, to, radius, .. } => {
                 Some((2.0 * radius.get()).min(to.padded().distance(from.padded())))
             }

@@ -177,6 +177,7 @@ fn polygon(loaded: &Loaded, index: usize, wall: &Wall) -> Result<(), Fault> {
 }
 
 fn walls(loaded: &Loaded) -> Result<(), Fault> {
+    let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
     for (index, wall) in loaded.scene.walls.iter().enumerate() {
         polygon(loaded, index, wall)?;
         let (key, message) = match wall {
@@ -210,10 +211,22 @@ fn walls(loaded: &Loaded) -> Result<(), Fault> {
             Wall::Annulus { inner: Some(inner), outer, .. } if inner.get() >= outer.get() => {
                 ("inner", "the hole is as wide as the ring")
             }
+            Wall::SphericalZone { axis: Some(axis), .. } if has_no_direction(axis.padded()) => {
+                ("axis", "the axis has no direction")
+            }
+            Wall::SphericalZone { radius, .. } if radius.get() <= largest => {
+                ("radius", "a grain of the scene is as large as the sphere: a wall of this size is a fixed `Sphere`")
+            }
+            Wall::SphericalZone { heights: Some((low, high)), radius, .. }
+                if low.get() >= high.get() || low.get() >= radius.get() || high.get() <= -radius.get() =>
+            {
+                ("heights", "no part of the sphere lies between these heights")
+            }
             _ => continue,
         };
         return Err(loaded.fault("scene::degenerate_wall", &format!("walls[{index}].{key}"), message).help(
-            "give two different points, a normal with a direction, edges and belts at right angles, inner < outer",
+            "give two different points, a normal with a direction, edges and belts at right angles, inner < outer, \
+             heights from low to high",
         ));
     }
     Ok(())

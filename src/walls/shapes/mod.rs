@@ -7,10 +7,16 @@ pub mod half_plane;
 pub mod panel;
 pub mod revolved;
 pub mod segment;
+pub mod spherical_zone;
 pub mod triangle;
 
-use crate::space::{COINCIDENT, PARTED, Space};
+use std::f64::consts::PI;
+
+use crate::space::{COINCIDENT, Linear, PARTED, Solid, Space};
 use crate::walls::pose::Pose;
+
+/// Number of lines that draw a circle.
+const CIRCLE_LINES: u32 = 48;
 
 /// Position of a shape relative to a centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,4 +107,43 @@ fn foot_share<V: Space>(from_corner: V, edge: V) -> f64 {
 #[inline]
 fn is_end(share: f64) -> bool {
     share <= 0.0 || share >= 1.0
+}
+
+/// Returns the roots of a t^2 + 2 half_b t + c that are shares of a path (0 to 1), ascending.
+fn path_shares(a: f64, half_b: f64, c: f64) -> Vec<f64> {
+    let discriminant = half_b * half_b - a * c;
+    if discriminant < 0.0 {
+        return Vec::new();
+    }
+    // The form that does not subtract nearly equal numbers.
+    let q = -(half_b + discriminant.sqrt().copysign(half_b));
+    let mut shares: Vec<f64> = [q / a, c / q].into_iter().filter(|share| (0.0..=1.0).contains(share)).collect();
+    shares.sort_unstable_by(f64::total_cmp);
+    shares
+}
+
+/// Returns the lines that draw a surface of revolution: its section with the plane through the axis that is seen face on. Seen
+/// along the axis, the surface is the circles of its ends and its widest circle. `profile` has points (r, z) from one end to the
+/// other, with z along the axis from `base`, m.
+fn section_of_revolution<V: Space>(base: V, axis: V, profile: &[[f64; 2]]) -> Vec<[V; 2]> {
+    let (axis, depth) = (axis.spread(), Solid::Y);
+    let point = |direction: Solid, [r, z]: [f64; 2]| base + V::narrow(axis) * z + V::narrow(direction) * r;
+    let across = axis.cross(depth);
+    if Linear::length(across) < 1e-3 {
+        let direction = |n: u32| {
+            let angle = 2.0 * PI * f64::from(n) / f64::from(CIRCLE_LINES);
+            let first = axis.any_orthonormal_vector();
+            first * angle.cos() + axis.cross(first) * angle.sin()
+        };
+        let circle =
+            |end: [f64; 2]| (0..CIRCLE_LINES).map(move |n| [point(direction(n), end), point(direction(n + 1), end)]);
+        let last = profile.len() - 1;
+        let widest = (0..=last).max_by(|a, b| profile[*a][0].total_cmp(&profile[*b][0])).unwrap_or(last);
+        let mut places = vec![0, widest, last];
+        places.dedup();
+        return places.into_iter().map(|at| profile[at]).filter(|end| end[0] > 0.0).flat_map(circle).collect();
+    }
+    let across = across.normalize();
+    let side = |side: Solid| profile.windows(2).map(move |ends| [point(side, ends[0]), point(side, ends[1])]);
+    side(across).chain(side(-across)).collect()
 }

@@ -9,16 +9,11 @@
 //!
 //! Limit: a grain wider than the tube that it blocks touches it all round. Here it has one contact, at one point.
 
-use std::f64::consts::PI;
-
 use serde::{Deserialize, Serialize};
 
-use crate::space::{Linear, Plane, Solid, Space};
+use crate::space::{Plane, Space};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::{Nearest, Shape, is_end, parted};
-
-/// Number of lines that draw a circle.
-const CIRCLE_LINES: u32 = 48;
+use crate::walls::shapes::{Nearest, Shape, is_end, parted, path_shares, section_of_revolution};
 
 /// A thin surface of revolution in solid space.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -73,15 +68,7 @@ impl<V: Space> Revolved<V> {
         let a = way.length_squared() - growth * growth;
         let half_b = radial.dot(way) - width * growth;
         let c = radial.length_squared() - width * width;
-        let discriminant = half_b * half_b - a * c;
-        if discriminant < 0.0 {
-            return Vec::new();
-        }
-        // The form that does not subtract nearly equal numbers.
-        let q = -(half_b + discriminant.sqrt().copysign(half_b));
-        let mut shares: Vec<f64> = [q / a, c / q].into_iter().filter(|share| (0.0..=1.0).contains(share)).collect();
-        shares.sort_unstable_by(f64::total_cmp);
-        shares
+        path_shares(a, half_b, c)
     }
 }
 
@@ -142,31 +129,18 @@ impl<V: Space> Shape<V> for Revolved<V> {
     }
 
     fn lines(&self, _: f64) -> Vec<[V; 2]> {
-        let (axis, depth) = (self.axis.spread(), Solid::Y);
-        let across = axis.cross(depth);
-        let point = |direction: Solid, [r, z]: [f64; 2]| self.base + self.axis * z + V::narrow(direction) * r;
-        // Seen along its axis, the surface is a pair of circles.
-        if Linear::length(across) < 1e-3 {
-            let direction = |n: u32| {
-                let angle = 2.0 * PI * f64::from(n) / f64::from(CIRCLE_LINES);
-                let first = axis.any_orthonormal_vector();
-                first * angle.cos() + axis.cross(first) * angle.sin()
-            };
-            let circle = |end: [f64; 2]| {
-                (0..CIRCLE_LINES).map(move |n| [point(direction(n), end), point(direction(n + 1), end)])
-            };
-            return [self.from, self.to].into_iter().filter(|end| end[0] > 0.0).flat_map(circle).collect();
-        }
-        let across = across.normalize();
-        [across, -across].map(|side| [point(side, self.from), point(side, self.to)]).to_vec()
+        section_of_revolution(self.base, self.axis, &[self.from, self.to])
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::PI;
+
     use proptest::prelude::*;
 
     use super::*;
+    use crate::space::Solid;
 
     /// A surface from a few numbers, and the points of a fine grid on it.
     fn surface(ends: [f64; 4], axis: (f64, f64, f64)) -> (Revolved<Solid>, Vec<Solid>) {
@@ -243,6 +217,14 @@ mod tests {
         assert!((curvature(&cone, inside) + 0.5f64.sqrt()).abs() < 1e-12);
         let ring = Revolved::ring(Solid::ZERO, Solid::Z, [0.2, 1.0]);
         assert!(curvature(&ring, Solid::new(0.5, 0.1, 0.3)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn points_of_a_slanted_axis_are_a_radius_away() {
+        for axis in [Solid::Z, Solid::new(0.6, 0.0, 0.8), Solid::new(0.48, 0.6, 0.64)] {
+            let cylinder = Revolved::between(Solid::ZERO, axis, [0.5, 0.5]);
+            assert!((cylinder.nearest(axis * 0.5).distance() - 0.5).abs() < 1e-15);
+        }
     }
 
     #[test]

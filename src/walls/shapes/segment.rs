@@ -23,7 +23,7 @@ impl<V: Space> Shape<V> for Segment<V> {
         let share = foot_share(x - self.from, edge);
         // In solid space, a panel may have the whole rod as its edge.
         let at_edge = V::DIMENSION == Dimension::Solid || is_end(share);
-        Nearest::flat(x - (self.from + edge * share), at_edge, || edge.any_perpendicular().unit_or_zero())
+        Nearest::flat(x - (self.from + edge * share), at_edge, || edge.any_perpendicular())
     }
 
     fn bounds(&self) -> Option<[V; 2]> {
