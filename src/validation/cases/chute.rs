@@ -38,10 +38,11 @@ pub const CASE: Case = Case {
         file!("chute", "full.ron"),
         file!("chute", "full-angles.ron"),
         file!("chute", "full-depths.ron"),
+        file!("chute", "full-stiff-depths.ron"),
         file!("chute", "full-stiffness.ron"),
     ],
     short: &["short.ron", "short-angles.ron"],
-    full: &["full.ron", "full-angles.ron", "full-depths.ron", "full-stiffness.ron"],
+    full: &["full.ron", "full-angles.ron", "full-depths.ron", "full-stiff-depths.ron", "full-stiffness.ron"],
     judge,
 };
 
@@ -59,23 +60,27 @@ fn layers_of(runs: &[Run]) -> Result<Vec<Vec<Layer>>, Fault> {
 fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     let thick = layers_of(studies.first_of(&["short.ron", "full.ron"]))?.concat();
     let angles = layers_of(studies.first_of(&["short-angles.ron", "full-angles.ron"]))?;
-    let depths = layers_of(studies.runs("full-depths.ron"))?;
     let mut judgement = judgement_of(&thick, &angles);
     for run in studies.runs("full-stiffness.ron") {
         stiffness(run, &thick, &mut judgement)?;
     }
-    let points: Vec<_> = depths
-        .iter()
-        .filter_map(|it| Some((mean(it, |it| it.depth)?.value, mean(it, |it| it.mean_velocity)?.value)))
-        .collect();
+    for (study, words) in [("full-depths.ron", ""), ("full-stiff-depths.ron", "4 times the stiffness: ")] {
+        depths(&layers_of(studies.runs(study))?, words, &mut judgement);
+    }
+    Ok(judgement)
+}
+
+/// Adds the exponent of the mean velocity of layers of several depths. `words` precede its name.
+fn depths(layers: &[Vec<Layer>], words: &str, judgement: &mut Judgement) {
+    let point = |it: &Vec<Layer>| Some((mean(it, |it| it.depth)?.value, mean(it, |it| it.mean_velocity)?.value));
+    let points: Vec<_> = layers.iter().filter_map(point).collect();
     if let Some((exponent, error)) = Law::Power.fit(&points).and_then(|fit| named(&fit, "exponent")) {
         judgement.rows.push(
-            Row::new(format!("exponent of the mean velocity over {} depths", points.len()), "", exponent)
+            Row::new(format!("{words}exponent of the mean velocity over {} depths", points.len()), "", exponent)
                 .error(error)
                 .published(1.5, Rule::WithinAbsolute(0.15)),
         );
     }
-    Ok(judgement)
 }
 
 /// Adds the rows of a run with another stiffness. Stiffer grains must flow alike; softer ones show where that ends.

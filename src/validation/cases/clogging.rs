@@ -16,7 +16,7 @@ mod geometric;
 
 use self::geometric::{count, mean, ratio_of_moments, test};
 use crate::fault::Fault;
-use crate::sweep::fit::Law;
+use crate::sweep::fit::{Law, short};
 use crate::validation::numbers::{best_line, named};
 use crate::validation::runs::{Run, Studies};
 use crate::validation::verdict::{Judgement, Picture, Row, Rule};
@@ -42,6 +42,9 @@ pub const CASE: Case = Case {
 
 /// Smallest chance at which sizes count as exponential: one in a hundred cases is wrong.
 const SMALLEST_CHANCE: f64 = 0.01;
+
+/// Width of the orifice of the runs with stiffer grains, diameters.
+const WIDTH_OF_STIFF: f64 = 3.0;
 
 /// The avalanches of one width.
 struct Avalanches {
@@ -91,16 +94,8 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
         idle += it.idle;
         rows(it, &mut judgement);
     }
-    for it in studies.runs("full-stiff.ron").iter().map(Avalanches::of) {
-        let soft = all.iter().find(|other| (other.width - it.width).abs() < 1e-9);
-        let row = Row::new(format!("D = {} d, grains five times as stiff: mean size", it.width), "grains", it.mean());
-        let row = row.error(Some(it.error()));
-        judgement.rows.push(soft.map_or(row.clone(), |soft| {
-            let error = it.error().hypot(soft.error());
-            row.published(soft.mean(), Rule::WithinAbsolute(3.0 * error))
-                .remark("the other value is the soft grains'; the rule is three standard errors")
-        }));
-    }
+    let softest = all.iter().find(|it| (it.width - WIDTH_OF_STIFF).abs() < 1e-9);
+    stiffness(softest, studies.runs("full-stiff.ron"), &mut judgement);
     let means: Vec<_> = all.iter().map(|it| (it.width, it.mean())).collect();
     let growth = means.windows(2).map(|two| two[1].1 / two[0].1).fold(f64::INFINITY, f64::min);
     judgement.rows.push(
@@ -121,6 +116,26 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
          samples. {idle} blows moved no grain out and are no avalanches. Published means are those of other grains and silos, so none is a rule here."
     ));
     Ok(judgement)
+}
+
+/// Adds the mean sizes with stiffer grains, each beside the one before, from the softest grains on.
+fn stiffness(softest: Option<&Avalanches>, stiff: &[Run], judgement: &mut Judgement) {
+    let Some(softest) = softest else { return };
+    let (mut mean, mut error) = (softest.mean(), softest.error());
+    for run in stiff {
+        let times = 5.0 / run.value("parameters.soft").unwrap_or(f64::NAN);
+        let it = Avalanches::of(run);
+        let name = format!("D = {WIDTH_OF_STIFF} d, grains {} times as stiff: mean size", short(times));
+        judgement.rows.push(
+            Row::new(name, "grains", it.mean())
+                .error(Some(it.error()))
+                .published(mean, Rule::WithinAbsolute(3.0 * it.error().hypot(error)))
+                .remark(
+                    "the other value is that of the grains before, a fifth as stiff; the rule is three standard errors",
+                ),
+        );
+        (mean, error) = (it.mean(), it.error());
+    }
 }
 
 /// Adds the rows of one width.

@@ -7,7 +7,11 @@
 //! The rule: over the time of a run, the rms deviation from the mean of both codes is at most 5 % of the grains of a material. The codes differ from each other by 0.3 to
 //! 1.2 %, from the same bed.
 
+mod lead;
+
 use std::f64::consts::PI;
+
+use self::lead::Zone;
 
 use crate::fault::Fault;
 use crate::output::table::Table;
@@ -24,9 +28,15 @@ pub const CASE: Case = Case {
     title: "Drum of Dosta et al. 2024",
     sources: "Dosta et al. 2024, Comput. Phys. Commun. 296, 109066, case 2; zones and soft materials from `OSDrum.cpp` of MercuryDPM; counts of \
               LIGGGHTS and MUSEN from `dem-bulk-dosta2024` of peclet-examples.",
-    files: &[file!("dosta-drum", "drum.ron"), file!("dosta-drum", "short.ron"), file!("dosta-drum", "full.ron")],
+    files: &[
+        file!("dosta-drum", "drum.ron"),
+        file!("dosta-drum", "short.ron"),
+        file!("dosta-drum", "full.ron"),
+        file!("dosta-drum", "full-soft.ron"),
+        file!("dosta-drum", "full-stiff.ron"),
+    ],
     short: &["short.ron"],
-    full: &["full.ron"],
+    full: &["full.ron", "full-soft.ron", "full-stiff.ron"],
     judge,
 };
 
@@ -62,6 +72,13 @@ const MATERIALS: [Material; 2] = [
 /// Codes of the published table.
 const CODES: [&str; 2] = ["LIGGGHTS", "MUSEN"];
 
+/// Sweeps with other moduli, from the softest on, and their names in the rows.
+const STIFFNESSES: [(&str, &str); 3] = [
+    ("full-soft.ron", "a quarter of these moduli"),
+    ("full.ron", "these moduli"),
+    ("full-stiff.ron", "four times these moduli"),
+];
+
 /// Volume of a cell of the grid of the scene, m^3.
 const VOLUME: f64 = 0.1 * 0.1 * 0.06;
 
@@ -87,11 +104,24 @@ fn published(table: &Table, code: &str, material: &Material, zone: usize) -> Res
     Ok(rows.filter(|(of, _)| *of == code).map(|(_, point)| point).collect())
 }
 
+/// Returns all zones of a run.
+fn zones(run: &Run, table: &Table) -> Result<Vec<Zone>, Fault> {
+    let mut zones = Vec::new();
+    for material in &MATERIALS {
+        for (number, side) in [(1, 1.0), (2, -1.0)] {
+            let [first, second] = CODES.map(|code| published(table, code, material, number));
+            let codes = first?.into_iter().zip(second?).map(|(a, b)| (a.0, 0.5 * (a.1 + b.1))).collect();
+            zones.push(Zone { counts: counts(run, material, side)?, codes, grains: material.grains });
+        }
+    }
+    Ok(zones)
+}
+
 fn judge(studies: &Studies) -> Result<Judgement, Fault> {
     let mut judgement = Judgement::default();
     let mut panels = Vec::new();
     let table = Table::parse("dosta_drum.csv", include_str!("dosta_drum.csv"))?;
-    for run in studies.all() {
+    for run in studies.first_of(&["short.ron", "full.ron"]) {
         for material in &MATERIALS {
             let mut curves = Vec::new();
             for (zone, side) in [(1, 1.0), (2, -1.0)] {
@@ -115,6 +145,12 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
                 Axis::around("time since the drum turns, s", curves.iter().flat_map(|it| &it.points).map(|it| it.0));
             let y = Axis::around("grains", [0.0, most]);
             panels.push(Panel { curves, key: Key::Above, ..Panel::new(material.name, x, y) });
+        }
+    }
+    for (study, words) in STIFFNESSES {
+        // Without other moduli, the run has nothing to be compared with.
+        if let Some(run) = studies.runs(study).first().filter(|_| !studies.runs("full-stiff.ron").is_empty()) {
+            lead::rows(&zones(run, &table)?, words, &mut judgement);
         }
     }
     let caption = "Grains in zone 1 (x > 0, z > 0) and zone 2 (x < 0, z < 0): lines are siloflow's means over 0.1 s, dots the counts of LIGGGHTS and MUSEN.";
