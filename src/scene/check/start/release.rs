@@ -1,8 +1,8 @@
 //! Examines the release point of the spawner: a release needs room, and a place inside the walls.
 
 use crate::fault::Warning;
+use crate::scene::check::bed::up;
 use crate::scene::check::start::{Body, place};
-use crate::scene::check::up;
 use crate::scene::load::Loaded;
 use crate::space::Solid;
 use crate::walls::config::Wall;

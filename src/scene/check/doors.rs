@@ -1,0 +1,68 @@
+//! Warnings about doors through which no grain can leave, or be counted.
+
+use crate::fault::Warning;
+use crate::scene::load::Loaded;
+use crate::walls::config::Wall;
+use crate::walls::outline::Outline;
+
+/// Adds the warnings about doors, for grains of this radius (m) or more.
+pub(super) fn examine(loaded: &Loaded, radius: f64, warnings: &mut Vec<Warning>) {
+    if let Some(width) = door_width(loaded, radius).filter(|&width| width < 2.0 * radius) {
+        warnings.push(Warning {
+            code: "check::narrow_door",
+            message: format!(
+                "the door is {width:.3} m wide, and the smallest grain {:.3} m: no grain can leave",
+                2.0 * radius
+            ),
+            help: "widen the door, or release smaller grains".to_owned(),
+        });
+    }
+    if !has_orifice(loaded, radius) {
+        warnings.push(Warning {
+            code: "check::no_orifice",
+            message: "the door has no wall disc of the silo file on each side, so it has no orifice: grains that leave count as lost"
+                .to_owned(),
+            help: "add to the silo file a wall disc at each end of the door".to_owned(),
+        });
+    }
+}
+
+/// The free width of the narrowest door, m: between the wall discs that flank it, or of a surface; `None` without a door.
+fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
+    let surfaces =
+        loaded.scene.walls.iter().filter(|wall| loaded.scene.door_of(wall).is_some()).filter_map(|wall| match wall {
+            Wall::Panel { along, across, .. } => Some(along.padded().length().min(across.padded().length())),
+            Wall::Annulus { outer, .. } => Some(2.0 * outer.get()),
+            Wall::Segment { from, to, .. } => Some(to.padded().distance(from.padded())),
+            // The smallest extent is the thickness: about zero, or the height of a cap.
+            Wall::Polygon { .. } | Wall::Mesh { .. } | Wall::SphericalZone { .. } => {
+                wall.bounds().map(|[low, high]| {
+                    let mut extents = (high - low).to_array();
+                    extents.sort_unstable_by(f64::total_cmp);
+                    extents[1]
+                })
+            }
+            Wall::Cylinder { from, to, radius, .. } => {
+                Some((2.0 * radius.get()).min(to.padded().distance(from.padded())))
+            }
+            Wall::Cone { from, to, radii, .. } => {
+                Some((2.0 * radii.0.get().max(radii.1.get())).min(to.padded().distance(from.padded())))
+            }
+            _ => None,
+        });
+    let discs = loaded.wall_discs();
+    let orifice = if loaded.silo.door.is_empty() {
+        None
+    } else {
+        Outline::new(&discs, &loaded.silo.door, &loaded.surfaces(), radius).orifice()
+    };
+    let radius_at = |x| discs.iter().find(|disc| disc.centre == x).map_or(0.0, |disc| disc.radius);
+    let between = orifice.map(|link| link.from.distance(link.to) - radius_at(link.from) - radius_at(link.to));
+    surfaces.chain(between).reduce(f64::min)
+}
+
+/// Whether a door of discs is flanked by wall discs, or there is no such door.
+fn has_orifice(loaded: &Loaded, radius: f64) -> bool {
+    loaded.silo.door.is_empty()
+        || Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.surfaces(), radius).orifice().is_some()
+}

@@ -1,0 +1,126 @@
+//! Numbers that are estimated from a scene before a run.
+
+use crate::contact::{Bounce, Contact};
+use crate::integrate::Integrator;
+use crate::scene::TimeStep;
+use crate::scene::check::automatic;
+use crate::scene::check::bed::{carried_at_the_bottom, impact_speed};
+use crate::scene::check::species_pairs::{self, SpeciesPair};
+use crate::scene::load::Loaded;
+use crate::space::Plane;
+
+/// Estimates of a scene with grains, SI.
+#[derive(Clone, Copy, Debug)]
+pub struct Estimates {
+    /// The time step, s.
+    pub dt: f64,
+    /// The scheme.
+    pub scheme: Integrator,
+    /// The scene's contact law.
+    pub contact: Contact,
+    /// The shortest contact duration, or half period of a contact's tangential or rolling spring in units of that of its normal
+    /// spring, times the duration of that contact, s.
+    pub shortest_swing: f64,
+    /// Lowest restitution of a head-on impact of any pair.
+    pub lowest_restitution: f64,
+    /// Radius of the smallest grain, m.
+    pub radius: f64,
+    /// Mass of the smallest grain, kg.
+    pub mass: f64,
+    /// Duration of the shortest contact, s.
+    pub contact_duration: f64,
+    /// Restitution of an impact of two smallest grains.
+    pub restitution: f64,
+    /// Largest stable step of every single contact, s; infinite if no two bodies can meet.
+    pub pair_limit: f64,
+    /// Largest stable step in a dense bed, s.
+    pub bed_limit: f64,
+    /// Largest damping rates of any contact: c/(2 m) along the normal, and of sliding or rolling, 1/s.
+    pub damping_rates: [f64; 2],
+    /// Numerical damping that tangential and rolling springs need so that a bed without dashpots gains no energy, s.
+    pub spring_damping: f64,
+    /// Speed of a grain after a fall to the lowest point of the scene, m/s.
+    pub impact_speed: f64,
+    /// Overlap over radius in an undamped impact of two smallest grains at that speed.
+    pub impact_overlap: f64,
+    /// Overlap over radius at the bottom of the bed, from its weight.
+    pub static_overlap: f64,
+    /// Overlap over radius of a smallest grain that alone carries the heaviest one.
+    pub caught_overlap: f64,
+    /// Stiffness of a contact at that overlap, N/m.
+    pub stiffness: f64,
+    /// Largest overlap over radius that adhesion alone causes, in two bodies that touch at rest.
+    pub adhesive_overlap: f64,
+}
+
+impl Estimates {
+    /// Estimates for a scene; `None` if it has no grains.
+    #[must_use]
+    pub fn of(loaded: &Loaded) -> Option<Self> {
+        Self::with(loaded, loaded.scene.integrator)
+    }
+
+    /// Estimates for a scene with another scheme; `None` if it has no grains.
+    #[must_use]
+    pub fn with(loaded: &Loaded, scheme: Integrator) -> Option<Self> {
+        let (radius, largest) = loaded.grain_radii()?;
+        let scene = &loaded.scene;
+        let heaviest =
+            loaded.grains.iter().map(|grain| grain.mass).fold(scene.mass.map_or(0.0, |law| law.of(largest)), f64::max);
+        let lightest = loaded.grains.iter().map(|grain| grain.mass).fold(f64::INFINITY, f64::min);
+        let mass = scene.mass.map_or(f64::INFINITY, |law| law.of(radius)).min(lightest);
+        // Estimates ask for no directions: the law in the plane answers for both spaces.
+        let law = loaded.contacts().any::<Plane>().0;
+        let impact_speed = impact_speed(loaded);
+        // If no grain falls, a speed of the order that a grain's own weight causes.
+        let slow = 0.1 * (scene.gravity.padded().length() * radius).sqrt();
+        let speed = impact_speed.max(slow).max(1e-6);
+        let pairs = species_pairs::all(loaded, speed);
+        // The reduced mass of the two lightest grains, or of a single grain and a wall.
+        let lightest = pairs.iter().map(|pair| pair.bounce.reduced_mass).fold(f64::INFINITY, f64::min);
+        let reduced_mass = if lightest.is_finite() { lightest } else { mass };
+        let bounce = Bounce { reduced_mass, reduced_radius: 0.5 * radius, speed };
+        let least = |of: &dyn Fn(&SpeciesPair) -> f64| pairs.iter().map(of).fold(f64::INFINITY, f64::min);
+        let shortest = least(&|pair| pair.law.0.contact_duration(&pair.bounce));
+        let mut estimates = Self {
+            dt: f64::NAN,
+            scheme,
+            contact: scene.contact,
+            shortest_swing: least(&SpeciesPair::shortest_swing),
+            radius,
+            mass,
+            contact_duration: if pairs.is_empty() { law.contact_duration(&bounce) } else { shortest },
+            restitution: law.restitution(&bounce),
+            lowest_restitution: least(&|pair| pair.law.0.restitution(&pair.bounce)).min(1.0),
+            pair_limit: least(&|pair| pair.lone_limit(scheme)),
+            bed_limit: least(&|pair| pair.bed_limit(scheme, scene.space)),
+            damping_rates: [0, 1].map(|way| pairs.iter().map(|pair| pair.damping_rates()[way]).fold(0.0, f64::max)),
+            spring_damping: f64::NAN,
+            impact_speed,
+            impact_overlap: law.deepest(&Bounce { speed: impact_speed, ..bounce }) / radius,
+            static_overlap: carried_at_the_bottom(loaded, radius) / law.stiffness(&bounce) / radius,
+            caught_overlap: heaviest * scene.gravity.padded().length() / law.stiffness(&bounce) / radius,
+            stiffness: law.stiffness(&bounce),
+            adhesive_overlap: pairs.iter().map(SpeciesPair::adhesive_overlap).fold(0.0, f64::max),
+        };
+        estimates.dt = match scene.step {
+            TimeStep::Fixed(dt) => dt.get(),
+            TimeStep::Auto { error } => automatic::automatic(&estimates, error.get()).dt,
+        };
+        let damping = |pair: &SpeciesPair| pair.spring_damping(estimates.dt);
+        estimates.spring_damping = pairs.iter().map(damping).fold(0.0, f64::max);
+        Some(estimates)
+    }
+}
+
+/// The pair whose single normal contact has the lowest stability limit, and that limit, s. Beyond it the contact is
+/// unstable whatever surrounds it. An unstable tangential or rolling motion is bounded by its cap.
+#[must_use]
+pub fn hardest(loaded: &Loaded) -> Option<(SpeciesPair, f64)> {
+    let speed = impact_speed(loaded);
+    let all = species_pairs::all(loaded, speed).into_iter().map(|pair| {
+        let limit = pair.normal_limit(loaded.scene.integrator);
+        (pair, limit)
+    });
+    all.min_by(|a, b| a.1.total_cmp(&b.1))
+}

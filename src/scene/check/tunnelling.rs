@@ -1,0 +1,53 @@
+//! Warnings about grains and walls that may pass each other within one step.
+
+use crate::door::DoorMotion;
+use crate::fault::Warning;
+use crate::scene::check::Estimates;
+use crate::scene::load::Loaded;
+use crate::space::Solid;
+use crate::walls::config::Wall;
+use crate::walls::motion::Motion;
+
+/// Returns the largest speed of a wall that moves, m/s. Walls without ends do not turn, so all others have bounds.
+fn fastest_wall(loaded: &Loaded) -> f64 {
+    let speed = |motion: &Motion| {
+        let walls = loaded.scene.walls.iter().filter(|wall| wall.name() == Some(&motion.walls));
+        let about = motion.rotate.as_ref().map_or(Solid::ZERO, |turn| turn.about.padded());
+        let corners = walls.filter_map(Wall::bounds).map(|[low, high]| (high - about).abs().max((low - about).abs()));
+        motion.fastest(corners.map(Solid::length).fold(0.0, f64::max))
+    };
+    let doors = loaded.scene.door_controls().into_iter().map(|(_, _, control)| match control.how {
+        DoorMotion::Move { speed, .. } | DoorMotion::Slide(speed) => speed.get(),
+        DoorMotion::Remove => 0.0,
+    });
+    loaded.scene.motions.iter().map(speed).chain(doors).fold(0.0, f64::max)
+}
+
+/// Warns of grains and walls that may pass each other within one step.
+pub(super) fn examine(loaded: &Loaded, estimates: &Estimates, warnings: &mut Vec<Warning>) {
+    // For a wall surface: the distance of a centre from first touch to the other side.
+    let flat = loaded.scene.walls.iter().any(Wall::is_surface).then_some(0.0);
+    let discs = loaded.fixed_radii();
+    let thickness = estimates.radius + discs.chain(flat).fold(f64::INFINITY, f64::min);
+    let driven = loaded.fixed.iter().map(|grain| grain.velocity.length()).fold(fastest_wall(loaded), f64::max);
+    let way = (estimates.impact_speed + driven) * estimates.dt;
+    if thickness.is_finite() && way > thickness {
+        warnings.push(Warning {
+            code: "check::fast_grains",
+            message: format!(
+                "a grain moves up to {way:.3} m in a step, and may pass a wall of {thickness:.3} m unseen"
+            ),
+            help: "lower `step`".to_owned(),
+        });
+    } else if loaded.grains.len() > 1 && 2.0 * way > 2.0 * estimates.radius {
+        warnings.push(Warning {
+            code: "check::fast_grains",
+            message: format!(
+                "two grains approach by up to {:.3} m in a step, and may pass each other unseen: a grain is {:.3} m wide",
+                2.0 * way,
+                2.0 * estimates.radius
+            ),
+            help: "lower `step`".to_owned(),
+        });
+    }
+}
