@@ -9,8 +9,8 @@ use bevy_ecs::prelude::*;
 
 use crate::assembly::Assembly;
 use crate::behaviour::Behaviour;
-use crate::contact::config::LawVisitor;
 use crate::contact::history::History;
+use crate::contact::selection::LawVisitor;
 use crate::contact::{ContactPlugin, LawRequirements, PairLaw};
 use crate::door::{DoorControl, DoorMotion, DoorPlugin, Orifice};
 use crate::ending::EndingPlugin;

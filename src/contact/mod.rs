@@ -33,6 +33,7 @@ pub mod linear;
 mod prediction;
 pub mod rolling;
 pub(crate) mod root;
+pub mod selection;
 pub mod spring;
 mod start;
 pub mod table;

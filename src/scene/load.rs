@@ -3,8 +3,9 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use crate::contact::config::{Contact, Contacts};
+use crate::contact::config::Contact;
 use crate::contact::history::remembered::{self, Remembered};
+use crate::contact::selection::Contacts;
 use crate::door::DoorMotion;
 use crate::fault::Fault;
 use crate::grains::file::{self, GrainRow, Kind};
