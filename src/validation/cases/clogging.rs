@@ -115,6 +115,13 @@ fn judge(studies: &Studies) -> Result<Judgement, Fault> {
         "Discs with friction 0.5 in a silo 12 diameters wide. The p-value is that of a Kolmogorov-Smirnov test of the upper two thirds of the sizes, with 1000 geometric \
          samples. {idle} blows moved no grain out and are no avalanches. Published means are those of other grains and silos, so none is a rule here."
     ));
+    if !studies.runs("full-stiff.ron").is_empty() {
+        judgement.remarks.push(
+            "Arches of soft grains break more easily: the mean size falls with the stiffness, from 2,000 m g/d in the rows of all widths, until it settles between 50,000 and 250,000 m g/d (25 and 125 \
+             times). So the sizes of all widths are those of soft grains."
+                .to_owned(),
+        );
+    }
     Ok(judgement)
 }
 

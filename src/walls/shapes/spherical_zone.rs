@@ -16,7 +16,7 @@ use crate::walls::pose::Pose;
 use crate::walls::shapes::{Nearest, Shape, parted, path_shares, section_of_revolution};
 
 /// Number of lines that draw the section of a whole sphere on each side of the axis.
-const SECTION_LINES: u32 = 24;
+const SECTION_LINES: u32 = 48;
 
 /// A thin spherical zone in solid space.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
