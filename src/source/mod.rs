@@ -6,6 +6,7 @@ pub mod keys;
 pub mod parameters;
 pub mod parse;
 pub mod places;
+mod reference;
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -9,6 +9,7 @@ use serde::de::DeserializeOwned;
 use crate::fault::Fault;
 use crate::source::parameters::Resolved;
 use crate::source::places::Places;
+use crate::source::reference;
 use crate::text::{LONGEST_QUOTATION, cut};
 
 /// RON options of scenes: optional keys need no `Some`, and `LatticeGas((p: ...))` needs no second brackets.
@@ -147,7 +148,8 @@ pub(super) fn explain(texts: Texts, error: &SpannedError, offset: usize) -> Faul
             format!("{value} is an expression, and the scene has no `parameters`"),
             "add `parameters: {}`, or named values as `parameters: {\"width\": 0.3}`".to_owned(),
         ),
-        _ => describe(&error.code, here),
+        Some((section, _)) => describe(&error.code, here, [section, text]),
+        None => describe(&error.code, here, ["", text]),
     };
     let range = place.filter(|_| code != "scene::syntax").map_or(start..end, |place| {
         let whole = if code == "scene::unknown_key" { place.entry.clone() } else { place.value.clone() };
@@ -159,7 +161,8 @@ pub(super) fn explain(texts: Texts, error: &SpannedError, offset: usize) -> Faul
     if key.is_empty() { fault } else { fault.key(key) }
 }
 
-fn describe(error: &Error, here: &str) -> (&'static str, String, String, String) {
+/// Returns code, key, message and help. `section` is the text of the section with the error, `scene` that of the whole scene.
+fn describe(error: &Error, here: &str, [section, scene]: [&str; 2]) -> (&'static str, String, String, String) {
     let parent = here.rsplit_once('.').map_or("", |(parent, _)| parent);
     let child = |of: &str, key: &str| if of.is_empty() { key.to_owned() } else { format!("{of}.{key}") };
     match error {
@@ -175,7 +178,7 @@ fn describe(error: &Error, here: &str) -> (&'static str, String, String, String)
         }
         Error::MissingStructField { field, .. } => {
             let message = format!("the key `{field}` is missing");
-            ("scene::missing_key", child(here, field), message, format!("add `{field}: ...` here"))
+            ("scene::missing_key", child(here, field), message, reference::help(here, field, section, scene))
         }
         Error::DuplicateStructField { field, .. } => {
             let key = if here.ends_with(field) { here.to_owned() } else { child(parent, field) };

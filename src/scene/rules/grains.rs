@@ -52,14 +52,14 @@ pub fn fill(loaded: &Loaded) -> Result<(), Fault> {
 
 /// A lattice needs its spacing, and random places a count.
 fn placement(loaded: &Loaded, index: usize, fill: &Fill) -> Result<(), Fault> {
-    let missing = |name: &str| {
+    let missing = |name: &str, value: &str| {
         let message = format!("the key `{name}` is missing");
         let fault = loaded.fault("scene::missing_key", &format!("fill[{index}].{name}"), message);
-        Err(fault.help(format!("add `{name}: ...` here")))
+        Err(fault.help(format!("add `{name}: ...` here; its value: {value}")))
     };
     let is_given = match fill.place {
-        Placement::Lattice if fill.spacing.is_none() => return missing("spacing"),
-        Placement::Random if fill.count.is_none() => return missing("count"),
+        Placement::Lattice if fill.spacing.is_none() => return missing("spacing", "m"),
+        Placement::Random if fill.count.is_none() => return missing("count", "grains"),
         Placement::Lattice => return Ok(()),
         Placement::Random => {
             [("spacing", fill.spacing.is_some()), ("jitter", fill.jitter.is_some()), ("fixed", fill.fixed)]

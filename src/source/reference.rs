@@ -1,0 +1,89 @@
+//! What the reference of the scene file says of a key, for the help of an error.
+//!
+//! The tables of `docs/reference/scene-file.md` have a row for each key: its name in backticks, or nothing in a row of another form of the
+//! key before it, then its values and units. A form of a section is a code span such as `(below: m)` or `Panel(corner: m, ...)`.
+
+const GRAINS: [&str; 2] = ["## Scenes of grains", "\n### "];
+const LATTICE_GAS: [&str; 2] = ["## Scenes of the lattice gas", "\n## "];
+
+/// Returns the cells of all rows with their keys, for a scene with this text.
+fn rows(scene: &str) -> impl Iterator<Item = (&'static str, &'static str)> {
+    let reference = include_str!("../../docs/reference/scene-file.md");
+    let [start, end] = if scene.contains("LatticeGas") { LATTICE_GAS } else { GRAINS };
+    let section = reference.split_once(start).map_or("", |(_, rest)| rest.split_once(end).map_or(rest, |(it, _)| it));
+    let mut last = "";
+    section.lines().filter_map(move |line| {
+        let mut cells = line.strip_prefix('|')?.split(" | ").map(str::trim);
+        let (keys, values) = (cells.next()?, cells.next()?);
+        last = if keys.is_empty() { last } else { keys };
+        Some((last, values))
+    })
+}
+
+/// Returns whether a cell of keys names this one.
+fn names(keys: &str, key: &str) -> bool {
+    keys.split(", ").any(|one| one.trim_matches('`') == key)
+}
+
+/// Returns the code spans of a cell.
+fn spans(values: &str) -> impl Iterator<Item = &str> {
+    values.split('`').skip(1).step_by(2)
+}
+
+/// Returns a cell without marks of emphasis and links, and without the word that the key is needed.
+fn plain(values: &str) -> String {
+    let mut text = values.replace("*needed*: ", "").replace("*needed*; ", "").replace("; *needed*", "");
+    while let Some((label, end)) = text.find("](").and_then(|from| Some((from, from + text[from..].find(')')?))) {
+        text.replace_range(label..=end, "");
+        text = text.replacen('[', "", 1);
+    }
+    text
+}
+
+/// Returns help for the missing key `field` of the section at `here`, whose text is `section`, in a scene with this text.
+pub(super) fn help(here: &str, field: &str, section: &str, scene: &str) -> String {
+    let generic = here.split('[').map(|part| part.split_once(']').map_or(part, |(_, rest)| rest)).collect::<Vec<_>>();
+    let key = if here.is_empty() { field.to_owned() } else { format!("{}.{field}", generic.join("[i]")) };
+    let exact = rows(scene).find(|(keys, _)| names(keys, &key)).map(|(_, values)| plain(values));
+    if let Some(values) = exact.filter(|values| !values.contains("following") && values != "*needed*") {
+        return format!("add `{field}: ...` here; its value: {values}");
+    }
+    let parent = generic.concat();
+    let kind = section.split('(').next().unwrap_or_default().trim();
+    let has_field = |span: &&str| span.contains(&format!("{field}:")) || span.contains(&format!(", {field},"));
+    let form = rows(scene)
+        .filter(|(keys, _)| names(keys, &parent))
+        .flat_map(|(_, values)| spans(values))
+        .find(|span| span.split('(').next() == Some(kind) && has_field(span));
+    match form {
+        Some(form) => format!("add `{field}: ...` here, as in `{form}`"),
+        None => format!("add `{field}: ...` here"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_help_has_units_and_forms_of_the_reference() {
+        let of = |here, field, section| help(here, field, section, "");
+        assert_eq!(of("", "gravity", ""), "add `gravity: ...` here; its value: m/s²");
+        assert_eq!(of("spawner", "count", "(point"), "add `count: ...` here; its value: grains");
+        assert_eq!(of("feed[0]", "rate", "(region"), "add `rate: ...` here; its value: `Grains(1/s)`, `Mass(kg/s)`");
+        assert_eq!(of("cull", "below", "()"), "add `below: ...` here, as in `(below: m)`");
+        assert!(
+            of("rest", "energy", "(speed: 1.0)")
+                .ends_with("here, as in `(speed: in √(gR), energy: in m g R a grain, hold: s, stop: false)`")
+        );
+        assert!(of("walls[3]", "radius", "Cylinder(from").contains("as in `Cylinder(from: m, to: m, radius: m, "));
+        assert!(of("walls[3]", "normal", "Annulus(centre").contains("as in `Annulus(centre: m, normal: direction, "));
+        assert!(help("fill", "per_site", "()", "method: LatticeGas(").contains("as in `(per_site: 6.0)`"));
+        assert_eq!(of("behaviours.wall", "speed", "()"), "add `speed: ...` here");
+    }
+
+    #[test]
+    fn links_and_marks_are_left_out() {
+        assert_eq!(plain("*needed*; a [list](#lists) of [b](c.md) ones"), "a list of b ones");
+    }
+}
