@@ -33,9 +33,11 @@ fn spans(values: &str) -> impl Iterator<Item = &str> {
 /// Returns a cell without marks of emphasis and links, and without the word that the key is needed.
 fn plain(values: &str) -> String {
     let mut text = values.replace("*needed*: ", "").replace("*needed*; ", "").replace("; *needed*", "");
-    while let Some((label, end)) = text.find("](").and_then(|from| Some((from, from + text[from..].find(')')?))) {
-        text.replace_range(label..=end, "");
-        text = text.replacen('[', "", 1);
+    while let Some(middle) = text.find("](")
+        && let (Some(start), Some(length)) = (text[..middle].rfind('['), text[middle..].find(')'))
+    {
+        text.replace_range(middle..=middle + length, "");
+        text.remove(start);
     }
     text
 }
@@ -84,6 +86,6 @@ mod tests {
 
     #[test]
     fn links_and_marks_are_left_out() {
-        assert_eq!(plain("*needed*; a [list](#lists) of [b](c.md) ones"), "a list of b ones");
+        assert_eq!(plain("*needed*; a [list](#lists) `[m, ...]` of [b](c.md) ones"), "a list `[m, ...]` of b ones");
     }
 }
