@@ -1,4 +1,4 @@
-//! What the reference of the scene file says of a key, for the help of an error.
+//! Values and units of scene keys, quoted from the reference of the scene file for the help of an error.
 //!
 //! The tables of `docs/reference/scene-file.md` have a row for each key: its name in backticks, or nothing in a row of another form of the
 //! key before it, then its values and units. A form of a section is a code span such as `(below: m)` or `Panel(corner: m, ...)`.
@@ -9,7 +9,7 @@ const LATTICE_GAS: [&str; 2] = ["## Scenes of the lattice gas", "\n## "];
 /// Returns the cells of all rows with their keys, for a scene with this text.
 fn rows(scene: &str) -> impl Iterator<Item = (&'static str, &'static str)> {
     let reference = include_str!("../../docs/reference/scene-file.md");
-    let [start, end] = if scene.contains("LatticeGas") { LATTICE_GAS } else { GRAINS };
+    let [start, end] = if scene.contains("LatticeGas(") { LATTICE_GAS } else { GRAINS };
     let section = reference.split_once(start).map_or("", |(_, rest)| rest.split_once(end).map_or(rest, |(it, _)| it));
     let mut last = "";
     section.lines().filter_map(move |line| {

@@ -280,16 +280,11 @@ impl Wall {
             Self::HalfPlane { velocity: Some(velocity), .. } => velocity.get(),
             _ => V::ZERO,
         };
-        let spin_of = |shape: &Surface<V>| match (shape, self) {
+        let spin_of = |shape: &Surface<V>| match (shape, self.spin()) {
             (
-                Surface::Revolved(shape),
-                Self::Cylinder { spin: Some(spin), .. }
-                | Self::Cone { spin: Some(spin), .. }
-                | Self::Annulus { spin: Some(spin), .. },
-            ) => V::narrow_spin(shape.axis.spread() * spin.get()),
-            (Surface::SphericalZone(shape), Self::SphericalZone { spin: Some(spin), .. }) => {
-                V::narrow_spin(shape.axis.spread() * spin.get())
-            }
+                Surface::Revolved(Revolved { axis, .. }) | Surface::SphericalZone(SphericalZone { axis, .. }),
+                Some(spin),
+            ) => V::narrow_spin(axis.spread() * spin.get()),
             _ => V::Spin::ZERO,
         };
         let surface = |shape: Surface<V>| {
@@ -358,16 +353,23 @@ impl Wall {
         }
     }
 
+    /// Returns the angular velocity about the axis, rad/s.
+    fn spin(&self) -> Option<Finite> {
+        match *self {
+            Self::Cylinder { spin, .. }
+            | Self::Cone { spin, .. }
+            | Self::Annulus { spin, .. }
+            | Self::SphericalZone { spin, .. } => spin,
+            _ => None,
+        }
+    }
+
     /// Whether the wall moves along itself or about its axis, and keeps its place.
     #[must_use]
     pub fn moves_in_place(&self) -> bool {
         match self {
             Self::HalfPlane { velocity, .. } => velocity.is_some(),
-            Self::Cylinder { spin, .. }
-            | Self::Cone { spin, .. }
-            | Self::Annulus { spin, .. }
-            | Self::SphericalZone { spin, .. } => spin.is_some(),
-            _ => false,
+            _ => self.spin().is_some(),
         }
     }
 

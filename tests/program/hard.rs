@@ -689,13 +689,17 @@ fn a_sphere_that_blocks_a_funnel_comes_to_rest_on_its_axis() {
     }
 }
 
+/// Asserts that more than `least` grains have been released, and that all of them are inside.
+fn assert_all_inside(run: &Simulation, least: u32, integrator: &str) {
+    let ledger = run.world().resource::<Ledger>();
+    assert!(ledger.inside() == ledger.released && ledger.released > least, "{integrator}: {ledger:?}");
+}
+
 #[test]
 fn a_turning_bowl_holds_all_grains_and_does_the_work_that_the_balance_says() {
     for integrator in ["Verlet", "Centred"] {
         let mut run = through("bowl", &[("integrator", integrator)]);
-        let ledger = run.world().resource::<Ledger>();
-        let (released, inside) = (ledger.released, ledger.inside());
-        assert!(released == inside && released > 30, "{integrator}: {inside} of {released} are inside");
+        assert_all_inside(&run, 30, integrator);
         let grains = grains::<Solid>(&mut run);
         let lightest = grains.iter().map(|(_, _, mass)| *mass).fold(f64::INFINITY, f64::min);
         assert_energy_error_of_the_scheme(&run, (2.0 * 1e4 / lightest).sqrt() * 2e-5);
@@ -707,7 +711,7 @@ fn a_sphere_that_blocks_the_hole_of_a_bowl_comes_to_rest_on_its_axis() {
     for integrator in ["Verlet", "Centred"] {
         let mut run = through("bowl", &[("integrator", integrator), ("fill", "[]"), ("walls[0].spin", "0.0")]);
         let (x, v, mass) = grains::<Solid>(&mut run)[0];
-        // The edge is a circle of radius h, 49.9 mm below the centre. The one contact carries the whole weight: its overlap is m g R/(k z), with z
+        // The hole is a circle of radius 3.16 mm, 49.9 mm below the centre. The one contact carries the whole weight: its overlap is m g R/(k z), with z
         // the height of the sphere above the edge.
         let (radius, below) = (0.005f64, 0.0499f64);
         let hole = (0.05f64.powi(2) - below.powi(2)).sqrt();
@@ -723,9 +727,7 @@ fn a_sphere_that_blocks_the_hole_of_a_bowl_comes_to_rest_on_its_axis() {
 fn a_vessel_of_triangles_holds_all_grains_and_their_energy() {
     for integrator in ["Verlet", "Centred"] {
         let mut run = through("facets", &[("integrator", integrator)]);
-        let ledger = run.world().resource::<Ledger>();
-        let (released, inside) = (ledger.released, ledger.inside());
-        assert!(released == inside && released > 100, "{integrator}: {inside} of {released} are inside");
+        assert_all_inside(&run, 100, integrator);
         let grains = grains::<Solid>(&mut run);
         let below = grains.iter().filter(|(x, ..)| x.z < 0.066).count();
         assert!(below > 20 && below < grains.len() - 5, "{integrator}: {below} have passed the slot");
@@ -737,8 +739,7 @@ fn a_vessel_of_triangles_holds_all_grains_and_their_energy() {
 fn moving_walls_hold_all_grains_and_do_the_work_that_the_balance_says() {
     for integrator in ["Verlet", "Centred"] {
         let mut run = through("moving-walls", &[("integrator", integrator)]);
-        let ledger = run.world().resource::<Ledger>();
-        assert!(ledger.inside() == ledger.released && ledger.released > 60, "{ledger:?}");
+        assert_all_inside(&run, 60, integrator);
         let mass = planar(&mut run).iter().map(|(.., m)| *m).fold(f64::INFINITY, f64::min);
         assert_energy_error_of_the_scheme(&run, (2.0 * 1e5 / mass).sqrt() * 2e-5);
         let (_, flows, _) = balance(&run);

@@ -52,7 +52,10 @@ const GLASS: [f64; 3] = [0.382, 0.643, 0.279];
 /// Largest relative deviation of the friction of a steady layer from the tangent of its angle.
 const STEADY: f64 = 0.03;
 
-/// Angle from which on a layer may have no steady flow, degrees. There is such an angle (Silbert, Landry and Grest, Phys. Fluids 15, 1, 2003); its value is
+/// Smallest depth of a thick layer, diameters.
+const THICK: f64 = 28.5;
+
+/// Angle from which on a thick layer may have no steady flow, degrees. There is such an angle (Silbert, Landry and Grest, Phys. Fluids 15, 1, 2003); its value is
 /// the smallest of the full form's angles at which the layer accelerates.
 const STEEP: f64 = 28.0;
 
@@ -110,7 +113,7 @@ fn judgement_of(thick: &[Layer], angles: &[Vec<Layer>]) -> Judgement {
     let tangent = thick.first().map_or(f64::NAN, |it| it.angle.tan());
     rows.push(
         Row::new("depth of the thick layer", "d", depth)
-            .rule(Rule::Between(28.5, 100.0))
+            .rule(Rule::Between(THICK, 100.0))
             .remark("30 at a solid fraction of 0.57"),
     );
     rows.push(
@@ -136,10 +139,11 @@ fn judgement_of(thick: &[Layer], angles: &[Vec<Layer>]) -> Judgement {
         // The balance of momentum along the incline.
         let gain = 9.81 * (sine - friction.value * cosine);
         let is_steady = (friction.value * cosine / sine - 1.0).abs() <= STEADY;
-        rows.push(if is_steady || degrees < STEEP {
+        let is_thick = mean(layers, |it| it.depth).is_some_and(|depth| depth.value >= THICK);
+        rows.push(if is_steady || degrees < STEEP || !is_thick {
             row.remark("as above")
         } else {
-            row.known_miss(format!("no steady flow so steep: the layer gains {} m/s in a second", short(gain)))
+            row.known_miss(format!("no steady flow of so thick a layer: it gains {} m/s in a second", short(gain)))
         });
         rows.push(Row::of_mean(format!("{degrees} degrees: I"), "", Some(inertial)));
         points.push((inertial.value, friction.value));

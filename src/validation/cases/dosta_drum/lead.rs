@@ -3,7 +3,7 @@
 //! The deviation at a shift s is the root of the mean of ((n(t - s) - m(t))/N)^2 over all zones and published times t, with the count n of siloflow, the mean m of both codes,
 //! and the number N of grains of the material. The lead is the shift with the least deviation.
 
-use crate::validation::numbers::interpolated;
+use crate::validation::numbers::{interpolated, mean};
 use crate::validation::verdict::{Judgement, Row};
 
 /// A material in a zone.
@@ -16,7 +16,7 @@ pub(super) struct Zone {
     pub(super) grains: f64,
 }
 
-/// The end of the comparison, s: the end of the stiffest run, less the largest shift.
+/// The end of the comparison, s: the middle of the last average of the stiffest run, less the largest shift.
 const END: f64 = 2.35;
 
 /// Shifts that are tried, s.
@@ -26,15 +26,13 @@ fn shifts() -> impl Iterator<Item = f64> {
 
 /// Returns the deviation at a shift (s), a share of the grains.
 fn deviation(zones: &[Zone], shift: f64) -> f64 {
-    let square = |zone: &Zone, (time, mean): (f64, f64)| {
+    let square = |zone: &Zone, (time, of_codes): (f64, f64)| {
         let count = interpolated(&zone.counts, time - shift)?;
-        Some(((count - mean) / zone.grains).powi(2))
+        Some(((count - of_codes) / zone.grains).powi(2))
     };
-    let within =
-        |zone: &Zone| zone.codes.iter().copied().filter(|(time, _)| (0.3..END).contains(time)).collect::<Vec<_>>();
-    let squares: Vec<f64> =
-        zones.iter().flat_map(|zone| within(zone).into_iter().filter_map(|point| square(zone, point))).collect();
-    crate::validation::numbers::mean(squares).map_or(f64::NAN, |mean| mean.value.sqrt())
+    let points = zones.iter().flat_map(|zone| zone.codes.iter().map(move |point| (zone, *point)));
+    let within = points.filter(|(_, (time, _))| (0.3..END).contains(time));
+    mean(within.filter_map(|(zone, point)| square(zone, point))).map_or(f64::NAN, |mean| mean.value.sqrt())
 }
 
 /// Adds the deviation of a run, its lead, and its deviation at that shift.
