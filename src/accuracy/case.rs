@@ -106,10 +106,10 @@ impl Case {
             let times: Vec<f64> = moments.iter().map(|moment| moment.0).collect();
             let states = self.states(system, &times, &mut error);
             for (number, answers) in answers.iter_mut().enumerate() {
-                for copy in 0..self.phases() as usize {
+                for (copy, began) in self.start_delays(steps[number]).into_iter().enumerate() {
                     let find = |is_end| moments.iter().position(|m| (m.1, m.2, m.3) == (number, copy, is_end));
                     let state = |is_end| find(is_end).map_or_else(|| system.start(), |at| states[at].clone());
-                    answers.push(Answer { system: system.clone(), start: state(false), end: state(true) });
+                    answers.push(Answer { system: system.clone(), began, start: state(false), end: state(true) });
                 }
             }
         }
@@ -166,6 +166,8 @@ impl Case {
 pub struct Answer {
     /// The copied system.
     pub system: System,
+    /// Time of the system at the start of the run, s.
+    pub began: f64,
     /// State at the start of the run.
     pub start: State,
     /// Exact state at the end of the run.

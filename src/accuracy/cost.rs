@@ -24,7 +24,7 @@ pub fn measure(rounds: usize) -> Vec<Option<f64>> {
     let case = bed();
     let dt = case.contact_duration / STEPS_PER_CONTACT;
     let system = &case.systems[0];
-    let answer = super::case::Answer { system: system.clone(), start: system.start(), end: system.start() };
+    let answer = super::case::Answer { system: system.clone(), began: 0.0, start: system.start(), end: system.start() };
     let mut times = vec![Vec::new(); SCHEMES.len()];
     for _ in 0..rounds {
         for (scheme, times) in SCHEMES.iter().zip(&mut times) {

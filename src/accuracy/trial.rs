@@ -1,5 +1,6 @@
 //! One trial: a case with one step and one scheme, run as a scene in the simulator's own app.
 
+use std::f64::consts::TAU;
 use std::fmt::Write as _;
 use std::num::NonZeroUsize;
 use std::path::Path;
@@ -9,7 +10,7 @@ use glam::DVec2;
 
 use super::Scheme;
 use super::case::{Answer, Case};
-use super::reference::{Floor, Law, Rolling, State, System};
+use super::reference::{Floor, Law, Rolling, State, System, Vibration};
 use crate::behaviour::Registry;
 use crate::fault::Fault;
 use crate::grains::file::GrainRow;
@@ -27,9 +28,9 @@ use crate::spin::Spin;
 /// If a check of the scene refuses it.
 pub fn scene(name: &str, answers: &[Answer], scheme: &Scheme, dt: f64, until: f64) -> Result<Loaded, Fault> {
     let Some(first) = answers.first() else { return Err(Fault::new("accuracy::empty", "the case has no system")) };
-    let text = scene_text(&first.system, scheme, dt, until);
-    let mut loaded = load::from_text(&format!("{name}.ron"), name, Path::new(""), text, &[])?;
     let width = spacing(answers);
+    let text = scene_text(&first.system, &floors(answers, width), scheme, dt, until);
+    let mut loaded = load::from_text(&format!("{name}.ron"), name, Path::new(""), text, &[])?;
     for (copy, answer) in answers.iter().enumerate() {
         for (i, disc) in answer.system.discs.iter().enumerate() {
             let number = u32::try_from(copy * answer.system.discs.len() + i + 1).unwrap_or(u32::MAX);
@@ -106,9 +107,39 @@ fn states(simulation: &mut Simulation, answers: &[Answer]) -> Vec<State> {
     (0..answers.len()).map(state_of_copy).collect()
 }
 
-/// Returns the scene's text, without grains.
-fn scene_text(system: &System, scheme: &Scheme, dt: f64, until: f64) -> String {
-    let vector = |v: DVec2| format!("({:?}, {:?})", v.x, v.y);
+fn vector(v: DVec2) -> String {
+    format!("({:?}, {:?})", v.x, v.y)
+}
+
+/// Returns the keys of the floors. All copies stand on the floors at rest. Each has a piece of its own of a floor that vibrates, because
+/// it began at a phase of its own. `width` is the distance of the copies, m.
+fn floors(answers: &[Answer], width: f64) -> String {
+    let (mut walls, mut motions) = (String::new(), String::new());
+    for Floor { point, normal, .. } in
+        answers.first().into_iter().flat_map(|answer| &answer.system.floors).filter(|floor| floor.vibration.is_none())
+    {
+        // Writing to a string cannot fail.
+        let _ = write!(walls, "HalfPlane(point: {}, normal: {}), ", vector(*point), vector(*normal));
+    }
+    for (copy, answer) in answers.iter().enumerate() {
+        for (number, floor) in answer.system.floors.iter().enumerate() {
+            let Some(Vibration { amplitude, frequency }) = floor.vibration else { continue };
+            let middle = floor.point + floor.motion(answer.began)[0] + offset(width, copy);
+            let [from, to] = [-0.5, 0.5].map(|share| vector(middle + floor.normal.perp() * share * width));
+            let (name, amplitude, phase) =
+                (format!("{copy} {number}"), vector(amplitude), TAU * frequency * answer.began);
+            let _ = write!(walls, "Segment(from: {from}, to: {to}, name: \"{name}\"), ");
+            let _ = write!(
+                motions,
+                "(walls: \"{name}\", translate: Oscillate(amplitude: {amplitude}, frequency: {frequency:?}, phase: {phase:?})), "
+            );
+        }
+    }
+    format!("walls: [{walls}], motions: [{motions}]")
+}
+
+/// Returns the scene's text, without grains. `floors` has the keys of the floors.
+fn scene_text(system: &System, floors: &str, scheme: &Scheme, dt: f64, until: f64) -> String {
     let contact = match system.law {
         Law::Full { k, b } => format!("Assignment(k: {k:?}, b: {b:?})"),
         Law::Linear { k, e, attracts, friction } => {
@@ -135,13 +166,8 @@ fn scene_text(system: &System, scheme: &Scheme, dt: f64, until: f64) -> String {
              materials: [(young: {young:?}, poisson: {poisson:?})]"
         ),
     };
-    let mut walls = String::new();
-    for Floor { point, normal } in &system.floors {
-        // Writing to a string cannot fail.
-        let _ = write!(walls, "HalfPlane(point: {}, normal: {}), ", vector(*point), vector(*normal));
-    }
     format!(
-        "(gravity: {}, contact: {contact}, walls: [{walls}], integrator: {}, step: Fixed({dt:?}), until: {until:?}, \
+        "(gravity: {}, contact: {contact}, {floors}, integrator: {}, step: Fixed({dt:?}), until: {until:?}, \
          pictures: None)",
         vector(system.gravity),
         scheme.name()

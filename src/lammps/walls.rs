@@ -99,6 +99,10 @@ pub(super) fn walls(loaded: &Loaded, laws: &Laws) -> Result<Walls, Fault> {
 
 fn check(loaded: &Loaded, wall: &Wall, key: &str) -> Result<(), Fault> {
     let (message, help) = match wall {
+        _ if !matches!(wall.cuts(), (None, None)) => (
+            "LAMMPS has no region for a wall with a hole, or for a part of one",
+            "use panels, cylinders and cones without `hole` and `patch`",
+        ),
         Wall::Polygon { .. } | Wall::Mesh { .. } => {
             ("walls of triangles need LAMMPS of July 2026 or later, and are not written", "build the wall from panels")
         }

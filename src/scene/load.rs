@@ -501,7 +501,7 @@ impl Loaded {
         let surfaces: Vec<_> = self.surfaces_in_scene::<V>().into_iter().enumerate().collect();
         let walls: Vec<_> = self.scene.walls.iter().filter(|wall| wall.is_surface()).collect();
         let home = |belongs: &dyn Fn(&SurfaceWall<V>) -> bool| {
-            surfaces.iter().filter(|(_, surface)| belongs(surface)).copied().collect()
+            surfaces.iter().filter(|(_, surface)| belongs(surface)).cloned().collect()
         };
         let motions = self.scene.motions.iter().map(|motion| {
             let home = home(&|surface| walls[surface.number].name() == Some(&motion.walls));
@@ -523,7 +523,7 @@ impl Loaded {
         let surfaces = if self.scene.wall_bands.is_empty() { Vec::new() } else { self.surfaces::<V>() };
         let samplers = self.scene.wall_bands.iter().map(|bands| {
             let walls: Vec<_> = (0..names.len()).filter(|&number| names[number] == Some(&bands.walls)).collect();
-            let own = surfaces.iter().filter(|wall| walls.contains(&wall.number)).map(|wall| wall.surface);
+            let own = surfaces.iter().filter(|wall| walls.contains(&wall.number)).map(|wall| wall.surface.clone());
             let own: Vec<_> = own.collect();
             BandSampler::new(bands.clone(), walls, &own)
         });

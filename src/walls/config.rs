@@ -8,12 +8,14 @@ use serde::{Deserialize, Serialize};
 use crate::particle::Species;
 use crate::space::{Linear, Solid, Space};
 use crate::values::{Finite, FiniteVector, NonNegative, Positive};
+use crate::walls::figure::Figure;
 use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::shapes::panel::Panel;
 use crate::walls::shapes::revolved::Revolved;
 use crate::walls::shapes::segment::Segment;
 use crate::walls::shapes::spherical_zone::SphericalZone;
 use crate::walls::shapes::triangle::Triangle;
+use crate::walls::shapes::trimmed::{Trimmed, Whole};
 use crate::walls::shapes::{Shape as _, box_around};
 use crate::walls::silo_file::LengthUnit;
 use crate::walls::surfaces::{Surface, SurfaceWall};
@@ -67,6 +69,12 @@ pub enum Wall {
         along: FiniteVector,
         /// Other edge vector from the corner, m, at right angles to `along`.
         across: FiniteVector,
+        /// Outline of a hole. Default: no hole.
+        #[serde(default)]
+        hole: Option<Figure>,
+        /// Outline of the part of the wall that is left, such as the lid of a hole. Default: the whole wall.
+        #[serde(default)]
+        patch: Option<Figure>,
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
@@ -125,6 +133,12 @@ pub enum Wall {
         /// Angular velocity about the axis, rad/s, positive by the right-hand rule from `from` to `to`. Default 0.
         #[serde(default)]
         spin: Option<Finite>,
+        /// Outline of a hole. Default: no hole.
+        #[serde(default)]
+        hole: Option<Figure>,
+        /// Outline of the part of the wall that is left, such as the lid of a hole. Default: the whole wall.
+        #[serde(default)]
+        patch: Option<Figure>,
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
@@ -146,6 +160,12 @@ pub enum Wall {
         /// Angular velocity about the axis, rad/s, as for a cylinder. Default 0.
         #[serde(default)]
         spin: Option<Finite>,
+        /// Outline of a hole. Default: no hole.
+        #[serde(default)]
+        hole: Option<Figure>,
+        /// Outline of the part of the wall that is left, such as the lid of a hole. Default: the whole wall.
+        #[serde(default)]
+        patch: Option<Figure>,
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
@@ -170,6 +190,12 @@ pub enum Wall {
         /// Angular velocity about the axis, rad/s, positive by the right-hand rule along `normal`. Default 0.
         #[serde(default)]
         spin: Option<Finite>,
+        /// Outline of a hole. Default: no hole.
+        #[serde(default)]
+        hole: Option<Figure>,
+        /// Outline of the part of the wall that is left, such as the lid of a hole. Default: the whole wall.
+        #[serde(default)]
+        patch: Option<Figure>,
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
@@ -230,17 +256,20 @@ impl Wall {
             }
             Self::Segment { from, to, .. } => Surface::Segment(Segment { from: vector(from), to: vector(to) }),
             Self::Panel { corner, along, across, .. } => {
-                Surface::Panel(Panel { corner: vector(corner), along: vector(along), across: vector(across) })
+                let panel = Panel { corner: vector(corner), along: vector(along), across: vector(across) };
+                self.trimmed(Whole::Panel(panel), &vector)
             }
             Self::Cylinder { from, to, radius, .. } => {
-                Surface::Revolved(Revolved::between(vector(from), vector(to), [radius.get(); 2]))
+                let cylinder = Revolved::between(vector(from), vector(to), [radius.get(); 2]);
+                self.trimmed(Whole::Revolved(cylinder), &vector)
             }
             Self::Cone { from, to, radii, .. } => {
-                Surface::Revolved(Revolved::between(vector(from), vector(to), <[_; 2]>::from(radii).map(radius)))
+                let cone = Revolved::between(vector(from), vector(to), <[_; 2]>::from(radii).map(radius));
+                self.trimmed(Whole::Revolved(cone), &vector)
             }
             Self::Annulus { centre, normal, inner, outer, .. } => {
                 let radii = [inner.map_or(0.0, radius), outer.get()];
-                Surface::Revolved(Revolved::ring(vector(centre), vector(normal), radii))
+                self.trimmed(Whole::Revolved(Revolved::ring(vector(centre), vector(normal), radii)), &vector)
             }
             Self::SphericalZone { centre, radius, axis, heights, .. } => {
                 let (axis, radius) = (axis.map_or_else(|| V::narrow(Solid::Z), &vector), radius.get());
@@ -255,6 +284,33 @@ impl Wall {
             Self::Disc { .. } => return Vec::new(),
         };
         vec![shape]
+    }
+
+    /// Returns the surface with the hole of the wall, or its part inside the patch.
+    fn trimmed<V: Space>(&self, whole: Whole<V>, vector: impl Fn(FiniteVector) -> V) -> Surface<V> {
+        let (hole, patch) = self.cuts();
+        if let Some(hole) = hole {
+            return Surface::Trimmed(Box::new(Trimmed::with_hole(whole, hole.prism(&whole, vector))));
+        }
+        if let Some(patch) = patch {
+            return Surface::Trimmed(Box::new(Trimmed::patch(whole, patch.prism(&whole, vector))));
+        }
+        match whole {
+            Whole::Panel(panel) => Surface::Panel(panel),
+            Whole::Revolved(shape) => Surface::Revolved(shape),
+        }
+    }
+
+    /// Returns the outlines of the hole and of the patch.
+    #[must_use]
+    pub fn cuts(&self) -> (Option<&Figure>, Option<&Figure>) {
+        match self {
+            Self::Panel { hole, patch, .. }
+            | Self::Cylinder { hole, patch, .. }
+            | Self::Cone { hole, patch, .. }
+            | Self::Annulus { hole, patch, .. } => (hole.as_ref(), patch.as_ref()),
+            _ => (None, None),
+        }
     }
 
     /// Returns the triangles of a polygon or a mesh, m; none for another wall.
@@ -388,6 +444,16 @@ impl Wall {
     /// Returns the vectors of the wall with their keys.
     #[must_use]
     pub fn vectors(&self) -> Vec<(String, FiniteVector)> {
+        let (hole, patch) = self.cuts();
+        let of_cut = |key: &'static str, figure: Option<&Figure>| {
+            let vectors = figure.map(Figure::vectors).unwrap_or_default();
+            vectors.into_iter().map(move |(name, vector)| (format!("{key}.{name}"), vector))
+        };
+        self.own_vectors().into_iter().chain(of_cut("hole", hole)).chain(of_cut("patch", patch)).collect()
+    }
+
+    /// Returns the vectors of the wall without its hole, with their keys.
+    fn own_vectors(&self) -> Vec<(String, FiniteVector)> {
         let named = |names: &[&str], vectors: &[FiniteVector]| {
             names.iter().map(|name| (*name).to_owned()).zip(vectors.iter().copied()).collect()
         };

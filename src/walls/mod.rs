@@ -2,8 +2,10 @@
 //! a way out.
 
 pub(crate) mod area;
+pub(crate) mod clip;
 pub mod config;
 pub mod conveyor;
+pub mod figure;
 pub(crate) mod mesh;
 pub(crate) mod mesh_faults;
 pub mod motion;

@@ -199,7 +199,7 @@ impl<V: Space> Surfaces<V> {
         });
         motions.any(|(mover, from, to)| {
             let present = mover.home.iter().filter(|(index, _)| self.all[*index].is_present);
-            present.map(|(_, wall)| wall.surface).any(|surface| surface.crossing(from, to).is_some())
+            present.map(|(_, wall)| &wall.surface).any(|surface| surface.crossing(from, to).is_some())
         })
     }
 }

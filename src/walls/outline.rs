@@ -68,7 +68,7 @@ impl Outline {
             links_by_cell: FxHashMap::default(),
             half_planes,
             orifice: orifice(walls, door),
-            doors: surfaces.iter().filter_map(|wall| Some((wall.door?, wall.surface))).collect(),
+            doors: surfaces.iter().filter_map(|wall| Some((wall.door?, wall.surface.clone()))).collect(),
             bounds: bounds.map(|(low, high)| [low, high]),
         };
         for (index, link) in outline.links.iter().enumerate() {
@@ -260,7 +260,7 @@ mod tests {
             name: None,
             door: false,
         };
-        let floor = wall.surfaces(0)[0];
+        let floor = wall.surfaces(0).remove(0);
         let open = Outline::new(&discs(&[(0.0, 2.0)]), &[], &[floor], 0.1);
         assert_eq!(open.beyond(Vector::new(0.0, 3.0), Vector::new(1.0, 3.0)), None, "a floor has no lateral bounds");
     }

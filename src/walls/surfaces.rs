@@ -28,11 +28,12 @@ use crate::walls::shapes::revolved::Revolved;
 use crate::walls::shapes::segment::Segment;
 use crate::walls::shapes::spherical_zone::SphericalZone;
 use crate::walls::shapes::triangle::Triangle;
+use crate::walls::shapes::trimmed::Trimmed;
 use crate::walls::shapes::{Nearest, Shape, box_around};
 use crate::walls::surface_index::{Candidates, SurfaceIndex};
 
 /// The shape of a wall.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(bound = "")]
 pub enum Surface<V: Space = Plane> {
     /// Solid behind the surface.
@@ -47,6 +48,8 @@ pub enum Surface<V: Space = Plane> {
     Revolved(Revolved<V>),
     /// A thin part of a sphere, in solid space.
     SphericalZone(SphericalZone<V>),
+    /// A panel, cylinder, cone or ring with a hole, or the part of it that fills a hole. Boxed, because it is twice as large as the others.
+    Trimmed(Box<Trimmed<V>>),
 }
 
 impl<V: Space> Surface<V> {
@@ -60,6 +63,7 @@ impl<V: Space> Surface<V> {
             Self::Triangle(shape) => shape.0[0],
             Self::Revolved(shape) => shape.base,
             Self::SphericalZone(shape) => shape.centre,
+            Self::Trimmed(shape) => shape.whole.reference(),
         }
     }
 
@@ -71,6 +75,7 @@ impl<V: Space> Surface<V> {
             Self::Triangle(shape) => shape,
             Self::Revolved(shape) => shape,
             Self::SphericalZone(shape) => shape,
+            Self::Trimmed(shape) => &**shape,
         }
     }
 
@@ -92,6 +97,7 @@ impl<V: Space> Shape<V> for Surface<V> {
             Self::Triangle(shape) => shape.nearest(x),
             Self::Revolved(shape) => shape.nearest(x),
             Self::SphericalZone(shape) => shape.nearest(x),
+            Self::Trimmed(shape) => shape.nearest(x),
         }
     }
 
@@ -111,6 +117,7 @@ impl<V: Space> Shape<V> for Surface<V> {
             Self::Triangle(shape) => Self::Triangle(shape.placed(pose)),
             Self::Revolved(shape) => Self::Revolved(shape.placed(pose)),
             Self::SphericalZone(shape) => Self::SphericalZone(shape.placed(pose)),
+            Self::Trimmed(shape) => Self::Trimmed(Box::new(shape.placed(pose))),
         }
     }
 
@@ -151,7 +158,7 @@ impl<V: Space> AddAssign for WallLoad<V> {
 }
 
 /// A wall surface: a wall of the scene, or a triangle of one.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Debug, Deserialize, Serialize)]
 #[serde(bound = "")]
 pub struct SurfaceWall<V: Space = Plane> {
     /// Geometry.
@@ -178,9 +185,9 @@ impl<V: Space> SurfaceWall<V> {
     #[must_use]
     pub fn still(surface: Surface<V>, species: Species) -> Self {
         Self {
-            surface,
             number: 0,
             reference: surface.reference(),
+            surface,
             velocity: V::ZERO,
             spin: V::Spin::ZERO,
             species,

@@ -71,6 +71,7 @@ fn centred_scheme_is_of_second_order_and_never_worse_than_verlet() {
         "bounce-at-start",
         "stacked-pair",
         "slip-to-roll",
+        "vibrating-floor",
         "column",
     ];
     for name in names {
@@ -104,6 +105,7 @@ fn verlet_is_of_first_order_in_every_damped_case() {
         "mindlin-stuck",
         "stacked-pair",
         "slip-to-roll",
+        "vibrating-floor",
         "column",
     ];
     for name in names {

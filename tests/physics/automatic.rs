@@ -44,7 +44,7 @@ impl Impact {
         let contact_duration = self.contact_duration();
         let start = DVec2::new(0.0, R + 0.3 * contact_duration);
         let discs = vec![disc(R, M, start, DVec2::new(self.along, -1.0))];
-        let floors = vec![Floor { point: DVec2::ZERO, normal: DVec2::Y }];
+        let floors = vec![Floor::still(DVec2::ZERO, DVec2::Y)];
         Case {
             name: "impact",
             title: "impact",
@@ -88,7 +88,7 @@ fn impacts(e: f64) -> Vec<Impact> {
 /// Returns the automatic step of a scene of this impact alone, s.
 fn automatic_step(case: &Case, scheme: usize, error: f64) -> f64 {
     let start = case.systems[0].start();
-    let answer = Answer { system: case.systems[0].clone(), start: start.clone(), end: start };
+    let answer = Answer { system: case.systems[0].clone(), began: 0.0, start: start.clone(), end: start };
     let loaded = trial::scene("impact", &[answer], &SCHEMES[scheme], 1.0e-6, 1.0).unwrap();
     automatic(&Estimates::of(&loaded).unwrap(), error).dt
 }

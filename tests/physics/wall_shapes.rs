@@ -107,6 +107,8 @@ fn keys(walls: &str, contact: &str, dt: f64, gravity: &str) -> String {
 
 const SQUARE: &str = "[(-1.0, -1.0, 0.0), (1.0, -1.0, 0.0), (1.0, 1.0, 0.0), (-1.0, 1.0, 0.0)]";
 
+const SLOT: &str = "Rectangle(centre: (0.0, 0.0, 0.0), along: (0.06, 0.03, 0.0), across: (-0.1, 0.2, 0.0))";
+
 const WEIGHT: &str = "(0.0, 0.0, -9.81)";
 
 #[test]
@@ -129,6 +131,16 @@ fn a_sphere_rolls_over_seams_as_over_one_panel() {
             panel(-1.0, -1.0, 1.0, 1.0),
         ],
         vec![ring(0.05, 1.0), ring(0.0, 0.05)],
+        vec![
+            panel(-1.0, -1.0, 2.0, 2.0)
+                .replace("Panel(", "Panel(hole: Circle(centre: (0.0, 0.0, 0.0), radius: 0.05), "),
+            panel(-1.0, -1.0, 2.0, 2.0)
+                .replace("Panel(", "Panel(patch: Circle(centre: (0.0, 0.0, 0.0), radius: 0.05), "),
+        ],
+        vec![
+            ring(0.0, 1.0).replace("Annulus(", &format!("Annulus(patch: {SLOT}, ")),
+            ring(0.0, 1.0).replace("Annulus(", &format!("Annulus(hole: {SLOT}, ")),
+        ],
         vec![format!("Polygon(points: {SQUARE})")],
         vec![format!("Polygon(points: {SQUARE}, hole: [(0.3, 0.3, 0.0), (0.5, 0.3, 0.0), (0.4, 0.5, 0.0)])")],
     ];
@@ -165,34 +177,35 @@ fn energy(simulation: &mut Simulation) -> f64 {
 
 #[test]
 fn a_sphere_slides_over_ridges_without_a_change_of_energy() {
-    // A ridge of two panels at 100 degrees, a rod on a plate's rim, and the upper rim of a cone, without friction and
-    // damping: the energy of a grain is that of its distance from the union of the walls, which has no jump.
+    // A ridge of two panels at 100 degrees, a rod on a plate's rim, the upper rim of a cone, and the rims of slots in a plate and
+    // in a cone, without friction and damping: the energy of a grain is that of its distance from the union of the walls,
+    // which has no jump.
     let contact = "Linear(k: 1.0e4, damping: B(0.0))";
     let left = "Panel(corner: (-0.1, -1.0, -0.03), along: (0.1, 0.0, 0.03), across: (0.0, 2.0, 0.0))";
     let right = "Panel(corner: (0.1, -1.0, -0.05), along: (-0.1, 0.0, 0.05), across: (0.0, 2.0, 0.0))";
+    // A grain starts at the overlap of its weight, and slides slowly towards the edge.
+    let upwards = Solid::new(-0.03, 0.0, 0.1).normalize();
+    let to_the_ridge = (Solid::new(-0.02, 0.0, -0.006) + upwards * 0.00999, Solid::new(0.8, 0.0, 0.24));
+    let to_the_rim = (Solid::new(0.22, 0.0, 0.00999), Solid::new(-0.4, 0.0, 0.0));
+    let inwards = Solid::new(-1.0, 0.0, 1.0).normalize();
+    let down_the_cone = (Solid::new(0.22, 0.03, -0.0777) + inwards * 0.00999, Solid::new(-0.3, 0.0, -0.3));
+    let slot = "hole: Rectangle(centre: (0.0, 0.0, 0.0), along: (0.4, 0.0, 0.0), across: (0.0, 0.3, 0.0))";
     let ridges = [
-        (format!("{left}, {right}"), 0.0),
-        (format!("{right}, {left}"), 0.0),
-        (format!("{right}, {left}, Segment(from: (0.0, -1.0, 0.0), to: (0.0, 1.0, 0.0))"), 0.0),
+        (format!("{left}, {right}"), to_the_ridge),
+        (format!("{right}, {left}"), to_the_ridge),
+        (format!("{right}, {left}, Segment(from: (0.0, -1.0, 0.0), to: (0.0, 1.0, 0.0))"), to_the_ridge),
         (
             "Annulus(centre: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0), inner: 0.2, outer: 0.4), \
              Cone(from: (0.0, 0.0, 0.0), to: (0.0, 0.0, -0.1), radii: (0.2, 0.1))"
                 .to_owned(),
-            0.2,
+            to_the_rim,
         ),
+        (format!("Annulus(centre: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0), outer: 0.4, {slot})"), to_the_rim),
+        (format!("Cone(from: (0.0, 0.0, -0.3), to: (0.0, 0.0, 0.1), radii: (0.0, 0.4), {slot})"), down_the_cone),
     ];
-    for (walls, edge) in ridges {
+    for (walls, (start, speed)) in ridges {
         let change = |dt: f64| {
             let keys = keys(&walls, contact, dt, WEIGHT);
-            // Slides slowly towards the edge, at the overlap of its weight.
-            let way = if edge > 0.0 { -1.0 } else { 1.0 };
-            let start = if edge > 0.0 {
-                Solid::new(0.22, 0.0, 0.00999)
-            } else {
-                let up = Solid::new(-0.03, 0.0, 0.1).normalize();
-                Solid::new(-0.02, 0.0, -0.006) + up * 0.00999
-            };
-            let speed = if edge > 0.0 { Solid::new(0.4 * way, 0.0, 0.0) } else { Solid::new(0.1, 0.0, 0.03) * 8.0 };
             let mut simulation =
                 simulation(&format!("{keys}, integrator: Verlet"), vec![sphere(1, start, speed, 0.01, 0.01)]);
             simulation.run_steps(0);

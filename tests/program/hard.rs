@@ -724,6 +724,31 @@ fn a_sphere_that_blocks_the_hole_of_a_bowl_comes_to_rest_on_its_axis() {
 }
 
 #[test]
+fn grains_leave_through_holes_in_round_walls_and_none_is_lost() {
+    for integrator in ["Verlet", "Centred"] {
+        let shut = through("holes", &[("integrator", integrator), ("doors", "[]"), ("until", "0.5")]);
+        assert_all_inside(&shut, 100, integrator);
+        let mut run = simulation(&load("hard/holes.ron", &[("integrator", integrator)]), 1);
+        run.run_steps(24_990);
+        let [above, through_the_side] =
+            [run.world().resource::<Ledger>().inside(), run.world().resource::<Ledger>().out()];
+        assert!(
+            above > 50 && through_the_side > 20,
+            "{integrator}: {above} inside, {through_the_side} out at the side"
+        );
+        run.run();
+        assert_finite_and_accounted(&mut run);
+        let ledger = run.world().resource::<Ledger>();
+        assert_eq!((ledger.out(), ledger.lost()), (ledger.released, 0), "{integrator}");
+        // The lightest grain, and two contacts with it.
+        assert_energy_error_of_the_scheme(
+            &run,
+            (2.0 * 1e4 / (4.0 / 3.0 * PI * 2500.0 * 4e-3f64.powi(3))).sqrt() * 2e-5,
+        );
+    }
+}
+
+#[test]
 fn a_vessel_of_triangles_holds_all_grains_and_their_energy() {
     for integrator in ["Verlet", "Centred"] {
         let mut run = through("facets", &[("integrator", integrator)]);

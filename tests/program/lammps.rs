@@ -524,6 +524,11 @@ fn what_does_not_map_is_refused_with_its_key_and_nothing_is_written() {
             "walls[0]",
             "flat ring",
         ),
+        (
+            solid(linear, "Panel(corner: (0.0, 0.0, 0.0), along: (0.6, 0.0, 0.0), across: (0.0, 0.6, 0.0), hole: Circle(centre: (0.3, 0.3, 0.0), radius: 0.1))"),
+            "walls[0]",
+            "wall with a hole",
+        ),
         (solid(linear, "SphericalZone(centre: (0.3, 0.3, 0.3), radius: 0.3)"), "walls[0]", "part of a sphere"),
         (
             solid(linear, &format!("{plane}, Cylinder(from: (0.3, 0.3, 0.0), to: (0.4, 0.3, 0.6), radius: 0.3)")),

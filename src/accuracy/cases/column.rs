@@ -12,7 +12,7 @@ pub(super) fn case() -> Case {
     let gap = 0.3 * speed * contact_duration;
     let height = |i: u32| f64::from(i) * (2.0 * radius + 0.3 * gap) + radius + 1.5 * gap;
     let discs = (0..10).map(|i| disc(radius, mass, DVec2::new(0.0, height(i)), DVec2::new(0.0, -speed))).collect();
-    let floors = vec![Floor { point: DVec2::ZERO, normal: DVec2::Y }];
+    let floors = vec![Floor::still(DVec2::ZERO, DVec2::Y)];
     Case {
         name: "column",
         title: "settling column of ten, e = 0.5",

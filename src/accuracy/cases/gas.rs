@@ -43,7 +43,7 @@ fn system(seed: u64) -> System {
 
 /// Returns two side walls, a floor, and a lid if `height` is given (m).
 pub(super) fn walls(width: f64, height: Option<f64>) -> Vec<Floor> {
-    let wall = |x: f64, y: f64, normal: DVec2| Floor { point: DVec2::new(x, y), normal };
+    let wall = |x: f64, y: f64, normal: DVec2| Floor::still(DVec2::new(x, y), normal);
     let mut walls = vec![wall(0.0, 0.0, DVec2::Y), wall(0.0, 0.0, DVec2::X), wall(width, 0.0, DVec2::NEG_X)];
     walls.extend(height.map(|height| wall(0.0, height, DVec2::NEG_Y)));
     walls

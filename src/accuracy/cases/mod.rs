@@ -9,6 +9,7 @@ mod gas;
 mod oblique;
 mod roll;
 mod stacked;
+mod vibrating_floor;
 
 pub use self::bed::bed;
 use super::case::Case;
@@ -31,6 +32,6 @@ pub fn all() -> Vec<Case> {
     cases.extend(bounce::cases());
     cases.extend(chain::cases());
     cases.extend(oblique::cases());
-    cases.extend([stacked::case(), roll::case(), gas::case(), column::case(), bed()]);
+    cases.extend([stacked::case(), roll::case(), vibrating_floor::case(), gas::case(), column::case(), bed()]);
     cases
 }

@@ -81,7 +81,7 @@ fn rough(name: &'static str, title: &'static str, law: Law, v: DVec2) -> Case {
         _ => 5.6e-3,
     };
     let start = DVec2::new(0.0, R + 0.3 * contact_duration * -v.y);
-    let floors = vec![Floor { point: DVec2::ZERO, normal: DVec2::Y }];
+    let floors = vec![Floor::still(DVec2::ZERO, DVec2::Y)];
     Case {
         name,
         title,

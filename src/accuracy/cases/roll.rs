@@ -14,7 +14,7 @@ pub(super) fn case() -> Case {
     let drop = 0.5 * g * (0.5 * contact_duration).powi(2);
     let friction = Some(Friction { k: 0.29 * k, share: 0.5, mu: 0.3, rolling: None });
     let law = Law::Linear { k, e, attracts: false, friction };
-    let floors = vec![Floor { point: DVec2::ZERO, normal: DVec2::Y }];
+    let floors = vec![Floor::still(DVec2::ZERO, DVec2::Y)];
     let discs = vec![disc(radius, mass, DVec2::new(0.0, radius + drop), DVec2::new(speed, 0.0))];
     Case {
         name: "slip-to-roll",

@@ -11,7 +11,7 @@ pub(super) fn case() -> Case {
     let (top, g) = (3.6 * radius, 9.81);
     let contact_duration = duration(k, e, true, 2.0 / 3.0 * mass);
     let at = |share: f64| DVec2::new(0.0, share * top);
-    let floors = vec![Floor { point: DVec2::ZERO, normal: DVec2::Y }, Floor { point: at(1.0), normal: DVec2::NEG_Y }];
+    let floors = vec![Floor::still(DVec2::ZERO, DVec2::Y), Floor::still(at(1.0), DVec2::NEG_Y)];
     let discs = vec![disc(radius, 2.0 * mass, at(0.27), DVec2::ZERO), disc(radius, mass, at(0.75), DVec2::ZERO)];
     Case {
         name: "stacked-pair",

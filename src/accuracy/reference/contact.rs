@@ -42,7 +42,7 @@ pub enum Other {
     Floor(usize),
 }
 
-/// Position (m), velocity (m/s) and spin (rad/s) of one side. For a floor the values must be 0.
+/// Position (m), velocity (m/s) and spin (rad/s) of one side. Of a floor: its shift and its velocity.
 #[derive(Clone, Copy, Debug)]
 pub struct Side {
     pub x: DVec2,
@@ -135,7 +135,7 @@ impl Link {
             }
             Other::Floor(f) => {
                 let floor = &system.floors[f];
-                (floor.normal, radius - (a.x - floor.point).dot(floor.normal), radius * a.w)
+                (floor.normal, radius - (a.x - floor.point - b.x).dot(floor.normal), radius * a.w)
             }
         };
         let v = a.v - b.v;

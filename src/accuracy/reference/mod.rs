@@ -31,6 +31,8 @@ mod contact;
 mod moduli;
 pub mod path;
 
+use std::f64::consts::TAU;
+
 use glam::DVec2;
 
 /// Friction of [`Law::Linear`].
@@ -127,13 +129,41 @@ pub struct Disc {
     pub v: DVec2,
 }
 
-/// A fixed half-plane that discs touch: a floor, a side wall or a lid.
+/// A half-plane that discs touch: a floor, a side wall or a lid.
 #[derive(Clone, Copy, Debug)]
 pub struct Floor {
-    /// A point on the surface, m.
+    /// A point on the surface, m. If the floor vibrates, it is in the middle of the motion.
     pub point: DVec2,
     /// Unit normal towards the discs.
     pub normal: DVec2,
+    /// Vibration, if any.
+    pub vibration: Option<Vibration>,
+}
+
+/// A motion A sin(2 pi f t).
+#[derive(Clone, Copy, Debug)]
+pub struct Vibration {
+    /// Amplitude A, m.
+    pub amplitude: DVec2,
+    /// Frequency f, Hz.
+    pub frequency: f64,
+}
+
+impl Floor {
+    /// Returns the floor through a point (m), at rest.
+    #[must_use]
+    pub fn still(point: DVec2, normal: DVec2) -> Self {
+        Self { point, normal, vibration: None }
+    }
+
+    /// Returns shift (m) and velocity (m/s) at a time (s).
+    #[must_use]
+    pub fn motion(&self, time: f64) -> [DVec2; 2] {
+        let Some(Vibration { amplitude, frequency }) = self.vibration else { return [DVec2::ZERO; 2] };
+        let pulse = TAU * frequency;
+        let (sine, cosine) = (pulse * time).sin_cos();
+        [amplitude * sine, amplitude * (pulse * cosine)]
+    }
 }
 
 /// Discs, floors, gravity and a contact law. Discs start without spin.
@@ -145,7 +175,7 @@ pub struct System {
     pub law: Law,
     /// The moving discs.
     pub discs: Vec<Disc>,
-    /// The fixed half-planes.
+    /// The half-planes.
     pub floors: Vec<Floor>,
 }
 
@@ -174,7 +204,7 @@ impl System {
         }
     }
 
-    /// Returns the sum of kinetic, gravitational and elastic energy, J. Elastic energy counts linear normal springs only.
+    /// Returns the sum of kinetic, gravitational and elastic energy, J, with all floors at their `point`. Elastic energy counts linear normal springs only.
     #[must_use]
     pub fn energy(&self, state: &State) -> f64 {
         let k = match self.law {

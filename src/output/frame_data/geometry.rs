@@ -6,6 +6,7 @@
 //! | panel, triangle | two triangles, one triangle; polygons and meshes of a scene are triangles already |
 //! | cylinder, cone, annulus | [`SECTORS`] pairs of triangles |
 //! | spherical zone | rings of [`SECTORS`] pairs of triangles, as high as they are wide |
+//! | panel, cylinder, cone or annulus with a hole, or the part that fills a hole | convex pieces of the above, cut by a polygon of [`SECTORS`] sides |
 //! | half-plane, half-space | the line or square around the middle of the domain that reaches half its diagonal to each side |
 //!
 //! Limit: a polygon of [`SECTORS`] corners has 0.3 % less area than its circle.
@@ -15,6 +16,7 @@ use std::f64::consts::TAU;
 use super::WallGeometry;
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Linear as _, Solid, Space};
+use crate::walls::clip::share_edges;
 use crate::walls::config::Wall;
 use crate::walls::surfaces::{Surface, SurfaceWall};
 
@@ -85,6 +87,19 @@ fn add<V: Space>(wall: &mut WallGeometry, surface: &Surface<V>, domain: [Solid; 
             let axis = [shape.centre, shape.axis].map(V::spread);
             let (points, triangles) = turned(axis, &shape.profile(SECTORS / 2));
             add(&points, &[], &triangles);
+        }
+        Surface::Trimmed(shape) => {
+            let mut pieces: Vec<Vec<Solid>> =
+                shape.pieces(SECTORS).into_iter().map(|piece| piece.into_iter().map(V::spread).collect()).collect();
+            let size = (domain[1] - domain[0]).length();
+            share_edges(&mut pieces, 1e-9 * size);
+            for piece in pieces {
+                // Triangles round the middle, because corners may lie on an edge.
+                let corners = u32::try_from(piece.len()).unwrap_or(u32::MAX);
+                let middle = piece.iter().sum::<Solid>() / f64::from(corners);
+                let fan: Vec<_> = (0..corners).map(|n| [n, (n + 1) % corners, corners]).collect();
+                add(&[piece, vec![middle]].concat(), &[], &fan);
+            }
         }
     }
 }
@@ -163,8 +178,10 @@ mod tests {
     use crate::space::Plane;
     use crate::walls::shapes::half_plane::HalfPlane;
     use crate::walls::shapes::panel::Panel;
+    use crate::walls::shapes::prism::Prism;
     use crate::walls::shapes::revolved::Revolved;
     use crate::walls::shapes::spherical_zone::SphericalZone;
+    use crate::walls::shapes::trimmed::{Trimmed, Whole};
 
     const BOX: [Solid; 2] = [Solid::ZERO, Solid::new(3.0, 4.0, 12.0)];
 
@@ -194,9 +211,38 @@ mod tests {
         let share = area(&sphere) / (4.0 * 0.5 * TAU * 4.0);
         assert!(share < 1.0 && share > 1.0 - (2.0 * half).powi(2), "{share}");
         assert_eq!(sphere.triangles.len(), (SECTORS * (SECTORS - 2)) as usize);
+        // Without a round hole of 1 m^2 sqrt(2) in a slope of 45 degrees, as a polygon. Every edge but the borders and the rim belongs to two
+        // triangles.
+        let slope = Panel { corner: Solid::ZERO, along: Solid::new(3.0, 0.0, 3.0), across: Solid::Y * 4.0 };
+        let prism = Prism::circle(Solid::new(1.5, 2.0, 0.0), Solid::Z, 0.7);
+        let hole = one(Surface::Trimmed(Box::new(Trimmed::with_hole(Whole::Panel(slope), prism))));
+        let cut = 0.5 * n * 0.49 * (2.0 * half).sin() * 2f64.sqrt();
+        assert!((area(&hole) - (12.0 * 2f64.sqrt() - cut)).abs() < 1e-12);
+        let on_rim = |n: f64| {
+            Solid::new(0.7 * (2.0 * half * n).cos(), 0.7 * (2.0 * half * n).sin(), 0.7 * (2.0 * half * n).cos())
+        };
+        let rim: f64 = (0..SECTORS).map(|n| on_rim(f64::from(n)).distance(on_rim(f64::from(n + 1)))).sum();
+        let borders = 2.0 * (3.0 * 2f64.sqrt() + 4.0);
+        assert!((open_edges(&hole) - borders - rim).abs() < 1e-6, "{} {borders} {rim}", open_edges(&hole));
         // The diagonal of the box is 13 m.
         let ground = one(Surface::HalfPlane(HalfPlane { point: Solid::ZERO, normal: Solid::Z }));
         assert!((area(&ground) - 13.0 * 13.0).abs() < 1e-9 && ground.points.iter().all(|point| point[2].abs() < 1e-12));
+    }
+
+    /// Sum of the lengths of the edges that belong to one triangle alone. Corners are the same if they agree within a nanometre.
+    fn open_edges(wall: &WallGeometry) -> f64 {
+        let corner = |place: u32| wall.points[place as usize].map(|x| (x * 1e9).round() as i64);
+        let mut edges: Vec<_> = wall
+            .triangles
+            .iter()
+            .flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
+            .map(|ends| ends.map(|end| corner(*end)))
+            .map(|[from, to]| [from.min(to), from.max(to)])
+            .collect();
+        edges.sort_unstable();
+        let place = |corner: [i64; 3]| Solid::from_array(corner.map(|x| x as f64 * 1e-9));
+        let alone = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
+        alone.map(|edge| place(edge[0][0]).distance(place(edge[0][1]))).sum()
     }
 
     #[test]

@@ -31,6 +31,7 @@ pub(super) fn examine(loaded: &Loaded, radius: f64, warnings: &mut Vec<Warning>)
 fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
     let surfaces =
         loaded.scene.walls.iter().filter(|wall| loaded.scene.door_of(wall).is_some()).filter_map(|wall| match wall {
+            _ if let (_, Some(patch)) = wall.cuts() => Some(patch.width()),
             Wall::Panel { along, across, .. } => Some(along.padded().length().min(across.padded().length())),
             Wall::Annulus { outer, .. } => Some(2.0 * outer.get()),
             Wall::Segment { from, to, .. } => Some(to.padded().distance(from.padded())),

@@ -38,7 +38,8 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
         | Surface::Panel(_)
         | Surface::Triangle(_)
         | Surface::Revolved(_)
-        | Surface::SphericalZone(_) => 0.0,
+        | Surface::SphericalZone(_)
+        | Surface::Trimmed(_) => 0.0,
     });
     if points(high - low, radius) + blocked_by_discs + blocked_by_segments.sum::<f64>() > PATIENCE {
         return None;

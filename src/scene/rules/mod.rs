@@ -1,6 +1,7 @@
 //! Rules between keys, which the range of a single number cannot express.
 
 mod contacts;
+mod cuts;
 mod doors;
 mod fields;
 mod grains;
@@ -34,6 +35,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     contacts(loaded)?;
     ids(loaded)?;
     walls(loaded)?;
+    cuts::cuts(loaded)?;
     wall_discs(loaded)?;
     wall_names(loaded)?;
     periodic(loaded)?;

@@ -5,10 +5,12 @@
 
 pub mod half_plane;
 pub mod panel;
+pub mod prism;
 pub mod revolved;
 pub mod segment;
 pub mod spherical_zone;
 pub mod triangle;
+pub mod trimmed;
 
 use std::f64::consts::PI;
 
@@ -109,17 +111,19 @@ fn is_end(share: f64) -> bool {
     share <= 0.0 || share >= 1.0
 }
 
+/// Returns the roots of a t^2 + 2 half_b t + c, ascending. They are not numbers if there are none, and the second is infinite or no
+/// number if a is zero.
+fn roots(a: f64, half_b: f64, c: f64) -> [f64; 2] {
+    // The form that does not subtract nearly equal numbers.
+    let q = -(half_b + (half_b * half_b - a * c).sqrt().copysign(half_b));
+    let mut roots = [q / a, c / q];
+    roots.sort_unstable_by(f64::total_cmp);
+    roots
+}
+
 /// Returns the roots of a t^2 + 2 half_b t + c that are shares of a path (0 to 1), ascending.
 fn path_shares(a: f64, half_b: f64, c: f64) -> Vec<f64> {
-    let discriminant = half_b * half_b - a * c;
-    if discriminant < 0.0 {
-        return Vec::new();
-    }
-    // The form that does not subtract nearly equal numbers.
-    let q = -(half_b + discriminant.sqrt().copysign(half_b));
-    let mut shares: Vec<f64> = [q / a, c / q].into_iter().filter(|share| (0.0..=1.0).contains(share)).collect();
-    shares.sort_unstable_by(f64::total_cmp);
-    shares
+    roots(a, half_b, c).into_iter().filter(|share| (0.0..=1.0).contains(share)).collect()
 }
 
 /// Returns the lines that draw a surface of revolution: its section with the plane through the axis that is seen face on. Seen

@@ -24,6 +24,11 @@ impl<V: Space> Panel<V> {
         let Self { corner, along, across } = *self;
         [corner, corner + along, corner + along + across, corner + across]
     }
+
+    /// Returns the unit normal.
+    pub(super) fn normal(&self) -> V {
+        V::narrow(self.along.spread().cross(self.across.spread())).unit_or_zero()
+    }
 }
 
 impl<V: Space> Shape<V> for Panel<V> {
@@ -31,9 +36,7 @@ impl<V: Space> Shape<V> for Panel<V> {
     fn nearest(&self, x: V) -> Nearest<V> {
         let Self { corner, along, across } = *self;
         let (a, b) = (foot_share(x - corner, along), foot_share(x - corner, across));
-        Nearest::flat(x - (corner + along * a + across * b), is_end(a) || is_end(b), || {
-            V::narrow(along.spread().cross(across.spread())).unit_or_zero()
-        })
+        Nearest::flat(x - (corner + along * a + across * b), is_end(a) || is_end(b), || self.normal())
     }
 
     fn bounds(&self) -> Option<[V; 2]> {

@@ -9,11 +9,13 @@
 //!
 //! Limit: a grain wider than the tube that it blocks touches it all round. Here it has one contact, at one point.
 
+use std::f64::consts::TAU;
+
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Plane, Space};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::{Nearest, Shape, is_end, parted, path_shares, section_of_revolution};
+use crate::walls::shapes::{Nearest, Shape, is_end, parted, path_shares, roots, section_of_revolution};
 
 /// A thin surface of revolution in solid space.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -58,17 +60,69 @@ impl<V: Space> Revolved<V> {
         [dz / length, -dr / length]
     }
 
-    /// Returns where the path enters the cone of the line, as shares of the path, ascending.
-    fn cone_shares(&self, from: V, to: V) -> Vec<f64> {
-        let slope = (self.to[0] - self.from[0]) / (self.to[1] - self.from[1]);
-        let ((height, radial), (height_end, radial_end)) = (self.coordinates(from), self.coordinates(to));
-        let (way, climb) = (radial_end - radial, height_end - height);
+    /// Returns one of `around` flat pieces about the axis, by its number.
+    pub(super) fn facet(&self, number: u32, around: u32) -> [V; 4] {
+        let across = self.axis.any_perpendicular();
+        let other = V::narrow(self.axis.spread().cross(across.spread()));
+        let point = |[r, z]: [f64; 2], number: u32| {
+            let (sine, cosine) = (TAU * f64::from(number) / f64::from(around)).sin_cos();
+            self.base + self.axis * z + (across * cosine + other * sine) * r
+        };
+        [point(self.from, number), point(self.from, number + 1), point(self.to, number + 1), point(self.to, number)]
+    }
+
+    /// Whether the surface is a flat ring. For a line as flat as this, the slope of a cone would be lost in rounding.
+    fn is_flat(&self) -> bool {
+        (self.to[1] - self.from[1]).abs() <= 1e-12 * (self.to[0] - self.from[0]).abs()
+    }
+
+    /// Returns the unit normal of the surface in the half-plane of a point, away from the axis; of a flat ring, to one side. For a
+    /// point on the axis, which is in no half-plane, it is the part along the axis.
+    pub(super) fn outwards(&self, x: V) -> V {
+        let [normal_r, normal_z] = self.line_normal();
+        let (_, radial) = self.coordinates(x);
+        let is_on_the_axis = radial.length() <= 1e-9 * self.from[0].max(self.to[0]);
+        let aside = if is_on_the_axis { V::ZERO } else { radial.unit_or_zero() };
+        (aside * normal_r + self.axis * normal_z) * 1f64.copysign(normal_r)
+    }
+
+    /// Returns where a line through `x` along a vector leaves the surface without its ends, m, and an outward normal there of any
+    /// length.
+    pub(super) fn exit(&self, x: V, along: V) -> Option<(V, V)> {
+        let (z, _) = self.coordinates(x);
+        if self.is_flat() {
+            let way = (self.from[1] - z) / along.dot(self.axis);
+            return way.is_finite().then(|| (x + along * way, self.axis * along.dot(self.axis)));
+        }
+        let [a, half_b, c] = self.cone_terms(x, along);
+        let slope = self.slope();
+        roots(a, half_b, c).into_iter().find_map(|way| {
+            let point = x + along * way;
+            let (z, radial) = self.coordinates(point);
+            let width = self.from[0] + slope * (z - self.from[1]);
+            // The quadratic form is negative inside the cone and its mirror image, where the width is negative.
+            let leads_out = way.is_finite() && a * way + half_b > 0.0 && width >= 0.0;
+            leads_out.then(|| (point, radial - self.axis * (slope * width)))
+        })
+    }
+
+    /// Returns dr/dz of the line.
+    fn slope(&self) -> f64 {
+        (self.to[0] - self.from[0]) / (self.to[1] - self.from[1])
+    }
+
+    /// Returns a, b/2 and c of a t^2 + b t + c, which is zero where the line `x` + t `along` meets the cone of the surface.
+    fn cone_terms(&self, x: V, along: V) -> [f64; 3] {
+        let slope = self.slope();
+        let (height, radial) = self.coordinates(x);
+        let climb = along.dot(self.axis);
+        let way = along - self.axis * climb;
         // |radial + t way|^2 = (width + t growth)^2
         let (width, growth) = (self.from[0] + slope * (height - self.from[1]), slope * climb);
         let a = way.length_squared() - growth * growth;
         let half_b = radial.dot(way) - width * growth;
         let c = radial.length_squared() - width * width;
-        path_shares(a, half_b, c)
+        [a, half_b, c]
     }
 }
 
@@ -110,8 +164,7 @@ impl<V: Space> Shape<V> for Revolved<V> {
 
     fn crossing(&self, from: V, to: V) -> Option<f64> {
         let [(r_0, z_0), (r_1, z_1)] = [self.from, self.to].map(|[r, z]| (r, z));
-        // A ring; for a line as flat as this, the slope of a cone would be lost in rounding.
-        if (z_1 - z_0).abs() <= 1e-12 * (r_1 - r_0).abs() {
+        if self.is_flat() {
             let ((z, radial), (z_end, radial_end)) = (self.coordinates(from), self.coordinates(to));
             let (before, after) = (z - z_0, z_end - z_0);
             if (before < 0.0) == (after < 0.0) {
@@ -125,7 +178,8 @@ impl<V: Space> Shape<V> for Revolved<V> {
             let (z, _) = self.coordinates(from + (to - from) * *share);
             (z_0.min(z_1)..=z_0.max(z_1)).contains(&z)
         };
-        self.cone_shares(from, to).into_iter().find(is_within)
+        let [a, half_b, c] = self.cone_terms(from, to - from);
+        path_shares(a, half_b, c).into_iter().find(is_within)
     }
 
     fn lines(&self, _: f64) -> Vec<[V; 2]> {

@@ -1,0 +1,188 @@
+//! Prism: a circle or a rectangle, extruded without end along its normal. It bounds a hole in a wall, or a part of a wall.
+
+use std::f64::consts::TAU;
+
+use serde::{Deserialize, Serialize};
+
+use crate::space::{Plane, Space};
+use crate::walls::pose::Pose;
+use crate::walls::shapes::roots;
+
+/// A circular or rectangular prism of solid space.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
+pub struct Prism<V: Space = Plane> {
+    is_round: bool,
+    /// Centre of the circle or rectangle, m.
+    pub centre: V,
+    /// Vector from the centre to the middle of a side; of a circle, a radius, m.
+    along: V,
+    /// The other such vector, at right angles, m.
+    across: V,
+    /// Unit vector along which the circle or rectangle is extruded.
+    pub direction: V,
+}
+
+impl<V: Space> Prism<V> {
+    /// Returns the prism of a circle.
+    #[must_use]
+    pub fn circle(centre: V, normal: V, radius: f64) -> Self {
+        let direction = normal.unit_or_zero();
+        let along = direction.any_perpendicular();
+        let across = V::narrow(direction.spread().cross(along.spread()));
+        Self { is_round: true, centre, along: along * radius, across: across * radius, direction }
+    }
+
+    /// Returns the prism of a rectangle with these edge vectors, which are at right angles, m.
+    #[must_use]
+    pub fn rectangle(centre: V, along: V, across: V) -> Self {
+        let direction = V::narrow(along.spread().cross(across.spread())).unit_or_zero();
+        Self { is_round: false, centre, along: along * 0.5, across: across * 0.5, direction }
+    }
+
+    /// Returns the same prism with the opposite direction.
+    pub(super) fn reversed(self) -> Self {
+        Self { direction: -self.direction, ..self }
+    }
+
+    /// Returns the prism in a pose.
+    pub(super) fn placed(&self, pose: &Pose<V>) -> Self {
+        Self {
+            centre: pose.point(self.centre),
+            along: pose.direction(self.along),
+            across: pose.direction(self.across),
+            direction: pose.direction(self.direction),
+            ..*self
+        }
+    }
+
+    /// Returns a vector in units of `along` and `across`.
+    fn in_units(&self, v: V) -> [f64; 2] {
+        [self.along, self.across].map(|unit| v.dot(unit) / unit.length_squared())
+    }
+
+    /// Returns the longer one of the vectors from the centre to the middle of a side, as a length, m.
+    pub(super) fn reach(&self) -> f64 {
+        self.along.length().max(self.across.length())
+    }
+
+    /// Whether a point is inside the prism.
+    pub(super) fn contains(&self, x: V) -> bool {
+        let [a, b] = self.in_units(x - self.centre);
+        if self.is_round { a * a + b * b < 1.0 } else { a.abs() < 1.0 && b.abs() < 1.0 }
+    }
+
+    /// Number of smooth lines that bound the circle or rectangle.
+    pub(super) fn sides(&self) -> u32 {
+        if self.is_round { 1 } else { 4 }
+    }
+
+    /// Returns the point at this share (0 to 1) of a side, and its derivative with respect to the share, m.
+    pub(super) fn on_side(&self, side: u32, share: f64) -> (V, V) {
+        let Self { centre, along, across, .. } = *self;
+        if self.is_round {
+            let (y, x) = (TAU * share).sin_cos();
+            return (centre + along * x + across * y, (across * x - along * y) * TAU);
+        }
+        let (out, on) = match side {
+            0 => (along, across),
+            1 => (across, -along),
+            2 => (-along, -across),
+            _ => (-across, along),
+        };
+        (centre + out + on * (2.0 * share - 1.0), on * 2.0)
+    }
+
+    /// Returns the corners of the rectangle, or `round` corners on the circle, m, and for each the vector to the outside of the side
+    /// that follows.
+    pub(super) fn corners(&self, round: u32) -> Vec<(V, V)> {
+        let places = if self.is_round { round } else { 4 };
+        let point = |n: u32| {
+            let n = n % places;
+            if self.is_round { self.on_side(0, f64::from(n) / f64::from(round)).0 } else { self.on_side(n, 0.0).0 }
+        };
+        let outwards = |from: V, to: V| V::narrow((to - from).spread().cross(self.turning_axis().spread()));
+        (0..places).map(|n| (point(n), outwards(point(n), point(n + 1)))).collect()
+    }
+
+    /// Returns the axis about which the sides follow each other by the right-hand rule. It is `direction`, or its opposite.
+    fn turning_axis(&self) -> V {
+        V::narrow(self.along.spread().cross(self.across.spread()))
+    }
+
+    /// Returns the shares between which a straight line is inside the prism, within 0 to 1; `None` if it is nowhere inside.
+    pub(super) fn shares_inside(&self, from: V, to: V) -> Option<[f64; 2]> {
+        let ([a, b], [da, db]) = (self.in_units(from - self.centre), self.in_units(to - from));
+        let between = if self.is_round {
+            roots(da * da + db * db, a * da + b * db, a * a + b * b - 1.0)
+        } else {
+            let slab = |at: f64, step: f64| {
+                if step == 0.0 {
+                    return if at.abs() < 1.0 { [f64::NEG_INFINITY, f64::INFINITY] } else { [f64::NAN; 2] };
+                }
+                let ends = [(-1.0 - at) / step, (1.0 - at) / step];
+                [ends[0].min(ends[1]), ends[0].max(ends[1])]
+            };
+            let (of_a, of_b) = (slab(a, da), slab(b, db));
+            if of_a[0].is_nan() || of_b[0].is_nan() {
+                return None;
+            }
+            [of_a[0].max(of_b[0]), of_a[1].min(of_b[1])]
+        };
+        let [low, high] = [between[0].max(0.0), between[1].min(1.0)];
+        // A line beside a circle has no roots: they are not numbers.
+        (between[0] < between[1] && low < high).then_some([low, high])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::space::Solid;
+
+    fn prisms() -> [Prism<Solid>; 2] {
+        let (along, across) = (Solid::new(0.3, 0.0, 0.4), Solid::new(0.0, 0.8, 0.0));
+        let centre = Solid::new(0.1, 0.2, -0.1);
+        [Prism::circle(centre, Solid::new(0.2, -0.5, 0.3), 0.4), Prism::rectangle(centre, along, across)]
+    }
+
+    #[test]
+    fn a_point_inside_a_prism_is_inside_of_all_sides() {
+        for prism in prisms() {
+            for side in 0..prism.sides() {
+                for n in 0..40 {
+                    let share = f64::from(n) / 40.0;
+                    let (point, slope) = prism.on_side(side, share);
+                    let (next, _) = prism.on_side(side, share + 1e-6);
+                    assert!(((next - point) / 1e-6 - slope).length() < 1e-4 * slope.length());
+                    let out = point - prism.centre;
+                    let on_axis = prism.direction * 7.0;
+                    assert!(prism.contains(prism.centre + out * 0.999 + on_axis));
+                    assert!(!prism.contains(prism.centre + out * 1.001 + on_axis));
+                    // A polygon of many corners is the circle but for 1 - cos(pi/360) = 4e-5.
+                    let outside =
+                        |x: Solid| prism.corners(360).iter().any(|(corner, out)| (x - *corner).dot(*out) > 0.0);
+                    assert!(!outside(prism.centre + out * 0.999) && outside(prism.centre + out * 1.001));
+                }
+            }
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn a_line_is_inside_between_its_shares(from in (-1.0..1.0, -1.0..1.0, -1.0..1.0), to in (-1.0..1.0, -1.0..1.0, -1.0..1.0)) {
+            let [from, to] = [from, to].map(|(x, y, z)| Solid::new(x, y, z));
+            for prism in prisms() {
+                let inside = prism.shares_inside(from, to);
+                for n in 0..=100 {
+                    let share = f64::from(n) / 100.0;
+                    let expected = inside.is_some_and(|[low, high]| (low..=high).contains(&share));
+                    let is_near_an_end = inside.is_some_and(|ends| ends.iter().any(|end| (end - share).abs() < 1e-9));
+                    prop_assert!(is_near_an_end || prism.contains(from + (to - from) * share) == expected);
+                }
+            }
+        }
+    }
+}
