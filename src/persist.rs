@@ -203,16 +203,29 @@ pub(crate) fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
 /// # Errors
 /// If a value cannot be encoded.
 pub fn save(world: &mut World) -> Result<Vec<Section>, Problem> {
+    let mut sections = Vec::new();
+    save_each(world, |name, bytes| {
+        sections.push((name.to_owned(), bytes));
+        Ok(())
+    })?;
+    Ok(sections)
+}
+
+/// As [`save`], but one section at a time, because all together need as much memory as the run. `keep` receives name and bytes.
+///
+/// # Errors
+/// If a value cannot be encoded, and what `keep` returns.
+pub fn save_each(world: &mut World, mut keep: impl FnMut(&str, Vec<u8>) -> Result<(), Problem>) -> Result<(), Problem> {
     world.init_resource::<Registered>();
     world.resource_scope(|world, registered: Mut<Registered>| {
         let numbers = EntityNumbers::of(world, &registered.components());
-        let mut sections = vec![(ENTITIES.to_owned(), encode(&numbers.len())?)];
+        keep(ENTITIES, encode(&numbers.len())?)?;
         for Entry { name, save, .. } in &registered.entries {
             if let Some(bytes) = save(world, &numbers).map_err(|problem| format!("{name}: {problem}"))? {
-                sections.push(((*name).to_owned(), bytes));
+                keep(name, bytes)?;
             }
         }
-        Ok(sections)
+        Ok(())
     })
 }
 

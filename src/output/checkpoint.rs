@@ -101,7 +101,6 @@ impl Checkpoints {
             world.resource_mut::<Outcome>().fail(failure);
             return Err(error);
         }
-        let sections = persist::save(world).map_err(io::Error::other)?;
         (self.guard)()?;
         let clock = world.resource::<Clock>();
         let header = Header {
@@ -119,7 +118,7 @@ impl Checkpoints {
             _ => {}
         }
         let path = self.directory.join(checkpoint_name(clock.steps));
-        write_synced(&path, |out| file::write(out, &header, &sections))?;
+        write_synced(&path, |out| file::write(out, &header, |keep| persist::save_each(world, keep)))?;
         self.remove_old(if is_final { 1 } else { self.keep })?;
         let taken = start.elapsed();
         let mut figures = world.get_resource_or_init::<CheckpointFigures>();

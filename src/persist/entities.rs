@@ -5,36 +5,46 @@ use std::ops::Range;
 use bevy_ecs::archetype::{Archetype, ArchetypeEntity};
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::prelude::*;
-use rustc_hash::FxHashMap;
 
 use crate::persist::{Persistent, Problem, encode};
 
 /// The numbers of the saved entities: all that have a registered component.
-pub struct EntityNumbers(FxHashMap<Entity, u32>);
+pub struct EntityNumbers {
+    /// The entities by their numbers.
+    entities: Vec<Entity>,
+    /// The numbers by the indices of the entities.
+    numbers: Vec<u32>,
+}
 
 impl EntityNumbers {
     /// Numbers the entities that have any of these components, in the order of their tables.
     pub(super) fn of(world: &World, components: &[ComponentId]) -> Self {
         let archetypes =
             world.archetypes().iter().filter(|archetype| components.iter().any(|&id| archetype.contains(id)));
-        let entities = archetypes.flat_map(Archetype::entities).map(ArchetypeEntity::id);
-        Self(entities.zip(0..).collect())
+        let entities: Vec<_> = archetypes.flat_map(Archetype::entities).map(ArchetypeEntity::id).collect();
+        let end = entities.iter().map(|entity| entity.index_u32() as usize + 1).max().unwrap_or(0);
+        let mut numbers = vec![u32::MAX; end];
+        for (entity, number) in entities.iter().zip(0..) {
+            numbers[entity.index_u32() as usize] = number;
+        }
+        Self { entities, numbers }
     }
 
-    /// Returns the entities, in any order.
+    /// Returns the entities in the order of their numbers.
     pub(super) fn entities(&self) -> impl Iterator<Item = Entity> {
-        self.0.keys().copied()
+        self.entities.iter().copied()
     }
 
     /// Returns the number of entities.
     pub(super) fn len(&self) -> u32 {
-        u32::try_from(self.0.len()).unwrap_or(u32::MAX)
+        u32::try_from(self.entities.len()).unwrap_or(u32::MAX)
     }
 
     /// Returns the number of an entity; `None` if it is not saved.
     #[must_use]
     pub fn get(&self, entity: Entity) -> Option<u32> {
-        self.0.get(&entity).copied()
+        let number = *self.numbers.get(entity.index_u32() as usize)?;
+        (self.entities.get(number as usize) == Some(&entity)).then_some(number)
     }
 }
 

@@ -15,7 +15,7 @@ use std::path::Path;
 use lz4_flex::frame::{BlockMode, BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
 use serde::{Deserialize, Serialize};
 
-use crate::persist::{Section, decode, encode};
+use crate::persist::{Problem, Section, decode, encode};
 use crate::writers::fnv::Fnv;
 
 const MAGIC: &[u8; 8] = b"SILOFLOW";
@@ -53,20 +53,28 @@ pub struct Checkpoint {
     pub sections: Vec<Section>,
 }
 
-/// Writes a checkpoint.
+/// Writes a checkpoint. `save` calls its argument with the name and the bytes of each section.
 ///
 /// # Errors
-/// If it cannot be written.
-pub fn write(file: &mut dyn Write, header: &Header, sections: &[Section]) -> io::Result<()> {
+/// If it cannot be written, and what `save` returns.
+pub fn write(
+    file: &mut dyn Write,
+    header: &Header,
+    save: impl FnOnce(&mut dyn FnMut(&str, Vec<u8>) -> Result<(), Problem>) -> Result<(), Problem>,
+) -> io::Result<()> {
     let mut file = Hashing { file: BufWriter::new(file), hash: Fnv::default() };
     file.write_all(MAGIC)?;
     let info = FrameInfo::new().block_mode(BlockMode::Linked).block_size(BlockSize::Max1MB);
     let mut frame = FrameEncoder::with_frame_info(info, file);
     write_part(&mut frame, &encode(header).map_err(io::Error::other)?)?;
-    for (name, bytes) in sections {
-        write_part(&mut frame, name.as_bytes())?;
-        write_part(&mut frame, bytes)?;
-    }
+    let mut written = Ok(());
+    let saved = save(&mut |name, bytes| {
+        written = write_part(&mut frame, name.as_bytes()).and_then(|()| write_part(&mut frame, &bytes));
+        written.as_ref().map(|_| ()).map_err(ToString::to_string)
+    });
+    // The error of the file says more than its words.
+    written?;
+    saved.map_err(io::Error::other)?;
     let Hashing { mut file, hash } = frame.finish()?;
     file.write_all(&hash.value().to_le_bytes())?;
     file.flush()
@@ -165,7 +173,8 @@ mod tests {
         };
         let mut bytes = Vec::new();
         let sections = [("a".to_owned(), vec![1, 2, 3]), ("b".to_owned(), Vec::new()), ("c".to_owned(), vec![0; 1000])];
-        write(&mut bytes, &header, &sections).unwrap();
+        write(&mut bytes, &header, |keep| sections.into_iter().try_for_each(|(name, bytes)| keep(&name, bytes)))
+            .unwrap();
         bytes
     }
 
