@@ -111,8 +111,8 @@ fn vector(v: DVec2) -> String {
     format!("({:?}, {:?})", v.x, v.y)
 }
 
-/// Returns the keys of the floors. All copies stand on the floors at rest. Each has a piece of its own of a floor that vibrates, because
-/// it began at a phase of its own. `width` is the distance of the copies, m.
+/// Returns the keys of the floors. All copies share the floors at rest. Every copy has a piece of its own of a floor that vibrates, because
+/// the copies begin at different phases. `width` is the distance of the copies, m.
 fn floors(answers: &[Answer], width: f64) -> String {
     let (mut walls, mut motions) = (String::new(), String::new());
     for Floor { point, normal, .. } in

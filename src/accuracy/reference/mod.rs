@@ -132,7 +132,7 @@ pub struct Disc {
 /// A half-plane that discs touch: a floor, a side wall or a lid.
 #[derive(Clone, Copy, Debug)]
 pub struct Floor {
-    /// A point on the surface, m. If the floor vibrates, it is in the middle of the motion.
+    /// A point on the surface, m; of a floor that vibrates, in the middle of its motion.
     pub point: DVec2,
     /// Unit normal towards the discs.
     pub normal: DVec2,

@@ -27,7 +27,7 @@ pub(super) fn cuts(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
-/// What is wrong: the key after that of the hole or patch, a message and a help.
+/// Returns the fault of a hole or patch: the key behind its own one, a message and a help.
 fn broken(wall: &Wall, figure: &Figure) -> Option<(&'static str, String, &'static str)> {
     if let (Some(_), Some(_)) = wall.cuts() {
         let message = "a wall has a hole, or it is a patch".to_owned();

@@ -111,7 +111,7 @@ fn is_end(share: f64) -> bool {
     share <= 0.0 || share >= 1.0
 }
 
-/// Returns the roots of a t^2 + 2 half_b t + c, ascending. They are not numbers if there are none, and the second is infinite or no
+/// Returns the roots of a t^2 + 2 half_b t + c, ascending. Without roots both are no numbers, and one of them is infinite or no
 /// number if a is zero.
 fn roots(a: f64, half_b: f64, c: f64) -> [f64; 2] {
     // The form that does not subtract nearly equal numbers.

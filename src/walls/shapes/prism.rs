@@ -105,7 +105,7 @@ impl<V: Space> Prism<V> {
         (0..places).map(|n| (point(n), outwards(point(n), point(n + 1)))).collect()
     }
 
-    /// Returns the axis about which the sides follow each other by the right-hand rule. It is `direction`, or its opposite.
+    /// Returns the axis about which the sides follow each other by the right-hand rule: `direction`, or its opposite.
     fn turning_axis(&self) -> V {
         V::narrow(self.along.spread().cross(self.across.spread()))
     }
@@ -130,7 +130,7 @@ impl<V: Space> Prism<V> {
             [of_a[0].max(of_b[0]), of_a[1].min(of_b[1])]
         };
         let [low, high] = [between[0].max(0.0), between[1].min(1.0)];
-        // A line beside a circle has no roots: they are not numbers.
+        // The roots of a line beside a circle are no numbers.
         (between[0] < between[1] && low < high).then_some([low, high])
     }
 }

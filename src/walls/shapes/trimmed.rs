@@ -4,8 +4,9 @@
 //! prism across a cylinder makes one hole, not two. The cut is bounded by the rim, a closed curve on the surface: the
 //! lines b(t) + s d meet the surface at p(t), with b(t) the circle or rectangle and s' = -n.b'/n.d.
 //!
-//! The nearest point is that of the whole surface, if it belongs to the part that is left. Otherwise it is on the rim: |x - p(t)| has
-//! its minima where (p - x).p' grows through zero. They are searched between [`SAMPLES`] places of the rim and refined to rounding.
+//! The nearest point of the whole surface counts, if it belongs to the part that is left. Otherwise the nearest point is on the rim:
+//! |x - p(t)| has its minima where (p - x).p' grows through zero. The minima are searched between [`SAMPLES`] places of the rim
+//! and refined to rounding.
 //!
 //! Limits: the rim lies on the surface as a whole, off its edges. A minimum is missed if the distance from the rim has two minima between two samples.
 
@@ -184,7 +185,7 @@ impl<V: Space> Trimmed<V> {
         Some(nearest)
     }
 
-    /// Returns what is wrong with the rim.
+    /// Returns the fault of the rim, if it has one.
     pub(crate) fn rim_fault(&self) -> Option<RimFault<V>> {
         let places = (0..self.prism.sides()).flat_map(|side| (0..SAMPLES).map(move |n| (side, n)));
         places.into_iter().find_map(|(side, n)| {
@@ -216,7 +217,7 @@ impl<V: Space> Trimmed<V> {
             } else if within.len() < 3 {
                 pieces.push(facet.to_vec());
             } else {
-                // What is outside of each side, and inside of the sides before.
+                // The part outside of each side, and inside of the sides before.
                 sides.iter().fold(facet.to_vec(), |kept, side| {
                     pieces.push(clip(&kept, |x| (x - side.0).dot(side.1)));
                     inside(kept, side)
@@ -232,7 +233,7 @@ impl<V: Space> Trimmed<V> {
 /// Illinois form of the rule of false position.
 fn zero_between(value: impl Fn(f64) -> f64, [mut low, mut high]: [(f64, f64); 2]) -> f64 {
     let mut last_side = 0.0;
-    // It converges in some ten steps; halving alone would need 53.
+    // Some ten steps are enough; halving alone would need 53.
     for _ in 0..80 {
         let place = (low.0 * high.1 - high.0 * low.1) / (high.1 - low.1);
         if place <= low.0 || place >= high.0 {
@@ -267,7 +268,7 @@ impl<V: Space> Shape<V> for Trimmed<V> {
         Nearest::Point { away: parted(x - point, || self.whole.outwards(point)), curvature: 0.0, at_edge: true }
     }
 
-    /// With a hole, the bounds of the whole surface. Of a patch, those of its flat pieces, with a margin for its curvature.
+    /// A surface with a hole has the bounds of the whole surface. A patch has the bounds of its flat pieces, with a margin for its curvature.
     fn bounds(&self) -> Option<[V; 2]> {
         if !self.is_patch {
             return self.whole.shape().bounds();
@@ -469,7 +470,7 @@ mod tests {
             let found = sum(&Trimmed::with_hole(whole, prism)) + sum(&Trimmed::patch(whole, prism));
             assert!((found - expected).abs() < 1e-12 * expected, "{found}, not {expected}");
         }
-        // Seen along its normal, the area is that of the figure; a slope of 0.8 stretches it by sqrt(1 + 1/0.64).
+        // Seen along the normal of the figure, both areas are equal; a slope of 0.8 stretches it by sqrt(1 + 1/0.64).
         let lid = |whole, prism| sum(&Trimmed::patch(whole, prism));
         let round = lid(cuts()[0].0, cuts()[0].1);
         assert!((round / (PI * 0.09 * 1.25) - 1.0).abs() < 2e-4, "{round}");
