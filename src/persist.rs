@@ -214,7 +214,7 @@ pub fn save(world: &mut World) -> Result<Vec<Section>, Problem> {
 /// As [`save`], but one section at a time, because all together need as much memory as the run. `keep` receives name and bytes.
 ///
 /// # Errors
-/// If a value cannot be encoded, and what `keep` returns.
+/// If a value cannot be encoded, or if `keep` fails.
 pub fn save_each(world: &mut World, mut keep: impl FnMut(&str, Vec<u8>) -> Result<(), Problem>) -> Result<(), Problem> {
     world.init_resource::<Registered>();
     world.resource_scope(|world, registered: Mut<Registered>| {

@@ -118,7 +118,7 @@ impl Checkpoints {
             _ => {}
         }
         let path = self.directory.join(checkpoint_name(clock.steps));
-        write_synced(&path, |out| file::write(out, &header, |keep| persist::save_each(world, keep)))?;
+        write_synced(&path, |out| file::write_each(out, &header, |keep| persist::save_each(world, keep)))?;
         self.remove_old(if is_final { 1 } else { self.keep })?;
         let taken = start.elapsed();
         let mut figures = world.get_resource_or_init::<CheckpointFigures>();

@@ -53,11 +53,19 @@ pub struct Checkpoint {
     pub sections: Vec<Section>,
 }
 
-/// Writes a checkpoint. `save` calls its argument with the name and the bytes of each section.
+/// Writes a checkpoint.
 ///
 /// # Errors
-/// If it cannot be written, and what `save` returns.
-pub fn write(
+/// If it cannot be written.
+pub fn write(file: &mut dyn Write, header: &Header, sections: &[Section]) -> io::Result<()> {
+    write_each(file, header, |keep| sections.iter().try_for_each(|(name, bytes)| keep(name, bytes.clone())))
+}
+
+/// As [`write`], with one section in memory at a time. `save` calls its argument with the name and the bytes of each section.
+///
+/// # Errors
+/// If it cannot be written, or if `save` fails.
+pub(super) fn write_each(
     file: &mut dyn Write,
     header: &Header,
     save: impl FnOnce(&mut dyn FnMut(&str, Vec<u8>) -> Result<(), Problem>) -> Result<(), Problem>,
