@@ -181,8 +181,7 @@ mod tests {
         };
         let mut bytes = Vec::new();
         let sections = [("a".to_owned(), vec![1, 2, 3]), ("b".to_owned(), Vec::new()), ("c".to_owned(), vec![0; 1000])];
-        write(&mut bytes, &header, |keep| sections.into_iter().try_for_each(|(name, bytes)| keep(&name, bytes)))
-            .unwrap();
+        write(&mut bytes, &header, &sections).unwrap();
         bytes
     }
 
