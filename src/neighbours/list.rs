@@ -19,6 +19,8 @@ pub use crate::neighbours::candidate::{Candidate, are_same};
 #[derive(Debug, Default)]
 pub struct PairList {
     pairs: Vec<Candidate>,
+    /// Start of each row in `pairs`; scratch of the list's construction.
+    starts: Vec<u32>,
     /// The row that is being written.
     row: u32,
     /// For each block: the end of its pairs in `pairs`, and the [end of their slots](end_of).
@@ -70,11 +72,6 @@ impl PairList {
         &self.tasks
     }
 
-    /// Empties the list and frees its memory.
-    pub(super) fn free(&mut self) {
-        self.pairs = Vec::new();
-    }
-
     /// Empties the list.
     pub(super) fn clear(&mut self) {
         self.pairs.clear();
@@ -96,23 +93,24 @@ impl PairList {
 
     /// Replaces the list by pairs of `rows` particles, given in several parts and in any order.
     pub(super) fn fill(&mut self, parts: &[Vec<Candidate>], rows: usize) {
-        let mut starts = vec![0u32; rows + 1];
+        self.starts.clear();
+        self.starts.resize(rows + 1, 0);
         for pair in parts.iter().flatten() {
-            starts[pair.first() + 1] += 1;
+            self.starts[pair.first() + 1] += 1;
         }
         for row in 0..rows {
-            starts[row + 1] += starts[row];
+            self.starts[row + 1] += self.starts[row];
         }
         self.pairs.clear();
         self.pairs.resize(parts.iter().map(Vec::len).sum(), Candidate::default());
         // Filling moves each start to the start of the next row.
         for &pair in parts.iter().flatten() {
-            let place = &mut starts[pair.first()];
+            let place = &mut self.starts[pair.first()];
             self.pairs[*place as usize] = pair;
             *place += 1;
         }
         let mut start = 0;
-        for &end in &starts[..rows] {
+        for &end in &self.starts[..rows] {
             let row = &mut self.pairs[start..end as usize];
             // Most rows are sorted already.
             if !row.is_sorted() {

@@ -83,8 +83,6 @@ impl<V: Space> VerletList<V> {
         self.anchors.extend(store.body.iter().map(|body| Anchor::of(body, self.skin, dt)));
         self.trigger = DisplacementTrigger::default();
         let expected = list.pairs().len();
-        // The old list is freed before the search, which needs about as much memory.
-        list.free();
         let pairs = if size_classes::are_worthwhile(store, self.skin) {
             SizeClasses::new(self, store).pairs(expected, threads)
         } else {
