@@ -78,7 +78,7 @@ pub(super) fn write_each(
     let mut written = Ok(());
     let saved = save(&mut |name, bytes| {
         written = write_part(&mut frame, name.as_bytes()).and_then(|()| write_part(&mut frame, &bytes));
-        written.as_ref().map(|_| ()).map_err(ToString::to_string)
+        written.as_ref().copied().map_err(ToString::to_string)
     });
     // The error of the file says more than its words.
     written?;

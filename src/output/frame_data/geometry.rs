@@ -231,18 +231,19 @@ mod tests {
 
     /// Sum of the lengths of the edges that belong to one triangle alone. Corners are the same if they agree within a nanometre.
     fn open_edges(wall: &WallGeometry) -> f64 {
-        let corner = |place: u32| wall.points[place as usize].map(|x| (x * 1e9).round() as i64);
-        let mut edges: Vec<_> = wall
+        let corner = |place: u32| Solid::from_array(wall.points[place as usize]);
+        let edges: Vec<_> = wall
             .triangles
             .iter()
             .flat_map(|[a, b, c]| [[a, b], [b, c], [c, a]])
             .map(|ends| ends.map(|end| corner(*end)))
-            .map(|[from, to]| [from.min(to), from.max(to)])
             .collect();
-        edges.sort_unstable();
-        let place = |corner: [i64; 3]| Solid::from_array(corner.map(|x| x as f64 * 1e-9));
-        let alone = edges.chunk_by(|a, b| a == b).filter(|same| same.len() == 1);
-        alone.map(|edge| place(edge[0][0]).distance(place(edge[0][1]))).sum()
+        let are_near = |a: Solid, b: Solid| a.distance(b) < 1e-9;
+        let are_same = |[a, b]: [Solid; 2], [c, d]: [Solid; 2]| {
+            (are_near(a, c) && are_near(b, d)) || (are_near(a, d) && are_near(b, c))
+        };
+        let alone = edges.iter().filter(|edge| edges.iter().filter(|other| are_same(**edge, **other)).count() == 1);
+        alone.map(|[from, to]| from.distance(*to)).sum()
     }
 
     #[test]

@@ -5,7 +5,7 @@
 //! lines b(t) + s d meet the surface at p(t), with b(t) the circle or rectangle and s' = -n.b'/n.d.
 //!
 //! The nearest point of the whole surface counts, if it belongs to the part that is left. Otherwise the nearest point is on the rim:
-//! |x - p(t)| has its minima where (p - x).p' grows through zero. The minima are searched between [`SAMPLES`] places of the rim
+//! |x - p(t)| has its minima where (p - x).p' grows through zero. The minima are searched between 32 places of the rim
 //! and refined to rounding.
 //!
 //! Limits: the rim lies on the surface as a whole, off its edges. A minimum is missed if the distance from the rim has two minima between two samples.
