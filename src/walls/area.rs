@@ -11,6 +11,7 @@ use crate::space::{Dimension, Space};
 use crate::walls::clip::{area, clip};
 use crate::walls::shapes::revolved::Revolved;
 use crate::walls::shapes::spherical_zone::SphericalZone;
+use crate::walls::shapes::turned;
 use crate::walls::surfaces::Surface;
 
 /// Number of strips round a surface of revolution.
@@ -92,17 +93,12 @@ fn zone_area<V: Space>(wall: &SphericalZone<V>, low: f64, high: f64) -> f64 {
 }
 
 /// Returns the area between two heights of the surface that the line through `profile`, points (r, z), makes about an axis.
-fn strips_area<V: Space>((base, axis): (V, V), profile: &[[f64; 2]], low: f64, high: f64) -> f64 {
-    let across = axis.any_perpendicular();
-    let other = V::narrow(axis.spread().cross(across.spread()));
+fn strips_area<V: Space>(axis: (V, V), profile: &[[f64; 2]], low: f64, high: f64) -> f64 {
     // The chord of a strip is shorter than its arc.
     let stretch = (PI / f64::from(STRIPS)) / (PI / f64::from(STRIPS)).sin();
-    let point = |[r, z]: [f64; 2], strip: u32| {
-        let (sine, cosine) = (TAU * f64::from(strip) / f64::from(STRIPS)).sin_cos();
-        base + axis * z + (across * cosine + other * sine) * r
-    };
     let piece = |from: [f64; 2], to: [f64; 2], n: u32| {
-        clipped_area(&[point(from, n), point(from, n + 1), point(to, n + 1), point(to, n)], low, high)
+        let [[a, d], [b, c]] = [n, n + 1].map(|n| turned(axis, [from, to], (n, STRIPS)));
+        clipped_area(&[a, b, c, d], low, high)
     };
     let pieces = profile.windows(2).flat_map(|ends| (0..STRIPS).map(move |n| piece(ends[0], ends[1], n)));
     stretch * pieces.sum::<f64>()

@@ -28,7 +28,9 @@ pub(crate) fn area<V: Space>(corners: &[V]) -> f64 {
 /// Adds corners of other polygons that lie on an edge of a polygon to that edge, so that neighbours share whole edges. Points nearer than
 /// `tolerance` (m) are one point.
 pub(crate) fn share_edges<V: Space>(polygons: &mut [Vec<V>], tolerance: f64) {
-    let corners = polygons.concat();
+    // In the order of x, so that an edge looks only at the corners beside it.
+    let mut corners = polygons.concat();
+    corners.sort_unstable_by(|a, b| a.axis(0).total_cmp(&b.axis(0)));
     for polygon in polygons {
         let edges = polygon.iter().zip(polygon.iter().cycle().skip(1));
         *polygon = edges
@@ -37,7 +39,7 @@ pub(crate) fn share_edges<V: Space>(polygons: &mut [Vec<V>], tolerance: f64) {
     }
 }
 
-/// Returns the points that lie on a line between its ends, in their order from the first end.
+/// Returns the points that lie on a line between its ends, in their order from the first end. `points` are in the order of x.
 fn between<V: Space>(from: V, to: V, points: &[V], tolerance: f64) -> Vec<V> {
     let (way, length) = (to - from, (to - from).length());
     let place = |x: V| (x - from).dot(way) / length;
@@ -45,7 +47,9 @@ fn between<V: Space>(from: V, to: V, points: &[V], tolerance: f64) -> Vec<V> {
         let along = place(*x);
         along > tolerance && along < length - tolerance && (*x - from - way * (along / length)).length() < tolerance
     };
-    let mut found: Vec<V> = points.iter().copied().filter(is_on_the_line).collect();
+    let (left, right) = (from.axis(0).min(to.axis(0)) - tolerance, from.axis(0).max(to.axis(0)) + tolerance);
+    let beside = &points[points.partition_point(|x| x.axis(0) < left)..points.partition_point(|x| x.axis(0) <= right)];
+    let mut found: Vec<V> = beside.iter().copied().filter(is_on_the_line).collect();
     found.sort_by(|a, b| place(*a).total_cmp(&place(*b)));
     found.dedup_by(|a, b| a.distance(*b) < tolerance);
     found

@@ -211,8 +211,8 @@ mod tests {
         let share = area(&sphere) / (4.0 * 0.5 * TAU * 4.0);
         assert!(share < 1.0 && share > 1.0 - (2.0 * half).powi(2), "{share}");
         assert_eq!(sphere.triangles.len(), (SECTORS * (SECTORS - 2)) as usize);
-        // Without a round hole of 1 m^2 sqrt(2) in a slope of 45 degrees, as a polygon. Every edge but the borders and the rim belongs to two
-        // triangles.
+        // A slope of 45 degrees with a round hole of radius 0.7 m, seen from above, as a polygon. Every edge but the borders and the rim
+        // belongs to two triangles.
         let slope = Panel { corner: Solid::ZERO, along: Solid::new(3.0, 0.0, 3.0), across: Solid::Y * 4.0 };
         let prism = Prism::circle(Solid::new(1.5, 2.0, 0.0), Solid::Z, 0.7);
         let hole = one(Surface::Trimmed(Box::new(Trimmed::with_hole(Whole::Panel(slope), prism))));

@@ -51,7 +51,8 @@ fn broken(wall: &Wall, figure: &Figure) -> Option<(&'static str, String, &'stati
             (".across", "the edges of a rectangle must be at right angles to each other")
         }
         Figure::Circle { normal: None, centre, .. } if is_on_the_axis(wall, centre.padded()) => {
-            (".centre", "the centre is on the axis of the wall, so the wall does not tell on which side the hole is")
+            let message = "the centre is on the axis of the wall, so the wall does not tell on which side the hole is";
+            return Some((".centre", message.to_owned(), "move the centre towards the wall, or add a `normal`"));
         }
         _ => return off_the_wall(wall),
     };

@@ -126,6 +126,19 @@ fn path_shares(a: f64, half_b: f64, c: f64) -> Vec<f64> {
     roots(a, half_b, c).into_iter().filter(|share| (0.0..=1.0).contains(share)).collect()
 }
 
+/// Returns the points of a profile (r, z), m, turned by `number` of `around` parts of a turn about an axis, given by a point and a unit
+/// vector.
+pub(crate) fn turned<V: Space, const N: usize>(
+    (base, axis): (V, V),
+    profile: [[f64; 2]; N],
+    (number, around): (u32, u32),
+) -> [V; N] {
+    let across = axis.any_perpendicular();
+    let other = V::narrow(axis.spread().cross(across.spread()));
+    let (sine, cosine) = (2.0 * PI * f64::from(number) / f64::from(around)).sin_cos();
+    profile.map(|[r, z]| base + axis * z + (across * cosine + other * sine) * r)
+}
+
 /// Returns the lines that draw a surface of revolution: its section with the plane through the axis that is seen face on. Seen
 /// along the axis, the surface is the circles of its ends and its widest circle. `profile` has points (r, z) from one end to the
 /// other, with z along the axis from `base`, m.

@@ -9,13 +9,11 @@
 //!
 //! Limit: a grain wider than the tube that it blocks touches it all round. Here it has one contact, at one point.
 
-use std::f64::consts::TAU;
-
 use serde::{Deserialize, Serialize};
 
 use crate::space::{Plane, Space};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::{Nearest, Shape, is_end, parted, path_shares, roots, section_of_revolution};
+use crate::walls::shapes::{Nearest, Shape, is_end, parted, path_shares, roots, section_of_revolution, turned};
 
 /// A thin surface of revolution in solid space.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -62,13 +60,9 @@ impl<V: Space> Revolved<V> {
 
     /// Returns one of `around` flat pieces about the axis, by its number.
     pub(super) fn facet(&self, number: u32, around: u32) -> [V; 4] {
-        let across = self.axis.any_perpendicular();
-        let other = V::narrow(self.axis.spread().cross(across.spread()));
-        let point = |[r, z]: [f64; 2], number: u32| {
-            let (sine, cosine) = (TAU * f64::from(number) / f64::from(around)).sin_cos();
-            self.base + self.axis * z + (across * cosine + other * sine) * r
-        };
-        [point(self.from, number), point(self.from, number + 1), point(self.to, number + 1), point(self.to, number)]
+        let ends = |number| turned((self.base, self.axis), [self.from, self.to], (number, around));
+        let ([a, d], [b, c]) = (ends(number), ends(number + 1));
+        [a, b, c, d]
     }
 
     /// Whether the surface is a flat ring. For a line as flat as this, the slope of a cone would be lost in rounding.

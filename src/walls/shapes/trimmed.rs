@@ -187,8 +187,8 @@ impl<V: Space> Trimmed<V> {
 
     /// Returns the fault of the rim, if it has one.
     pub(crate) fn rim_fault(&self) -> Option<RimFault<V>> {
-        let places = (0..self.prism.sides()).flat_map(|side| (0..SAMPLES).map(move |n| (side, n)));
-        places.into_iter().find_map(|(side, n)| {
+        let mut places = (0..self.prism.sides()).flat_map(|side| (0..SAMPLES).map(move |n| (side, n)));
+        places.find_map(|(side, n)| {
             let (start, _) = self.prism.on_side(side, f64::from(n) / f64::from(SAMPLES));
             let Some((point, _)) = self.whole.exit(start, self.prism.direction) else {
                 return Some(RimFault::OffTheSurface(start));
@@ -257,10 +257,7 @@ fn zero_between(value: impl Fn(f64) -> f64, [mut low, mut high]: [(f64, f64); 2]
 
 impl<V: Space> Shape<V> for Trimmed<V> {
     fn nearest(&self, x: V) -> Nearest<V> {
-        let nearest = match &self.whole {
-            Whole::Panel(shape) => shape.nearest(x),
-            Whole::Revolved(shape) => shape.nearest(x),
-        };
+        let nearest = self.whole.shape().nearest(x);
         if matches!(nearest, Nearest::Point { away, .. } if self.keeps(x - away)) {
             return nearest;
         }
