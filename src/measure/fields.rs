@@ -18,7 +18,7 @@
 //!
 //! With the kernel `Cells`, w = 1/(volume of the cell) for a centre in the cell, and W is the part of l in the cell over that volume.
 //! Both are exact, so the sum of rho times volume is the mass. With `Gaussian(s)`, fields are values at the middle of the cell: w is
-//! the normal density of standard deviation s about it, and W is its integral along l, in closed form
+//! the normal density of standard deviation s about it, and W is its mean along l, to 1e-11
 //! (Goldhirsch, Granular Matter 12, 239 (2010)). Densities are cut off at 6 s along each axis, where 2e-9 of the mass is missing.
 //!
 //! Branches l run from centre to centre, or from the centre to the contact point on a wall or a fixed grain. So a field that a

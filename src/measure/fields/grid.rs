@@ -16,9 +16,20 @@ pub struct Grid<V: Space> {
     pub(super) axes: [AxisCells; 3],
     /// Place of the axis of an (r, z) grid.
     pub(super) round: Option<[f64; 2]>,
-    /// Standard deviation of the kernel, m, and the axes along which it acts.
-    pub(super) gaussian: Option<(f64, Vec<usize>)>,
+    /// The kernel, if it is not the cell itself.
+    pub(super) gaussian: Option<Gaussian>,
     space: std::marker::PhantomData<V>,
+}
+
+/// A Gaussian kernel.
+#[derive(Clone, Debug)]
+pub(super) struct Gaussian {
+    /// Standard deviation, m.
+    pub width: f64,
+    /// The axes along which it acts.
+    pub smooth: Vec<usize>,
+    /// The other axes of the space: along these a cell has sharp ends.
+    pub sharp: Vec<usize>,
 }
 
 impl<V: Space> Grid<V> {
@@ -48,7 +59,10 @@ impl<V: Space> Grid<V> {
         };
         let gaussian = match kernel {
             Kernel::Cells => None,
-            Kernel::Gaussian(width) => Some((width.get(), (0..3).filter(|&axis| axes[axis].is_resolved).collect())),
+            Kernel::Gaussian(width) => {
+                let (smooth, sharp) = (0..V::COMPONENTS).partition(|&axis| axes[axis].is_resolved);
+                Some(Gaussian { width: width.get(), smooth, sharp })
+            }
         };
         Self { axes, round, gaussian, space: std::marker::PhantomData }
     }

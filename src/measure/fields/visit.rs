@@ -3,8 +3,8 @@
 //! A line is divided where it crosses borders of cells, which are planes or cylinders; the division is exact. Along periodic axes
 //! every image counts.
 
-use crate::measure::fields::grid::Grid;
-use crate::measure::fields::kernel::{density, mean_along};
+use crate::measure::fields::grid::{Gaussian, Grid};
+use crate::measure::fields::kernel::{density, points_of_line};
 use crate::periodic::Periodic;
 use crate::space::Space;
 
@@ -21,15 +21,9 @@ impl<V: Space> Grid<V> {
                     each(cell, 1.0 / self.volume(cell), image);
                 }
             }
-            Some((width, axes)) => {
-                let sharp = sharp_axes::<V>(axes);
-                let at = self.coordinates(image);
-                if sharp.iter().all(|&axis| self.axes[axis].number(at[axis]).is_some()) {
-                    let depth: f64 = sharp.iter().map(|&axis| self.axes[axis].width()).product();
-                    self.visit_around(image, V::ZERO, |cell, start, _| {
-                        let squared = start.iter().map(|x| x * x).sum();
-                        each(cell, density(*width, power(axes), squared) / depth, image);
-                    });
+            Some(gaussian) => {
+                if self.is_between_sharp_ends(image, gaussian) {
+                    self.visit_around(&[(image, 1.0)], gaussian, |cell, weight| each(cell, weight, image));
                 }
             }
         });
@@ -45,44 +39,57 @@ impl<V: Space> Grid<V> {
                     each(cell, (end - start) / self.volume(cell), middle);
                 }
             }),
-            Some((width, axes)) => {
-                let sharp = sharp_axes::<V>(axes);
-                let depth: f64 = sharp.iter().map(|&axis| self.axes[axis].width()).product();
-                self.pieces(image, way, &sharp, |start, end| {
-                    let at = self.coordinates(image + way * (0.5 * (start + end)));
-                    if sharp.iter().all(|&axis| self.axes[axis].number(at[axis]).is_some()) {
-                        let (from, part) = (image + way * start, way * (end - start));
-                        self.visit_around(from, part, |cell, start_of_part, way_of_part| {
-                            let mean = mean_along(*width, power(axes), start_of_part, way_of_part);
-                            each(cell, mean * (end - start) / depth, from + part * 0.5);
-                        });
-                    }
-                });
-            }
+            Some(gaussian) => self.pieces(image, way, &gaussian.sharp, |start, end| {
+                let (from, part) = (image + way * start, way * (end - start));
+                let middle = from + part * 0.5;
+                if self.is_between_sharp_ends(middle, gaussian) {
+                    let points = points_of_line(part.length_squared().sqrt(), gaussian.width);
+                    let points: Vec<_> =
+                        points.into_iter().map(|(x, share)| (from + part * x, share * (end - start))).collect();
+                    self.visit_around(&points, gaussian, |cell, weight| each(cell, weight, middle));
+                }
+            }),
         });
     }
 
-    /// Calls `each` with the cells whose middle is within the cut of the line from `from` along `way`, and with start and way
-    /// along the axes of the Gaussian, relative to that middle.
-    fn visit_around(&self, from: V, way: V, mut each: impl FnMut(usize, &[f64], &[f64])) {
-        let Some((width, smooth)) = &self.gaussian else { return };
+    /// Whether a point is in the grid along the axes that the Gaussian does not smooth.
+    fn is_between_sharp_ends(&self, at: V, gaussian: &Gaussian) -> bool {
+        let at = self.coordinates(at);
+        gaussian.sharp.iter().all(|&axis| self.axes[axis].number(at[axis]).is_some())
+    }
+
+    /// Calls `each` with the cells whose middle is within the cut of a point, and with the sum of share times density over the
+    /// points. The density is a product over the axes, so each of its factors is evaluated once for a row of cells.
+    fn visit_around(&self, points: &[(V, f64)], gaussian: &Gaussian, mut each: impl FnMut(usize, f64)) {
+        let width = gaussian.width;
+        let along =
+            |axis: usize, each: fn(f64, f64) -> f64, start| points.iter().map(|(x, _)| x.axis(axis)).fold(start, each);
         let ranges: [_; 3] = std::array::from_fn(|axis| {
-            if !smooth.contains(&axis) {
+            if !gaussian.smooth.contains(&axis) {
                 return 0..1;
             }
-            let [a, b] = [from.axis(axis), from.axis(axis) + way.axis(axis)];
-            self.axes[axis].numbers(a.min(b) - CUT * width, a.max(b) + CUT * width)
+            let (low, high) = (along(axis, f64::min, f64::INFINITY), along(axis, f64::max, f64::NEG_INFINITY));
+            self.axes[axis].numbers(low - CUT * width, high + CUT * width)
         });
-        let way: Vec<_> = smooth.iter().map(|&axis| way.axis(axis)).collect();
-        let mut start = vec![0.0; smooth.len()];
-        for z in ranges[2].clone() {
-            for y in ranges[1].clone() {
-                for x in ranges[0].clone() {
-                    let numbers = [x, y, z];
-                    for (start, &axis) in start.iter_mut().zip(smooth) {
-                        *start = from.axis(axis) - self.axes[axis].middle(numbers[axis]);
-                    }
-                    each(self.cell(numbers), &start, &way);
+        // For each cell along an axis, the factors of all points.
+        let factors: [Vec<f64>; 3] = std::array::from_fn(|axis| {
+            let cells = &self.axes[axis];
+            let factor = |number, x: V| match gaussian.smooth.contains(&axis) {
+                true => density(width, x.axis(axis) - cells.middle(number)),
+                false => 1.0,
+            };
+            ranges[axis].clone().flat_map(|number| points.iter().map(move |(x, _)| factor(number, *x))).collect()
+        });
+        let depth: f64 = gaussian.sharp.iter().map(|&axis| self.axes[axis].width()).product();
+        let [of_x, of_y, of_z] = factors.each_ref().map(|factors| factors.chunks_exact(points.len()));
+        let mut of_row = vec![0.0; points.len()];
+        for (z, of_z) in ranges[2].clone().zip(of_z) {
+            for (y, of_y) in ranges[1].clone().zip(of_y.clone()) {
+                for (index, (of_row, (_, share))) in of_row.iter_mut().zip(points).enumerate() {
+                    *of_row = share / depth * of_y[index] * of_z[index];
+                }
+                for (x, of_x) in ranges[0].clone().zip(of_x.clone()) {
+                    each(self.cell([x, y, z]), of_row.iter().zip(of_x).map(|(row, x)| row * x).sum());
                 }
             }
         }
@@ -137,7 +144,7 @@ impl<V: Space> Grid<V> {
     /// Calls `each` with the images of `from` for which the line along `way` may lie in the grid or near it.
     fn images(&self, from: V, way: V, periodic: Option<&Periodic<V>>, mut each: impl FnMut(V)) {
         let Some(periodic) = periodic else { return each(from) };
-        let reach = self.gaussian.as_ref().map_or(0.0, |(width, _)| CUT * width);
+        let reach = self.gaussian.as_ref().map_or(0.0, |gaussian| CUT * gaussian.width);
         let shifts: [Vec<f64>; 3] = std::array::from_fn(|axis| {
             if axis >= V::COMPONENTS {
                 return vec![0.0];
@@ -169,14 +176,4 @@ impl<V: Space> Grid<V> {
             }
         }
     }
-}
-
-/// The number of axes as an exponent.
-fn power(axes: &[usize]) -> i32 {
-    i32::try_from(axes.len()).unwrap_or(3)
-}
-
-/// Returns the axes of the space along which the cells of a grid with a Gaussian are sharp.
-fn sharp_axes<V: Space>(smooth: &[usize]) -> Vec<usize> {
-    (0..V::COMPONENTS).filter(|axis| !smooth.contains(axis)).collect()
 }
