@@ -156,49 +156,87 @@ pub(crate) fn touching_wall<V: Space>(
 
 /// The contacts of one particle with walls.
 pub(crate) struct WallContacts<V: Space> {
-    /// Walls that touch the particle, each for itself.
-    beside: Vec<(usize, WallLine<V>)>,
-    /// The contacts, each with the index of its wall, ascending.
-    pub found: Vec<(usize, Pair<V>)>,
+    /// Walls that touch the particle, ascending, with their nearest points.
+    touching: Vec<(usize, WallLine<V>)>,
 }
 
 impl<V: Space> Default for WallContacts<V> {
     fn default() -> Self {
-        Self { beside: Vec::new(), found: Vec::new() }
+        Self { touching: Vec::new() }
     }
 }
 
 impl<V: Space> WallContacts<V> {
-    /// Finds the contacts of the movable particle in slot `i` with the walls `near` it. `follow` receives each wall whose
-    /// contact passes to another wall at a seam, and that other wall.
+    /// Finds the contacts of the movable particle in slot `i` with the walls `near` it, if they touch within the time `ahead`, s. `follow`
+    /// receives each wall whose contact passes to another wall at a seam, and that other wall.
     pub(crate) fn find(
         &mut self,
         store: &ParticleStore<V>,
         i: usize,
         (walls, near): (&[SurfaceWall<V>], impl Iterator<Item = usize>),
-        (root, ahead): (bool, f64),
+        ahead: f64,
         mut follow: impl FnMut(usize, usize),
     ) {
-        self.beside.clear();
-        self.found.clear();
-        self.beside.extend(near.filter_map(|index| Some((index, beside_wall(store, i, &walls[index], ahead)?))));
-        if walls_repeat(walls, &self.beside) {
-            let touches: Vec<_> =
-                self.beside.iter().map(|(index, beside)| (*index, beside.line.normal, beside.line.distance)).collect();
-            let holders = nearest_facets(walls, &touches);
-            let left_out = |at: &usize| holders[*at] != *at;
-            (0..touches.len()).filter(left_out).for_each(|at| follow(touches[at].0, touches[holders[at]].0));
-            let mut at = 0..;
-            self.beside.retain(|_| at.next().is_some_and(|at| !left_out(&at)));
-        }
-        let grain = (store.body[i].position, store.body[i].radius);
-        for (index, beside) in &self.beside {
-            let others = self.beside.iter().map(|(other, line)| (*other, line.line.distance, line.edge.is_some()));
-            match beside.edge.and_then(|away| continued_by(walls, *index, others, grain, away)) {
-                Some(other) => follow(*index, other),
-                None => self.found.push((*index, wall_pair_at(store, i, &walls[*index], beside, root, 0.0))),
+        self.touching.clear();
+        for index in near {
+            if let Some(beside) = beside_wall(store, i, &walls[index], ahead) {
+                self.touching.push((index, beside));
             }
         }
+        if self.touching.len() < 2 {
+            return;
+        }
+        if walls_repeat(walls, &self.touching) {
+            self.keep_nearest_facets(walls, &mut follow);
+        }
+        if self.touching.iter().any(|(_, beside)| beside.edge.is_some()) {
+            self.leave_out_continued(walls, (store.body[i].position, store.body[i].radius), &mut follow);
+        }
+    }
+
+    /// Returns the contacts that [`Self::find`] found, each with the index of its wall, ascending. `root` asks for the root of the
+    /// reduced mass.
+    #[inline(always)]
+    pub(crate) fn pairs(
+        &self,
+        store: &ParticleStore<V>,
+        i: usize,
+        walls: &[SurfaceWall<V>],
+        root: bool,
+    ) -> impl Iterator<Item = (usize, Pair<V>)> {
+        let pair = move |index: usize, beside| wall_pair_at(store, i, &walls[index], beside, root, 0.0);
+        self.touching.iter().map(move |(index, beside)| (*index, pair(*index, beside)))
+    }
+
+    /// Leaves out facets of a smooth surface that are not nearest.
+    #[cold]
+    fn keep_nearest_facets(&mut self, walls: &[SurfaceWall<V>], follow: &mut impl FnMut(usize, usize)) {
+        let touches: Vec<_> =
+            self.touching.iter().map(|(index, beside)| (*index, beside.line.normal, beside.line.distance)).collect();
+        let holders = nearest_facets(walls, &touches);
+        let left_out = |at: &usize| holders[*at] != *at;
+        (0..touches.len()).filter(left_out).for_each(|at| follow(touches[at].0, touches[holders[at]].0));
+        let mut at = 0..;
+        self.touching.retain(|_| at.next().is_some_and(|at| !left_out(&at)));
+    }
+
+    /// Leaves out contacts at the edge of a wall that another wall continues.
+    #[cold]
+    fn leave_out_continued(
+        &mut self,
+        walls: &[SurfaceWall<V>],
+        grain: (V, f64),
+        follow: &mut impl FnMut(usize, usize),
+    ) {
+        let all = self.touching.iter().map(|(index, beside)| (*index, beside.line.distance, beside.edge.is_some()));
+        let all: Vec<_> = all.collect();
+        self.touching.retain(|(index, beside)| {
+            let other = beside.edge.and_then(|away| continued_by(walls, *index, all.iter().copied(), grain, away));
+            if let Some(other) = other {
+                follow(*index, other);
+            }
+            other.is_none()
+        });
     }
 }
 

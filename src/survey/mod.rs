@@ -112,9 +112,8 @@ impl<'a, V: Space> Survey<'a, V> {
         let body = &self.store.body[i];
         let near = self.walls.near(body.position, body.radius + self.store.prediction.range);
         let mut contacts = geometry::WallContacts::default();
-        let limits = (self.law.needs_mass_root(), 0.0);
-        contacts.find(self.store, i, (&self.walls.all, near.iter()), limits, |_, _| {});
-        contacts.found
+        contacts.find(self.store, i, (&self.walls.all, near.iter()), 0.0, |_, _| {});
+        contacts.pairs(self.store, i, &self.walls.all, self.law.needs_mass_root()).collect()
     }
 
     /// Returns whether two bodies are in contact: they overlap, or their contact exists beyond touch. `memory` returns the memory of the contact.

@@ -36,8 +36,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
                 }
             };
             let near = row.iter().map(|contact| contact.second());
-            contacts.find(self.view, i, (pass.walls, near), limits, follow);
-            for (wall, pair) in contacts.found.drain(..) {
+            contacts.find(self.view, i, (pass.walls, near), limits.1, follow);
+            for (wall, pair) in contacts.pairs(self.view, i, pass.walls, limits.0) {
                 self.push_wall(row[0].with_partner(wall), &pair, &mut block);
             }
         }
