@@ -5,7 +5,8 @@
 //! | language | the block holds |
 //! |---|---|
 //! | `sh` | commands that this test runs, block after block, in a directory of its own for each page |
-//! | `sh full` | commands that take minutes or need other programs; run with `SILOFLOW_DOCS=full`, as `.ci/full` does |
+//! | `sh full` | commands that take minutes; run with `SILOFLOW_DOCS=full`, as `.ci/full` does |
+//! | `sh full NAME ...` | the same, where these programs are installed |
 //! | `sh setup` | commands that build or install; `.ci/run` runs the important ones |
 //! | `sh manual` | measurements of many minutes, or with programs that have to be built first; run by hand |
 //!
@@ -121,6 +122,15 @@ fn understood(block: &str) -> Result<(), String> {
     Ok(())
 }
 
+fn is_installed(program: &str) -> bool {
+    let path = std::env::var_os("PATH").unwrap_or_default();
+    let found = std::env::split_paths(&path).any(|directory| directory.join(program).is_file());
+    if !found {
+        eprintln!("a block was not run: `{program}` is not installed");
+    }
+    found
+}
+
 /// Runs the commands of a page.
 fn run(page: &Path, full: bool) -> Result<(), String> {
     let (_, blocks) = split(&fs::read_to_string(page).unwrap());
@@ -136,16 +146,16 @@ fn run(page: &Path, full: bool) -> Result<(), String> {
     symlink(env!("CARGO_BIN_EXE_siloflow"), programs.join("siloflow")).unwrap();
     let path = format!("{}:{}", programs.display(), std::env::var("PATH").unwrap_or_default());
     for (language, block) in blocks {
-        match language.as_str() {
-            "sh" => {}
-            "sh full" if full => {}
-            "sh full" | "sh setup" | "sh manual" => {
+        match language.split_whitespace().collect::<Vec<_>>()[..] {
+            ["sh"] => {}
+            ["sh", "full", ref programs @ ..] if full && programs.iter().all(|program| is_installed(program)) => {}
+            ["sh", "full", ..] | ["sh", "setup"] | ["sh", "manual"] => {
                 understood(&block).map_err(|why| format!("{}: {why}", page.display()))?;
                 continue;
             }
-            other if other.starts_with("sh") || other == "bash" || other == "console" => {
+            ["sh" | "bash" | "console", ..] => {
                 return Err(format!(
-                    "{}: a block in `{other}`: write `sh`, `sh full`, `sh setup` or `sh manual`",
+                    "{}: a block in `{language}`: write `sh`, `sh full`, `sh setup` or `sh manual`",
                     page.display()
                 ));
             }
