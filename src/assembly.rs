@@ -33,9 +33,10 @@ impl<'a> Assembly<'a> {
     }
 
     /// Calls `build`, and records `key` for the systems that it adds.
-    pub(crate) fn add_with(&mut self, key: &str, build: impl FnOnce(&mut App)) {
+    pub(crate) fn add_with(&mut self, key: &str, build: impl FnOnce(&mut App)) -> &mut Self {
         build(self.app);
         self.record(key);
+        self
     }
 
     pub(crate) fn provide(&mut self, resource: impl Resource) {

@@ -43,8 +43,8 @@ use crate::persist::PersistApp as _;
 use crate::space::Space;
 use crate::step::{Part, Phase, Step, is_step_zero};
 use crate::store::{
-    AfterDeferredKick, BeforeRenumbering, EngineBalance, FirstRenumbering, ParticleStore, Renumber, Renumbering,
-    SpinsDrifted, after_kicks, reads_velocities_when, renumber,
+    AfterDeferredKick, AfterRenumbering, BeforeRenumbering, EngineBalance, FirstRenumbering, ParticleStore, Renumber,
+    SpinsDrifted, after_kicks, reads_velocities_when,
 };
 use crate::walls::surfaces::walls_leave;
 
@@ -99,10 +99,7 @@ impl<V: Space> Plugin for EnergyPlugin<V> {
             .persist::<Powers>()
             .add_systems(
                 Renumber,
-                (
-                    add_removed_energy::<V>.in_set(BeforeRenumbering),
-                    add_released_energy::<V>.in_set(Renumbering).after(renumber::<V>),
-                ),
+                (add_removed_energy::<V>.in_set(BeforeRenumbering), add_released_energy::<V>.in_set(AfterRenumbering)),
             )
             .add_systems(Step, add_initial_overlap_energy::<V>.in_set(Part::Engine(Phase::Cull)).run_if(is_step_zero));
         after_kicks(app, || add_contact_work::<V>.in_set(EnergyBalanced).into_configs());

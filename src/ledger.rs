@@ -42,7 +42,7 @@ use crate::periodic::Periodic;
 use crate::persist::PersistApp as _;
 use crate::space::{Plane, Space};
 use crate::step::{Clock, Phase, Step};
-use crate::store::{ParticleStore, Renumber, Renumbering, renumber};
+use crate::store::{AfterRenumbering, ParticleStore, Renumber};
 use crate::walls::paths::{Crossing, Paths};
 use crate::walls::surfaces::Surfaces;
 
@@ -239,7 +239,7 @@ impl<V: Space> Plugin for PathsPlugin<V> {
             .persist::<GrainStates<V>>()
             .persist::<PathTrigger>()
             .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
-            .add_systems(Renumber, reorder_states::<V>.in_set(Renumbering).after(renumber::<V>))
+            .add_systems(Renumber, reorder_states::<V>.in_set(AfterRenumbering))
             .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(grain_accounting::account_for_grains::<V>));
     }
 }

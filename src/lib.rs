@@ -41,31 +41,18 @@ pub mod behaviour;
 pub mod charts;
 pub mod cli;
 pub mod compare;
-pub mod contact;
-pub mod displacement_trigger;
 pub mod divergence;
 pub mod door;
 pub mod ending;
 pub mod energy;
-pub mod fault;
 pub mod finite;
 pub mod grains;
-pub mod gravity;
-pub mod instructions;
-pub mod integrate;
 pub mod lammps;
 pub mod lattice;
 pub mod lattice_study;
 pub mod ledger;
 pub mod measure;
-pub mod messages;
-pub mod neighbours;
-pub mod outcome;
 pub mod output;
-pub mod particle;
-pub mod particles;
-pub mod periodic;
-pub mod persist;
 pub mod plugins;
 pub mod random;
 pub mod report;
@@ -73,21 +60,18 @@ pub mod rest;
 pub mod scene;
 pub mod simulation;
 pub mod source;
-pub mod space;
-pub mod spin;
-pub mod step;
 pub mod stop;
-pub mod store;
-pub mod survey;
 pub mod sweep;
-pub(crate) mod table_sort;
-pub mod text;
-pub mod threads;
 pub mod validation;
-pub mod values;
-pub mod walls;
 pub mod watchdog;
 pub mod writers;
+
+#[doc(inline)]
+pub use siloflow_kernel::{
+    contact, displacement_trigger, fault, gravity, instructions, integrate, messages, neighbours, outcome, particle,
+    particles, periodic, persist, space, spin, step, store, survey, text, threads, values, walls,
+};
+use siloflow_kernel::{engine, table_sort};
 
 /// Names that a behaviour needs. A crate that depends on siloflow and serde alone can use the derives of the ECS too.
 /// These derives name `bevy_ecs`, which `use siloflow::prelude::*` imports into the module ([`behaviour`] shows the

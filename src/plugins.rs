@@ -10,11 +10,10 @@ use bevy_ecs::prelude::*;
 use crate::assembly::Assembly;
 use crate::behaviour::Behaviour;
 use crate::contact::history::History;
-use crate::contact::selection::LawVisitor;
-use crate::contact::{ContactPlugin, LawRequirements, PairLaw};
 use crate::door::{DoorControl, DoorMotion, DoorPlugin, Orifice};
 use crate::ending::EndingPlugin;
 use crate::energy::{AddedWorkPlugin, EnergyPlugin, LeavingWallsEnergyPlugin, LiftPlugin, SpinEnergyPlugin};
+use crate::engine::Engine;
 use crate::finite::FinitePlugin;
 use crate::grains::feed::FeedPlugin;
 use crate::grains::spawner::SpawnerPlugin;
@@ -60,7 +59,7 @@ fn add_clog<V: Space>(app: &mut Assembly, loaded: &Loaded, conditions: &[StopCon
 }
 
 /// Adds the plugins that the scene needs to an app that has the resources of a run.
-pub(crate) fn add_all<V: Space>(
+pub(crate) fn add_all<V: Engine>(
     app: &mut Assembly,
     loaded: &Loaded,
     behaviours: Vec<(String, Box<dyn Behaviour>)>,
@@ -71,16 +70,16 @@ pub(crate) fn add_all<V: Space>(
     let largest_radius = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
     let own_contacts = behaviours.iter().any(|(_, behaviour)| behaviour.brings_contact_law());
     let has_behaviours = !behaviours.is_empty();
+    let neighbours =
+        NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius, range: loaded.adhesive_range() };
+    let integrator = IntegratorPlugin { kind: scene.integrator, space };
     app.add("step", StepPlugin { dt: loaded.step() })
         .add("always", MessagesPlugin(space))
-        .add("always", StorePlugin(space))
+        .add_with("always", |app| V::add_store(app, StorePlugin(space)))
         .add("always", TableSortPlugin)
         .add("always", ObservePlugin)
-        .add(
-            "neighbours",
-            NeighboursPlugin { kind: loaded.neighbours(), periodic, largest_radius, range: loaded.adhesive_range() },
-        )
-        .add("integrator", IntegratorPlugin { kind: scene.integrator, space })
+        .add_with("neighbours", |app| V::add_neighbours(app, neighbours))
+        .add_with("integrator", |app| V::add_integrator(app, integrator))
         .add("until", EndingPlugin { until: scene.until.get() })
         .add("always", FinitePlugin(space))
         .add("always", LedgerPlugin(scene.on_loss, space));
@@ -101,7 +100,8 @@ pub(crate) fn add_all<V: Space>(
         app.add("watchdog", WatchdogPlugin(watchdog, space));
     }
     if let Some(periodic) = periodic {
-        app.add("periodic", PeriodicPlugin { periodic, tracks_energy: scene.energy_balance });
+        let plugin = PeriodicPlugin { periodic, tracks_energy: scene.energy_balance };
+        app.add_with("periodic", |app| V::add_periodic(app, plugin));
         if scene.energy_balance && periodic.lifts(scene.gravity.get()) {
             app.add("periodic", LiftPlugin(space));
         }
@@ -114,7 +114,8 @@ pub(crate) fn add_all<V: Space>(
         app.add(if has_behaviours { "behaviours" } else { "kick" }, AddedWorkPlugin(space));
     }
     if scene.contact.spins() {
-        app.add("contact.tangential", SpinPlugin { inertia: loaded.inertia(), space });
+        let spins = SpinPlugin { inertia: loaded.inertia(), space };
+        app.add_with("contact.tangential", |app| V::add_spins(app, spins));
         if scene.energy_balance {
             app.add("contact.tangential", SpinEnergyPlugin(space));
         }
@@ -123,9 +124,10 @@ pub(crate) fn add_all<V: Space>(
         if loaded.is_centred() {
             let (damping_rates, spring_damping) = Estimates::of(loaded)
                 .map_or(([0.0; 2], 0.0), |estimates| (estimates.damping_rates, estimates.spring_damping));
-            app.add("integrator", VelocityPredictionPlugin { damping_rates, spring_damping, space });
+            let prediction = VelocityPredictionPlugin { damping_rates, spring_damping, space };
+            app.add_with("integrator", |app| V::add_velocity_prediction(app, prediction));
         }
-        loaded.contacts().visit::<V, _>(AddContacts { app });
+        app.add_with("contact", |app| V::add_contacts(app, &loaded.contacts()));
     }
     if loaded.fixed.iter().any(|grain| grain.velocity != Solid::ZERO) {
         app.add("fill", ConveyorPlugin(space));
@@ -196,19 +198,6 @@ pub(crate) fn add_behaviours(app: &mut Assembly, behaviours: Vec<(String, Box<dy
     for (name, behaviour) in behaviours {
         app.add_with(&format!("behaviours.{name}"), |app| BehaviourOutputs::begin(app, &name));
         app.add_with(&format!("behaviours.{name}"), |app| behaviour.build(app));
-    }
-}
-
-/// Adds the force kernel with the scene's law.
-struct AddContacts<'a, 'b> {
-    app: &'a mut Assembly<'b>,
-}
-
-impl<V: Space> LawVisitor<V> for AddContacts<'_, '_> {
-    type Output = ();
-
-    fn take<L: PairLaw<V> + LawRequirements>(self, law: L) {
-        self.app.add("contact", ContactPlugin::<V, L>::new(Arc::new(law)));
     }
 }
 

@@ -13,6 +13,7 @@ use crate::assembly::{AskedBy, Assembly};
 use crate::behaviour::{Behaviour, Registry};
 use crate::contact::ContactsAtStart;
 use crate::ending::StopRequest;
+use crate::engine::Engine;
 use crate::fault::Fault;
 use crate::grains::file::GrainRow;
 use crate::grains::spawner::Pending;
@@ -437,7 +438,7 @@ fn app_with_resources(threads: NonZeroUsize) -> Result<App, Fault> {
     Ok(app)
 }
 
-fn add_plugins<V: Space>(
+fn add_plugins<V: Engine>(
     assembly: &mut Assembly,
     loaded: &Loaded,
     behaviours: Vec<(String, Box<dyn Behaviour>)>,

@@ -189,5 +189,5 @@ fn short(name: &str) -> String {
 /// A path without the crate's name and without generic arguments: space and law are printed above.
 fn short_path(name: &str) -> String {
     let path = name.split('<').next().unwrap_or(name);
-    path.strip_prefix("siloflow::").unwrap_or(path).to_owned()
+    ["siloflow::", "siloflow_kernel::"].iter().find_map(|own| path.strip_prefix(own)).unwrap_or(path).to_owned()
 }

@@ -1,9 +1,12 @@
-//! Checks the layers of `ARCHITECTURE.md`: every module of `src` is in one layer, imports follow the direction, and no
+//! Checks the layers of `ARCHITECTURE.md`: every module of `src` and of the kernel is in one layer, imports follow the direction, and no
 //! imports form a cycle.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
+
+/// The sources of both crates.
+const SOURCES: [&str; 2] = ["src", "crates/kernel/src"];
 
 /// Returns the layer of each module from the first table of `ARCHITECTURE.md`: its number, counted from the lowest.
 fn layers(page: &str) -> BTreeMap<String, usize> {
@@ -81,7 +84,9 @@ fn faults(layers: &BTreeMap<String, usize>, imports: &Imports) -> Vec<String> {
 
 fn of_the_crate() -> (BTreeMap<String, usize>, Imports) {
     let mut imports = Imports::new();
-    read(&crate::root().join("src"), None, &mut imports);
+    for sources in SOURCES {
+        read(&crate::root().join(sources), None, &mut imports);
+    }
     let page = fs::read_to_string(crate::root().join("ARCHITECTURE.md")).unwrap();
     let layers = layers(&page);
     // A name that is not a module is an item of the crate's root, such as `prelude`.

@@ -1,0 +1,154 @@
+//! The system that runs the kernel with the scene's law, neighbour search and threads.
+
+use std::marker::PhantomData;
+use std::sync::Arc;
+
+use bevy_app::{App, Plugin};
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use crate::contact::history::History;
+use crate::contact::history::remembered::Remembered;
+use crate::contact::kernel::{Pass, ScratchPerThread};
+use crate::contact::prediction::LonePairs;
+use crate::contact::{AnyLaw, LawRequirements, PairLaw};
+use crate::gravity::Gravity;
+use crate::instructions::Instructions;
+use crate::integrate::rotation::SpinPlugin;
+use crate::neighbours::Search;
+use crate::persist::PersistApp as _;
+use crate::space::{Plane, Space};
+use crate::spin::InertiaLaw;
+use crate::step::{Clock, ForceStage, Part, Phase, Step, is_step_zero};
+use crate::store::{AfterRenumbering, MirrorSet, ParticleStore, Renumber, VelocitiesPredicted};
+use crate::threads::Threads;
+use crate::walls::near::NearWalls;
+use crate::walls::surfaces::Surfaces;
+
+/// The contact law that the kernel is compiled for.
+#[derive(Resource)]
+pub struct Law<L>(pub Arc<L>);
+
+/// The largest overlap of the run so far divided by the smaller radius of its pair, over grains and walls.
+#[derive(Resource, Default, Deserialize, Serialize)]
+pub struct LargestOverlap(pub f64);
+
+/// System set of the contact pass.
+#[derive(SystemSet, Clone, Debug, PartialEq, Eq, Hash)]
+pub struct ContactForces;
+
+/// Interval between counts of contacts, in steps. Counts only select the contacts whose prediction is refined.
+const COUNT_INTERVAL: u64 = 8;
+
+/// Returns the time by which memories advance in this run of the schedule, s. In step zero it is the time by which they are
+/// ahead.
+fn memory_step(clock: &Clock, lead: f64) -> f64 {
+    if clock.is_step_zero() { lead } else { clock.dt }
+}
+
+fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
+    law: Res<Law<L>>,
+    (clock, gravity, search): (Res<Clock>, Res<Gravity<V>>, Res<Search<V>>),
+    (threads, instructions, mut scratches): (Res<Threads>, Res<Instructions>, ResMut<ScratchPerThread<V>>),
+    (mut walls, mut near, mut lone): (ResMut<Surfaces<V>>, Local<NearWalls>, Local<LonePairs>),
+    mut store: ResMut<ParticleStore<V>>,
+    mut history: ResMut<History<V>>,
+    mut largest: ResMut<LargestOverlap>,
+) {
+    // Change detection does not report this system's own writes, here the wall loads, as changes.
+    let have_changed = walls.is_changed();
+    let pass = Pass {
+        law: &*law.0,
+        list: &search.list,
+        walls: &walls.all,
+        near: near.of(&store, &walls, have_changed),
+        dt: memory_step(&clock, store.prediction.lookahead),
+        starts: clock.is_step_zero(),
+        lone: if store.predicts() { lone.of(&search.list, &store.prediction.lone) } else { &[] },
+        counts: store.predicts() && clock.steps.is_multiple_of(COUNT_INTERVAL),
+        gravity: gravity.0,
+        instructions: *instructions,
+    };
+    store.stale.add(if L::SPIN { MirrorSet::FORCE.or(MirrorSet::TORQUE) } else { MirrorSet::FORCE });
+    let kept = (&mut scratches.0, !history.is_changed());
+    let history = history.bypass_change_detection();
+    largest.0 = pass.sum(&mut store, history, &threads, kept, largest.0);
+    if pass.counts {
+        lone.are_old();
+    }
+    if !walls.all.is_empty() {
+        walls.set_loads(scratches.0.iter().flat_map(|scratch| &scratch.on_walls));
+    }
+}
+
+/// Moves memories to the new slots of their particles after a renumbering.
+fn move_memories<V: Space, L: LawRequirements>(store: Res<ParticleStore<V>>, mut history: ResMut<History<V>>) {
+    history.move_to_new_slots::<L>(&store);
+}
+
+/// Memories of contacts that exist at the start of a run.
+#[derive(Resource, Default)]
+pub struct ContactsAtStart(pub Vec<Remembered>);
+
+/// Takes over the memories of contacts that exist at the start.
+fn recall_from_start<V: Space, L: LawRequirements>(
+    store: Res<ParticleStore<V>>,
+    start: Option<ResMut<ContactsAtStart>>,
+    mut history: ResMut<History<V>>,
+) {
+    if let Some(mut start) = start {
+        history.replace::<L>(&store, &std::mem::take(&mut start.0));
+    }
+}
+
+/// Adds contacts with the law `law`, between particles and with wall surfaces. Laws from other crates are added here:
+/// `app.add_plugins(ContactPlugin::plane(Arc::new(MyLaw)))`.
+pub struct ContactPlugin<V: Space, L: PairLaw<V>> {
+    law: Arc<L>,
+    space: PhantomData<V>,
+}
+
+impl<V: Space, L: PairLaw<V>> ContactPlugin<V, L> {
+    /// Uses the law in the space `V`.
+    #[must_use]
+    pub fn new(law: Arc<L>) -> Self {
+        Self { law, space: PhantomData }
+    }
+}
+
+impl<L: PairLaw<Plane>> ContactPlugin<Plane, L> {
+    /// Uses the law in the plane.
+    #[must_use]
+    pub fn plane(law: Arc<L>) -> Self {
+        Self::new(law)
+    }
+}
+
+impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
+    fn build(&self, app: &mut App) {
+        // The law of a behaviour may need spins in a scene that has none.
+        if L::SPIN && !app.is_plugin_added::<SpinPlugin<V>>() {
+            app.add_plugins(SpinPlugin::<V> { inertia: InertiaLaw::usual(V::DIMENSION), space: PhantomData });
+        }
+        app.insert_resource(Law(self.law.clone()))
+            .insert_resource(AnyLaw::<V>(self.law.clone()))
+            .init_resource::<History<V>>()
+            .init_resource::<ScratchPerThread<V>>()
+            .init_resource::<LargestOverlap>()
+            .init_resource::<Instructions>()
+            .persist::<History<V>>()
+            .persist::<LargestOverlap>()
+            .derived::<ScratchPerThread<V>>()
+            .add_systems(Step, contact_forces::<V, L>.in_set(ForceStage::Contacts).in_set(ContactForces));
+        if L::MEMORY {
+            app.derived::<ContactsAtStart>().add_systems(
+                Step,
+                recall_from_start::<V, L>
+                    .in_set(Part::Engine(Phase::Neighbours))
+                    .after(VelocitiesPredicted)
+                    .run_if(is_step_zero),
+            );
+            app.add_systems(Renumber, move_memories::<V, L>.in_set(AfterRenumbering));
+        }
+    }
+}

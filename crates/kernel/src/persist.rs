@@ -1,0 +1,283 @@
+//! Persistent state: the registry of everything that a checkpoint saves.
+//!
+//! State is registered where it is declared, in one line of the plugin that owns it. There is no central list. Behaviours of
+//! other crates register in the same way:
+//!
+//! ```
+//! use siloflow::prelude::*;
+//!
+//! /// Energy that grains have lost to the air, J.
+//! #[derive(Resource, Default, serde::Serialize, serde::Deserialize)]
+//! struct LostToAir(f64);
+//!
+//! # fn build(app: &mut App) {
+//! app.init_resource::<LostToAir>().persist::<LostToAir>();
+//! # }
+//! ```
+//!
+//! | kind of state | registered with |
+//! |---|---|
+//! | a resource | [`persist`](PersistApp::persist) |
+//! | a part of a resource; the rest comes from the scene | [`persist_part`](PersistApp::persist_part) |
+//! | a component, also one without data | [`persist_component`](PersistApp::persist_component) |
+//! | a cache that is rebuilt from other state | [`derived`](PersistApp::derived) |
+//!
+//! [`unregistered`] finds state that systems write and that no line registers, from the access that systems declare and from the
+//! components that entities have.
+//!
+//! Limits:
+//! * Access lists do not show a `Local`, a captured variable or a `static`, so physics must not keep state there.
+//! * An [`Entity`] in saved data is not translated; refer to a particle by its [`GrainId`](crate::particle::GrainId).
+//! * Messages are not saved: read a message in the step in which it is written, in a later phase or `.after` its writer.
+
+mod config;
+mod entities;
+mod unregistered;
+
+use std::any::type_name;
+
+use bevy_app::App;
+use bevy_ecs::component::ComponentId;
+use bevy_ecs::prelude::*;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+
+pub use self::config::{CheckpointConfig, CheckpointFigures, default_checkpoint};
+pub use self::entities::{EntityNumbers, SavedEntities};
+pub use self::unregistered::unregistered;
+
+/// State that can be saved and restored.
+pub trait Persistent: Serialize + DeserializeOwned + Send + Sync + 'static {}
+
+impl<T: Serialize + DeserializeOwned + Send + Sync + 'static> Persistent for T {}
+
+/// Why state could not be saved or restored, in words.
+pub type Problem = String;
+
+type Save = Box<dyn Fn(&mut World, &EntityNumbers) -> Result<Option<Vec<u8>>, Problem> + Send + Sync>;
+type Restore = Box<dyn Fn(&mut World, &[u8], &SavedEntities) -> Result<(), Problem> + Send + Sync>;
+
+/// One registered piece of state.
+struct Entry {
+    name: &'static str,
+    id: ComponentId,
+    is_component: bool,
+    save: Save,
+    restore: Restore,
+}
+
+/// The registry.
+#[derive(Resource, Default)]
+pub struct Registered {
+    entries: Vec<Entry>,
+    derived: Vec<ComponentId>,
+}
+
+/// One saved piece of state: its type name and its bytes.
+pub type Section = (String, Vec<u8>);
+
+/// Registration of state in an [`App`].
+pub trait PersistApp {
+    /// Saves the resource `R` with every checkpoint.
+    fn persist<R: Resource + Persistent>(&mut self) -> &mut Self;
+
+    /// Saves a part `S` of the resource `R`. The rest of it is as the scene makes it.
+    fn persist_part<R: Resource<Mutability = bevy_ecs::component::Mutable>, S: Persistent>(
+        &mut self,
+        save: fn(&R) -> Result<S, Problem>,
+        restore: fn(&mut R, S) -> Result<(), Problem>,
+    ) -> &mut Self;
+
+    /// Saves the component `C` of every entity that has it.
+    fn persist_component<C: Component + Persistent>(&mut self) -> &mut Self;
+
+    /// States that the resource or component `T` is rebuilt from other state and need not be saved.
+    fn derived<T: Component>(&mut self) -> &mut Self;
+}
+
+impl PersistApp for App {
+    fn persist<R: Resource + Persistent>(&mut self) -> &mut Self {
+        self.persist_with::<R, R>(
+            |world, _| world.get_resource::<R>().map(encode).transpose(),
+            |world, resource: R, _| {
+                world.insert_resource(resource);
+                Ok(())
+            },
+        )
+    }
+
+    fn persist_part<R: Resource<Mutability = bevy_ecs::component::Mutable>, S: Persistent>(
+        &mut self,
+        save: fn(&R) -> Result<S, Problem>,
+        restore: fn(&mut R, S) -> Result<(), Problem>,
+    ) -> &mut Self {
+        self.persist_with::<R, S>(
+            move |world, _| world.get_resource::<R>().map(|resource| encode(&save(resource)?)).transpose(),
+            move |world, part: S, _| {
+                let mut resource = world.get_resource_mut::<R>().ok_or("the scene does not have this state")?;
+                restore(&mut resource, part)
+            },
+        )
+    }
+
+    fn persist_component<C: Component + Persistent>(&mut self) -> &mut Self {
+        self.register::<C>(
+            true,
+            Box::new(|world, numbers| entities::save_column::<C>(world, numbers).map(Some)),
+            Box::new(entities::restore_column::<C>),
+        )
+    }
+
+    fn derived<T: Component>(&mut self) -> &mut Self {
+        let id = self.world_mut().register_component::<T>();
+        self.world_mut().get_resource_or_init::<Registered>().derived.push(id);
+        self
+    }
+}
+
+/// Registration of state that refers to entities.
+pub(crate) trait PersistWith {
+    /// Saves the resource `R` as `S`, with functions that translate entities.
+    fn persist_with<R: Resource, S: Persistent>(
+        &mut self,
+        save: impl Fn(&World, &EntityNumbers) -> Result<Option<Vec<u8>>, Problem> + Send + Sync + 'static,
+        restore: impl Fn(&mut World, S, &SavedEntities) -> Result<(), Problem> + Send + Sync + 'static,
+    ) -> &mut Self;
+
+    fn register<T: Component>(&mut self, is_component: bool, save: Save, restore: Restore) -> &mut Self;
+}
+
+impl PersistWith for App {
+    fn persist_with<R: Resource, S: Persistent>(
+        &mut self,
+        save: impl Fn(&World, &EntityNumbers) -> Result<Option<Vec<u8>>, Problem> + Send + Sync + 'static,
+        restore: impl Fn(&mut World, S, &SavedEntities) -> Result<(), Problem> + Send + Sync + 'static,
+    ) -> &mut Self {
+        self.register::<R>(
+            false,
+            Box::new(move |world, numbers| save(world, numbers)),
+            Box::new(move |world, bytes, entities| restore(world, decode(bytes)?, entities)),
+        )
+    }
+
+    fn register<T: Component>(&mut self, is_component: bool, save: Save, restore: Restore) -> &mut Self {
+        let id = self.world_mut().register_component::<T>();
+        let mut registered = self.world_mut().get_resource_or_init::<Registered>();
+        // Two plugins may share a type; the first one registers it.
+        if !registered.knows(id) {
+            registered.entries.push(Entry { name: type_name::<T>(), id, is_component, save, restore });
+        }
+        self
+    }
+}
+
+impl Registered {
+    /// Returns the registered components.
+    fn components(&self) -> Vec<ComponentId> {
+        self.entries.iter().filter(|entry| entry.is_component).map(|entry| entry.id).collect()
+    }
+
+    /// Whether the resource or component is saved or derived.
+    fn knows(&self, id: ComponentId) -> bool {
+        self.derived.contains(&id) || self.entries.iter().any(|entry| entry.id == id)
+    }
+}
+
+/// Encodes a value.
+///
+/// # Errors
+/// If a value cannot be encoded.
+pub fn encode<T: Serialize>(value: &T) -> Result<Vec<u8>, Problem> {
+    postcard::to_allocvec(value).map_err(|error| error.to_string())
+}
+
+/// Decodes a value; all bytes must be used.
+///
+/// # Errors
+/// If the bytes are not those of such a value.
+pub fn decode<T: DeserializeOwned>(bytes: &[u8]) -> Result<T, Problem> {
+    match postcard::take_from_bytes(bytes) {
+        Ok((value, [])) => Ok(value),
+        Ok(_) => Err("there are more bytes than the state has".to_owned()),
+        Err(error) => Err(error.to_string()),
+    }
+}
+
+/// Saves all registered state of a world whose components are up to date.
+///
+/// # Errors
+/// If a value cannot be encoded.
+pub fn save(world: &mut World) -> Result<Vec<Section>, Problem> {
+    let mut sections = Vec::new();
+    save_each(world, |name, bytes| {
+        sections.push((name.to_owned(), bytes));
+        Ok(())
+    })?;
+    Ok(sections)
+}
+
+/// As [`save`], but one section at a time, because all together need as much memory as the run. `keep` receives name and bytes.
+///
+/// # Errors
+/// If a value cannot be encoded, or if `keep` fails.
+pub fn save_each(world: &mut World, mut keep: impl FnMut(&str, Vec<u8>) -> Result<(), Problem>) -> Result<(), Problem> {
+    world.init_resource::<Registered>();
+    world.resource_scope(|world, registered: Mut<Registered>| {
+        let numbers = EntityNumbers::of(world, &registered.components());
+        keep(ENTITIES, encode(&numbers.len())?)?;
+        for Entry { name, save, .. } in &registered.entries {
+            if let Some(bytes) = save(world, &numbers).map_err(|problem| format!("{name}: {problem}"))? {
+                keep(name, bytes)?;
+            }
+        }
+        Ok(())
+    })
+}
+
+/// Name of the section with the number of entities.
+const ENTITIES: &str = "entities";
+
+/// Treatment of saved state that a world does not have.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum UnknownState {
+    /// It is an error.
+    Refuse,
+    /// It is left out: outputs, for example, in a world that writes none.
+    Skip,
+}
+
+/// Restores saved state in a world of the same scene that has no particle yet. Components come first, because hooks record
+/// what enters in resources.
+///
+/// # Errors
+/// If a section cannot be decoded, or belongs to state that is not registered and `unknown` refuses it.
+pub fn restore(world: &mut World, sections: &[Section], unknown: UnknownState) -> Result<(), Problem> {
+    world.init_resource::<Registered>();
+    world.resource_scope(|world, registered: Mut<Registered>| {
+        let content = |name: &str| sections.iter().find(|(section, _)| section == name).map(|(_, bytes)| &bytes[..]);
+        let is_known = |name: &str| name == ENTITIES || registered.entries.iter().any(|entry| entry.name == name);
+        if let Some((name, _)) = sections.iter().find(|(name, _)| !is_known(name))
+            && unknown == UnknownState::Refuse
+        {
+            return Err(format!("it holds {name}, which this scene does not have"));
+        }
+        let count = decode(content(ENTITIES).ok_or("it does not say how many entities there are")?)?;
+        // Every entity has a component whose value takes a byte.
+        let most = sections.iter().map(|(_, bytes)| bytes.len()).sum();
+        // Entities that plugins have made are among the saved ones.
+        let made: Vec<_> = EntityNumbers::of(world, &registered.components()).entities().collect();
+        for entity in made {
+            world.despawn(entity);
+        }
+        let entities = SavedEntities::spawn(world, count, most)?;
+        let mut in_order: Vec<_> = registered.entries.iter().collect();
+        in_order.sort_by_key(|entry| !entry.is_component);
+        for Entry { name, restore, .. } in in_order {
+            if let Some(bytes) = content(name) {
+                restore(world, bytes, &entities).map_err(|problem| format!("{name}: {problem}"))?;
+            }
+        }
+        world.flush();
+        Ok(())
+    })
+}

@@ -1,0 +1,300 @@
+//! The packed particle store, [`ParticleStore`]: the state that the passes of a step read and write, in the order of
+//! [`Slot`]s.
+//!
+//! Every particle is an entity, and some of its components mirror numbers of the store. During a step the store owns
+//! these numbers. Before a phase whose systems read a mirrored component, the component is copied from the store. After
+//! the phase, values that systems wrote are copied back (`store/component_sync.rs`). If no system uses a component,
+//! nothing is copied.
+//!
+//! Every sum over particles, and above all over contacts, runs in the order of slots. The sums do not depend on table
+//! order, thread count or neighbour search. This makes a run deterministic.
+//!
+//! Slots run row by row through space, and in large packings beam by beam; within a cell they are sorted by id.
+//! Neighbours in space are therefore mostly neighbours in memory. Fixed particles come last.
+//!
+//! Slots are assigned anew after the phase [`Spawn`](crate::step::Phase::Spawn) in two cases, both of which depend on
+//! the state alone:
+//! * A particle entered, left, was fixed or freed, or got another radius, mass, species or moment of inertia.
+//! * Every [`SORT_CHECK_INTERVAL`] steps, if more than a tenth of the grains have left that order.
+
+mod accumulator;
+mod component_sync;
+mod declared_access;
+mod deferred_kick;
+mod mirror;
+mod parallel_chunks;
+mod plugin;
+mod population;
+mod predictable_conditions;
+mod prediction;
+mod renumbering;
+mod reorder;
+mod saved;
+mod spatial_sort;
+mod sync_plan;
+
+use bevy_ecs::prelude::*;
+use serde::{Deserialize, Serialize};
+
+pub use self::accumulator::{Accumulator, TOTAL_AND_DISSIPATIVE};
+pub(crate) use self::accumulator::{TOTAL, kick_term};
+pub use self::component_sync::{collect_from_world, plan, publish_to_world, refresh_world};
+pub use self::deferred_kick::{
+    AfterDeferredKick, DeferredKick, EngineBalance, EngineChecks, KickAppliedAtEnd, SecondKicks, after_kicks,
+    reads_velocities_when,
+};
+pub(crate) use self::deferred_kick::{PendingKick, add_second_kick};
+pub(crate) use self::mirror::MirrorSet;
+pub use self::parallel_chunks::CHUNK;
+pub(crate) use self::parallel_chunks::ChunkedPass;
+pub(crate) use self::plugin::{DENSE, Kicked, LongestMove, VelocitiesPredicted};
+pub use self::plugin::{SpinsDrifted, StorePlugin, clear_forces};
+pub use self::predictable_conditions::register_predictable;
+pub use self::prediction::Prediction;
+pub use self::renumbering::{AfterRenumbering, BeforeRenumbering, FirstRenumbering, Renumber, SORT_CHECK_INTERVAL};
+pub(crate) use self::renumbering::{has_renumbered, sort_check_is_due};
+pub(crate) use self::spatial_sort::SpatialOrder;
+pub use self::sync_plan::PlainCommands;
+pub(crate) use self::sync_plan::{OwnObserver, Plan, ReadsMotion, ReadsPlaces};
+use crate::displacement_trigger::TravelMeter;
+pub use crate::particle::Slot;
+use crate::particle::{GrainId, Species};
+use crate::periodic::Periodic;
+use crate::space::{Dimension, Linear, Plane, Solid, Space};
+use crate::spin::InertiaLaw;
+
+/// The numbers of a particle that every contact reads, side by side in memory. The kernel loads them in groups of four,
+/// in this order.
+#[derive(Clone, Copy, Debug)]
+#[repr(C, align(64))]
+pub struct Body<V: Space = Plane> {
+    /// Centre, m.
+    pub position: V,
+    /// Velocity, m/s: v(t+dt/2), or the prediction of the scheme, while forces are evaluated; v(t) after [`Phase::Kick`](crate::step::Phase::Kick). If
+    /// the kick is deferred, it becomes v(t) only when a system reads velocities (`store/deferred_kick.rs`).
+    pub velocity: V,
+    /// Radius, m.
+    pub radius: f64,
+    /// Inverse mass as contacts see it, 1/kg: 0 for fixed particles.
+    pub inverse_mass: f64,
+    /// The velocity in the middle of the step, for schemes that predict velocities.
+    pub middle: V::Inside,
+}
+
+/// Forces and torques on particles, summed over their contacts. Sums that the scene does not need are empty.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(bound = "")]
+pub struct Loads<V: Space = Plane> {
+    /// Total: forces of contacts, walls and weight, N. Dissipative part: dashpots along normals and, if grains spin,
+    /// across them.
+    pub force: Accumulator<V>,
+    /// Total: torques of all contacts, N m, if grains spin. Dissipative part: tangential dashpots.
+    pub torque: Accumulator<V::Spin>,
+    /// The part of the torques that dashpots of rolling resistance make, N m. Empty without rolling resistance or
+    /// without the energy balance.
+    pub rolling_drag: Vec<V::Spin>,
+    /// Number of contacts of each particle, if the last force pass has counted them.
+    pub contacts: Vec<u16>,
+}
+
+impl<V: Space> Default for Loads<V> {
+    fn default() -> Self {
+        Self {
+            force: Accumulator::default(),
+            torque: Accumulator::default(),
+            rolling_drag: Vec::new(),
+            contacts: Vec::new(),
+        }
+    }
+}
+
+/// Rotation of a particle; stored only in scenes with spin. In solid space the kernel loads these four numbers at once,
+/// in this order.
+#[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
+#[repr(C)]
+#[serde(bound = "")]
+pub struct Rotation<V: Space = Plane> {
+    /// Angular velocity, rad/s, at the same time as the velocity.
+    pub spin: V::Spin,
+    /// 1/I, 1/(kg m^2); 0 for particles that do not spin.
+    pub inverse_inertia: f64,
+}
+
+/// The packed state, one entry per particle, in the order of slots. SI units.
+#[derive(Resource)]
+pub struct ParticleStore<V: Space = Plane> {
+    /// Particle ids.
+    pub id: Vec<GrainId>,
+    /// The entity of each particle; [`Entity::PLACEHOLDER`] if the particle has left since the last renumbering.
+    pub entity: Vec<Entity>,
+    /// The slot of each particle before the last renumbering; the default slot if it had none.
+    pub former: Vec<Slot>,
+    /// Slots of particles that were fixed or freed, or got another radius, at the last renumbering; in ascending order.
+    pub(crate) altered: Vec<Slot>,
+    /// The scene's rule for moments of inertia; `None` if grains do not spin.
+    pub inertia: Option<InertiaLaw>,
+    /// Rows of particles that have left since the last renumbering.
+    pub(crate) vacated: Vec<usize>,
+    /// Mirrored components that are older than the store.
+    pub(crate) stale: MirrorSet,
+    /// Potential energy gained in this step's drift by particles that crossed a periodic side, J.
+    pub lifted: f64,
+    /// Whether a system or a command has written a velocity, a spin, a force or a torque that is not finite.
+    pub is_suspect: bool,
+    /// The numbers that every contact reads.
+    pub body: Vec<Body<V>>,
+    /// Masses, kg; 0 for particles without mass.
+    pub mass: Vec<f64>,
+    /// Species.
+    pub species: Vec<Species>,
+    /// Sums of forces and torques.
+    pub loads: Loads<V>,
+    /// Rotations; empty if nothing spins.
+    pub rotation: Vec<Rotation<V>>,
+    /// The prediction of velocities.
+    pub prediction: Prediction<V>,
+    /// Duration of the second kick, s: half a step if a kick with this step's forces is still to come, else 0.
+    pub(crate) half_step: f64,
+    /// Forces that systems have added in this step, N; empty if no system adds one.
+    pub added: Vec<V>,
+    /// Power of the added forces at the end of the step, W.
+    pub added_power: Option<f64>,
+    /// The periodic sides of the scene, if it has any.
+    pub periodic: Option<Periodic<V>>,
+    /// Whether a separate pass after the drift wraps particles into the periodic box. The pass records the energy
+    /// that wrapping adds.
+    pub(crate) wraps_after_drift: bool,
+    /// r_min/(r_min + r_max): for any pair, the smaller radius is at least this share of the sum of both radii.
+    pub smallest_share: f64,
+    /// Number of particles that are not fixed: they have the first slots.
+    pub movable_end: usize,
+    /// Number of renumberings so far. Code that caches slots compares it to detect a renumbering.
+    pub generation: u64,
+    /// Sum over the steps of the longest move of any particle in a step, m: an upper bound of the distance that any
+    /// particle has moved. NaN once a position is NaN.
+    pub travel: f64,
+    /// Whether the run keeps the energy balance.
+    pub tracks_energy: bool,
+    /// Sum over all free particles that the kick has formed, component by component, chunk by chunk in the order of
+    /// slots. With the energy balance it is the power of the drag, W. Otherwise it is the sum of velocities, m/s, which
+    /// shows whether any is not finite.
+    pub kick_sum: Option<V>,
+    /// Like `kick_sum`, of rotation: the power of tangential dashpots, W, or the sum of spins, rad/s.
+    pub spin_kick_sum: Option<V::Spin>,
+    /// The spatial order of slots.
+    pub(crate) order: SpatialOrder,
+}
+
+impl<V: Space> Default for ParticleStore<V> {
+    fn default() -> Self {
+        Self {
+            id: Vec::new(),
+            entity: Vec::new(),
+            former: Vec::new(),
+            altered: Vec::new(),
+            inertia: None,
+            vacated: Vec::new(),
+            stale: MirrorSet::NONE,
+            lifted: 0.0,
+            is_suspect: false,
+            half_step: 0.0,
+            added: Vec::new(),
+            added_power: None,
+            body: Vec::new(),
+            mass: Vec::new(),
+            species: Vec::new(),
+            loads: Loads::default(),
+            rotation: Vec::new(),
+            prediction: Prediction::default(),
+            periodic: None,
+            wraps_after_drift: false,
+            smallest_share: 0.0,
+            movable_end: 0,
+            generation: 0,
+            travel: 0.0,
+            tracks_energy: false,
+            kick_sum: None,
+            spin_kick_sum: None,
+            order: SpatialOrder::default(),
+        }
+    }
+}
+
+impl<V: Space> ParticleStore<V> {
+    /// Number of particles.
+    #[must_use]
+    #[inline]
+    pub fn len(&self) -> usize {
+        self.id.len()
+    }
+
+    /// Whether the store has no particle.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.id.is_empty()
+    }
+
+    /// Whether forces do not move the particle in slot `i`.
+    #[must_use]
+    #[inline]
+    pub fn is_fixed(&self, i: usize) -> bool {
+        i >= self.movable_end
+    }
+
+    /// All slots, in ascending order of particle id.
+    #[must_use]
+    pub fn by_id(&self) -> Vec<usize> {
+        let mut entries: Vec<_> = (0..self.len()).collect();
+        entries.sort_unstable_by_key(|&i| self.id[i]);
+        entries
+    }
+
+    /// The distance that particles can have moved.
+    #[inline]
+    pub(crate) fn travel_meter(&self) -> TravelMeter {
+        TravelMeter { generation: self.generation, travel: self.travel }
+    }
+
+    /// The vector from `b` to `a`, m: in a periodic scene, the shortest one.
+    #[inline]
+    #[must_use]
+    pub fn separation(&self, a: V, b: V) -> V {
+        self.periodic.map_or(a - b, |periodic| periodic.shortest(a - b))
+    }
+
+    /// Kinetic energy of translation of the particle in slot `i`, J; zero for fixed particles.
+    #[must_use]
+    #[inline]
+    pub fn kinetic_energy(&self, i: usize) -> f64 {
+        if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.body[i].velocity.length_squared() }
+    }
+
+    /// Spin of the particle in slot `i`, rad/s; zero if nothing spins.
+    #[must_use]
+    #[inline]
+    pub fn spin(&self, i: usize) -> V::Spin {
+        self.rotation.get(i).map_or(V::Spin::ZERO, |rotation| rotation.spin)
+    }
+
+    /// Kinetic energy of rotation of the particle in slot `i`, J; zero for particles that are fixed or do not spin.
+    #[must_use]
+    #[inline]
+    pub fn rotational_energy(&self, i: usize) -> f64 {
+        match self.rotation.get(i) {
+            Some(&Rotation { spin, inverse_inertia }) if inverse_inertia > 0.0 && !self.is_fixed(i) => {
+                0.5 * spin.length_squared() / inverse_inertia
+            }
+            _ => 0.0,
+        }
+    }
+}
+
+impl Dimension {
+    /// The dimension of a world, for code that is not generic over the space. A
+    /// behaviour from another crate calls it in `build`, with `app.world()`. The dimension of the lattice
+    /// gas is the plane.
+    #[must_use]
+    pub fn of_world(world: &World) -> Self {
+        if world.contains_resource::<ParticleStore<Solid>>() { Self::Solid } else { Self::Plane }
+    }
+}

@@ -1,0 +1,132 @@
+//! Accumulators: sums over the contacts of each particle and, with the energy balance, the dissipative part of each
+//! sum, made by dashpots.
+//!
+//! Total and dissipative part lie side by side, so that both are updated together. Without the energy balance there is
+//! no storage for the dissipative part, and no code reads it. Hot loops use entries of a length known at compile time:
+//! [`TOTAL`] or [`TOTAL_AND_DISSIPATIVE`] numbers.
+
+use serde::{Deserialize, Serialize};
+
+use crate::space::Linear;
+use crate::store::Slot;
+
+/// Numbers per entry without the energy balance: the total.
+pub(crate) const TOTAL: usize = 1;
+
+/// Numbers per entry with the energy balance: the total, and the part that dashpots make.
+pub const TOTAL_AND_DISSIPATIVE: usize = 2;
+
+/// The term of one particle in the sum that the last kick of a step forms,
+/// [`ParticleStore::kick_sum`](crate::store::ParticleStore). With the energy balance it is the power of dashpots, W.
+/// Otherwise it is `motion`: the velocity or spin after the kick.
+#[inline(always)]
+pub(crate) fn kick_term<T: Linear, const NUMBERS: usize>(entry: &[T; NUMBERS], motion: T) -> T {
+    entry.get(1).map_or(motion, |dissipative| dissipative.times(motion))
+}
+
+/// One accumulator entry per particle.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub struct Accumulator<T> {
+    numbers: Vec<T>,
+    /// Numbers per entry.
+    per_entry: usize,
+}
+
+impl<T> Default for Accumulator<T> {
+    fn default() -> Self {
+        Self { numbers: Vec::new(), per_entry: TOTAL }
+    }
+}
+
+impl<T: Linear> Accumulator<T> {
+    /// Sets the size to `particles` entries, all zero.
+    pub(crate) fn reset(&mut self, particles: usize, tracks_energy: bool) {
+        self.per_entry = if tracks_energy { TOTAL_AND_DISSIPATIVE } else { TOTAL };
+        self.numbers.clear();
+        self.numbers.resize(particles * self.per_entry, T::ZERO);
+    }
+
+    /// Sets the size to `particles` entries. The first entries take the totals of the slots in `former`; the others are
+    /// zero.
+    pub(crate) fn rearrange(&mut self, particles: usize, former: &[Slot], tracks_energy: bool) {
+        let before = std::mem::take(self);
+        self.reset(particles, tracks_energy);
+        for (i, slot) in former.iter().enumerate() {
+            self.set(i, before.get(slot.index()).unwrap_or(T::ZERO));
+        }
+    }
+
+    /// Number of particles.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.numbers.len() / self.per_entry
+    }
+
+    /// Whether there are no entries: the scene does not need these sums.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.numbers.is_empty()
+    }
+
+    /// Returns the total of entry `i`, or `None` if the accumulator has no such entry.
+    #[inline]
+    #[must_use]
+    pub fn get(&self, i: usize) -> Option<T> {
+        self.numbers.get(i * self.per_entry).copied()
+    }
+
+    /// Returns the total of entry `i`.
+    ///
+    /// # Panics
+    /// If there is no such entry.
+    #[inline]
+    #[must_use]
+    pub fn of(&self, i: usize) -> T {
+        self.numbers[i * self.per_entry]
+    }
+
+    /// Sets the total of entry `i`, if the entry exists.
+    #[inline]
+    pub(crate) fn set(&mut self, i: usize, total: T) {
+        if let Some(sum) = self.numbers.get_mut(i * self.per_entry) {
+            *sum = total;
+        }
+    }
+
+    /// Returns all entries as arrays of `NUMBERS` numbers. Empty if the entries have another length.
+    #[inline]
+    #[must_use]
+    pub fn entries<const NUMBERS: usize>(&self) -> &[[T; NUMBERS]] {
+        if NUMBERS == self.per_entry { self.numbers.as_chunks().0 } else { &[] }
+    }
+
+    /// Returns all numbers, entry by entry, and the numbers per entry.
+    #[inline]
+    pub(crate) fn numbers_mut(&mut self) -> (&mut [T], usize) {
+        (&mut self.numbers, self.per_entry)
+    }
+}
+
+#[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_dissipative_part_is_kept_with_the_energy_balance() {
+        for (tracks_energy, numbers) in [(false, vec![0.0, 5.0, 0.0]), (true, vec![0.0, 0.0, 5.0, 2.0, 0.0, 0.0])] {
+            let mut accumulator = Accumulator::<f64>::default();
+            accumulator.reset(3, tracks_energy);
+            accumulator.set(1, 4.0);
+            let (values, per_entry) = accumulator.numbers_mut();
+            values[per_entry] += 1.0;
+            if tracks_energy {
+                values[per_entry + 1] += 2.0;
+            }
+            assert_eq!((accumulator.len(), accumulator.of(1), accumulator.get(3)), (3, 5.0, None));
+            assert_eq!(accumulator.numbers, numbers);
+            assert_eq!(accumulator.entries::<TOTAL_AND_DISSIPATIVE>().len(), if tracks_energy { 3 } else { 0 });
+        }
+        assert_eq!([kick_term(&[4.0], 3.0), kick_term(&[4.0, 2.0], 3.0)], [3.0, 6.0]);
+    }
+}

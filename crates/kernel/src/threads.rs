@@ -1,0 +1,202 @@
+//! The threads that share the force pass ([`crate::contact::kernel`]), passes over the particle store
+//! ([`crate::store`]), the neighbour search and the passes of the lattice gas. One thread needs no pool. Results are
+//! the same to the last bit for any number of threads.
+//!
+//! A step is a few passes of 10 to 100 microseconds each, with a little single-threaded work in between. Waking a
+//! sleeping thread takes as long as a pass; in a virtual machine it takes 0.1 to 0.5 ms. A helper thread therefore
+//! stays awake after a pass, polls for more work, and sleeps after 2 ms without any. A thread that needs results of
+//! helpers polls too. Polling threads yield their core to other threads.
+
+use std::cell::Cell;
+use std::num::NonZeroUsize;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use bevy_ecs::prelude::*;
+use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder, Yield};
+
+/// How long a thread without work polls before it sleeps. The single-threaded parts of a step take less time, except a
+/// rebuilt list of many grains or a row of measurements.
+const POLL_TIME: Duration = Duration::from_millis(2);
+
+/// The threads of a run.
+#[derive(Resource)]
+pub struct Threads(Option<Pool>);
+
+/// A pool of several threads.
+#[derive(Clone)]
+struct Pool {
+    pool: Arc<ThreadPool>,
+    /// Whether some threads may be asleep.
+    may_sleep: Arc<AtomicBool>,
+}
+
+impl Threads {
+    /// Creates `count` threads.
+    ///
+    /// # Errors
+    /// If the operating system cannot start them.
+    pub fn new(count: NonZeroUsize) -> Result<Self, ThreadPoolBuildError> {
+        if count.get() == 1 {
+            return Ok(Self::one());
+        }
+        let pool = Arc::new(ThreadPoolBuilder::new().num_threads(count.get()).build()?);
+        Ok(Self(Some(Pool { pool, may_sleep: Arc::new(AtomicBool::new(true)) })))
+    }
+
+    /// Creates a single thread.
+    #[must_use]
+    pub fn one() -> Self {
+        Self(None)
+    }
+
+    /// Number of threads.
+    #[must_use]
+    pub fn count(&self) -> usize {
+        self.0.as_ref().map_or(1, |shared_pool| shared_pool.pool.current_num_threads())
+    }
+
+    /// Runs all jobs, in parallel if there are several threads. Returns their results in the order of jobs.
+    pub fn share<R: Send>(&self, jobs: impl IntoIterator<Item: FnOnce() -> R + Send>) -> Vec<R> {
+        match &self.0 {
+            None => jobs.into_iter().map(|job| job()).collect(),
+            Some(shared_pool) => shared_pool.share(jobs.into_iter().collect()),
+        }
+    }
+
+    /// Runs `work` on a thread of the pool. Passes inside it then share their jobs with the other threads directly,
+    /// without waking the whole pool.
+    pub fn run<R: Send>(world: &mut World, work: impl FnOnce(&mut World) -> R + Send) -> R {
+        match world.resource::<Self>().0.clone() {
+            None => work(world),
+            Some(shared_pool) => shared_pool.pool.install(|| work(world)),
+        }
+    }
+}
+
+impl Pool {
+    fn share<R: Send, J: FnOnce() -> R + Send>(&self, jobs: Vec<J>) -> Vec<R> {
+        self.wake();
+        let mut results: Vec<Option<R>> = jobs.iter().map(|_| None).collect();
+        let open_jobs = AtomicUsize::new(jobs.len());
+        self.pool.in_place_scope(|scope| {
+            let mut own = None;
+            for (job, result) in jobs.into_iter().zip(&mut results) {
+                let job_end = JobEnd(&open_jobs);
+                let work = move || {
+                    *result = Some(job());
+                    drop(job_end);
+                };
+                match own {
+                    None => own = Some(work),
+                    Some(_) => scope.spawn(|_| work()),
+                }
+            }
+            if let Some(work) = own {
+                work();
+            }
+            while open_jobs.load(Ordering::Acquire) > 0 {
+                self.run_pending_job();
+            }
+        });
+        results.into_iter().map(|result| result.expect("the scope propagates a panic of a job")).collect()
+    }
+
+    /// Runs a pending job, or else yields the core. Returns whether it ran a job.
+    fn run_pending_job(&self) -> bool {
+        let has_worked = self.pool.yield_now() == Some(Yield::Executed);
+        if !has_worked {
+            thread::yield_now();
+        }
+        has_worked
+    }
+
+    /// Wakes the sleeping threads.
+    fn wake(&self) {
+        if self.may_sleep.swap(false, Ordering::Relaxed) {
+            let (own_index, shared_pool) = (self.pool.current_thread_index(), self.clone());
+            self.pool.spawn_broadcast(move |helper| {
+                if Some(helper.index()) != own_index {
+                    shared_pool.poll_for_jobs();
+                }
+            });
+        }
+    }
+
+    /// Runs jobs until there have been none for a while.
+    fn poll_for_jobs(&self) {
+        thread_local! {
+            static IS_POLLING: Cell<bool> = const { Cell::new(false) };
+        }
+        // A thread may receive this request while it is already polling.
+        if IS_POLLING.replace(true) {
+            return;
+        }
+        let mut last = Instant::now();
+        while last.elapsed() < POLL_TIME {
+            if self.run_pending_job() {
+                last = Instant::now();
+            }
+        }
+        IS_POLLING.set(false);
+        self.may_sleep.store(true, Ordering::Relaxed);
+    }
+}
+
+/// Decrements the count of open jobs when a job ends, even by a panic.
+struct JobEnd<'a>(&'a AtomicUsize);
+
+impl Drop for JobEnd<'_> {
+    fn drop(&mut self) {
+        self.0.fetch_sub(1, Ordering::Release);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn threads(count: usize) -> Threads {
+        Threads::new(NonZeroUsize::new(count).unwrap()).unwrap()
+    }
+
+    #[test]
+    fn results_are_in_the_order_of_jobs_however_many_share_them() {
+        let expected: Vec<u64> = (0..100).map(|number| number * number).collect();
+        for count in [1, 2, 3, 7] {
+            let threads = threads(count);
+            let squares = || threads.share((0..100u64).map(|number| move || number * number));
+            assert_eq!(squares(), expected, "from outside");
+            let mut world = World::new();
+            world.insert_resource(self::threads(count));
+            assert_eq!(
+                Threads::run(&mut world, |world| {
+                    world.resource::<Threads>().share((0..100u64).map(|number| move || number * number))
+                }),
+                expected
+            );
+            assert!(threads.share(Vec::<fn() -> u8>::new()).is_empty());
+        }
+    }
+
+    #[test]
+    fn helpers_go_to_sleep_and_wake_again() {
+        let threads = threads(2);
+        let may_sleep = || threads.0.as_ref().unwrap().may_sleep.load(Ordering::Relaxed);
+        for _ in 0..3 {
+            assert!(may_sleep());
+            assert_eq!(threads.share((0..4).map(|number| move || number)), [0, 1, 2, 3]);
+            while !may_sleep() {
+                thread::yield_now();
+            }
+        }
+    }
+
+    #[test]
+    #[should_panic(expected = "job failed")]
+    fn a_panic_in_a_job_propagates() {
+        threads(2).share((0..4).map(|number| move || assert!(number != 3, "job failed")));
+    }
+}
