@@ -74,9 +74,8 @@ impl<V: Space> Grid<V> {
         // For each cell along an axis, the factors of all points.
         let factors: [Vec<f64>; 3] = std::array::from_fn(|axis| {
             let cells = &self.axes[axis];
-            let factor = |number, x: V| match gaussian.smooth.contains(&axis) {
-                true => density(width, x.axis(axis) - cells.middle(number)),
-                false => 1.0,
+            let factor = |number, x: V| {
+                if gaussian.smooth.contains(&axis) { density(width, x.axis(axis) - cells.middle(number)) } else { 1.0 }
             };
             ranges[axis].clone().flat_map(|number| points.iter().map(move |(x, _)| factor(number, *x))).collect()
         });
