@@ -18,7 +18,7 @@ use crate::particle::Grain;
 use crate::scene::load::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 use crate::step::Step;
-use crate::store::{DeferredKick, Renumber};
+use crate::store::{DeferredKick, Renumber, path_in_siloflow};
 use crate::walls::config::Wall;
 
 pub(super) fn explain(args: &SceneArgs, registry: &Registry) -> Result<Verdict, Fault> {
@@ -189,5 +189,5 @@ fn short(name: &str) -> String {
 /// A path without the crate's name and without generic arguments: space and law are printed above.
 fn short_path(name: &str) -> String {
     let path = name.split('<').next().unwrap_or(name);
-    ["siloflow::", "siloflow_kernel::"].iter().find_map(|own| path.strip_prefix(own)).unwrap_or(path).to_owned()
+    path_in_siloflow(path).unwrap_or(path).to_owned()
 }

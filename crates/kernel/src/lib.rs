@@ -1,7 +1,7 @@
-//! What a step of the simulation computes on particles: the particle store, neighbour searches, contacts, walls and integration
-//! schemes, and the plain modules below them. Users find these modules in the crate `siloflow`, which exports them.
+//! The numerical core of siloflow: particle store, neighbour searches, contacts, walls and integration schemes, and the modules that
+//! these import. The crate `siloflow` exports all modules that users need.
 //!
-//! It is a crate of its own, so that its loops are compiled as a whole, and only after an edit of it.
+//! The core is a separate crate, because it takes a third of the compiler's time: an edit of `siloflow` does not compile the core again.
 
 pub mod contact;
 pub mod displacement_trigger;

@@ -1,7 +1,8 @@
 //! The Gaussian kernel, and its mean along a line by Gauss-Legendre quadrature.
 //!
-//! With six points on each part of a line, of at most one standard deviation, the error of the mean is below 1e-11 of the largest density: it is
-//! (6!)^4/(13 (12!)^3) = 2e-16 times the twelfth derivative, which is at most sqrt(12!) = 2e4 times that density.
+//! With six points on each part of a line, of at most one standard deviation, the error of the mean is below 1e-11 of the largest
+//! density: it is (6!)^4/(13 (12!)^3) = 2e-16 times the twelfth derivative, which is at most 1.1 sqrt(12!) = 2.4e4 times that density
+//! (Cramer's bound). Limit: lines of up to a thousand standard deviations.
 
 use std::f64::consts::PI;
 
@@ -21,14 +22,17 @@ pub(super) fn density(width: f64, x: f64) -> f64 {
     (-0.5 * x * x).exp() / (width * (2.0 * PI).sqrt())
 }
 
-/// Returns the points of a line of this length, as shares of it, with their weights in a mean along it. The sum of the weights is 1.
+/// Returns the number of parts of a line of this length, m.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "clamped")]
-pub(super) fn points_of_line(length: f64, width: f64) -> Vec<(f64, f64)> {
-    let parts = (length / width).ceil().clamp(1.0, 10_000.0) as u32;
+pub(super) fn parts_of_line(length: f64, width: f64) -> u32 {
+    (length / width).ceil().clamp(1.0, 1000.0) as u32
+}
+
+/// Returns the points of a part, as shares of the line, with their weights in a mean along the line. The sum of the weights over all parts
+/// is 1.
+pub(super) fn points_of_part(part: u32, parts: u32) -> [(f64, f64); 6] {
     let share = 1.0 / f64::from(parts);
-    let of_part =
-        |part: u32| LEGENDRE.map(|(x, weight)| ((f64::from(part) + 0.5 + 0.5 * x) * share, 0.5 * weight * share));
-    (0..parts).flat_map(of_part).collect()
+    LEGENDRE.map(|(x, weight)| ((f64::from(part) + 0.5 + 0.5 * x) * share, 0.5 * weight * share))
 }
 
 #[cfg(test)]
@@ -51,7 +55,8 @@ mod tests {
         let width = 0.25;
         for length in [1e-9, 0.1, 0.2499, 0.25, 0.6, 1.3, 4.0] {
             for start in [-2.0, -0.7, -0.05, 0.0, 0.3, 1.1] {
-                let points = points_of_line(length, width);
+                let parts = parts_of_line(length, width);
+                let points: Vec<_> = (0..parts).flat_map(|part| points_of_part(part, parts)).collect();
                 assert!((points.iter().map(|(_, weight)| weight).sum::<f64>() - 1.0).abs() < 1e-14);
                 let mean: f64 = points.iter().map(|(x, weight)| weight * density(width, start + x * length)).sum();
                 let ends = [start, start + length].map(|x| erf(x / (width * 2f64.sqrt())));

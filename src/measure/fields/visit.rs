@@ -4,7 +4,7 @@
 //! every image counts.
 
 use crate::measure::fields::grid::{Gaussian, Grid};
-use crate::measure::fields::kernel::{density, points_of_line};
+use crate::measure::fields::kernel::{density, parts_of_line, points_of_part};
 use crate::periodic::Periodic;
 use crate::space::Space;
 
@@ -43,10 +43,12 @@ impl<V: Space> Grid<V> {
                 let (from, part) = (image + way * start, way * (end - start));
                 let middle = from + part * 0.5;
                 if self.is_between_sharp_ends(middle, gaussian) {
-                    let points = points_of_line(part.length_squared().sqrt(), gaussian.width);
-                    let points: Vec<_> =
-                        points.into_iter().map(|(x, share)| (from + part * x, share * (end - start))).collect();
-                    self.visit_around(&points, gaussian, |cell, weight| each(cell, weight, middle));
+                    let parts = parts_of_line(part.length_squared().sqrt(), gaussian.width);
+                    for number in 0..parts {
+                        let points = points_of_part(number, parts);
+                        let points = points.map(|(x, share)| (from + part * x, share * (end - start)));
+                        self.visit_around(&points, gaussian, |cell, weight| each(cell, weight, middle));
+                    }
                 }
             }),
         });
@@ -71,6 +73,9 @@ impl<V: Space> Grid<V> {
             let (low, high) = (along(axis, f64::min, f64::INFINITY), along(axis, f64::max, f64::NEG_INFINITY));
             self.axes[axis].numbers(low - CUT * width, high + CUT * width)
         });
+        if ranges.iter().any(std::ops::Range::is_empty) {
+            return;
+        }
         // For each cell along an axis, the factors of all points.
         let factors: [Vec<f64>; 3] = std::array::from_fn(|axis| {
             let cells = &self.axes[axis];

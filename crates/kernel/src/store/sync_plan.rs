@@ -98,8 +98,7 @@ impl Plan {
         let searched_components = world.resource::<Self>().searched_components;
         let components = world.components();
         if components.len() != searched_components {
-            let is_foreign =
-                |name: &str| !["siloflow::", "siloflow_kernel::", "bevy_"].iter().any(|own| name.starts_with(own));
+            let is_foreign = |name: &str| path_in_siloflow(name).is_none() && !name.starts_with("bevy_");
             let foreign =
                 |(_, info): (_, &ComponentInfo)| has_hook(info.hooks()) && is_foreign(&info.name().to_string());
             let (count, has_hooks) = (components.len(), components.iter_registered().any(foreign));
@@ -195,4 +194,22 @@ fn has_hook(hooks: &ComponentHooks) -> bool {
         || copy.try_on_discard(NOTHING).is_none()
         || copy.try_on_remove(NOTHING).is_none()
         || copy.try_on_despawn(NOTHING).is_none()
+}
+
+/// Returns the path of a type or function without the name of its crate, if it is one of siloflow's crates.
+#[must_use]
+pub fn path_in_siloflow(name: &str) -> Option<&str> {
+    ["siloflow::", "siloflow_kernel::"].iter().find_map(|own| name.strip_prefix(own))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn components_of_this_crate_are_not_foreign() {
+        let name = std::any::type_name::<crate::particle::Radius>();
+        assert_eq!(path_in_siloflow(name), Some("particle::Radius"));
+        assert_eq!(path_in_siloflow("siloflow_of_a_user::Heat"), None);
+    }
 }
