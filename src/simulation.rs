@@ -42,7 +42,6 @@ use crate::step::{Clock, Part, Step};
 use crate::store::{self, ParticleStore};
 use crate::table_sort::sort_newcomers;
 use crate::threads::Threads;
-use crate::walls::config::Wall;
 use crate::walls::conveyor::Conveyed;
 use crate::walls::silo_file::Disc;
 use crate::walls::surfaces::{LeavingWalls, Surfaces, WallIndex};
@@ -478,8 +477,8 @@ fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded) {
         world.spawn((wall_grain(next_id(), centre(disc), disc.radius, at_rest, silo), Door(0)));
     }
     for wall in &loaded.scene.walls {
-        if let Wall::Disc { centre, radius, species } = *wall {
-            world.spawn(wall_grain(next_id(), in_box(centre.get::<V>()), radius.get(), at_rest, Species(species)));
+        if let Some((centre, radius, species)) = wall.wall_grain() {
+            world.spawn(wall_grain(next_id(), in_box(centre.get::<V>()), radius, at_rest, species));
         }
     }
     for grain in &loaded.fixed {

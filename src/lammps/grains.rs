@@ -48,11 +48,11 @@ impl Particles {
                 species: usize::from(grain.species.0),
             })
             .collect();
-        fixed.extend(loaded.scene.walls.iter().filter_map(|wall| match wall {
-            Wall::Disc { centre, radius, species } => {
-                Some(FixedAtom { position: centre.padded(), radius: radius.get(), species: usize::from(*species) })
-            }
-            _ => None,
+        let own = loaded.scene.walls.iter().filter_map(Wall::wall_grain);
+        fixed.extend(own.map(|(centre, radius, species)| FixedAtom {
+            position: centre.padded(),
+            radius,
+            species: usize::from(species.0),
         }));
         let species = loaded.scene.silo.as_ref().map_or(0, |silo| usize::from(silo.species));
         fixed.extend(loaded.silo.wall.iter().chain(&loaded.silo.door).map(|disc| FixedAtom {

@@ -110,6 +110,10 @@ fn check(loaded: &Loaded, wall: &Wall, key: &str) -> Result<(), Fault> {
             ("LAMMPS has no region for a flat ring", "use panels, or a cone with a slope")
         }
         Wall::SphericalZone { .. } => ("LAMMPS has no region for a part of a sphere", "use a cone"),
+        Wall::Disc { .. } => (
+            "a disc or sphere that is a wall surface is not written",
+            "leave out its `name` and `door`: then it is written as a fixed atom",
+        ),
         _ => return Ok(()),
     };
     Err(refused(loaded, key, message).help(help))

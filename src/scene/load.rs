@@ -314,8 +314,8 @@ impl Loaded {
             .chain(&self.silo.door)
             .for_each(|disc| occupied.add(disc.centre.extend(0.0), disc.radius));
         for wall in &self.scene.walls {
-            if let Wall::Disc { centre, radius, .. } = wall {
-                occupied.add(centre.padded(), radius.get());
+            if let Some((centre, radius, _)) = wall.wall_grain() {
+                occupied.add(centre.padded(), radius);
             }
         }
         let walls = self.surfaces::<V>();
@@ -434,10 +434,8 @@ impl Loaded {
         if self.scene.space != Dimension::Plane {
             return Vec::new();
         }
-        let own = self.scene.walls.iter().filter_map(|wall| match wall {
-            Wall::Disc { centre, radius, .. } => Some(Disc { centre: centre.get(), radius: radius.get() }),
-            _ => None,
-        });
+        let own = self.scene.walls.iter().filter_map(Wall::wall_grain);
+        let own = own.map(|(centre, radius, _)| Disc { centre: centre.get(), radius });
         let still = self.fixed.iter().filter(|grain| grain.velocity == Solid::ZERO);
         let fixed = still.map(|grain| Disc { centre: grain.position.truncate(), radius: grain.radius });
         self.silo.wall.iter().copied().chain(own).chain(fixed).collect()
@@ -532,10 +530,7 @@ impl Loaded {
 
     /// Radii of all fixed discs and spheres, m.
     pub(crate) fn fixed_radii(&self) -> impl Iterator<Item = f64> {
-        let own = self.scene.walls.iter().filter_map(|wall| match wall {
-            Wall::Disc { radius, .. } => Some(radius.get()),
-            _ => None,
-        });
+        let own = self.scene.walls.iter().filter_map(Wall::wall_grain).map(|(_, radius, _)| radius);
         let silo = self.silo.wall.iter().chain(&self.silo.door).map(|disc| disc.radius);
         own.chain(silo).chain(self.fixed.iter().map(|grain| grain.radius))
     }

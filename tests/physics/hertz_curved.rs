@@ -25,7 +25,7 @@ const WALL: f64 = 0.05;
 /// A wall, the point that the sphere meets, the direction from there to the sphere, and the mean curvature there, 1/m.
 type Case = (&'static str, Solid, Solid, f64);
 
-fn cases() -> [Case; 7] {
+fn cases() -> [Case; 8] {
     let cylinder = "Cylinder(from: (0.0, -0.1, 0.0), to: (0.0, 0.1, 0.0), radius: 0.05, species: 1)";
     let cone = "Cone(from: (0.0, 0.0, 0.0), to: (0.0, 0.0, 0.1), radii: (0.0, 0.1), species: 1)";
     let shell = "SphericalZone(centre: (0.0, 0.0, 0.0), radius: 0.05, species: 1)";
@@ -40,6 +40,12 @@ fn cases() -> [Case; 7] {
         (shell, -WALL * Solid::Z, Solid::Z, -1.0 / WALL),
         (shell, WALL * Solid::Z, Solid::Z, 1.0 / WALL),
         ("Sphere(centre: (0.0, 0.0, 0.0), radius: 0.05, species: 1)", WALL * Solid::Z, Solid::Z, 1.0 / WALL),
+        (
+            "Sphere(centre: (0.0, 0.0, 0.0), radius: 0.05, species: 1, name: \"knob\")",
+            WALL * Solid::Z,
+            Solid::Z,
+            1.0 / WALL,
+        ),
     ]
 }
 

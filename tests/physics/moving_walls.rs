@@ -10,7 +10,10 @@ use siloflow::energy::EnergyFlows;
 use siloflow::grains::file::GrainRow;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
-use siloflow::walls::surfaces::Surfaces;
+use siloflow::survey::touching::Touching;
+use siloflow::survey::{Partner, Survey};
+use siloflow::walls::shapes::half_plane::HalfPlane;
+use siloflow::walls::surfaces::{Surface, Surfaces};
 
 const FRICTION: &str = "tangential: Spring(k: 2857.0, damping: OfNormal(0.5), friction: 0.4)";
 
@@ -159,4 +162,114 @@ fn a_grain_that_a_wall_passes_without_touching_is_lost() {
     let ledger = run.world().resource::<Ledger>();
     assert_eq!((ledger.lost(), ledger.lost[0].way.as_str()), (1, "through a moving wall"));
     assert_eq!(ledger.lost[0].step, 2);
+}
+
+#[test]
+fn a_half_plane_that_rocks_moves_a_grain_as_a_segment_and_a_panel_do() {
+    let run = |space: &str, wall: &str, axis: &str| {
+        let keys = format!(
+            "{space} contact: Linear(k: 1.0e4, damping: Restitution(0.5), {FRICTION}), step: Fixed(2.0e-5), until: 10.0, walls: [{wall}],
+             motions: [(walls: \"floor\", rotate: (about: {axis} by: Oscillate(amplitude: 0.3, frequency: 2.0)))]"
+        );
+        let mut run = simulation(&keys, vec![sphere(1, DVec3::new(0.05, 0.0, 0.0), DVec3::ZERO, 0.01, 0.01)]);
+        run.run_steps(20_000);
+        (motion(&mut run)[0], run.world().resource::<EnergyFlows>().wall_work)
+    };
+    // The turned normal and end points round differently, by eps of 1 m, and the motion of one grain on a wall is stable, so this difference
+    // enters 20,000 steps at most.
+    let assert_equal = |(a, work): (Motion, f64), (b, other): (Motion, f64)| {
+        assert!((a.position - b.position).length() < 1.0e-11, "{a:?} {b:?}");
+        assert!((work - other).abs() < 1.0e-9 * work.abs() && work.abs() > 1.0e-3, "{work} {other}");
+    };
+    let planar = "gravity: (0.0, -9.81),";
+    let about = "(-0.2, -0.01),";
+    let half = run(planar, "HalfPlane(point: (0.0, -0.0101), normal: (0.0, 1.0), name: \"floor\")", about);
+    let segment = run(planar, "Segment(from: (-1.0, -0.0101), to: (1.0, -0.0101), name: \"floor\")", about);
+    assert_equal(half, segment);
+    let solid = "space: Solid, gravity: (0.0, 0.0, -9.81),";
+    let about = "(-0.2, 0.0, -0.01), axis: (0.0, -1.0, 0.0),";
+    let half = run(solid, "HalfPlane(point: (0.0, 0.0, -0.0101), normal: (0.0, 0.0, 1.0), name: \"floor\")", about);
+    let corner = "corner: (-1.0, -1.0, -0.0101), along: (2.0, 0.0, 0.0), across: (0.0, 2.0, 0.0)";
+    let panel = run(solid, &format!("Panel({corner}, name: \"floor\")"), about);
+    assert_equal(half, panel);
+}
+
+#[test]
+fn a_grain_on_a_turning_half_plane_is_found_however_far_from_the_axis() {
+    // The half-plane turns by 0.01 rad about a point 10 m away, and lifts a floating grain that was a metre above it when the run began.
+    let keys = "gravity: (0.0, 0.0), contact: Linear(k: 1.0e4, damping: B(0.0)), step: Fixed(1.0e-4), until: 10.0, watchdog: (energy: None),
+         walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0), name: \"floor\")],
+         motions: [(walls: \"floor\", rotate: (about: (0.0, 0.0), by: Steady(0.1)))]";
+    let mut run = simulation(keys, vec![grain(1, Vector::new(10.0, 1.0), Vector::ZERO, 0.01, 0.01)]);
+    // The surface reaches the grain at the height 0.99 m/cos: tan(0.1 t) 10 m = 0.99 m.
+    let touches = ((0.99 / (0.1f64).cos() / 10.0).atan() / 0.1 / 1.0e-4) as u64;
+    run.run_steps(touches - 100);
+    assert_eq!(motion(&mut run)[0].velocity, DVec3::ZERO);
+    run.run_steps(touches + 500);
+    // An elastic impact doubles the velocity of the surface, omega r = 1 m/s along its normal.
+    let velocity = motion(&mut run)[0].velocity;
+    assert!((velocity.length() - 2.0).abs() < 0.02 && velocity.y > 1.9, "{velocity}");
+}
+
+#[test]
+fn a_disc_that_moves_hits_a_grain_as_a_disc_at_rest_hits_a_moving_grain() {
+    for law in ["Linear(k: 1.0e4, damping: Restitution(0.5))", "Hertz(restitution: 0.5)"] {
+        let run = |wall: &str, motions: &str, velocity: f64, steps: u64| {
+            let keys = format!(
+                "space: Solid, gravity: (0.0, 0.0, 0.0), contact: {law}, materials: [(young: 1.0e6, poisson: 0.3)], step: Fixed(1.0e-5),
+                 until: 10.0, walls: [Sphere(centre: (0.0, 0.0, 0.0), radius: 0.03{wall})], motions: [{motions}]"
+            );
+            let row = sphere(1, DVec3::new(0.0, 0.001, 0.042), DVec3::new(0.0, 0.0, velocity), 0.01, 0.01);
+            let mut run = simulation(&keys, vec![row]);
+            run.run_steps(steps);
+            motion(&mut run)[0]
+        };
+        let steps = 1000;
+        let drift = DVec3::Z * 0.5;
+        let fixed = run("", "", -0.5, steps);
+        let at_rest = run(", name: \"rod\"", "", -0.5, steps);
+        let moving = run(", name: \"rod\"", "(walls: \"rod\", translate: Steady((0.0, 0.0, 0.5)))", 0.0, steps);
+        // One impact: rounding of positions of 0.05 m, which the contact of some 200 steps amplifies by at most 200.
+        assert!((fixed.position - at_rest.position).length() < 1.0e-14, "{law}: {fixed:?} {at_rest:?}");
+        assert!((fixed.velocity - at_rest.velocity).length() < 1.0e-11, "{law}: {fixed:?} {at_rest:?}");
+        assert!((fixed.velocity + drift - moving.velocity).length() < 1.0e-11, "{law}: {fixed:?} {moving:?}");
+        assert!(fixed.velocity.z > 0.1 && fixed.velocity.y > 0.0, "{law}: {fixed:?}");
+    }
+}
+
+#[test]
+fn a_survey_finds_contacts_with_walls_that_the_last_force_pass_did_not_list() {
+    // Contacts of a survey come from the list of the force pass where it is valid; those of `touching_walls` from all walls.
+    let count = |world: &World| {
+        let survey = Survey::<DVec3>::of_world(world);
+        let mut found = Vec::new();
+        survey.contacts(|i, partner, _, _| {
+            if let Partner::Wall(wall) = partner {
+                found.push((i, wall));
+            }
+        });
+        let partner = |touching: Touching<'_, DVec3>| match touching.partner() {
+            Partner::Wall(wall) => Some((touching.row(), wall)),
+            Partner::Particle(_) => None,
+        };
+        assert_eq!(found, survey.touching_walls().filter_map(partner).collect::<Vec<_>>());
+        found.len()
+    };
+    let keys = format!(
+        "space: Solid, gravity: (0.0, 0.0, -9.81), contact: Linear(k: 1.0e4, damping: Restitution(0.8), {FRICTION}), step: Fixed(2.0e-5),
+         until: 10.0, walls: [HalfPlane(point: (0.0, 0.0, -0.031), normal: (0.0, 0.0, 1.0), name: \"floor\"),
+         Panel(corner: (-0.031, -1.0, -1.0), along: (0.0, 2.0, 0.0), across: (0.0, 0.0, 2.0))],
+         motions: [(walls: \"floor\", translate: Steady((0.0, 0.0, 0.3)))]"
+    );
+    let mut run = simulation(&keys, crowd());
+    let mut most = 0;
+    for row in 1..=200 {
+        run.run_steps(row * 7);
+        most = most.max(count(run.world()));
+    }
+    assert!(most >= 5, "{most} contacts at once");
+    let grains = run.world().resource::<Ledger>().inside();
+    let mut walls = run.world_mut().resource_mut::<Surfaces<DVec3>>();
+    walls.all[0].surface = Surface::HalfPlane(HalfPlane { point: DVec3::Z, normal: DVec3::Z });
+    assert!(count(run.world()) >= grains as usize, "all grains are behind the half-plane");
 }

@@ -745,6 +745,32 @@ fn grains_leave_through_holes_in_round_walls_and_none_is_lost() {
 }
 
 #[test]
+fn grains_leave_a_funnel_whose_plug_is_drawn_and_stay_in_a_box_that_rocks() {
+    for integrator in ["Verlet", "Centred"] {
+        let mut run = simulation(&load("hard/plug.ron", &[("integrator", integrator)]), 1);
+        run.run_steps(34_950);
+        let released = run.world().resource::<Ledger>().released;
+        assert!(released > 200, "{released}");
+        assert_eq!(
+            run.world().resource::<Ledger>().inside(),
+            released,
+            "{integrator}: all are inside until the plug is drawn"
+        );
+        let flows = balance(&run).1;
+        // Box and stirrer move at up to 1 m/s among grains of 0.25 kg.
+        assert!(flows.wall_work > 1.0, "{integrator}: {flows:?}");
+        let load = run.world().resource::<Surfaces<Plane>>().loads[4].force;
+        assert!(load.y < -1.0, "{integrator}: the plug carries {load} N");
+        run.run();
+        assert_finite_and_accounted(&mut run);
+        let ledger = run.world().resource::<Ledger>();
+        assert!(ledger.out() > 100 && ledger.lost() == 0, "{integrator}: {ledger:?}");
+        // The lightest grain, and two contacts with it.
+        assert_energy_error_of_the_scheme(&run, (2.0 * 1e5 / (PI * 1.0e3 * 8e-3f64.powi(2))).sqrt() * 2e-5);
+    }
+}
+
+#[test]
 fn a_vessel_of_triangles_holds_all_grains_and_their_energy() {
     for integrator in ["Verlet", "Centred"] {
         let mut run = through("facets", &[("integrator", integrator)]);

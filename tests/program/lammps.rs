@@ -439,6 +439,19 @@ fn walls_that_move_push_and_drag_grains_in_lammps_as_in_siloflow() {
 }
 
 #[test]
+fn a_half_plane_that_turns_pushes_a_grain_in_lammps_as_in_siloflow() {
+    if !has_lammps() {
+        return;
+    }
+    let floor = "HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0), name: \"floor\"),";
+    let turn =
+        "motions: [(walls: \"floor\", rotate: (about: (-0.1, 0.0, 0.0), axis: (0.0, 2.0, 0.0), by: Steady(-5.0)))]";
+    let found = differences_at_walls(&[([0.1, 0.0, 0.0302, 0.0, 0.0, 0.0], 0.0)], floor, turn);
+    // As for walls that move.
+    assert!(found[&1][0] < 1e-13 && found[&1][1] < 1e-11, "{found:?}");
+}
+
+#[test]
 fn a_door_that_moves_drags_a_grain_in_lammps_as_in_siloflow() {
     if !has_lammps() {
         return;

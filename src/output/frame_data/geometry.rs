@@ -5,7 +5,8 @@
 //! | segment | one line |
 //! | panel, triangle | two triangles, one triangle; polygons and meshes of a scene are triangles already |
 //! | cylinder, cone, annulus | [`SECTORS`] pairs of triangles |
-//! | spherical zone | rings of [`SECTORS`] pairs of triangles, as high as they are wide |
+//! | disc | [`SECTORS`] lines |
+//! | spherical zone, sphere | rings of [`SECTORS`] pairs of triangles, as high as they are wide |
 //! | panel, cylinder, cone or annulus with a hole, or the part that fills a hole | convex pieces of the above, cut by a polygon of [`SECTORS`] sides |
 //! | half-plane, half-space | the line or square around the middle of the domain that reaches half its diagonal to each side |
 //!
@@ -18,6 +19,7 @@ use crate::scene::load::Loaded;
 use crate::space::{Dimension, Linear as _, Solid, Space};
 use crate::walls::clip::share_edges;
 use crate::walls::config::Wall;
+use crate::walls::shapes::spherical_zone::SphericalZone;
 use crate::walls::surfaces::{Surface, SurfaceWall};
 
 /// Number of sectors of a surface of revolution.
@@ -86,6 +88,17 @@ fn add<V: Space>(wall: &mut WallGeometry, surface: &Surface<V>, domain: [Solid; 
         Surface::SphericalZone(shape) => {
             let axis = [shape.centre, shape.axis].map(V::spread);
             let (points, triangles) = turned(axis, &shape.profile(SECTORS / 2));
+            add(&points, &[], &triangles);
+        }
+        Surface::Ball(ball) if V::DIMENSION == Dimension::Plane => {
+            let points: Vec<_> = ball.circle(SECTORS).into_iter().map(V::spread).collect();
+            let lines: Vec<_> = (0..SECTORS).map(|n| [n, (n + 1) % SECTORS]).collect();
+            add(&points, &lines, &[]);
+        }
+        Surface::Ball(ball) => {
+            let centre = ball.centre.spread();
+            let zone = SphericalZone::new(centre, Solid::Z, ball.radius, [-ball.radius, ball.radius]);
+            let (points, triangles) = turned([centre, Solid::Z], &zone.profile(SECTORS / 2));
             add(&points, &[], &triangles);
         }
         Surface::Trimmed(shape) => {
@@ -180,7 +193,6 @@ mod tests {
     use crate::walls::shapes::panel::Panel;
     use crate::walls::shapes::prism::Prism;
     use crate::walls::shapes::revolved::Revolved;
-    use crate::walls::shapes::spherical_zone::SphericalZone;
     use crate::walls::shapes::trimmed::{Trimmed, Whole};
 
     const BOX: [Solid; 2] = [Solid::ZERO, Solid::new(3.0, 4.0, 12.0)];

@@ -34,6 +34,7 @@ fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
             _ if let (_, Some(patch)) = wall.cuts() => Some(patch.width()),
             Wall::Panel { along, across, .. } => Some(along.padded().length().min(across.padded().length())),
             Wall::Annulus { outer, .. } => Some(2.0 * outer.get()),
+            Wall::Disc { radius, .. } => Some(2.0 * radius.get()),
             Wall::Segment { from, to, .. } => Some(to.padded().distance(from.padded())),
             // The smallest extent is the thickness: about zero, or the height of a cap.
             Wall::Polygon { .. } | Wall::Mesh { .. } | Wall::SphericalZone { .. } => {
@@ -49,7 +50,7 @@ fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
             Wall::Cone { from, to, radii, .. } => {
                 Some((2.0 * radii.0.get().max(radii.1.get())).min(to.padded().distance(from.padded())))
             }
-            _ => None,
+            Wall::HalfPlane { .. } => None,
         });
     let discs = loaded.wall_discs();
     let orifice = if loaded.silo.door.is_empty() {

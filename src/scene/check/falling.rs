@@ -42,29 +42,28 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
     }
 }
 
-/// Whether a grain of a planar scene starts to the left or right of all discs and segments.
+/// Whether a grain of a planar scene starts to the left or right of all walls with ends.
 fn starts_beside(loaded: &Loaded) -> bool {
     let discs = loaded.wall_discs().into_iter().map(|disc| [disc.centre.x; 2]);
-    let segments = loaded.scene.walls.iter().filter_map(|wall| match wall {
-        Wall::Segment { from, to, .. } => {
-            Some([from.padded().x.min(to.padded().x), from.padded().x.max(to.padded().x)])
-        }
-        _ => None,
-    });
+    let surfaces = loaded.scene.walls.iter().filter_map(Wall::bounds).map(|[low, high]| [low.x, high.x]);
     let ends = |[low, high]: [f64; 2], [from, to]: [f64; 2]| [low.min(from), high.max(to)];
-    let [low, high] = discs.chain(segments).fold([f64::INFINITY, f64::NEG_INFINITY], ends);
+    let [low, high] = discs.chain(surfaces).fold([f64::INFINITY, f64::NEG_INFINITY], ends);
     let released = loaded.scene.spawner.iter().map(|spawner| spawner.point.padded().x);
     let fed = loaded.scene.feed.iter().map(|feed| feed.region.bounds()).flat_map(|(low, high)| [low.x, high.x]);
     let mut starts = loaded.grains.iter().map(|grain| grain.position.x).chain(released).chain(fed);
     loaded.scene.periodic.x.is_none() && starts.any(|x| !(low..=high).contains(&x))
 }
 
-/// Whether half-planes and periodic sides leave a direction downwards.
+/// Whether half-planes that do not turn and periodic sides leave a direction downwards.
 fn can_slide(loaded: &Loaded) -> bool {
     let gravity = loaded.scene.gravity.padded();
     let axes = [Solid::X, Solid::Y, Solid::Z].into_iter().zip(loaded.scene.periodic.axes());
     let closed: Vec<Solid> = axes.filter(|(_, side)| side.is_some()).map(|(axis, _)| axis).collect();
-    let normals: Vec<Solid> = loaded.scene.walls.iter().filter_map(half_plane).collect();
+    let turns = |wall: &Wall| {
+        let mut motions = loaded.scene.motions.iter();
+        motions.any(|motion| motion.rotate.is_some() && wall.name() == Some(&motion.walls))
+    };
+    let normals: Vec<Solid> = loaded.scene.walls.iter().filter(|wall| !turns(wall)).filter_map(half_plane).collect();
     if normals.len() > MOST_HALF_PLANES {
         return false;
     }

@@ -8,7 +8,9 @@
 use crate::scene::load::Loaded;
 use crate::space::{Dimension, Vector};
 use crate::walls::outline::Outline;
+use crate::walls::shapes::ball::Ball;
 use crate::walls::shapes::segment::Segment;
+use crate::walls::silo_file::Disc;
 use crate::walls::surfaces::Surface;
 
 /// Largest number of grid points; more would take several seconds.
@@ -24,6 +26,11 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
     let (radius, _) = loaded.grain_radii()?;
     let mut discs = loaded.wall_discs();
     discs.extend(&loaded.silo.door);
+    let balls = loaded.surfaces().into_iter().filter_map(|wall| match wall.surface {
+        Surface::Ball(Ball { centre, radius }) => Some(Disc { centre, radius }),
+        _ => None,
+    });
+    discs.extend(balls);
     let surfaces: Vec<Surface> = loaded.surfaces().into_iter().map(|wall| wall.surface).collect();
     let [low, high] = Outline::new(&discs, &[], &loaded.surfaces(), radius).bounds()?;
     let spacing = 0.25 * radius;
@@ -39,6 +46,7 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
         | Surface::Triangle(_)
         | Surface::Revolved(_)
         | Surface::SphericalZone(_)
+        | Surface::Ball(_)
         | Surface::Trimmed(_) => 0.0,
     });
     if points(high - low, radius) + blocked_by_discs + blocked_by_segments.sum::<f64>() > PATIENCE {

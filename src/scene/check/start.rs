@@ -79,10 +79,8 @@ fn bodies(loaded: &Loaded) -> Vec<Body> {
     let disc = |centre: Solid, radius: f64, species: u8| Body { centre, radius, species, grain: None };
     let of_silo = loaded.scene.silo.as_ref().map_or(0, |silo| silo.species);
     let silo = loaded.silo.wall.iter().chain(&loaded.silo.door).map(|d| disc(d.centre.extend(0.0), d.radius, of_silo));
-    let own = loaded.scene.walls.iter().filter_map(|wall| match wall {
-        Wall::Disc { centre, radius, species, .. } => Some(disc(centre.padded(), radius.get(), *species)),
-        _ => None,
-    });
+    let own = loaded.scene.walls.iter().filter_map(Wall::wall_grain);
+    let own = own.map(|(centre, radius, species)| disc(centre.padded(), radius, species.0));
     let fixed = loaded.fixed.iter().map(|grain| disc(grain.position, grain.radius, grain.species.0));
     let grains = loaded.grains.iter().map(|grain| Body {
         centre: grain.position,
@@ -101,17 +99,17 @@ fn place(x: Solid) -> String {
     format!("({}, {}, {}) m", x.x, x.y, x.z)
 }
 
-/// Least distance (m) to a half-plane, negative behind it, and to a thin wall, of the walls that the body may touch.
+/// Least distance (m) to a solid wall, negative inside it, and to a thin wall, of the walls that the body may touch.
 fn distances_within<V: Space>(surfaces: &Surfaces<V>, body: &Body) -> [f64; 2] {
     distances(surfaces, surfaces.near(V::narrow(body.centre), body.radius).iter(), body.centre)
 }
 
-/// Least distance (m) to a half-plane, negative behind it, and to a thin wall, of those with these numbers.
+/// Least distance (m) to a solid wall, negative inside it, and to a thin wall, of those with these numbers.
 fn distances<V: Space>(surfaces: &Surfaces<V>, numbers: impl Iterator<Item = usize>, x: Solid) -> [f64; 2] {
     numbers.map(|number| &surfaces.all[number].surface).fold([f64::INFINITY; 2], |[half, thin], surface| {
         let distance = surface.distance(V::narrow(x));
         match surface {
-            Surface::HalfPlane(_) => [half.min(distance), thin],
+            Surface::HalfPlane(_) | Surface::Ball(_) => [half.min(distance), thin],
             _ => [half, thin.min(distance)],
         }
     })

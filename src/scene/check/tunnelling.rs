@@ -8,13 +8,19 @@ use crate::space::Solid;
 use crate::walls::config::Wall;
 use crate::walls::motion::Motion;
 
-/// Returns the largest speed of a wall that moves, m/s. Walls without ends do not turn, so all others have bounds.
+/// Returns the largest speed of a wall that moves, m/s. Of a half-plane that turns it is the speed at the farthest grain or end of a wall.
 fn fastest_wall(loaded: &Loaded) -> f64 {
+    let ends = || loaded.scene.walls.iter().filter_map(Wall::bounds).flatten();
+    let places = || loaded.grains.iter().map(|grain| grain.position).chain(ends());
     let speed = |motion: &Motion| {
         let walls = loaded.scene.walls.iter().filter(|wall| wall.name() == Some(&motion.walls));
         let about = motion.rotate.as_ref().map_or(Solid::ZERO, |turn| turn.about.padded());
-        let corners = walls.filter_map(Wall::bounds).map(|[low, high]| (high - about).abs().max((low - about).abs()));
-        motion.fastest(corners.map(Solid::length).fold(0.0, f64::max))
+        let reach = |wall: &Wall| match wall.bounds() {
+            Some([low, high]) => (high - about).abs().max((low - about).abs()).length(),
+            None if motion.rotate.is_some() => places().map(|x| x.distance(about)).fold(0.0, f64::max),
+            None => 0.0,
+        };
+        motion.fastest(walls.map(reach).fold(0.0, f64::max))
     };
     let doors = loaded.scene.door_controls().into_iter().map(|(_, _, control)| match control.how {
         DoorMotion::Move { speed, .. } | DoorMotion::Slide(speed) => speed.get(),

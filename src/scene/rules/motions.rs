@@ -1,4 +1,4 @@
-//! Rules on `motions`: each moves walls that exist, that nothing else moves, and that have ends if they turn.
+//! Rules on `motions`: each moves walls that exist, that nothing else moves.
 
 use crate::fault::Fault;
 use crate::scene::load::Loaded;
@@ -36,11 +36,8 @@ fn walls(loaded: &Loaded, motion: &Motion, before: &[Motion]) -> Result<(), Brok
         "another motion"
     } else if walls.clone().any(|wall| scene.door_of(wall).is_some()) {
         "a door"
-    } else if walls.clone().any(Wall::moves_in_place) {
+    } else if walls.any(Wall::moves_in_place) {
         "its own `velocity` or `spin`"
-    } else if motion.rotate.is_some() && walls.any(|wall| matches!(wall, Wall::HalfPlane { .. })) {
-        let message = format!("a half-plane named {name:?} has no ends, so it cannot turn");
-        return Err(("scene::no_ends", "rotate", message, "use a segment, in solid space a panel or an annulus"));
     } else {
         return Ok(());
     };

@@ -198,10 +198,11 @@ impl<V: Space> Batch<V> {
         instructions: Instructions,
         limits: [f64; 2],
     ) -> (u32, u32) {
+        let call = Call { times, instructions, limits };
         if times.lead > 0.0 {
-            Lanes::<V, NUMBERS, true> { batch: self, times, instructions, limits }.evaluate(law)
+            Lanes::<V, NUMBERS, true> { batch: self, call: &call }.evaluate(law)
         } else {
-            Lanes::<V, NUMBERS, false> { batch: self, times, instructions, limits }.evaluate(law)
+            Lanes::<V, NUMBERS, false> { batch: self, call: &call }.evaluate(law)
         }
     }
 
@@ -215,12 +216,18 @@ impl<V: Space> Batch<V> {
     }
 }
 
-/// Evaluates all lanes of a batch, with arguments of [`Batch::evaluate`].
-struct Lanes<'a, V: Space, const NUMBERS: usize, const CENTRED: bool> {
-    batch: &'a mut Batch<V>,
+/// Arguments of [`Batch::evaluate`].
+struct Call {
     times: MemoryTimes,
     instructions: Instructions,
     limits: [f64; 2],
+}
+
+/// Evaluates all lanes of a batch. Two pointers, so that a function gets it in registers: numbers that are copied through memory in
+/// pieces of another size make their reader wait.
+struct Lanes<'a, V: Space, const NUMBERS: usize, const CENTRED: bool> {
+    batch: &'a mut Batch<V>,
+    call: &'a Call,
 }
 
 impl<V: Space, const NUMBERS: usize, const CENTRED: bool> Lanes<'_, V, NUMBERS, CENTRED> {
@@ -231,7 +238,7 @@ impl<V: Space, const NUMBERS: usize, const CENTRED: bool> Lanes<'_, V, NUMBERS, 
         let only = if L::SPECIES { self.batch.only_species() } else { Some([Species(0); 2]) };
         match only {
             Some(species) => law.between(species, self),
-            None => self.batch.evaluate_lanes::<L, NUMBERS, CENTRED>(law, self.times, self.limits),
+            None => self.batch.evaluate_lanes::<L, NUMBERS, CENTRED>(law, self.call.times, self.call.limits),
         }
     }
 }
@@ -241,10 +248,10 @@ impl<V: Space, const NUMBERS: usize, const CENTRED: bool> LawVisitor<V> for Lane
 
     /// A function of its own: compiled once for a law and for its table of pairs of species.
     fn visit<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u32, u32) {
-        let Self { batch, times, instructions, limits } = self;
-        instructions.run(
+        let Self { batch, call } = self;
+        call.instructions.run(
             #[inline(always)]
-            || batch.evaluate_lanes::<L, NUMBERS, CENTRED>(law, times, limits),
+            || batch.evaluate_lanes::<L, NUMBERS, CENTRED>(law, call.times, call.limits),
         )
     }
 }

@@ -50,7 +50,7 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     law: Res<Law<L>>,
     (clock, gravity, search): (Res<Clock>, Res<Gravity<V>>, Res<Search<V>>),
     (threads, instructions, mut scratches): (Res<Threads>, Res<Instructions>, ResMut<ScratchPerThread<V>>),
-    (mut walls, mut near, mut lone): (ResMut<Surfaces<V>>, Local<NearWalls>, Local<LonePairs>),
+    (mut walls, mut near, mut lone): (ResMut<Surfaces<V>>, ResMut<NearWalls>, Local<LonePairs>),
     mut store: ResMut<ParticleStore<V>>,
     mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
@@ -78,6 +78,7 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     }
     if !walls.all.is_empty() {
         walls.set_loads(scratches.0.iter().flat_map(|scratch| &scratch.on_walls));
+        near.note(walls.last_changed());
     }
 }
 
@@ -135,10 +136,12 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
             .init_resource::<History<V>>()
             .init_resource::<ScratchPerThread<V>>()
             .init_resource::<LargestOverlap>()
+            .init_resource::<NearWalls>()
             .init_resource::<Instructions>()
             .persist::<History<V>>()
             .persist::<LargestOverlap>()
             .derived::<ScratchPerThread<V>>()
+            .derived::<NearWalls>()
             .add_systems(Step, contact_forces::<V, L>.in_set(ForceStage::Contacts).in_set(ContactForces));
         if L::MEMORY {
             app.derived::<ContactsAtStart>().add_systems(

@@ -17,7 +17,7 @@ use crate::space::{COINCIDENT, Linear, PARTED, Space};
 use crate::store::{Body, ParticleStore};
 use crate::walls::seams::continued_by;
 use crate::walls::shapes::{Nearest, Shape as _};
-use crate::walls::surfaces::SurfaceWall;
+use crate::walls::surfaces::{Surface, SurfaceWall};
 
 /// The contact quantities that follow from the separation and the masses alone.
 pub(super) struct ContactLine<V> {
@@ -53,18 +53,35 @@ pub(crate) struct WallLine<V> {
 }
 
 impl<V: Space> WallLine<V> {
+    /// The walls of most scenes are evaluated in line, because a result that passes through memory makes the comparison of distances wait.
     #[inline(always)]
     fn new(body: &Body<V>, wall: &SurfaceWall<V>) -> Self {
-        match wall.surface.nearest(body.position) {
+        match &wall.surface {
+            Surface::HalfPlane(shape) => Self::of(body, shape.nearest(body.position)),
+            Surface::Segment(shape) => Self::of(body, shape.nearest(body.position)),
+            Surface::Panel(shape) => Self::of(body, shape.nearest(body.position)),
+            other => Self::of(body, nearest_in_memory(other, body.position)),
+        }
+    }
+
+    #[inline(always)]
+    fn of(body: &Body<V>, nearest: Nearest<V>) -> Self {
+        match nearest {
             Nearest::Point { away, curvature, at_edge } => {
                 Self { line: ContactLine::new(away, body.inverse_mass), curvature, edge: at_edge.then_some(away) }
             }
-            Nearest::Half { normal, distance } => {
+            Nearest::OfSolid { normal, distance, curvature } => {
                 let line = ContactLine { normal, distance, reduced_mass: 1.0 / body.inverse_mass };
-                Self { line, curvature: 0.0, edge: None }
+                Self { line, curvature, edge: None }
             }
         }
     }
+}
+
+/// Returns the position of a surface relative to `x`, m. Not inlined, so that the result of a call does not share memory with those in line.
+#[inline(never)]
+fn nearest_in_memory<V: Space>(surface: &Surface<V>, x: V) -> Nearest<V> {
+    surface.nearest(x)
 }
 
 /// Returns the contact of the particles in slots `i` and `j` if they overlap or are within the range of a contact beyond touch,
@@ -120,9 +137,8 @@ fn pair_at<V: Space>(store: &ParticleStore<V>, slots: [usize; 2], separation: V,
 /// Returns the speed along the normal at which the movable particle in slot `i` and a wall approach or part, m/s. Not inlined: most
 /// grains near a wall do not need it, and the loop over their walls is shorter without it.
 #[inline(never)]
-fn closing_speed<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, beside: &WallLine<V>) -> f64 {
-    let normal = beside.line.normal;
-    let of_wall = wall.velocity_at(|| store.body[i].position - normal * beside.line.distance);
+fn closing_speed<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, normal: V, distance: f64) -> f64 {
+    let of_wall = wall.velocity_at(|| store.body[i].position - normal * distance);
     (store.middle_velocity(i) - of_wall).dot(normal).abs()
 }
 
@@ -132,26 +148,25 @@ fn closing_speed<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWal
 fn beside_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, ahead: f64) -> Option<WallLine<V>> {
     let body = &store.body[i];
     let beside = WallLine::new(body, wall);
-    let window = if ahead > 0.0 { ahead * closing_speed(store, i, wall, &beside) } else { 0.0 };
+    let ContactLine { normal, distance, .. } = beside.line;
+    let window = if ahead > 0.0 { ahead * closing_speed(store, i, wall, normal, distance) } else { 0.0 };
     // Written so that a NaN does not touch.
-    if beside.line.distance < body.radius + (window + store.prediction.range) && wall.is_present {
-        Some(beside)
-    } else {
-        None
-    }
+    (distance < body.radius + (window + store.prediction.range) && wall.is_present).then_some(beside)
 }
 
-/// Returns the contact of the movable particle in slot `i` with a wall that no other wall is near, if they touch within
-/// the time `ahead`, s.
+/// Whether the movable particle in slot `i` and a wall touch within the time `ahead`, s, or are within the range of a contact beyond touch.
 #[inline(always)]
 #[must_use]
-pub(crate) fn touching_wall<V: Space>(
-    store: &ParticleStore<V>,
-    i: usize,
-    wall: &SurfaceWall<V>,
-    (root, ahead): (bool, f64),
-) -> Option<Pair<V>> {
-    beside_wall(store, i, wall, ahead).map(|beside| wall_pair_at(store, i, wall, &beside, root, 0.0))
+pub(crate) fn touches_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, ahead: f64) -> bool {
+    beside_wall(store, i, wall, ahead).is_some()
+}
+
+/// Returns the geometry of the movable particle in slot `i` and a wall that touches it, if it touches no other wall. `root` asks for the root
+/// of the reduced mass.
+#[inline(always)]
+#[must_use]
+pub(crate) fn wall_pair<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, root: bool) -> Pair<V> {
+    wall_pair_at(store, i, wall, &WallLine::new(&store.body[i], wall), root, 0.0)
 }
 
 /// The contacts of one particle with walls.
@@ -269,7 +284,7 @@ fn wall_pair_at<V: Space>(
         reduced_mass,
         root: if root { reduced_mass.sqrt() } else { 0.0 },
         radii: [body.radius, f64::INFINITY],
-        inverse_reach: beside.curvature / (1.0 + body.radius * beside.curvature),
+        inverse_reach: inverse_reach(body.radius, beside.curvature),
         spins: [store.spin(i), V::Spin::ZERO],
         species: [store.species[i], wall.species],
         dt,
@@ -277,6 +292,13 @@ fn wall_pair_at<V: Space>(
         spring_damping: 0.0,
         ahead: VelocityPrediction::default(),
     }
+}
+
+/// Returns H/(1 + R H), 1/m, for a particle of radius R (m) and a wall of mean curvature H (1/m): see [`Pair::inverse_reach`].
+#[inline(always)]
+fn inverse_reach(radius: f64, curvature: f64) -> f64 {
+    // Most walls are flat, and a division takes longer than the comparison.
+    if curvature == 0.0 { 0.0 } else { curvature / (1.0 + radius * curvature) }
 }
 
 /// Returns a normal for coincident centres. The two ids determine it, and it changes sign when they are exchanged.

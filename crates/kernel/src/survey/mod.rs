@@ -14,9 +14,11 @@ use bevy_ecs::system::SystemParam;
 use crate::contact::history::History;
 use crate::contact::{AnyLaw, Memory, Pair, PairLaw, geometry};
 use crate::neighbours::Search;
+use crate::neighbours::list::Candidate;
 use crate::particles::Motion;
 use crate::space::{Plane, Space};
 use crate::store::ParticleStore;
+use crate::walls::near::NearWalls;
 use crate::walls::surfaces::Surfaces;
 
 /// Partner of a particle in a contact.
@@ -36,19 +38,16 @@ pub struct SurveyParam<'w, V: Space = Plane> {
     walls: Res<'w, Surfaces<V>>,
     law: Res<'w, AnyLaw<V>>,
     history: Res<'w, History<V>>,
+    near: Res<'w, NearWalls>,
 }
 
 impl<V: Space> SurveyParam<'_, V> {
     /// Returns the survey.
     #[must_use]
     pub fn survey(&self) -> Survey<'_, V> {
-        Survey {
-            store: self.motion.store(),
-            search: &self.search,
-            walls: &self.walls,
-            law: &*self.law.0,
-            history: &self.history,
-        }
+        let (store, walls) = (self.motion.store(), &self.walls);
+        let near = self.near.present(store, walls, walls.last_changed());
+        Survey { store, search: &self.search, walls, law: &*self.law.0, history: &self.history, near }
     }
 }
 
@@ -65,18 +64,23 @@ pub struct Survey<'a, V: Space = Plane> {
     pub law: &'a dyn PairLaw<V>,
     /// Contact history.
     pub history: &'a History<V>,
+    /// Pairs of a particle and a wall that are near each other; `None` if they have to be searched.
+    near: Option<&'a [Candidate]>,
 }
 
 impl<'a, V: Space> Survey<'a, V> {
     /// Returns the survey of a world.
     #[must_use]
     pub fn of_world(world: &'a World) -> Self {
+        let (store, walls): (&ParticleStore<V>, _) = (world.resource(), world.resource_ref::<Surfaces<V>>());
+        let near = world.resource::<NearWalls>().present(store, &walls, walls.last_changed());
         Self {
-            store: world.resource(),
+            store,
             search: world.resource(),
-            walls: world.resource(),
+            walls: walls.into_inner(),
             law: &*world.resource::<AnyLaw<V>>().0,
             history: world.resource(),
+            near,
         }
     }
 
@@ -95,14 +99,22 @@ impl<'a, V: Space> Survey<'a, V> {
     ) {
         self.visit_pairs(&accepts, &mut visit);
         let (store, mut memories) = (self.store, self.history.read_walls());
-        for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
-            for (index, pair) in self.contacts_with_walls(i) {
-                if accepts(i, Partner::Wall(index)) {
-                    let memory = memories.look_up(i, index).unwrap_or_default();
-                    if self.exists(&pair, || memory) {
-                        visit(i, Partner::Wall(index), &pair, &memory);
-                    }
+        let mut visit_walls = |i: usize, contacts: Vec<(usize, Pair<V>)>| {
+            for (index, pair) in contacts.into_iter().filter(|(index, _)| accepts(i, Partner::Wall(*index))) {
+                let memory = memories.look_up(i, index).unwrap_or_default();
+                if self.exists(&pair, || memory) {
+                    visit(i, Partner::Wall(index), &pair, &memory);
                 }
+            }
+        };
+        if let Some(near) = self.near {
+            for row in near.chunk_by(|a, b| a.first() == b.first()).filter(|row| !store.is_fixed(row[0].first())) {
+                let i = row[0].first();
+                visit_walls(i, self.contacts_with(i, row.iter().map(|pair| pair.second())));
+            }
+        } else {
+            for i in (0..store.movable_end).filter(|&i| !store.is_fixed(i)) {
+                visit_walls(i, self.contacts_with_walls(i));
             }
         }
     }
@@ -110,9 +122,13 @@ impl<'a, V: Space> Survey<'a, V> {
     /// Returns the contacts of the movable particle in slot `i` with walls, ascending.
     fn contacts_with_walls(&self, i: usize) -> Vec<(usize, Pair<V>)> {
         let body = &self.store.body[i];
-        let near = self.walls.near(body.position, body.radius + self.store.prediction.range);
+        self.contacts_with(i, self.walls.near(body.position, body.radius + self.store.prediction.range).iter())
+    }
+
+    /// Returns the contacts of the movable particle in slot `i` with these walls, ascending.
+    fn contacts_with(&self, i: usize, walls: impl Iterator<Item = usize>) -> Vec<(usize, Pair<V>)> {
         let mut contacts = geometry::WallContacts::default();
-        contacts.find(self.store, i, (&self.walls.all, near.iter()), 0.0, |_, _| {});
+        contacts.find(self.store, i, (&self.walls.all, walls), 0.0, |_, _| {});
         contacts.pairs(self.store, i, &self.walls.all, self.law.needs_mass_root()).collect()
     }
 

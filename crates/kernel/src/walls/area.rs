@@ -9,6 +9,7 @@ use std::f64::consts::{PI, TAU};
 
 use crate::space::{Dimension, Space};
 use crate::walls::clip::{area, clip};
+use crate::walls::shapes::ball::Ball;
 use crate::walls::shapes::revolved::Revolved;
 use crate::walls::shapes::spherical_zone::SphericalZone;
 use crate::walls::shapes::turned;
@@ -37,6 +38,7 @@ pub fn area_between<V: Space>(surface: &Surface<V>, low: f64, high: f64) -> Opti
         Surface::Triangle(wall) => Some(clipped_area(&wall.0, low, high)),
         Surface::Revolved(wall) => Some(revolved_area(wall, low, high)),
         Surface::SphericalZone(wall) => Some(zone_area(wall, low, high)),
+        Surface::Ball(wall) => Some(ball_area(wall, low, high)),
         Surface::Trimmed(wall) => {
             Some(wall.pieces(CUT_FACETS).iter().map(|piece| clipped_area(piece, low, high)).sum())
         }
@@ -92,6 +94,15 @@ fn zone_area<V: Space>(wall: &SphericalZone<V>, low: f64, high: f64) -> f64 {
     strips_area((wall.centre, wall.axis), &wall.profile(ZONE_PIECES), low, high)
 }
 
+/// Returns the area of a sphere between two heights; in the plane the length of both arcs of a circle.
+fn ball_area<V: Space>(wall: &Ball<V>, low: f64, high: f64) -> f64 {
+    let [low, high] = [low, high].map(|height| ((height - wall.centre.height()) / wall.radius).clamp(-1.0, 1.0));
+    match V::DIMENSION {
+        Dimension::Plane => 2.0 * wall.radius * (high.asin() - low.asin()),
+        Dimension::Solid => TAU * wall.radius * wall.radius * (high - low),
+    }
+}
+
 /// Returns the area between two heights of the surface that the line through `profile`, points (r, z), makes about an axis.
 fn strips_area<V: Space>(axis: (V, V), profile: &[[f64; 2]], low: f64, high: f64) -> f64 {
     // The chord of a strip is shorter than its arc.
@@ -136,6 +147,9 @@ mod tests {
         assert_area(&Surface::Revolved(cone), (1.0, 2.0), PI * 4.25 * 1.25, 1e-14);
         let plate = Revolved::ring(Solid::new(0.0, 0.0, 0.5), Solid::Z, [1.0, 2.0]);
         assert_area(&Surface::Revolved(plate), (0.0, 1.0), 3.0 * PI, 1e-14);
+        // Heights of half the radius are at 30 degrees, so the arcs between them make up a third of the circle.
+        assert_area(&Surface::Ball(Ball { centre: Plane::Y, radius: 2.0 }), (0.0, 2.0), TAU * 2.0 / 3.0, 1e-14);
+        assert_area(&Surface::Ball(Ball { centre: Solid::Z, radius: 2.0 }), (0.0, 9.0), TAU * 2.0 * 3.0, 1e-14);
         assert_eq!(
             area_between(&Surface::HalfPlane(HalfPlane { point: Solid::ZERO, normal: Solid::Z }), 0.0, 1.0),
             None

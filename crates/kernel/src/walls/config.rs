@@ -9,6 +9,7 @@ use crate::particle::Species;
 use crate::space::{Linear, Solid, Space};
 use crate::values::{Finite, FiniteVector, NonNegative, Positive};
 use crate::walls::figure::Figure;
+use crate::walls::shapes::ball::Ball;
 use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::shapes::panel::Panel;
 use crate::walls::shapes::revolved::Revolved;
@@ -232,7 +233,7 @@ pub enum Wall {
         #[serde(default)]
         door: bool,
     },
-    /// A fixed disc or sphere: a wall grain like a grain of a silo file.
+    /// A disc or sphere. With a name, or as a door, it is a wall surface, solid inside; otherwise a fixed grain, like a grain of a silo file.
     #[serde(alias = "Sphere")]
     Disc {
         /// Centre, m.
@@ -242,11 +243,17 @@ pub enum Wall {
         /// Material. Default 0.
         #[serde(default)]
         species: u8,
+        /// Name, for `motions` and `doors`; several walls may share one. Default: none.
+        #[serde(default)]
+        name: Option<String>,
+        /// Whether the wall is the door, as for a panel.
+        #[serde(default)]
+        door: bool,
     },
 }
 
 impl Wall {
-    /// Returns the shapes: several for a polygon or a mesh, none for a disc, which is a wall grain. `vector` converts the vectors of
+    /// Returns the shapes: several for a polygon or a mesh, none for a wall grain. `vector` converts the vectors of
     /// the scene.
     fn shapes<V: Space>(&self, vector: impl Fn(FiniteVector) -> V) -> Vec<Surface<V>> {
         let radius = |radius: NonNegative| radius.get();
@@ -281,7 +288,8 @@ impl Wall {
                 let triangles = self.triangles().unwrap_or_default();
                 return triangles.iter().map(|t| Surface::Triangle(Triangle(t.map(V::narrow)))).collect();
             }
-            Self::Disc { .. } => return Vec::new(),
+            Self::Disc { .. } if self.wall_grain().is_some() => return Vec::new(),
+            Self::Disc { centre, radius, .. } => Surface::Ball(Ball { centre: vector(centre), radius: radius.get() }),
         };
         vec![shape]
     }
@@ -326,8 +334,8 @@ impl Wall {
         triangulation::triangles(&padded(points), &padded(hole)).map(Arc::from)
     }
 
-    /// Returns the surfaces of the wall, which has this number among the walls of the scene, from 0 and without discs: several
-    /// for a polygon or a mesh, none for a disc.
+    /// Returns the surfaces of the wall, which has this number among the walls of the scene, from 0 and without wall grains: several
+    /// for a polygon or a mesh, none for a wall grain.
     #[must_use]
     pub fn surfaces<V: Space>(&self, number: usize) -> Vec<SurfaceWall<V>> {
         let shapes = self.shapes(FiniteVector::get::<V>);
@@ -387,8 +395,8 @@ impl Wall {
             | Self::Cylinder { door, .. }
             | Self::Cone { door, .. }
             | Self::Annulus { door, .. }
-            | Self::SphericalZone { door, .. } => door,
-            Self::Disc { .. } => false,
+            | Self::SphericalZone { door, .. }
+            | Self::Disc { door, .. } => door,
         }
     }
 
@@ -404,8 +412,8 @@ impl Wall {
             | Self::Cylinder { name, .. }
             | Self::Cone { name, .. }
             | Self::Annulus { name, .. }
-            | Self::SphericalZone { name, .. } => name.as_deref(),
-            Self::Disc { .. } => None,
+            | Self::SphericalZone { name, .. }
+            | Self::Disc { name, .. } => name.as_deref(),
         }
     }
 
@@ -432,7 +440,18 @@ impl Wall {
     /// Whether the wall is a surface, not a wall grain.
     #[must_use]
     pub fn is_surface(&self) -> bool {
-        !matches!(self, Self::Disc { .. })
+        self.wall_grain().is_none()
+    }
+
+    /// Returns centre, radius (m) and material of a wall grain: a disc or sphere without a name that is no door.
+    #[must_use]
+    pub fn wall_grain(&self) -> Option<(FiniteVector, f64, Species)> {
+        match *self {
+            Self::Disc { centre, radius, species, name: None, door: false } => {
+                Some((centre, radius.get(), Species(species)))
+            }
+            _ => None,
+        }
     }
 
     /// Whether the wall exists in solid space only.

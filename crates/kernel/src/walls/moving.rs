@@ -29,7 +29,7 @@ pub struct Mover<V: Space> {
     /// The surfaces at their places in the scene, each with its index in [`Surfaces::all`].
     home: Vec<(usize, SurfaceWall<V>)>,
     drive: Drive<V>,
-    /// Largest distance of a point with bounds from the reference point of its surface, m.
+    /// Largest distance of a point of a surface with bounds from the reference point of that surface, m.
     reach: f64,
 }
 
@@ -100,6 +100,13 @@ impl<V: Space> Mover<V> {
         };
         let reach = home.iter().map(|(_, wall)| corners(wall)).fold(0.0, f64::max);
         Self { home, drive, reach }
+    }
+
+    /// Iterates over the surfaces without ends that turn: a point of them far away moves by any distance in a step.
+    pub(super) fn endless_that_turn(&self) -> impl Iterator<Item = usize> {
+        let turns = matches!(&self.drive, Drive::Motion(Motion { rotate: Some(_), .. }));
+        let endless = self.home.iter().filter(move |(_, wall)| turns && wall.surface.bounds().is_none());
+        endless.map(|(index, _)| *index)
     }
 
     pub(super) fn leaf(&self) -> Option<LeafState> {

@@ -2,24 +2,30 @@
 //!
 //! A grain is near a wall if the gap between their surfaces is less than a slack: the largest grain radius, and for meshes
 //! a part of it, because a grain is near many triangles. The list is valid until a grain and a wall may have come nearer by the
-//! slack, or a wall has changed.
+//! slack, or a wall has changed. All grains are near a half-plane that turns.
+
+use bevy_ecs::change_detection::Tick;
+use bevy_ecs::prelude::*;
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
+use crate::walls::moving::Mover;
 use crate::walls::surfaces::Surfaces;
 
 /// Slack beside meshes, in radii of the largest grain.
 const MESH_SLACK: f64 = 0.2;
 
 /// Pairs of a slot and a wall index, ascending.
-#[derive(Debug, Default)]
+#[derive(Resource, Debug, Default)]
 pub struct NearWalls {
     pairs: Vec<Candidate>,
     trigger: DisplacementTrigger,
     /// The travel of the walls when the pairs were listed, m.
     wall_travel: f64,
+    /// When the walls had changed last, at the end of the last force pass.
+    walls_changed: Tick,
 }
 
 impl NearWalls {
@@ -28,18 +34,21 @@ impl NearWalls {
         if walls.all.is_empty() {
             return &[];
         }
-        let ahead = store.prediction.margin + store.prediction.range + (walls.travel() - self.wall_travel);
-        if has_changed || self.trigger.has_fired(store.travel_meter(), ahead) {
+        if has_changed || self.has_expired(store, walls) {
             let grains = &store.body[..store.movable_end];
             let largest = grains.iter().map(|body| body.radius).fold(0.0, f64::max);
             let slack = if walls.are_many() { MESH_SLACK * largest } else { largest };
             self.pairs.clear();
-            let mut candidates = Vec::new();
+            let mut candidates = walls.everywhere();
+            let always: Vec<_> = walls.movers.iter().flat_map(Mover::endless_that_turn).collect();
             for (i, body) in (0u32..).zip(grains) {
-                walls.find_near(body.position, body.radius + slack, &mut candidates);
+                if walls.are_many() {
+                    walls.find_near(body.position, body.radius + slack, &mut candidates);
+                }
                 for &number in &candidates {
                     // Written so that NaN counts as not near.
-                    if walls.all[number as usize].surface.distance(body.position) < body.radius + slack {
+                    let wall = number as usize;
+                    if walls.all[wall].surface.distance(body.position) < body.radius + slack || always.contains(&wall) {
                         self.pairs.push(Candidate::new(i, number));
                     }
                 }
@@ -48,5 +57,26 @@ impl NearWalls {
             self.wall_travel = walls.travel();
         }
         &self.pairs
+    }
+
+    /// Whether a particle and a wall may have come nearer by the slack, or particles have new slots.
+    fn has_expired<V: Space>(&self, store: &ParticleStore<V>, walls: &Surfaces<V>) -> bool {
+        let ahead = store.prediction.margin + store.prediction.range + (walls.travel() - self.wall_travel);
+        self.trigger.has_fired(store.travel_meter(), ahead)
+    }
+
+    /// Notes when the walls have changed last. Called after the force pass, which sets their loads.
+    pub(crate) fn note(&mut self, walls_changed: Tick) {
+        self.walls_changed = walls_changed;
+    }
+
+    /// Returns the pairs of the last force pass, if they are valid for particles and walls as they are.
+    pub(crate) fn present<V: Space>(
+        &self,
+        store: &ParticleStore<V>,
+        walls: &Surfaces<V>,
+        walls_changed: Tick,
+    ) -> Option<&[Candidate]> {
+        (self.walls_changed == walls_changed && !self.has_expired(store, walls)).then_some(&self.pairs)
     }
 }

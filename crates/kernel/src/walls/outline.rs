@@ -2,7 +2,8 @@
 //!
 //! * Two wall grains are linked if no grain fits between them and no third wall grain is closer to both than they are
 //!   to each other. This relative neighbourhood graph links neighbours, without chords across corners.
-//! * Segments of the scene are links themselves, unless they are doors or move. The region behind a half-plane is outside.
+//! * Segments of the scene are links themselves, unless they are doors or move. The region behind a half-plane is outside, and so is
+//!   the inside of a disc that is a wall surface.
 //! * The orifice is the line between the two wall grains that flank the door. They are nearest to the two ends of the
 //!   door, on opposite sides of it.
 
@@ -12,6 +13,7 @@ use crate::neighbours::cells::floor;
 use crate::space::{Plane, Vector};
 use crate::walls::paths::{Crossing, Paths};
 use crate::walls::shapes::Shape as _;
+use crate::walls::shapes::ball::Ball;
 use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::shapes::segment::Segment;
 use crate::walls::silo_file::Disc;
@@ -35,6 +37,7 @@ pub struct Outline {
     /// Indices of the links in each cell. Queried for every grain that has moved some distance, so the hash is fast.
     links_by_cell: FxHashMap<[i64; 2], Vec<usize>>,
     half_planes: Vec<HalfPlane>,
+    balls: Vec<Ball>,
     orifice: Option<Link>,
     /// Surfaces of doors, each with the number of its door.
     doors: Vec<(u16, Surface)>,
@@ -54,12 +57,20 @@ impl Outline {
                 }
                 corners.extend([from, to]);
             }
+            if let Surface::Ball(ball) = surface.surface {
+                corners.push(ball.centre);
+            }
         }
         let half_plane = |wall: &SurfaceWall| match wall.surface {
             Surface::HalfPlane(shape) if wall.door.is_none() => Some(shape),
             _ => None,
         };
         let half_planes = surfaces.iter().filter_map(half_plane).collect();
+        let ball = |wall: &SurfaceWall| match wall.surface {
+            Surface::Ball(shape) if wall.door.is_none() => Some(shape),
+            _ => None,
+        };
+        let balls = surfaces.iter().filter_map(ball).collect();
         let bounds = corners.iter().copied().reduce(Vector::min).zip(corners.iter().copied().reduce(Vector::max));
         let longest = links.iter().map(|link| link.from.distance(link.to)).fold(smallest, f64::max);
         let mut outline = Self {
@@ -67,6 +78,7 @@ impl Outline {
             cell: longest,
             links_by_cell: FxHashMap::default(),
             half_planes,
+            balls,
             orifice: orifice(walls, door),
             doors: surfaces.iter().filter_map(|wall| Some((wall.door?, wall.surface.clone()))).collect(),
             bounds: bounds.map(|(low, high)| [low, high]),
@@ -133,6 +145,9 @@ impl Paths<Plane> for Outline {
         }
         for plane in &self.half_planes {
             consider(plane.crossing(from, to), Crossing::Surface);
+        }
+        for ball in &self.balls {
+            consider(ball.crossing(from, to), Crossing::Surface);
         }
         first.map(|(_, crossing)| crossing)
     }

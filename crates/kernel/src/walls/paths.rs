@@ -38,13 +38,16 @@ pub struct SurfaceWalls(pub Surfaces<Solid>);
 
 impl Paths<Solid> for SurfaceWalls {
     fn crossing(&self, from: Solid, to: Solid) -> Option<Crossing<Solid>> {
-        let on_path = self.0.on_path(from, to);
-        let crossed = on_path.iter().filter_map(|index| {
+        let mut first: Option<(f64, Crossing<Solid>)> = None;
+        for index in self.0.on_path(from, to).iter() {
             let wall = &self.0.all[index];
-            let crossing = wall.door.map_or(Crossing::Surface, Crossing::Orifice);
-            Some((wall.surface.crossing(from, to)?, crossing))
-        });
-        crossed.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, crossing)| crossing)
+            if let Some(share) = wall.surface.crossing(from, to)
+                && first.is_none_or(|(earliest, _)| share < earliest)
+            {
+                first = Some((share, wall.door.map_or(Crossing::Surface, Crossing::Orifice)));
+            }
+        }
+        first.map(|(_, crossing)| crossing)
     }
 
     /// Always `None`: gaps between wall surfaces are legal, and the cull line catches grains that fall through.

@@ -34,6 +34,11 @@ pub struct Candidates {
 }
 
 impl Candidates {
+    /// Returns all of `count` surfaces.
+    pub(crate) fn all(count: usize) -> Self {
+        Self { all: 0..count, found: Vec::new() }
+    }
+
     /// Iterates over the numbers of the surfaces, ascending.
     pub fn iter(&self) -> impl Iterator<Item = usize> + Clone {
         self.all.clone().chain(self.found.iter().map(|&number| number as usize))
@@ -60,6 +65,11 @@ impl SurfaceIndex {
         index
     }
 
+    /// Returns the surfaces that are candidates everywhere, ascending.
+    pub(crate) fn everywhere(&self) -> &[u32] {
+        &self.everywhere
+    }
+
     /// Whether there is a grid.
     pub(crate) fn has_grid(&self) -> bool {
         self.side.is_some()
@@ -67,11 +77,12 @@ impl SurfaceIndex {
 
     /// Returns the candidates in a box among `count` surfaces. It allocates only if there is a grid.
     pub(crate) fn candidates<V: Space>(&self, bounds: [V; 2], count: usize) -> Candidates {
-        let mut found = Vec::new();
-        if self.side.is_some() {
-            self.find(bounds, &mut found);
+        if self.side.is_none() {
+            return Candidates::all(count);
         }
-        Candidates { all: if self.side.is_some() { 0..0 } else { 0..count }, found }
+        let mut found = Vec::new();
+        self.find(bounds, &mut found);
+        Candidates { all: 0..0, found }
     }
 
     /// Sets `found` to the candidates in a box, ascending.

@@ -22,6 +22,7 @@ use crate::step::{Part, Phase, Step};
 use crate::store::AfterDeferredKick;
 use crate::walls::moving::{LeafState, Mover, WallsPlaced};
 use crate::walls::pose::Pose;
+use crate::walls::shapes::ball::Ball;
 use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::shapes::panel::Panel;
 use crate::walls::shapes::revolved::Revolved;
@@ -48,6 +49,8 @@ pub enum Surface<V: Space = Plane> {
     Revolved(Revolved<V>),
     /// A thin part of a sphere, in solid space.
     SphericalZone(SphericalZone<V>),
+    /// A disc of the plane or a sphere of solid space, solid inside.
+    Ball(Ball<V>),
     /// A panel, cylinder, cone or ring with a hole, or the part of it that fills a hole. Boxed, because it is twice as large as the others.
     Trimmed(Box<Trimmed<V>>),
 }
@@ -63,6 +66,7 @@ impl<V: Space> Surface<V> {
             Self::Triangle(shape) => shape.0[0],
             Self::Revolved(shape) => shape.base,
             Self::SphericalZone(shape) => shape.centre,
+            Self::Ball(shape) => shape.centre,
             Self::Trimmed(shape) => shape.whole.reference(),
         }
     }
@@ -75,11 +79,12 @@ impl<V: Space> Surface<V> {
             Self::Triangle(shape) => shape,
             Self::Revolved(shape) => shape,
             Self::SphericalZone(shape) => shape,
+            Self::Ball(shape) => shape,
             Self::Trimmed(shape) => &**shape,
         }
     }
 
-    /// Returns the distance of a point from the wall, m; negative inside a half-plane.
+    /// Returns the distance of a point from the wall, m; negative inside a solid.
     #[inline]
     #[must_use]
     pub fn distance(&self, x: V) -> f64 {
@@ -95,9 +100,8 @@ impl<V: Space> Shape<V> for Surface<V> {
             Self::Segment(shape) => shape.nearest(x),
             Self::Panel(shape) => shape.nearest(x),
             Self::Triangle(shape) => shape.nearest(x),
-            Self::Revolved(shape) => shape.nearest(x),
-            Self::SphericalZone(shape) => shape.nearest(x),
-            Self::Trimmed(shape) => shape.nearest(x),
+            // Inlined, the rarer shapes would make loops over the others longer and slower.
+            Self::Revolved(_) | Self::SphericalZone(_) | Self::Ball(_) | Self::Trimmed(_) => self.shape().nearest(x),
         }
     }
 
@@ -105,8 +109,12 @@ impl<V: Space> Shape<V> for Surface<V> {
         self.shape().bounds()
     }
 
+    #[inline]
     fn crossing(&self, from: V, to: V) -> Option<f64> {
-        self.shape().crossing(from, to)
+        match self {
+            Self::HalfPlane(shape) => shape.crossing(from, to),
+            _ => self.shape().crossing(from, to),
+        }
     }
 
     fn placed(&self, pose: &Pose<V>) -> Self {
@@ -117,6 +125,7 @@ impl<V: Space> Shape<V> for Surface<V> {
             Self::Triangle(shape) => Self::Triangle(shape.placed(pose)),
             Self::Revolved(shape) => Self::Revolved(shape.placed(pose)),
             Self::SphericalZone(shape) => Self::SphericalZone(shape.placed(pose)),
+            Self::Ball(shape) => Self::Ball(shape.placed(pose)),
             Self::Trimmed(shape) => Self::Trimmed(Box::new(shape.placed(pose))),
         }
     }
@@ -289,6 +298,11 @@ impl<V: Space> Surfaces<V> {
         self.index.has_grid()
     }
 
+    /// Returns the surfaces that may be near any place, ascending: all if they are few.
+    pub(crate) fn everywhere(&self) -> Vec<u32> {
+        self.index.everywhere().to_vec()
+    }
+
     /// Sets `found` to the surfaces that may be nearer to `x` than `reach` (m), ascending.
     pub(crate) fn find_near(&self, x: V, reach: f64, found: &mut Vec<u32>) {
         self.index.find(around(x, reach + self.drift), found);
@@ -301,6 +315,9 @@ impl<V: Space> Surfaces<V> {
 
     /// Returns the surfaces that a straight path may cross, ascending.
     pub(crate) fn on_path(&self, from: V, to: V) -> Candidates {
+        if !self.are_many() {
+            return Candidates::all(self.all.len());
+        }
         let bounds = box_around(&[from, to]).unwrap_or([from, to]);
         self.index.candidates(bounds, self.all.len())
     }

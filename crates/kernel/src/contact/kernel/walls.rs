@@ -4,7 +4,7 @@
 //! The loads on walls are summed too ([`WallLoad`]). A load is the force *on the wall*: the load on a floor under
 //! gravity points down.
 
-use crate::contact::geometry::{WallContacts, touching_wall};
+use crate::contact::geometry::{WallContacts, touches_wall, wall_pair};
 use crate::contact::kernel::worker::{Block, Worker};
 use crate::contact::lanes::LANES;
 use crate::contact::{LawRequirements, Pair, PairLaw};
@@ -19,14 +19,19 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         let pass = self.pass;
         let count = self.near.partition_point(|contact| contact.first() < end);
         let near = self.near.split_off(..count).unwrap_or_default();
-        let mut contacts = WallContacts::default();
-        let limits = (pass.law.needs_mass_root(), self.view.prediction.lookahead);
-        for row in near.chunk_by(|a, b| a.first() == b.first()) {
+        let (view, ahead, root) = (self.view, self.view.prediction.lookahead, pass.law.needs_mass_root());
+        // Most particles near a wall do not touch it, so the loop that finds the others does no more than that.
+        let mut touching: Vec<Candidate> = Vec::with_capacity(near.len());
+        for &contact in near {
+            if touches_wall(view, contact.first(), &pass.walls[contact.second()], ahead) {
+                touching.push(contact);
+            }
+        }
+        let mut union = WallContacts::default();
+        for row in touching.chunk_by(|a, b| a.first() == b.first()) {
             let i = row[0].first();
             if let &[contact] = row {
-                if let Some(pair) = touching_wall(self.view, i, &pass.walls[contact.second()], limits) {
-                    self.push_wall(contact, &pair, &mut block);
-                }
+                self.push_wall(contact, &wall_pair(view, i, &pass.walls[contact.second()], root), &mut block);
                 continue;
             }
             // Memories follow the grain over a seam before any contact of the grain is recalled.
@@ -35,9 +40,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
                     block.cursor.rename::<L>(row[0].with_partner(from), to);
                 }
             };
-            let near = row.iter().map(|contact| contact.second());
-            contacts.find(self.view, i, (pass.walls, near), limits.1, follow);
-            for (wall, pair) in contacts.pairs(self.view, i, pass.walls, limits.0) {
+            union.find(view, i, (pass.walls, row.iter().map(|contact| contact.second())), ahead, follow);
+            for (wall, pair) in union.pairs(view, i, pass.walls, root) {
                 self.push_wall(row[0].with_partner(wall), &pair, &mut block);
             }
         }
@@ -89,12 +93,19 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         if pass.counts {
             sums.count::<true, false>(batch);
         }
+        // Neighbouring particles often touch the same wall.
+        let mut sum: Option<(usize, WallLoad<V>)> = None;
         for lane in (0..batch.len).filter(|&lane| batch.output.is_contact(lane)) {
             let ([i, wall], force) = (batch.pairs[lane].both(), batch.output.force::<NUMBERS>(lane));
             let body = &view.body[i];
             let point = body.position - batch.bodies.normal.get(lane) * (body.radius - batch.bodies.overlap[lane]);
             let drag = force.get(1).copied().unwrap_or(V::ZERO);
-            on_walls.push((wall, WallLoad::of(-force[0], -drag, point - pass.walls[wall].reference)));
+            let load = WallLoad::of(-force[0], -drag, point - pass.walls[wall].reference);
+            match &mut sum {
+                Some((same, sum)) if *same == wall => *sum += load,
+                _ => on_walls.extend(sum.replace((wall, load))),
+            }
         }
+        on_walls.extend(sum);
     }
 }

@@ -27,7 +27,7 @@ pub(super) struct Worker<'a, V: Space, L> {
     pub(super) near: &'a [Candidate],
     /// Candidates with a lone particle, ascending.
     pub(super) lone: &'a [Candidate],
-    /// Loads of the contacts with walls, each with the index of its wall.
+    /// Loads of contacts with walls, summed over consecutive contacts with one wall, each with the index of the wall.
     pub(super) on_walls: &'a mut Vec<(usize, WallLoad<V>)>,
 }
 

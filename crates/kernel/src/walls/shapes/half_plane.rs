@@ -19,7 +19,7 @@ pub struct HalfPlane<V: Space = Plane> {
 impl<V: Space> Shape<V> for HalfPlane<V> {
     #[inline(always)]
     fn nearest(&self, x: V) -> Nearest<V> {
-        Nearest::Half { normal: self.normal, distance: (x - self.point).dot(self.normal) }
+        Nearest::OfSolid { normal: self.normal, distance: (x - self.point).dot(self.normal), curvature: 0.0 }
     }
 
     fn bounds(&self) -> Option<[V; 2]> {
@@ -27,8 +27,9 @@ impl<V: Space> Shape<V> for HalfPlane<V> {
     }
 
     /// A path crosses the surface if it leads from the free half into the solid one.
+    #[inline]
     fn crossing(&self, from: V, to: V) -> Option<f64> {
-        let [before, after] = [from, to].map(|x| self.nearest(x).distance());
+        let [before, after] = [from, to].map(|x| (x - self.point).dot(self.normal));
         (before >= 0.0 && after < 0.0).then(|| before / (before - after))
     }
 
@@ -50,7 +51,7 @@ mod tests {
     #[test]
     fn a_half_plane_measures_depth() {
         let wall = HalfPlane { point: Vector::new(0.0, 1.0), normal: Vector::Y };
-        let nearest = Nearest::Half { normal: Vector::Y, distance: -0.75 };
+        let nearest = Nearest::OfSolid { normal: Vector::Y, distance: -0.75, curvature: 0.0 };
         assert_eq!(wall.nearest(Vector::new(7.0, 0.25)), nearest);
         assert_eq!(wall.crossing(Vector::new(0.0, 2.0), Vector::new(3.0, 0.0)), Some(0.5));
         assert_eq!(wall.crossing(Vector::new(0.0, 0.0), Vector::new(0.0, 2.0)), None);

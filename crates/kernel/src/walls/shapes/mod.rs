@@ -1,8 +1,9 @@
 //! Shapes of wall surfaces, one file each.
 //!
 //! A shape knows its nearest point to a centre, its bounds, where a path passes through it, and the lines that a drawing
-//! shows of it. All but the half-plane are thin: they push grains away on both sides.
+//! shows of it. Half-planes and balls are solid. All others are thin: they push grains away on both sides.
 
+pub mod ball;
 pub mod half_plane;
 pub mod panel;
 pub mod prism;
@@ -34,12 +35,14 @@ pub enum Nearest<V> {
         /// Whether the nearest point lies on an edge, where another shape may continue this one.
         at_edge: bool,
     },
-    /// Normal and distance of a half-plane.
-    Half {
-        /// Unit normal into the free half.
+    /// Normal and distance of a shape that is solid inside.
+    OfSolid {
+        /// Unit normal out of the solid.
         normal: V,
         /// Distance from the surface, m; negative inside.
         distance: f64,
+        /// Mean curvature at the nearest point, 1/m, as above.
+        curvature: f64,
     },
 }
 
@@ -51,13 +54,13 @@ impl<V: Space> Nearest<V> {
         Self::Point { away: parted(away, side), curvature: 0.0, at_edge }
     }
 
-    /// Returns the distance, m; negative inside a half-plane.
+    /// Returns the distance, m; negative inside a solid.
     #[inline]
     #[must_use]
     pub fn distance(&self) -> f64 {
         match self {
             Self::Point { away, .. } => away.length(),
-            Self::Half { distance, .. } => *distance,
+            Self::OfSolid { distance, .. } => *distance,
         }
     }
 }

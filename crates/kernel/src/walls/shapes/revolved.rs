@@ -254,7 +254,7 @@ mod tests {
     fn curvature_has_the_sign_and_size_of_the_textbook() {
         let curvature = |surface: &Revolved<Solid>, x: Solid| match surface.nearest(x) {
             Nearest::Point { curvature, .. } => curvature,
-            Nearest::Half { .. } => panic!("a thin surface"),
+            Nearest::OfSolid { .. } => panic!("a thin surface"),
         };
         let cylinder = Revolved::between(Solid::ZERO, Solid::Z, [0.5, 0.5]);
         assert!((curvature(&cylinder, Solid::new(0.4, 0.0, 0.5)) + 1.0).abs() < 1e-12);

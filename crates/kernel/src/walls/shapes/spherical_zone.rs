@@ -198,7 +198,7 @@ mod tests {
         let bowl = SphericalZone::new(Solid::ZERO, Solid::Z, 0.5, [-0.4, 0.0]);
         let at = |x, z| match bowl.nearest(Solid::new(x, 0.0, z)) {
             Nearest::Point { curvature, at_edge, .. } => (curvature, at_edge),
-            Nearest::Half { .. } => panic!("a thin surface"),
+            Nearest::OfSolid { .. } => panic!("a thin surface"),
         };
         assert_eq!(at(0.3, -0.3), (-2.0, false));
         assert_eq!(at(0.4, -0.4), (2.0, false));

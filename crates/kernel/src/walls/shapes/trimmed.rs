@@ -70,7 +70,7 @@ impl<V: Space> Whole<V> {
     pub(crate) fn foot(&self, x: V) -> (V, bool) {
         match self.shape().nearest(x) {
             Nearest::Point { away, at_edge, .. } => (x - away, at_edge),
-            Nearest::Half { normal, distance } => (x - normal * distance, false),
+            Nearest::OfSolid { normal, distance, .. } => (x - normal * distance, false),
         }
     }
 
