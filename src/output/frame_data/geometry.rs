@@ -189,6 +189,7 @@ mod tests {
     use super::*;
     use crate::particle::Species;
     use crate::space::Plane;
+    use crate::walls::shapes::ball::Ball;
     use crate::walls::shapes::half_plane::HalfPlane;
     use crate::walls::shapes::panel::Panel;
     use crate::walls::shapes::prism::Prism;
@@ -223,6 +224,12 @@ mod tests {
         let share = area(&sphere) / (4.0 * 0.5 * TAU * 4.0);
         assert!(share < 1.0 && share > 1.0 - (2.0 * half).powi(2), "{share}");
         assert_eq!(sphere.triangles.len(), (SECTORS * (SECTORS - 2)) as usize);
+        let ball = one(Surface::Ball(Ball { centre: Solid::ONE, radius: 2.0 }));
+        assert!((area(&ball) / area(&sphere) - 1.0).abs() < 1e-12);
+        let disc = one(Surface::Ball(Ball { centre: Plane::ONE, radius: 2.0 }));
+        let corner = |place: u32| Solid::from_array(disc.points[place as usize]);
+        let round: f64 = disc.lines.iter().map(|line| corner(line[0]).distance(corner(line[1]))).sum();
+        assert!((round - n * 2.0 * 2.0 * half.sin()).abs() < 1e-12 && disc.lines.len() == SECTORS as usize, "{round}");
         // A slope of 45 degrees with a round hole of radius 0.7 m, seen from above, as a polygon. Every edge but the borders and the rim
         // belongs to two triangles.
         let slope = Panel { corner: Solid::ZERO, along: Solid::new(3.0, 0.0, 3.0), across: Solid::Y * 4.0 };

@@ -129,10 +129,6 @@ impl<V: Space> Shape<V> for Surface<V> {
             Self::Trimmed(shape) => Self::Trimmed(Box::new(shape.placed(pose))),
         }
     }
-
-    fn lines(&self, depth: f64) -> Vec<[V; 2]> {
-        self.shape().lines(depth)
-    }
 }
 
 /// Load of the grains on a wall in the present step.

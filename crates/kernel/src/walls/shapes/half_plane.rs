@@ -36,11 +36,6 @@ impl<V: Space> Shape<V> for HalfPlane<V> {
     fn placed(&self, pose: &Pose<V>) -> Self {
         Self { point: pose.point(self.point), normal: pose.direction(self.normal) }
     }
-
-    /// None: the surface has no ends, so a drawing cuts it at the border of the view.
-    fn lines(&self, _: f64) -> Vec<[V; 2]> {
-        Vec::new()
-    }
 }
 
 #[cfg(test)]

@@ -1,7 +1,6 @@
 //! Shapes of wall surfaces, one file each.
 //!
-//! A shape knows its nearest point to a centre, its bounds, where a path passes through it, and the lines that a drawing
-//! shows of it. Half-planes and balls are solid. All others are thin: they push grains away on both sides.
+//! A shape knows its nearest point to a centre, its bounds, and where a path passes through it. Half-planes and balls are solid. All others are thin: they push grains away on both sides.
 
 pub mod ball;
 pub mod half_plane;
@@ -15,11 +14,8 @@ pub mod trimmed;
 
 use std::f64::consts::PI;
 
-use crate::space::{COINCIDENT, Linear, PARTED, Solid, Space};
+use crate::space::{COINCIDENT, PARTED, Space};
 use crate::walls::pose::Pose;
-
-/// Number of lines that draw a circle.
-const CIRCLE_LINES: u32 = 48;
 
 /// Position of a shape relative to a centre.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,10 +84,6 @@ pub trait Shape<V: Space> {
     fn placed(&self, pose: &Pose<V>) -> Self
     where
         Self: Sized;
-
-    /// Returns the lines of the shape in a drawing, m: the edges of a panel; the section of a surface of revolution with the
-    /// plane of its axis; the section of a triangle with the plane at this depth, m.
-    fn lines(&self, depth: f64) -> Vec<[V; 2]>;
 }
 
 /// Returns the box around points.
@@ -140,30 +132,4 @@ pub(crate) fn turned<V: Space, const N: usize>(
     let other = V::narrow(axis.spread().cross(across.spread()));
     let (sine, cosine) = (2.0 * PI * f64::from(number) / f64::from(around)).sin_cos();
     profile.map(|[r, z]| base + axis * z + (across * cosine + other * sine) * r)
-}
-
-/// Returns the lines that draw a surface of revolution: its section with the plane through the axis that is seen face on. Seen
-/// along the axis, the surface is the circles of its ends and its widest circle. `profile` has points (r, z) from one end to the
-/// other, with z along the axis from `base`, m.
-fn section_of_revolution<V: Space>(base: V, axis: V, profile: &[[f64; 2]]) -> Vec<[V; 2]> {
-    let (axis, depth) = (axis.spread(), Solid::Y);
-    let point = |direction: Solid, [r, z]: [f64; 2]| base + V::narrow(axis) * z + V::narrow(direction) * r;
-    let across = axis.cross(depth);
-    if Linear::length(across) < 1e-3 {
-        let direction = |n: u32| {
-            let angle = 2.0 * PI * f64::from(n) / f64::from(CIRCLE_LINES);
-            let first = axis.any_orthonormal_vector();
-            first * angle.cos() + axis.cross(first) * angle.sin()
-        };
-        let circle =
-            |end: [f64; 2]| (0..CIRCLE_LINES).map(move |n| [point(direction(n), end), point(direction(n + 1), end)]);
-        let last = profile.len() - 1;
-        let widest = (0..=last).max_by(|a, b| profile[*a][0].total_cmp(&profile[*b][0])).unwrap_or(last);
-        let mut places = vec![0, widest, last];
-        places.dedup();
-        return places.into_iter().map(|at| profile[at]).filter(|end| end[0] > 0.0).flat_map(circle).collect();
-    }
-    let across = across.normalize();
-    let side = |side: Solid| profile.windows(2).map(move |ends| [point(side, ends[0]), point(side, ends[1])]);
-    side(across).chain(side(-across)).collect()
 }

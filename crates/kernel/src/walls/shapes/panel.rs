@@ -58,11 +58,6 @@ impl<V: Space> Shape<V> for Panel<V> {
         let inside = |edge| (0.0..=1.0).contains(&(Linear::dot(at, edge) / Linear::length_squared(edge)));
         (inside(along) && inside(across)).then_some(share)
     }
-
-    fn lines(&self, _: f64) -> Vec<[V; 2]> {
-        let corners = self.corners();
-        (0..4).map(|n| [corners[n], corners[(n + 1) % 4]]).collect()
-    }
 }
 
 #[cfg(test)]

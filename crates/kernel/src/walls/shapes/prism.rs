@@ -6,7 +6,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::space::{Plane, Space};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::roots;
 
 /// A circular or rectangular prism of solid space.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -109,36 +108,10 @@ impl<V: Space> Prism<V> {
     fn turning_axis(&self) -> V {
         V::narrow(self.along.spread().cross(self.across.spread()))
     }
-
-    /// Returns the shares between which a straight line is inside the prism, within 0 to 1; `None` if it is nowhere inside.
-    pub(super) fn shares_inside(&self, from: V, to: V) -> Option<[f64; 2]> {
-        let ([a, b], [da, db]) = (self.in_units(from - self.centre), self.in_units(to - from));
-        let between = if self.is_round {
-            roots(da * da + db * db, a * da + b * db, a * a + b * b - 1.0)
-        } else {
-            let slab = |at: f64, step: f64| {
-                if step == 0.0 {
-                    return if at.abs() < 1.0 { [f64::NEG_INFINITY, f64::INFINITY] } else { [f64::NAN; 2] };
-                }
-                let ends = [(-1.0 - at) / step, (1.0 - at) / step];
-                [ends[0].min(ends[1]), ends[0].max(ends[1])]
-            };
-            let (of_a, of_b) = (slab(a, da), slab(b, db));
-            if of_a[0].is_nan() || of_b[0].is_nan() {
-                return None;
-            }
-            [of_a[0].max(of_b[0]), of_a[1].min(of_b[1])]
-        };
-        let [low, high] = [between[0].max(0.0), between[1].min(1.0)];
-        // The roots of a line beside a circle are no numbers.
-        (between[0] < between[1] && low < high).then_some([low, high])
-    }
 }
 
 #[cfg(test)]
 mod tests {
-    use proptest::prelude::*;
-
     use super::*;
     use crate::space::Solid;
 
@@ -165,22 +138,6 @@ mod tests {
                     let outside =
                         |x: Solid| prism.corners(360).iter().any(|(corner, out)| (x - *corner).dot(*out) > 0.0);
                     assert!(!outside(prism.centre + out * 0.999) && outside(prism.centre + out * 1.001));
-                }
-            }
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn a_line_is_inside_between_its_shares(from in (-1.0..1.0, -1.0..1.0, -1.0..1.0), to in (-1.0..1.0, -1.0..1.0, -1.0..1.0)) {
-            let [from, to] = [from, to].map(|(x, y, z)| Solid::new(x, y, z));
-            for prism in prisms() {
-                let inside = prism.shares_inside(from, to);
-                for n in 0..=100 {
-                    let share = f64::from(n) / 100.0;
-                    let expected = inside.is_some_and(|[low, high]| (low..=high).contains(&share));
-                    let is_near_an_end = inside.is_some_and(|ends| ends.iter().any(|end| (end - share).abs() < 1e-9));
-                    prop_assert!(is_near_an_end || prism.contains(from + (to - from) * share) == expected);
                 }
             }
         }

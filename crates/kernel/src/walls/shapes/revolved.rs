@@ -13,7 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::space::{Plane, Space};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::{Nearest, Shape, is_end, parted, path_shares, roots, section_of_revolution, turned};
+use crate::walls::shapes::{Nearest, Shape, is_end, parted, path_shares, roots, turned};
 
 /// A thin surface of revolution in solid space.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -174,10 +174,6 @@ impl<V: Space> Shape<V> for Revolved<V> {
         };
         let [a, half_b, c] = self.cone_terms(from, to - from);
         path_shares(a, half_b, c).into_iter().find(is_within)
-    }
-
-    fn lines(&self, _: f64) -> Vec<[V; 2]> {
-        section_of_revolution(self.base, self.axis, &[self.from, self.to])
     }
 }
 

@@ -49,10 +49,6 @@ impl<V: Space> Shape<V> for Segment<V> {
     fn placed(&self, pose: &Pose<V>) -> Self {
         Self { from: pose.point(self.from), to: pose.point(self.to) }
     }
-
-    fn lines(&self, _: f64) -> Vec<[V; 2]> {
-        vec![[self.from, self.to]]
-    }
 }
 
 #[cfg(test)]

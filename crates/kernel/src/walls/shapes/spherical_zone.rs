@@ -13,10 +13,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::space::{Plane, Space};
 use crate::walls::pose::Pose;
-use crate::walls::shapes::{Nearest, Shape, parted, path_shares, section_of_revolution};
-
-/// Number of lines that draw the section of a whole sphere on each side of the axis.
-const SECTION_LINES: u32 = 48;
+use crate::walls::shapes::{Nearest, Shape, parted, path_shares};
 
 /// A thin spherical zone in solid space.
 #[derive(Clone, Copy, Debug, Deserialize, Serialize)]
@@ -123,10 +120,6 @@ impl<V: Space> Shape<V> for SphericalZone<V> {
         let c = start.length_squared() - self.radius * self.radius;
         let shares = path_shares(way.length_squared(), start.dot(way), c);
         shares.into_iter().find(|share| self.has_height((start + way * *share).dot(self.axis)))
-    }
-
-    fn lines(&self, _: f64) -> Vec<[V; 2]> {
-        section_of_revolution(self.centre, self.axis, &self.profile(SECTION_LINES))
     }
 }
 

@@ -76,16 +76,6 @@ impl<V: Space> Shape<V> for Triangle<V> {
         // A path along the plane of the triangle has no share that is finite.
         (passes && (0.0..=1.0).contains(&share)).then_some(share)
     }
-
-    fn lines(&self, depth: f64) -> Vec<[V; 2]> {
-        let [a, b, c] = self.0;
-        let crossed = |[from, to]: [V; 2]| {
-            let (before, after) = (from.depth() - depth, to.depth() - depth);
-            ((before < 0.0) != (after < 0.0)).then(|| from + (to - from) * (before / (before - after)))
-        };
-        let points: Vec<_> = [[a, b], [b, c], [c, a]].into_iter().filter_map(crossed).collect();
-        <[V; 2]>::try_from(points).into_iter().collect()
-    }
 }
 
 #[cfg(test)]
