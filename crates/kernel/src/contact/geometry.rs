@@ -154,19 +154,17 @@ fn beside_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<
     (distance < body.radius + (window + store.prediction.range) && wall.is_present).then_some(beside)
 }
 
-/// Whether the movable particle in slot `i` and a wall touch within the time `ahead`, s, or are within the range of a contact beyond touch.
+/// Returns the contact of the movable particle in slot `i` with a wall that no other wall is near, if they touch within
+/// the time `ahead`, s. `root` asks for the root of the reduced mass.
 #[inline(always)]
 #[must_use]
-pub(crate) fn touches_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, ahead: f64) -> bool {
-    beside_wall(store, i, wall, ahead).is_some()
-}
-
-/// Returns the geometry of the movable particle in slot `i` and a wall that touches it, if it touches no other wall. `root` asks for the root
-/// of the reduced mass.
-#[inline(always)]
-#[must_use]
-pub(crate) fn wall_pair<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, root: bool) -> Pair<V> {
-    wall_pair_at(store, i, wall, &WallLine::new(&store.body[i], wall), root, 0.0)
+pub(crate) fn touching_wall<V: Space>(
+    store: &ParticleStore<V>,
+    i: usize,
+    wall: &SurfaceWall<V>,
+    (root, ahead): (bool, f64),
+) -> Option<Pair<V>> {
+    beside_wall(store, i, wall, ahead).map(|beside| wall_pair_at(store, i, wall, &beside, root, 0.0))
 }
 
 /// The contacts of one particle with walls.

@@ -13,6 +13,8 @@
 //! therefore be at least the largest distance at which two particles touch, 2 R_max for grains. A scheme with velocity
 //! prediction adds the distance that the fastest grain moves in a step. If L is smaller than the sum, grains search
 //! more cells around their own.
+//!
+//! Cell numbers are kept modulo 2^32, in 32 bits. So a search may also find a particle 2^32 cells away, which is too far to touch.
 
 use crate::neighbours::contact_range;
 use crate::neighbours::list::PairList;
@@ -24,8 +26,11 @@ use crate::store::ParticleStore;
 /// Largest search radius in cells. Beyond it, testing all particles costs no more.
 pub(super) const MAX_REACH: u8 = 8;
 
+/// Most cells across a periodic box, so that sums of two cell numbers fit into 32 bits.
+const MOST_ACROSS: i64 = 1 << 30;
+
 /// Cell number along x, and the row of cells.
-type Cell<V> = (i64, <V as Space>::Row);
+type Cell<V> = (i32, <V as Space>::Row);
 
 /// Particles sorted by cell.
 pub struct Cells<V: Space> {
@@ -33,7 +38,7 @@ pub struct Cells<V: Space> {
     /// The periodic box.
     periodic: Option<Periodic<V>>,
     /// Number of cells across the box along each axis; 0 along an open axis.
-    span: [i64; 3],
+    span: [i32; 3],
     /// Side of a cell along each axis, m.
     sides: V,
     /// The cell of each particle.
@@ -54,9 +59,8 @@ impl<V: Space> Cells<V> {
         let (mut span, mut sides) = ([0; 3], V::ZERO);
         for (axis, span) in span.iter_mut().enumerate().take(V::COMPONENTS) {
             let length = periodic.and_then(|periodic| periodic.side(axis));
-            *span = length.map_or(0, |length| floor(length / size).max(1));
-            #[expect(clippy::cast_precision_loss, reason = "a number of cells is far below 2^53")]
-            let whole = length.map_or(size, |length| length / *span as f64);
+            *span = length.map_or(0, |length| low_bits(floor(length / size).clamp(1, MOST_ACROSS)));
+            let whole = length.map_or(size, |length| length / f64::from(*span));
             sides = sides.with_axis(axis, whole);
         }
         Self {
@@ -93,7 +97,7 @@ impl<V: Space> Cells<V> {
             let low = self.periodic.filter(|_| self.span[axis] > 0).map_or(0.0, |periodic| periodic.low.axis(axis));
             let cell = floor((x.axis(axis) - low) / self.sides.axis(axis));
             // Rounding may put the last position below the upper end into the next cell.
-            if self.span[axis] > 0 { cell.clamp(0, self.span[axis] - 1) } else { cell }
+            low_bits(if self.span[axis] > 0 { cell.clamp(0, i64::from(self.span[axis]) - 1) } else { cell })
         };
         (number(0), V::row(V::origin_row(), |axis, _| number(axis)))
     }
@@ -132,7 +136,7 @@ impl<V: Space> Cells<V> {
     /// of particle `i`. Particle `i` itself is included.
     #[inline]
     pub(super) fn around(&self, i: usize, reach: u8, wants: impl Fn(u32) -> bool, visit: impl FnMut(u32)) {
-        self.around_cell(self.cell[i], i64::from(reach), wants, visit);
+        self.around_cell(self.cell[i], i32::from(reach), wants, visit);
     }
 
     /// Calls `visit` once with each particle that `wants` accepts in the cell of the place `x` (m) and in the adjacent ones. The place need
@@ -143,7 +147,7 @@ impl<V: Space> Cells<V> {
     }
 
     #[inline]
-    fn around_cell(&self, (x, row): Cell<V>, reach: i64, wants: impl Fn(u32) -> bool, mut visit: impl FnMut(u32)) {
+    fn around_cell(&self, (x, row): Cell<V>, reach: i32, wants: impl Fn(u32) -> bool, mut visit: impl FnMut(u32)) {
         for away in V::rows(reach) {
             let Some(row) = self.row_at(row, away, reach) else { continue };
             let span = self.span[0];
@@ -166,7 +170,7 @@ impl<V: Space> Cells<V> {
 
     /// Returns the row `away` from `row`, wrapped at periodic ends; `None` if another offset already gives that row.
     #[inline]
-    fn row_at(&self, row: V::Row, away: V::Row, reach: i64) -> Option<V::Row> {
+    fn row_at(&self, row: V::Row, away: V::Row, reach: i32) -> Option<V::Row> {
         let mut is_image = false;
         let mut steps = [0; 3];
         let _ = V::row(away, |axis, step| {
@@ -188,7 +192,7 @@ impl<V: Space> Cells<V> {
     /// Visits the cells `from` to `to` of a row. Their buckets are adjacent, and may continue at the start of the
     /// table.
     #[inline]
-    fn visit_row(&self, row: V::Row, from: i64, to: i64, wants: &impl Fn(u32) -> bool, visit: &mut impl FnMut(u32)) {
+    fn visit_row(&self, row: V::Row, from: i32, to: i32, wants: &impl Fn(u32) -> bool, visit: &mut impl FnMut(u32)) {
         let buckets = self.starts.len() - 1;
         let mut visit_buckets = |first: usize, end: usize| {
             for &j in &self.entries[self.starts[first] as usize..self.starts[end] as usize] {
@@ -202,8 +206,7 @@ impl<V: Space> Cells<V> {
                 }
             }
         };
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few cells, or all of a box")]
-        let cells = to.wrapping_sub(from) as usize + 1;
+        let cells = to.wrapping_sub(from).cast_unsigned() as usize + 1;
         let first = bucket::<V>((from, row), buckets);
         let end = first + cells;
         visit_buckets(first, end.min(buckets));
@@ -248,11 +251,18 @@ pub(crate) fn floor(x: f64) -> i64 {
     towards_zero.saturating_sub(i64::from((towards_zero as f64) > x))
 }
 
+/// Returns the number of a cell modulo 2^32.
+#[inline]
+#[expect(clippy::cast_possible_truncation, reason = "keeps the lower 32 bits")]
+fn low_bits(cell: i64) -> i32 {
+    cell as i32
+}
+
 /// Returns the bucket of a cell. Rows are scattered over the table; cells along a row have consecutive buckets.
 #[inline]
-#[expect(clippy::cast_sign_loss, clippy::cast_possible_truncation, reason = "a hash: any bits serve")]
+#[expect(clippy::cast_possible_truncation, reason = "a hash: any bits serve")]
 fn bucket<V: Space>((x, row): Cell<V>, buckets: usize) -> usize {
-    (V::scatter(row) as usize).wrapping_add(x as usize) & (buckets - 1)
+    (V::scatter(row) as usize).wrapping_add(i64::from(x).cast_unsigned() as usize) & (buckets - 1)
 }
 
 #[cfg(test)]

@@ -91,24 +91,22 @@ impl PairList {
         self.row += 1;
     }
 
-    /// Replaces the list by pairs of `rows` particles, given in several parts and in any order.
-    pub(super) fn fill(&mut self, parts: &[Vec<Candidate>], rows: usize) {
+    /// Replaces the list by `pairs` of `rows` particles, given in any order.
+    pub(super) fn fill(&mut self, pairs: impl Iterator<Item = Candidate> + Clone, rows: usize) {
         self.starts.clear();
         self.starts.resize(rows + 1, 0);
-        for pair in parts.iter().flatten() {
-            self.starts[pair.first() + 1] += 1;
-        }
+        pairs.clone().for_each(|pair| self.starts[pair.first() + 1] += 1);
         for row in 0..rows {
             self.starts[row + 1] += self.starts[row];
         }
         self.pairs.clear();
-        self.pairs.resize(parts.iter().map(Vec::len).sum(), Candidate::default());
+        self.pairs.resize(self.starts[rows] as usize, Candidate::default());
         // Filling moves each start to the start of the next row.
-        for &pair in parts.iter().flatten() {
+        pairs.for_each(|pair| {
             let place = &mut self.starts[pair.first()];
             self.pairs[*place as usize] = pair;
             *place += 1;
-        }
+        });
         let mut start = 0;
         for &end in &self.starts[..rows] {
             let row = &mut self.pairs[start..end as usize];
@@ -165,7 +163,7 @@ mod tests {
     #[test]
     fn pairs_are_sorted_in_whichever_order_they_are_added() {
         let mut filled = PairList::default();
-        filled.fill(&[all([[0, 3], [2, 3]]).to_vec(), all([[0, 1], [1, 2]]).to_vec()], 4);
+        filled.fill(all([[0, 3], [2, 3], [0, 1], [1, 2]]).into_iter(), 4);
         let mut written = PairList::default();
         for row in [&[3, 1][..], &[2], &[3], &[]] {
             for &j in row {
@@ -181,7 +179,7 @@ mod tests {
     #[test]
     fn tasks_cover_all_rows_and_hold_incoming_pairs() {
         let mut list = PairList::default();
-        list.fill(&[all([[0, 5], [1, 3], [2, 3], [3, 5], [4, 5]]).to_vec()], 6);
+        list.fill(all([[0, 5], [1, 3], [2, 3], [3, 5], [4, 5]]).into_iter(), 6);
         list.assign_tasks(6, 3, 2);
         let tasks: Vec<_> = list.tasks().iter().map(|task| (task.rows.clone(), task.incoming.clone())).collect();
         assert_eq!(tasks, [(0..2, vec![]), (2..4, all([[1, 3]]).to_vec()), (4..6, all([[0, 5], [3, 5]]).to_vec())]);

@@ -9,12 +9,14 @@
 //! widely, with one grid per size class ([`size_classes`]). After small changes, [`renumbering`] updates it without a search: a few particles entered, left or used up their allowances.
 
 mod candidate_search;
+mod partners;
 mod renumbering;
 mod size_classes;
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::PairList;
 use crate::neighbours::verlet_list::candidate_search::CandidateSearch;
+use crate::neighbours::verlet_list::partners::Partners;
 use crate::neighbours::verlet_list::size_classes::SizeClasses;
 use crate::space::Space;
 use crate::store::{Body, ParticleStore};
@@ -88,7 +90,7 @@ impl<V: Space> VerletList<V> {
         } else {
             CandidateSearch::new(self, store).pairs(expected, threads)
         };
-        list.fill(&pairs, store.len());
+        list.fill(pairs.iter().flat_map(Partners::pairs), store.len());
     }
 
     /// Returns whether a pair belongs on the list.

@@ -207,11 +207,11 @@ pub trait Space: Linear + Div<f64, Output = Self> + IndexMut<usize, Output = f64
     fn any_perpendicular(self) -> Self;
 
     /// The rows with entries from `-reach` to `reach`, around the zero row, in a fixed order.
-    fn rows(reach: i64) -> impl Iterator<Item = Self::Row>;
+    fn rows(reach: i32) -> impl Iterator<Item = Self::Row>;
 
     /// Maps a row entry by entry. `entry` receives the axis (1 for y) and the entry of `from`.
     #[must_use]
-    fn row(from: Self::Row, entry: impl FnMut(usize, i64) -> i64) -> Self::Row;
+    fn row(from: Self::Row, entry: impl FnMut(usize, i32) -> i32) -> Self::Row;
 
     /// The row of zeros.
     #[must_use]
@@ -286,8 +286,8 @@ impl Linear for f64 {
 }
 
 /// Spreads the number of a row over the bits of a hash.
-fn mix(line: i64) -> u64 {
-    line.cast_unsigned().wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32
+fn mix(line: i32) -> u64 {
+    u64::from(line.cast_unsigned()).wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 32
 }
 
 /// Builds an array of four numbers from their indices, so that vector instructions may evaluate all four at once.

@@ -48,7 +48,7 @@ impl Space for Plane {
     }
 
     type Spin = f64;
-    type Row = [i64; 1];
+    type Row = [i32; 1];
 
     fn narrow(padded: Solid) -> Self {
         padded.truncate()
@@ -84,21 +84,21 @@ impl Space for Plane {
         self.perp().normalize()
     }
 
-    fn rows(reach: i64) -> impl Iterator<Item = [i64; 1]> {
+    fn rows(reach: i32) -> impl Iterator<Item = [i32; 1]> {
         (-reach..=reach).map(|y| [y])
     }
 
     #[inline]
-    fn row(from: [i64; 1], mut entry: impl FnMut(usize, i64) -> i64) -> [i64; 1] {
+    fn row(from: [i32; 1], mut entry: impl FnMut(usize, i32) -> i32) -> [i32; 1] {
         [entry(1, from[0])]
     }
 
-    fn origin_row() -> [i64; 1] {
+    fn origin_row() -> [i32; 1] {
         [0]
     }
 
     #[inline]
-    fn scatter(row: [i64; 1]) -> u64 {
+    fn scatter(row: [i32; 1]) -> u64 {
         mix(row[0])
     }
 }

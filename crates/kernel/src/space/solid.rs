@@ -48,7 +48,7 @@ impl Space for Solid {
     }
 
     type Spin = Self;
-    type Row = [i64; 2];
+    type Row = [i32; 2];
 
     fn narrow(padded: Solid) -> Self {
         padded
@@ -87,21 +87,21 @@ impl Space for Solid {
         self.any_orthogonal_vector().normalize()
     }
 
-    fn rows(reach: i64) -> impl Iterator<Item = [i64; 2]> {
+    fn rows(reach: i32) -> impl Iterator<Item = [i32; 2]> {
         (-reach..=reach).flat_map(move |z| (-reach..=reach).map(move |y| [y, z]))
     }
 
     #[inline]
-    fn row(from: [i64; 2], mut entry: impl FnMut(usize, i64) -> i64) -> [i64; 2] {
+    fn row(from: [i32; 2], mut entry: impl FnMut(usize, i32) -> i32) -> [i32; 2] {
         [entry(1, from[0]), entry(2, from[1])]
     }
 
-    fn origin_row() -> [i64; 2] {
+    fn origin_row() -> [i32; 2] {
         [0, 0]
     }
 
     #[inline]
-    fn scatter(row: [i64; 2]) -> u64 {
+    fn scatter(row: [i32; 2]) -> u64 {
         mix(row[0]).wrapping_add(mix(row[1].wrapping_mul(0x5851_F42D)))
     }
 }

@@ -4,7 +4,7 @@
 //! The loads on walls are summed too ([`WallLoad`]). A load is the force *on the wall*: the load on a floor under
 //! gravity points down.
 
-use crate::contact::geometry::{WallContacts, touches_wall, wall_pair};
+use crate::contact::geometry::{WallContacts, touching_wall};
 use crate::contact::kernel::worker::{Block, Worker};
 use crate::contact::lanes::LANES;
 use crate::contact::{LawRequirements, Pair, PairLaw};
@@ -19,19 +19,15 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         let pass = self.pass;
         let count = self.near.partition_point(|contact| contact.first() < end);
         let near = self.near.split_off(..count).unwrap_or_default();
-        let (view, ahead, root) = (self.view, self.view.prediction.lookahead, pass.law.needs_mass_root());
-        // Most particles near a wall do not touch it, so the loop that finds the others does no more than that.
-        let mut touching: Vec<Candidate> = Vec::with_capacity(near.len());
-        for &contact in near {
-            if touches_wall(view, contact.first(), &pass.walls[contact.second()], ahead) {
-                touching.push(contact);
-            }
-        }
-        let mut union = WallContacts::default();
-        for row in touching.chunk_by(|a, b| a.first() == b.first()) {
+        let (view, walls) = (self.view, pass.walls);
+        let limits = (pass.law.needs_mass_root(), view.prediction.lookahead);
+        let mut contacts = WallContacts::default();
+        for row in near.chunk_by(|a, b| a.first() == b.first()) {
             let i = row[0].first();
             if let &[contact] = row {
-                self.push_wall(contact, &wall_pair(view, i, &pass.walls[contact.second()], root), &mut block);
+                if let Some(pair) = touching_wall(view, i, &walls[contact.second()], limits) {
+                    self.push_wall(contact, &pair, &mut block);
+                }
                 continue;
             }
             // Memories follow the grain over a seam before any contact of the grain is recalled.
@@ -40,8 +36,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
                     block.cursor.rename::<L>(row[0].with_partner(from), to);
                 }
             };
-            union.find(view, i, (pass.walls, row.iter().map(|contact| contact.second())), ahead, follow);
-            for (wall, pair) in union.pairs(view, i, pass.walls, root) {
+            contacts.find(view, i, (walls, row.iter().map(|contact| contact.second())), limits.1, follow);
+            for (wall, pair) in contacts.pairs(view, i, walls, limits.0) {
                 self.push_wall(row[0].with_partner(wall), &pair, &mut block);
             }
         }

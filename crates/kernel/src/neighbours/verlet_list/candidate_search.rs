@@ -9,8 +9,8 @@ use std::ops::Range;
 
 use crate::neighbours::cells::{Cells, MAX_REACH};
 use crate::neighbours::contact_range;
-use crate::neighbours::list::Candidate;
 use crate::neighbours::verlet_list::VerletList;
+use crate::neighbours::verlet_list::partners::Partners;
 use crate::space::Space;
 use crate::store::ParticleStore;
 use crate::threads::Threads;
@@ -82,7 +82,7 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
     }
 
     /// Returns all pairs, each once, in one part per job. `expected` is an estimate of their number.
-    pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<Vec<Candidate>> {
+    pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<Partners> {
         let particles = u32::try_from(self.store.len()).expect("fewer than 2^32 particles");
         let jobs =
             (0..particles).step_by(JOB_ROWS as usize).map(|first| first..particles.min(first.saturating_add(JOB_ROWS)));
@@ -92,8 +92,8 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
 
     /// Returns the pairs found by the particles of `rows`, with space reserved for `of_each` pairs per particle.
     #[inline]
-    fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> Vec<Candidate> {
-        let mut pairs = Vec::with_capacity(of_each * rows.len());
+    fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> Partners {
+        let mut found = Partners::new(rows.clone(), of_each);
         for i in rows {
             let row = i as usize;
             let fast = self.is_fast(row);
@@ -101,7 +101,7 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
                 // A pair of equal speed class is found by its higher slot, a mixed pair by its fast member.
                 let mine = if fast == self.is_fast(j as usize) { j < i } else { fast };
                 if mine && self.verlet.are_near(self.store, row, j as usize) {
-                    pairs.push(Candidate::new(i.min(j), i.max(j)));
+                    found.push(j);
                 }
             };
             // For a large search radius, testing all particles costs no more.
@@ -111,8 +111,9 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
                 (true, n) if n <= f64::from(MAX_REACH) => self.cells.around(row, n as u8, |_| true, consider),
                 (true, _) => (0u32..).take(self.store.len()).for_each(&mut consider),
             }
+            found.end_row();
         }
-        pairs
+        found
     }
 }
 
@@ -123,7 +124,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::neighbours::list::PairList;
+    use crate::neighbours::list::{Candidate, PairList};
     use crate::particle::GrainId;
     use crate::periodic::{Periodic, PeriodicSides};
     use crate::space::Solid;

@@ -85,7 +85,7 @@ impl<V: Space> VerletList<V> {
             let near = near.filter(|j| !newcomers[..=position].contains(j));
             pairs.extend(near.map(|j| Candidate::new(new.min(j), new.max(j))));
         }
-        list.fill(&[pairs], store.len());
+        list.fill(pairs.into_iter(), store.len());
         self.trigger = DisplacementTrigger::default();
     }
 }

@@ -14,9 +14,9 @@ use std::ops::Range;
 
 use crate::neighbours::cells::Cells;
 use crate::neighbours::contact_range;
-use crate::neighbours::list::Candidate;
 use crate::neighbours::verlet_list::VerletList;
 use crate::neighbours::verlet_list::candidate_search::JOB_ROWS;
+use crate::neighbours::verlet_list::partners::Partners;
 use crate::space::Space;
 use crate::store::ParticleStore;
 use crate::threads::Threads;
@@ -92,7 +92,7 @@ impl<'a, V: Space> SizeClasses<'a, V> {
     }
 
     /// Returns all pairs, each once, in one part per job. `expected` is an estimate of their number.
-    pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<Vec<Candidate>> {
+    pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<Partners> {
         let particles = u32::try_from(self.store.len()).expect("fewer than 2^32 particles");
         let jobs =
             (0..particles).step_by(JOB_ROWS as usize).map(|first| first..particles.min(first.saturating_add(JOB_ROWS)));
@@ -101,8 +101,8 @@ impl<'a, V: Space> SizeClasses<'a, V> {
     }
 
     /// Returns the pairs found by the particles of `rows`, with space reserved for `of_each` pairs per particle.
-    fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> Vec<Candidate> {
-        let mut pairs = Vec::with_capacity(of_each * rows.len());
+    fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> Partners {
+        let mut found = Partners::new(rows.clone(), of_each);
         for i in rows {
             let row = i as usize;
             let own = usize::from(self.class_of[row]);
@@ -113,7 +113,7 @@ impl<'a, V: Space> SizeClasses<'a, V> {
                 let mut consider = |k: u32| {
                     let j = members[k as usize];
                     if self.verlet.are_near(self.store, row, j as usize) {
-                        pairs.push(Candidate::new(i.min(j), i.max(j)));
+                        found.push(j);
                     }
                 };
                 if members.len() <= FEW {
@@ -122,8 +122,9 @@ impl<'a, V: Space> SizeClasses<'a, V> {
                     class.cells.around_place(self.store.body[row].position, wants, consider);
                 }
             }
+            found.end_row();
         }
-        pairs
+        found
     }
 }
 
@@ -144,7 +145,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::neighbours::list::PairList;
+    use crate::neighbours::list::{Candidate, PairList};
     use crate::particle::GrainId;
     use crate::periodic::{Periodic, PeriodicSides};
     use crate::space::{Plane, Solid};
@@ -177,7 +178,8 @@ mod tests {
         let threads = Threads::new(NonZeroUsize::new(threads).unwrap()).unwrap();
         let mut verlet = VerletList::new(SKIN);
         verlet.renew(store, &mut PairList::default(), DT, &threads);
-        let mut found = SizeClasses::new(&verlet, store).pairs(0, &threads).concat();
+        let parts = SizeClasses::new(&verlet, store).pairs(0, &threads);
+        let mut found: Vec<_> = parts.iter().flat_map(Partners::pairs).collect();
         found.sort_unstable();
         let pairs = (0u32..).take(store.len()).flat_map(|j| (0..j).map(move |i| Candidate::new(i, j)));
         let mut near: Vec<_> = pairs.filter(|pair| verlet.are_near(store, pair.first(), pair.second())).collect();
