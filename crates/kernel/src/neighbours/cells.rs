@@ -191,27 +191,23 @@ impl<V: Space> Cells<V> {
 
     /// Visits the cells `from` to `to` of a row. Their buckets are adjacent, and may continue at the start of the
     /// table.
-    #[inline]
+    #[inline(always)]
     fn visit_row(&self, row: V::Row, from: i32, to: i32, wants: &impl Fn(u32) -> bool, visit: &mut impl FnMut(u32)) {
         let buckets = self.starts.len() - 1;
-        let mut visit_buckets = |first: usize, end: usize| {
+        let cells = to.wrapping_sub(from).cast_unsigned();
+        let first = bucket::<V>((from, row), buckets);
+        let end = first + cells as usize + 1;
+        for (first, end) in [(first, end.min(buckets)), (0, end.saturating_sub(buckets).min(first))] {
             for &j in &self.entries[self.starts[first] as usize..self.starts[end] as usize] {
                 // Rejected particles skip the lookup of their cell.
                 if !wants(j) {
                     continue;
                 }
                 let (at, line) = self.cell[j as usize];
-                if line == row && at.wrapping_sub(from).cast_unsigned() <= to.wrapping_sub(from).cast_unsigned() {
+                if line == row && at.wrapping_sub(from).cast_unsigned() <= cells {
                     visit(j);
                 }
             }
-        };
-        let cells = to.wrapping_sub(from).cast_unsigned() as usize + 1;
-        let first = bucket::<V>((from, row), buckets);
-        let end = first + cells;
-        visit_buckets(first, end.min(buckets));
-        if end > buckets {
-            visit_buckets(0, (end - buckets).min(first));
         }
     }
 }
