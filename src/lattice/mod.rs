@@ -21,33 +21,21 @@
 //! [`Sites`](sites::Sites), in the phases of each [`Step`](crate::step::Step).
 
 pub mod check;
-pub mod collisions;
 pub mod door;
-pub mod draws;
 pub mod enter;
 pub(crate) mod flow;
-pub mod gas;
 pub(crate) mod limits;
 pub mod load;
 pub mod observables;
-pub mod outline;
 pub mod pictures;
 pub(crate) mod plugins;
-pub mod reflection;
 pub mod rest;
-pub mod rules;
 pub mod scene;
 pub mod series;
-pub mod sites;
 pub mod summary;
-pub mod velocities;
 
-mod bands;
-mod collide;
 mod ending;
-mod friction;
-mod propagate;
-mod scatter;
-mod stop;
-mod trickle;
 mod validity;
+
+#[doc(inline)]
+pub use siloflow_automaton::{collisions, draws, gas, outline, reflection, rules, sites, velocities};

@@ -2,23 +2,23 @@
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use siloflow_automaton::collide::collide;
+use siloflow_automaton::friction::rub;
+use siloflow_automaton::propagate::{ReflectionRule, propagate};
+use siloflow_automaton::scatter::place;
+use siloflow_automaton::stop::stop;
+use siloflow_automaton::trickle::trickle;
 
 use crate::assembly::Assembly;
-use crate::lattice::collide::collide;
 use crate::lattice::collisions::Collisions;
 use crate::lattice::door::DoorPlugin;
 use crate::lattice::ending::{DischargePlugin, EndingPlugin};
 use crate::lattice::enter::{PourPlugin, enter};
-use crate::lattice::friction::rub;
 use crate::lattice::gas::Gas;
 use crate::lattice::load::LoadedLattice;
-use crate::lattice::propagate::{ReflectionRule, propagate};
 use crate::lattice::rest::RestPlugin;
 use crate::lattice::rules::{Odds, Walls};
-use crate::lattice::scatter::place;
 use crate::lattice::sites::Sites;
-use crate::lattice::stop::stop;
-use crate::lattice::trickle::trickle;
 use crate::measure::ObservePlugin;
 use crate::messages::{CameToRest, DoorOpened};
 use crate::persist::PersistApp as _;

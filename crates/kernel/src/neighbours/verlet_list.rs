@@ -9,14 +9,14 @@
 //! widely, with one grid per size class ([`size_classes`]). After small changes, [`renumbering`] updates it without a search: a few particles entered, left or used up their allowances.
 
 mod candidate_search;
-mod partners;
+mod found_pairs;
 mod renumbering;
 mod size_classes;
 
 use crate::displacement_trigger::DisplacementTrigger;
 use crate::neighbours::list::PairList;
 use crate::neighbours::verlet_list::candidate_search::CandidateSearch;
-use crate::neighbours::verlet_list::partners::Partners;
+use crate::neighbours::verlet_list::found_pairs::FoundPairs;
 use crate::neighbours::verlet_list::size_classes::SizeClasses;
 use crate::space::Space;
 use crate::store::{Body, ParticleStore};
@@ -90,7 +90,7 @@ impl<V: Space> VerletList<V> {
         } else {
             CandidateSearch::new(self, store).pairs(expected, threads)
         };
-        list.fill(pairs.iter().flat_map(Partners::pairs), store.len());
+        list.fill(pairs.iter().flat_map(FoundPairs::pairs), store.len());
     }
 
     /// Returns whether a pair belongs on the list.

@@ -10,7 +10,7 @@ use std::ops::Range;
 use crate::neighbours::cells::{Cells, MAX_REACH};
 use crate::neighbours::contact_range;
 use crate::neighbours::verlet_list::VerletList;
-use crate::neighbours::verlet_list::partners::Partners;
+use crate::neighbours::verlet_list::found_pairs::FoundPairs;
 use crate::space::Space;
 use crate::store::ParticleStore;
 use crate::threads::Threads;
@@ -82,7 +82,7 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
     }
 
     /// Returns all pairs, each once, in one part per job. `expected` is an estimate of their number.
-    pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<Partners> {
+    pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<FoundPairs> {
         let particles = u32::try_from(self.store.len()).expect("fewer than 2^32 particles");
         let jobs =
             (0..particles).step_by(JOB_ROWS as usize).map(|first| first..particles.min(first.saturating_add(JOB_ROWS)));
@@ -92,8 +92,8 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
 
     /// Returns the pairs found by the particles of `rows`, with space reserved for `of_each` pairs per particle.
     #[inline]
-    fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> Partners {
-        let mut found = Partners::new(rows.clone(), of_each);
+    fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> FoundPairs {
+        let mut found = FoundPairs::new(rows.clone(), of_each);
         for i in rows {
             let row = i as usize;
             let fast = self.is_fast(row);
@@ -113,7 +113,7 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
             }
             found.end_row();
         }
-        found
+        found.shrunk()
     }
 }
 

@@ -16,7 +16,7 @@ use crate::neighbours::cells::Cells;
 use crate::neighbours::contact_range;
 use crate::neighbours::verlet_list::VerletList;
 use crate::neighbours::verlet_list::candidate_search::JOB_ROWS;
-use crate::neighbours::verlet_list::partners::Partners;
+use crate::neighbours::verlet_list::found_pairs::FoundPairs;
 use crate::space::Space;
 use crate::store::ParticleStore;
 use crate::threads::Threads;
@@ -92,7 +92,7 @@ impl<'a, V: Space> SizeClasses<'a, V> {
     }
 
     /// Returns all pairs, each once, in one part per job. `expected` is an estimate of their number.
-    pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<Partners> {
+    pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<FoundPairs> {
         let particles = u32::try_from(self.store.len()).expect("fewer than 2^32 particles");
         let jobs =
             (0..particles).step_by(JOB_ROWS as usize).map(|first| first..particles.min(first.saturating_add(JOB_ROWS)));
@@ -101,8 +101,8 @@ impl<'a, V: Space> SizeClasses<'a, V> {
     }
 
     /// Returns the pairs found by the particles of `rows`, with space reserved for `of_each` pairs per particle.
-    fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> Partners {
-        let mut found = Partners::new(rows.clone(), of_each);
+    fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> FoundPairs {
+        let mut found = FoundPairs::new(rows.clone(), of_each);
         for i in rows {
             let row = i as usize;
             let own = usize::from(self.class_of[row]);
@@ -124,7 +124,7 @@ impl<'a, V: Space> SizeClasses<'a, V> {
             }
             found.end_row();
         }
-        found
+        found.shrunk()
     }
 }
 
@@ -179,7 +179,7 @@ mod tests {
         let mut verlet = VerletList::new(SKIN);
         verlet.renew(store, &mut PairList::default(), DT, &threads);
         let parts = SizeClasses::new(&verlet, store).pairs(0, &threads);
-        let mut found: Vec<_> = parts.iter().flat_map(Partners::pairs).collect();
+        let mut found: Vec<_> = parts.iter().flat_map(FoundPairs::pairs).collect();
         found.sort_unstable();
         let pairs = (0u32..).take(store.len()).flat_map(|j| (0..j).map(move |i| Candidate::new(i, j)));
         let mut near: Vec<_> = pairs.filter(|pair| verlet.are_near(store, pair.first(), pair.second())).collect();

@@ -2,22 +2,22 @@
 //!
 //! A site with N >= 2 particles, of which at least one moves, stops n of them, with P(n >= j) = p^j for j <= N. One
 //! stopped particle takes the site's own rest place. The other n - 1 need a rest place at a neighbour
-//! ([`scatter`](crate::lattice::scatter)). With 13 particles, n is at least 1, because a site holds at most 12 movers.
+//! ([`scatter`](crate::scatter)). With 13 particles, n is at least 1, because a site holds at most 12 movers.
 //! A lone particle does not collide: it keeps moving or stays at rest.
 //!
 //! With p = 0 momentum has to be exact. A particle at rest therefore stays at rest if no state of N movers has the
 //! momentum of the site.
 
-use crate::lattice::bands::{self, Band};
-use crate::lattice::collisions::Collisions;
-use crate::lattice::draws::{Purpose, Streams};
-use crate::lattice::gas::Gas;
-use crate::lattice::rules::Odds;
-use crate::lattice::sites::Sites;
-use crate::threads::Threads;
+use crate::bands::{self, Band};
+use crate::collisions::Collisions;
+use crate::draws::{Purpose, Streams};
+use crate::gas::Gas;
+use crate::rules::Odds;
+use crate::sites::Sites;
+use siloflow_kernel::threads::Threads;
 
 /// Draws the stopped particles of every site. [`Gas::spare`] then lists the sites with more than one stopped particle.
-pub(super) fn stop(sites: &Sites, gas: &mut Gas, threads: &Threads, table: &Collisions, odds: &Odds, t: u64) {
+pub fn stop(sites: &Sites, gas: &mut Gas, threads: &Threads, table: &Collisions, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Stop, 0);
     bands::for_each_band(gas, sites, threads, |band| stop_in(band, table, odds, streams));
 }

@@ -1,22 +1,22 @@
 //! Propagation (phase F): each mover goes to the site that its velocity points to.
 //!
-//! A blocked mover stays at its site with a reflected velocity ([`reflection`](crate::lattice::reflection)). A mover
+//! A blocked mover stays at its site with a reflected velocity ([`reflection`](crate::reflection)). A mover
 //! that arrives in a sink is out. Each site gathers the movers from its twelve neighbours. A column of sites is
 //! therefore the union of twelve shifted columns, each masked to one direction.
 
 use bevy_ecs::prelude::*;
 
-use crate::lattice::bands;
-use crate::lattice::draws::{Purpose, Streams, below};
-use crate::lattice::gas::Gas;
-use crate::lattice::rules::Odds;
-use crate::lattice::sites::{Edge, Kind, Run, Sites};
-use crate::lattice::velocities::{OPPOSITE, directions, nth, turned_round};
-use crate::threads::Threads;
+use crate::bands;
+use crate::draws::{Purpose, Streams, below};
+use crate::gas::Gas;
+use crate::rules::Odds;
+use crate::sites::{Edge, Kind, Run, Sites};
+use crate::velocities::{OPPOSITE, directions, nth, turned_round};
+use siloflow_kernel::threads::Threads;
 
 /// How walls reflect movers.
 #[derive(Resource, Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ReflectionRule {
+pub enum ReflectionRule {
     /// Specular reflection.
     Specular,
     /// Rough walls reflect into random directions, other walls specularly.
@@ -24,7 +24,7 @@ pub(super) enum ReflectionRule {
 }
 
 /// Moves the movers of step `t` and writes the next states.
-pub(super) fn propagate(
+pub fn propagate(
     sites: &Sites,
     gas: &mut Gas,
     threads: &Threads,

@@ -4,11 +4,11 @@
 //! random among the downward directions that are not blocked and end at a free rest place or a sink. A site with
 //! several proposals accepts a random one. A sink accepts all. A refused particle stays.
 
-use crate::lattice::draws::{Purpose, Streams, below};
-use crate::lattice::gas::Gas;
-use crate::lattice::rules::Odds;
-use crate::lattice::sites::{Kind, Sites};
-use crate::lattice::velocities::{DESCENDING, directions, nth};
+use crate::draws::{Purpose, Streams, below};
+use crate::gas::Gas;
+use crate::rules::Odds;
+use crate::sites::{Kind, Sites};
+use crate::velocities::{DESCENDING, directions, nth};
 
 /// A proposed move of a particle at rest.
 struct Move {
@@ -18,7 +18,7 @@ struct Move {
 }
 
 /// Moves particles at rest down in step `t`.
-pub(super) fn trickle(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
+pub fn trickle(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Trickle, 0);
     let mut moves = Vec::new();
     for run in &sites.runs {

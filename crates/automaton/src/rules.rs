@@ -3,8 +3,8 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::lattice::draws::{Chance, Geometric};
-use crate::values::{Positive, Share};
+use crate::draws::{Chance, Geometric};
+use siloflow_kernel::values::{Positive, Share};
 
 /// The keys of a scene's `method: LatticeGas(...)`.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]

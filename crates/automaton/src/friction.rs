@@ -1,15 +1,15 @@
 //! Wall friction: rough walls stop particles (phase D, the paper's second method).
 //!
 //! Each mover that a rough wall blocks stops with probability b. One of the stopped particles takes the site's own rest
-//! place if it is free. The others need a rest place at a neighbour ([`scatter`](crate::lattice::scatter)), which
+//! place if it is free. The others need a rest place at a neighbour ([`scatter`](crate::scatter)), which
 //! prefers neighbours with few movers. A particle that finds no place keeps moving and is reflected.
 
-use crate::lattice::draws::{Draws, Purpose, Streams, below};
-use crate::lattice::gas::Gas;
-use crate::lattice::rules::Odds;
-use crate::lattice::scatter::{Rounds, scatter};
-use crate::lattice::sites::{Edge, Sites};
-use crate::lattice::velocities::{directions, nth};
+use crate::draws::{Draws, Purpose, Streams, below};
+use crate::gas::Gas;
+use crate::rules::Odds;
+use crate::scatter::{Rounds, scatter};
+use crate::sites::{Edge, Sites};
+use crate::velocities::{directions, nth};
 
 /// First word of a stream that selects the particles that have found a place.
 const PLACED: u64 = 13;
@@ -22,7 +22,7 @@ struct Stopped {
 }
 
 /// Stops particles at rough walls in step `t`.
-pub(super) fn rub(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
+pub fn rub(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Rub, 0);
     let mut stopped: Vec<Stopped> = Vec::new();
     for edge in &sites.edges {

@@ -8,14 +8,14 @@ use std::ops::Range;
 use crate::neighbours::list::Candidate;
 
 /// The partners that the particles of consecutive rows found.
-pub(super) struct Partners {
+pub(super) struct FoundPairs {
     rows: Range<u32>,
     /// For each finished row: the end of its partners.
     ends: Vec<u32>,
     partners: Vec<u32>,
 }
 
-impl Partners {
+impl FoundPairs {
     /// Makes an empty set for `rows`, with space reserved for `of_each` partners per particle.
     pub(super) fn new(rows: Range<u32>, of_each: usize) -> Self {
         let partners = Vec::with_capacity(of_each * rows.len());
@@ -32,6 +32,12 @@ impl Partners {
     #[inline(always)]
     pub(super) fn end_row(&mut self) {
         self.ends.push(u32::try_from(self.partners.len()).expect("fewer than 2^32 pairs"));
+    }
+
+    /// Returns the set without the space that it does not need.
+    pub(super) fn shrunk(mut self) -> Self {
+        self.partners.shrink_to_fit();
+        self
     }
 
     /// Returns the pairs, row by row.

@@ -7,16 +7,16 @@
 //! Decisions depend only on the state before the round and on the random numbers of one site. The order of the sites
 //! does not matter.
 
-use crate::lattice::draws::{Draws, Purpose, Streams, below};
-use crate::lattice::gas::Gas;
-use crate::lattice::rules::Odds;
-use crate::lattice::sites::Sites;
-use crate::lattice::velocities::nth;
+use crate::draws::{Draws, Purpose, Streams, below};
+use crate::gas::Gas;
+use crate::rules::Odds;
+use crate::sites::Sites;
+use crate::velocities::nth;
 
 const ROUNDS: u64 = 2;
 
 /// Parameters of the random streams that the rounds use.
-pub(super) struct Rounds {
+pub(crate) struct Rounds {
     /// Seed of the random numbers.
     pub seed: u64,
     /// Step.
@@ -26,7 +26,7 @@ pub(super) struct Rounds {
 }
 
 /// Finds rest places at neighbours for surplus particles that collisions have stopped.
-pub(super) fn place(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
+pub fn place(sites: &Sites, gas: &mut Gas, odds: &Odds, t: u64) {
     let Gas { resting, numbers, held, spare, .. } = gas;
     let rounds = Rounds { seed: odds.seed, t, purpose: Purpose::Scatter };
     scatter(sites, spare, resting, &rounds, |s| numbers[s], |donor| held[donor] += 1);
@@ -41,7 +41,7 @@ struct Proposal {
 
 /// Assigns rest places in `resting` to the surplus particles `spare` (donor site, number of particles). Calls `taken`
 /// with the donor of each particle that gets a place. `number` returns the number of particles of a site.
-pub(super) fn scatter(
+pub(crate) fn scatter(
     sites: &Sites,
     spare: &mut [(usize, u8)],
     resting: &mut [u8],

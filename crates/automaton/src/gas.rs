@@ -7,29 +7,29 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::lattice::sites::{Kind, Sites};
+use crate::sites::{Kind, Sites};
 
 /// All particles of the lattice. The lists have an element for each stored site.
 #[derive(Resource, Clone, Debug, Deserialize, Serialize)]
 pub struct Gas {
     /// State of each site: bit i is set if there is a particle with velocity i. 0 at walls and sinks.
-    pub(super) states: Vec<u16>,
+    pub(crate) states: Vec<u16>,
     /// Outgoing movers of each site, as a state; 0 at walls and sinks.
-    pub(super) movers: Vec<u16>,
+    pub(crate) movers: Vec<u16>,
     /// Rest place of each site: 0 free, 1 taken, [`CLOSED`] at walls and sinks.
-    pub(super) resting: Vec<u8>,
+    pub(crate) resting: Vec<u8>,
     /// Number of particles of each site before the collision.
-    pub(super) numbers: Vec<u8>,
+    pub(crate) numbers: Vec<u8>,
     /// Number of particles of each site that the collision has stopped, in the site's own rest place or at a neighbour.
-    pub(super) held: Vec<u8>,
+    pub(crate) held: Vec<u8>,
     /// Stopped particles that need a rest place at a neighbour: (site, number of particles).
-    pub(super) spare: Vec<(usize, u8)>,
+    pub(crate) spare: Vec<(usize, u8)>,
     entered: u64,
     out: u64,
 }
 
 /// Value of [`Gas::resting`] at sites where no particle can rest.
-pub(super) const CLOSED: u8 = 2;
+pub(crate) const CLOSED: u8 = 2;
 
 impl Gas {
     /// Creates a gas without particles.
@@ -91,7 +91,7 @@ impl Gas {
     }
 
     /// Counts particles that have arrived in a sink.
-    pub(super) fn add_out(&mut self, count: u32) {
+    pub(crate) fn add_out(&mut self, count: u32) {
         self.out += u64::from(count);
     }
 }

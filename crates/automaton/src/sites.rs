@@ -17,10 +17,10 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::lattice::outline::{Polygon, distance, nearest_tangent};
-use crate::lattice::reflection::{MirrorSet, Reflection};
-use crate::lattice::velocities::{FLANKS, STEPS, directions, in_bonds};
-use crate::space::Vector;
+use crate::outline::{Polygon, distance, nearest_tangent};
+use crate::reflection::{MirrorSet, Reflection};
+use crate::velocities::{FLANKS, STEPS, directions, in_bonds};
+use siloflow_kernel::space::Vector;
 
 /// The kind of a site.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -296,7 +296,7 @@ mod tests {
                 for s in sites.fluid() {
                     for d in 1..=12 {
                         let to = sites.neighbour(s, d);
-                        let back = sites.blocked[to] & 1 << crate::lattice::velocities::OPPOSITE[d] != 0;
+                        let back = sites.blocked[to] & 1 << crate::velocities::OPPOSITE[d] != 0;
                         if sites.kinds[to] == Kind::Fluid {
                             assert_eq!(sites.blocked[s] & 1 << d != 0, back);
                         } else if sites.kinds[to] == Kind::Wall {
@@ -342,8 +342,7 @@ mod tests {
                 let tangent = nearest_tangent(sites.position(edge.site), &lines);
                 for d in directions(edge.blocked) {
                     let to = usize::from(edge.reflection[d]);
-                    let off =
-                        crate::lattice::velocities::angle(to) + crate::lattice::velocities::angle(d) - 2.0 * tangent;
+                    let off = crate::velocities::angle(to) + crate::velocities::angle(d) - 2.0 * tangent;
                     let off = off.rem_euclid(360.0);
                     assert!(off.min(360.0 - off) < 1e-6, "{d} to {to} at {tangent} degrees");
                     assert_eq!(d <= 6, to <= 6);

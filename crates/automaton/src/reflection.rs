@@ -11,7 +11,7 @@
 
 use std::collections::HashMap;
 
-use crate::lattice::velocities::{angle, directions, turned_round};
+use crate::velocities::{angle, directions, turned_round};
 
 /// The reflected direction of each blocked direction; 0 for directions that are not blocked.
 pub type Reflection = [u8; 13];

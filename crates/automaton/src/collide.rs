@@ -13,14 +13,14 @@
 //! particles were stopped and no state of m movers has the sum V (before gravity), the movers get random directions.
 //! A lone mover does not collide; only gravity acts on it.
 
-use crate::lattice::bands::{self, Band};
-use crate::lattice::collisions::{Collisions, DOWNWARDS};
-use crate::lattice::draws::{Draws, Purpose, Streams, below, high, low};
-use crate::lattice::gas::Gas;
-use crate::lattice::rules::Odds;
-use crate::lattice::sites::Sites;
-use crate::lattice::velocities::{LEVEL, MOVERS, nth};
-use crate::threads::Threads;
+use crate::bands::{self, Band};
+use crate::collisions::{Collisions, DOWNWARDS};
+use crate::draws::{Draws, Purpose, Streams, below, high, low};
+use crate::gas::Gas;
+use crate::rules::Odds;
+use crate::sites::Sites;
+use crate::velocities::{LEVEL, MOVERS, nth};
+use siloflow_kernel::threads::Threads;
 
 // First word of a stream that each kind of random choice uses. Words 0 and 1 decide the rest.
 const EXCLUDED_WORDS: u64 = 2;
@@ -28,7 +28,7 @@ const LEVEL_WORDS: u64 = 14;
 const RANDOM_WORDS: u64 = 26;
 
 /// Collides the particles of every site and writes the outgoing movers to [`Gas::movers`].
-pub(super) fn collide(sites: &Sites, gas: &mut Gas, threads: &Threads, table: &Collisions, odds: &Odds, t: u64) {
+pub fn collide(sites: &Sites, gas: &mut Gas, threads: &Threads, table: &Collisions, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Collide, 0);
     bands::for_each_band(gas, sites, threads, |band| collide_in(band, table, odds, streams));
 }
@@ -117,12 +117,12 @@ fn random_subset(set: u16, count: u8, draws: Draws, word: u64) -> u16 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::outline::Polygon;
-    use crate::lattice::rules::Rules;
-    use crate::lattice::scatter::place;
-    use crate::lattice::stop::stop;
-    use crate::lattice::velocities::momentum;
-    use crate::space::Vector;
+    use crate::outline::Polygon;
+    use crate::rules::Rules;
+    use crate::scatter::place;
+    use crate::stop::stop;
+    use crate::velocities::momentum;
+    use siloflow_kernel::space::Vector;
 
     /// Collides each of the 8192 states once, with q = b = k = h = 0. The box has a site for each state. Returns the
     /// state before, the outgoing movers, and the number of stopped particles.

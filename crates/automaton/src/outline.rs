@@ -1,6 +1,6 @@
 //! Polygons for the outline of a silo and its inserts: point-in-polygon test and nearest edge.
 
-use crate::space::Vector;
+use siloflow_kernel::space::Vector;
 
 /// A closed polygon: its corners in order, clockwise or anticlockwise, m.
 #[derive(Clone, Debug)]

@@ -7,8 +7,8 @@
 
 use std::sync::LazyLock;
 
-use crate::lattice::draws::below;
-use crate::lattice::velocities::momentum;
+use crate::draws::below;
+use crate::velocities::momentum;
 
 const COLUMNS: u16 = 17;
 const ROWS: u16 = 27;

@@ -3,15 +3,15 @@
 //! A single thread gets one band with all columns. Results do not depend on the bands: each decision uses the random
 //! numbers of its own site, and reads no value that another site writes in the same pass.
 
-use crate::lattice::gas::Gas;
-use crate::lattice::sites::{Run, Sites};
-use crate::threads::Threads;
+use crate::gas::Gas;
+use crate::sites::{Run, Sites};
+use siloflow_kernel::threads::Threads;
 
 /// Bands per thread. More than one, because columns hold different numbers of particles.
 const BANDS: usize = 4;
 
 /// A band of adjacent columns. The slices cover the sites of the band only.
-pub(super) struct Band<'a> {
+pub(crate) struct Band<'a> {
     /// Runs of fluid sites in the band, with indices into the whole lattice.
     pub runs: &'a [Run],
     /// Index of the band's first site in the whole lattice: element 0 of each slice.
@@ -42,7 +42,7 @@ fn runs(sites: &Sites, first: usize, band_length: usize) -> &[Run] {
 }
 
 /// Runs `job` on every band of a gas, then joins the `spare` lists of all bands in [`Gas::spare`].
-pub(super) fn for_each_band(
+pub(crate) fn for_each_band(
     gas: &mut Gas,
     sites: &Sites,
     threads: &Threads,
@@ -65,7 +65,7 @@ pub(super) fn for_each_band(
 }
 
 /// Runs `job` on every band of `states`, with the band's runs, the index of its first site, and its states.
-pub(super) fn for_each_band_of_states(
+pub(crate) fn for_each_band_of_states(
     states: &mut [u16],
     sites: &Sites,
     threads: &Threads,
