@@ -1,6 +1,6 @@
 //! The automaton of siloflow's lattice gas: sites, states, and the rules of a step. `siloflow` adds scenes, doors and output.
 //!
-//! The automaton is a separate crate, so that its loops are compiled as a whole while `siloflow` is compiled incrementally.
+//! The automaton is a separate crate, so that an edit of `siloflow` does not compile it again, and the quick build compiles its loops as a whole.
 
 mod bands;
 pub mod collide;
