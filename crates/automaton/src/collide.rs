@@ -27,7 +27,7 @@ const EXCLUDED_WORDS: u64 = 2;
 const LEVEL_WORDS: u64 = 14;
 const RANDOM_WORDS: u64 = 26;
 
-/// Collides the particles of every site and writes the outgoing movers to [`Gas::movers`].
+/// Collides the particles of every site and writes the outgoing movers to the gas.
 pub fn collide(sites: &Sites, gas: &mut Gas, threads: &Threads, table: &Collisions, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Collide, 0);
     bands::for_each_band(gas, sites, threads, |band| collide_in(band, table, odds, streams));

@@ -16,7 +16,7 @@ use crate::rules::Odds;
 use crate::sites::Sites;
 use siloflow_kernel::threads::Threads;
 
-/// Draws the stopped particles of every site. [`Gas::spare`] then lists the sites with more than one stopped particle.
+/// Draws the stopped particles of every site. `Gas::spare` then lists the sites with more than one stopped particle.
 pub fn stop(sites: &Sites, gas: &mut Gas, threads: &Threads, table: &Collisions, odds: &Odds, t: u64) {
     let streams = Streams::new(odds.seed, t, Purpose::Stop, 0);
     bands::for_each_band(gas, sites, threads, |band| stop_in(band, table, odds, streams));
