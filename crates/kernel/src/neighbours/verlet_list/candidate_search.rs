@@ -5,8 +5,6 @@
 //! more cells, and finds all its pairs with slow ones. If most particles are fast, all of them count as slow and cells
 //! are wider; the result is the same. Threads divide the rows among them.
 
-use std::ops::Range;
-
 use crate::neighbours::cells::{Cells, MAX_REACH};
 use crate::neighbours::contact_range;
 use crate::neighbours::verlet_list::VerletList;
@@ -14,9 +12,6 @@ use crate::neighbours::verlet_list::found_pairs::FoundPairs;
 use crate::space::Space;
 use crate::store::ParticleStore;
 use crate::threads::Threads;
-
-/// Number of particles per thread job.
-pub(super) const JOB_ROWS: u32 = 1024;
 
 /// One search.
 pub(super) struct CandidateSearch<'a, V: Space> {
@@ -83,37 +78,28 @@ impl<'a, V: Space> CandidateSearch<'a, V> {
 
     /// Returns all pairs, each once, in one part per job. `expected` is an estimate of their number.
     pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<FoundPairs> {
-        let particles = u32::try_from(self.store.len()).expect("fewer than 2^32 particles");
-        let jobs =
-            (0..particles).step_by(JOB_ROWS as usize).map(|first| first..particles.min(first.saturating_add(JOB_ROWS)));
-        let of_each = expected.div_ceil(self.store.len().max(1));
-        threads.share(jobs.map(|rows| move || self.pairs_of(rows, of_each)))
+        FoundPairs::search(self.store.len(), expected, threads, |i, partners| self.find_partners(i, partners))
     }
 
-    /// Returns the pairs found by the particles of `rows`, with space reserved for `of_each` pairs per particle.
+    /// Adds the partners of particle `i` to `partners`.
     #[inline]
-    fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> FoundPairs {
-        let mut found = FoundPairs::new(rows.clone(), of_each);
-        for i in rows {
-            let row = i as usize;
-            let fast = self.is_fast(row);
-            let mut consider = |j: u32| {
-                // A pair of equal speed class is found by its higher slot, a mixed pair by its fast member.
-                let mine = if fast == self.is_fast(j as usize) { j < i } else { fast };
-                if mine && self.verlet.are_near(self.store, row, j as usize) {
-                    found.push(j);
-                }
-            };
-            // For a large search radius, testing all particles costs no more.
-            match (fast, self.reach(row)) {
-                (false, _) => self.cells.around(row, 1, |j| j < i, consider),
-                #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most eight")]
-                (true, n) if n <= f64::from(MAX_REACH) => self.cells.around(row, n as u8, |_| true, consider),
-                (true, _) => (0u32..).take(self.store.len()).for_each(&mut consider),
+    fn find_partners(&self, i: u32, partners: &mut Vec<u32>) {
+        let row = i as usize;
+        let fast = self.is_fast(row);
+        let mut consider = |j: u32| {
+            // A pair of equal speed class is found by its higher slot, a mixed pair by its fast member.
+            let mine = if fast == self.is_fast(j as usize) { j < i } else { fast };
+            if mine && self.verlet.are_near(self.store, row, j as usize) {
+                partners.push(j);
             }
-            found.end_row();
+        };
+        // For a large search radius, testing all particles costs no more.
+        match (fast, self.reach(row)) {
+            (false, _) => self.cells.around(row, 1, |j| j < i, consider),
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at most eight")]
+            (true, n) if n <= f64::from(MAX_REACH) => self.cells.around(row, n as u8, |_| true, consider),
+            (true, _) => (0u32..).take(self.store.len()).for_each(&mut consider),
         }
-        found.shrunk()
     }
 }
 

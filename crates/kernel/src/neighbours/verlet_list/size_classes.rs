@@ -10,12 +10,9 @@
 //!
 //! The list is the same as that of [`super::candidate_search`]. Limit: the narrowest class holds all ranges below 2^-15 of the widest.
 
-use std::ops::Range;
-
 use crate::neighbours::cells::Cells;
 use crate::neighbours::contact_range;
 use crate::neighbours::verlet_list::VerletList;
-use crate::neighbours::verlet_list::candidate_search::JOB_ROWS;
 use crate::neighbours::verlet_list::found_pairs::FoundPairs;
 use crate::space::Space;
 use crate::store::ParticleStore;
@@ -93,38 +90,29 @@ impl<'a, V: Space> SizeClasses<'a, V> {
 
     /// Returns all pairs, each once, in one part per job. `expected` is an estimate of their number.
     pub(super) fn pairs(&self, expected: usize, threads: &Threads) -> Vec<FoundPairs> {
-        let particles = u32::try_from(self.store.len()).expect("fewer than 2^32 particles");
-        let jobs =
-            (0..particles).step_by(JOB_ROWS as usize).map(|first| first..particles.min(first.saturating_add(JOB_ROWS)));
-        let of_each = expected.div_ceil(self.store.len().max(1));
-        threads.share(jobs.map(|rows| move || self.pairs_of(rows, of_each)))
+        FoundPairs::search(self.store.len(), expected, threads, |i, partners| self.find_partners(i, partners))
     }
 
-    /// Returns the pairs found by the particles of `rows`, with space reserved for `of_each` pairs per particle.
-    fn pairs_of(&self, rows: Range<u32>, of_each: usize) -> FoundPairs {
-        let mut found = FoundPairs::new(rows.clone(), of_each);
-        for i in rows {
-            let row = i as usize;
-            let own = usize::from(self.class_of[row]);
-            for (number, class) in self.classes[..=own].iter().enumerate() {
-                let members = &class.members;
-                // A pair of one class is found by its higher slot, a pair of two classes by its narrower member.
-                let wants = |k: u32| number < own || members[k as usize] < i;
-                let mut consider = |k: u32| {
-                    let j = members[k as usize];
-                    if self.verlet.are_near(self.store, row, j as usize) {
-                        found.push(j);
-                    }
-                };
-                if members.len() <= FEW {
-                    (0u32..).take(members.len()).filter(|&k| wants(k)).for_each(&mut consider);
-                } else {
-                    class.cells.around_place(self.store.body[row].position, wants, consider);
+    /// Adds the partners of particle `i` to `partners`.
+    fn find_partners(&self, i: u32, partners: &mut Vec<u32>) {
+        let row = i as usize;
+        let own = usize::from(self.class_of[row]);
+        for (number, class) in self.classes[..=own].iter().enumerate() {
+            let members = &class.members;
+            // A pair of one class is found by its higher slot, a pair of two classes by its narrower member.
+            let wants = |k: u32| number < own || members[k as usize] < i;
+            let mut consider = |k: u32| {
+                let j = members[k as usize];
+                if self.verlet.are_near(self.store, row, j as usize) {
+                    partners.push(j);
                 }
+            };
+            if members.len() <= FEW {
+                (0u32..).take(members.len()).filter(|&k| wants(k)).for_each(&mut consider);
+            } else {
+                class.cells.around_place(self.store.body[row].position, wants, consider);
             }
-            found.end_row();
         }
-        found.shrunk()
     }
 }
 
