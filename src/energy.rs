@@ -11,7 +11,8 @@
 //! In velocity Verlet m (v(t+dt/2)^2 - v(t-dt/2)^2)/2 = dt F(t).v(t) exactly. So dt F_d(t).v(t) is exactly the energy
 //! that the drag takes from the scheme's own kinetic energy. The balance is therefore second order in dt, although the
 //! drag force is evaluated with a velocity half a step old. The rest (`balance_error`) is the error of the elastic and
-//! gravitational parts, plus about k v^2 dt^2 for each contact that opens or closes within a step.
+//! gravitational parts, plus about k v^2 dt^2 for each contact that opens or closes within a step. In scenes with many
+//! grains only some steps sum the dissipation, and the error of these samples adds to it ([`sampling`]).
 //!
 //! If grains spin, [`SpinEnergyPlugin`] adds the losses of friction. The work of the tangential and rolling dashpots is
 //! integrated in the same way. Sliding and rolling beyond their caps take energy out of the springs, as
@@ -26,9 +27,11 @@
 //! error. The work of a fixed grain that spins appears as error too.
 
 mod energy_flows;
+pub mod sampling;
 mod work;
 
 use std::marker::PhantomData;
+use std::num::NonZeroU32;
 
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
@@ -37,11 +40,12 @@ use serde::{Deserialize, Serialize};
 use self::energy_flows::{
     add_initial_overlap_energy, add_leaving_wall_energy, add_released_energy, add_removed_energy,
 };
+use self::sampling::{Sampling, choose};
 use self::work::{Powers, TurningPowers, add_behaviour_work, add_contact_work, add_friction_loss, add_lifted_energy};
 use crate::integrate::wrap::Wrapped;
 use crate::persist::PersistApp as _;
 use crate::space::Space;
-use crate::step::{Part, Phase, Step, is_step_zero};
+use crate::step::{ForceStage, Part, Phase, Step, is_step_zero};
 use crate::store::{
     AfterDeferredKick, AfterRenumbering, BeforeRenumbering, EngineBalance, FirstRenumbering, ParticleStore, Renumber,
     SpinsDrifted, after_kicks, reads_velocities_when,
@@ -88,12 +92,17 @@ pub struct Channels {
 pub struct EnergyBalanced;
 
 /// Adds the energy balance.
-pub struct EnergyPlugin<V: Space>(pub PhantomData<V>);
+pub struct EnergyPlugin<V: Space> {
+    /// One of so many steps sums dissipation; with `None` the number of grains decides ([`sampling`]).
+    pub every: Option<NonZeroU32>,
+    /// The space.
+    pub space: PhantomData<V>,
+}
 
 impl<V: Space> Plugin for EnergyPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.world_mut().resource_mut::<ParticleStore<V>>().tracks_energy = true;
-        app.init_resource::<EnergyFlows>()
+        app.insert_resource(Sampling::new(self.every))
+            .init_resource::<EnergyFlows>()
             .init_resource::<Powers>()
             .persist::<EnergyFlows>()
             .persist::<Powers>()
@@ -102,6 +111,7 @@ impl<V: Space> Plugin for EnergyPlugin<V> {
                 (add_removed_energy::<V>.in_set(BeforeRenumbering), add_released_energy::<V>.in_set(AfterRenumbering)),
             )
             .add_systems(Step, add_initial_overlap_energy::<V>.in_set(Part::Engine(Phase::Cull)).run_if(is_step_zero));
+        app.add_systems(Step, choose::<V>.in_set(Part::Engine(Phase::Forces)).before(ForceStage::Contacts));
         after_kicks(app, || add_contact_work::<V>.in_set(EnergyBalanced).into_configs());
     }
 }
@@ -116,7 +126,8 @@ impl<V: Space> Plugin for SpinEnergyPlugin<V> {
             .persist::<Channels>()
             .persist::<TurningPowers>();
         after_kicks(app, || add_friction_loss::<V>.in_set(EnergyBalanced).after(add_contact_work::<V>).into_configs());
-        // The loss by rolling resistance depends on spins, and no kick sums it.
+        // The loss by rolling resistance depends on spins, and no kick sums it. It is empty in steps that do not sum
+        // dissipation.
         reads_velocities_when(app, |store: Res<ParticleStore<V>>| !store.loads.rolling_drag.is_empty());
     }
 }

@@ -1,10 +1,10 @@
 //! Finite-value check: an infinite or undefined number stops the run. The error names the quantity, the grain and the
 //! step.
 //!
-//! The check needs no pass of its own. If a velocity or spin is not finite, neither is the power of the drag forces
-//! ([`crate::energy`]), or without energy balance the sum of all velocities or spins. If a position is not finite,
-//! neither is the distance moved ([`ParticleStore::travel`]). A force that is not finite shows in the velocity of the
-//! same step. Values written by systems are checked at write-back. Only after one of these signs, and in step zero, the
+//! The check needs no pass of its own. If a velocity or spin is not finite, neither is the sum that the kick forms: of
+//! all velocities or spins, or in a step that sums dissipation, the power of the drag forces ([`crate::energy`]). If a
+//! position is not finite, neither is the distance moved ([`ParticleStore::travel`]). A force that is not finite shows
+//! in the velocity of the same step. Values written by systems are checked at write-back. Only after one of these signs, and in step zero, the
 //! check searches for the grain among all particles.
 //!
 //! If the second kick of a step is deferred to the next drift (`store/deferred_kick.rs`), velocities show the fault
@@ -45,10 +45,7 @@ struct FiniteCheck<'w, V: Space> {
 impl<V: Space> FiniteCheck<'_, V> {
     /// Returns whether all velocities and spins are finite.
     fn motion_is_finite(&self) -> bool {
-        match &self.flows {
-            Some(flows) => flows.dissipated.is_finite(),
-            None => sums_are_finite(&self.store),
-        }
+        sums_are_finite(&self.store) && self.flows.as_ref().is_none_or(|flows| flows.dissipated.is_finite())
     }
 
     /// Fails the run with the first grain that has a value that is not finite. Positions are tested only if they belong

@@ -92,7 +92,7 @@ pub(crate) fn add_all<V: Engine>(
         app.add(if scene.stop.is_empty() { "rest.stop" } else { "stop" }, StopPlugin(conditions));
     }
     if scene.energy_balance {
-        app.add("energy_balance", EnergyPlugin(space));
+        app.add("energy_balance", EnergyPlugin { every: scene.energy_balance_every, space });
     }
     if let Some(mut watchdog) = scene.watchdog {
         // Without the energy balance the expected energy is unknown.

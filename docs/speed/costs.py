@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Cost of a run besides its steps: pictures, rows, profiles, the watchdog.
+"""Cost of a run besides its steps: pictures, rows, profiles, the watchdog, the energy balance.
 
     cargo build --release
     docs/speed/costs.py scenes/silo1.ron                    (processor and wall-clock time, medians and least)
@@ -8,7 +8,8 @@
     docs/speed/costs.py scenes/bed3d.ron -- --until 0.05    (what follows -- goes to every run)
     docs/speed/costs.py --start                             (a run of one step, from the call to its end)
 
-Runs: the scene unchanged, the scene with PNGs, and the scene with one output left out. A cost is the difference of two
+Runs: the scene unchanged, the scene with PNGs, the scene whose energy balance sums dissipation in every step, and the scene
+with one output left out. A cost is the difference of two
 runs. Each round makes every run once, in a rotating order, so that the load of the machine affects all runs alike;
 differences are taken within a round. Printed are medians over the rounds, the least in brackets, and each cost as a share of
 the run that includes it. Times are those of the whole process: start-up, steps, output.
@@ -40,6 +41,8 @@ RUNS = {
     "no profiles": (["profiles=[]"], (WHOLE, "no profiles")),
     "no flow field": (["flow=None"], (WHOLE, "no flow field")),
     "no watchdog": (["watchdog=None"], (WHOLE, "no watchdog")),
+    "no balance": (["energy_balance=false"], (WHOLE, "no balance")),
+    "all in balance": (["energy_balance_every=1"], ("all in balance", "no balance")),
     "none of these": (["pictures=None", SILENT, "watchdog=None"], (WHOLE, "none of these")),
 }
 ONLY_WITH = {"no profiles": "profiles", "no flow field": "flow"}

@@ -14,6 +14,7 @@ pub mod shipped;
 pub mod view;
 
 use std::collections::BTreeMap;
+use std::num::NonZeroU32;
 
 use ron::value::RawValue;
 use serde::{Deserialize, Serialize};
@@ -130,6 +131,9 @@ pub struct Scene {
     /// Whether the energy balance is computed, which takes time: [`crate::energy`].
     #[serde(default = "default_energy_balance", alias = "energy_books")]
     pub energy_balance: bool,
+    /// One of so many steps sums the dissipation of the energy balance; with `None` the number of grains decides:
+    /// [`crate::energy::sampling`].
+    pub energy_balance_every: Option<NonZeroU32>,
     /// Latest end of the run, s of simulated time.
     pub until: Positive,
     /// Conditions that end the run before `until`.

@@ -664,7 +664,7 @@ fn touching_grains_at_rest_without_gravity_do_not_move() {
 
 #[test]
 fn energy_balance_of_thousands_of_grains_released_at_once_closes() {
-    let run = through("all-at-once", &[]);
+    let run = through("all-at-once", &[("energy_balance_every", "1")]);
     let ledger = run.world().resource::<Ledger>();
     assert_eq!((ledger.released, ledger.inside()), (5000, 5000));
     let m = 2500.0 * 4.0 / 3.0 * PI * 3e-3f64.powi(3);

@@ -27,6 +27,7 @@ mod divergence;
 #[cfg(unix)]
 mod docs;
 mod doors;
+mod energy_samples;
 mod export;
 #[cfg(unix)]
 mod faults;

@@ -173,11 +173,11 @@ pub struct ParticleStore<V: Space = Plane> {
     /// Sum over the steps of the longest move of any particle in a step, m: an upper bound of the distance that any
     /// particle has moved. NaN once a position is NaN.
     pub travel: f64,
-    /// Whether the run keeps the energy balance.
+    /// Whether the last force pass has summed dissipation for the energy balance.
     pub tracks_energy: bool,
     /// Sum over all free particles that the kick has formed, component by component, chunk by chunk in the order of
-    /// slots. With the energy balance it is the power of the drag, W. Otherwise it is the sum of velocities, m/s, which
-    /// shows whether any is not finite.
+    /// slots. After a force pass that sums dissipation it is the power of the drag, W. Otherwise it is the sum of velocities,
+    /// m/s, which shows whether any is not finite.
     pub kick_sum: Option<V>,
     /// Like `kick_sum`, of rotation: the power of tangential dashpots, W, or the sum of spins, rad/s.
     pub spin_kick_sum: Option<V::Spin>,
@@ -232,6 +232,18 @@ impl<V: Space> ParticleStore<V> {
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.id.is_empty()
+    }
+
+    /// Sets whether the next force pass sums dissipation for the energy balance. Afterwards all loads are meaningless until
+    /// that pass has set them.
+    pub fn track_energy(&mut self, tracks_energy: bool) {
+        if tracks_energy == self.tracks_energy {
+            return;
+        }
+        self.tracks_energy = tracks_energy;
+        self.loads.force.change_layout(tracks_energy);
+        self.loads.torque.change_layout(tracks_energy);
+        self.loads.rolling_drag.clear();
     }
 
     /// Whether forces do not move the particle in slot `i`.

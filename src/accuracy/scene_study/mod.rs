@@ -10,6 +10,7 @@ pub mod observe;
 pub mod report;
 pub mod verdict;
 
+use std::num::NonZeroU32;
 use std::path::Path;
 
 use rayon::prelude::*;
@@ -95,7 +96,11 @@ impl Question<'_> {
         settings.extend(step.map(|step| ("step".to_owned(), format!("Fixed({step:?})"))));
         settings.extend(seed.map(|seed| ("seed".to_owned(), seed.to_string())));
         match load::any(self.scene, &settings)? {
-            AnyScene::Grains(loaded) => Ok(*loaded),
+            AnyScene::Grains(mut loaded) => {
+                // Samples would add their own error to that of the step.
+                loaded.scene.energy_balance_every.get_or_insert(NonZeroU32::MIN);
+                Ok(*loaded)
+            }
             AnyScene::Lattice(loaded) => Err(loaded
                 .source
                 .fault("accuracy::lattice", "method", "the time step of a lattice gas cannot be chosen")

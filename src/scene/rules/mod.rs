@@ -289,8 +289,17 @@ fn rest(loaded: &Loaded) -> Result<(), Fault> {
     Ok(())
 }
 
-/// The watchdog's energy limit needs the energy balance.
+/// The watchdog's energy limit and the interval of samples need the energy balance.
 fn energy_balance(loaded: &Loaded) -> Result<(), Fault> {
+    if loaded.scene.energy_balance_every.is_some() && !loaded.scene.energy_balance {
+        return Err(loaded
+            .fault(
+                "scene::no_energy_balance",
+                "energy_balance_every",
+                "it is the number of steps between two samples of the energy balance, and the scene has none",
+            )
+            .help("remove `energy_balance: false`, or leave out `energy_balance_every`"));
+    }
     let key = "watchdog.energy";
     let asks = loaded.source.value_of(key).is_some_and(|value| value != "None");
     if asks && !loaded.scene.energy_balance {

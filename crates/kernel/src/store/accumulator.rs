@@ -1,8 +1,8 @@
-//! Accumulators: sums over the contacts of each particle and, with the energy balance, the dissipative part of each
-//! sum, made by dashpots.
+//! Accumulators: sums over the contacts of each particle and, in steps that sum dissipation for the energy balance, the
+//! dissipative part of each sum, made by dashpots.
 //!
-//! Total and dissipative part lie side by side, so that both are updated together. Without the energy balance there is
-//! no storage for the dissipative part, and no code reads it. Hot loops use entries of a length known at compile time:
+//! Total and dissipative part lie side by side, so that both are updated together. In other steps there is no
+//! dissipative part, and no code reads it. Hot loops use entries of a length known at compile time:
 //! [`TOTAL`] or [`TOTAL_AND_DISSIPATIVE`] numbers.
 
 use serde::{Deserialize, Serialize};
@@ -10,15 +10,15 @@ use serde::{Deserialize, Serialize};
 use crate::space::Linear;
 use crate::store::Slot;
 
-/// Numbers per entry without the energy balance: the total.
+/// Numbers per entry in a step that does not sum dissipation: the total.
 pub(crate) const TOTAL: usize = 1;
 
-/// Numbers per entry with the energy balance: the total, and the part that dashpots make.
+/// Numbers per entry in a step that sums dissipation: the total, and the part that dashpots make.
 pub const TOTAL_AND_DISSIPATIVE: usize = 2;
 
 /// The term of one particle in the sum that the last kick of a step forms,
-/// [`ParticleStore::kick_sum`](crate::store::ParticleStore). With the energy balance it is the power of dashpots, W.
-/// Otherwise it is `motion`: the velocity or spin after the kick.
+/// [`ParticleStore::kick_sum`](crate::store::ParticleStore). In a step that sums dissipation it is the power of dashpots,
+/// W. Otherwise it is `motion`: the velocity or spin after the kick.
 #[inline(always)]
 pub(crate) fn kick_term<T: Linear, const NUMBERS: usize>(entry: &[T; NUMBERS], motion: T) -> T {
     entry.get(1).map_or(motion, |dissipative| dissipative.times(motion))
@@ -54,6 +54,18 @@ impl<T: Linear> Accumulator<T> {
         for (i, slot) in former.iter().enumerate() {
             self.set(i, before.get(slot.index()).unwrap_or(T::ZERO));
         }
+    }
+
+    /// Changes the numbers per entry. All numbers are meaningless until a force pass has set them.
+    pub(crate) fn change_layout(&mut self, tracks_energy: bool) {
+        let particles = self.len();
+        self.per_entry = if tracks_energy { TOTAL_AND_DISSIPATIVE } else { TOTAL };
+        self.numbers.resize(particles * self.per_entry, T::ZERO);
+    }
+
+    /// Whether entries have a dissipative part.
+    pub(crate) fn tracks_energy(&self) -> bool {
+        self.per_entry == TOTAL_AND_DISSIPATIVE
     }
 
     /// Number of particles.

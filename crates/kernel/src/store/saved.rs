@@ -1,7 +1,7 @@
 //! The saved form of the particle store, between two steps: no kick is pending, and velocities belong to the end of the step.
 //!
 //! Slots are saved as they are, because they fix the order of sums and depend on the positions at the last renumbering. Two
-//! kinds of numbers are not saved: those that the scene decides (inertia, periodic sides, the energy balance), and those that
+//! kinds of numbers are not saved: those that the scene decides (inertia and periodic sides), and those that
 //! exist within a step alone (velocities in its middle).
 
 use bevy_app::App;
@@ -138,7 +138,8 @@ impl<V: Space> ParticleStore<V> {
         // No cache holds slots from before the restore.
         (self.former, self.altered) = (vec![Slot::default(); rows], Vec::new());
         (self.vacated, self.mass, self.species) = (saved.vacated, saved.mass, saved.species);
-        (self.loads, self.rotation) = (saved.loads, saved.rotation);
+        (self.tracks_energy, self.loads, self.rotation) =
+            (saved.loads.force.tracks_energy(), saved.loads, saved.rotation);
         let prediction = &mut self.prediction;
         [prediction.lookahead, prediction.share, prediction.spin_share, prediction.margin] = saved.prediction.numbers;
         prediction.lone = saved.prediction.lone;
