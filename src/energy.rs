@@ -93,7 +93,7 @@ pub struct EnergyBalanced;
 
 /// Adds the energy balance.
 pub struct EnergyPlugin<V: Space> {
-    /// One of so many steps sums dissipation; with `None` the number of grains decides ([`sampling`]).
+    /// At least one of so many steps sums dissipation; with `None` the number of grains alone decides ([`sampling`]).
     pub every: Option<NonZeroU32>,
     /// The space.
     pub space: PhantomData<V>,

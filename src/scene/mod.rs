@@ -131,8 +131,8 @@ pub struct Scene {
     /// Whether the energy balance is computed, which takes time: [`crate::energy`].
     #[serde(default = "default_energy_balance", alias = "energy_books")]
     pub energy_balance: bool,
-    /// One of so many steps sums the dissipation of the energy balance; with `None` the number of grains decides:
-    /// [`crate::energy::sampling`].
+    /// At least one of so many steps sums the dissipation of the energy balance; with `None` the number of grains alone
+    /// decides: [`crate::energy::sampling`].
     pub energy_balance_every: Option<NonZeroU32>,
     /// Latest end of the run, s of simulated time.
     pub until: Positive,

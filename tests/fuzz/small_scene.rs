@@ -124,7 +124,7 @@ impl Choices {
                     &["None", "AllPairs", "Cells(size: 1.0)", "VerletList(skin: 0.001)", "CellsOfRange(rng: 2.5)"]
                 )
             ),
-            self.of(13, &["energy_balance: true", "energy_balance: false", "energy_balance_every: 3"]).to_owned(),
+            format!("energy_balance: {}", self.of(13, &["true", "false"])),
             self.of(
                 14,
                 &[

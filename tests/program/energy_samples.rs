@@ -35,7 +35,7 @@ fn samples_change_no_bit_of_the_motion_and_hardly_the_dissipation() {
     };
     let (state, all) = run("1", 1);
     assert!(all.iter().all(|&energy| energy > 0.0), "{all:?}");
-    for (every, block) in [("None", 4.0), ("8", 8.0)] {
+    for (every, block) in [("None", 4.0), ("3", 3.0)] {
         let (sampled_state, sampled) = run(every, 1);
         assert_eq!(sampled_state, state, "every: {every}");
         // An impact of n steps has an error of 0.8 b/n (`energy::sampling`), and here n = 20. Each grain has had at least
@@ -53,7 +53,7 @@ fn samples_change_no_bit_of_the_motion_and_hardly_the_dissipation() {
 
 #[test]
 fn a_saved_run_continues_to_the_same_dissipation() {
-    let loaded = bed("5");
+    let loaded = bed("3");
     let mut straight = simulation(&loaded, 1);
     straight.run_steps(300);
     let mut run = simulation(&loaded, 1);

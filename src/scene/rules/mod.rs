@@ -296,7 +296,7 @@ fn energy_balance(loaded: &Loaded) -> Result<(), Fault> {
             .fault(
                 "scene::no_energy_balance",
                 "energy_balance_every",
-                "it is the number of steps between two samples of the energy balance, and the scene has none",
+                "it bounds the steps between two samples of the energy balance, and the scene has none",
             )
             .help("remove `energy_balance: false`, or leave out `energy_balance_every`"));
     }
