@@ -16,12 +16,13 @@ use crate::step::Clock;
 use crate::store::{CHUNK, ParticleStore, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::Surfaces;
 
-/// The time integral of a power, or the sum of the losses of single steps, of which some steps are skipped. A skipped
-/// step counts like the last one that was not, until the next one corrects this.
+/// The time integral of a power, or the sum of the losses of single steps, with samples in some steps only. A step
+/// without a sample counts like the last sample, until the next sample corrects the sum.
 #[derive(Clone, Copy, Debug, Default, Deserialize, Serialize)]
 struct SampledSum {
+    /// The last sample.
     last: f64,
-    /// Steps skipped since.
+    /// Number of steps without a sample since then.
     skipped: u32,
 }
 
@@ -36,7 +37,7 @@ impl SampledSum {
         self.add(loss, |_, loss| loss, 1.0)
     }
 
-    /// `mean` returns the mean of a power since the last step that was not skipped.
+    /// `mean` returns the mean over the steps since the last sample, from that sample and the new one.
     fn add(&mut self, value: Option<f64>, mean: impl Fn(f64, f64) -> f64, dt: f64) -> f64 {
         let Some(value) = value else {
             self.skipped += 1;
@@ -57,7 +58,8 @@ pub(super) struct Powers {
     dissipation: SampledSum,
 }
 
-/// Powers of the torques of tangential and rolling dashpots, and losses of contacts.
+/// Powers of the torques of tangential and rolling dashpots, W, and losses of contacts, J: by sliding, by rolling, by
+/// tangential dashpots, and where contacts break.
 #[derive(Resource, Clone, Copy, Debug, Default, Deserialize, Serialize)]
 pub(super) struct TurningPowers {
     turning: SampledSum,

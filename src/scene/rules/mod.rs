@@ -296,7 +296,7 @@ fn energy_balance(loaded: &Loaded) -> Result<(), Fault> {
             .fault(
                 "scene::no_energy_balance",
                 "energy_balance_every",
-                "it bounds the steps between two samples of the energy balance, and the scene has none",
+                "the key bounds the steps between two samples of the energy balance, and the scene has no energy balance",
             )
             .help("remove `energy_balance: false`, or leave out `energy_balance_every`"));
     }
