@@ -8,6 +8,7 @@ mod bodies;
 mod contact_output;
 mod events;
 mod memories;
+mod selection;
 mod spins;
 
 pub use self::bodies::Bodies;
@@ -17,7 +18,7 @@ pub use self::memories::MemoryLanes;
 pub use self::spins::Spins;
 use crate::contact::centred::VelocityPrediction;
 use crate::contact::history::ContactLosses;
-use crate::contact::lanes::{LANES, PerLane, Scalars, of_both};
+use crate::contact::lanes::{LANES, PerLane, of_both};
 use crate::contact::{LawRequirements, LawVisitor, MemoryTimes, Pair, PairForce, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
@@ -69,8 +70,6 @@ pub struct Batch<V: Space> {
     pub memory_after: MemoryLanes<V>,
     /// Bits of the lanes with a particle that had no other contact when contacts were last counted.
     pub lone: u64,
-    /// Negative for contacts near an event: see the function `slack`.
-    slack: Scalars,
 }
 
 impl<V: Space> Batch<V> {
@@ -144,17 +143,23 @@ impl<V: Space> Batch<V> {
     }
 
     /// Evaluates `law` in all lanes. Returns the number of contacts that overlap by more than `deepest` times the sum of the
-    /// radii, and the number with an overlap below `even` (s) times the normal speed.
+    /// radii, and the bits of the lanes near an event: see the function `slack`, also for `even`, s. Both include
+    /// lanes beyond the last contact.
     #[inline(always)]
     fn evaluate_lanes<L: PairLaw<V> + LawRequirements, const NUMBERS: usize, const CENTRED: bool>(
         &mut self,
         law: &L,
         times: MemoryTimes,
         [deepest, even]: [f64; 2],
-    ) -> (u32, u32) {
+    ) -> (u32, u64) {
         let (mut deeper, mut near) = (0, 0);
-        // Known to the compiler, so that plain contacts do not pay for centred ones.
-        let times = if CENTRED { times } else { MemoryTimes { dt: times.dt, ..MemoryTimes::default() } };
+        // The compiler knows whether the lead is zero, so that plain contacts do not pay for centred ones, and these have no
+        // branch.
+        let times = if CENTRED {
+            MemoryTimes { lead: times.lead.max(f64::MIN_POSITIVE), ..times }
+        } else {
+            MemoryTimes { dt: times.dt, ..MemoryTimes::default() }
+        };
         if L::SPIN {
             self.spins.spread(self.lanes());
         }
@@ -170,9 +175,7 @@ impl<V: Space> Batch<V> {
             }
             self.memory_after.set::<L>(lane, &memory);
             if CENTRED {
-                let slack = slack(law, &pair, &force, (even, range));
-                self.slack[lane] = slack;
-                near += u32::from(slack < 0.0);
+                near |= u64::from(slack(law, &pair, &force, (even, range)) < 0.0) << lane;
             }
         }
         (deeper, near)
@@ -189,15 +192,14 @@ impl<V: Space> Batch<V> {
     }
 
     /// Evaluates `law` for all contacts of the batch. With [`TOTAL_AND_DISSIPATIVE`] as `NUMBERS` it also stores the
-    /// numbers that only the energy balance needs. Returns whether any contact overlaps by more than `deepest` times
-    /// the sum of the radii.
+    /// numbers that only the energy balance needs. Returns what [`Self::evaluate_lanes`] returns.
     pub fn evaluate<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
         &mut self,
         law: &L,
         times: MemoryTimes,
         instructions: Instructions,
         limits: [f64; 2],
-    ) -> (u32, u32) {
+    ) -> (u32, u64) {
         let call = Call { times, instructions, limits };
         if times.lead > 0.0 {
             Lanes::<V, NUMBERS, true> { batch: self, call: &call }.evaluate(law)
@@ -234,7 +236,7 @@ impl<V: Space, const NUMBERS: usize, const CENTRED: bool> Lanes<'_, V, NUMBERS, 
     /// Evaluates all lanes with one law if all contacts are between the same two species, as in most batches of a silo: contacts of grains of one kind, or
     /// of such grains with walls. Otherwise the law of each contact is looked up, which the compiler does not vectorise.
     #[inline]
-    fn evaluate<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u32, u32) {
+    fn evaluate<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u32, u64) {
         let only = if L::SPECIES { self.batch.only_species() } else { Some([Species(0); 2]) };
         match only {
             Some(species) => law.between(species, self),
@@ -244,10 +246,10 @@ impl<V: Space, const NUMBERS: usize, const CENTRED: bool> Lanes<'_, V, NUMBERS, 
 }
 
 impl<V: Space, const NUMBERS: usize, const CENTRED: bool> LawVisitor<V> for Lanes<'_, V, NUMBERS, CENTRED> {
-    type Output = (u32, u32);
+    type Output = (u32, u64);
 
     /// A function of its own: compiled once for a law and for its table of pairs of species.
-    fn visit<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u32, u32) {
+    fn visit<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u32, u64) {
         let Self { batch, call } = self;
         call.instructions.run(
             #[inline(always)]

@@ -64,7 +64,7 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
         near: near.of(&store, &walls, have_changed),
         dt: memory_step(&clock, store.prediction.lookahead),
         starts: clock.is_step_zero(),
-        lone: if store.predicts() { lone.of(&search.list, &store.prediction.lone) } else { &[] },
+        lone: if store.predicts() { lone.of(&search.list, &store.prediction) } else { &[] },
         counts: store.predicts() && clock.steps.is_multiple_of(COUNT_INTERVAL),
         gravity: gravity.0,
         instructions: *instructions,
@@ -73,9 +73,6 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     let kept = (&mut scratches.0, !history.is_changed());
     let history = history.bypass_change_detection();
     largest.0 = pass.sum(&mut store, history, &threads, kept, largest.0);
-    if pass.counts {
-        lone.are_old();
-    }
     if !walls.all.is_empty() {
         walls.set_loads(scratches.0.iter().flat_map(|scratch| &scratch.on_walls));
         near.note(walls.last_changed());

@@ -3,7 +3,7 @@
 use crate::contact::Pair;
 use crate::neighbours::list::{Candidate, PairList};
 use crate::space::Space;
-use crate::store::ParticleStore;
+use crate::store::{ParticleStore, Prediction};
 
 impl<V: Space> ParticleStore<V> {
     /// Turns a contact of two particles with predicted velocities into one with the velocities in the middle of the step
@@ -48,8 +48,15 @@ impl<V: Space> ParticleStore<V> {
 
     /// Stores which particles have at most one contact, from the counts of the force pass.
     pub(super) fn store_lone(&mut self) {
-        self.prediction.lone.clear();
-        self.prediction.lone.extend(self.loads.contacts.iter().map(|&contacts| u8::from(contacts <= 1)));
+        let (lone, contacts) = (&mut self.prediction.lone, &self.loads.contacts);
+        lone.resize(contacts.len(), 0);
+        let mut has_changed = false;
+        for (flag, &contacts) in lone.iter_mut().zip(contacts) {
+            let is_lone = u8::from(contacts <= 1);
+            has_changed |= *flag != is_lone;
+            *flag = is_lone;
+        }
+        self.prediction.lone_changes += u64::from(has_changed);
     }
 }
 
@@ -57,16 +64,17 @@ impl<V: Space> ParticleStore<V> {
 #[derive(Default)]
 pub(super) struct LonePairs {
     pairs: Vec<Candidate>,
-    /// Version of the list that they were chosen from.
-    version: u64,
-    is_old: bool,
+    /// Version of the list from which they were chosen, and the number of changes of lone particles at that time.
+    chosen_at: (u64, u64),
 }
 
 impl LonePairs {
     /// Returns the pairs of a list.
-    pub(super) fn of(&mut self, list: &PairList, lone: &[u8]) -> &[Candidate] {
-        if std::mem::take(&mut self.is_old) || self.version != list.version() {
-            self.version = list.version();
+    pub(super) fn of<V: Space>(&mut self, list: &PairList, prediction: &Prediction<V>) -> &[Candidate] {
+        let now = (list.version(), prediction.lone_changes);
+        if self.chosen_at != now {
+            self.chosen_at = now;
+            let lone = &prediction.lone[..];
             self.pairs.clear();
             self.pairs.extend(list.pairs().iter().filter(|pair| {
                 let [i, j] = pair.both();
@@ -75,9 +83,24 @@ impl LonePairs {
         }
         &self.pairs
     }
+}
 
-    /// States that lone particles have changed.
-    pub(super) fn are_old(&mut self) {
-        self.is_old = true;
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::space::Plane;
+
+    #[test]
+    fn lone_pairs_are_chosen_anew_after_changes_alone() {
+        let mut store = ParticleStore::<Plane>::default();
+        let mut changes = |contacts: &[u16]| {
+            store.loads.contacts = contacts.to_vec();
+            store.store_lone();
+            (store.prediction.lone.clone(), store.prediction.lone_changes)
+        };
+        assert_eq!(changes(&[4, 1, 0, 2]), (vec![0, 1, 1, 0], 1));
+        // Other counts, but the same particles.
+        assert_eq!(changes(&[3, 0, 1, 5]), (vec![0, 1, 1, 0], 1));
+        assert_eq!(changes(&[3, 2, 1, 5, 6]), (vec![0, 0, 1, 0, 0], 2));
     }
 }

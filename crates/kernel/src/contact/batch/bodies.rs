@@ -43,59 +43,66 @@ pub struct Bodies<V: Space> {
     inverse_masses: [Scalars; 2],
 }
 
+/// The numbers that decide whether a pair is a contact.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Approach {
+    /// Square of the distance of the centres, m^2.
+    pub(super) squared: f64,
+    /// Sum of the radii, m.
+    pub(super) reach: f64,
+    /// Product of separation and relative velocity, m^2/s.
+    pub(super) along: f64,
+}
+
 impl<V: Space> Bodies<V> {
-    /// Loads two bodies into a lane. Returns the square of their distance and the square below which they count as a
-    /// contact, m^2. With `CENTRED` this includes gaps that may close in half a step, `half` (s), or with laws without memory
-    /// all gaps below `margin`, m. With [`LawRequirements::REACHES`] it includes gaps below `range`, m.
+    /// Loads two bodies into a lane. `INDIVIDUAL` is [`LawRequirements::INDIVIDUAL_BODIES`].
     #[inline(always)]
-    pub fn take<L: LawRequirements, const CENTRED: bool>(
+    pub(super) fn take<const INDIVIDUAL: bool>(
         &mut self,
         lane: usize,
         metric: &impl Metric<V>,
         [i, j]: [&Body<V>; 2],
-        [half, margin, range]: [f64; 3],
-    ) -> (f64, f64) {
+    ) -> Approach {
         let [one, two] = &mut self.loaded;
         let (x, v) = (|body: &Body<V>, axis| body.position.axis(axis), |body: &Body<V>, axis| body.velocity.axis(axis));
         // Side by side, so that one instruction adds both.
         let [reach, mobility] = [i.radius + j.radius, i.inverse_mass + j.inverse_mass];
-        let (squared, along) = if V::COMPONENTS == 2 {
+        if V::COMPONENTS == 2 {
             let state = |body| [x(body, 0), x(body, 1), v(body, 0), v(body, 1)];
             let (i_state, j_state) = (state(i), state(j));
             let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
             one[lane] = apart;
-            if L::INDIVIDUAL_BODIES {
+            if INDIVIDUAL {
                 two[lane] = [i.radius, i.inverse_mass, j.radius, j.inverse_mass];
             } else {
                 // The other two numbers are never read: skipping them saves a store.
                 (two[lane][0], two[lane][1]) = (reach, mobility);
             }
-            (apart[0] * apart[0] + apart[1] * apart[1], apart[0] * apart[2] + apart[1] * apart[3])
+            let squares = quad(|axis| apart[axis] * apart[axis]);
+            Approach { squared: squares[0] + squares[1], reach, along: apart[0] * apart[2] + apart[1] * apart[3] }
         } else {
             let state = |body| [x(body, 0), x(body, 1), x(body, 2), v(body, 0)];
             let (i_state, j_state) = (state(i), state(j));
             let apart = metric.shorten(quad(|axis| i_state[axis] - j_state[axis]));
             one[lane] = apart;
             let [vy, vz] = [v(i, 1) - v(j, 1), v(i, 2) - v(j, 2)];
-            if L::INDIVIDUAL_BODIES {
+            if INDIVIDUAL {
                 two[lane] = [vy, vz, i.radius, j.radius];
                 self.mobility[lane] = mobility;
             } else {
                 two[lane] = [vy, vz, reach, mobility];
             }
-            let squared = apart[0] * apart[0] + apart[1] * apart[1] + apart[2] * apart[2];
-            (squared, apart[0] * apart[3] + apart[1] * vy + apart[2] * vz)
-        };
-        let reach = if L::REACHES { reach + range } else { reach };
-        let farthest = if !CENTRED {
-            reach * reach
-        } else if L::MEMORY {
-            // A gap below half |v.n| closes in half a step. The factor allows for the square of the gap.
-            reach * reach + 2.5 * half * along.abs()
-        } else {
-            (reach + margin) * (reach + margin)
-        };
-        (squared, farthest)
+            // Fours, of which three are needed, so that one instruction makes them.
+            let squares = quad(|axis| apart[axis] * apart[axis]);
+            let velocity = |body| [v(body, 0), v(body, 1), v(body, 2), body.radius];
+            let (i_velocity, j_velocity) = (velocity(i), velocity(j));
+            let products = quad(|axis| apart[axis] * (i_velocity[axis] - j_velocity[axis]));
+            Approach {
+                squared: squares[0] + squares[1] + squares[2],
+                reach,
+                along: products[0] + products[1] + products[2],
+            }
+        }
     }
 
     /// Transposes the loaded numbers of the first `lanes` lanes.
@@ -209,8 +216,18 @@ mod tests {
             for lane in 0..LANES {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;
-                let measured = (separation.length_squared(), (i.radius + j.radius).powi(2));
-                assert_eq!(bodies.take::<L, false>(lane, &Open, [&i, &j], [0.0; 3]), measured);
+                let velocity = i.velocity - j.velocity;
+                let measured = Approach {
+                    squared: separation.length_squared(),
+                    reach: i.radius + j.radius,
+                    along: separation.dot(velocity),
+                };
+                let taken = if L::INDIVIDUAL_BODIES {
+                    bodies.take::<true>(lane, &Open, [&i, &j])
+                } else {
+                    bodies.take::<false>(lane, &Open, [&i, &j])
+                };
+                assert_eq!(taken, measured);
             }
             assert!(!bodies.measure::<L>(LANES, true, instructions));
             for lane in 0..LANES {

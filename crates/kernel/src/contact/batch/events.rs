@@ -3,10 +3,8 @@
 
 use crate::contact::batch::Batch;
 use crate::contact::centred::Window;
-use crate::contact::lanes::LANES;
 use crate::contact::start::force_at_start;
 use crate::contact::{LawRequirements, Memory, MemoryTimes, Pair, PairForce, PairLaw};
-use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
@@ -15,31 +13,14 @@ use crate::store::ParticleStore;
 pub type Predict<V> = fn(&ParticleStore<V>, Candidate, &mut Pair<V>);
 
 impl<V: Space> Batch<V> {
-    /// Returns the bits of the lanes without slack.
-    #[inline]
-    fn near_lanes(&self, instructions: Instructions) -> u64 {
-        let all = instructions.run(
-            #[inline(always)]
-            || {
-                let mut near = 0;
-                for lane in 0..LANES {
-                    near |= u64::from(self.slack[lane] < 0.0) << lane;
-                }
-                near
-            },
-        );
-        all & !(u64::MAX << self.len)
-    }
-
-    /// Evaluates the law anew for the contacts near an event.
+    /// Evaluates the law anew for the contacts near an event, `near` (bits of lanes).
     #[inline(never)]
     pub fn evaluate_events<L: PairLaw<V> + LawRequirements>(
         &mut self,
         law: &L,
         times: MemoryTimes,
-        step: &EventStep<V>,
+        (step, mut near): (&EventStep<V>, u64),
     ) {
-        let mut near = self.lone | self.near_lanes(step.instructions);
         while near != 0 {
             let lane = near.trailing_zeros() as usize;
             near &= near - 1;
@@ -71,8 +52,6 @@ pub struct EventStep<'a, V: Space> {
     pub predict: Predict<V>,
     /// Whether it is step zero.
     pub starts: bool,
-    /// Instruction set of the lane loops.
-    pub instructions: Instructions,
 }
 
 impl<V: Space> EventStep<'_, V> {

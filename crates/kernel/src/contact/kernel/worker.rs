@@ -9,9 +9,8 @@ use crate::contact::lanes::LANES;
 use crate::contact::{LawRequirements, Memory, MemoryTimes, PairLaw};
 use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{self, Candidate, Task};
-use crate::periodic::{Metric, Open};
 use crate::space::Space;
-use crate::store::{ParticleStore, Prediction, TOTAL, TOTAL_AND_DISSIPATIVE};
+use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::WallLoad;
 
 /// The data that one thread reads and writes.
@@ -72,45 +71,9 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         self.largest
     }
 
-    /// Adds overlapping candidates to the batch until it is full, and loads their bodies. With centred
-    /// contacts, gaps that may close in half a step are added too. Returns the candidates that are left. Branches on overlap
-    /// are mispredicted often, so there is none: each candidate is written, and the batch grows only if it counts.
+    /// Adds candidates to the batch until it is full. Returns the candidates that are left.
     fn fill_batch<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
-        match (self.view.periodic, self.view.predicts()) {
-            (None, false) => self.fill_batch_by::<false>(Open, candidates),
-            (Some(periodic), false) => self.fill_batch_by::<false>(periodic, candidates),
-            (None, true) => self.fill_batch_by::<true>(Open, candidates),
-            (Some(periodic), true) => self.fill_batch_by::<true>(periodic, candidates),
-        }
-    }
-
-    /// Fills the batch like [`Self::fill_batch`], with separations measured by `metric`.
-    #[inline(always)]
-    fn fill_batch_by<'c, const CENTRED: bool>(
-        &mut self,
-        metric: impl Metric<V>,
-        candidates: &'c [Candidate],
-    ) -> &'c [Candidate] {
-        let (bodies, batch, pass) = (&self.view.body[..], &mut *self.batch, self.pass);
-        let Prediction { lookahead, margin, range, .. } = self.view.prediction;
-        let limits = [lookahead, margin, range];
-        pass.instructions.run_narrow(
-            #[inline(always)]
-            || {
-                let (mut end, mut left) = (batch.len, candidates.iter());
-                while end < LANES
-                    && let Some(&candidate) = left.next()
-                {
-                    let [body, other] = candidate.both().map(|entry| &bodies[entry]);
-                    batch.pairs[end] = candidate;
-                    let (squared, farthest) = batch.bodies.take::<L, CENTRED>(end, &metric, [body, other], limits);
-                    // Written so that a NaN does not touch: the finite-value check reports it at the end of the step.
-                    end += usize::from(squared < farthest);
-                }
-                batch.len = end;
-                left.as_slice()
-            },
-        )
+        self.batch.select::<L>(self.view, candidates, self.pass.instructions)
     }
 
     /// Marks the contacts with a lone particle, in a batch of own rows. Such batches come in ascending order.
@@ -186,17 +149,18 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
         let even = law.even_from() * lookahead;
         let times = MemoryTimes { dt, lead: lookahead, spring_damping: view.prediction.spring_damping };
-        let (deeper, near_events) = if view.tracks_energy {
+        let (deeper, near) = if view.tracks_energy {
             self.batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, times, instructions, [deepest, even])
         } else {
             self.batch.evaluate::<L, TOTAL>(law, times, instructions, [deepest, even])
         };
         self.batch.output.clear_gaps();
         self.batch.mark_gaps::<L>();
-        if view.predicts() && (near_events > 0 || self.batch.lone != 0) {
-            let step = EventStep { store: view, predict, starts, instructions };
-            self.batch.evaluate_events::<L>(law, MemoryTimes { spring_damping: 0.0, ..times }, &step);
-            self.batch.lone = 0;
+        // Without prediction there are none.
+        let near = std::mem::take(&mut self.batch.lone) | near & !(u64::MAX << self.batch.len);
+        if near != 0 {
+            let step = EventStep { store: view, predict, starts };
+            self.batch.evaluate_events::<L>(law, MemoryTimes { spring_damping: 0.0, ..times }, (&step, near));
         }
         deeper > 0
     }
