@@ -50,7 +50,10 @@ use crate::walls::surfaces::Surfaces;
 #[derive(Resource, Deserialize, Serialize)]
 #[serde(bound = "")]
 struct GrainStates<V: Space> {
-    states: Vec<GrainState<V>>,
+    states: Vec<GrainState>,
+    /// Positions at the last check, m, of grains inside. Apart from the states, because a state beside each would take 8 B
+    /// more.
+    checked_positions: Vec<V>,
     /// When the last pass over all grains ran, s. If walls move, a pass checks every grain.
     checked_at: f64,
     /// The travel of the walls then, m.
@@ -59,13 +62,13 @@ struct GrainStates<V: Space> {
 
 /// State of one particle in the grain accounting.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
-enum GrainState<V> {
+enum GrainState {
     /// The particle is not a grain.
     NotAGrain,
     /// The grain has just entered.
     New,
-    /// The grain was inside at its last check, at this position (m).
-    Inside(V),
+    /// The grain was inside at its last check.
+    Inside,
     /// The grain left through the orifice.
     Out,
     /// The grain was lost.
@@ -97,6 +100,8 @@ fn reorder_states<V: Space>(
         _ => GrainState::NotAGrain,
     };
     states.states = (0..store.len()).map(state).collect();
+    let position = |i: usize| states.checked_positions.get(store.former[i].index()).copied().unwrap_or(V::ZERO);
+    states.checked_positions = (0..store.len()).map(position).collect();
 }
 
 /// Checks the paths of all grains that have moved far enough, and reports grains that are out or lost.
@@ -118,17 +123,15 @@ fn watch_paths<V: Space>(
     let walls_move = walls.move_in_time();
     let is_open = |number: u16| doors.as_ref().is_some_and(|doors| doors.lets_pass(number, times[0]));
     let cull_height = cull.map_or(f64::NEG_INFINITY, |line| line.0);
-    for (row, state) in states.states.iter_mut().enumerate() {
+    let GrainStates { states, checked_positions, .. } = &mut *states;
+    for (row, (state, checked_position)) in states.iter_mut().zip(checked_positions).enumerate() {
         let here = particles.position(row);
-        let checked_at = match *state {
-            GrainState::New => {
-                *state = GrainState::Inside(here);
-                here
-            }
-            GrainState::Inside(checked_at) => checked_at,
+        match *state {
+            GrainState::New => (*state, *checked_position) = (GrainState::Inside, here),
+            GrainState::Inside => {}
             GrainState::Out | GrainState::Lost | GrainState::NotAGrain => continue,
-        };
-        let way = particles.separation(here, checked_at);
+        }
+        let way = particles.separation(here, *checked_position);
         lowest = lowest.min(here.height());
         let squared = way.length_squared();
         // Half of the distance limit is enough for a check now, so that the next pass is not due at once.
@@ -136,7 +139,7 @@ fn watch_paths<V: Space>(
             longest = longest.max(squared);
             continue;
         }
-        *state = GrainState::Inside(here);
+        *checked_position = here;
         let distance = way.length();
         // In a periodic scene, the image of the last position that is nearest to the present one.
         let before = here - way;
@@ -234,12 +237,17 @@ pub struct PathsPlugin<V: Space> {
 
 impl<V: Space> Plugin for PathsPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(GrainStates::<V> { states: Vec::new(), checked_at: 0.0, wall_travel: 0.0 })
-            .init_resource::<PathTrigger>()
-            .persist::<GrainStates<V>>()
-            .persist::<PathTrigger>()
-            .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
-            .add_systems(Renumber, reorder_states::<V>.in_set(AfterRenumbering))
-            .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(grain_accounting::account_for_grains::<V>));
+        app.insert_resource(GrainStates::<V> {
+            states: Vec::new(),
+            checked_positions: Vec::new(),
+            checked_at: 0.0,
+            wall_travel: 0.0,
+        })
+        .init_resource::<PathTrigger>()
+        .persist::<GrainStates<V>>()
+        .persist::<PathTrigger>()
+        .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
+        .add_systems(Renumber, reorder_states::<V>.in_set(AfterRenumbering))
+        .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(grain_accounting::account_for_grains::<V>));
     }
 }
