@@ -47,12 +47,11 @@ use crate::walls::paths::{Crossing, Paths};
 use crate::walls::surfaces::Surfaces;
 
 /// State of each particle in the grain accounting, by slot.
-#[derive(Resource, Deserialize, Serialize)]
+#[derive(Resource, Default, Deserialize, Serialize)]
 #[serde(bound = "")]
 struct GrainStates<V: Space> {
     states: Vec<GrainState>,
-    /// Positions at the last check, m, of grains inside. Apart from the states, because a state beside each would take 8 B
-    /// more.
+    /// Positions of grains inside at their last check, m. A state stored beside its position would take 8 B in place of one.
     checked_positions: Vec<V>,
     /// When the last pass over all grains ran, s. If walls move, a pass checks every grain.
     checked_at: f64,
@@ -237,17 +236,12 @@ pub struct PathsPlugin<V: Space> {
 
 impl<V: Space> Plugin for PathsPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.insert_resource(GrainStates::<V> {
-            states: Vec::new(),
-            checked_positions: Vec::new(),
-            checked_at: 0.0,
-            wall_travel: 0.0,
-        })
-        .init_resource::<PathTrigger>()
-        .persist::<GrainStates<V>>()
-        .persist::<PathTrigger>()
-        .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
-        .add_systems(Renumber, reorder_states::<V>.in_set(AfterRenumbering))
-        .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(grain_accounting::account_for_grains::<V>));
+        app.init_resource::<GrainStates<V>>()
+            .init_resource::<PathTrigger>()
+            .persist::<GrainStates<V>>()
+            .persist::<PathTrigger>()
+            .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
+            .add_systems(Renumber, reorder_states::<V>.in_set(AfterRenumbering))
+            .add_systems(Step, watch_paths::<V>.in_set(Phase::Cull).before(grain_accounting::account_for_grains::<V>));
     }
 }

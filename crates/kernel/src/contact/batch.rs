@@ -7,8 +7,8 @@
 mod bodies;
 mod contact_output;
 mod events;
+mod filter;
 mod memories;
-mod selection;
 mod spins;
 
 pub use self::bodies::Bodies;
@@ -153,8 +153,8 @@ impl<V: Space> Batch<V> {
         [deepest, even]: [f64; 2],
     ) -> (u32, u64) {
         let (mut deeper, mut near) = (0, 0);
-        // The compiler knows whether the lead is zero, so that plain contacts do not pay for centred ones, and these have no
-        // branch.
+        // So the compiler can tell whether the lead is zero: plain contacts do not pay for centred ones, and the loop of
+        // centred ones has no branch on the lead.
         let times = if CENTRED {
             MemoryTimes { lead: times.lead.max(f64::MIN_POSITIVE), ..times }
         } else {

@@ -92,7 +92,7 @@ impl<V: Space> Bodies<V> {
             } else {
                 two[lane] = [vy, vz, reach, mobility];
             }
-            // Fours, of which three are needed, so that one instruction makes them.
+            // Three of each four are needed, but one vector instruction makes all four.
             let squares = quad(|axis| apart[axis] * apart[axis]);
             let velocity = |body| [v(body, 0), v(body, 1), v(body, 2), body.radius];
             let (i_velocity, j_velocity) = (velocity(i), velocity(j));

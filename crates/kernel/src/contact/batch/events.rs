@@ -19,7 +19,8 @@ impl<V: Space> Batch<V> {
         &mut self,
         law: &L,
         times: MemoryTimes,
-        (step, mut near): (&EventStep<V>, u64),
+        step: &EventStep<V>,
+        mut near: u64,
     ) {
         while near != 0 {
             let lane = near.trailing_zeros() as usize;

@@ -1,11 +1,11 @@
-//! Selection of contacts among candidates: fills a batch with the pairs that touch, and loads their bodies.
+//! Filter of candidates: fills a batch with the pairs that touch, and loads their bodies.
 //!
 //! Branches on overlap are mispredicted often, so there is none: each candidate is written, and the batch grows only if
 //! it counts. With centred contacts ([`centred`](crate::contact::centred)) gaps that may close in half a step count too. For a
 //! law without memory these are all gaps below a margin, which no pair of the store can close faster. For a law with memory,
 //! whose contacts are compared with those of the previous pass, these are the gaps that the pair itself can close.
 //!
-//! Nothing here depends on the law but [`LawRequirements`], so the loops are compiled once for all laws of a space.
+//! Of the law only [`LawRequirements`] matter here, so the loops are compiled for each space and not for each law.
 
 use crate::contact::LawRequirements;
 use crate::contact::batch::Batch;
