@@ -1,11 +1,18 @@
 //! Signals that end a run: SIGINT, SIGTERM and SIGHUP. The first one lets the run finish its step and write its results;
-//! the second one ends the process at once. The exit status is 128 + the number of the signal.
+//! one that comes a second or more after it ends the process at once. The exit status is 128 + the number of the signal.
+//!
+//! A signal often comes twice at once: `timeout` and batch systems send it to the process and to its group. Both mean one
+//! request.
 //!
 //! A signal that the process was started to ignore (`nohup`, jobs in the background of a script) stays ignored. Systems
 //! other than Unix have no such signals.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Duration;
+
+/// Time after the first signal from which on another one ends the process.
+const APART: Duration = Duration::from_secs(1);
 
 /// The flag that the first signal sets to its number.
 #[derive(Clone, Debug, Default)]
@@ -16,7 +23,9 @@ impl Signals {
     pub(super) fn catch() -> Self {
         let signals = Self::default();
         if let Err(error) = signals.register() {
-            tracing::warn!("could not catch signals: {error}; a signal will stop the run without a summary");
+            tracing::warn!(
+                "could not catch all signals: {error}; a signal may stop the run without a summary, or not at all"
+            );
         }
         signals
     }
@@ -35,16 +44,26 @@ impl Signals {
     fn register(&self) -> std::io::Result<()> {
         use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
         use signal_hook::flag;
+        use signal_hook::iterator;
         use std::sync::atomic::AtomicBool;
+        use std::thread;
 
         let ignored = ignored_signals();
-        let is_second = Arc::new(AtomicBool::new(false));
-        for signal in [SIGINT, SIGTERM, SIGHUP].into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0) {
-            // Actions run in the order of registration, so the first signal finds `is_second` still unset.
-            flag::register_conditional_shutdown(signal, 128 + signal, is_second.clone())?;
-            flag::register(signal, is_second.clone())?;
+        let mut caught = vec![SIGINT, SIGTERM, SIGHUP];
+        caught.retain(|signal| ignored >> (signal - 1) & 1 == 0);
+        let ends_at_once = Arc::new(AtomicBool::new(false));
+        for &signal in &caught {
+            flag::register_conditional_shutdown(signal, 128 + signal, ends_at_once.clone())?;
             flag::register_usize(signal, self.flag(), usize::try_from(signal).unwrap_or(1))?;
         }
+        // A handler cannot wait, so a thread does.
+        let mut signals = iterator::Signals::new(caught)?;
+        thread::Builder::new().name("signals".to_owned()).spawn(move || {
+            if signals.forever().next().is_some() {
+                thread::sleep(APART);
+                ends_at_once.store(true, Ordering::Relaxed);
+            }
+        })?;
         Ok(())
     }
 

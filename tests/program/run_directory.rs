@@ -196,7 +196,7 @@ fn endless_run(silo: &str) -> Vec<&str> {
 
 /// Arguments of a run with steps of seconds: every pair of many grains is examined.
 fn slow_run(silo: &str) -> Vec<&str> {
-    let fill = "fill=[(low: (-0.9, 1.3), high: (0.9, 3.0), spacing: 0.012, count: 15000, radius: Fixed(0.002))]";
+    let fill = "fill=[(low: (-0.8, 1.4), high: (0.8, 2.3), spacing: 0.0068, count: 30000, radius: Fixed(0.002))]";
     vec![
         "run",
         silo,
@@ -236,18 +236,33 @@ fn a_signal_before_the_first_step_leaves_no_trace() {
     assert_eq!(fs::read_dir(here.path()).unwrap().count(), 0);
 }
 
+/// `timeout` and batch systems send a signal to the process and to its group.
 #[test]
-fn a_second_signal_stops_at_once() {
+fn two_signals_at_once_are_one_request() {
     let here = tempfile::tempdir().unwrap();
     let silo = path("silo1.ron");
     let run = here.path().join("run");
     let running = Running::start(here.path(), "", &slow_run(&silo), || Some(run.join("series.csv")));
-    // The step in progress and the last one take much longer than the time between the signals. Equal signals would be
-    // delivered as one.
+    // Equal signals could be delivered as one.
     let kill = format!("kill -INT {0}; kill -TERM {0}", running.0.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
     // The signal that is handled second sets the status.
     assert!(matches!(running.end().code(), Some(130 | 143)));
+    assert_eq!(summary(&run)["status"], "interrupted");
+    assert_eq!(fs::read_dir(run.join("checkpoints")).unwrap().count(), 1);
+}
+
+#[test]
+fn a_signal_a_second_after_the_first_stops_at_once() {
+    let here = tempfile::tempdir().unwrap();
+    let silo = path("silo1.ron");
+    let run = here.path().join("run");
+    let running = Running::start(here.path(), "", &slow_run(&silo), || Some(run.join("series.csv")));
+    // The step in progress and the last one take longer than this.
+    running.signal("INT");
+    sleep(Duration::from_millis(1200));
+    running.signal("TERM");
+    assert_eq!(running.end().code(), Some(143));
     assert!(!run.join("summary.json").exists());
 }
 
