@@ -9,10 +9,12 @@
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
+#[cfg(unix)]
 use std::time::Duration;
 
-/// Time after the first signal from which on another one ends the process.
-const APART: Duration = Duration::from_secs(1);
+/// Time after the first signal in which further ones count as the same request.
+#[cfg(unix)]
+const GRACE_PERIOD: Duration = Duration::from_secs(1);
 
 /// The flag that the first signal sets to its number.
 #[derive(Clone, Debug, Default)]
@@ -24,7 +26,8 @@ impl Signals {
         let signals = Self::default();
         if let Err(error) = signals.register() {
             tracing::warn!(
-                "could not catch all signals: {error}; a signal may stop the run without a summary, or not at all"
+                "could not catch all signals: {error}; a signal may end the run without a summary, and a later one may not end it \
+                 at once"
             );
         }
         signals
@@ -60,7 +63,7 @@ impl Signals {
         let mut signals = iterator::Signals::new(caught)?;
         thread::Builder::new().name("signals".to_owned()).spawn(move || {
             if signals.forever().next().is_some() {
-                thread::sleep(APART);
+                thread::sleep(GRACE_PERIOD);
                 ends_at_once.store(true, Ordering::Relaxed);
             }
         })?;

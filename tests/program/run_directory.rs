@@ -236,18 +236,23 @@ fn a_signal_before_the_first_step_leaves_no_trace() {
     assert_eq!(fs::read_dir(here.path()).unwrap().count(), 0);
 }
 
+/// Starts a run with steps of seconds in `here/run`.
+fn start_slow_run(here: &Path) -> Running {
+    let silo = path("silo1.ron");
+    Running::start(here, "", &slow_run(&silo), || Some(here.join("run/series.csv")))
+}
+
 /// `timeout` and batch systems send a signal to the process and to its group.
 #[test]
 fn two_signals_at_once_are_one_request() {
     let here = tempfile::tempdir().unwrap();
-    let silo = path("silo1.ron");
-    let run = here.path().join("run");
-    let running = Running::start(here.path(), "", &slow_run(&silo), || Some(run.join("series.csv")));
+    let running = start_slow_run(here.path());
     // Equal signals could be delivered as one.
     let kill = format!("kill -INT {0}; kill -TERM {0}", running.0.id());
     assert!(Command::new("sh").args(["-c", &kill]).status().unwrap().success());
     // The signal that is handled second sets the status.
     assert!(matches!(running.end().code(), Some(130 | 143)));
+    let run = here.path().join("run");
     assert_eq!(summary(&run)["status"], "interrupted");
     assert_eq!(fs::read_dir(run.join("checkpoints")).unwrap().count(), 1);
 }
@@ -255,15 +260,15 @@ fn two_signals_at_once_are_one_request() {
 #[test]
 fn a_signal_a_second_after_the_first_stops_at_once() {
     let here = tempfile::tempdir().unwrap();
-    let silo = path("silo1.ron");
-    let run = here.path().join("run");
-    let running = Running::start(here.path(), "", &slow_run(&silo), || Some(run.join("series.csv")));
-    // The step in progress and the last one take longer than this.
+    let mut running = start_slow_run(here.path());
     running.signal("INT");
-    sleep(Duration::from_millis(1200));
-    running.signal("TERM");
+    // The step in progress and the last one take longer than a second. On a busy machine the second may last longer, too.
+    while running.0.try_wait().unwrap().is_none() {
+        running.signal("TERM");
+        sleep(Duration::from_millis(100));
+    }
     assert_eq!(running.end().code(), Some(143));
-    assert!(!run.join("summary.json").exists());
+    assert!(!here.path().join("run/summary.json").exists());
 }
 
 #[test]
