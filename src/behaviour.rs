@@ -129,7 +129,7 @@ use serde::de::DeserializeOwned;
 
 use crate::fault::Fault;
 use crate::lattice::load::LoadedLattice;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::source::Source;
 use crate::source::parse;
 use crate::space::Dimension;

@@ -27,6 +27,7 @@
 //! error. The work of a fixed grain that spins appears as error too.
 
 mod energy_flows;
+mod sampled_sum;
 pub mod sampling;
 mod work;
 

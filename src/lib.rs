@@ -94,7 +94,8 @@ pub mod prelude {
     pub use crate::particle::{Door, Fixed, Force, Grain, GrainId, Mass, Position, Radius, Slot, Species, Velocity};
     pub use crate::particles::{Motion, Particles};
     pub use crate::persist::PersistApp;
-    pub use crate::scene::load::{self, Loaded};
+    pub use crate::scene::load;
+    pub use crate::scene::loaded::Loaded;
     pub use crate::simulation::Simulation;
     pub use crate::space::{Dimension, Linear, Plane, Solid, Space, Vector};
     pub use crate::spin::{Inertia, Spin, Torque};

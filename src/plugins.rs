@@ -30,7 +30,7 @@ use crate::neighbours::NeighboursPlugin;
 use crate::periodic::Periodic;
 use crate::rest::RestPlugin;
 use crate::scene::check::Estimates;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::{Solid, Space};
 use crate::step::{ForceStage, Step, StepPlugin};
 use crate::stop::clog::ClogPlugin;

@@ -15,7 +15,7 @@ use crate::scene::TimeStep;
 use crate::scene::check::automatic::automatic;
 use crate::scene::check::{self, Estimates};
 use crate::scene::expected::{self, BYTES_PER_GRAIN};
-use crate::scene::load::{AnyScene, Loaded};
+use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 use crate::walls::config::Wall;
 use crate::walls::mesh::open_and_crowded_edges;

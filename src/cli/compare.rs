@@ -16,7 +16,8 @@ use crate::compare::report::Report;
 use crate::compare::{Run, compare as compare_runs, pictures, read};
 use crate::fault::Fault;
 use crate::output::run_directory::RunDirectory;
-use crate::scene::load::{self, AnyScene};
+use crate::scene::load;
+use crate::scene::loaded::AnyScene;
 
 /// Arguments of `compare`.
 #[derive(Args, Debug)]

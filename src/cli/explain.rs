@@ -15,7 +15,7 @@ use crate::lattice::load::LoadedLattice;
 use crate::lattice::rules::Rules;
 use crate::lattice::sites::Sites;
 use crate::particle::Grain;
-use crate::scene::load::{AnyScene, Loaded};
+use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::Simulation;
 use crate::step::Step;
 use crate::store::{DeferredKick, Renumber, path_in_siloflow};

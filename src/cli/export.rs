@@ -13,7 +13,8 @@ use crate::fault::Fault;
 use crate::output::frame_data::reader::FrameReader;
 use crate::output::frame_export::{self, Target};
 use crate::output::run_directory::{frame_data_of, scene_of};
-use crate::scene::load::{self, AnyScene};
+use crate::scene::load;
+use crate::scene::loaded::AnyScene;
 use crate::scene::outputs::Format;
 
 /// Arguments of `export`.

@@ -7,7 +7,7 @@ use crate::cli::{SceneArgs, say, say_aside, unwritable};
 use crate::fault::Fault;
 use crate::lammps::{self, DATA, SCRIPT};
 use crate::output::run_directory;
-use crate::scene::load::AnyScene;
+use crate::scene::loaded::AnyScene;
 
 /// The name of the format on the command line.
 pub(super) const LAMMPS: &str = "lammps";

@@ -41,7 +41,8 @@ pub use crate::cli::exit_status::EXIT_STATUSES;
 use crate::cli::exit_status::{REFUSED, Verdict};
 use crate::fault::Fault;
 use crate::output::run_directory;
-use crate::scene::load::{self, AnyScene};
+use crate::scene::load;
+use crate::scene::loaded::AnyScene;
 use crate::text::for_terminal;
 use crate::writers::png;
 

@@ -14,7 +14,8 @@ use crate::cli::{SceneArgs, say};
 use crate::fault::Fault;
 use crate::output::checkpoint::find;
 use crate::output::run_directory::{RunDirectory, scene_of};
-use crate::scene::load::{self, AnyScene};
+use crate::scene::load;
+use crate::scene::loaded::AnyScene;
 use crate::values::NonNegative;
 
 /// Arguments of `run`.

@@ -33,7 +33,7 @@ use crate::persist::{CheckpointConfig, Section, UnknownState};
 use crate::scene::TimeStep;
 use crate::scene::check::automatic::{Automatic, automatic};
 use crate::scene::check::{self, Estimates};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::simulation::Simulation;
 use crate::source::Source;
 use crate::space::{Dimension, Plane, Solid, Space};

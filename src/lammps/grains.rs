@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use crate::lammps::outputs::up;
 use crate::lammps::releases::all_grains;
 use crate::lammps::{DATA, motions, number, vector};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Solid};
 use crate::spin::InertiaLaw;
 use crate::walls::config::Wall;

@@ -34,7 +34,7 @@ use crate::fault::Fault;
 use crate::lammps::laws::tsuji::tsuji;
 use crate::lammps::releases::all_grains;
 use crate::lammps::{number, refused};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 
 /// Friction coefficient of the drag in the assignment's law, which has no cap.
 const NO_CAP: f64 = 1e30;

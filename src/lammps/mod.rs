@@ -21,7 +21,7 @@ use crate::fault::Fault;
 use crate::integrate::Integrator;
 use crate::lammps::grains::Particles;
 use crate::scene::TimeStep;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Solid;
 use crate::walls::config::Wall;
 

@@ -18,7 +18,7 @@ use crate::door::{DoorMotion, DoorOpens};
 use crate::fault::Fault;
 use crate::lammps::stages::first_step;
 use crate::lammps::{number, refused, vector};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Solid;
 use crate::values::{Finite, FiniteVector, NonNegative};
 use crate::walls::config::Wall;

@@ -5,7 +5,7 @@ use std::fmt::Write as _;
 use crate::lammps::grains::Particles;
 use crate::lammps::number;
 use crate::lammps::walls::Walls;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::spin::InertiaLaw;
 
 /// Commands that write the forces of step 0 and end, if the variable `forces` is `yes`.

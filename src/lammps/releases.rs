@@ -11,7 +11,7 @@ use crate::grains::file::GrainRow;
 use crate::lammps::grains::Particles;
 use crate::lammps::outputs::steps;
 use crate::lammps::{number, refused, vector};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Plane, Solid};
 
 /// Tests of an occupied place in an interval.

@@ -13,7 +13,7 @@ use crate::lammps::releases::{self, all_grains};
 use crate::lammps::walls::Walls;
 use crate::lammps::{number, refused};
 use crate::rest::Rest;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::stop::StopCondition;
 
 /// Tests in each interval that a condition must hold.

@@ -23,7 +23,7 @@ use crate::fault::Fault;
 use crate::lammps::laws::Laws;
 use crate::lammps::motions::{self, Leaf};
 use crate::lammps::{number, refused, vector};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Solid};
 use crate::values::NonNegative;
 use crate::walls::config::Wall;

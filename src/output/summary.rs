@@ -30,7 +30,7 @@ use crate::output::parent::Parent;
 use crate::output::{outflow, state_hash};
 use crate::persist::CheckpointFigures;
 use crate::rest::RestDetector;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::step::Clock;
 use crate::stop::kick::{Avalanche, Avalanches};

@@ -6,7 +6,7 @@ use crate::output::run_directory::hash_of_input;
 use crate::report::html::{Section, code, escape};
 use crate::report::run::Run;
 use crate::report::sheet::{Cell, Sheet};
-use crate::scene::load::AnyScene;
+use crate::scene::loaded::AnyScene;
 
 /// The section of the origin of each run.
 #[must_use]

@@ -10,7 +10,8 @@ use crate::charts::run_files::RunFiles;
 use crate::fault::Fault;
 use crate::output::run_directory::scene_of;
 use crate::output::table::Table;
-use crate::scene::load::{self, AnyScene};
+use crate::scene::load;
+use crate::scene::loaded::AnyScene;
 use crate::source::files;
 
 /// A run of a report.

@@ -11,7 +11,7 @@ use crate::report::sheet::{Cell, Sheet};
 use crate::scene::TimeStep;
 use crate::scene::check::automatic::{automatic, expected_error};
 use crate::scene::check::{self, Estimates};
-use crate::scene::load::{AnyScene, Loaded};
+use crate::scene::loaded::{AnyScene, Loaded};
 
 /// The section of the step and its error.
 #[must_use]

@@ -9,7 +9,7 @@ use crate::output::table::Table;
 use crate::report::html::{Section, escape, quantity, scrolled};
 use crate::report::run::Run;
 use crate::report::table;
-use crate::scene::load::AnyScene;
+use crate::scene::loaded::AnyScene;
 use crate::walls::config::Wall;
 
 /// Most walls that are listed.

@@ -11,7 +11,7 @@ use crate::measure::fields::Layout;
 use crate::particle::GrainId;
 use crate::scene::TimeStep;
 use crate::scene::check::Estimates;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::scene::outputs::Format;
 use crate::scene::view;
 use crate::values::Positive;

@@ -8,6 +8,7 @@ pub mod camera;
 pub mod check;
 pub mod expected;
 pub mod load;
+pub mod loaded;
 pub mod outputs;
 pub mod rules;
 pub mod shipped;

@@ -1,7 +1,7 @@
 //! The view of the pictures: lower left and upper right corner, m, in the axes of the [`Camera`].
 
 use crate::scene::camera::Camera;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::scene::outputs::Pictures;
 use crate::space::{Dimension, Linear as _, Plane, Solid, Space, Vector};
 use crate::walls::shapes::Shape as _;

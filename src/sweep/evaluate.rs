@@ -13,7 +13,8 @@ use crate::behaviour::Registry;
 use crate::fault::Fault;
 use crate::lattice::summary::Summary as LatticeSummary;
 use crate::output::summary::{Cost, Summary, movable_grains};
-use crate::scene::load::{self, AnyScene};
+use crate::scene::load;
+use crate::scene::loaded::AnyScene;
 use crate::simulation::Simulation;
 
 /// Runs the scene at `path` with settings (key, value as RON) to its end, and returns the content of `summary.json`. A run that fails has

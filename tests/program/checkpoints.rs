@@ -11,7 +11,7 @@ use siloflow::lattice::sites::Sites;
 use siloflow::lattice::summary;
 use siloflow::persist;
 use siloflow::prelude::*;
-use siloflow::scene::load::AnyScene;
+use siloflow::scene::loaded::AnyScene;
 
 use crate::{hash, load, pins, root, simulation};
 

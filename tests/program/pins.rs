@@ -41,7 +41,8 @@ use siloflow::lattice::gas::Gas;
 use siloflow::lattice::sites::Sites;
 use siloflow::lattice::summary;
 use siloflow::prelude::*;
-use siloflow::scene::load::{self as loading, AnyScene};
+use siloflow::scene::load as loading;
+use siloflow::scene::loaded::AnyScene;
 
 use crate::{hash, root, scene};
 

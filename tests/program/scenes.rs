@@ -12,7 +12,8 @@ use siloflow::particle::Grain;
 use siloflow::prelude::*;
 use siloflow::rest::RestDetector;
 use siloflow::scene::check;
-use siloflow::scene::load::{self as loading, AnyScene};
+use siloflow::scene::load as loading;
+use siloflow::scene::loaded::AnyScene;
 
 /// Asserts that a scene fills, comes to rest, opens and empties, and that its energy balance closes within the bound of
 /// the scheme.

@@ -20,7 +20,8 @@ use self::report::Study;
 use crate::behaviour::Registry;
 use crate::fault::Fault;
 use crate::scene::check;
-use crate::scene::load::{self, AnyScene, Loaded};
+use crate::scene::load;
+use crate::scene::loaded::{AnyScene, Loaded};
 
 /// Steps of the ladder in units of the scene's own step, coarse to fine.
 pub const FACTORS: [f64; 6] = [4.0, 2.0, 1.0, 0.5, 0.25, 0.125];

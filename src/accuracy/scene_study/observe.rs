@@ -10,7 +10,7 @@ use crate::fault::Fault;
 use crate::gravity::Gravity;
 use crate::ledger::Ledger;
 use crate::output::summary::{Cost, Summary, movable_grains};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::simulation::Simulation;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::store::ParticleStore;

@@ -21,7 +21,8 @@ use crate::output::frame_data::{Frame, Header};
 use crate::output::pictures;
 use crate::output::pictures::style::Style;
 use crate::output::run_directory::{frame_data_of, is_drawn, movie_of, pictures_of, scene_of};
-use crate::scene::load::{self, AnyScene, Loaded};
+use crate::scene::load;
+use crate::scene::loaded::{AnyScene, Loaded};
 use crate::writers::movie::MovieWriter;
 use crate::writers::{png, svg, whole_file};
 

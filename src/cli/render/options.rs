@@ -2,7 +2,7 @@
 
 use super::RenderArgs;
 use crate::fault::Fault;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::scene::outputs::Pictures;
 use crate::space::Dimension;
 use crate::values::{Finite, Positive};

@@ -15,7 +15,7 @@
 use std::f64::consts::TAU;
 
 use super::WallGeometry;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Linear as _, Solid, Space};
 use crate::walls::clip::share_edges;
 use crate::walls::config::Wall;

@@ -29,7 +29,7 @@ use crate::outcome::Outcome;
 use crate::output::frame_export::live::LiveFormats;
 use crate::particle::{Door, Grain, GrainId, Slot};
 use crate::persist::PersistApp as _;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::scene::outputs::DataFrames;
 use crate::space::{Linear, Solid, Space};
 use crate::step::{Clock, Step};

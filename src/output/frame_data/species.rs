@@ -1,7 +1,7 @@
 //! Names of species: the radii of the grains that a scene releases.
 
 use crate::grains::spawner::RadiusLaw;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 
 /// Returns the names of the species that the first source of grains releases.
 pub(in crate::output) fn names(loaded: &Loaded) -> Vec<String> {

@@ -18,7 +18,7 @@ use crate::measure::{ObserveStage, due, observe_every};
 use crate::outcome::{Failure, Outcome};
 use crate::output::frame_data::Header;
 use crate::output::frame_data::recording::{Content, FramesRecorded, Observed, Recording};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, DataFrames, Pictures};
 use crate::space::Space;
 use crate::step::Step;

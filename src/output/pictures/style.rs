@@ -2,7 +2,7 @@
 
 use crate::output::frame_data::{Frame, Header};
 use crate::scene::camera::Camera;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
 use crate::scene::view;
 use crate::space::{Dimension, Plane, Solid, Space, Vector};

@@ -1,6 +1,6 @@
 //! The bed and the fall, for estimates: where grains start, how fast they arrive, and what the lowest of them carry.
 
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Dimension;
 use crate::walls::config::Wall;
 use crate::walls::outline::Outline;

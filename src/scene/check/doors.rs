@@ -1,7 +1,7 @@
 //! Warnings about doors through which no grain can leave, or be counted.
 
 use crate::fault::Warning;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::walls::config::Wall;
 use crate::walls::outline::Outline;
 

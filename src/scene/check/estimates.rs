@@ -6,7 +6,7 @@ use crate::scene::TimeStep;
 use crate::scene::check::automatic;
 use crate::scene::check::bed::{carried_at_the_bottom, impact_speed};
 use crate::scene::check::species_pairs::{self, SpeciesPair};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Plane;
 
 /// Estimates of a scene with grains, SI.

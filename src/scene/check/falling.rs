@@ -8,7 +8,7 @@
 
 use crate::fault::Warning;
 use crate::scene::check::leaks;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Solid};
 use crate::walls::config::Wall;
 

@@ -5,7 +5,7 @@
 //! the bounding box of the walls other than at its top, the walls leak. Limit: a gap whose free width is less than the
 //! diagonal of the grid, a third of the radius, may be overlooked.
 
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Vector};
 use crate::walls::outline::Outline;
 use crate::walls::shapes::ball::Ball;

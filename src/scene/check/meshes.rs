@@ -2,7 +2,7 @@
 //! flat walls of the scene that overlap in one plane.
 
 use crate::fault::Warning;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Solid;
 use crate::walls::config::Wall;
 use crate::walls::mesh_faults::faults;

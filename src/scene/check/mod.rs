@@ -31,7 +31,7 @@ mod tunnelling;
 pub use self::estimates::{Estimates, hardest};
 use crate::fault::Warning;
 use crate::scene::expected;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::writers::volume::{self, MOST_BYTES};
 
 /// Warnings about effects that the author of the scene may not want.

@@ -2,7 +2,7 @@
 
 use crate::fault::Warning;
 use crate::scene::check::Estimates;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::walls::outline::Outline;
 use crate::watchdog::LARGE_OVERLAP;
 

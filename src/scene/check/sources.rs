@@ -2,7 +2,7 @@
 
 use crate::fault::Warning;
 use crate::scene::Scene;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::stop::StopCondition;
 
 /// Adds the warnings about the spawner and feeds. `dt` is the step, s.

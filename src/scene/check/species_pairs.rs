@@ -20,7 +20,7 @@ use crate::integrate::Integrator;
 use crate::random::Stream;
 use crate::scene::check::crowd::{Motion, Pull};
 use crate::scene::check::step;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Plane};
 use crate::walls::config::Wall;
 

@@ -11,7 +11,7 @@ use rustc_hash::FxHashMap;
 use crate::fault::Warning;
 use crate::scene::check::Estimates;
 use crate::scene::check::species_pairs;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::walls::config::Wall;
 use crate::walls::surfaces::{Surface, Surfaces};

@@ -3,7 +3,7 @@
 use crate::door::DoorMotion;
 use crate::fault::Warning;
 use crate::scene::check::Estimates;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Solid;
 use crate::walls::config::Wall;
 use crate::walls::motion::Motion;

@@ -7,7 +7,7 @@ use crate::contact::rolling::{RollingKeys, RollingKind};
 use crate::fault::Fault;
 use crate::integrate::Integrator;
 use crate::neighbours::Neighbours;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Dimension;
 
 /// A law of a pair must have the same terms as the scene's law, and all parameters that a law needs must be given.

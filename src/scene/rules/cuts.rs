@@ -2,7 +2,7 @@
 
 use super::{has_no_direction, is_oblique};
 use crate::fault::Fault;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Solid;
 use crate::walls::config::Wall;
 use crate::walls::figure::Figure;

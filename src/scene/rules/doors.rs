@@ -2,7 +2,7 @@
 
 use crate::door::{DoorControl, DoorMotion, DoorOpens};
 use crate::fault::Fault;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::scene::rules::has_no_direction;
 use crate::values::NonNegative;
 use crate::walls::config::Wall;

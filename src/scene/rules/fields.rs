@@ -2,7 +2,7 @@
 
 use crate::fault::Fault;
 use crate::measure::fields::{FieldGrid, Kernel, Layout, MOST_BLOCKS};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Dimension;
 use crate::values::Finite;
 

@@ -8,7 +8,7 @@ use crate::grains::mass::MassLaw;
 use crate::grains::spawner::RadiusLaw;
 use crate::particle::GrainId;
 use crate::scene::expected::BYTES_PER_GRAIN;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::scene::rules::is_box;
 use crate::writers::memory::available_memory;
 

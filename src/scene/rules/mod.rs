@@ -21,7 +21,7 @@ use crate::fault::Fault;
 use crate::integrate::Integrator;
 use crate::neighbours::Neighbours;
 use crate::scene::check;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::scene::{Scene, TimeStep};
 use crate::space::{Dimension, Solid};
 use crate::values::FiniteVector;

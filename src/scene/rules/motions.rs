@@ -1,7 +1,7 @@
 //! Rules on `motions`: each moves walls that exist, that nothing else moves.
 
 use crate::fault::Fault;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::scene::rules::has_no_direction;
 use crate::space::Dimension;
 use crate::values::NonNegative;

@@ -3,7 +3,7 @@
 use crate::fault::Fault;
 use crate::scene::camera::Direction;
 use crate::scene::expected;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::scene::outputs::{Colour, Pictures};
 use crate::space::Dimension;
 use crate::values::Positive;

@@ -4,7 +4,7 @@ use crate::door::DoorMotion;
 use crate::fault::Fault;
 use crate::grains::region::Region;
 use crate::scene::Scene;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Dimension;
 use crate::values::FiniteVector;
 use crate::walls::config::Wall;

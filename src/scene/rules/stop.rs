@@ -1,7 +1,7 @@
 //! Rules on `stop`: a condition must be able to hold.
 
 use crate::fault::Fault;
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Solid;
 use crate::stop::StopCondition;
 

@@ -3,7 +3,7 @@
 use crate::fault::Warning;
 use crate::scene::check::bed::up;
 use crate::scene::check::start::{Body, place};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Solid;
 use crate::walls::config::Wall;
 

@@ -11,7 +11,7 @@ use crate::fault::Warning;
 use crate::scene::check::Estimates;
 use crate::scene::check::species_pairs::{self, SpeciesPair};
 use crate::scene::check::start::{Body, touching};
-use crate::scene::load::Loaded;
+use crate::scene::loaded::Loaded;
 use crate::space::Space;
 use crate::walls::surfaces::Surfaces;
 

@@ -1,0 +1,73 @@
+//! The particles at the start of a simulation.
+
+use bevy_ecs::prelude::*;
+
+use crate::grains::file::GrainRow;
+use crate::messages::GrainReleased;
+use crate::particle::{Door, GrainBundle, GrainId, Species, wall_grain};
+use crate::periodic::Periodic;
+use crate::scene::loaded::Loaded;
+use crate::space::{Linear, Space};
+use crate::store::ParticleStore;
+use crate::table_sort::sort_newcomers;
+use crate::walls::conveyor::Conveyed;
+use crate::walls::silo_file::Disc;
+use crate::walls::surfaces::{Surfaces, WallIndex};
+
+/// Spawns wall grains, door grains, wall surfaces and the grains of the start.
+pub(super) fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded) {
+    let mut discs = 0;
+    let mut next_id = || {
+        discs += 1;
+        GrainId::wall(discs)
+    };
+    let at_rest = V::ZERO;
+    let silo = loaded.scene.silo.as_ref().map_or(Species(0), |silo| Species(silo.species));
+    // A particle that starts outside a periodic box is replaced by its image inside.
+    let periodic = Periodic::<V>::new(&loaded.scene.periodic);
+    let in_box = |x: V| periodic.map_or(x, |periodic| periodic.wrapped(x));
+    let centre = |disc: &Disc| in_box(V::narrow(disc.centre.spread()));
+    for disc in &loaded.silo.wall {
+        world.spawn(wall_grain(next_id(), centre(disc), disc.radius, at_rest, silo));
+    }
+    for disc in &loaded.silo.door {
+        world.spawn((wall_grain(next_id(), centre(disc), disc.radius, at_rest, silo), Door(0)));
+    }
+    for wall in &loaded.scene.walls {
+        if let Some((centre, radius, species)) = wall.wall_grain() {
+            world.spawn(wall_grain(next_id(), in_box(centre.get::<V>()), radius, at_rest, species));
+        }
+    }
+    for grain in &loaded.fixed {
+        let (x, v) = (in_box(V::narrow(grain.position)), V::narrow(grain.velocity));
+        let mut spawned = world.spawn(wall_grain(next_id(), x, grain.radius, v, grain.species));
+        if v != V::ZERO {
+            spawned.insert(Conveyed);
+        }
+    }
+    let doors: Vec<_> = world.resource::<Surfaces<V>>().all.iter().map(|wall| wall.door).collect();
+    for (index, door) in doors.into_iter().enumerate() {
+        let mut entity = world.spawn(WallIndex(index));
+        if let Some(number) = door {
+            entity.insert(Door(number));
+        }
+    }
+    world.write_message_batch(loaded.grains.iter().map(|grain| GrainReleased { id: grain.id }));
+    let newcomer = |row: &GrainRow| {
+        let mut grain = row.bundle::<V>();
+        grain.particle.position.0 = in_box(grain.particle.position.0);
+        (grain, V::narrow_spin(row.spin))
+    };
+    let mut newcomers: Vec<_> = loaded.grains.iter().map(newcomer).collect();
+    sort_newcomers(&mut newcomers);
+    // Spawned in one batch, so that tables are allocated once.
+    match world.resource::<ParticleStore<V>>().inertia {
+        None => world.spawn_batch(newcomers.into_iter().map(|(grain, _)| grain)).for_each(drop),
+        Some(law) => {
+            let turning = |grain: &GrainBundle<V>, spin| law.turning::<V>(grain.mass.0, grain.particle.radius.0, spin);
+            world
+                .spawn_batch(newcomers.into_iter().map(move |(grain, spin)| (turning(&grain, spin), grain)))
+                .for_each(drop);
+        }
+    }
+}
