@@ -190,7 +190,7 @@ const HIDDEN: [(&str, &str); 9] = [
     ("collisions.rs", "static: the collision table"),
     ("threads.rs", "atomic counters of one job"),
     ("ending.rs", "the flag of signals"),
-    ("simulation.rs", "the flag of signals"),
+    ("simulation/stepping.rs", "the flag of signals"),
     ("cli/", "signals and progress"),
 ];
 
