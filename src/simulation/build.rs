@@ -33,6 +33,7 @@ use crate::threads::Threads;
 use crate::walls::surfaces::{LeavingWalls, Surfaces, WallIndex};
 
 impl Simulation {
+    /// Completes the app of a scene of grains.
     pub(super) fn complete_with_store(app: App, loaded: &Loaded) -> Result<Self, Fault> {
         match loaded.scene.space {
             Dimension::Plane => Self::complete(app, store::plan::<Plane>),
@@ -99,6 +100,7 @@ pub(super) fn refuse_outputs(world: &World, source: &Source, header: &str) -> Re
     })
 }
 
+/// Restores saved state in an app that has all its plugins.
 pub(super) fn restore(world: &mut World, saved: &[Section], unknown: UnknownState) -> Result<(), Fault> {
     persist::restore(world, saved, unknown).map_err(|problem| {
         Fault::new("checkpoint::state", format!("the saved state does not fit this scene: {problem}"))
@@ -146,6 +148,7 @@ pub(super) fn app_with_resources(threads: NonZeroUsize) -> Result<App, Fault> {
     Ok(app)
 }
 
+/// Adds walls, gravity and all plugins of a scene of grains.
 fn add_plugins<V: Engine>(
     assembly: &mut Assembly,
     loaded: &Loaded,
