@@ -43,13 +43,18 @@ fn slack<L: PairLaw<V> + LawRequirements, V: Space>(
         return opening;
     }
     // The drag of a separating contact reduces the force, so that its sign may change at a larger overlap.
-    let mut total = force.smooth.dot(pair.normal);
-    if L::PULLS {
-        // An adhesive pull does not count in the cap of friction.
-        total += law.pull(pair);
-    }
-    let spring = total - force.drag.dot(pair.normal);
-    opening.min(total.min(spring) * overlap - spring * nearest)
+    let [load, spring] = force.load.unwrap_or_else(
+        #[inline(always)]
+        || {
+            let mut total = force.smooth.dot(pair.normal);
+            if L::PULLS {
+                // An adhesive pull does not count in the cap of friction.
+                total += law.pull(pair);
+            }
+            [total, total - force.drag.dot(pair.normal)]
+        },
+    );
+    opening.min(load.min(spring) * overlap - spring * nearest)
 }
 
 /// Contacts i, j side by side; units as in [`Pair`].
@@ -63,8 +68,6 @@ pub struct Batch<V: Space> {
     pub spins: Spins<V>,
     pub species: [PerLane<Species>; 2],
     pub memory: MemoryLanes<V>,
-    /// Whether the contact existed in the previous pass.
-    pub is_known: PerLane<bool>,
     pub output: ContactOutput<V>,
     /// Memories after the evaluation.
     pub memory_after: MemoryLanes<V>,
@@ -181,7 +184,7 @@ impl<V: Space> Batch<V> {
         (deeper, near)
     }
 
-    /// Marks the lanes of bodies that are within range beyond touch but not in contact.
+    /// Marks the lanes of bodies that are within range beyond touch but not in contact. The law has cleared their memories.
     #[inline]
     pub fn mark_gaps<L: LawRequirements>(&mut self) {
         for lane in 0..if L::REACHES { self.len.min(LANES) } else { 0 } {

@@ -18,7 +18,7 @@
 //! * **Share.** The evaluation at t+dt represents the step centred on it. In that step the overlap changes from
 //!   delta - w to delta + w, w = h |u_h|. The contact exists in the share theta = clamp((delta + w)/(2 w), 0, 1) of
 //!   that step, and the drag is multiplied by theta. So it also acts across a gap of up to w. A coefficient that varies
-//!   with the overlap is replaced by its mean. Gaps of more than 1.25 h times the predicted speed are not looked at.
+//!   with the overlap is replaced by its mean. Gaps of more than 1.25 h times the predicted speed get no force.
 //! * **Centred velocity.** The drag uses u at t+dt, solved for implicitly in the pair's own drag. All other forces are
 //!   lagged by a step: u = (u_h + h A_t + h D_t/m + h (F_t - F_s)/m')/(1 + h theta c/m). A_t is the closing
 //!   acceleration of the previous step, of all forces. F_t and D_t are the pair's own spring force and drag in that

@@ -131,7 +131,8 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         let drag = self.normal.drag(pair);
         let load = (spring - drag * pair.normal_velocity()).max(self.normal.floor());
         let pull = self.normal.pull(pair, 1.0);
-        let mut force = PairForce::along(pair.normal, load - pull, spring - pull);
+        let mut force =
+            PairForce { load: Some([load, spring]), ..PairForce::along(pair.normal, load - pull, spring - pull) };
         self.tangential.add(pair, load, drag, memory, &mut force.turning);
         self.rolling.add(pair, load, memory, &mut force.turning);
         force

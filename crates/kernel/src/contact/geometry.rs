@@ -134,8 +134,8 @@ fn pair_at<V: Space>(store: &ParticleStore<V>, slots: [usize; 2], separation: V,
     }
 }
 
-/// Returns the speed along the normal at which the movable particle in slot `i` and a wall approach or part, m/s. Not inlined: most
-/// grains near a wall do not need it, and the loop over their walls is shorter without it.
+/// Returns the speed along the normal at which the movable particle in slot `i` and a wall approach or part, m/s. Not inlined:
+/// grains that touch the wall do not need it, and the loop over the walls of a grain is shorter without it.
 #[inline(never)]
 fn closing_speed<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, normal: V, distance: f64) -> f64 {
     let of_wall = wall.velocity_at(|| store.body[i].position - normal * distance);
@@ -149,9 +149,11 @@ fn beside_wall<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<
     let body = &store.body[i];
     let beside = WallLine::new(body, wall);
     let ContactLine { normal, distance, .. } = beside.line;
-    let window = if ahead > 0.0 { ahead * closing_speed(store, i, wall, normal, distance) } else { 0.0 };
+    let reach = body.radius + store.prediction.range;
     // Written so that a NaN does not touch.
-    (distance < body.radius + (window + store.prediction.range) && wall.is_present).then_some(beside)
+    let touches =
+        distance < reach || ahead > 0.0 && distance < reach + ahead * closing_speed(store, i, wall, normal, distance);
+    (touches && wall.is_present).then_some(beside)
 }
 
 /// Returns the contact of the movable particle in slot `i` with a wall that no other wall is near, if they touch within

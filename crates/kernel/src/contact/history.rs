@@ -2,7 +2,7 @@
 //!
 //! Each force pass reads the memories of the contacts that it finds and writes them back ([`HistoryCursor`]). So a
 //! memory lives exactly as long as its contact, whatever the neighbour search does. The memory of a contact that ends
-//! is discarded.
+//! is discarded. With centred contacts the pass also finds gaps that may close; their memories are empty.
 //!
 //! A contact is stored once, in the row of its lower slot and seen from the particle in that slot. Rows are slots in
 //! ascending order, each with its partners in ascending order. The kernel visits contacts in this order, so a look-up
@@ -77,7 +77,8 @@ impl<V: Space> Default for History<V> {
 }
 
 impl<V: Space> History<V> {
-    /// Returns the memory of the contact between slots `i` and `j`, seen from the lower slot.
+    /// Returns the memory of the contact between slots `i` and `j`, seen from the lower slot. It is empty, or `None`, if they
+    /// do not touch.
     #[must_use]
     pub fn of_pair(&self, i: usize, j: usize) -> Option<Memory<V>> {
         let low = i.min(j);
@@ -86,7 +87,7 @@ impl<V: Space> History<V> {
             .look_up(Candidate::new(u32::try_from(low).ok()?, u32::try_from(i.max(j)).ok()?))
     }
 
-    /// Returns the memory of the contact of slot `i` with a wall surface.
+    /// Returns the memory of the contact of slot `i` with a wall surface. It is empty, or `None`, if they do not touch.
     #[must_use]
     pub fn of_wall(&self, i: usize, wall: usize) -> Option<Memory<V>> {
         self.wall_blocks.get(i / BLOCK)?.look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
@@ -227,6 +228,30 @@ pub(super) mod tests {
         let mut from = 0;
         for contact in [[0, 0], [0, 1], [0, 2], [1, 2], [1, 2], [1, 3], [7, 8]].map(Candidate::from) {
             assert_eq!(page.look_up_next(&mut from, contact), page.look_up(contact), "{contact:?}");
+        }
+    }
+
+    #[test]
+    fn a_memory_passes_to_another_wall_without_one() {
+        let springs = |page: &HistoryBlock<Plane>| {
+            page.all().map(|(contact, memory)| (contact.both(), memory.spring.x)).collect::<Vec<_>>()
+        };
+        let block = |springs: &[([u32; 2], f64)]| {
+            let mut page = HistoryBlock::<Plane>::default();
+            for &(contact, spring) in springs {
+                page.push::<Springs>(contact.into(), &memory(spring));
+            }
+            page
+        };
+        // From wall 1 to walls that the grain does not touch, that it is only near to, and that it touches.
+        for (other, after) in [
+            (4, [([5, 2], 0.0), ([5, 3], 0.3), ([5, 4], 0.1)]),
+            (2, [([5, 1], 0.0), ([5, 2], 0.1), ([5, 3], 0.3)]),
+            (3, [([5, 1], 0.1), ([5, 2], 0.0), ([5, 3], 0.3)]),
+        ] {
+            let mut page = block(&[([5, 1], 0.1), ([5, 2], 0.0), ([5, 3], 0.3)]);
+            page.rename::<Springs>(0, [5, 1].into(), other);
+            assert_eq!(springs(&page), after);
         }
     }
 

@@ -167,6 +167,9 @@ pub struct PairForce<V: Space = Plane> {
     pub smooth: V,
     /// The damping part of `smooth`, which dissipates energy, N.
     pub drag: V,
+    /// The normal force that caps friction, the one without adhesive pull, and its spring part, N. A law that computes them
+    /// anyway may give them, which saves time. Otherwise they follow from the forces.
+    pub load: Option<[f64; 2]>,
     /// Friction and rolling resistance.
     pub turning: Turning<V>,
 }
@@ -200,14 +203,14 @@ impl<V: Space> PairForce<V> {
     #[inline(always)]
     #[must_use]
     pub fn smooth(elastic: V, drag: V) -> Self {
-        Self { smooth: elastic + drag, drag, turning: Turning::default() }
+        Self { smooth: elastic + drag, drag, ..Self::default() }
     }
 
     /// Returns a force along the normal, without friction, from its total and the spring part of that total, N.
     #[inline(always)]
     #[must_use]
     pub fn along(normal: V, total: f64, spring: f64) -> Self {
-        Self { smooth: normal * total, drag: normal * (total - spring), turning: Turning::default() }
+        Self { smooth: normal * total, drag: normal * (total - spring), ..Self::default() }
     }
 
     /// Returns the spring part of `smooth`, N.
@@ -258,8 +261,9 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     fn elastic_energy(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
 
     /// Returns the energies lost with the tangential and the rolling spring of a contact that has ended in this step,
-    /// J. The overlap of `pair` is negative. The lost energy is k S/2 . (S + v dt): the stored energy, and the energy
-    /// k S/2 . v dt that the spring takes from the motion in the last step ([`spring`]).
+    /// J. Not called for a contact whose memory is empty. The overlap of `pair` is negative. The lost energy is
+    /// k S/2 . (S + v dt): the stored energy, and the energy k S/2 . v dt that the spring takes from the motion in the last
+    /// step ([`spring`]).
     fn on_contact_end(&self, _pair: &Pair<V>, _memory: &Memory<V>) -> [f64; 2] {
         [0.0, 0.0]
     }

@@ -51,20 +51,20 @@ impl Slider {
     #[inline(always)]
     #[must_use]
     pub fn pull<V: Space>(&self, spring: &mut V, velocity: V, normal: V, [dt, lead]: [f64; 2]) -> SliderForce<V> {
-        // A lead of zero is known to the compiler. In step zero a spring only gets ahead.
-        let [ahead, was_ahead] =
-            if lead > 0.0 { [velocity * lead, velocity * lead.min(dt - lead)] } else { [V::ZERO; 2] };
         let before = *spring;
         let moved = before + velocity * dt;
         let mut after = moved - normal * moved.dot(normal);
-        let drag = velocity * -self.drag;
-        let (is_sliding, force) = cut((after - ahead) * -self.stiffness + drag, self.cap);
+        // The force beside that of the stored spring, which is ahead: -k (S - v lead) - c v = -k S + (k lead - c) v.
+        let beside = velocity * -(self.drag - self.stiffness * lead);
+        let (is_sliding, force) = cut(after * -self.stiffness + beside, self.cap);
         if is_sliding {
-            after = ahead + (force - drag) * (-1.0 / self.stiffness);
+            after = (force - beside) * (-1.0 / self.stiffness);
         }
         *spring = after;
-        let lost = 0.5 * self.stiffness * (before - was_ahead + after - ahead).dot(moved - after);
-        SliderForce { force, drag, lost, is_sliding }
+        // A lead of zero is known to the compiler. In step zero a spring only gets ahead.
+        let both_ahead = if lead > 0.0 { velocity * (lead + lead.min(dt - lead)) } else { V::ZERO };
+        let lost = 0.5 * self.stiffness * (before + after - both_ahead).dot(moved - after);
+        SliderForce { force, drag: velocity * -self.drag, lost, is_sliding }
     }
 }
 

@@ -62,7 +62,7 @@ pub(super) fn force_at_start<V: Space, L: PairLaw<V>>(
         if missing > 0.0 {
             smooth += pair.normal * missing;
         }
-        force = PairForce { smooth, drag, turning };
+        force = PairForce { smooth, drag, turning, ..force };
     }
     Some(force)
 }
@@ -74,7 +74,7 @@ fn beyond_touch<V: Space, L: PairLaw<V>>(law: &L, pair: &Pair<V>, memory: &mut M
         return law.force(pair, memory);
     }
     let touching = Pair { overlap: f64::MIN_POSITIVE, ..*pair };
-    let PairForce { smooth, drag, turning } = law.force(&touching, &mut Memory::default());
+    let PairForce { smooth, drag, turning, .. } = law.force(&touching, &mut Memory::default());
     let share = lasts.min(1.0);
     let turning = Turning {
         friction: turning.friction * share,
@@ -85,5 +85,5 @@ fn beyond_touch<V: Space, L: PairLaw<V>>(law: &L, pair: &Pair<V>, memory: &mut M
         lost_by_rolling: 0.0,
         ..turning
     };
-    PairForce { smooth: smooth * share, drag: drag * share, turning }
+    PairForce { smooth: smooth * share, drag: drag * share, turning, load: None }
 }

@@ -40,7 +40,7 @@ impl<V: Space> ParticleStore<V> {
     pub(super) fn set_margin(&mut self, longest: f64, dt: f64) {
         let fixed = self.body[self.movable_end..].iter();
         let fastest = fixed.map(|body| body.velocity.length_squared()).fold(0.0, f64::max);
-        // Slightly more than any pair can close, so that only the velocities of a pair decide whether it counts.
+        // The factor allows for rounding.
         self.prediction.margin = longest.max(dt * fastest.sqrt()) * (1.0 + 1e-6);
     }
 }

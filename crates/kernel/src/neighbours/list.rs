@@ -92,7 +92,7 @@ impl PairList {
     }
 
     /// Replaces the list by `pairs` of `rows` particles, given in any order.
-    pub(super) fn fill(&mut self, pairs: impl Iterator<Item = Candidate> + Clone, rows: usize) {
+    pub(crate) fn fill(&mut self, pairs: impl Iterator<Item = Candidate> + Clone, rows: usize) {
         self.starts.clear();
         self.starts.resize(rows + 1, 0);
         pairs.clone().for_each(|pair| self.starts[pair.first() + 1] += 1);
@@ -119,7 +119,7 @@ impl PairList {
     }
 
     /// Assigns `rows` rows to at most `threads` tasks, in whole blocks of `size` rows.
-    pub(super) fn assign_tasks(&mut self, rows: usize, threads: usize, size: usize) {
+    pub(crate) fn assign_tasks(&mut self, rows: usize, threads: usize, size: usize) {
         self.version += 1;
         let pairs = &self.pairs;
         let row_of = |border: usize| pairs.partition_point(|pair| pair.first() < border);

@@ -25,6 +25,8 @@ pub struct Prediction<V: Space = Plane> {
     pub range: f64,
     /// 1 for particles that had at most one contact when contacts were last counted, else 0.
     pub lone: Vec<u8>,
+    /// Particles whose `lone` the last count changed, ascending.
+    pub(crate) lone_changed: Vec<usize>,
     /// Number of counts that have changed `lone`.
     pub(crate) lone_changes: u64,
     /// Whether velocities are predicted ones.
@@ -45,6 +47,7 @@ impl<V: Space> Default for Prediction<V> {
             margin: 0.0,
             range: 0.0,
             lone: Vec::new(),
+            lone_changed: Vec::new(),
             lone_changes: 0,
             is_ahead: false,
             middle: Vec::new(),

@@ -34,15 +34,40 @@ impl<V: Space> ContactOutput<V> {
         self.gaps >> lane & 1 == 0
     }
 
-    /// Returns whether the particles touch in every lane.
+    /// Returns the number of lanes whose particles do not touch.
     #[inline(always)]
-    pub fn all_touch(&self) -> bool {
-        self.gaps == 0
+    pub fn gap_count(&self) -> u32 {
+        self.gaps.count_ones()
+    }
+
+    /// Returns the lanes whose particles do not touch.
+    #[inline(always)]
+    pub fn gaps(&self) -> impl Iterator<Item = usize> {
+        let mut left = self.gaps;
+        std::iter::from_fn(move || {
+            let lane = (left != 0).then(|| left.trailing_zeros() as usize)?;
+            left &= left - 1;
+            Some(lane)
+        })
     }
 
     /// Marks a lane whose particles do not touch.
     pub(super) fn no_contact(&mut self, lane: usize) {
         self.gaps |= 1 << lane;
+    }
+
+    /// Makes a lane a gap without force, torque and losses.
+    pub(super) fn clear_lane<L: LawRequirements>(&mut self, lane: usize) {
+        self.no_contact(lane);
+        self.forces.iter_mut().for_each(|forces| forces.set(lane, V::ZERO));
+        if L::SPIN {
+            self.moments.iter_mut().for_each(|moments| moments.set(lane, V::Spin::ZERO));
+            self.lost.iter_mut().for_each(|lost| lost[lane] = 0.0);
+        }
+        if L::ROLLING {
+            self.rolling.set(lane, V::Spin::ZERO);
+            self.rolling_drag_torque.set(lane, V::Spin::ZERO);
+        }
     }
 
     /// Marks a lane as a contact.

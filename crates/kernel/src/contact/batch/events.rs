@@ -1,7 +1,7 @@
 //! Contacts of a batch near an event: for these few the law is evaluated anew, one by one and averaged over the step
 //! ([`centred`](crate::contact::centred)).
 
-use crate::contact::batch::Batch;
+use crate::contact::batch::{Batch, Bodies};
 use crate::contact::centred::Window;
 use crate::contact::start::force_at_start;
 use crate::contact::{LawRequirements, Memory, MemoryTimes, Pair, PairForce, PairLaw};
@@ -9,8 +9,21 @@ use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
 
+/// A gap that a pair closes in half a step is at most this multiple of half a step times its predicted speed. The factor allows for
+/// the difference of predicted velocities from those in the middle of the step.
+const CLOSES: f64 = 1.25;
+
 /// Turns a contact with predicted velocities into one with the velocities in the middle of the step and their prediction.
 pub type Predict<V> = fn(&ParticleStore<V>, Candidate, &mut Pair<V>);
+
+impl<V: Space> Bodies<V> {
+    /// Returns whether a gap stays open for the time `half`, s.
+    #[inline(always)]
+    fn stay_apart(&self, lane: usize, half: f64) -> bool {
+        let speed = self.relative_velocity.get(lane).dot(self.normal.get(lane)).abs();
+        self.overlap[lane] + CLOSES * half * speed < 0.0
+    }
+}
 
 impl<V: Space> Batch<V> {
     /// Evaluates the law anew for the contacts near an event, `near` (bits of lanes).
@@ -25,23 +38,35 @@ impl<V: Space> Batch<V> {
         while near != 0 {
             let lane = near.trailing_zeros() as usize;
             near &= near - 1;
+            if !(L::REACHES || step.starts) && self.bodies.stay_apart(lane, step.store.prediction.lookahead) {
+                self.clear::<L>(lane);
+                continue;
+            }
             let (mut pair, mut memory) = (self.pair::<L>(lane, times), self.memory.get::<L>(lane));
             let force = if step.starts {
                 force_at_start(law, &pair, &mut memory, step.store.prediction.lookahead, self.bodies.reach[lane])
             } else {
                 step.force(law, self.pairs[lane], &mut pair, &mut memory)
             };
-            self.output.store_force::<L>(lane, &pair, &force.unwrap_or_default());
+            let Some(force) = force else {
+                self.clear::<L>(lane);
+                continue;
+            };
+            self.output.store_force::<L>(lane, &pair, &force);
             if step.store.tracks_energy {
-                self.output.store_energy_numbers::<L>(lane, &pair.predicted(), &force.unwrap_or_default());
+                self.output.store_energy_numbers::<L>(lane, &pair.predicted(), &force);
             }
-            if force.is_none() {
-                self.output.no_contact(lane);
-            } else if L::REACHES {
+            if L::REACHES {
                 self.output.contact(lane);
             }
             self.memory_after.set::<L>(lane, &memory);
         }
+    }
+
+    /// Makes a lane a gap, without force and memory.
+    fn clear<L: LawRequirements>(&mut self, lane: usize) {
+        self.output.clear_lane::<L>(lane);
+        self.memory_after.set::<L>(lane, &Memory::default());
     }
 }
 
@@ -66,8 +91,7 @@ impl<V: Space> EventStep<'_, V> {
     ) -> Option<PairForce<V>> {
         let half = self.store.prediction.lookahead;
         let overlap = if L::REACHES { pair.overlap + law.range(pair, memory) } else { pair.overlap };
-        // The factor allows for the difference of predicted velocities from those of the window.
-        if overlap + 1.25 * half * pair.normal_velocity().abs() < 0.0 {
+        if L::REACHES && overlap + CLOSES * half * pair.normal_velocity().abs() < 0.0 {
             return None;
         }
         (self.predict)(self.store, contact, pair);

@@ -1,9 +1,9 @@
 //! Filter of candidates: fills a batch with the pairs that touch, and loads their bodies.
 //!
 //! Branches on overlap are mispredicted often, so there is none: each candidate is written, and the batch grows only if
-//! it counts. With centred contacts ([`centred`](crate::contact::centred)) gaps that may close in half a step count too. For a
-//! law without memory these are all gaps below a margin, which no pair of the store can close faster. For a law with memory,
-//! whose contacts are compared with those of the previous pass, these are the gaps that the pair itself can close.
+//! it counts. With centred contacts ([`centred`](crate::contact::centred)) gaps that may close in half a step count too. Usually these
+//! are all gaps below a margin: no pair of the store closes a wider one. Where a fast particle makes these many, the filter
+//! chooses the gaps that the pair itself can close, which costs more for each candidate.
 //!
 //! Of the law only [`LawRequirements`] matter here, so the loops are compiled for each space and not for each law.
 
@@ -18,14 +18,16 @@ use crate::space::Space;
 use crate::store::{ParticleStore, Prediction};
 
 impl<V: Space> Batch<V> {
-    /// Adds candidates that count until the batch is full, and loads their bodies. Returns the candidates that are left.
+    /// Adds candidates that count until the batch is full, and loads their bodies. If it `chooses`, the velocities of a pair
+    /// decide whether its gap counts. Returns the candidates that are left.
     pub fn select<'c, L: LawRequirements>(
         &mut self,
         store: &ParticleStore<V>,
         candidates: &'c [Candidate],
+        chooses: bool,
         instructions: Instructions,
     ) -> &'c [Candidate] {
-        match (L::INDIVIDUAL_BODIES, L::MEMORY && store.predicts()) {
+        match (L::INDIVIDUAL_BODIES, chooses) {
             (false, false) => self.select_in_sides::<false, false>(store, candidates, instructions),
             (false, true) => self.select_in_sides::<false, true>(store, candidates, instructions),
             (true, false) => self.select_in_sides::<true, false>(store, candidates, instructions),
@@ -45,8 +47,7 @@ impl<V: Space> Batch<V> {
         }
     }
 
-    /// Selects with separations measured by `metric`. `INDIVIDUAL` is [`LawRequirements::INDIVIDUAL_BODIES`]. With `CHOOSES`
-    /// the velocities of a pair decide whether its gap counts.
+    /// Selects with separations measured by `metric`. `INDIVIDUAL` is [`LawRequirements::INDIVIDUAL_BODIES`].
     fn select_by<'c, const INDIVIDUAL: bool, const CHOOSES: bool>(
         &mut self,
         metric: impl Metric<V>,
@@ -107,7 +108,7 @@ mod tests {
 
     /// Selects among the pairs of body 0 and each other body, 1 cm in radius each. `others` has the gap to each (m) and the speed
     /// with which the gap closes (m/s).
-    fn selected<V: Space, L: LawRequirements>(others: &[[f64; 2]], half: f64) -> Vec<usize> {
+    fn selected<V: Space, L: LawRequirements>(others: &[[f64; 2]], half: f64, chooses: bool) -> Vec<usize> {
         let mut store = ParticleStore::<V>::default();
         (store.prediction.lookahead, store.prediction.margin) = (half, if half > 0.0 { MARGIN } else { 0.0 });
         let axis = V::narrow(Solid::new(0.6, 0.8, 0.0));
@@ -124,7 +125,7 @@ mod tests {
         let all = Instructions::all().into_iter().map(|instructions| {
             let (mut batch, mut left, mut found) = (Batch::<V>::default(), &candidates[..], Vec::new());
             while !left.is_empty() {
-                left = batch.select::<L>(&store, left, instructions);
+                left = batch.select::<L>(&store, left, chooses, instructions);
                 assert!(batch.len == LANES || left.is_empty());
                 found.extend(batch.pairs[..batch.len].iter().map(|pair| pair.second()));
                 batch.len = 0;
@@ -148,20 +149,23 @@ mod tests {
         [-1e-6, 2.0],
     ];
 
-    fn check<V: Space>() {
-        assert_eq!(selected::<V, Plain>(&OTHERS, 0.0), [1, 8]);
-        assert_eq!(selected::<V, WithMemory>(&OTHERS, 0.0), [1, 8]);
-        assert_eq!(selected::<V, Plain>(&OTHERS, HALF), [1, 2, 3, 4, 5, 8]);
-        assert_eq!(selected::<V, WithMemory>(&OTHERS, HALF), [1, 2, 4, 8]);
+    fn check<V: Space, L: LawRequirements>() {
+        for chooses in [false, true] {
+            assert_eq!(selected::<V, L>(&OTHERS, 0.0, chooses), [1, 8]);
+        }
+        assert_eq!(selected::<V, L>(&OTHERS, HALF, false), [1, 2, 3, 4, 5, 8]);
+        assert_eq!(selected::<V, L>(&OTHERS, HALF, true), [1, 2, 4, 8]);
         // More than a batch.
         let many: Vec<_> = OTHERS.iter().copied().cycle().take(8 * 40).collect();
         let expected: Vec<_> = (0..40).flat_map(|round| [1, 2, 4, 8].map(|j| 8 * round + j)).collect();
-        assert_eq!(selected::<V, WithMemory>(&many, HALF), expected);
+        assert_eq!(selected::<V, L>(&many, HALF, true), expected);
     }
 
     #[test]
     fn gaps_count_if_they_may_close_in_half_a_step() {
-        check::<Plane>();
-        check::<Solid>();
+        check::<Plane, Plain>();
+        check::<Solid, Plain>();
+        check::<Plane, WithMemory>();
+        check::<Solid, WithMemory>();
     }
 }

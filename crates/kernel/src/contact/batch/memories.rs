@@ -45,8 +45,7 @@ impl<V: Space> MemoryLanes<V> {
 }
 
 impl<V: Space> Batch<V> {
-    /// Loads the memories of all contacts and records which contacts existed in the previous pass. Contacts that have
-    /// ended are passed to `on_end` with their memories.
+    /// Loads the memories of all contacts. Contacts that have ended are passed to `on_end` with their memories.
     #[inline]
     pub fn recall<L: LawRequirements>(
         &mut self,
@@ -55,12 +54,10 @@ impl<V: Space> Batch<V> {
     ) {
         let contacts = &self.pairs[..self.len.min(LANES)];
         if cursor.recall_all::<L>(contacts, &mut self.memory) {
-            self.is_known.fill(true);
             return;
         }
         for (lane, &contact) in contacts.iter().enumerate() {
             let memory = cursor.recall::<L>(contact, &mut on_end);
-            self.is_known[lane] = memory.is_some();
             self.memory.set::<L>(lane, &memory.unwrap_or_default());
         }
     }

@@ -1,4 +1,7 @@
 //! History blocks: memories of the contacts of consecutive rows, in the order in which the kernel visits them.
+//!
+//! With centred contacts a block also has entries of gaps that may close in half a step, with empty memories. So the entries
+//! change less often than the contacts do, and lasting ones are overwritten in place.
 
 use serde::{Deserialize, Serialize};
 
@@ -23,6 +26,8 @@ pub struct HistoryBlock<V: Space> {
     stiffness: Vec<f64>,
     /// Energy lost in contacts of these rows in the last pass.
     pub lost: ContactLosses,
+    /// Whether the last count found many gaps that the fastest particles could close.
+    pub has_many_gaps: bool,
 }
 
 impl<V: Space> Default for HistoryBlock<V> {
@@ -34,6 +39,7 @@ impl<V: Space> Default for HistoryBlock<V> {
             twist: Vec::new(),
             stiffness: Vec::new(),
             lost: ContactLosses::default(),
+            has_many_gaps: false,
         }
     }
 }
@@ -118,8 +124,8 @@ impl<V: Space> HistoryBlock<V> {
         }
     }
 
-    /// Gives the memory of a contact to the contact of the same row with `other`, unless that has one. The first `passed`
-    /// contacts are left alone.
+    /// Gives the memory of a contact to the contact of the same row with `other`, unless that has one that is not empty. The
+    /// first `passed` contacts are left alone.
     pub(super) fn rename<L: LawRequirements>(&mut self, passed: usize, contact: Candidate, other: usize) {
         fn move_entry<T>(column: &mut [T], from: usize, to: usize) {
             if from < to {
@@ -130,8 +136,18 @@ impl<V: Space> HistoryBlock<V> {
         }
         let renamed = contact.with_partner(other);
         let left = &self.contacts[passed..];
-        let (Ok(from), Err(to)) = (left.binary_search(&contact), left.binary_search(&renamed)) else { return };
-        let (from, to) = (passed + from, passed + to);
+        let Ok(from) = left.binary_search(&contact) else { return };
+        let from = passed + from;
+        let to = match left.binary_search(&renamed) {
+            Ok(to) => {
+                let to = passed + to;
+                if self.any_memory(to) == Memory::default() {
+                    self.swap_memories(from, to);
+                }
+                return;
+            }
+            Err(to) => passed + to,
+        };
         self.contacts[from] = renamed;
         move_entry(&mut self.contacts, from, to);
         if L::SPRING {
@@ -146,6 +162,19 @@ impl<V: Space> HistoryBlock<V> {
         if L::STIFFNESS {
             move_entry(&mut self.stiffness, from, to);
         }
+    }
+
+    fn swap_memories(&mut self, one: usize, two: usize) {
+        fn swap<T>(column: &mut [T], one: usize, two: usize) {
+            // Vectors that the law does not require are empty.
+            if !column.is_empty() {
+                column.swap(one, two);
+            }
+        }
+        swap(&mut self.spring, one, two);
+        swap(&mut self.rolling, one, two);
+        swap(&mut self.twist, one, two);
+        swap(&mut self.stiffness, one, two);
     }
 
     /// Appends the contacts of `others` for which `is_wanted` returns true. They must come after the last one in order.

@@ -85,11 +85,6 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         before.rename::<L>(self.passed, contact, other);
     }
 
-    /// Returns the memory that a recalled contact had in the previous pass.
-    pub(in crate::contact) fn previous(&self, contact: Candidate) -> Option<Memory<V>> {
-        self.spare.look_up(contact).filter(|_| self.is_rewriting)
-    }
-
     /// Stores the memories of `contacts`, which have just been recalled.
     #[inline]
     pub(crate) fn remember_all<L: LawRequirements>(&mut self, contacts: &[Candidate], memories: &MemoryLanes<V>) {
@@ -98,21 +93,6 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         } else {
             self.block.write::<L>(self.passed - contacts.len()..self.passed, memories);
         }
-    }
-
-    /// Prepares to store the last recalled `contacts` one by one, because some of them have ended.
-    pub(in crate::contact) fn prepare_single<L: LawRequirements>(&mut self, contacts: &[Candidate]) {
-        if !self.is_rewriting {
-            self.passed -= contacts.len();
-            self.start_rewrite::<L>();
-            self.passed += contacts.len();
-        }
-    }
-
-    /// Stores the memory of a contact that has just been recalled by itself.
-    #[inline]
-    pub fn remember<L: LawRequirements>(&mut self, contact: Candidate, memory: &Memory<V>) {
-        self.block.push::<L>(contact, memory);
     }
 
     /// Ends the block: the remaining contacts of the previous pass have ended. `lost` is the energy lost in these rows;
@@ -199,39 +179,16 @@ mod tests {
             assert!(!cursor.recall_all::<Springs>(&contacts, &mut memories));
         }
         assert_eq!(cursor.recall::<Springs>(pair([0, 2]), |_, _| panic!("no contact has ended")), None);
-        cursor.remember::<Springs>(pair([0, 2]), &memory(5.0));
         let recalled =
             cursor.recall::<Springs>(pair([1, 2]), |contact, memory| gone.push((contact.both(), memory.spring.x)));
         assert_eq!((recalled, &gone[..]), (Some(memory(0.3)), &[([0, 3], 0.2)][..]));
-        assert_eq!(cursor.previous(pair([1, 2])), Some(memory(0.3)));
-        cursor.remember::<Springs>(pair([1, 2]), &memory(6.0));
+        [5.0, 6.0].into_iter().enumerate().for_each(|(lane, spring)| memories.set::<Springs>(lane, &memory(spring)));
+        cursor.remember_all::<Springs>(&[[0, 2], [1, 2]].map(pair), &memories);
         // From here on a whole batch matches again.
         assert!(cursor.recall_all::<Springs>(&contacts()[3..], &mut memories));
         cursor.remember_all::<Springs>(&contacts()[3..], &memories);
         cursor.end::<Springs>(ContactLosses::default(), |_, _| panic!("all contacts have been visited"));
         assert_eq!(springs(&block), [([0, 1], 0.1), ([0, 2], 5.0), ([1, 2], 6.0), ([2, 3], 0.4)]);
-    }
-
-    #[test]
-    fn recalled_contacts_may_end() {
-        let (mut block, mut spare) = (block(), HistoryBlock::default());
-        let mut cursor = HistoryCursor::new(&mut block, &mut spare);
-        let mut memories = MemoryLanes::default();
-        let all = contacts();
-        for contacts in [&all[..1], &all[1..3]] {
-            assert!(cursor.recall_all::<Springs>(contacts, &mut memories));
-            memories.set::<Springs>(0, &memory(5.0));
-            if contacts.len() == 1 {
-                cursor.remember_all::<Springs>(contacts, &memories);
-            }
-        }
-        cursor.prepare_single::<Springs>(&contacts()[1..3]);
-        cursor.remember::<Springs>(contacts()[1], &memories.get::<Springs>(0));
-        assert_eq!(cursor.previous(contacts()[2]), Some(memory(0.3)));
-        assert!(cursor.recall_all::<Springs>(&contacts()[3..], &mut memories));
-        cursor.remember_all::<Springs>(&contacts()[3..], &memories);
-        cursor.end::<Springs>(ContactLosses::default(), |_, _| panic!("all contacts have been visited"));
-        assert_eq!(springs(&block), [([0, 1], 5.0), ([0, 3], 5.0), ([2, 3], 0.4)]);
     }
 
     #[test]

@@ -64,7 +64,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     fn flush_walls(&mut self, block: &mut Block<'_, V>) {
         let (pass, view) = (self.pass, self.view);
         if L::MEMORY {
-            let Block { cursor, lost } = block;
+            let Block { cursor, lost, .. } = block;
             self.batch.recall::<L>(cursor, |contact, memory| lost.add(pass.on_wall_contact_end(view, contact, memory)));
         }
         // For a wall contact the reach is the radius of the grain, so the share is 1.
