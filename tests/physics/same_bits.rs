@@ -134,7 +134,9 @@ fn with_gaps<V: Space>(keys: &str, grains: &[GrainRow], chooses: bool) -> Vec<[D
         simulation.run_steps(step);
         simulation.world_mut().resource_scope(|world, mut history: Mut<History<V>>| {
             let (blocks, _) = history.blocks_mut(world.resource::<ParticleStore<V>>());
-            blocks.iter_mut().for_each(|block| block.has_many_gaps = chooses);
+            for block in blocks {
+                block.has_many_gaps = chooses;
+            }
         });
     }
     motion(&mut simulation).iter().map(|now| [now.position, now.velocity, now.spin]).collect()
@@ -150,9 +152,12 @@ fn the_choice_of_gaps_changes_no_bit() {
                 walled(solid, if solid { 2 } else { 1 }, false, width)
             );
             let grains = fall(solid, side, layers);
-            let run = |chooses| match solid {
-                true => with_gaps::<Solid>(&keys, &grains, chooses),
-                false => with_gaps::<Plane>(&keys, &grains, chooses),
+            let run = |chooses| {
+                if solid {
+                    with_gaps::<Solid>(&keys, &grains, chooses)
+                } else {
+                    with_gaps::<Plane>(&keys, &grains, chooses)
+                }
             };
             assert!(run(false) == run(true), "solid: {solid}, {contact}");
         }
