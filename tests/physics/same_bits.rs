@@ -1,5 +1,5 @@
-//! Changes that must leave every bit of a result alone: an empty third dimension, threads, neighbour searches. All runs
-//! have contact history of friction.
+//! Changes that must leave every bit of a result alone: an empty third dimension, threads, neighbour searches, the
+//! filter of gaps. All runs have contact history of friction.
 
 use glam::DVec3;
 

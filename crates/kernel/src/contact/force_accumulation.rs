@@ -20,7 +20,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
     /// resistance.
     #[cold]
     pub(super) fn on_contact_end(&self, store: &ParticleStore<V>, contact: Candidate, memory: &Memory<V>) -> EndLosses {
-        if !store.tracks_energy || *memory == Memory::default() {
+        if !store.tracks_energy || memory.is_empty() {
             return [0.0; 3];
         }
         let [i, j] = contact.both();
@@ -37,7 +37,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         memory: &Memory<V>,
     ) -> EndLosses {
         let [i, wall] = contact.both();
-        if !(self.walls[wall].is_present && store.tracks_energy) || *memory == Memory::default() {
+        if !(self.walls[wall].is_present && store.tracks_energy) || memory.is_empty() {
             return [0.0; 3];
         }
         self.lost_at_end(&ended_wall_pair(store, i, &self.walls[wall], self.dt), memory)

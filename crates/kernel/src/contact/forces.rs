@@ -10,7 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::contact::history::History;
 use crate::contact::history::remembered::Remembered;
 use crate::contact::kernel::{Pass, ScratchPerThread};
-use crate::contact::prediction::LonePairs;
+use crate::contact::lone_pairs::LonePairs;
 use crate::contact::{AnyLaw, LawRequirements, PairLaw};
 use crate::gravity::Gravity;
 use crate::instructions::Instructions;

@@ -30,6 +30,7 @@ pub mod jkr;
 pub mod kernel;
 pub(crate) mod lanes;
 pub mod linear;
+mod lone_pairs;
 mod prediction;
 pub mod rolling;
 pub(crate) mod root;
@@ -153,6 +154,13 @@ pub struct Memory<V: Space = Plane> {
 }
 
 impl<V: Space> Memory<V> {
+    /// Returns whether the memory is that of a contact that begins, or of a gap.
+    #[inline]
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
     /// Returns the memory as seen from the other particle.
     #[must_use]
     pub fn seen_from_partner(&self) -> Self {

@@ -1,7 +1,7 @@
 //! Contacts of a batch near an event: for these few the law is evaluated anew, one by one and averaged over the step
 //! ([`centred`](crate::contact::centred)).
 
-use crate::contact::batch::{Batch, Bodies};
+use crate::contact::batch::{Batch, Bodies, CLOSED_IN_HALF_STEPS};
 use crate::contact::centred::Window;
 use crate::contact::start::force_at_start;
 use crate::contact::{LawRequirements, Memory, MemoryTimes, Pair, PairForce, PairLaw};
@@ -9,19 +9,15 @@ use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
 
-/// A gap that a pair closes in half a step is at most this multiple of half a step times its predicted speed. The factor allows for
-/// the difference of predicted velocities from those in the middle of the step.
-const CLOSES: f64 = 1.25;
-
 /// Turns a contact with predicted velocities into one with the velocities in the middle of the step and their prediction.
 pub type Predict<V> = fn(&ParticleStore<V>, Candidate, &mut Pair<V>);
 
 impl<V: Space> Bodies<V> {
-    /// Returns whether a gap stays open for the time `half`, s.
+    /// Returns whether a gap wider than `range` (m) stays so for half a step, `half` (s).
     #[inline(always)]
-    fn stay_apart(&self, lane: usize, half: f64) -> bool {
+    fn stay_apart(&self, lane: usize, range: f64, half: f64) -> bool {
         let speed = self.relative_velocity.get(lane).dot(self.normal.get(lane)).abs();
-        self.overlap[lane] + CLOSES * half * speed < 0.0
+        self.overlap[lane] + range + CLOSED_IN_HALF_STEPS * half * speed < 0.0
     }
 }
 
@@ -38,9 +34,13 @@ impl<V: Space> Batch<V> {
         while near != 0 {
             let lane = near.trailing_zeros() as usize;
             near &= near - 1;
-            if !(L::REACHES || step.starts) && self.bodies.stay_apart(lane, step.store.prediction.lookahead) {
-                self.clear::<L>(lane);
-                continue;
+            if !step.starts {
+                let range =
+                    if L::REACHES { law.range(&self.pair::<L>(lane, times), &self.memory.get::<L>(lane)) } else { 0.0 };
+                if self.bodies.stay_apart(lane, range, step.store.prediction.lookahead) {
+                    self.clear::<L>(lane);
+                    continue;
+                }
             }
             let (mut pair, mut memory) = (self.pair::<L>(lane, times), self.memory.get::<L>(lane));
             let force = if step.starts {
@@ -89,11 +89,7 @@ impl<V: Space> EventStep<'_, V> {
         pair: &mut Pair<V>,
         memory: &mut Memory<V>,
     ) -> Option<PairForce<V>> {
-        let half = self.store.prediction.lookahead;
         let overlap = if L::REACHES { pair.overlap + law.range(pair, memory) } else { pair.overlap };
-        if L::REACHES && overlap + CLOSES * half * pair.normal_velocity().abs() < 0.0 {
-            return None;
-        }
         (self.predict)(self.store, contact, pair);
         Window::of(pair).touches(overlap).then(|| law.centred(pair, memory))
     }

@@ -8,8 +8,8 @@
 //! Of the law only [`LawRequirements`] matter here, so the loops are compiled for each space and not for each law.
 
 use crate::contact::LawRequirements;
-use crate::contact::batch::Batch;
 use crate::contact::batch::bodies::Approach;
+use crate::contact::batch::{Batch, CLOSED_IN_HALF_STEPS};
 use crate::contact::lanes::LANES;
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
@@ -70,9 +70,8 @@ impl<V: Space> Batch<V> {
                     self.pairs[end] = candidate;
                     let Approach { squared, reach, along } = self.bodies.take::<INDIVIDUAL>(end, &metric, pair);
                     let farthest = if CHOOSES {
-                        // A gap below half |v.n| closes in half a step. The factor allows for the square of the gap, and for
-                        // the difference of the predicted velocities from those in the middle of the step.
-                        (reach + range) * (reach + range) + 2.5 * half * along.abs()
+                        // The squared distance at a gap g is reach^2 + g (reach + distance), and `along` is distance times speed.
+                        (reach + range) * (reach + range) + 2.0 * CLOSED_IN_HALF_STEPS * half * along.abs()
                     } else {
                         (reach + range + margin) * (reach + range + margin)
                     };

@@ -141,7 +141,7 @@ impl<V: Space> HistoryBlock<V> {
         let to = match left.binary_search(&renamed) {
             Ok(to) => {
                 let to = passed + to;
-                if self.any_memory(to) == Memory::default() {
+                if self.any_memory(to).is_empty() {
                     self.swap_memories(from, to);
                 }
                 return;

@@ -127,15 +127,14 @@ impl<V: Space> History<V> {
             (kind, id.number())
         };
         let are_present = |slots: &[usize]| slots.iter().all(|&slot| store.is_present(slot));
-        let is_empty = |memory: &Memory<V>| *memory == Memory::default();
         let pairs = self.pair_blocks.iter().flat_map(HistoryBlock::all);
-        let pairs = pairs.filter(|(contact, memory)| are_present(&contact.both()) && !is_empty(memory));
+        let pairs = pairs.filter(|(contact, memory)| are_present(&contact.both()) && !memory.is_empty());
         let pairs = pairs.map(|(contact, memory)| {
             let [i, j] = contact.both();
             Remembered::new(store.id[i], partner(store.id[j]), &memory)
         });
         let walls = self.wall_blocks.iter().flat_map(HistoryBlock::all);
-        let walls = walls.filter(|(contact, memory)| are_present(&[contact.first()]) && !is_empty(memory));
+        let walls = walls.filter(|(contact, memory)| are_present(&[contact.first()]) && !memory.is_empty());
         let walls = walls.filter_map(|(contact, memory)| {
             let wall = u32::try_from(contact.second() + 1).ok()?;
             Some(Remembered::new(store.id[contact.first()], (PartnerKind::Wall, wall), &memory))
