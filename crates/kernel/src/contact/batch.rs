@@ -18,7 +18,7 @@ pub use self::memories::MemoryLanes;
 pub use self::spins::Spins;
 use crate::contact::centred::VelocityPrediction;
 use crate::contact::history::ContactLosses;
-use crate::contact::lanes::{LANES, PerLane, of_both};
+use crate::contact::lanes::{LANES, PerLane, of_both, smaller};
 use crate::contact::{LawRequirements, LawVisitor, MemoryTimes, Pair, PairForce, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
@@ -30,21 +30,21 @@ use crate::store::{Rotation, TOTAL_AND_DISSIPATIVE};
 /// difference of predicted velocities from those in the middle of the step.
 const CLOSED_IN_HALF_STEPS: f64 = 1.25;
 
-/// Returns a number that is negative if the contact may open or close within the step, or, with friction, if its normal
-/// force may change its sign. `even` (s) times the normal speed is the overlap from which neither happens without drag. `range`
-/// (m) is how far the contact exists beyond touch.
+/// Returns 1 if the contact may open or close within the step, or, with friction, if its normal force may change its sign; otherwise
+/// 0. `even` (s) times the normal speed is the overlap from which neither happens without drag. `range` (m) is how far the contact
+/// exists beyond touch. Vector units compare the sign bits of two numbers faster than their minimum with zero.
 #[inline(always)]
-fn slack<L: PairLaw<V> + LawRequirements, V: Space>(
+fn near_event<L: PairLaw<V> + LawRequirements, V: Space>(
     law: &L,
     pair: &Pair<V>,
     force: &PairForce<V>,
     (even, range): (f64, f64),
-) -> f64 {
+) -> u64 {
     let nearest = even * pair.normal_velocity().abs();
     let overlap = if L::REACHES { pair.overlap + range } else { pair.overlap };
     let opening = overlap - nearest;
     if !L::SPIN {
-        return opening;
+        return opening.to_bits() >> 63;
     }
     // The drag of a separating contact reduces the force, so that its sign may change at a larger overlap.
     let [load, spring] = force.load.unwrap_or_else(
@@ -58,7 +58,8 @@ fn slack<L: PairLaw<V> + LawRequirements, V: Space>(
             [total, total - force.drag.dot(pair.normal)]
         },
     );
-    opening.min(load.min(spring) * overlap - spring * nearest)
+    let unloading = smaller(load, spring) * overlap - spring * nearest;
+    (opening.to_bits() | unloading.to_bits()) >> 63
 }
 
 /// Contacts i, j side by side; units as in [`Pair`].
@@ -150,7 +151,7 @@ impl<V: Space> Batch<V> {
     }
 
     /// Evaluates `law` in all lanes. Returns the number of contacts that overlap by more than `deepest` times the sum of the
-    /// radii, and the bits of the lanes near an event: see the function `slack`, also for `even`, s. Both include
+    /// radii, and the bits of the lanes near an event: see the function `near_event`, also for `even`, s. Both include
     /// lanes beyond the last contact.
     #[inline(always)]
     fn evaluate_lanes<L: PairLaw<V> + LawRequirements, const NUMBERS: usize, const CENTRED: bool>(
@@ -158,7 +159,7 @@ impl<V: Space> Batch<V> {
         law: &L,
         times: MemoryTimes,
         [deepest, even]: [f64; 2],
-    ) -> (u32, u64) {
+    ) -> (u64, u64) {
         let (mut deeper, mut near) = (0, 0);
         // So the compiler can tell whether the lead is zero: plain contacts do not pay for centred ones, and the loop of
         // centred ones has no branch on the lead.
@@ -175,14 +176,14 @@ impl<V: Space> Batch<V> {
             let mut memory = self.memory.get::<L>(lane);
             let range = if CENTRED && L::REACHES { law.range(&pair, &memory) } else { 0.0 };
             let force = law.force(&pair, &mut memory);
-            deeper += u32::from(pair.overlap > deepest * self.bodies.reach[lane]);
+            deeper += u64::from(pair.overlap > deepest * self.bodies.reach[lane]);
             self.output.store_force::<L>(lane, &pair, &force);
             if NUMBERS == TOTAL_AND_DISSIPATIVE {
                 self.output.store_energy_numbers::<L>(lane, &pair, &force);
             }
             self.memory_after.set::<L>(lane, &memory);
             if CENTRED {
-                near |= u64::from(slack(law, &pair, &force, (even, range)) < 0.0) << lane;
+                near |= near_event(law, &pair, &force, (even, range)) << lane;
             }
         }
         (deeper, near)
@@ -206,7 +207,7 @@ impl<V: Space> Batch<V> {
         times: MemoryTimes,
         instructions: Instructions,
         limits: [f64; 2],
-    ) -> (u32, u64) {
+    ) -> (u64, u64) {
         let call = Call { times, instructions, limits };
         if times.lead > 0.0 {
             Lanes::<V, NUMBERS, true> { batch: self, call: &call }.evaluate(law)
@@ -243,7 +244,7 @@ impl<V: Space, const NUMBERS: usize, const CENTRED: bool> Lanes<'_, V, NUMBERS, 
     /// Evaluates all lanes with one law if all contacts are between the same two species, as in most batches of a silo: contacts of grains of one kind, or
     /// of such grains with walls. Otherwise the law of each contact is looked up, which the compiler does not vectorise.
     #[inline]
-    fn evaluate<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u32, u64) {
+    fn evaluate<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u64, u64) {
         let only = if L::SPECIES { self.batch.only_species() } else { Some([Species(0); 2]) };
         match only {
             Some(species) => law.between(species, self),
@@ -253,10 +254,10 @@ impl<V: Space, const NUMBERS: usize, const CENTRED: bool> Lanes<'_, V, NUMBERS, 
 }
 
 impl<V: Space, const NUMBERS: usize, const CENTRED: bool> LawVisitor<V> for Lanes<'_, V, NUMBERS, CENTRED> {
-    type Output = (u32, u64);
+    type Output = (u64, u64);
 
     /// A function of its own: compiled once for a law and for its table of pairs of species.
-    fn visit<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u32, u64) {
+    fn visit<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u64, u64) {
         let Self { batch, call } = self;
         call.instructions.run(
             #[inline(always)]
@@ -319,7 +320,7 @@ mod tests {
                 batch.push::<L>(Candidate::new(number, 1), &on_wall(number));
             }
             let (deeper, _) = batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, TIMES, instructions, [0.0, 0.0]);
-            assert!(deeper >= contacts);
+            assert!(deeper >= u64::from(contacts));
             for (lane, number) in (0..contacts).enumerate() {
                 let (pair, mut memory) = (on_wall(number), Memory::default());
                 let on_i = law.force(&pair, &mut memory);

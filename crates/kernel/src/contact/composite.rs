@@ -4,6 +4,7 @@
 //! ([`NoFriction`](super::tangential::NoFriction), [`NoRolling`](super::rolling::NoRolling)) costs no run time.
 
 use crate::contact::centred::{VelocityPrediction, Window};
+use crate::contact::lanes::larger;
 use crate::contact::rolling::Rolling;
 use crate::contact::tangential::{NormalLoad, Tangential, Unloading};
 use crate::contact::{Bounce, LawRequirements, Memory, Pair, PairForce, PairLaw};
@@ -129,7 +130,7 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         }
         let spring = self.normal.spring(pair);
         let drag = self.normal.drag(pair);
-        let load = (spring - drag * pair.normal_velocity()).max(self.normal.floor());
+        let load = larger(spring - drag * pair.normal_velocity(), self.normal.floor());
         let pull = self.normal.pull(pair, 1.0);
         let mut force =
             PairForce { load: Some([load, spring]), ..PairForce::along(pair.normal, load - pull, spring - pull) };

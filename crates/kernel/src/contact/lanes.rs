@@ -44,6 +44,20 @@ pub fn of_both(both: &[Scalars; 2], lane: usize) -> [f64; 2] {
     [both[0][lane], both[1][lane]]
 }
 
+/// Returns the smaller number, or `b` if one is a NaN: one vector instruction, where `f64::min` takes three.
+#[inline(always)]
+#[must_use]
+pub fn smaller(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// Returns the larger number, or `b` if one is a NaN: one vector instruction, where `f64::max` takes three.
+#[inline(always)]
+#[must_use]
+pub fn larger(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
 /// One vector or spin per lane, stored component by component.
 #[derive(Clone, Debug)]
 pub struct Lanes<T> {

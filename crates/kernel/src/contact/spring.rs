@@ -55,7 +55,7 @@ impl Slider {
         let moved = before + velocity * dt;
         let mut after = moved - normal * moved.dot(normal);
         // The force beside that of the stored spring, which is ahead: -k (S - v lead) - c v = -k S + (k lead - c) v.
-        let beside = velocity * -(self.drag - self.stiffness * lead);
+        let beside = velocity * (self.stiffness * lead - self.drag);
         let (is_sliding, force) = cut(after * -self.stiffness + beside, self.cap);
         if is_sliding {
             after = (force - beside) * (-1.0 / self.stiffness);

@@ -43,15 +43,14 @@ impl Lever {
     #[must_use]
     pub fn arms<V: Space>(self, pair: &Pair<V>) -> [f64; 2] {
         let [i, j] = pair.radii;
-        match (self, j.is_infinite()) {
-            (Self::Radius, false) => pair.radii,
-            (Self::Radius, true) => [i, 0.0],
-            (Self::ContactPoint, false) => {
-                let share = pair.overlap * pair.inverse_reach;
-                [i - share * j, j - share * i]
-            }
-            (Self::ContactPoint, true) => [i - pair.overlap, 0.0],
-        }
+        // A factor, because vector units would need a mask for a choice.
+        let to_contact = match self {
+            Self::Radius => 0.0,
+            Self::ContactPoint => 1.0,
+        };
+        let (share, is_wall) = (to_contact * (pair.overlap * pair.inverse_reach), j == f64::INFINITY);
+        let shorter = if is_wall { to_contact * pair.overlap } else { share * j };
+        [i - shorter, if is_wall { 0.0 } else { j - share * i }]
     }
 }
 

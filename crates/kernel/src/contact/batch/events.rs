@@ -5,6 +5,7 @@ use crate::contact::batch::{Batch, Bodies, CLOSED_IN_HALF_STEPS};
 use crate::contact::centred::Window;
 use crate::contact::start::force_at_start;
 use crate::contact::{LawRequirements, Memory, MemoryTimes, Pair, PairForce, PairLaw};
+use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
@@ -25,6 +26,20 @@ impl<V: Space> Batch<V> {
     /// Evaluates the law anew for the contacts near an event, `near` (bits of lanes).
     #[inline(never)]
     pub fn evaluate_events<L: PairLaw<V> + LawRequirements>(
+        &mut self,
+        law: &L,
+        times: MemoryTimes,
+        step: &EventStep<V>,
+        near: u64,
+    ) {
+        step.instructions.run_narrow(
+            #[inline(always)]
+            || self.evaluate_each::<L>(law, times, step, near),
+        );
+    }
+
+    #[inline(always)]
+    fn evaluate_each<L: PairLaw<V> + LawRequirements>(
         &mut self,
         law: &L,
         times: MemoryTimes,
@@ -78,10 +93,13 @@ pub struct EventStep<'a, V: Space> {
     pub predict: Predict<V>,
     /// Whether it is step zero.
     pub starts: bool,
+    /// Instruction set of the law.
+    pub instructions: Instructions,
 }
 
 impl<V: Space> EventStep<'_, V> {
     /// Returns the averaged force of a contact, or `None` if there is no contact in this step.
+    #[inline(always)]
     fn force<L: PairLaw<V> + LawRequirements>(
         &self,
         law: &L,

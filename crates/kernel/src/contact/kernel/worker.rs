@@ -158,7 +158,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         // Without velocity prediction no contact is near an event.
         let near = std::mem::take(&mut self.batch.lone) | near & !(u64::MAX << self.batch.len);
         if near != 0 {
-            let step = EventStep { store: view, predict, starts };
+            let step = EventStep { store: view, predict, starts, instructions };
             self.batch.evaluate_events::<L>(law, MemoryTimes { spring_damping: 0.0, ..times }, &step, near);
         }
         deeper > 0
