@@ -98,7 +98,7 @@ impl Simulation {
     /// # Errors
     /// If a value of the state cannot be encoded.
     pub fn save(&mut self) -> Result<Vec<Section>, Problem> {
-        self.refresh();
+        store::refresh_world(self.app.world_mut());
         persist::save(self.app.world_mut())
     }
 
@@ -210,6 +210,14 @@ impl Simulation {
     #[must_use]
     pub fn world(&self) -> &World {
         self.app.world()
+    }
+
+    /// The world of the app at the end of a run, for siloflow's own output: particles have forces and torques as components only where
+    /// a system uses them.
+    pub(crate) fn world_at_end(&mut self) -> &mut World {
+        let world = self.app.world_mut();
+        store::refresh_world(world);
+        world
     }
 
     /// The world of the app, to be changed. Changes between steps count from the next step on.

@@ -26,10 +26,9 @@ use self::inlet::{Inlet, Progress, Released};
 use crate::grains::mass::MassLaw;
 use crate::grains::region::Region;
 use crate::grains::spawner::{Pending, RadiusLaw};
-use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
 use crate::outcome::{Failure, Outcome};
-use crate::particle::{Force, Grain, GrainBundle, Mass, Particle, Position, Radius, Velocity};
+use crate::particle::{Grain, GrainBundle, Mass, Particle, Position, Radius, Velocity};
 use crate::particles::Particles;
 use crate::persist::PersistApp as _;
 use crate::space::Space;
@@ -175,7 +174,7 @@ fn feed<V: Space>(
     mut figures: ResMut<FeedFigures>,
     mut outcome: ResMut<Outcome>,
     mut released: MessageWriter<GrainReleased>,
-    (clock, gravity, walls): (Res<Clock>, Res<Gravity<V>>, Res<Surfaces<V>>),
+    (clock, walls): (Res<Clock>, Res<Surfaces<V>>),
 ) {
     let Feeds { inlets, next_id } = &mut *feeds;
     // Grains of this step have no row yet.
@@ -195,7 +194,7 @@ fn feed<V: Space>(
             };
             let Some(new) = inlet.enter(particles.periodic(), &mut tries_left, place) else { break };
             newcomers.push((new.position, new.radius));
-            spawn(&mut commands, &new, gravity.0);
+            spawn(&mut commands, &new);
             released.write(GrainReleased { id: new.id });
             if inlet.left.is_some() {
                 pending.0 -= 1;
@@ -209,13 +208,12 @@ fn feed<V: Space>(
     }
 }
 
-fn spawn<V: Space>(commands: &mut Commands, new: &Released<V>, gravity: V) {
+fn spawn<V: Space>(commands: &mut Commands, new: &Released<V>) {
     let bundle = GrainBundle {
         particle: Particle {
             id: new.id,
             position: Position(new.position),
             velocity: Velocity(new.velocity),
-            force: Force(gravity * new.mass),
             radius: Radius(new.radius),
         },
         mass: Mass(new.mass),

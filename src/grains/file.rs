@@ -17,7 +17,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::read::{parse, read};
 pub use self::write::{write, write_to};
-use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
+use crate::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use crate::space::{Dimension, Solid, Space};
 
 /// The scene key `grains`.
@@ -50,7 +50,7 @@ pub struct GrainRow {
 }
 
 impl GrainRow {
-    /// Returns the components of the grain as an entity. Its force is zero until step zero evaluates it.
+    /// Returns the components of the grain as an entity.
     #[must_use]
     pub fn bundle<V: Space>(&self) -> GrainBundle<V> {
         GrainBundle {
@@ -58,7 +58,6 @@ impl GrainRow {
                 id: self.id,
                 position: Position(V::narrow(self.position)),
                 velocity: Velocity(V::narrow(self.velocity)),
-                force: Force(V::ZERO),
                 radius: Radius(self.radius),
             },
             mass: Mass(self.mass),

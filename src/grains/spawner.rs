@@ -15,10 +15,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
-use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
 use crate::outcome::{Failure, Outcome};
-use crate::particle::{Force, Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
+use crate::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use crate::particles::Particles;
 use crate::periodic::Periodic;
 use crate::persist::PersistApp as _;
@@ -220,7 +219,7 @@ fn release<V: Space>(
     mut delays: ResMut<ReleaseDelays>,
     mut outcome: ResMut<Outcome>,
     mut released: MessageWriter<GrainReleased>,
-    (clock, gravity, walls): (Res<Clock>, Res<Gravity<V>>, Res<Surfaces<V>>),
+    (clock, walls): (Res<Clock>, Res<Surfaces<V>>),
 ) {
     let Some(grain) = state.candidate(particles.periodic()) else { return };
     let delay = clock.time() - state.due;
@@ -248,7 +247,6 @@ fn release<V: Space>(
             id: grain.id,
             position: Position(grain.position),
             velocity: Velocity(state.config.velocity.get()),
-            force: Force(gravity.0 * mass),
             radius: Radius(grain.radius),
         },
         mass: Mass(mass),

@@ -65,9 +65,9 @@ impl Simulation {
         }
     }
 
-    /// Refreshes all components.
-    pub(super) fn refresh(&mut self) {
-        store::refresh_world(self.app.world_mut());
+    /// Refreshes all components, for a caller from outside.
+    fn refresh(&mut self) {
+        store::complete_world(self.app.world_mut());
     }
 
     /// Steps until the run ends.

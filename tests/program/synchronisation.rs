@@ -1,6 +1,7 @@
 //! Component synchronisation. The particle store owns the numbers. Components show the values of the store to every
 //! system, for every kind of access. Reading changes no bit. Values that systems write are copied back to the store.
 
+mod loads;
 mod reads;
 mod writes;
 

@@ -9,7 +9,7 @@
 //! | [`GrainId`] | | all particles |
 //! | [`Position`] | m | all particles |
 //! | [`Velocity`] | m/s | all particles (zero for a wall at rest) |
-//! | [`Force`] | N | all particles: contacts, weight and added forces; on wall grains, the forces of the grains |
+//! | [`Force`] | N | all particles where a system uses it: contacts, weight and added forces; on wall grains, the forces of the grains |
 //! | [`Radius`] | m | all particles |
 //! | [`Mass`] | kg | grains |
 //! | [`Species`] | | all particles |
@@ -20,6 +20,9 @@
 //! Vectors have the dimension of the scene's space: `Position` means `Position<Plane>`, and a solid scene has
 //! `Position<Solid>`. Other components come only with the plugin that needs them, and so only in scenes that use it.
 //! Spin, torque and moment of inertia come with a tangential force ([`crate::spin`]).
+//!
+//! Forces and torques are numbers of the store. Particles get [`Force`] and [`Torque`](crate::spin::Torque) as components before the first
+//! system that uses them runs, and before a caller gets the world between two steps. Other runs do without.
 
 use std::fmt;
 
@@ -127,7 +130,8 @@ pub struct Position<V: Space = Plane>(pub V);
 #[serde(bound = "")]
 pub struct Velocity<V: Space = Plane>(pub V);
 
-/// Sum of the forces, N, at the last evaluation. The acceleration is this force divided by [`Mass`].
+/// Sum of the forces, N, at the last evaluation. The acceleration is this force divided by [`Mass`]. A grain that enters without
+/// this component starts with its weight.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[component(summary_tick)]
 #[serde(bound = "")]
@@ -174,8 +178,6 @@ pub struct Particle<V: Space = Plane> {
     pub position: Position<V>,
     /// Velocity, m/s.
     pub velocity: Velocity<V>,
-    /// Force, N.
-    pub force: Force<V>,
     /// Radius, m.
     pub radius: Radius,
 }
@@ -196,12 +198,6 @@ pub struct GrainBundle<V: Space = Plane> {
 /// Returns one disc or sphere of a wall. [`crate::walls::conveyor`] maintains a `velocity` other than zero.
 #[must_use]
 pub fn wall_grain<V: Space>(id: GrainId, centre: V, radius: f64, velocity: V, species: Species) -> impl Bundle {
-    let particle = Particle {
-        id,
-        position: Position(centre),
-        velocity: Velocity(velocity),
-        force: Force(V::ZERO),
-        radius: Radius(radius),
-    };
+    let particle = Particle { id, position: Position(centre), velocity: Velocity(velocity), radius: Radius(radius) };
     (particle, species, Fixed)
 }

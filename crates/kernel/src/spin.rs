@@ -16,7 +16,8 @@ use crate::space::{Dimension, Linear, Space};
 #[serde(bound = "")]
 pub struct Spin<W: Linear = f64>(pub W);
 
-/// Torque about the centre, N m, at the last evaluation.
+/// Torque about the centre, N m, at the last evaluation. Like [`Force`](crate::particle::Force), grains have it where a system
+/// uses it.
 #[derive(Component, Clone, Copy, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[component(summary_tick)]
 #[serde(bound = "")]
@@ -57,8 +58,8 @@ impl InertiaLaw {
 
     /// Returns the components that a grain of this mass (kg), radius (m) and spin (rad/s) needs to rotate.
     pub fn turning<V: Space>(self, mass: f64, radius: f64, spin: V::Spin) -> TurningBundle<V> {
-        (Spin(spin), Torque(V::Spin::ZERO), Inertia(self.factor() * mass * radius * radius))
+        (Spin(spin), Inertia(self.factor() * mass * radius * radius))
     }
 }
 
-pub(crate) type TurningBundle<V> = (Spin<<V as Space>::Spin>, Torque<<V as Space>::Spin>, Inertia);
+pub(crate) type TurningBundle<V> = (Spin<<V as Space>::Spin>, Inertia);

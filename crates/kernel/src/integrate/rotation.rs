@@ -24,17 +24,17 @@ use crate::store::{
 fn add_rotation_components<V: Space>(
     added: On<Add<Grain>>,
     store: Res<ParticleStore<V>>,
-    grains: Query<(&Mass, &Radius, Has<Spin<V::Spin>>, Has<Torque<V::Spin>>, Has<Inertia>)>,
+    grains: Query<(&Mass, &Radius, Has<Spin<V::Spin>>, Has<Inertia>)>,
     mut commands: Commands,
 ) {
-    let Ok((mass, radius, spins, has_torque, has_inertia)) = grains.get(added.entity) else { return };
-    if spins && has_torque && has_inertia {
+    let Ok((mass, radius, spins, has_inertia)) = grains.get(added.entity) else { return };
+    if spins && has_inertia {
         return;
     }
     let Some(law) = store.inertia else { return };
-    let (spin, torque, inertia) = law.turning::<V>(mass.0, radius.0, V::Spin::ZERO);
+    let (spin, inertia) = law.turning::<V>(mass.0, radius.0, V::Spin::ZERO);
     let mut grain = commands.entity(added.entity);
-    grain.insert((torque, inertia));
+    grain.insert(inertia);
     if !spins {
         grain.insert(spin);
     }

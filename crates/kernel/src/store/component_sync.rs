@@ -1,7 +1,8 @@
 //! Component sync: copies mirrored components from and to the store, around the phases in which systems use them and
 //! between steps.
 //!
-//! Before the systems of a phase run, the stale components that they use are refreshed. After them, values that they
+//! Before the systems of a phase run, the stale components that they use are refreshed; forces and torques are added to particles
+//! that do not have these components yet. After them, values that they
 //! wrote are written back to the store. A phase whose systems use no mirrored component has neither copy. Change ticks
 //! show which rows a system wrote. A write that bypasses change detection (`bypass_change_detection`) declares that it
 //! does not count, and it is lost.
@@ -20,7 +21,7 @@ use crate::space::Space;
 use crate::step::{Part, Phase, Step};
 use crate::store::ParticleStore;
 use crate::store::deferred_kick::apply_pending_kick;
-use crate::store::mirror::{MirrorSet, Refresh, WriteBack};
+use crate::store::mirror::{AddLoads, MirrorSet, Refresh, WriteBack};
 use crate::store::predictable_conditions::PredictableConditions;
 use crate::store::sync_plan::{ForeignObservers, Plan, ReadsMotion, ReadsPlaces};
 
@@ -38,13 +39,22 @@ fn used_components(world: &mut World, phase: usize, observers: &mut ForeignObser
     if has_commands && Plan::foreign_code_may_run(world, observers) { (MirrorSet::ALL, MirrorSet::ALL) } else { uses }
 }
 
+/// Adds forces and torques, if they are among `wanted`, to the particles that lack these components.
+fn add_loads<V: Space>(world: &mut World, state: &mut SystemState<AddLoads<V>>, wanted: MirrorSet) {
+    if wanted.meets(MirrorSet::FORCE.or(MirrorSet::TORQUE)) {
+        state.get_mut(world).expect("the store plugin inserts the store").add(wanted);
+        state.apply(world);
+    }
+}
+
 fn refresh<V: Space, const PHASE: usize>(
     world: &mut World,
-    state: &mut SystemState<Refresh<V>>,
+    (state, loads): (&mut SystemState<Refresh<V>>, &mut SystemState<AddLoads<V>>),
     observers: &mut ForeignObservers,
 ) {
     let (reads, writes) = used_components(world, PHASE, observers);
     if !reads.is_none() {
+        add_loads(world, loads, reads);
         state.get_mut(world).expect("the store plugin inserts the store").refresh(reads);
     }
     let since = world.increment_change_tick();
@@ -89,11 +99,16 @@ impl<V: Space> ParticleStore<V> {
 /// The systems that sync all components between steps.
 #[derive(Resource)]
 struct BetweenSteps {
+    add_loads: SystemId,
     refresh: SystemId,
     write_back: SystemId,
     extend: SystemId,
     /// The change tick at which the caller got the world to change it.
     published_at: Option<Tick>,
+}
+
+fn add_all_loads<V: Space>(world: &mut World, state: &mut SystemState<AddLoads<V>>) {
+    add_loads(world, state, MirrorSet::ALL);
 }
 
 fn refresh_all<V: Space>(store: Refresh<V>) {
@@ -110,7 +125,7 @@ fn run_registered(world: &mut World, system: SystemId) {
     world.run_system(system).expect("the system is registered, and its parameters always exist");
 }
 
-/// Refreshes all components, after applying a pending kick.
+/// Refreshes all components, after applying a pending kick. Particles that lack forces and torques as components get none.
 pub fn refresh_world(world: &mut World) {
     apply_pending_kick(world);
     if let Some(&BetweenSteps { refresh, .. }) = world.get_resource() {
@@ -118,9 +133,17 @@ pub fn refresh_world(world: &mut World) {
     }
 }
 
-/// Like [`refresh_world`], for a caller that may change components: records from which tick on changes count.
-pub fn publish_to_world(world: &mut World) {
+/// Like [`refresh_world`], for a caller from outside: adds forces and torques to the particles that lack these components.
+pub fn complete_world(world: &mut World) {
     refresh_world(world);
+    if let Some(&BetweenSteps { add_loads, .. }) = world.get_resource() {
+        run_registered(world, add_loads);
+    }
+}
+
+/// Like [`complete_world`], for a caller that may change components: records from which tick on changes count.
+pub fn publish_to_world(world: &mut World) {
+    complete_world(world);
     let now = world.increment_change_tick();
     if let Some(mut between) = world.get_resource_mut::<BetweenSteps>() {
         between.published_at.get_or_insert(now);
@@ -139,8 +162,8 @@ pub fn collect_from_world(world: &mut World) {
 pub(super) fn add<V: Space>(app: &mut App) {
     let world = app.world_mut();
     let (refresh, write_back) = (world.register_system(refresh_all::<V>), world.register_system(write_all_back::<V>));
-    let extend = world.register_system(extend_schedule::<V>);
-    world.insert_resource(BetweenSteps { refresh, write_back, extend, published_at: None });
+    let (add_loads, extend) = (world.register_system(add_all_loads::<V>), world.register_system(extend_schedule::<V>));
+    world.insert_resource(BetweenSteps { add_loads, refresh, write_back, extend, published_at: None });
     world.init_resource::<ReadsPlaces>();
     world.init_resource::<ReadsMotion>();
     world.init_resource::<PredictableConditions>();

@@ -166,6 +166,10 @@ impl<V: Space> ParticleStore<V> {
     }
 
     fn write_force(&mut self, row: usize, Force(force): Force<V>, pending: KickPending) {
+        // A copy of the store's own number changes nothing, not even the sign of a zero.
+        if self.loads.force.of(row) == force {
+            return;
+        }
         let change = self.loads.force.of(row) - force;
         let correction = self.pending_kick_gain(row, change, pending);
         self.set_velocity(row, self.body[row].velocity + correction, false);
@@ -185,7 +189,7 @@ impl<V: Space> ParticleStore<V> {
     }
 
     fn write_torque(&mut self, row: usize, Torque(torque): Torque<V::Spin>, pending: KickPending) {
-        if row < self.rotation.len() {
+        if row < self.rotation.len() && self.loads.torque.of(row) != torque {
             let correction = self.pending_spin_gain(row, self.loads.torque.of(row) - torque, pending);
             self.set_spin(row, self.rotation[row].spin + correction, false);
             self.loads.torque.set(row, torque);

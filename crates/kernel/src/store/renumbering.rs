@@ -5,6 +5,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::ScheduleLabel;
 use serde::{Deserialize, Serialize};
 
+use crate::gravity::Gravity;
 use crate::particle::Slot;
 use crate::persist::PersistApp as _;
 use crate::space::Space;
@@ -55,8 +56,10 @@ pub(super) fn renumber<V: Space>(
     mut store: ResMut<ParticleStore<V>>,
     (mut population, mut count): (ResMut<Population>, ResMut<Renumberings>),
     (particles, mut slots): (Query<EntityRow<V>>, Query<&mut Slot>),
+    gravity: Option<Res<Gravity<V>>>,
 ) {
-    store.reorder(population.take(), &particles, &mut slots);
+    let gravity = gravity.map_or(V::ZERO, |gravity| gravity.0);
+    store.reorder(population.take(), &particles, &mut slots, gravity);
     count.0 += 1;
 }
 

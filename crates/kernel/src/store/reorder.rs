@@ -21,12 +21,13 @@ pub(crate) struct EntityRow<V: Space> {
     id: &'static GrainId,
     position: &'static Position<V>,
     velocity: &'static Velocity<V>,
-    force: &'static Force<V>,
+    force: Option<&'static Force<V>>,
     radius: &'static Radius,
     mass: Option<&'static Mass>,
     species: Option<&'static Species>,
     is_fixed: Has<Fixed>,
-    turning: Option<(&'static Spin<V::Spin>, &'static Torque<V::Spin>, &'static Inertia)>,
+    turning: Option<(&'static Spin<V::Spin>, &'static Inertia)>,
+    torque: Option<&'static Torque<V::Spin>>,
 }
 
 /// Properties of a particle that change by insertion alone, as the store holds them.
@@ -49,7 +50,7 @@ impl Properties {
             radius: row.radius.0,
             mass: row.mass.map_or(0.0, |mass| mass.0),
             inverse_mass,
-            inverse_inertia: row.turning.map_or(0.0, |(.., inertia)| 1.0 / inertia.0),
+            inverse_inertia: row.turning.map_or(0.0, |(_, inertia)| 1.0 / inertia.0),
             species: row.species.copied().unwrap_or_default(),
         }
     }
@@ -87,12 +88,14 @@ type Key = (bool, Place, GrainId);
 type Entrant = (Key, u32);
 
 impl<V: Space> ParticleStore<V> {
-    /// Assigns slots to all particles. `touched` lists the entities that entered or were altered.
+    /// Assigns slots to all particles. `touched` lists the entities that entered or were altered. Grains that enter without a force
+    /// get their weight by `gravity`, m/s^2.
     pub(super) fn reorder(
         &mut self,
         touched: Vec<Entity>,
         particles: &Query<EntityRow<V>>,
         slots: &mut Query<&mut Slot>,
+        gravity: V,
     ) {
         let (entering, altered) = self.read(touched, particles, slots);
         let rows = self.len();
@@ -114,7 +117,7 @@ impl<V: Space> ParticleStore<V> {
         self.apply_altered(&altered);
         for (entity, slot) in newcomers {
             if let Ok(row) = particles.get(entity) {
-                self.fill(slot as usize, &row);
+                self.fill(slot as usize, &row, gravity);
             }
         }
         for (i, (entity, former)) in self.entity.iter().zip(&self.former).enumerate() {
@@ -232,15 +235,16 @@ impl<V: Space> ParticleStore<V> {
         }
     }
 
-    /// Fills row `i` for an entering particle.
-    fn fill(&mut self, i: usize, entering: &EntityRowItem<'_, '_, V>) {
+    /// Fills row `i` for an entering particle, in `gravity`, m/s^2.
+    fn fill(&mut self, i: usize, entering: &EntityRowItem<'_, '_, V>, gravity: V) {
         self.entity[i] = entering.entity;
         (self.body[i].position, self.body[i].velocity) = (entering.position.0, entering.velocity.0);
-        self.loads.force.set(i, entering.force.0);
-        self.set_properties(i, &Properties::of(entering));
-        if let (Some(rotation), Some((spin, torque, _))) = (self.rotation.get_mut(i), entering.turning) {
+        let properties = Properties::of(entering);
+        self.loads.force.set(i, entering.force.map_or(gravity * properties.mass, |force| force.0));
+        self.set_properties(i, &properties);
+        if let (Some(rotation), Some((spin, _))) = (self.rotation.get_mut(i), entering.turning) {
             rotation.spin = spin.0;
-            self.loads.torque.set(i, torque.0);
+            self.loads.torque.set(i, entering.torque.copied().unwrap_or_default().0);
         }
     }
 }
@@ -267,7 +271,6 @@ mod tests {
                 id: GrainId::grain(number).unwrap(),
                 position: Position(Plane::new(f64::from(number), 0.0)),
                 velocity: Velocity::default(),
-                force: Force::default(),
                 radius: Radius(0.1),
             },
             mass: Mass(1.0),
