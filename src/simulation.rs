@@ -212,9 +212,9 @@ impl Simulation {
         self.app.world()
     }
 
-    /// The world of the app at the end of a run, for siloflow's own output: particles have forces and torques as components only where
-    /// a system uses them.
-    pub(crate) fn world_at_end(&mut self) -> &mut World {
+    /// The world of the app, for siloflow's own code: components are refreshed, and particles have forces and torques as components only
+    /// where a system uses them.
+    pub(crate) fn own_world(&mut self) -> &mut World {
         let world = self.app.world_mut();
         store::refresh_world(world);
         world

@@ -63,7 +63,7 @@ fn explain_lattice(loaded: &LoadedLattice, registry: &Registry) -> Result<Verdic
 fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<Verdict, Fault> {
     let mut simulation = Simulation::new(loaded, registry, ONE_THREAD)?;
     // Step zero releases the first grain and writes no file. Then the world shows the components of a grain.
-    simulation.step();
+    simulation.step_zero();
     let mut text = format!(
         "{}, space {:?}\nintegrator {:?}, contact {:?},\nneighbours {:?}\n",
         loaded.source.name,
@@ -81,7 +81,7 @@ fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<Verdict, Fault
         let _ = writeln!(text, "material of species {species}: {material:?}");
     }
     text.push('\n');
-    describe_grain(simulation.world_mut(), &mut text);
+    describe_grain(simulation.own_world(), &mut text);
     describe_systems(simulation.world(), &mut text);
     describe_outputs(loaded, &mut text);
     say(&text);

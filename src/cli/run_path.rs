@@ -184,7 +184,7 @@ fn finish<M: Method>(
     cost: Cost,
     call: &Call,
 ) -> Report {
-    let world = simulation.world_at_end();
+    let world = simulation.own_world();
     let mut summary = method.summary(world, end, cost);
     summary.record(Provenance::now());
     if let Err(error) = directory.write_state(|file| method.write_state(world, file)) {
