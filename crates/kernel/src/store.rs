@@ -21,6 +21,7 @@ mod accumulator;
 mod component_sync;
 mod declared_access;
 mod deferred_kick;
+mod load_components;
 mod mirror;
 mod parallel_chunks;
 mod plugin;

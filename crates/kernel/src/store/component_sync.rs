@@ -1,10 +1,9 @@
 //! Component sync: copies mirrored components from and to the store, around the phases in which systems use them and
 //! between steps.
 //!
-//! Before the systems of a phase run, the stale components that they use are refreshed; forces and torques are added to particles
-//! that do not have these components yet. After them, values that they
-//! wrote are written back to the store. A phase whose systems use no mirrored component has neither copy. Change ticks
-//! show which rows a system wrote. A write that bypasses change detection (`bypass_change_detection`) declares that it
+//! Before the systems of a phase run, the stale components that they use are refreshed, and forces and torques are added to particles
+//! that lack these components (`store/load_components.rs`). After them, values that they wrote are written back to the store. A
+//! phase whose systems use no mirrored component has neither copy. Change ticks show which rows a system wrote. A write that bypasses change detection (`bypass_change_detection`) declares that it
 //! does not count, and it is lost.
 //!
 //! Between steps the caller owns the world ([`publish_to_world`]): all components are up to date. Values that the
@@ -21,7 +20,8 @@ use crate::space::Space;
 use crate::step::{Part, Phase, Step};
 use crate::store::ParticleStore;
 use crate::store::deferred_kick::apply_pending_kick;
-use crate::store::mirror::{AddLoads, MirrorSet, Refresh, WriteBack};
+use crate::store::load_components::{AddLoads, add_loads};
+use crate::store::mirror::{MirrorSet, Refresh, WriteBack};
 use crate::store::predictable_conditions::PredictableConditions;
 use crate::store::sync_plan::{ForeignObservers, Plan, ReadsMotion, ReadsPlaces};
 
@@ -37,14 +37,6 @@ fn used_components(world: &mut World, phase: usize, observers: &mut ForeignObser
     }
     world.resource_mut::<Plan>().phases[phase].needs = needs;
     if has_commands && Plan::foreign_code_may_run(world, observers) { (MirrorSet::ALL, MirrorSet::ALL) } else { uses }
-}
-
-/// Adds forces and torques, if they are among `wanted`, to the particles that lack these components.
-fn add_loads<V: Space>(world: &mut World, state: &mut SystemState<AddLoads<V>>, wanted: MirrorSet) {
-    if wanted.meets(MirrorSet::FORCE.or(MirrorSet::TORQUE)) {
-        state.get_mut(world).expect("the store plugin inserts the store").add(wanted);
-        state.apply(world);
-    }
 }
 
 fn refresh<V: Space, const PHASE: usize>(

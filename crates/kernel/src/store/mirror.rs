@@ -3,7 +3,7 @@
 //!
 //! [`Position`], [`Velocity`], [`Force`], [`Spin`] and [`Torque`] of a particle are copies of numbers in the store. A
 //! copy is *stale* if the store has changed since ([`ParticleStore::stale`]). [`Force`] and [`Torque`] exist only from the first use on
-//! ([`AddLoads`]).
+//! (`store/load_components.rs`).
 
 use bevy_ecs::change_detection::{ContiguousRef, Tick};
 use bevy_ecs::component::Mutable;
@@ -11,7 +11,7 @@ use bevy_ecs::prelude::*;
 use bevy_ecs::query::ArchetypeFilter;
 use bevy_ecs::system::SystemParam;
 
-use crate::particle::{Fixed, Force, GrainId, Position, Slot, Velocity};
+use crate::particle::{Fixed, Force, Position, Slot, Velocity};
 use crate::space::{Linear, Space};
 use crate::spin::{Spin, Torque};
 use crate::store::{DENSE, LongestMove, ParticleStore};
@@ -67,7 +67,7 @@ impl MirrorSet {
 }
 
 /// A component that mirrors numbers of the store.
-trait Mirror<V: Space>: Component<Mutability = Mutable> + Copy {
+pub(super) trait Mirror<V: Space>: Component<Mutability = Mutable> + Copy {
     const KIND: MirrorSet;
 
     /// Returns the value of row `i`, or `None` if the scene has no such numbers.
@@ -143,38 +143,6 @@ impl<V: Space> Mirror<V> for Torque<V::Spin> {
     fn write_to(self, store: &mut ParticleStore<V>, i: usize, _: &mut LongestMove) {
         store.loads.torque.set(i, self.0);
         store.is_suspect |= !self.0.is_finite();
-    }
-}
-
-type Lacking<'w, 's, C, Where> = Query<'w, 's, (Entity, &'static Slot), (With<Where>, Without<C>)>;
-
-/// System parameter that adds forces and torques to the particles that lack these components.
-#[derive(SystemParam)]
-pub(super) struct AddLoads<'w, 's, V: Space> {
-    store: Res<'w, ParticleStore<V>>,
-    force: Lacking<'w, 's, Force<V>, GrainId>,
-    torque: Lacking<'w, 's, Torque<<V as Space>::Spin>, Spin<<V as Space>::Spin>>,
-    commands: Commands<'w, 's>,
-}
-
-impl<V: Space> AddLoads<'_, '_, V> {
-    /// Adds those among `wanted`.
-    pub(super) fn add(mut self, wanted: MirrorSet) {
-        add_component(&self.store, wanted, &self.force, &mut self.commands);
-        add_component(&self.store, wanted, &self.torque, &mut self.commands);
-    }
-}
-
-/// Adds a component with the value of the store. A particle without a slot gets it after it has one.
-fn add_component<V: Space, C: Mirror<V>, Where: Component>(
-    store: &ParticleStore<V>,
-    wanted: MirrorSet,
-    lacking: &Lacking<C, Where>,
-    commands: &mut Commands,
-) {
-    if wanted.meets(C::KIND) && !lacking.is_empty() {
-        let value = |(entity, slot): (Entity, &Slot)| Some((entity, C::from_store(store, slot.index())?));
-        commands.insert_batch(lacking.iter().filter_map(value).collect::<Vec<_>>());
     }
 }
 

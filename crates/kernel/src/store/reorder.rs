@@ -240,7 +240,8 @@ impl<V: Space> ParticleStore<V> {
         self.entity[i] = entering.entity;
         (self.body[i].position, self.body[i].velocity) = (entering.position.0, entering.velocity.0);
         let properties = Properties::of(entering);
-        self.loads.force.set(i, entering.force.map_or(gravity * properties.mass, |force| force.0));
+        let weight = || entering.mass.map_or(V::ZERO, |mass| gravity * mass.0);
+        self.loads.force.set(i, entering.force.map_or_else(weight, |force| force.0));
         self.set_properties(i, &properties);
         if let (Some(rotation), Some((spin, _))) = (self.rotation.get_mut(i), entering.turning) {
             rotation.spin = spin.0;
