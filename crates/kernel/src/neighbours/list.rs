@@ -99,8 +99,14 @@ impl PairList {
         for row in 0..rows {
             self.starts[row + 1] += self.starts[row];
         }
+        let count = self.starts[rows] as usize;
         self.pairs.clear();
-        self.pairs.resize(self.starts[rows] as usize, Candidate::default());
+        if count > self.pairs.capacity() {
+            // The number of candidates changes little. A vector that grows by itself would double, and keep its old memory meanwhile.
+            self.pairs = Vec::new();
+            self.pairs.reserve_exact(count + count / 16);
+        }
+        self.pairs.resize(count, Candidate::default());
         // Filling moves each start to the start of the next row.
         pairs.for_each(|pair| {
             let place = &mut self.starts[pair.first()];

@@ -3,8 +3,8 @@
 //!
 //! Before the systems of a phase run, the stale components that they use are refreshed, and forces and torques are added to particles
 //! that lack these components (`store/load_components.rs`). After them, values that they wrote are written back to the store. A
-//! phase whose systems use no mirrored component has neither copy. Change ticks show which rows a system wrote. A write that bypasses change detection (`bypass_change_detection`) declares that it
-//! does not count, and it is lost.
+//! phase whose systems use no mirrored component has neither copy. Change ticks show which rows a system wrote. A write that bypasses
+//! change detection (`bypass_change_detection`) declares that it does not count, and it is lost.
 //!
 //! Between steps the caller owns the world ([`publish_to_world`]): all components are up to date. Values that the
 //! caller writes count from the next step on ([`collect_from_world`]).
