@@ -114,3 +114,15 @@ impl<T: Linear> Lanes<T> {
         }
     }
 }
+
+#[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_nan_gives_the_second_number() {
+        assert_eq!([smaller(1.0, 2.0), smaller(2.0, 1.0), smaller(f64::NAN, 1.0)], [1.0, 1.0, 1.0]);
+        assert_eq!([larger(1.0, 2.0), larger(2.0, 1.0), larger(f64::NAN, 1.0)], [2.0, 2.0, 1.0]);
+    }
+}
