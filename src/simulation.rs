@@ -27,7 +27,7 @@ use crate::output::run_directory::{RunDirectory, RunPath};
 use crate::persist::{self, Problem, Section, UnknownState};
 use crate::plugins::add_behaviours;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Plane, Solid};
+use crate::space::{Dimension, Plane, Solid, Space};
 use crate::store;
 use crate::writers::frame_writer::FrameWriter;
 
@@ -40,6 +40,21 @@ pub struct Simulation {
 /// crate.
 pub(crate) type Additions<'a> = Box<dyn FnOnce(&mut Assembly<'_>) -> Result<(), Fault> + 'a>;
 
+/// The code that steps a simulation and gets its world between two steps.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Caller {
+    /// Code outside siloflow, which may use every component.
+    Outside,
+    /// The command line, which uses neither forces nor torques as components.
+    CommandLine,
+}
+
+/// Spawns the particles of the start.
+fn spawn<V: Space>(world: &mut World, loaded: &Loaded, caller: Caller) {
+    let has_loads = caller == Caller::Outside || store::uses_loads::<V>(world);
+    spawn_particles::<V>(world, loaded, has_loads);
+}
+
 impl Simulation {
     /// Builds the app that the scene needs; no step has run yet.
     ///
@@ -48,7 +63,7 @@ impl Simulation {
     /// * Systems of behaviours conflict or are in no phase.
     /// * The environment selects [`instructions`](crate::instructions) that this machine lacks.
     pub fn new(loaded: &Loaded, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
-        Self::with(loaded, registry, threads, Box::new(|_| Ok(())), None)
+        Self::with(loaded, registry, (threads, Caller::Outside), Box::new(|_| Ok(())), None)
     }
 
     /// Like [`Simulation::new`], with plugins of the calling program: outputs, for example, which read and do not
@@ -65,7 +80,7 @@ impl Simulation {
         Self::with(
             loaded,
             registry,
-            threads,
+            (threads, Caller::Outside),
             Box::new(|assembly| {
                 assembly.add_with("the program", more);
                 Ok(())
@@ -79,15 +94,15 @@ impl Simulation {
     pub(crate) fn with(
         loaded: &Loaded,
         registry: &Registry,
-        threads: NonZeroUsize,
+        (threads, caller): (NonZeroUsize, Caller),
         more: Additions<'_>,
         saved: Option<(&[Section], UnknownState)>,
     ) -> Result<Self, Fault> {
         let mut app = Self::assemble(loaded, registry, threads, more)?;
         match (saved, loaded.scene.space) {
             (Some((saved, unknown)), _) => restore(app.world_mut(), saved, unknown)?,
-            (None, Dimension::Plane) => spawn_particles::<Plane>(app.world_mut(), loaded),
-            (None, Dimension::Solid) => spawn_particles::<Solid>(app.world_mut(), loaded),
+            (None, Dimension::Plane) => spawn::<Plane>(app.world_mut(), loaded, caller),
+            (None, Dimension::Solid) => spawn::<Solid>(app.world_mut(), loaded, caller),
         }
         Self::complete_with_store(app, loaded)
     }
@@ -113,6 +128,7 @@ impl Simulation {
         threads: NonZeroUsize,
         saved: &[Section],
     ) -> Result<Self, Fault> {
+        let threads = (threads, Caller::Outside);
         Self::with(loaded, registry, threads, Box::new(|_| Ok(())), Some((saved, UnknownState::Refuse)))
     }
 

@@ -19,7 +19,7 @@ use crate::particle::{Grain, GrainId};
 use crate::persist::UnknownState;
 use crate::scene::load;
 use crate::scene::loaded::{AnyScene, Loaded};
-use crate::simulation::Simulation;
+use crate::simulation::{Caller, Simulation};
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::store::ParticleStore;
 
@@ -48,7 +48,13 @@ impl Origin {
             return Err(Fault::new("checkpoint::method", message).help("give the directory of a run of grains"));
         };
         let saved = (&checkpoint.sections[..], UnknownState::Skip);
-        let mut run = Simulation::with(&loaded, registry, NonZeroUsize::MIN, Box::new(|_| Ok(())), Some(saved))?;
+        let mut run = Simulation::with(
+            &loaded,
+            registry,
+            (NonZeroUsize::MIN, Caller::CommandLine),
+            Box::new(|_| Ok(())),
+            Some(saved),
+        )?;
         let parent = Parent {
             run: directory.absolute().display().to_string(),
             scene: checkpoint.header.scene.clone(),

@@ -34,7 +34,7 @@ use crate::scene::TimeStep;
 use crate::scene::check::automatic::{Automatic, automatic};
 use crate::scene::check::{self, Estimates};
 use crate::scene::loaded::Loaded;
-use crate::simulation::Simulation;
+use crate::simulation::{Caller, Simulation};
 use crate::source::Source;
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::step::Clock;
@@ -162,7 +162,8 @@ fn build_in<V: Space>(
         }
         Ok(())
     });
-    Simulation::with(loaded, call.registry, call.threads, more, saved.map(|saved| (saved, UnknownState::Refuse)))
+    let threads = (call.threads, Caller::CommandLine);
+    Simulation::with(loaded, call.registry, threads, more, saved.map(|saved| (saved, UnknownState::Refuse)))
 }
 
 /// Records the files that behaviours will write.

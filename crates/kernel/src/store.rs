@@ -39,7 +39,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::accumulator::{Accumulator, TOTAL_AND_DISSIPATIVE};
 pub(crate) use self::accumulator::{TOTAL, kick_term};
-pub use self::component_sync::{collect_from_world, complete_world, plan, publish_to_world, refresh_world};
+pub use self::component_sync::{collect_from_world, complete_world, plan, publish_to_world, refresh_world, uses_loads};
 pub use self::deferred_kick::{
     AfterDeferredKick, DeferredKick, EngineBalance, EngineChecks, KickAppliedAtEnd, SecondKicks, after_kicks,
     reads_velocities_when,

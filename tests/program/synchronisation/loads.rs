@@ -1,57 +1,77 @@
-//! Forces and torques are components of particles only where a system uses them, or after a caller got the world.
+//! Forces and torques are components of particles where a system uses them, or a caller gets the world.
 
+use std::process::ExitCode;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use serde::Deserialize;
 use siloflow::particle::{GrainBundle, Particle};
 use siloflow::prelude::*;
-use siloflow::space::Space;
 
 use super::{SCENES, scene, state_and_flows, with};
 
-/// Particles with a force and particles with a torque, as counted in each step.
-#[derive(Resource, Default)]
-struct Counts(Vec<[usize; 2]>);
-
 type Having<'w, 's, C> = Query<'w, 's, (), With<C>>;
 
-/// A filter alone reads no component.
-fn count<V: Space>(force: Having<Force<V>>, torque: Having<Torque<V::Spin>>, mut counts: ResMut<Counts>) {
-    counts.0.push([force.iter().count(), torque.iter().count()]);
+/// Number of steps in which [`Check`] has looked.
+static STEPS: AtomicUsize = AtomicUsize::new(0);
+
+/// Checks in each step which particles have forces and torques: all with a reader, none without. A filter reads no component.
+#[derive(Deserialize)]
+struct Check {
+    reads: bool,
 }
 
-const FRICTION: (&str, &[(&str, &str)]) = ("couette.ron", &[("integrator", "Centred"), ("profiles", "[]")]);
-
-fn counted(more: impl FnOnce(&mut App)) -> Simulation {
-    with(&scene(FRICTION.0, FRICTION.1), |app| {
-        app.init_resource::<Counts>().add_systems(Step, count::<Plane>.in_set(Phase::Observe));
-        more(app);
-    })
-}
-
-/// Returns the number of particles and the number of grains.
-fn population(run: &mut Simulation) -> [usize; 2] {
-    let world = run.world_mut();
-    [world.query::<&GrainId>().iter(world).count(), world.query_filtered::<(), With<Grain>>().iter(world).count()]
-}
-
-#[test]
-fn a_run_without_a_reader_has_no_such_components_until_the_caller_gets_the_world() {
-    let mut run = counted(|_| {});
-    run.run_steps(30);
-    assert_eq!(run.world().resource::<Counts>().0, [[0, 0]; 31]);
-    let all = population(&mut run);
-    assert!(all[1] > 50 && all[0] > all[1], "{all:?}");
-    run.run_steps(40);
-    assert_eq!(run.world().resource::<Counts>().0[31..], [all; 10]);
+impl Behaviour for Check {
+    fn build(self: Box<Self>, app: &mut App) {
+        let read =
+            |forces: Query<&Force>, torques: Query<&Torque>| assert!(forces.iter().count() > torques.iter().count());
+        if self.reads {
+            app.add_systems(Step, read.in_set(Phase::Control));
+        }
+        let check =
+            move |forces: Having<Force>, torques: Having<Torque>, all: Having<GrainId>, grains: Having<Grain>| {
+                let all = [all.iter().count(), grains.iter().count()];
+                let expected = if self.reads { all } else { [0, 0] };
+                assert_eq!([forces.iter().count(), torques.iter().count()], expected);
+                STEPS.fetch_add(1, Ordering::Relaxed);
+            };
+        app.add_systems(Step, check.in_set(Phase::Observe));
+    }
 }
 
 #[test]
-fn a_reader_gets_them_from_its_first_step_on() {
-    let read = |forces: Query<&Force>, torques: Query<&Torque>| assert!(forces.iter().count() > torques.iter().count());
-    let mut run = counted(|app| {
-        app.add_systems(Step, read.in_set(Phase::Control));
+fn a_run_of_the_program_has_them_only_with_a_reader() {
+    let mut registry = Registry::default();
+    registry.register::<Check>("check");
+    let hashes = [true, false].map(|reads| {
+        let out = tempfile::tempdir().unwrap();
+        let (scene, run) = (crate::root().join("scenes/couette.ron"), out.path().join("run"));
+        let behaviours = format!("behaviours={{\"check\": (reads: {reads})}}");
+        let settings = ["pictures=None", "profiles=[]", "until=2e-3", "integrator=Centred", &behaviours];
+        let settings = settings.iter().flat_map(|setting| ["--set".into(), setting.into()]);
+        let arguments = ["siloflow".into(), "run".into(), scene.into_os_string(), "--quiet".into(), "--out".into()];
+        let arguments = arguments.into_iter().chain([run.clone().into_os_string()]).chain(settings);
+        assert_eq!(siloflow::cli::run_with(&registry, arguments), ExitCode::SUCCESS);
+        let summary: serde_json::Value =
+            serde_json::from_slice(&std::fs::read(run.join("summary.json")).unwrap()).unwrap();
+        summary["state_hash"].as_str().unwrap().to_owned()
     });
-    run.run_steps(9);
-    let all = population(&mut run);
-    assert_eq!(run.world().resource::<Counts>().0, [all; 10]);
+    assert_eq!(hashes[0], hashes[1]);
+    // Two runs of 40 steps, with step zero.
+    assert_eq!(STEPS.load(Ordering::Relaxed), 82);
+}
+
+#[test]
+fn a_caller_of_the_library_finds_them_from_the_start() {
+    let mut run = with(&scene("couette.ron", &[]), |_| {});
+    for step in [0, 3] {
+        run.run_steps(step);
+        let world = run.world_mut();
+        let forces = world.query::<&Force>().iter(world).count();
+        let torques = world.query::<&Torque>().iter(world).count();
+        let all = world.query::<&GrainId>().iter(world).count();
+        let grains = world.query_filtered::<(), With<Grain>>().iter(world).count();
+        assert_eq!([forces, torques], [all, grains]);
+    }
 }
 
 #[test]

@@ -177,6 +177,15 @@ pub fn plan<V: Space>(schedule: &mut Schedule, world: &mut World) -> Result<(), 
     Ok(())
 }
 
+/// Returns whether a system of the step uses forces or torques of particles as components.
+pub fn uses_loads<V: Space>(world: &mut World) -> bool {
+    world.schedule_scope(Step, |world, schedule| {
+        schedule.graph_mut().initialize(world);
+        // Faults of the schedule are reported when it is complete.
+        Plan::of::<V>(schedule.graph(), world).is_ok_and(|plan| plan.uses(MirrorSet::FORCE.or(MirrorSet::TORQUE)))
+    })
+}
+
 /// Adds refresh and write-back to the phases that need them and do not have them yet.
 fn add_sync_systems<V: Space>(schedule: &mut Schedule, world: &mut World) {
     let plan = &mut *world.resource_mut::<Plan>();

@@ -88,6 +88,11 @@ impl Plan {
         needs.any(|need| need.gates.is_empty() && need.reads.meets(MirrorSet::FREE))
     }
 
+    /// Whether a system reads or writes one of these components.
+    pub(super) fn uses(&self, components: MirrorSet) -> bool {
+        self.phases.iter().flat_map(|phase| &phase.needs).any(|need| need.reads.or(need.writes).meets(components))
+    }
+
     /// Whether observers or hooks of other crates may run when commands are applied.
     pub(super) fn foreign_code_may_run(world: &mut World, observers: &mut ForeignObservers) -> bool {
         world.resource::<Self>().checks_commands && Self::has_foreign_code(world, observers)
