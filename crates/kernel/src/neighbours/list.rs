@@ -167,6 +167,16 @@ mod tests {
     }
 
     #[test]
+    fn a_list_that_grows_a_little_keeps_little_spare_memory() {
+        let mut list = PairList::default();
+        for count in [1000, 1100, 900, 1150] {
+            list.fill((1..=count).map(|j| Candidate::new(0, j)), 1);
+            assert_eq!(list.pairs().len(), count as usize);
+        }
+        assert!(list.pairs.capacity() <= 1250, "{}", list.pairs.capacity());
+    }
+
+    #[test]
     fn pairs_are_sorted_in_whichever_order_they_are_added() {
         let mut filled = PairList::default();
         filled.fill(all([[0, 3], [2, 3], [0, 1], [1, 2]]).into_iter(), 4);
