@@ -63,7 +63,7 @@ impl Simulation {
     /// * Systems of behaviours conflict or are in no phase.
     /// * The environment selects [`instructions`](crate::instructions) that this machine lacks.
     pub fn new(loaded: &Loaded, registry: &Registry, threads: NonZeroUsize) -> Result<Self, Fault> {
-        Self::with(loaded, registry, (threads, Caller::Outside), Box::new(|_| Ok(())), None)
+        Self::with(loaded, registry, threads, Caller::Outside, Box::new(|_| Ok(())), None)
     }
 
     /// Like [`Simulation::new`], with plugins of the calling program: outputs, for example, which read and do not
@@ -80,7 +80,8 @@ impl Simulation {
         Self::with(
             loaded,
             registry,
-            (threads, Caller::Outside),
+            threads,
+            Caller::Outside,
             Box::new(|assembly| {
                 assembly.add_with("the program", more);
                 Ok(())
@@ -94,7 +95,8 @@ impl Simulation {
     pub(crate) fn with(
         loaded: &Loaded,
         registry: &Registry,
-        (threads, caller): (NonZeroUsize, Caller),
+        threads: NonZeroUsize,
+        caller: Caller,
         more: Additions<'_>,
         saved: Option<(&[Section], UnknownState)>,
     ) -> Result<Self, Fault> {
@@ -113,8 +115,7 @@ impl Simulation {
     /// # Errors
     /// If a value of the state cannot be encoded.
     pub fn save(&mut self) -> Result<Vec<Section>, Problem> {
-        store::refresh_world(self.app.world_mut());
-        persist::save(self.app.world_mut())
+        persist::save(self.own_world())
     }
 
     /// Builds the app that the scene needs, with the state that [`Simulation::save`] returned for the same scene.
@@ -128,8 +129,8 @@ impl Simulation {
         threads: NonZeroUsize,
         saved: &[Section],
     ) -> Result<Self, Fault> {
-        let threads = (threads, Caller::Outside);
-        Self::with(loaded, registry, threads, Box::new(|_| Ok(())), Some((saved, UnknownState::Refuse)))
+        let saved = Some((saved, UnknownState::Refuse));
+        Self::with(loaded, registry, threads, Caller::Outside, Box::new(|_| Ok(())), saved)
     }
 
     /// The cost of a run of the command line.

@@ -16,7 +16,7 @@ use crate::lattice::rules::Rules;
 use crate::lattice::sites::Sites;
 use crate::particle::Grain;
 use crate::scene::loaded::{AnyScene, Loaded};
-use crate::simulation::Simulation;
+use crate::simulation::{Caller, Simulation};
 use crate::step::Step;
 use crate::store::{DeferredKick, Renumber, path_in_siloflow};
 use crate::walls::config::Wall;
@@ -61,7 +61,8 @@ fn explain_lattice(loaded: &LoadedLattice, registry: &Registry) -> Result<Verdic
 }
 
 fn explain_grains(loaded: &Loaded, registry: &Registry) -> Result<Verdict, Fault> {
-    let mut simulation = Simulation::new(loaded, registry, ONE_THREAD)?;
+    let caller = Caller::CommandLine;
+    let mut simulation = Simulation::with(loaded, registry, ONE_THREAD, caller, Box::new(|_| Ok(())), None)?;
     // Step zero releases the first grain and writes no file. Then the world shows the components of a grain.
     simulation.step_zero();
     let mut text = format!(

@@ -51,7 +51,8 @@ impl Origin {
         let mut run = Simulation::with(
             &loaded,
             registry,
-            (NonZeroUsize::MIN, Caller::CommandLine),
+            NonZeroUsize::MIN,
+            Caller::CommandLine,
             Box::new(|_| Ok(())),
             Some(saved),
         )?;

@@ -162,8 +162,8 @@ fn build_in<V: Space>(
         }
         Ok(())
     });
-    let threads = (call.threads, Caller::CommandLine);
-    Simulation::with(loaded, call.registry, threads, more, saved.map(|saved| (saved, UnknownState::Refuse)))
+    let saved = saved.map(|saved| (saved, UnknownState::Refuse));
+    Simulation::with(loaded, call.registry, call.threads, Caller::CommandLine, more, saved)
 }
 
 /// Records the files that behaviours will write.

@@ -3,13 +3,12 @@
 use bevy_ecs::prelude::*;
 
 use crate::grains::file::GrainRow;
-use crate::gravity::Gravity;
 use crate::messages::GrainReleased;
 use crate::particle::{Door, Force, GrainBundle, GrainId, Species, wall_grain};
 use crate::periodic::Periodic;
 use crate::scene::loaded::Loaded;
 use crate::space::{Linear, Space};
-use crate::spin::{Inertia, InertiaLaw, Spin, Torque};
+use crate::spin::{InertiaLaw, Torque};
 use crate::store::ParticleStore;
 use crate::table_sort::sort_newcomers;
 use crate::walls::conveyor::Conveyed;
@@ -63,26 +62,22 @@ pub(super) fn spawn_particles<V: Space>(world: &mut World, loaded: &Loaded, has_
     };
     let mut newcomers: Vec<_> = loaded.grains.iter().map(newcomer).collect();
     sort_newcomers(&mut newcomers);
-    let gravity = world.resource::<Gravity<V>>().0;
-    let weight = move |grain: &GrainBundle<V>| Force(gravity * grain.mass.0);
-    let torque = Torque(V::Spin::ZERO);
     let newcomers = newcomers.into_iter();
+    // Step zero evaluates them.
+    let (force, torque) = (Force(V::ZERO), Torque(V::Spin::ZERO));
+    let turning =
+        |law: InertiaLaw, grain: &GrainBundle<V>, spin| law.turning::<V>(grain.mass.0, grain.particle.radius.0, spin);
     // Spawned in one batch, so that tables are allocated once.
     match (world.resource::<ParticleStore<V>>().inertia, has_loads) {
         (None, false) => world.spawn_batch(newcomers.map(|(grain, _)| grain)).for_each(drop),
-        (None, true) => world.spawn_batch(newcomers.map(move |(grain, _)| (weight(&grain), grain))).for_each(drop),
+        (None, true) => world.spawn_batch(newcomers.map(move |(grain, _)| (force, grain))).for_each(drop),
         (Some(law), false) => {
             let turning = move |(grain, spin)| (turning(law, &grain, spin), grain);
             world.spawn_batch(newcomers.map(turning)).for_each(drop);
         }
         (Some(law), true) => {
-            let turning = move |(grain, spin)| (turning(law, &grain, spin), torque, weight(&grain), grain);
+            let turning = move |(grain, spin)| (turning(law, &grain, spin), torque, force, grain);
             world.spawn_batch(newcomers.map(turning)).for_each(drop);
         }
     }
-}
-
-/// Returns the components with which a grain rotates.
-fn turning<V: Space>(law: InertiaLaw, grain: &GrainBundle<V>, spin: V::Spin) -> (Spin<V::Spin>, Inertia) {
-    law.turning::<V>(grain.mass.0, grain.particle.radius.0, spin)
 }

@@ -371,9 +371,12 @@ fn explain_lists_exactly_the_active_systems() {
         assert!(silo.contains(part), "{part}\n{silo}");
     }
     let fall = text(&siloflow(here.path(), &["explain", &path("free-fall.ron")]).stdout);
-    for part in ["watch_paths", "door::", "rest::", "spawner::", "surfaces::", "cull", "Spin", "Torque"] {
+    for part in ["watch_paths", "door::", "rest::", "spawner::", "surfaces::", "cull", "Spin", "Torque", " Force "] {
         assert!(!fall.contains(part), "{part}\n{fall}");
     }
+    let oblique = text(&siloflow(here.path(), &["explain", &path("bounce-oblique.ron")]).stdout);
+    assert!([" Spin ", " Inertia "].iter().all(|part| oblique.contains(part)), "{oblique}");
+    assert!(![" Torque ", " Force "].iter().any(|part| oblique.contains(part)), "{oblique}");
     assert_eq!(fs::read_dir(here.path()).unwrap().count(), 0, "explain writes nothing");
 }
 

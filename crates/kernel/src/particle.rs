@@ -22,7 +22,8 @@
 //! Spin, torque and moment of inertia come with a tangential force ([`crate::spin`]).
 //!
 //! Forces and torques are numbers of the store. Particles get [`Force`] and [`Torque`](crate::spin::Torque) as components before the first
-//! system that uses them runs, and before a caller gets the world between two steps. Other runs do without.
+//! system that uses them runs, and before a caller gets the world between two steps.
+//! A run of the program without such a system has neither.
 
 use std::fmt;
 

@@ -32,7 +32,8 @@ const CLOSED_IN_HALF_STEPS: f64 = 1.25;
 
 /// Returns 1 if the contact may open or close within the step, or, with friction, if its normal force may change its sign; otherwise
 /// 0. `even` (s) times the normal speed is the overlap from which neither happens without drag. `range` (m) is how far the contact
-/// exists beyond touch. Vector units compare the sign bits of two numbers faster than their minimum with zero.
+/// exists beyond touch. Combining the sign bits of two numbers takes fewer vector instructions than
+/// comparing their minimum with zero.
 #[inline(always)]
 fn near_event<L: PairLaw<V> + LawRequirements, V: Space>(
     law: &L,

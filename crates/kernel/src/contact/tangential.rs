@@ -43,7 +43,7 @@ impl Lever {
     #[must_use]
     pub fn arms<V: Space>(self, pair: &Pair<V>) -> [f64; 2] {
         let [i, j] = pair.radii;
-        // A factor, because vector units would need a mask for a choice.
+        // A factor: a choice would take a mask in vector code.
         let to_contact = match self {
             Self::Radius => 0.0,
             Self::ContactPoint => 1.0,

@@ -38,6 +38,7 @@ impl<V: Space> Batch<V> {
         );
     }
 
+    /// As [`Self::evaluate_events`], compiled for the instruction set of the calling code.
     #[inline(always)]
     fn evaluate_each<L: PairLaw<V> + LawRequirements>(
         &mut self,
