@@ -52,6 +52,7 @@ pub(crate) use self::plugin::{DENSE, Kicked, LongestMove, VelocitiesPredicted};
 pub use self::plugin::{SpinsDrifted, StorePlugin, clear_forces};
 pub use self::predictable_conditions::register_predictable;
 pub use self::prediction::Prediction;
+pub(crate) use self::prediction::swept_radius;
 pub use self::renumbering::{AfterRenumbering, BeforeRenumbering, FirstRenumbering, Renumber, SORT_CHECK_INTERVAL};
 pub(crate) use self::renumbering::{has_renumbered, sort_check_is_due};
 pub(crate) use self::spatial_sort::SpatialOrder;

@@ -40,9 +40,6 @@ pub struct ContactForces;
 /// Interval between counts of contacts, in steps. Counts only select the contacts whose prediction is refined.
 const COUNT_INTERVAL: u64 = 8;
 
-/// Interval between counts of gaps in parts of a packing that had many, in steps. Counts only select the faster of two filters.
-const GAP_COUNT_INTERVAL: u64 = 64;
-
 /// Returns the time by which memories advance in this run of the schedule, s. In step zero it is the time by which they are
 /// ahead.
 fn memory_step(clock: &Clock, lead: f64) -> f64 {
@@ -69,7 +66,6 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
         starts: clock.is_step_zero(),
         lone: if store.predicts() { lone.of(&search.list, &store.prediction) } else { &[] },
         counts: store.predicts() && clock.steps.is_multiple_of(COUNT_INTERVAL),
-        counts_gaps: clock.steps.is_multiple_of(GAP_COUNT_INTERVAL),
         gravity: gravity.0,
         instructions: *instructions,
     };
@@ -132,6 +128,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
         if L::SPIN && !app.is_plugin_added::<SpinPlugin<V>>() {
             app.add_plugins(SpinPlugin::<V> { inertia: InertiaLaw::usual(V::DIMENSION), space: PhantomData });
         }
+        app.world_mut().resource_mut::<ParticleStore<V>>().prediction.sweeps |= L::MEMORY;
         app.insert_resource(Law(self.law.clone()))
             .insert_resource(AnyLaw::<V>(self.law.clone()))
             .init_resource::<History<V>>()

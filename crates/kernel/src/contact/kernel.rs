@@ -57,8 +57,6 @@ pub struct Pass<'a, V: Space, L> {
     pub lone: &'a [Candidate],
     /// Whether this pass counts contacts.
     pub counts: bool,
-    /// Whether blocks that had many gaps count them anew.
-    pub counts_gaps: bool,
     /// Acceleration of gravity, m/s^2.
     pub gravity: V,
     /// Instruction set of the lane loops.

@@ -32,16 +32,20 @@ use bevy_ecs::prelude::*;
 
 use crate::space::Space;
 use crate::step::{Clock, Part, Phase, Step};
-use crate::store::{ParticleStore, VelocitiesPredicted};
+use crate::store::{Body, ParticleStore, VelocitiesPredicted, swept_radius};
 
 impl<V: Space> ParticleStore<V> {
-    /// Sets the largest gap that can close in half a step of `dt`, s. `longest` is the longest move of a movable particle in
-    /// a step, m.
-    pub(super) fn set_margin(&mut self, longest: f64, dt: f64) {
-        let fixed = self.body[self.movable_end..].iter();
-        let fastest = fixed.map(|body| body.velocity.length_squared()).fold(0.0, f64::max);
+    /// Sets the largest gap that can close in half a step of `dt`, s, and the swept radii of particles from slot `first` on.
+    /// `longest` is the longest move of the other particles in a step, m.
+    pub(super) fn set_margins(&mut self, first: usize, longest: f64, dt: f64) {
+        let Self { body, prediction, .. } = self;
+        let squared_speed = |body: &Body<V>| body.velocity.length_squared();
+        let fastest = body[first..].iter().map(squared_speed).fold(0.0, f64::max);
         // The factor allows for rounding.
-        self.prediction.margin = longest.max(dt * fastest.sqrt()) * (1.0 + 1e-6);
+        prediction.margin = longest.max(dt * fastest.sqrt()) * (1.0 + 1e-6);
+        for (body, swept) in body.iter().zip(&mut prediction.swept).skip(first) {
+            *swept = swept_radius(body.radius, dt * dt * squared_speed(body), prediction.range);
+        }
     }
 }
 
@@ -66,8 +70,8 @@ fn prepare<V: Space>(clock: Res<Clock>, rates: Res<DampingRates>, mut store: Res
     [prediction.share, prediction.spin_share] = rates.0.map(|rate| prediction_share(rate, clock.dt));
     prediction.lone.resize(count, 0);
     if clock.is_step_zero() {
-        let fastest = store.body.iter().map(|body| body.velocity.length_squared()).fold(0.0, f64::max);
-        store.set_margin(clock.dt * fastest.sqrt(), clock.dt);
+        prediction.swept.resize(if prediction.sweeps { count } else { 0 }, 0.0);
+        store.set_margins(0, 0.0, clock.dt);
     }
 }
 

@@ -2,7 +2,7 @@
 //! its end beside it ([`centred`](super::centred)). The passes of the integrator are written once for both.
 
 use crate::space::Space;
-use crate::store::{Body, Rotation};
+use crate::store::{Body, Rotation, swept_radius};
 
 /// How a scheme keeps a velocity or spin, of type `T`, in the record `R` of a particle.
 pub(super) trait Halfway<R, T>: Copy + Sync {
@@ -14,6 +14,24 @@ pub(super) trait Halfway<R, T>: Copy + Sync {
 
     /// Stores the value in the middle of the step. `gain` is its gain in half a step by the present force.
     fn store(self, middle: T, gain: T, record: &mut R, apart: &mut Self::Apart);
+}
+
+/// An entry of [`Prediction::swept`](crate::store::Prediction), or `()` if no contact law needs it.
+pub(super) trait Swept: Copy + Default + Send {
+    /// Returns the entry of a particle. The arguments are those of [`swept_radius`].
+    fn of(radius: f64, squared: f64, range: f64) -> Self;
+}
+
+impl Swept for () {
+    #[inline(always)]
+    fn of(_: f64, _: f64, _: f64) {}
+}
+
+impl Swept for f64 {
+    #[inline(always)]
+    fn of(radius: f64, squared: f64, range: f64) -> Self {
+        swept_radius(radius, squared, range)
+    }
 }
 
 /// The record holds the value in the middle of the step.

@@ -93,7 +93,7 @@ fn kick_by<V: Space, H: Halfway<Rotation<V>, V::Spin>, const NUMBERS: usize, con
         &loads.torque.entries::<NUMBERS>()[..*end],
         (&mut rotation[..*end], &mut apart[..*end]),
         #[inline(always)]
-        |torque, rotation, apart, sum: &mut V::Spin| {
+        |torque, (rotation, apart), sum: &mut V::Spin| {
             let gain = half_kick(torque[0], dt, rotation.inverse_inertia);
             if SECOND {
                 rotation.spin = halfway.middle(rotation, apart) + gain;

@@ -18,7 +18,7 @@ use std::ops::Add;
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 
-use crate::integrate::halfway::{Halfway, InTheMiddle, Predicted};
+use crate::integrate::halfway::{Halfway, InTheMiddle, Predicted, Swept};
 use crate::space::Space;
 use crate::step::{Clock, ClockAdvanced, Drifted, Part, Phase, Step};
 use crate::store::{
@@ -41,71 +41,85 @@ fn drift<V: Space>(
     store.half_step = 0.5 * clock.dt;
     store.stale.add(MirrorSet::POSITION.or(MirrorSet::VELOCITY).and(MirrorSet::FREE));
     let (dt, is_pending) = (clock.dt, second.is_pending);
+    // Values without size: such vectors allocate nothing.
+    let (count, unit) = (store.body.len(), |count| vec![(); count]);
     if store.predicts() {
         let halfway = Predicted { share: store.prediction.share };
         let mut apart = std::mem::take(&mut store.prediction.middle);
-        apart.resize(store.body.len(), V::Apart::default());
-        let longest = drift_all(halfway, &mut apart, (dt, is_pending), &chunked, &mut store);
+        apart.resize(count, V::Apart::default());
+        let longest = if store.prediction.sweeps {
+            let mut swept = std::mem::take(&mut store.prediction.swept);
+            swept.resize(count, 0.0);
+            let longest = drift_all(halfway, (&mut apart, &mut swept), (dt, is_pending), &chunked, &mut store);
+            store.prediction.swept = swept;
+            longest
+        } else {
+            drift_all(halfway, (&mut apart, &mut unit(count)), (dt, is_pending), &chunked, &mut store)
+        };
         store.prediction.middle = apart;
         store.prediction.is_ahead = true;
-        store.set_margin(longest, dt);
+        let first = store.movable_end;
+        store.set_margins(first, longest, dt);
     } else {
-        // Values without size: the vector allocates nothing.
-        let mut apart = vec![(); store.body.len()];
-        drift_all(InTheMiddle, &mut apart, (dt, is_pending), &chunked, &mut store);
+        drift_all(InTheMiddle, (&mut unit(count), &mut unit(count)), (dt, is_pending), &chunked, &mut store);
     }
 }
 
+/// Velocities that the scheme keeps apart from the bodies, and swept radii.
+type Kept<'a, V, H, W> = (&'a mut [<H as Halfway<Body<V>, V>>::Apart], &'a mut [W]);
+
 /// Drifts, and makes the pending second kick first. Returns the longest move, m.
-fn drift_all<V: Space, H: Halfway<Body<V>, V>>(
+fn drift_all<V: Space, H: Halfway<Body<V>, V>, W: Swept>(
     halfway: H,
-    apart: &mut [H::Apart],
+    kept: Kept<'_, V, H, W>,
     (dt, is_pending): (f64, bool),
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) -> f64 {
     let longest = match (store.tracks_energy, is_pending) {
-        (true, true) => drift_by::<V, H, TOTAL_AND_DISSIPATIVE, true>(halfway, apart, dt, chunked, store),
-        (true, false) => drift_by::<V, H, TOTAL_AND_DISSIPATIVE, false>(halfway, apart, dt, chunked, store),
-        (false, true) => drift_by::<V, H, TOTAL, true>(halfway, apart, dt, chunked, store),
-        (false, false) => drift_by::<V, H, TOTAL, false>(halfway, apart, dt, chunked, store),
+        (true, true) => drift_by::<V, H, W, TOTAL_AND_DISSIPATIVE, true>(halfway, kept, dt, chunked, store),
+        (true, false) => drift_by::<V, H, W, TOTAL_AND_DISSIPATIVE, false>(halfway, kept, dt, chunked, store),
+        (false, true) => drift_by::<V, H, W, TOTAL, true>(halfway, kept, dt, chunked, store),
+        (false, false) => drift_by::<V, H, W, TOTAL, false>(halfway, kept, dt, chunked, store),
     };
     store.travel += longest;
     longest
 }
 
 /// Drifts under forces with `NUMBERS` accumulators per particle.
-fn drift_by<V: Space, H: Halfway<Body<V>, V>, const NUMBERS: usize, const PENDING: bool>(
+fn drift_by<V: Space, H: Halfway<Body<V>, V>, W: Swept, const NUMBERS: usize, const PENDING: bool>(
     halfway: H,
-    apart: &mut [H::Apart],
+    kept: Kept<'_, V, H, W>,
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
 ) -> f64 {
     // The pass is compiled without wrapping too, so that open scenes do not pay for it.
     match store.periodic.filter(|_| !store.wraps_after_drift) {
-        None => drift_with::<V, H, NUMBERS, PENDING>(halfway, apart, dt, chunked, store, |_| {}),
+        None => drift_with::<V, H, W, NUMBERS, PENDING>(halfway, kept, dt, chunked, store, |_| {}),
         Some(periodic) => {
-            drift_with::<V, H, NUMBERS, PENDING>(halfway, apart, dt, chunked, store, |x| periodic.wrap(x))
+            drift_with::<V, H, W, NUMBERS, PENDING>(halfway, kept, dt, chunked, store, |x| periodic.wrap(x))
         }
     }
 }
 
 /// Drifts, and applies `wrap` to each new position.
-fn drift_with<V: Space, H: Halfway<Body<V>, V>, const NUMBERS: usize, const PENDING: bool>(
+fn drift_with<V: Space, H: Halfway<Body<V>, V>, W: Swept, const NUMBERS: usize, const PENDING: bool>(
     halfway: H,
-    apart: &mut [H::Apart],
+    kept: Kept<'_, V, H, W>,
     dt: f64,
     chunked: &ChunkedPass,
     store: &mut ParticleStore<V>,
     wrap: impl Fn(&mut V) + Sync,
 ) -> f64 {
+    let range = store.prediction.range;
     let ParticleStore { body, loads, movable_end: end, .. } = store;
+    let (apart, swept) = kept;
     let chunks = chunked.in_chunks(
         &loads.force.entries::<NUMBERS>()[..*end],
-        (&mut body[..*end], &mut apart[..*end]),
+        ((&mut body[..*end], &mut apart[..*end]), &mut swept[..*end]),
         #[inline(always)]
-        |force, body, apart, (longest, sum): &mut (LongestMove, V)| {
+        |force, ((body, apart), swept), (longest, sum): &mut (LongestMove, V)| {
             let gain = half_kick(force[0], dt, body.inverse_mass);
             let mut velocity = if PENDING { halfway.middle(body, apart) } else { body.velocity } + gain;
             if PENDING {
@@ -114,7 +128,7 @@ fn drift_with<V: Space, H: Halfway<Body<V>, V>, const NUMBERS: usize, const PEND
             }
             let mut position = body.position + velocity * dt;
             // The move is measured before the position is wrapped.
-            longest.raise(position - body.position);
+            *swept = W::of(body.radius, longest.raise(position - body.position), range);
             wrap(&mut position);
             body.position = position;
             halfway.store(velocity, gain, body, apart);
@@ -170,7 +184,7 @@ fn kick_by<V: Space, H: Halfway<Body<V>, V>, const NUMBERS: usize>(
         &loads.force.entries::<NUMBERS>()[..*end],
         (&mut body[..*end], &mut apart[..*end]),
         #[inline(always)]
-        |force, body, apart, sum: &mut V| {
+        |force, (body, apart), sum: &mut V| {
             let velocity = halfway.middle(body, apart) + half_kick(force[0], dt, body.inverse_mass);
             *sum += kick_term(force, velocity);
             body.velocity = velocity;

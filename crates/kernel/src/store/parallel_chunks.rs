@@ -1,4 +1,4 @@
-//! Passes over three columns on all threads, in chunks of [`CHUNK`] entries.
+//! Passes over columns on all threads, in chunks of [`CHUNK`] entries.
 //!
 //! Each chunk has its own partial sum. The sums therefore do not depend on the number of threads.
 
@@ -21,38 +21,77 @@ pub(crate) struct ChunkedPass<'w> {
     instructions: Res<'w, Instructions>,
 }
 
+/// Columns of equal length that a pass writes: a slice, or a pair of columns.
+pub(crate) trait Columns: Sized + Send {
+    /// The entries of one particle.
+    type Entries;
+
+    /// Returns consecutive parts of `size` entries; the last may be shorter.
+    fn parts(self, size: usize) -> impl Iterator<Item = Self>;
+
+    /// Returns the entries particle by particle.
+    fn entries(self) -> impl Iterator<Item = Self::Entries>;
+}
+
+impl<'a, T: Send> Columns for &'a mut [T] {
+    type Entries = &'a mut T;
+
+    #[inline(always)]
+    fn parts(self, size: usize) -> impl Iterator<Item = Self> {
+        self.chunks_mut(size)
+    }
+
+    #[inline(always)]
+    fn entries(self) -> impl Iterator<Item = &'a mut T> {
+        self.iter_mut()
+    }
+}
+
+impl<A: Columns, B: Columns> Columns for (A, B) {
+    type Entries = (A::Entries, B::Entries);
+
+    #[inline(always)]
+    fn parts(self, size: usize) -> impl Iterator<Item = Self> {
+        self.0.parts(size).zip(self.1.parts(size))
+    }
+
+    #[inline(always)]
+    fn entries(self) -> impl Iterator<Item = Self::Entries> {
+        self.0.entries().zip(self.1.entries())
+    }
+}
+
 impl ChunkedPass<'_> {
-    /// Calls `each` with the entries of all three columns and the partial sum of the chunk. Returns the partial sums, in the
-    /// order of chunks. A column that is not needed may hold `()`, which takes no memory.
-    pub(crate) fn in_chunks<A: Sync, B: Send, C: Send, T: Default + Send>(
+    /// Calls `each` with the entries of the read and the written columns and the partial sum of the chunk. Returns the partial
+    /// sums, in the order of chunks. A column that is not needed may hold `()`, which takes no memory.
+    pub(crate) fn in_chunks<A: Sync, C: Columns, T: Default + Send>(
         &self,
         read: &[A],
-        (written, also): (&mut [B], &mut [C]),
-        each: impl Fn(&A, &mut B, &mut C, &mut T) + Sync,
+        written: C,
+        each: impl Fn(&A, C::Entries, &mut T) + Sync,
     ) -> Vec<T> {
         let instructions = *self.instructions;
-        let chunk = |((read, written), also): ((&[A], &mut [B]), &mut [C])| {
+        let chunk = |(read, written): (&[A], C)| {
             instructions.run_narrow(
                 #[inline(always)]
                 || {
                     let mut sum = T::default();
-                    for ((a, b), c) in read.iter().zip(written).zip(also) {
-                        each(a, b, c, &mut sum);
+                    for (one, entries) in read.iter().zip(written.entries()) {
+                        each(one, entries, &mut sum);
                     }
                     sum
                 },
             )
         };
-        let in_chunks = |read: &[A], written: &mut [B], also: &mut [C]| -> Vec<T> {
-            read.chunks(CHUNK).zip(written.chunks_mut(CHUNK)).zip(also.chunks_mut(CHUNK)).map(chunk).collect()
-        };
-        let (chunks, threads) = (written.len().div_ceil(CHUNK), self.threads.count());
+        let in_chunks =
+            |read: &[A], written: C| -> Vec<T> { read.chunks(CHUNK).zip(written.parts(CHUNK)).map(chunk).collect() };
+        let (chunks, threads) = (read.len().div_ceil(CHUNK), self.threads.count());
         if threads == 1 || chunks < MIN_SHARED_CHUNKS {
-            return in_chunks(read, written, also);
+            return in_chunks(read, written);
         }
         let share = chunks.div_ceil(threads) * CHUNK;
-        let shares = read.chunks(share).zip(written.chunks_mut(share)).zip(also.chunks_mut(share));
-        let shares = shares.map(|((read, written), also)| || in_chunks(read, written, also));
+        let shares = read.chunks(share).zip(written.parts(share));
+        let shares = shares.map(|(read, written)| || in_chunks(read, written));
         self.threads.share(shares).into_iter().flatten().collect()
     }
 }
@@ -82,7 +121,7 @@ mod tests {
         for threads in [1, 2, 3] {
             let (mut written, mut also) = (vec![1.0; column.len()], vec![1.0; column.len()]);
             let sums = with_threads(threads, |chunked| {
-                chunked.in_chunks(&column, (&mut written, &mut also), |a, b, c, sum: &mut f64| {
+                chunked.in_chunks(&column, (&mut written[..], &mut also[..]), |a, (b, c), sum: &mut f64| {
                     *b += a;
                     *c -= a;
                     *sum += a;

@@ -22,10 +22,12 @@ pub(crate) const DENSE: &str = "table components are contiguous";
 pub(crate) struct LongestMove(u64);
 
 impl LongestMove {
-    /// Includes the displacement `displacement`, m.
+    /// Includes the displacement `displacement`, m. Returns its squared length, m^2.
     #[inline]
-    pub(crate) fn raise<V: Space>(&mut self, displacement: V) {
-        self.0 = self.0.max(displacement.length_squared().to_bits());
+    pub(crate) fn raise<V: Space>(&mut self, displacement: V) -> f64 {
+        let squared = displacement.length_squared();
+        self.0 = self.0.max(squared.to_bits());
+        squared
     }
 
     /// Returns the larger of two.

@@ -21,6 +21,10 @@ pub struct Prediction<V: Space = Plane> {
     pub spring_damping: f64,
     /// The largest gap that two particles can close in the time `lookahead`, m.
     pub margin: f64,
+    /// Radii of the particles, each with the distance that the particle moves in the time `lookahead` and half of `range`, m.
+    pub swept: Vec<f64>,
+    /// Whether `swept` is kept.
+    pub sweeps: bool,
     /// The largest range of a contact beyond touch, m. It belongs to the contact law and does not change.
     pub range: f64,
     /// 1 for particles that had at most one contact when contacts were last counted, else 0.
@@ -45,6 +49,8 @@ impl<V: Space> Default for Prediction<V> {
             spin_share: 0.0,
             spring_damping: 0.0,
             margin: 0.0,
+            swept: Vec::new(),
+            sweeps: false,
             range: 0.0,
             lone: Vec::new(),
             lone_changed: Vec::new(),
@@ -54,6 +60,14 @@ impl<V: Space> Default for Prediction<V> {
             middle_spin: Vec::new(),
         }
     }
+}
+
+/// Returns an entry of [`Prediction::swept`], m, from a radius, m, the squared length of a move in a whole step, m^2, and the range
+/// of contacts, m.
+#[inline(always)]
+pub(crate) fn swept_radius(radius: f64, squared: f64, range: f64) -> f64 {
+    // The factor allows for rounding.
+    radius + (0.5 * (1.0 + 1e-6) * squared.sqrt() + 0.5 * range)
 }
 
 impl<V: Space> ParticleStore<V> {
@@ -90,6 +104,17 @@ impl<V: Space> ParticleStore<V> {
             V::set_middle(middle, &mut self.body[i].middle, &mut self.prediction.middle[i]);
         }
         self.body[i].velocity = velocity;
+        self.widen_margins(i);
+    }
+
+    /// Widens the margins if particle `i` can now close a wider gap.
+    fn widen_margins(&mut self, i: usize) {
+        let moved = 2.0 * self.prediction.lookahead * self.middle_velocity(i).length();
+        let Prediction { swept, margin, range, .. } = &mut self.prediction;
+        if let Some(swept) = swept.get_mut(i) {
+            *swept = swept.max(swept_radius(self.body[i].radius, moved * moved, *range));
+            *margin = margin.max(moved * (1.0 + 1e-6));
+        }
     }
 
     /// Like [`Self::set_velocity`], for the spin, rad/s.

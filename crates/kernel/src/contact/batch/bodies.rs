@@ -50,8 +50,6 @@ pub(super) struct Approach {
     pub(super) squared: f64,
     /// Sum of the radii, m.
     pub(super) reach: f64,
-    /// Product of separation and relative velocity, m^2/s.
-    pub(super) along: f64,
 }
 
 impl<V: Space> Bodies<V> {
@@ -79,7 +77,7 @@ impl<V: Space> Bodies<V> {
                 (two[lane][0], two[lane][1]) = (reach, mobility);
             }
             let squares = quad(|axis| apart[axis] * apart[axis]);
-            Approach { squared: squares[0] + squares[1], reach, along: apart[0] * apart[2] + apart[1] * apart[3] }
+            Approach { squared: squares[0] + squares[1], reach }
         } else {
             let state = |body| [x(body, 0), x(body, 1), x(body, 2), v(body, 0)];
             let (i_state, j_state) = (state(i), state(j));
@@ -94,14 +92,7 @@ impl<V: Space> Bodies<V> {
             }
             // Three of each four are needed, but one vector instruction makes all four.
             let squares = quad(|axis| apart[axis] * apart[axis]);
-            let velocity = |body| [v(body, 0), v(body, 1), v(body, 2), body.radius];
-            let (i_velocity, j_velocity) = (velocity(i), velocity(j));
-            let products = quad(|axis| apart[axis] * (i_velocity[axis] - j_velocity[axis]));
-            Approach {
-                squared: squares[0] + squares[1] + squares[2],
-                reach,
-                along: products[0] + products[1] + products[2],
-            }
+            Approach { squared: squares[0] + squares[1] + squares[2], reach }
         }
     }
 
@@ -216,12 +207,7 @@ mod tests {
             for lane in 0..LANES {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;
-                let velocity = i.velocity - j.velocity;
-                let measured = Approach {
-                    squared: separation.length_squared(),
-                    reach: i.radius + j.radius,
-                    along: separation.dot(velocity),
-                };
+                let measured = Approach { squared: separation.length_squared(), reach: i.radius + j.radius };
                 let taken = if L::INDIVIDUAL_BODIES {
                     bodies.take::<true>(lane, &Open, [&i, &j])
                 } else {

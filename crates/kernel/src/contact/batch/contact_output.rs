@@ -34,12 +34,6 @@ impl<V: Space> ContactOutput<V> {
         self.gaps >> lane & 1 == 0
     }
 
-    /// Returns the number of lanes whose particles do not touch.
-    #[inline(always)]
-    pub fn gap_count(&self) -> u32 {
-        self.gaps.count_ones()
-    }
-
     /// Returns the lanes whose particles do not touch.
     #[inline(always)]
     pub fn gaps(&self) -> impl Iterator<Item = usize> {

@@ -1,15 +1,14 @@
 //! Filter of candidates: fills a batch with the pairs that touch, and loads their bodies.
 //!
 //! Branches on overlap are mispredicted often, so there is none: each candidate is written, and the batch grows only if
-//! it counts. With centred contacts ([`centred`](crate::contact::centred)) gaps that may close in half a step count too. Usually these
-//! are all gaps below a margin: no pair of the store closes a wider one. Where a fast particle makes these many, the filter
-//! chooses the gaps that the pair itself can close, which costs more for each candidate.
+//! it counts. With centred contacts ([`centred`](crate::contact::centred)) gaps that the pair may close in half a step count too: the
+//! gaps up to the sum of the distances that both particles move in that time.
 //!
 //! Of the law only [`LawRequirements`] matter here, so the loops are compiled for each space and not for each law.
 
 use crate::contact::LawRequirements;
+use crate::contact::batch::Batch;
 use crate::contact::batch::bodies::Approach;
-use crate::contact::batch::{Batch, CLOSED_IN_HALF_STEPS};
 use crate::contact::lanes::LANES;
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
@@ -18,16 +17,14 @@ use crate::space::Space;
 use crate::store::{ParticleStore, Prediction};
 
 impl<V: Space> Batch<V> {
-    /// Adds candidates that count until the batch is full, and loads their bodies. If it `chooses`, the velocities of a pair
-    /// decide whether its gap counts. Returns the candidates that are left.
+    /// Adds candidates that count until the batch is full, and loads their bodies. Returns the candidates that are left.
     pub fn select<'c, L: LawRequirements>(
         &mut self,
         store: &ParticleStore<V>,
         candidates: &'c [Candidate],
-        chooses: bool,
         instructions: Instructions,
     ) -> &'c [Candidate] {
-        match (L::INDIVIDUAL_BODIES, chooses) {
+        match (L::INDIVIDUAL_BODIES, L::MEMORY && store.predicts()) {
             (false, false) => self.select_in_sides::<false, false>(store, candidates, instructions),
             (false, true) => self.select_in_sides::<false, true>(store, candidates, instructions),
             (true, false) => self.select_in_sides::<true, false>(store, candidates, instructions),
@@ -35,48 +32,46 @@ impl<V: Space> Batch<V> {
         }
     }
 
-    fn select_in_sides<'c, const INDIVIDUAL: bool, const CHOOSES: bool>(
+    fn select_in_sides<'c, const INDIVIDUAL: bool, const SWEPT: bool>(
         &mut self,
         store: &ParticleStore<V>,
         candidates: &'c [Candidate],
         instructions: Instructions,
     ) -> &'c [Candidate] {
         match store.periodic {
-            None => self.select_by::<INDIVIDUAL, CHOOSES>(Open, store, candidates, instructions),
-            Some(periodic) => self.select_by::<INDIVIDUAL, CHOOSES>(periodic, store, candidates, instructions),
+            None => self.select_by::<INDIVIDUAL, SWEPT>(Open, store, candidates, instructions),
+            Some(periodic) => self.select_by::<INDIVIDUAL, SWEPT>(periodic, store, candidates, instructions),
         }
     }
 
     /// Selects with separations measured by `metric`. `INDIVIDUAL` is [`LawRequirements::INDIVIDUAL_BODIES`].
-    fn select_by<'c, const INDIVIDUAL: bool, const CHOOSES: bool>(
+    fn select_by<'c, const INDIVIDUAL: bool, const SWEPT: bool>(
         &mut self,
         metric: impl Metric<V>,
         store: &ParticleStore<V>,
         candidates: &'c [Candidate],
         instructions: Instructions,
     ) -> &'c [Candidate] {
-        let bodies = &store.body[..];
-        let Prediction { lookahead, margin, range, .. } = store.prediction;
+        let Prediction { swept, margin, range, .. } = &store.prediction;
+        let (bodies, swept, beyond) = (&store.body[..], &swept[..], margin + range);
         instructions.run_narrow(
             #[inline(always)]
             || {
                 // Copies: what lies behind a reference would be read anew after every store.
-                let (metric, half, margin, range) = (metric, lookahead, margin, range);
+                let (metric, bodies, beyond) = (metric, bodies, beyond);
+                // Of the same length as `bodies`, so that an index that was checked for one needs no check for the other.
+                let swept = if SWEPT { &swept[..bodies.len()] } else { &[] };
                 let (mut end, mut left) = (self.len, candidates.iter());
                 while end < LANES
                     && let Some(&candidate) = left.next()
                 {
-                    let pair = candidate.both().map(|entry| &bodies[entry]);
+                    let [i, j] = candidate.both();
                     self.pairs[end] = candidate;
-                    let Approach { squared, reach, along } = self.bodies.take::<INDIVIDUAL>(end, &metric, pair);
-                    let farthest = if CHOOSES {
-                        // The squared distance at a gap g is reach^2 + g (reach + distance), and `along` is distance times speed.
-                        (reach + range) * (reach + range) + 2.0 * CLOSED_IN_HALF_STEPS * half * along.abs()
-                    } else {
-                        (reach + range + margin) * (reach + range + margin)
-                    };
+                    let Approach { squared, reach } =
+                        self.bodies.take::<INDIVIDUAL>(end, &metric, [&bodies[i], &bodies[j]]);
+                    let farthest = if SWEPT { swept[i] + swept[j] } else { reach + beyond };
                     // Written so that a NaN does not touch: the finite-value check reports it at the end of the step.
-                    end += usize::from(squared < farthest);
+                    end += usize::from(squared < farthest * farthest);
                 }
                 self.len = end;
                 left.as_slice()
@@ -101,30 +96,32 @@ mod tests {
         const SPRING: bool = true;
     }
 
-    /// Half a step, s, and the largest gap that any pair closes in it, m.
-    const HALF: f64 = 1e-3;
-    const MARGIN: f64 = 4e-3;
-
-    /// Selects among the pairs of body 0 and each other body, 1 cm in radius each. `others` has the gap to each (m) and the speed
-    /// with which the gap closes (m/s).
-    fn selected<V: Space, L: LawRequirements>(others: &[[f64; 2]], half: f64, chooses: bool) -> Vec<usize> {
+    /// Selects among the pairs of body 0 and each other body, 1 cm in radius each. `others` has the gap to each and its own margin, m.
+    /// Body 0 has a margin of 1 mm. Without `centred` the margins do not count.
+    fn selected<V: Space, L: LawRequirements>(others: &[[f64; 2]], centred: bool) -> Vec<usize> {
         let mut store = ParticleStore::<V>::default();
-        (store.prediction.lookahead, store.prediction.margin) = (half, if half > 0.0 { MARGIN } else { 0.0 });
         let axis = V::narrow(Solid::new(0.6, 0.8, 0.0));
-        let body = |[distance, speed]: [f64; 2]| Body {
+        let at = |distance: f64| Body {
             position: axis * distance,
-            velocity: axis * -speed,
+            velocity: V::ZERO,
             radius: 0.01,
             inverse_mass: 1.0,
             middle: V::Inside::default(),
         };
-        store.body.push(body([0.0, 0.0]));
-        store.body.extend(others.iter().map(|&[gap, speed]| body([0.02 + gap, speed])));
+        store.body.push(at(0.0));
+        store.body.extend(others.iter().map(|&[gap, _]| at(0.02 + gap)));
+        if centred {
+            store.prediction.lookahead = 1e-3;
+            store.prediction.swept = std::iter::once(1e-3)
+                .chain(others.iter().map(|&[_, margin]| margin))
+                .map(|margin| 0.01 + margin)
+                .collect();
+        }
         let candidates: Vec<_> = (1..=others.len()).map(|j| Candidate::new(0, j.try_into().unwrap())).collect();
         let all = Instructions::all().into_iter().map(|instructions| {
             let (mut batch, mut left, mut found) = (Batch::<V>::default(), &candidates[..], Vec::new());
             while !left.is_empty() {
-                left = batch.select::<L>(&store, left, chooses, instructions);
+                left = batch.select::<L>(&store, left, instructions);
                 assert!(batch.len == LANES || left.is_empty());
                 found.extend(batch.pairs[..batch.len].iter().map(|pair| pair.second()));
                 batch.len = 0;
@@ -136,28 +133,17 @@ mod tests {
         all.into_iter().next().unwrap()
     }
 
-    /// The gaps count that a pair closes within 1.25 half steps, at any sign of the speed; a NaN counts nowhere.
-    const OTHERS: [[f64; 2]; 8] = [
-        [-1e-3, 0.0],
-        [1e-3, 0.9],
-        [1e-3, 0.7],
-        [1e-3, -0.9],
-        [3.9e-3, 0.0],
-        [4.1e-3, 1.0],
-        [f64::NAN, 0.0],
-        [-1e-6, 2.0],
-    ];
+    /// Gaps count below the sum of both margins; a NaN counts nowhere.
+    const OTHERS: [[f64; 2]; 7] =
+        [[-1e-3, 0.0], [0.9e-3, 0.0], [1.1e-3, 0.0], [1.9e-3, 1e-3], [2.1e-3, 1e-3], [f64::NAN, 1.0], [1e-3, f64::NAN]];
 
     fn check<V: Space, L: LawRequirements>() {
-        for chooses in [false, true] {
-            assert_eq!(selected::<V, L>(&OTHERS, 0.0, chooses), [1, 8]);
-        }
-        assert_eq!(selected::<V, L>(&OTHERS, HALF, false), [1, 2, 3, 4, 5, 8]);
-        assert_eq!(selected::<V, L>(&OTHERS, HALF, true), [1, 2, 4, 8]);
+        assert_eq!(selected::<V, L>(&OTHERS, false), [1]);
+        assert_eq!(selected::<V, L>(&OTHERS, true), [1, 2, 4]);
         // More than a batch.
-        let many: Vec<_> = OTHERS.iter().copied().cycle().take(8 * 40).collect();
-        let expected: Vec<_> = (0..40).flat_map(|round| [1, 2, 4, 8].map(|j| 8 * round + j)).collect();
-        assert_eq!(selected::<V, L>(&many, HALF, true), expected);
+        let many: Vec<_> = OTHERS.iter().copied().cycle().take(7 * 40).collect();
+        let expected: Vec<_> = (0..40).flat_map(|round| [1, 2, 4].map(|j| 7 * round + j)).collect();
+        assert_eq!(selected::<V, L>(&many, true), expected);
     }
 
     #[test]

@@ -26,8 +26,6 @@ pub struct HistoryBlock<V: Space> {
     stiffness: Vec<f64>,
     /// Energy lost in contacts of these rows in the last pass.
     pub lost: ContactLosses,
-    /// Whether the last count found many gaps that the fastest particles could close.
-    pub has_many_gaps: bool,
 }
 
 impl<V: Space> Default for HistoryBlock<V> {
@@ -39,7 +37,6 @@ impl<V: Space> Default for HistoryBlock<V> {
             twist: Vec::new(),
             stiffness: Vec::new(),
             lost: ContactLosses::default(),
-            has_many_gaps: false,
         }
     }
 }

@@ -43,24 +43,22 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         self.sums.initialise(list::end_of(&self.task.incoming), gravity, self.view);
         let mut left = &self.task.incoming[..];
         while !left.is_empty() {
-            left = self.fill_batch(left, false);
+            left = self.fill_batch(left);
             self.flush_incoming();
         }
         let mut prefetched_end = self.task.rows.start;
         let blocks = pair_histories.iter_mut().zip(wall_histories).zip(self.task.rows.clone().step_by(BLOCK));
         for ((pair_history, wall_history), first) in blocks {
-            let chooses = pair_history.has_many_gaps && self.view.predicts() && !self.pass.counts_gaps;
             let mut block = Block::new(pair_history, spare);
             let (mut left, end) = self.pass.list.block(first / BLOCK);
             // Sums are initialised block by block, so that they are still in the cache when forces are added.
             self.sums.initialise(end, gravity, self.view);
             prefetched_end = self.prefetch(prefetched_end, first + BLOCK);
             while !left.is_empty() {
-                left = self.fill_batch(left, chooses);
+                left = self.fill_batch(left);
                 self.flush(&mut block);
             }
             block.cursor.end::<L>(block.lost, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
-            pair_history.has_many_gaps = chooses || block.has_many_gaps();
             if !self.pass.walls.is_empty() {
                 self.sums.initialise(first + BLOCK, gravity, self.view);
                 self.sum_walls(first + BLOCK, Block::new(wall_history, spare));
@@ -71,8 +69,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     }
 
     /// Adds candidates to the batch until it is full. Returns the candidates that are left.
-    fn fill_batch<'c>(&mut self, candidates: &'c [Candidate], chooses: bool) -> &'c [Candidate] {
-        self.batch.select::<L>(self.view, candidates, chooses, self.pass.instructions)
+    fn fill_batch<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
+        self.batch.select::<L>(self.view, candidates, self.pass.instructions)
     }
 
     /// Marks the contacts with a lone particle, in a batch of own rows. Such batches come in ascending order.
@@ -194,8 +192,6 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         }
         self.mark_lone();
         self.evaluate_batch();
-        block.pairs += self.batch.len;
-        block.gaps += self.batch.output.gap_count() as usize;
         self.store_results(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
         let tracks_energy = self.view.tracks_energy;
         let (sums, batch) = (&mut self.sums, &*self.batch);
@@ -245,19 +241,10 @@ pub(super) struct Block<'a, V: Space> {
     /// Losses of contacts, including the energy stored in ended ones. Both are added in a fixed order, independent of
     /// how contacts are batched.
     pub(super) lost: ContactLosses,
-    /// Numbers of evaluated pairs of particles, and of gaps among them.
-    pairs: usize,
-    gaps: usize,
 }
 
 impl<'a, V: Space> Block<'a, V> {
     pub(super) fn new(history: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>) -> Self {
-        Self { cursor: HistoryCursor::new(history, spare), lost: ContactLosses::default(), pairs: 0, gaps: 0 }
-    }
-
-    /// Returns whether the gaps take more time than a filter that chooses among them. In a bed of spheres a gap takes about 180
-    /// instructions. Choosing takes 36 more for a particle, which has about two contacts of its own.
-    fn has_many_gaps(&self) -> bool {
-        10 * self.gaps > self.pairs
+        Self { cursor: HistoryCursor::new(history, spare), lost: ContactLosses::default() }
     }
 }
