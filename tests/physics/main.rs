@@ -75,11 +75,16 @@ pub fn simulation(keys: &str, grains: Vec<GrainRow>) -> Simulation {
 
 /// Like [`simulation`], but on `threads` threads.
 pub fn simulation_on(threads: usize, keys: &str, grains: Vec<GrainRow>) -> Simulation {
+    simulation_with(threads, keys, grains, |_| {})
+}
+
+/// As [`simulation_on`], with more systems.
+pub fn simulation_with(threads: usize, keys: &str, grains: Vec<GrainRow>, more: impl FnOnce(&mut App)) -> Simulation {
     let text = format!("({keys}, pictures: None)");
     let mut loaded =
         load::from_text("test.ron", "test", Path::new(""), text, &[]).unwrap_or_else(|fault| panic!("{fault}\n{keys}"));
     loaded.grains = grains;
-    Simulation::new(&loaded, &Registry::default(), NonZeroUsize::new(threads).unwrap()).unwrap()
+    Simulation::with_plugins(&loaded, &Registry::default(), NonZeroUsize::new(threads).unwrap(), more).unwrap()
 }
 
 /// Position, velocity and spin of a grain. In the plane z is 0 and the spin is along z.

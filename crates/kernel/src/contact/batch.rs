@@ -26,10 +26,6 @@ use crate::particle::Species;
 use crate::space::{Linear, Space};
 use crate::store::{Rotation, TOTAL_AND_DISSIPATIVE};
 
-/// A pair closes in half a step at most a gap of this multiple of half a step times its predicted speed. The factor allows for the
-/// difference of predicted velocities from those in the middle of the step.
-const CLOSED_IN_HALF_STEPS: f64 = 1.25;
-
 /// Returns 1 if the contact may open or close within the step, or, with friction, if its normal force may change its sign; otherwise
 /// 0. `even` (s) times the normal speed is the overlap from which neither happens without drag. `range` (m) is how far the contact
 /// exists beyond touch. Combining the sign bits of two numbers takes fewer vector instructions than

@@ -126,3 +126,50 @@ impl<V: Space> ParticleStore<V> {
         self.rotation[i].spin = spin;
     }
 }
+
+#[cfg(test)]
+#[expect(clippy::float_cmp, reason = "exact values")]
+mod tests {
+    use super::*;
+    use crate::space::{Solid, Vector};
+    use crate::store::Body;
+
+    #[test]
+    fn a_swept_radius_has_the_move_of_half_a_step_and_half_the_range() {
+        // 3 mm in a whole step.
+        assert!((swept_radius(0.01, 9e-6, 4e-4) - (0.01 + 1.5e-3 + 2e-4)).abs() < 1.5e-3 * 1e-6 + 0.01 * f64::EPSILON);
+        assert_eq!(swept_radius(0.01, 0.0, 0.0), 0.01);
+    }
+
+    #[test]
+    fn a_faster_velocity_widens_the_margins_and_a_slower_one_keeps_them() {
+        let mut store = ParticleStore::<Solid>::default();
+        let body = Body { position: V0, velocity: V0, radius: 0.01, inverse_mass: 1.0, middle: () };
+        store.body = vec![body; 2];
+        (store.movable_end, store.prediction.is_ahead) = (1, true);
+        store.prediction.lookahead = 0.5e-3;
+        store.prediction.middle = vec![V0; 2];
+        store.prediction.swept = vec![0.01; 2];
+        // A grain and a fixed particle: 2 m/s for a step of 1 ms.
+        for i in [0, 1] {
+            store.set_velocity(i, Solid::new(0.0, 2.0, 0.0), false);
+            assert_eq!(store.prediction.swept[i], swept_radius(0.01, 4e-6, 0.0));
+            assert!((store.prediction.margin / 2e-3 - 1.0).abs() < 2e-6);
+            store.set_velocity(i, V0, false);
+            assert_eq!(store.prediction.swept[i], swept_radius(0.01, 4e-6, 0.0));
+        }
+        // Schemes without prediction keep no swept radii.
+        let mut plain = ParticleStore::<Plane> { body: vec![], ..ParticleStore::default() };
+        plain.body.push(Body {
+            position: Vector::ZERO,
+            velocity: Vector::ZERO,
+            radius: 0.01,
+            inverse_mass: 1.0,
+            middle: Vector::ZERO,
+        });
+        plain.set_velocity(0, Vector::X, false);
+        assert!(plain.prediction.swept.is_empty() && plain.prediction.margin == 0.0);
+    }
+
+    const V0: Solid = Solid::ZERO;
+}

@@ -1,7 +1,7 @@
 //! Contacts of a batch near an event: for these few the law is evaluated anew, one by one and averaged over the step
 //! ([`centred`](crate::contact::centred)).
 
-use crate::contact::batch::{Batch, Bodies, CLOSED_IN_HALF_STEPS};
+use crate::contact::batch::{Batch, Bodies};
 use crate::contact::centred::Window;
 use crate::contact::start::force_at_start;
 use crate::contact::{LawRequirements, Memory, MemoryTimes, Pair, PairForce, PairLaw};
@@ -9,6 +9,10 @@ use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::ParticleStore;
+
+/// A pair closes in half a step at most a gap of this multiple of half a step times its predicted speed. The factor allows for the
+/// difference of predicted velocities from those in the middle of the step.
+const CLOSED_IN_HALF_STEPS: f64 = 1.25;
 
 /// Turns a contact with predicted velocities into one with the velocities in the middle of the step and their prediction.
 pub type Predict<V> = fn(&ParticleStore<V>, Candidate, &mut Pair<V>);
