@@ -32,22 +32,7 @@ use bevy_ecs::prelude::*;
 
 use crate::space::Space;
 use crate::step::{Clock, Part, Phase, Step};
-use crate::store::{Body, ParticleStore, VelocitiesPredicted, swept_radius};
-
-impl<V: Space> ParticleStore<V> {
-    /// Sets the largest gap that can close in half a step of `dt`, s, and the swept radii of particles from slot `first` on.
-    /// `longest` is the longest move of the other particles in a step, m.
-    pub(super) fn set_margins(&mut self, first: usize, longest: f64, dt: f64) {
-        let Self { body, prediction, .. } = self;
-        let squared_speed = |body: &Body<V>| body.velocity.length_squared();
-        let fastest = body[first..].iter().map(squared_speed).fold(0.0, f64::max);
-        // The factor allows for rounding.
-        prediction.margin = longest.max(dt * fastest.sqrt()) * (1.0 + 1e-6);
-        for (body, swept) in body.iter().zip(&mut prediction.swept).skip(first) {
-            *swept = swept_radius(body.radius, dt * dt * squared_speed(body), prediction.range);
-        }
-    }
-}
+use crate::store::{ParticleStore, VelocitiesPredicted};
 
 /// The largest damping rates of any contact, 1/s.
 #[derive(Resource, Clone, Copy)]

@@ -18,7 +18,8 @@ pub(super) trait Halfway<R, T>: Copy + Sync {
 
 /// An entry of [`Prediction::swept`](crate::store::Prediction), or `()` if no contact law needs it.
 pub(super) trait Swept: Copy + Default + Send {
-    /// Returns the entry of a particle. The arguments are those of [`swept_radius`].
+    /// Returns the entry of a particle, m, from its radius, m, the squared length of its move in a whole step, m^2, and the range of
+    /// contacts, m.
     fn of(radius: f64, squared: f64, range: f64) -> Self;
 }
 
@@ -30,7 +31,7 @@ impl Swept for () {
 impl Swept for f64 {
     #[inline(always)]
     fn of(radius: f64, squared: f64, range: f64) -> Self {
-        swept_radius(radius, squared, range)
+        swept_radius(radius, squared.sqrt(), range)
     }
 }
 

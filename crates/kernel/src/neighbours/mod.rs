@@ -138,7 +138,8 @@ impl<V: Space> Search<V> {
 impl<V: Space> ParticleStore<V> {
     /// Returns whether the contact law must test this pair.
     fn may_touch(&self, i: usize, j: usize) -> bool {
-        // Summed in the same order as in the kernel, so that both agree to the last bit.
+        // The filter of the kernel sums in the same order for laws without memory, so that both agree to the last bit. For laws
+        // with memory it takes fewer pairs.
         let reach = self.body[i].radius + self.body[j].radius + (self.prediction.margin + self.prediction.range);
         self.separation(self.body[i].position, self.body[j].position).length_squared() < reach * reach
     }

@@ -23,7 +23,7 @@ pub struct Prediction<V: Space = Plane> {
     pub margin: f64,
     /// Radii of the particles, each with the distance that the particle moves in the time `lookahead` and half of `range`, m.
     pub swept: Vec<f64>,
-    /// Whether `swept` is kept.
+    /// Whether `swept` is kept: a contact law has memory.
     pub sweeps: bool,
     /// The largest range of a contact beyond touch, m. It belongs to the contact law and does not change.
     pub range: f64,
@@ -62,12 +62,13 @@ impl<V: Space> Default for Prediction<V> {
     }
 }
 
-/// Returns an entry of [`Prediction::swept`], m, from a radius, m, the squared length of a move in a whole step, m^2, and the range
-/// of contacts, m.
+/// A factor on distances moved that allows for rounding.
+const ROUNDING: f64 = 1.0 + 1e-6;
+
+/// Returns an entry of [`Prediction::swept`], m, from a radius, the distance moved in a whole step and the range of contacts, m.
 #[inline(always)]
-pub(crate) fn swept_radius(radius: f64, squared: f64, range: f64) -> f64 {
-    // The factor allows for rounding.
-    radius + (0.5 * (1.0 + 1e-6) * squared.sqrt() + 0.5 * range)
+pub(crate) fn swept_radius(radius: f64, moved: f64, range: f64) -> f64 {
+    radius + (0.5 * ROUNDING * moved + 0.5 * range)
 }
 
 impl<V: Space> ParticleStore<V> {
@@ -104,17 +105,27 @@ impl<V: Space> ParticleStore<V> {
             V::set_middle(middle, &mut self.body[i].middle, &mut self.prediction.middle[i]);
         }
         self.body[i].velocity = velocity;
-        self.widen_margins(i);
+        // Without prediction the lookahead is zero, and so are the margins.
+        self.widen_margins(i, 2.0 * self.prediction.lookahead * self.middle_velocity(i).length());
     }
 
-    /// Widens the margins if particle `i` can now close a wider gap. Without prediction its move is zero.
-    fn widen_margins(&mut self, i: usize) {
-        let moved = 2.0 * self.prediction.lookahead * self.middle_velocity(i).length();
+    /// Sets the margins from the velocities of particles from slot `first` on, for a step of `dt`, s. `longest` is the longest
+    /// move of the other particles in a step, m; the drift sets their swept radii.
+    pub(crate) fn set_margins(&mut self, first: usize, longest: f64, dt: f64) {
+        // NaN counts as no move: the finite-value check reports it at the end of the step.
+        self.prediction.margin = 0f64.max(longest * ROUNDING);
+        self.prediction.swept.iter_mut().skip(first).for_each(|swept| *swept = 0.0);
+        for i in first..self.body.len() {
+            self.widen_margins(i, dt * self.body[i].velocity.length());
+        }
+    }
+
+    /// Widens the margins if they do not allow for a move of particle `i` by `moved`, m, in a whole step.
+    fn widen_margins(&mut self, i: usize, moved: f64) {
         let Prediction { swept, margin, range, .. } = &mut self.prediction;
-        // The factor allows for rounding.
-        *margin = margin.max(moved * (1.0 + 1e-6));
+        *margin = margin.max(moved * ROUNDING);
         if let Some(swept) = swept.get_mut(i) {
-            *swept = swept.max(swept_radius(self.body[i].radius, moved * moved, *range));
+            *swept = swept.max(swept_radius(self.body[i].radius, moved, *range));
         }
     }
 
@@ -138,7 +149,7 @@ mod tests {
     #[test]
     fn a_swept_radius_has_the_move_of_half_a_step_and_half_the_range() {
         // 3 mm in a whole step.
-        assert!((swept_radius(0.01, 9e-6, 4e-4) - (0.01 + 1.5e-3 + 2e-4)).abs() < 1.5e-3 * 1e-6 + 0.01 * f64::EPSILON);
+        assert!((swept_radius(0.01, 3e-3, 4e-4) - (0.01 + 1.5e-3 + 2e-4)).abs() < 1.5e-3 * 1e-6 + 0.01 * f64::EPSILON);
         assert_eq!(swept_radius(0.01, 0.0, 0.0), 0.01);
     }
 
@@ -155,10 +166,10 @@ mod tests {
         // A grain and a fixed particle: 2 m/s for a step of 1 ms.
         for i in [0, 1] {
             store.set_velocity(i, Solid::new(0.0, 2.0, 0.0), false);
-            assert_eq!(store.prediction.swept[i], swept_radius(0.01, 4e-6, 0.0));
+            assert_eq!(store.prediction.swept[i], swept_radius(0.01, 2e-3, 0.0));
             assert!((store.prediction.margin / 2e-3 - 1.0).abs() < 2e-6);
             store.set_velocity(i, still, false);
-            assert_eq!(store.prediction.swept[i], swept_radius(0.01, 4e-6, 0.0));
+            assert_eq!(store.prediction.swept[i], swept_radius(0.01, 2e-3, 0.0));
         }
         // Schemes without prediction have no margins.
         (store.prediction.lookahead, store.prediction.margin, store.prediction.swept) = (0.0, 0.0, Vec::new());

@@ -3,7 +3,7 @@
 //! Branches on overlap are mispredicted often, so there is none: each candidate is written, and the batch grows only if
 //! it counts. With centred contacts ([`centred`](crate::contact::centred)) gaps that may close in half a step count too. A gap takes few
 //! instructions with a law without memory, so these laws get all gaps below a margin that no pair of the store exceeds. Laws with
-//! memory get the gaps below the distances that both particles move in that time.
+//! memory get the gaps below the sum of the distances that both particles move in half a step.
 //!
 //! Of the law only [`LawRequirements`] matter here, so the loops are compiled for each space and not for each law.
 
@@ -60,7 +60,7 @@ impl<V: Space> Batch<V> {
             || {
                 // Copies: what lies behind a reference would be read anew after every store.
                 let (metric, bodies, beyond) = (metric, bodies, beyond);
-                // Of the same length as `bodies`, so that an index that was checked for one needs no check for the other.
+                // Both slices have one length, so that an index that was checked for one needs no check for the other.
                 let swept = if SWEPT { &swept[..bodies.len()] } else { &[] };
                 let (mut end, mut left) = (self.len, candidates.iter());
                 while end < LANES
