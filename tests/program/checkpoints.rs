@@ -182,8 +182,7 @@ fn state_of_another_scene_is_refused() {
 }
 
 /// Places where state could hide from access lists, each with the reason why it may.
-const HIDDEN: [(&str, &str); 9] = [
-    ("contact/forces.rs", "Local<LonePairs>: chosen anew from the list and the store"),
+const HIDDEN: [(&str, &str); 8] = [
     ("survey/pair_forces.rs", "Local<'s, Vec<V>>: emptied before each use"),
     ("store/renumbering.rs", "Local<u64>: decides about the order of table rows only"),
     ("writers/png.rs", "static: the fonts"),

@@ -21,7 +21,7 @@ use crate::writers::fnv::Fnv;
 const MAGIC: &[u8; 8] = b"SILOFLOW";
 
 /// Version of the format.
-pub const FORMAT: u32 = 5;
+pub const FORMAT: u32 = 6;
 
 /// Facts about a checkpoint that are read before its state.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]

@@ -135,6 +135,25 @@ impl<V: Space> Batch<V> {
         pair
     }
 
+    /// Takes the marks of the pairs into [`Self::lone`].
+    #[inline]
+    pub fn take_marks(&mut self, instructions: Instructions) {
+        let pairs = &mut self.pairs;
+        let marks = instructions.run(
+            #[inline(always)]
+            || {
+                let mut marks = 0;
+                for (lane, pair) in (0u64..).zip(pairs.iter_mut()) {
+                    marks |= pair.mark() << lane;
+                    *pair = pair.unmarked();
+                }
+                marks
+            },
+        );
+        // Lanes beyond the last contact hold pairs of earlier batches.
+        self.lone = marks & !(u64::MAX << self.len);
+    }
+
     /// Returns the energy that the contacts lose, J.
     #[inline]
     pub fn lost<L: LawRequirements>(&mut self) -> ContactLosses {

@@ -232,16 +232,25 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
     /// Counts the contacts of a batch for the first particles (`FIRST`) and for the second particles (`SECOND`).
     #[inline(always)]
     pub(super) fn count<const FIRST: bool, const SECOND: bool>(&mut self, batch: &Batch<V>) {
-        let (start, contacts) = (self.rows.start, &mut *self.slice.contacts);
-        for lane in 0..batch.len.min(LANES) {
-            let touches = u16::from(batch.output.is_contact(lane));
+        let (start, counts, touching) = (self.rows.start, &mut *self.slice.contacts, batch.output.contacts());
+        let mut count = |lane: usize| {
+            let touches = u16::from(touching >> lane & 1 > 0);
             let [first, second] = batch.pairs[lane].both().map(|entry| entry.wrapping_sub(start));
             if FIRST {
-                contacts[first] += touches;
+                counts[first] += touches;
             }
-            if SECOND && let Some(count) = contacts.get_mut(second) {
+            if SECOND && let Some(count) = counts.get_mut(second) {
                 *count += touches;
             }
+        };
+        // Neighbouring lanes share their first particle, and each addition to it waits for the one before. So lanes of other particles come
+        // in between.
+        let quarter = batch.len.min(LANES) / 4;
+        for lane in 0..quarter {
+            for part in 0..4 {
+                count(lane + part * quarter);
+            }
         }
+        (4 * quarter..batch.len.min(LANES)).for_each(count);
     }
 }

@@ -10,7 +10,6 @@ use serde::{Deserialize, Serialize};
 use crate::contact::history::History;
 use crate::contact::history::remembered::Remembered;
 use crate::contact::kernel::{Pass, ScratchPerThread};
-use crate::contact::lone_pairs::LonePairs;
 use crate::contact::{AnyLaw, LawRequirements, PairLaw};
 use crate::gravity::Gravity;
 use crate::instructions::Instructions;
@@ -48,15 +47,18 @@ fn memory_step(clock: &Clock, lead: f64) -> f64 {
 
 fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     law: Res<Law<L>>,
-    (clock, gravity, search): (Res<Clock>, Res<Gravity<V>>, Res<Search<V>>),
+    (clock, gravity, mut search): (Res<Clock>, Res<Gravity<V>>, ResMut<Search<V>>),
     (threads, instructions, mut scratches): (Res<Threads>, Res<Instructions>, ResMut<ScratchPerThread<V>>),
-    (mut walls, mut near, mut lone): (ResMut<Surfaces<V>>, ResMut<NearWalls>, Local<LonePairs>),
+    (mut walls, mut near): (ResMut<Surfaces<V>>, ResMut<NearWalls>),
     mut store: ResMut<ParticleStore<V>>,
     mut history: ResMut<History<V>>,
     mut largest: ResMut<LargestOverlap>,
 ) {
     // Change detection does not report this system's own writes, here the wall loads, as changes.
     let have_changed = walls.is_changed();
+    if store.predicts() {
+        search.list.mark_lone(&store.prediction);
+    }
     let pass = Pass {
         law: &*law.0,
         list: &search.list,
@@ -64,7 +66,6 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
         near: near.of(&store, &walls, have_changed),
         dt: memory_step(&clock, store.prediction.lookahead),
         starts: clock.is_step_zero(),
-        lone: if store.predicts() { lone.of(&search.list, &store.prediction) } else { &[] },
         counts: store.predicts() && clock.steps.is_multiple_of(COUNT_INTERVAL),
         gravity: gravity.0,
         instructions: *instructions,

@@ -43,7 +43,7 @@ use crate::walls::surfaces::SurfaceWall;
 pub struct Pass<'a, V: Space, L> {
     /// The contact law.
     pub law: &'a L,
-    /// Candidate pairs.
+    /// Candidate pairs. With velocity prediction, pairs are marked with a particle that had no other contact when contacts were last counted.
     pub list: &'a PairList,
     /// The wall surfaces.
     pub walls: &'a [SurfaceWall<V>],
@@ -53,8 +53,6 @@ pub struct Pass<'a, V: Space, L> {
     pub dt: f64,
     /// Whether this is the first pass of a run, whose forces act in half a step only.
     pub starts: bool,
-    /// Candidates with a particle that had no other contact when contacts were last counted, ascending.
-    pub lone: &'a [Candidate],
     /// Whether this pass counts contacts.
     pub counts: bool,
     /// Acceleration of gravity, m/s^2.
@@ -110,8 +108,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
             let near = near.split_off(..own).unwrap_or_default();
             let halo = halo.clone();
             on_walls.clear();
-            let lone = &self.lone[self.lone.partition_point(|pair| pair.first() < task.rows.start)..];
-            let worker = Worker { pass: self, view, task, halo, sums, batch, largest: deepest, near, lone, on_walls };
+            let worker = Worker { pass: self, view, task, halo, sums, batch, largest: deepest, near, on_walls };
             workers.push(move || {
                 let largest = worker.sum(pair_histories, wall_histories, spare);
                 if has_borders {

@@ -7,23 +7,32 @@ use std::fmt;
 /// Candidate pair: two slots with the lower one first, or a slot and the index of a wall surface.
 ///
 /// Both indices are packed into one `u64`, so that a pair is read, written and compared as one number. Pairs are
-/// ordered by the first index, then by the second.
+/// ordered by the first index, then by the second. A neighbour list can mark a pair. The mark takes one bit of the number, so it costs
+/// the loop over candidates nothing; marked pairs are not compared.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
+#[serde(from = "[u32; 2]", into = "[u32; 2]")]
 pub struct Candidate(u64);
 
+/// Place of the first index: above the second index and the mark.
+const FIRST: u32 = 33;
+
+/// The bit of the mark, above the second index.
+const MARK: u32 = 32;
+
 impl Candidate {
-    /// Packs the indices of a pair.
+    /// Packs the indices of a pair, without a mark. The first must be less than 2^31.
     #[inline(always)]
     #[must_use]
     pub fn new(first: u32, second: u32) -> Self {
-        Self(u64::from(first) << 32 | u64::from(second))
+        debug_assert!(first < 1 << 31, "a first index of at most 31 bits");
+        Self(u64::from(first) << FIRST | u64::from(second))
     }
 
     /// Returns the first index.
     #[inline(always)]
     #[must_use]
     pub fn first(self) -> usize {
-        (self.0 >> 32) as usize
+        (self.0 >> FIRST) as usize
     }
 
     /// Returns the second index.
@@ -41,7 +50,28 @@ impl Candidate {
     #[must_use]
     pub(crate) fn with_partner(self, partner: usize) -> Self {
         let partner = u32::try_from(partner).expect("fewer than 2^32 partners");
-        Self(self.0 >> 32 << 32 | u64::from(partner))
+        Self(self.0 >> FIRST << FIRST | u64::from(partner))
+    }
+
+    /// Returns the pair with a mark if `mark` is 1, without a mark if it is 0.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn with_mark(self, mark: u8) -> Self {
+        Self(self.unmarked().0 | u64::from(mark) << MARK)
+    }
+
+    /// Returns the pair without a mark.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn unmarked(self) -> Self {
+        Self(self.0 & !(1 << MARK))
+    }
+
+    /// Returns 1 if the pair has a mark, else 0.
+    #[inline(always)]
+    #[must_use]
+    pub(crate) fn mark(self) -> u64 {
+        self.0 >> MARK & 1
     }
 
     /// Returns both indices.
@@ -67,6 +97,13 @@ impl From<[u32; 2]> for Candidate {
     }
 }
 
+impl From<Candidate> for [u32; 2] {
+    #[expect(clippy::cast_possible_truncation, reason = "both indices have at most 32 bits")]
+    fn from(candidate: Candidate) -> Self {
+        candidate.both().map(|index| index as u32)
+    }
+}
+
 impl fmt::Debug for Candidate {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.both().fmt(f)
@@ -87,8 +124,20 @@ mod tests {
 
     #[test]
     fn order_and_text_follow_both_indices() {
-        let candidates = [[0, 7], [1, 0], [1, u32::MAX], [u32::MAX, 0]].map(Candidate::from);
+        let pairs = [[0, 7], [1, 0], [1, u32::MAX], [i32::MAX.unsigned_abs(), 0]];
+        let candidates = pairs.map(Candidate::from);
         assert!(candidates.is_sorted());
+        assert_eq!(candidates.map(<[u32; 2]>::from), pairs);
         assert_eq!(format!("{:?}", candidates[2]), "[1, 4294967295]");
+    }
+
+    #[test]
+    fn a_mark_changes_neither_index() {
+        for pair in [[0, 0], [3, 7], [i32::MAX.unsigned_abs(), u32::MAX]].map(Candidate::from) {
+            let marked = pair.with_mark(1);
+            assert_eq!((marked.mark(), marked.both(), marked.unmarked()), (1, pair.both(), pair));
+            assert_eq!((pair.mark(), marked.with_mark(1), marked.with_mark(0)), (0, marked, pair));
+            assert_eq!(marked.with_partner(5), Candidate::new(u32::try_from(pair.first()).unwrap(), 5));
+        }
     }
 }

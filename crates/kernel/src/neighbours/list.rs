@@ -8,11 +8,16 @@
 //! its own rows, as an `incoming` pair. So each particle sums its partners in ascending order of slots on any
 //! number of threads.
 
+mod marks;
+
 use std::ops::Range;
+
+use self::marks::Marks;
 
 /// Rows of a block. A force pass processes one block at a time, on any number of threads.
 pub const BLOCK: usize = 1024;
 
+pub use self::marks::Chosen;
 pub use crate::neighbours::candidate::{Candidate, are_same};
 
 /// List of all candidate pairs.
@@ -28,6 +33,7 @@ pub struct PairList {
     tasks: Vec<Task>,
     /// Number of changes of the list.
     version: u64,
+    marks: Marks,
 }
 
 /// Rows and pairs that one thread sums.
@@ -50,12 +56,6 @@ impl PairList {
     #[must_use]
     pub fn pairs(&self) -> &[Candidate] {
         &self.pairs
-    }
-
-    /// Returns the number of changes of the list so far.
-    #[must_use]
-    pub fn version(&self) -> u64 {
-        self.version
     }
 
     /// Returns the candidates of block `number`, and the [end](end_of) of their slots.
@@ -91,7 +91,7 @@ impl PairList {
         self.row += 1;
     }
 
-    /// Replaces the list by `pairs` of `rows` particles, given in any order.
+    /// Replaces the list by `pairs` of `rows` particles, given in any order. The new list has no marks.
     pub(crate) fn fill(&mut self, pairs: impl Iterator<Item = Candidate> + Clone, rows: usize) {
         self.starts.clear();
         self.starts.resize(rows + 1, 0);
@@ -110,7 +110,7 @@ impl PairList {
         // Filling moves each start to the start of the next row.
         pairs.for_each(|pair| {
             let place = &mut self.starts[pair.first()];
-            self.pairs[*place as usize] = pair;
+            self.pairs[*place as usize] = pair.unmarked();
             *place += 1;
         });
         let mut start = 0;

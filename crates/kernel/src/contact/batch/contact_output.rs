@@ -34,6 +34,12 @@ impl<V: Space> ContactOutput<V> {
         self.gaps >> lane & 1 == 0
     }
 
+    /// Returns the bits of the lanes whose particles touch.
+    #[inline(always)]
+    pub fn contacts(&self) -> u64 {
+        !self.gaps
+    }
+
     /// Returns the lanes whose particles do not touch.
     #[inline(always)]
     pub fn gaps(&self) -> impl Iterator<Item = usize> {

@@ -24,8 +24,6 @@ pub(super) struct Worker<'a, V: Space, L> {
     pub(super) largest: f64,
     /// Pairs of an own row and a wall that may touch and are not yet summed.
     pub(super) near: &'a [Candidate],
-    /// Candidates with a lone particle, ascending.
-    pub(super) lone: &'a [Candidate],
     /// Loads of contacts with walls, summed over consecutive contacts with one wall, each with the index of the wall.
     pub(super) on_walls: &'a mut Vec<(usize, WallLoad<V>)>,
 }
@@ -73,19 +71,12 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         self.batch.select::<L>(self.view, candidates, self.pass.instructions)
     }
 
-    /// Marks the contacts with a lone particle, in a batch of own rows. Such batches come in ascending order.
+    /// Takes the marks of the pairs of the batch. The history of laws with memory needs pairs without marks; other laws take them
+    /// later, because a vector waits for the numbers that the filter has just written one by one.
     #[inline]
-    fn mark_lone(&mut self) {
-        let pairs = &self.batch.pairs[..self.batch.len];
-        let (Some(&last), mut lane) = (pairs.last(), 0) else { return };
-        while let Some((&pair, rest)) = self.lone.split_first()
-            && pair <= last
-        {
-            self.lone = rest;
-            while pairs[lane] < pair {
-                lane += 1;
-            }
-            self.batch.lone |= u64::from(pairs[lane] == pair) << lane;
+    fn take_marks(&mut self) {
+        if self.view.predicts() {
+            self.batch.take_marks(self.pass.instructions);
         }
     }
 
@@ -127,6 +118,9 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
             self.batch.bodies.part_coincident::<L>(self.batch.len, normal);
         }
+        if !L::MEMORY {
+            self.take_marks();
+        }
         // A possible record is detected without division and without the two radii.
         if self.evaluate_law(self.view.smallest_share, ParticleStore::predict_pair) {
             for (pair, overlap) in self.batch.pairs.iter().zip(self.batch.bodies.overlap.iter()).take(self.batch.len) {
@@ -164,12 +158,12 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
 
     /// Adds the forces of the batch to own particles; the first particles of these pairs belong to other threads.
     fn flush_incoming(&mut self) {
+        if L::MEMORY {
+            self.take_marks();
+        }
         for lane in 0..if L::MEMORY { self.batch.len } else { 0 } {
             let memory = self.halo.next(self.batch.pairs[lane]).unwrap_or_default();
             self.batch.memory.set::<L>(lane, &memory);
-        }
-        for (lane, pair) in self.batch.pairs[..self.batch.len].iter().enumerate() {
-            self.batch.lone |= u64::from(self.pass.lone.binary_search(pair).is_ok()) << lane;
         }
         self.evaluate_batch();
         if self.view.tracks_energy {
@@ -186,11 +180,11 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// Evaluates the batch, adds its forces to both particles, and stores memories and losses.
     fn flush(&mut self, block: &mut Block<'_, V>) {
         if L::MEMORY {
+            self.take_marks();
             let Block { cursor, lost, .. } = block;
             self.batch
                 .recall::<L>(cursor, |contact, memory| lost.add(self.pass.on_contact_end(self.view, contact, memory)));
         }
-        self.mark_lone();
         self.evaluate_batch();
         self.store_results(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
         let tracks_energy = self.view.tracks_energy;

@@ -1,0 +1,122 @@
+//! Marks of candidates: a list marks its pairs that contain one of some chosen particles.
+//!
+//! The choice changes a little now and then. After such a change only the rows near the changed particles are visited.
+
+use std::ops::Range;
+
+use crate::neighbours::list::{Candidate, PairList};
+
+/// State of the marks of a list.
+#[derive(Debug, Default)]
+pub(super) struct Marks {
+    /// Version of the list and of the choice when pairs were last marked.
+    marked_at: (u64, u64),
+    /// The largest difference of the slots of a candidate.
+    span: usize,
+}
+
+/// The particles whose pairs are marked.
+#[derive(Clone, Copy, Debug)]
+pub struct Chosen<'a> {
+    /// For each particle: 1 if its pairs are marked, else 0.
+    pub particles: &'a [u8],
+    /// The particles that the last change of the choice has changed, ascending.
+    pub changed: &'a [usize],
+    /// Number of changes of the choice.
+    pub version: u64,
+}
+
+impl PairList {
+    /// Marks the pairs that contain a chosen particle, and no others.
+    pub fn mark(&mut self, chosen: Chosen<'_>) {
+        let now = (self.version, chosen.version);
+        let before = std::mem::replace(&mut self.marks.marked_at, now);
+        if before == now {
+            return;
+        }
+        if before == (now.0, now.1.wrapping_sub(1)) {
+            let span = self.marks.span;
+            self.all_mut().for_each(|pairs| mark_near(pairs, span, chosen));
+        } else {
+            self.marks.span = self.pairs.iter().map(|pair| pair.second() - pair.first()).max().unwrap_or(0);
+            self.all_mut().for_each(|pairs| mark_all(pairs, chosen));
+        }
+    }
+
+    /// Returns the pairs of the list and the copies of some of them in its tasks.
+    fn all_mut(&mut self) -> impl Iterator<Item = &mut [Candidate]> {
+        let incoming = self.tasks.iter_mut().map(|task| &mut task.incoming[..]);
+        std::iter::once(&mut self.pairs[..]).chain(incoming)
+    }
+}
+
+/// Marks anew the pairs, ascending, that may contain one of the changed particles.
+fn mark_near(pairs: &mut [Candidate], span: usize, chosen: Chosen<'_>) {
+    let mut changed = chosen.changed.iter().peekable();
+    while let Some(&particle) = changed.next() {
+        let (first, mut end) = (particle.saturating_sub(span), particle + 1);
+        while let Some(&next) = changed.next_if(|&&next| next <= end + span) {
+            end = next + 1;
+        }
+        let range = rows(pairs, first..end);
+        mark_all(&mut pairs[range], chosen);
+    }
+}
+
+/// Returns the places of the pairs, ascending, of a range of rows.
+fn rows(pairs: &[Candidate], rows: Range<usize>) -> Range<usize> {
+    let start = pairs.partition_point(|pair| pair.first() < rows.start);
+    start..start + pairs[start..].partition_point(|pair| pair.first() < rows.end)
+}
+
+fn mark_all(pairs: &mut [Candidate], Chosen { particles, .. }: Chosen<'_>) {
+    for pair in pairs {
+        let [i, j] = pair.both();
+        *pair = pair.with_mark(particles[i] | particles[j]);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// Returns the marked pairs of a list and of its tasks.
+    fn marked(list: &PairList) -> Vec<Vec<[usize; 2]>> {
+        let of = |pairs: &[Candidate]| pairs.iter().filter(|pair| pair.mark() > 0).map(|pair| pair.both()).collect();
+        std::iter::once(of(list.pairs())).chain(list.tasks().iter().map(|task| of(&task.incoming))).collect()
+    }
+
+    proptest! {
+        /// After changes of few or many particles, and after a renewal of the list, the pairs of chosen particles are marked.
+        #[test]
+        fn pairs_of_chosen_particles_are_marked(
+            pairs in prop::collection::btree_set((0u32..300, 1u32..9), 0..900),
+            changes in prop::collection::vec((prop::collection::btree_set(0usize..308, 0..40), any::<bool>()), 1..6),
+        ) {
+            let all: Vec<_> = pairs.iter().map(|&(i, apart)| Candidate::new(i, i + apart)).collect();
+            let mut list = PairList::default();
+            list.fill(all.iter().copied(), 308);
+            list.assign_tasks(308, 3, 64);
+            let mut particles = vec![0; 308];
+            for (version, (changed, renews)) in (1..).zip(changes) {
+                let changed: Vec<_> = changed.into_iter().collect();
+                changed.iter().for_each(|&particle| particles[particle] ^= 1);
+                if renews {
+                    let former = list.pairs().to_vec();
+                    list.fill(former.into_iter(), 308);
+                    prop_assert_eq!(list.pairs(), &all[..]);
+                    list.assign_tasks(308, 2, 64);
+                }
+                list.mark(Chosen { particles: &particles, changed: &changed, version });
+                let expected = |pairs: &[Candidate]| -> Vec<_> {
+                    pairs.iter().map(|pair| pair.both()).filter(|[i, j]| particles[*i] | particles[*j] > 0).collect()
+                };
+                let expected: Vec<_> =
+                    std::iter::once(expected(&all)).chain(list.tasks().iter().map(|task| expected(&task.incoming))).collect();
+                prop_assert_eq!(marked(&list), expected);
+            }
+        }
+    }
+}
