@@ -2,8 +2,8 @@
 //!
 //! Most contacts of a bed act by `plain` with velocities v + beta h a, predicted for the end of the step, and with springs
 //! stored half a step ahead. A contact takes the averaged force below if its overlap is less than 3 w (8 w for Hertz's
-//! law), with w from the predicted velocity, or if one of its particles had at most one contact when contacts were last
-//! counted, in every eighth step. A gap acts only if it is also less than 1.25 h |v_n| with the predicted velocity.
+//! law), with w from the predicted velocity, or if one of its particles is lone: contacts are counted in every
+//! eighth step, and a particle is lone from a count without contact, or from the start, until a count of two. A gap acts only if it is also less than 1.25 h |v_n| with the predicted velocity.
 //!
 //! With h = dt/2, closing speed u in the middle of the step, w = h |u|, current overlap delta and previous overlap
 //! delta_t = delta - dt u:
@@ -12,7 +12,7 @@
 //!   constant c that is theta c with theta = clamp((delta + w)/(2 w), 0, 1).
 //! * The damping uses u_now = (u + h A + h (F_t - F)/m' + h D_t/m)/(1 + h c_mean/m). A is the closing acceleration of
 //!   the step before; F and F_t are the current and previous spring force. D_t = max(F_t + c_mean,t (u - h A), floor) -
-//!   F_t. 1/m' sums 1/m over the particles that had at most one contact.
+//!   F_t. 1/m' sums 1/m over the lone particles.
 //! * Friction and rolling resistance are sliders ([`slide`]). Their springs accumulate displacement from the event of
 //!   this step on. The event is the moment at which the contact opened, or at which the full normal force, without
 //!   theta, changed sign.
@@ -33,12 +33,12 @@ pub struct VelocityPrediction {
     /// 1/m and 1/I of i and j; 0 for a fixed particle.
     pub inverse_masses: [f64; 2],
     pub inverse_inertias: [f64; 2],
-    /// Whether i and j had at most one contact at the beginning of the step.
+    /// Whether i and j are lone.
     pub lone: [bool; 2],
 }
 
 impl VelocityPrediction {
-    /// Returns h times the sum of the two values, and h times the sum over the particles with at most one contact.
+    /// Returns h times the sum of the two values, and h times the sum over the lone particles.
     fn halves(&self, dt: f64, of: [f64; 2]) -> [f64; 2] {
         let alone = |side: usize| if self.lone[side] { of[side] } else { 0.0 };
         [0.5 * dt * (of[0] + of[1]), 0.5 * dt * (alone(0) + alone(1))]

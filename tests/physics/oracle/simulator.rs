@@ -39,7 +39,7 @@ pub struct Body {
     pub torque: V,
     /// Number of contacts at the last evaluation.
     pub contacts: usize,
-    /// Whether it had at most one contact when contacts were last counted.
+    /// Whether it has had at most one contact since contacts were counted and it had none, or since the start.
     pub is_lone: bool,
     /// Whether it has been removed.
     pub is_gone: bool,
@@ -215,7 +215,10 @@ impl Simulator {
             }
         }
         if self.steps.is_multiple_of(8) {
-            self.bodies.iter_mut().for_each(|body| body.is_lone = body.contacts <= 1);
+            let starts = self.steps == 0;
+            for body in &mut self.bodies {
+                body.is_lone = body.contacts == 0 || body.contacts == 1 && (body.is_lone || starts);
+            }
         }
     }
 

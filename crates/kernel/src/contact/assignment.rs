@@ -48,7 +48,7 @@ impl<V: Space> PairLaw<V> for Assignment {
         } else {
             [pair.overlap, before].map(|overlap| self.b * window.share(overlap))
         };
-        // h times the mobility (1/kg) of the pair, and of its grains without another contact.
+        // h times the mobility (1/kg) of the pair, and of its lone grains.
         let VelocityPrediction { velocity: gained, inverse_masses, .. } = pair.ahead;
         let [half, half_lone] =
             [inverse_masses[0] + inverse_masses[1], pair.ahead.lone_mobility()].map(|m| 0.5 * pair.dt * m);

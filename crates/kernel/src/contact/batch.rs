@@ -73,7 +73,7 @@ pub struct Batch<V: Space> {
     pub output: ContactOutput<V>,
     /// Memories after the evaluation.
     pub memory_after: MemoryLanes<V>,
-    /// Bits of the lanes with a particle that had no other contact when contacts were last counted.
+    /// Bits of the lanes with a lone particle.
     pub lone: u64,
 }
 

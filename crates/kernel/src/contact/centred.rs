@@ -9,8 +9,8 @@
 //! * the overlap is less than [`even_from`](crate::contact::PairLaw::even_from) half-widths w of the step, so that
 //!   the contact may open or close;
 //! * with friction, the normal force may change its sign within the step, so that the cap is zero there;
-//! * a grain of the contact had no other contact when contacts were last counted, which happens every eighth step. Then all
-//!   that changes the velocity of the grain is known, and the error is three to ten times smaller.
+//! * a grain of the contact is lone: at no count of contacts, one in eight steps, has it had a second contact since it was last
+//!   without any. Then all that changes the velocity of the grain is known, and the error is three to ten times smaller.
 //!
 //! In a dense bed these are a few contacts in a hundred. Below, h = dt/2, u is the closing speed (along the normal,
 //! positive when approaching) and delta the overlap:
@@ -23,7 +23,7 @@
 //!   lagged by a step: u = (u_h + h A_t + h D_t/m + h (F_t - F_s)/m')/(1 + h theta c/m). A_t is the closing
 //!   acceleration of the previous step, of all forces. F_t and D_t are the pair's own spring force and drag in that
 //!   step. They are not stored but computed again from delta_t = delta - dt u_h and u_t = u_h - h A_t. F_s is the
-//!   spring force now. The change of the spring force counts only for grains without another contact: 1/m' is the
+//!   spring force now. The change of the spring force counts only for lone grains: 1/m' is the
 //!   sum of 1/m_i over these grains. In a dense packing, other neighbours cancel the force of one neighbour, and a
 //!   light grain between heavy ones would get too large a correction.
 //! * **Spring.** The spring force k max(delta, 0) is unchanged. Without drag and friction the scheme is velocity Verlet
@@ -74,13 +74,12 @@ pub struct VelocityPrediction<V: Space = Plane> {
     pub inverse_masses: [f64; 2],
     /// 1/I of i and j, 1/(kg m^2): 0 for a fixed particle or wall.
     pub inverse_inertias: [f64; 2],
-    /// For i and for j: 1 if it had no other contact at the beginning of the step, else 0.
+    /// For i and for j: 1 if it is lone, else 0.
     pub only_contact: [f64; 2],
 }
 
 impl<V: Space> VelocityPrediction<V> {
-    /// Returns the change of the closing speed per momentum transferred along the normal, 1/kg, summed only over grains
-    /// without another contact.
+    /// Returns the change of the closing speed per momentum transferred along the normal, 1/kg, summed only over lone grains.
     #[inline(always)]
     pub(super) fn lone_mobility(&self) -> f64 {
         self.only_contact[0] * self.inverse_masses[0] + self.only_contact[1] * self.inverse_masses[1]

@@ -165,7 +165,7 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         };
         let VelocityPrediction { velocity: gained, inverse_masses, .. } = &pair.ahead;
         let gained = -gained.dot(pair.normal);
-        // h times the mobility (1/kg) of the pair, and of its grains without another contact.
+        // h times the mobility (1/kg) of the pair, and of its lone grains.
         let [half, half_lone] =
             [inverse_masses[0] + inverse_masses[1], pair.ahead.lone_mobility()].map(|m| 0.5 * pair.dt * m);
         let spring_before = self.normal.spring(&then);

@@ -43,7 +43,7 @@ use crate::walls::surfaces::SurfaceWall;
 pub struct Pass<'a, V: Space, L> {
     /// The contact law.
     pub law: &'a L,
-    /// Candidate pairs. With velocity prediction, pairs are marked with a particle that had no other contact when contacts were last counted.
+    /// Candidate pairs. With velocity prediction, pairs with a lone particle are marked.
     pub list: &'a PairList,
     /// The wall surfaces.
     pub walls: &'a [SurfaceWall<V>],
@@ -121,7 +121,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         let largest = threads.share(workers).into_iter().fold(deepest, f64::max);
         store.loads = loads;
         if self.counts {
-            store.store_lone();
+            store.store_lone(self.starts);
         }
         largest
     }

@@ -1,5 +1,9 @@
-//! Lone grains: particles with at most one contact. [`centred`](super::centred) contacts with one are evaluated anew, because all that
-//! changes the velocity of a lone grain is known. The neighbour list marks their pairs ([`PairList::mark`]).
+//! Lone grains: particles that have had at most one contact since they were last without any. [`centred`](super::centred) contacts with
+//! one are evaluated anew, because all that changes the velocity of a lone grain is known. The neighbour list marks their pairs
+//! ([`PairList::mark`]).
+//!
+//! A grain that falls or bounces is lone. A grain that has had two contacts is not, also if it rests or rolls on one later: its velocity
+//! changes slowly, and such grains are many in a bed.
 //!
 //! Contacts are counted every few steps. Between two counts few particles change.
 
@@ -8,22 +12,23 @@ use crate::space::Space;
 use crate::store::{ParticleStore, Prediction};
 
 impl<V: Space> ParticleStore<V> {
-    /// Stores which particles have at most one contact, from the counts of the force pass.
-    pub(super) fn store_lone(&mut self) {
+    /// Stores which particles are lone, from the counts of the force pass. At the start of a run, `starts`, the past does not count.
+    pub(super) fn store_lone(&mut self, starts: bool) {
         let (lone, contacts) = (&mut self.prediction.lone, &self.loads.contacts);
         lone.resize(contacts.len(), 0);
         let changed = &mut self.prediction.lone_changed;
         changed.clear();
-        let is_lone = |contacts: u16| u8::from(contacts <= 1);
+        let starts = u8::from(starts);
+        let now = |flag: u8, contacts: u16| u8::from(contacts == 0) | u8::from(contacts == 1) & (flag | starts);
         for (number, (lone, contacts)) in
             lone.chunks_mut(COMPARED_AT_ONCE).zip(contacts.chunks(COMPARED_AT_ONCE)).enumerate()
         {
             // Most chunks have no change, which a vectorised loop finds out.
-            let differ = lone.iter().zip(contacts).fold(0, |all, (&flag, &contacts)| all | flag ^ is_lone(contacts));
+            let differ = lone.iter().zip(contacts).fold(0, |all, (&flag, &contacts)| all | flag ^ now(flag, contacts));
             if differ > 0 {
                 for (place, (flag, &contacts)) in lone.iter_mut().zip(contacts).enumerate() {
-                    if *flag != is_lone(contacts) {
-                        *flag = is_lone(contacts);
+                    if *flag != now(*flag, contacts) {
+                        *flag = now(*flag, contacts);
                         changed.push(number * COMPARED_AT_ONCE + place);
                     }
                 }
@@ -50,16 +55,18 @@ mod tests {
     use crate::space::Plane;
 
     #[test]
-    fn lone_pairs_are_chosen_anew_after_changes_alone() {
+    fn a_grain_is_lone_until_it_has_two_contacts_and_again_once_it_has_none() {
         let mut store = ParticleStore::<Plane>::default();
-        let mut changes = |contacts: &[u16]| {
+        let mut count = |contacts: &[u16], starts: bool| {
             store.loads.contacts = contacts.to_vec();
-            store.store_lone();
+            store.store_lone(starts);
             (store.prediction.lone.clone(), store.prediction.lone_changes, store.prediction.lone_changed.clone())
         };
-        assert_eq!(changes(&[4, 1, 0, 2]), (vec![0, 1, 1, 0], 1, vec![1, 2]));
-        // Other counts, but the same particles.
-        assert_eq!(changes(&[3, 0, 1, 5]), (vec![0, 1, 1, 0], 1, vec![]));
-        assert_eq!(changes(&[3, 2, 1, 5, 6]), (vec![0, 0, 1, 0, 0], 2, vec![1]));
+        assert_eq!(count(&[4, 1, 0, 2], true), (vec![0, 1, 1, 0], 1, vec![1, 2]));
+        // Other counts, but the same lone particles.
+        assert_eq!(count(&[1, 0, 1, 1], false), (vec![0, 1, 1, 0], 1, vec![]));
+        // A particle that has entered.
+        assert_eq!(count(&[1, 2, 1, 0, 1], false), (vec![0, 0, 1, 1, 0], 2, vec![1, 3]));
+        assert_eq!(count(&[0, 1, 6, 1, 0], false), (vec![1, 0, 0, 1, 1], 3, vec![0, 2, 4]));
     }
 }

@@ -88,7 +88,7 @@ fn rolling_velocity<V: Space>(pair: &Pair<V>) -> V {
     pair.normal.turned_by((pair.spins[0] - pair.spins[1]) * pair.reduced_radius())
 }
 
-/// Returns the mobilities of rolling, 1/kg: R_eff^2/I summed over i and j, then only over grains without another contact.
+/// Returns the mobilities of rolling, 1/kg: R_eff^2/I summed over i and j, then only over lone grains.
 #[inline(always)]
 pub(super) fn mobilities<V: Space>(pair: &Pair<V>) -> [f64; 2] {
     let VelocityPrediction { inverse_inertias: [i, j], only_contact, .. } = pair.ahead;

@@ -27,7 +27,7 @@ pub struct Prediction<V: Space = Plane> {
     pub sweeps: bool,
     /// The largest range of a contact beyond touch, m. It belongs to the contact law and does not change.
     pub range: f64,
-    /// 1 for particles that had at most one contact when contacts were last counted, else 0.
+    /// 1 for particles that have had at most one contact since a count found them without any, else 0.
     pub lone: Vec<u8>,
     /// Particles whose `lone` the last count changed, ascending.
     pub(crate) lone_changed: Vec<usize>,

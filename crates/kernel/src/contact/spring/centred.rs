@@ -28,7 +28,7 @@ pub struct TangentialStep<V> {
     /// Velocity gained from the middle to the end of the step by the forces at its beginning, m/s.
     pub gained: V,
     /// Mobilities, 1/kg: the change of the velocity per momentum that the contact transfers. First 1/m_t of the pair,
-    /// then only of its grains without another contact.
+    /// then only of its lone grains.
     pub mobilities: [f64; 2],
     /// Length of the step, s.
     pub dt: f64,
