@@ -135,9 +135,9 @@ impl<V: Space> Batch<V> {
         pair
     }
 
-    /// Takes the marks of the pairs into [`Self::lone`].
+    /// Takes the marks of the pairs into [`Self::lone`]. Only contact histories compare pairs, so marks stay where there is no memory.
     #[inline]
-    pub fn take_marks(&mut self, instructions: Instructions) {
+    pub fn take_marks<L: LawRequirements>(&mut self, instructions: Instructions) {
         let pairs = &mut self.pairs;
         let marks = instructions.run(
             #[inline(always)]
@@ -145,7 +145,9 @@ impl<V: Space> Batch<V> {
                 let mut marks = 0;
                 for (lane, pair) in (0u64..).zip(pairs.iter_mut()) {
                     marks |= pair.mark() << lane;
-                    *pair = pair.unmarked();
+                    if L::MEMORY {
+                        *pair = pair.unmarked();
+                    }
                 }
                 marks
             },

@@ -76,7 +76,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     #[inline]
     fn take_marks(&mut self) {
         if self.view.predicts() {
-            self.batch.take_marks(self.pass.instructions);
+            self.batch.take_marks::<L>(self.pass.instructions);
         }
     }
 
