@@ -102,7 +102,9 @@ mod tests {
             let mut particles = vec![0; 308];
             for (version, (changed, renews)) in (1..).zip(changes) {
                 let changed: Vec<_> = changed.into_iter().collect();
-                changed.iter().for_each(|&particle| particles[particle] ^= 1);
+                for &particle in &changed {
+                    particles[particle] ^= 1;
+                }
                 if renews {
                     let former = list.pairs().to_vec();
                     list.fill(former.into_iter(), 308);
