@@ -359,6 +359,32 @@ mod tests {
         }
     }
 
+    /// Marks two of eight pairs in a batch of seven, with one marked pair beyond its end. Checks the bits and the pairs.
+    fn check_marks<L: LawRequirements>() {
+        for instructions in Instructions::all() {
+            let mut batch = Batch::<Plane> { len: 7, ..Batch::default() };
+            for (lane, number) in (0..8).enumerate() {
+                batch.pairs[lane] = Candidate::new(number, 9).with_mark(u8::from([1, 6, 7].contains(&number)));
+            }
+            batch.take_marks::<L>(instructions);
+            assert_eq!(batch.lone, 0b100_0010);
+            assert_eq!(batch.pairs[1].both(), [1, 9]);
+            assert_eq!(batch.pairs[1].mark(), u64::from(!L::MEMORY));
+        }
+    }
+
+    #[test]
+    fn marks_become_bits_and_stay_only_without_memory() {
+        struct Without;
+        struct With;
+        impl LawRequirements for Without {}
+        impl LawRequirements for With {
+            const SPRING: bool = true;
+        }
+        check_marks::<Without>();
+        check_marks::<With>();
+    }
+
     #[test]
     fn batch_agrees_with_single_contacts() {
         let damping = |per_mass| Coefficient { per_mass, ..Coefficient::default() };

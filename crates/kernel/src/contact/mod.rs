@@ -30,7 +30,7 @@ pub mod jkr;
 pub mod kernel;
 pub(crate) mod lanes;
 pub mod linear;
-mod lone_pairs;
+mod lone_grains;
 mod prediction;
 pub mod rolling;
 pub(crate) mod root;

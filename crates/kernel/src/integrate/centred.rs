@@ -5,7 +5,7 @@
 //! v_p = v(t+dt/2) + beta dt/2 a(t) for every particle, with beta = (1 - q)/(1 + q) and q = b dt. b = c/(2 m_eff) is the
 //! largest damping rate of any contact along its normal; for spins it is the rate of sliding or rolling. So the force of most contacts is the plain force of the law, and
 //! costs nothing more. Contacts that may open or close within the step, and contacts of a lone grain
-//! (`contact::lone_pairs`), take an averaged force instead ([`crate::contact::centred`]).
+//! (`contact::lone_grains`), take an averaged force instead ([`crate::contact::centred`]).
 //!
 //! **Why beta.** The drag should act with v(t+dt), to which its own force belongs: a(t+dt) in place of a(t). Solved for
 //! the drag of one contact, the closing speed is u = u_h + (1 - q)/(1 + q) dt/2 A, with the closing acceleration A of the

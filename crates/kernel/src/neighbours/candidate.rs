@@ -10,8 +10,12 @@ use std::fmt;
 /// ordered by the first index, then by the second. A neighbour list can mark a pair. The mark takes one bit of the number, so it costs
 /// the loop over candidates nothing; marked pairs are not compared.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Deserialize, Serialize)]
-#[serde(from = "[u32; 2]", into = "[u32; 2]")]
+#[serde(try_from = "Indices", into = "[u32; 2]")]
 pub struct Candidate(u64);
+
+/// Both indices of a pair, as a file holds them.
+#[derive(Deserialize)]
+struct Indices([u32; 2]);
 
 /// Place of the first index: above the second index and the mark.
 const FIRST: u32 = 33;
@@ -97,6 +101,14 @@ impl From<[u32; 2]> for Candidate {
     }
 }
 
+impl TryFrom<Indices> for Candidate {
+    type Error = &'static str;
+
+    fn try_from(Indices(indices): Indices) -> Result<Self, Self::Error> {
+        if indices[0] < 1 << 31 { Ok(indices.into()) } else { Err("the first index of a pair has more than 31 bits") }
+    }
+}
+
 impl From<Candidate> for [u32; 2] {
     #[expect(clippy::cast_possible_truncation, reason = "both indices have at most 32 bits")]
     fn from(candidate: Candidate) -> Self {
@@ -129,6 +141,12 @@ mod tests {
         assert!(candidates.is_sorted());
         assert_eq!(candidates.map(<[u32; 2]>::from), pairs);
         assert_eq!(format!("{:?}", candidates[2]), "[1, 4294967295]");
+    }
+
+    #[test]
+    fn a_pair_from_a_file_has_a_first_index_of_31_bits() {
+        assert_eq!(Candidate::try_from(Indices([3, u32::MAX])), Ok(Candidate::new(3, u32::MAX)));
+        assert!(Candidate::try_from(Indices([1 << 31, 0])).is_err());
     }
 
     #[test]
