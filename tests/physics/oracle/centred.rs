@@ -3,7 +3,8 @@
 //! Most contacts of a bed act by `plain` with velocities v + beta h a, predicted for the end of the step, and with springs
 //! stored half a step ahead. A contact takes the averaged force below if its overlap is less than 3 w (8 w for Hertz's
 //! law), with w from the predicted velocity, or if one of its particles is lone: contacts are counted in every
-//! eighth step, and a particle is lone from a count without contact, or from the start, until a count of two. A gap acts only if it is also less than 1.25 h |v_n| with the predicted velocity.
+//! eighth step, and a particle is lone from a count without contact, or from the start, until a count of two. A gap acts only
+//! if it is also less than 1.25 h |v_n| with the predicted velocity.
 //!
 //! With h = dt/2, closing speed u in the middle of the step, w = h |u|, current overlap delta and previous overlap
 //! delta_t = delta - dt u:

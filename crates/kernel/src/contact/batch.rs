@@ -359,7 +359,7 @@ mod tests {
         }
     }
 
-    /// Marks two of eight pairs in a batch of seven, with one marked pair beyond its end. Checks the bits and the pairs.
+    /// Marks three of eight pairs, one of them beyond the end of a batch of seven. Checks the bits and the pairs.
     fn check_marks<L: LawRequirements>() {
         for instructions in Instructions::all() {
             let mut batch = Batch::<Plane> { len: 7, ..Batch::default() };

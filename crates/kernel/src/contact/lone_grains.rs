@@ -2,10 +2,10 @@
 //! one are evaluated anew, because all that changes the velocity of a lone grain is known. The neighbour list marks their pairs
 //! ([`PairList::mark`]).
 //!
-//! A grain that falls or bounces is lone. A grain that has had two contacts is not, also if it rests or rolls on one later: its velocity
-//! changes slowly, and such grains are many in a bed.
+//! A grain that falls or bounces is lone. A grain that has had two contacts is not, even if it has one later: in a bed many grains rest
+//! or roll on one contact, and evaluating these contacts anew costs more than it gains.
 //!
-//! Contacts are counted every few steps. Between two counts few particles change.
+//! Contacts are counted every few steps, and few particles change between two counts.
 
 use crate::neighbours::list::{Chosen, PairList};
 use crate::space::Space;

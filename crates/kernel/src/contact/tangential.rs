@@ -78,8 +78,7 @@ impl From<TangentialDamping> for Coefficient {
 
 impl<V: Space> Pair<V> {
     /// Returns the sliding velocity in the middle of the step and its gain until the end, m/s, and the mobilities,
-    /// 1/kg. A mobility is 1/m + l^2/I summed over i and j: first over both, then only over lone
-    /// grains.
+    /// 1/kg. A mobility is 1/m + l^2/I summed over i and j: first over both, then only over lone grains.
     #[inline(always)]
     fn sliding(&self, arms: [f64; 2]) -> ([V; 2], [f64; 2]) {
         let middle = self.sliding_velocity(arms);

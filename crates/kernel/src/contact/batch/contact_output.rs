@@ -34,7 +34,7 @@ impl<V: Space> ContactOutput<V> {
         self.gaps >> lane & 1 == 0
     }
 
-    /// Returns the bits of the lanes whose particles touch.
+    /// Returns the bits of the lanes whose particles touch. The bits of lanes beyond the last contact are set too.
     #[inline(always)]
     pub fn contacts(&self) -> u64 {
         !self.gaps

@@ -71,8 +71,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         self.batch.select::<L>(self.view, candidates, self.pass.instructions)
     }
 
-    /// Takes the marks of the pairs of the batch. The history of laws with memory needs pairs without marks; other laws take them
-    /// later, because a vector waits for the numbers that the filter has just written one by one.
+    /// Takes the marks of the pairs of the batch. With memory this comes before the history is read, which needs pairs without marks.
+    /// Without memory it comes later, because a vector load waits for numbers that the filter has just written one by one.
     #[inline]
     fn take_marks(&mut self) {
         if self.view.predicts() {
