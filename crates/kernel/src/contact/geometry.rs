@@ -108,11 +108,12 @@ pub(super) fn ended_pair<V: Space>(store: &ParticleStore<V>, i: usize, j: usize,
 }
 
 /// Returns the geometry of two particles that are `separation` (m) apart.
+// Other crates compile it for their surveys. There `slots.map` would be a call, which moves each pair through memory.
 #[inline(always)]
-fn pair_at<V: Space>(store: &ParticleStore<V>, slots: [usize; 2], separation: V, root: bool, dt: f64) -> Pair<V> {
-    let [a, b] = slots.map(|slot| &store.body[slot]);
+fn pair_at<V: Space>(store: &ParticleStore<V>, [i, j]: [usize; 2], separation: V, root: bool, dt: f64) -> Pair<V> {
+    let (a, b) = (&store.body[i], &store.body[j]);
     let separation = if separation.length_squared() < COINCIDENT {
-        coincident::<V>(store.id[slots[0]], store.id[slots[1]]) * PARTED
+        coincident::<V>(store.id[i], store.id[j]) * PARTED
     } else {
         separation
     };
@@ -125,8 +126,8 @@ fn pair_at<V: Space>(store: &ParticleStore<V>, slots: [usize; 2], separation: V,
         root: if root { reduced_mass.sqrt() } else { 0.0 },
         radii: [a.radius, b.radius],
         inverse_reach: 1.0 / (a.radius + b.radius),
-        spins: slots.map(|slot| store.spin(slot)),
-        species: slots.map(|slot| store.species[slot]),
+        spins: [store.spin(i), store.spin(j)],
+        species: [store.species[i], store.species[j]],
         dt,
         lead: store.prediction.lookahead,
         spring_damping: 0.0,

@@ -164,6 +164,7 @@ pub struct HistoryReader<'a, V: Space = Plane> {
 
 impl<V: Space> HistoryReader<'_, V> {
     /// Returns the memory of the contact of slot `i` with a partner: a higher slot, or the index of a wall.
+    #[inline]
     #[must_use]
     pub fn look_up(&mut self, i: usize, partner: usize) -> Option<Memory<V>> {
         let contact = Candidate::new(u32::try_from(i).ok()?, u32::try_from(partner).ok()?);

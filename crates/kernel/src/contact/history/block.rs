@@ -254,6 +254,7 @@ impl<V: Space> HistoryBlock<V> {
 
     /// Returns the memory of a contact, for calls in ascending order of contacts. `from` is the position of the last
     /// look-up; start with 0.
+    #[inline]
     #[must_use]
     pub fn look_up_next(&self, from: &mut usize, contact: Candidate) -> Option<Memory<V>> {
         while self.contacts.get(*from).is_some_and(|&before| before < contact) {
