@@ -1,5 +1,5 @@
 //! The whole program against a naive simulator that shares no code with it: plain loops over all pairs and walls
-//! ([`simulator`]). It has its own vectors and its own formulas of the contact laws ([`law`], [`plain`], [`centred`]).
+//! ([`siloflow_oracle::simulator`]). It has its own vectors and its own formulas of the contact laws.
 //!
 //! Position, velocity, spin, force and torque of every grain of random dense beds ([`scene`]) are compared
 //! ([`compare`]) at the start and after 1, 2, 10 and 40 steps, more than a contact duration. The cases cover:
@@ -11,21 +11,16 @@
 //! To show that the comparison can fail, each number of each law is changed slightly, and the scheme is exchanged. The
 //! comparison must detect each change.
 
-mod centred;
 mod compare;
-mod law;
-mod plain;
 mod scene;
 mod scene_text;
-mod simulator;
-mod vector;
 
 use siloflow::instructions::Instructions;
+use siloflow_oracle::law::{Adhesion, Damping, Friction, Law, Normal, Rolling, RollingKind};
+use siloflow_oracle::simulator::Scheme;
 
 use self::compare::{SAMPLE_STEPS, Sample, differences, seen};
-use self::law::{Adhesion, Damping, Friction, Law, Normal, Rolling, RollingKind};
 use self::scene::{Scene, Surroundings};
-use self::simulator::Scheme;
 
 const SEARCHES: [&str; 5] =
     ["AllPairs", "Cells(size: 0.1)", "VerletList(skin: 0.004)", "CellsOfRange(rng: 2.2)", "VerletList(skin: 0.05)"];

@@ -48,6 +48,8 @@ pub struct SpeciesPair {
     inertia: f64,
     /// m R_eff^2 (1/I_i + 1/I_j).
     rolling: f64,
+    /// The law's [`modes`](crate::contact::PairLaw::modes) in the impact.
+    modes: [[f64; 2]; 3],
 }
 
 impl SpeciesPair {
@@ -58,10 +60,13 @@ impl SpeciesPair {
         // Grains that do not spin have no moment of inertia that a contact could turn.
         let inertia = if loaded.scene.contact.spins() { loaded.inertia().factor() } else { f64::INFINITY };
         let turning = |body: Body| (reduced_radius / body.radius).powi(2) * reduced_mass / body.mass;
+        // Estimates use no directions, so the law in the plane serves both spaces.
+        let law: AnyLaw<Plane> = loaded.contacts().between(a, b);
+        let bounce = Bounce { reduced_mass, reduced_radius, speed };
         Self {
-            // Estimates use no directions, so the law in the plane serves both spaces.
-            law: loaded.contacts().between(a, b),
-            bounce: Bounce { reduced_mass, reduced_radius, speed },
+            modes: law.0.modes(&bounce),
+            law,
+            bounce,
             species: (a, b),
             is_wall: second.mass.is_infinite(),
             inertia,
@@ -79,6 +84,7 @@ impl SpeciesPair {
         let speed = (overlap / slow).powf(1.0 / (fast / slow).log2());
         let is_power = (deepest(speed) / overlap - 1.0).abs() < 1e-6;
         pair.bounce.speed = if is_power { speed } else { speed_to_reach(overlap, deepest) };
+        pair.modes = pair.law.0.modes(&pair.bounce);
         pair
     }
 
@@ -89,10 +95,9 @@ impl SpeciesPair {
 
     /// The three ways to move with the weights of a single contact: normal, tangential, rolling.
     fn motions(&self) -> [Pull; 3] {
-        let modes = self.law.0.modes(&self.bounce);
         let mobilities = [1.0, 1.0 + 1.0 / self.inertia, self.rolling];
         std::array::from_fn(|way| {
-            let ([k, c], weight) = (modes[way], mobilities[way]);
+            let ([k, c], weight) = (self.modes[way], mobilities[way]);
             Pull { weight, k, c, mobility: weight / self.bounce.reduced_mass, gathers: way > 0 }
         })
     }

@@ -3,9 +3,8 @@
 use glam::DVec3;
 use siloflow::prelude::*;
 use siloflow::space::Linear;
-
-use crate::oracle::simulator::Simulator;
-use crate::oracle::vector::V;
+use siloflow_oracle::simulator::Simulator;
+use siloflow_oracle::vector::V;
 
 /// Numbers of steps after which the two are compared.
 pub const SAMPLE_STEPS: [u64; 5] = [0, 1, 2, 10, 40];

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use crate::oracle::law::{Law, Material, Terms};
-use crate::oracle::simulator::{Body, FLAT, Scheme, Shape, Simulator, Wall};
-use crate::oracle::vector::V;
+use siloflow_oracle::law::{Law, Material, Terms};
+use siloflow_oracle::simulator::{Body, FLAT, Scheme, Shape, Simulator, Wall};
+use siloflow_oracle::vector::V;
 
 /// Mean distance of neighbours, m. With the radii below, some grains overlap by a tenth of a radius and some do not
 /// touch.

@@ -8,10 +8,10 @@ use siloflow::grains::file::GrainRow;
 use siloflow::grains::fill::FixedGrain;
 use siloflow::prelude::*;
 use siloflow::store::{ParticleStore, Prediction};
+use siloflow_oracle::simulator::{Body, Shape, Wall};
+use siloflow_oracle::vector::V;
 
 use crate::oracle::scene::{DT, RELEASE_EVERY, RELEASES, Scene, Surroundings};
-use crate::oracle::simulator::{Body, Shape, Wall};
-use crate::oracle::vector::V;
 
 impl Scene {
     fn wall_text(&self, wall: &Wall) -> String {

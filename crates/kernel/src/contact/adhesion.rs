@@ -84,8 +84,12 @@ impl<N: Normal> Adhesive<N> {
         let mut faster = Bounce { speed: bounce.speed.max(1.0), ..*bounce };
         // The deepest point grows less than in proportion to the energy, so that this converges.
         for _ in 0..200 {
+            let before = faster.speed;
             let released = self.released(bounce.reduced_radius, self.normal.deepest(&faster));
             faster.speed = (bounce.speed * bounce.speed + 2.0 * released / bounce.reduced_mass).sqrt();
+            if faster.speed.to_bits() == before.to_bits() {
+                break;
+            }
         }
         faster
     }

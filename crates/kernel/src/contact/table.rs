@@ -128,7 +128,10 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> PairLaw<V> for PairTable<L> {
     }
 
     fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
-        std::array::from_fn(|mode| [0, 1].map(|figure| self.largest(|law| law.modes(bounce)[mode][figure])))
+        let larger = |a: [[f64; 2]; 3], b: [[f64; 2]; 3]| {
+            std::array::from_fn(|mode| std::array::from_fn(|figure| f64::max(a[mode][figure], b[mode][figure])))
+        };
+        self.laws.iter().map(|law| law.modes(bounce)).fold([[f64::NEG_INFINITY; 2]; 3], larger)
     }
 }
 

@@ -10,10 +10,10 @@
 
 use std::collections::BTreeMap;
 
-use crate::oracle::centred::{VelocityPrediction, centred, start};
-use crate::oracle::law::{Reduced, Terms};
-use crate::oracle::plain::{Action, Memory, PairState, plain};
-use crate::oracle::vector::V;
+use crate::centred::{VelocityPrediction, centred, start};
+use crate::law::{Reduced, Terms};
+use crate::plain::{Action, Memory, PairState, plain};
+use crate::vector::V;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scheme {

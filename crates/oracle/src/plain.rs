@@ -11,8 +11,8 @@
 //!   on j.
 //! * Torques of friction: -l n x F_t on each.
 
-use crate::oracle::law::{Normal, Reduced, Rolling, RollingKind, Terms};
-use crate::oracle::vector::V;
+use crate::law::{Normal, Reduced, Rolling, RollingKind, Terms};
+use crate::vector::V;
 
 /// Two particles in contact, seen from i. j may be a wall surface, which has no curvature.
 #[derive(Clone, Copy, Debug)]

@@ -20,9 +20,9 @@
 //! * If the normal force, as a linear function of time, falls to zero before now + h, a slider that sticks until then acts
 //!   only before this moment ([`Unloading`]).
 
-use crate::oracle::law::{Normal, Rolling, RollingKind, Terms};
-use crate::oracle::plain::{Action, Memory, PairState, UP, adapt, mean_of, plain};
-use crate::oracle::vector::V;
+use crate::law::{Normal, Rolling, RollingKind, Terms};
+use crate::plain::{Action, Memory, PairState, UP, adapt, mean_of, plain};
+use crate::vector::V;
 
 /// Velocity change of both particles in half a step by the forces of its beginning, and their mobilities.
 #[derive(Clone, Copy, Debug, Default)]
