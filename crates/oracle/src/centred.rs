@@ -14,11 +14,11 @@
 //! * The damping uses u_now = (u + h A + h (F_t - F)/m' + h D_t/m)/(1 + h c_mean/m). A is the closing acceleration of
 //!   the step before; F and F_t are the current and previous spring force. D_t = max(F_t + c_mean,t (u - h A), floor) -
 //!   F_t. 1/m' sums 1/m over the lone particles.
-//! * Friction and rolling resistance are sliders ([`slide`]). Their springs accumulate displacement from the event of
+//! * Friction and rolling resistance are sliders (`slide`). Their springs accumulate displacement from the event of
 //!   this step on. The event is the moment at which the contact opened, or at which the full normal force, without
 //!   theta, changed sign.
 //! * If the normal force, as a linear function of time, falls to zero before now + h, a slider that sticks until then acts
-//!   only before this moment ([`Unloading`]).
+//!   only before this moment (`Unloading`).
 
 use crate::law::{Normal, Rolling, RollingKind, Terms};
 use crate::plain::{Action, Memory, PairState, UP, adapt, mean_of, plain};

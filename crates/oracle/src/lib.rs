@@ -6,7 +6,9 @@
 #![allow(
     clippy::missing_panics_doc,
     clippy::must_use_candidate,
+    clippy::return_self_not_must_use,
     clippy::similar_names,
+    clippy::unwrap_used,
     missing_docs,
     reason = "only tests use this crate"
 )]

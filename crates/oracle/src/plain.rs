@@ -172,7 +172,7 @@ pub fn adapt(memory: &mut Memory, stiffness: f64) {
     memory.stiffness = stiffness;
 }
 
-/// Like [`mean_stiffness`]; a contact that jumps to its stiffness has it in the whole first step.
+/// Like `mean_stiffness`; a contact that jumps to its stiffness has it in the whole first step.
 pub fn mean_of(terms: &Terms, before: f64, now: f64) -> f64 {
     if terms.reaches() && before == 0.0 { 1.0 } else { mean_stiffness(before, now) }
 }
