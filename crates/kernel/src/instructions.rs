@@ -114,13 +114,16 @@ impl Instructions {
     /// wider registers would have to be assembled from several vectors.
     #[inline]
     pub fn run_narrow<R>(self, work: impl FnOnce() -> R) -> R {
+        // `work` is not compiled for AVX-512.
         #[cfg(target_arch = "x86_64")]
-        if let Self::Avx512(avx512) = self
-            && let Some(avx2) = avx512.level().as_avx2()
-        {
+        if let Some(avx2) = match self {
+            Self::Baseline => None,
+            Self::Avx2(avx2) => Some(avx2),
+            Self::Avx512(avx512) => avx512.level().as_avx2(),
+        } {
             return avx2.vectorize(work);
         }
-        self.run(work)
+        work()
     }
 }
 
