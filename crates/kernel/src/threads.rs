@@ -59,11 +59,14 @@ impl Threads {
     }
 
     /// Runs all jobs, in parallel if there are several threads. Returns their results in the order of jobs.
+    ///
+    /// # Panics
+    /// If a job panics.
     pub fn share<R: Send>(&self, jobs: impl IntoIterator<Item: FnOnce() -> R + Send>) -> Vec<R> {
-        match &self.0 {
-            None => jobs.into_iter().map(|job| job()).collect(),
-            Some(shared_pool) => shared_pool.share(jobs.into_iter().collect()),
-        }
+        let Some(shared_pool) = &self.0 else { return jobs.into_iter().map(|job| job()).collect() };
+        let mut jobs: Vec<_> = jobs.into_iter().map(|job| Job { work: Some(job), result: None }).collect();
+        shared_pool.share(jobs.iter_mut().map(|job| job as &mut dyn Run).collect());
+        jobs.into_iter().map(|job| job.result.expect("the pool propagates a panic of a job")).collect()
     }
 
     /// Runs `work` on a thread of the pool. Passes inside it then share their jobs with the other threads directly,
@@ -77,31 +80,29 @@ impl Threads {
 }
 
 impl Pool {
-    fn share<R: Send, J: FnOnce() -> R + Send>(&self, jobs: Vec<J>) -> Vec<R> {
+    /// Runs all jobs. Not generic, so that it is compiled once.
+    fn share(&self, jobs: Vec<&mut dyn Run>) {
         self.wake();
-        let mut results: Vec<Option<R>> = jobs.iter().map(|_| None).collect();
         let open_jobs = AtomicUsize::new(jobs.len());
         self.pool.in_place_scope(|scope| {
-            let mut own = None;
-            for (job, result) in jobs.into_iter().zip(&mut results) {
+            let mut jobs = jobs.into_iter();
+            let own = jobs.next();
+            for job in jobs {
                 let job_end = JobEnd(&open_jobs);
-                let work = move || {
-                    *result = Some(job());
+                scope.spawn(move |_| {
+                    job.run();
                     drop(job_end);
-                };
-                match own {
-                    None => own = Some(work),
-                    Some(_) => scope.spawn(|_| work()),
-                }
+                });
             }
-            if let Some(work) = own {
-                work();
+            if let Some(job) = own {
+                let job_end = JobEnd(&open_jobs);
+                job.run();
+                drop(job_end);
             }
             while open_jobs.load(Ordering::Acquire) > 0 {
                 self.run_pending_job();
             }
         });
-        results.into_iter().map(|result| result.expect("the scope propagates a panic of a job")).collect()
     }
 
     /// Runs a pending job, or else yields the core. Returns whether it ran a job.
@@ -142,6 +143,24 @@ impl Pool {
         }
         IS_POLLING.set(false);
         self.may_sleep.store(true, Ordering::Relaxed);
+    }
+}
+
+/// A job and its result.
+struct Job<W, R> {
+    work: Option<W>,
+    result: Option<R>,
+}
+
+/// A job of any type.
+trait Run: Send {
+    /// Does the work and stores the result.
+    fn run(&mut self);
+}
+
+impl<R: Send, W: FnOnce() -> R + Send> Run for Job<W, R> {
+    fn run(&mut self) {
+        self.result = self.work.take().map(|work| work());
     }
 }
 

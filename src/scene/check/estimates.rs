@@ -7,7 +7,6 @@ use crate::scene::check::automatic;
 use crate::scene::check::bed::{carried_at_the_bottom, impact_speed};
 use crate::scene::check::species_pairs::{self, SpeciesPair};
 use crate::scene::loaded::Loaded;
-use crate::space::Plane;
 
 /// Estimates of a scene with grains, SI.
 #[derive(Clone, Copy, Debug)]
@@ -70,7 +69,7 @@ impl Estimates {
         let lightest = loaded.grains.iter().map(|grain| grain.mass).fold(f64::INFINITY, f64::min);
         let mass = scene.mass.map_or(f64::INFINITY, |law| law.of(radius)).min(lightest);
         // Estimates ask for no directions: the law in the plane answers for both spaces.
-        let law = loaded.contacts().any::<Plane>().0;
+        let law = loaded.contacts().any().0;
         let impact_speed = impact_speed(loaded);
         // If no grain falls, a speed of the order that a grain's own weight causes.
         let slow = 0.1 * (scene.gravity.padded().length() * radius).sqrt();

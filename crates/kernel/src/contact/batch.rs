@@ -78,9 +78,9 @@ pub struct Batch<V: Space> {
 }
 
 impl<V: Space> Batch<V> {
-    /// Adds a contact with a wall surface, with its geometry. The reach is set to the radius of i.
+    /// Adds a contact with a wall surface, with its geometry. The reach is set to the radius of i. `C` is the class of the law.
     #[inline(always)]
-    pub fn push<L: LawRequirements>(&mut self, contact: Candidate, pair: &Pair<V>) {
+    pub fn push<C: LawRequirements>(&mut self, contact: Candidate, pair: &Pair<V>) {
         let (lane, bodies) = (self.len, &mut self.bodies);
         self.pairs[lane] = contact;
         bodies.normal.set(lane, pair.normal);
@@ -89,14 +89,10 @@ impl<V: Space> Batch<V> {
         bodies.reduced_mass[lane] = pair.reduced_mass;
         bodies.root[lane] = pair.root;
         bodies.reach[lane] = pair.radii[0];
-        if L::RADII {
-            (bodies.radii[0][lane], bodies.radii[1][lane]) = pair.radii.into();
-            bodies.inverse_reach[lane] = pair.inverse_reach;
-        }
-        if L::SPECIES {
-            (self.species[0][lane], self.species[1][lane]) = pair.species.into();
-        }
-        if L::SPIN {
+        (bodies.radii[0][lane], bodies.radii[1][lane]) = pair.radii.into();
+        bodies.inverse_reach[lane] = pair.inverse_reach;
+        (self.species[0][lane], self.species[1][lane]) = pair.species.into();
+        if C::SPIN {
             let rotations = pair.spins.map(|spin| Rotation { spin, inverse_inertia: 0.0 });
             self.spins.take(lane, rotations.each_ref());
         }
@@ -135,19 +131,20 @@ impl<V: Space> Batch<V> {
         pair
     }
 
-    /// Takes the marks of the pairs into [`Self::lone`]. Only contact histories compare pairs, so marks stay where there is no memory.
+    /// Takes the marks of the pairs into [`Self::lone`], with `unmark` out of the pairs. Only contact histories compare pairs, so marks stay
+    /// where there is no memory.
     #[inline]
-    pub fn take_marks<L: LawRequirements>(&mut self, instructions: Instructions) {
+    pub fn take_marks(&mut self, unmark: bool, instructions: Instructions) {
         let pairs = &mut self.pairs;
         let marks = instructions.run(
             #[inline(always)]
             || {
                 let mut marks = 0;
-                for (lane, pair) in (0u64..).zip(pairs.iter_mut()) {
+                for (lane, pair) in (0u64..).zip(pairs.iter()) {
                     marks |= pair.mark() << lane;
-                    if L::MEMORY {
-                        *pair = pair.unmarked();
-                    }
+                }
+                if unmark {
+                    pairs.iter_mut().for_each(|pair| *pair = pair.unmarked());
                 }
                 marks
             },
@@ -156,10 +153,10 @@ impl<V: Space> Batch<V> {
         self.lone = marks & !(u64::MAX << self.len);
     }
 
-    /// Returns the energy that the contacts lose, J.
+    /// Returns the energy that the contacts lose, J. `C` is the class of the law.
     #[inline]
-    pub fn lost<L: LawRequirements>(&mut self) -> ContactLosses {
-        self.output.lost::<L>(self.len.min(LANES))
+    pub fn lost<C: LawRequirements>(&mut self) -> ContactLosses {
+        self.output.lost::<C>(self.len.min(LANES))
     }
 
     /// Returns the number of lanes to compute: whole vectors.
@@ -209,9 +206,9 @@ impl<V: Space> Batch<V> {
 
     /// Marks the lanes of bodies that are within range beyond touch but not in contact. The law has cleared their memories.
     #[inline]
-    pub fn mark_gaps<L: LawRequirements>(&mut self) {
-        for lane in 0..if L::REACHES { self.len.min(LANES) } else { 0 } {
-            if self.memory_after.get::<L>(lane).stiffness <= 0.0 {
+    pub fn mark_gaps(&mut self) {
+        for lane in 0..self.len.min(LANES) {
+            if self.memory_after.stiffness[lane] <= 0.0 {
                 self.output.no_contact(lane);
             }
         }
@@ -219,18 +216,16 @@ impl<V: Space> Batch<V> {
 
     /// Evaluates `law` for all contacts of the batch. With [`TOTAL_AND_DISSIPATIVE`] as `NUMBERS` it also stores the
     /// numbers that only the energy balance needs. Returns what [`Self::evaluate_lanes`] returns.
+    #[inline]
     pub fn evaluate<L: PairLaw<V> + LawRequirements, const NUMBERS: usize>(
         &mut self,
         law: &L,
-        times: MemoryTimes,
-        instructions: Instructions,
-        limits: [f64; 2],
+        call: &Call,
     ) -> (u64, u64) {
-        let call = Call { times, instructions, limits };
-        if times.lead > 0.0 {
-            Lanes::<V, NUMBERS, true> { batch: self, call: &call }.evaluate(law)
+        if call.times.lead > 0.0 {
+            Lanes::<V, NUMBERS, true> { batch: self, call }.evaluate(law)
         } else {
-            Lanes::<V, NUMBERS, false> { batch: self, call: &call }.evaluate(law)
+            Lanes::<V, NUMBERS, false> { batch: self, call }.evaluate(law)
         }
     }
 
@@ -245,10 +240,14 @@ impl<V: Space> Batch<V> {
 }
 
 /// Arguments of [`Batch::evaluate`].
-struct Call {
-    times: MemoryTimes,
-    instructions: Instructions,
-    limits: [f64; 2],
+#[derive(Clone, Copy, Debug)]
+pub struct Call {
+    /// The times of memories.
+    pub times: MemoryTimes,
+    /// Instruction set of the loop over the lanes.
+    pub instructions: Instructions,
+    /// `deepest` and `even`, s.
+    pub limits: [f64; 2],
 }
 
 /// Evaluates all lanes of a batch. Two pointers, so that a function gets it in registers: numbers that are copied through memory in
@@ -263,7 +262,8 @@ impl<V: Space, const NUMBERS: usize, const CENTRED: bool> Lanes<'_, V, NUMBERS, 
     /// of such grains with walls. Otherwise the law of each contact is looked up, which the compiler does not vectorise.
     #[inline]
     fn evaluate<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u64, u64) {
-        let only = if L::SPECIES { self.batch.only_species() } else { Some([Species(0); 2]) };
+        let depends = L::SPECIES && law.depends_on_species();
+        let only = if depends { self.batch.only_species() } else { Some([Species(0); 2]) };
         match only {
             Some(species) => law.between(species, self),
             None => self.batch.evaluate_lanes::<L, NUMBERS, CENTRED>(law, self.call.times, self.call.limits),
@@ -337,7 +337,8 @@ mod tests {
             for number in 0..contacts {
                 batch.push::<L>(Candidate::new(number, 1), &on_wall(number));
             }
-            let (deeper, _) = batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, TIMES, instructions, [0.0, 0.0]);
+            let call = |deepest| Call { times: TIMES, instructions, limits: [deepest, 0.0] };
+            let (deeper, _) = batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, &call(0.0));
             assert!(deeper >= u64::from(contacts));
             for (lane, number) in (0..contacts).enumerate() {
                 let (pair, mut memory) = (on_wall(number), Memory::default());
@@ -355,34 +356,28 @@ mod tests {
                 assert_eq!(batch.memory_after.get::<L>(lane), memory);
                 assert!(batch.output.is_contact(lane));
             }
-            assert_eq!(batch.evaluate::<L, TOTAL>(law, TIMES, instructions, [1.0, 0.0]).0, 0);
+            assert_eq!(batch.evaluate::<L, TOTAL>(law, &call(1.0)).0, 0);
         }
     }
 
     /// Marks three of eight pairs, one of them beyond the end of a batch of seven. Checks the bits and the pairs.
-    fn check_marks<L: LawRequirements>() {
+    fn check_marks(unmark: bool) {
         for instructions in Instructions::all() {
             let mut batch = Batch::<Plane> { len: 7, ..Batch::default() };
             for (lane, number) in (0..8).enumerate() {
                 batch.pairs[lane] = Candidate::new(number, 9).with_mark(u8::from([1, 6, 7].contains(&number)));
             }
-            batch.take_marks::<L>(instructions);
+            batch.take_marks(unmark, instructions);
             assert_eq!(batch.lone, 0b100_0010);
             assert_eq!(batch.pairs[1].both(), [1, 9]);
-            assert_eq!(batch.pairs[1].mark(), u64::from(!L::MEMORY));
+            assert_eq!(batch.pairs[1].mark(), u64::from(!unmark));
         }
     }
 
     #[test]
-    fn marks_become_bits_and_stay_only_without_memory() {
-        struct Without;
-        struct With;
-        impl LawRequirements for Without {}
-        impl LawRequirements for With {
-            const SPRING: bool = true;
-        }
-        check_marks::<Without>();
-        check_marks::<With>();
+    fn marks_become_bits() {
+        check_marks(false);
+        check_marks(true);
     }
 
     #[test]

@@ -10,12 +10,12 @@ use crate::contact::geometry::{ended_pair, ended_wall_pair};
 use crate::contact::history::EndLosses;
 use crate::contact::kernel::{Pass, touch};
 use crate::contact::lanes::LANES;
-use crate::contact::{LawRequirements, Memory, Pair, PairForce, PairLaw, Turning};
+use crate::contact::{LawRequirements, Memory, Pair, PairForce, Turning};
 use crate::neighbours::list::Candidate;
 use crate::space::{Linear, Space};
 use crate::store::{Loads, ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 
-impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
+impl<V: Space> Pass<'_, V> {
     /// Returns the energy stored in the springs of a contact that has ended, J. It is lost to friction and rolling
     /// resistance.
     #[cold]
@@ -167,13 +167,13 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
 
     /// Adds the forces of a batch to both particles, or only to the first if the second belongs to another thread.
     #[inline(always)]
-    pub(super) fn add_to_both<L: LawRequirements, const NUMBERS: usize>(&mut self, batch: &Batch<V>) {
+    pub(super) fn add_to_both<C: LawRequirements, const NUMBERS: usize>(&mut self, batch: &Batch<V>) {
         let start = self.rows.start;
         let AccumulatorSlice { force, torque, rolling_drag, .. } = &mut self.slice;
         // Copied to locals so that the compiler can prove that stores do not alias them. Forces and torques have equal
         // length.
         let (forces, mut torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
-        if L::SPIN {
+        if C::SPIN {
             torques = &mut torques[..forces.len()];
         }
         let rolling = &mut **rolling_drag;
@@ -182,18 +182,18 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
             let [first, second] = batch.pairs[lane].both().map(|entry| entry - start);
             let is_here = second < forces.len();
             // All reads come before all writes: the compiler cannot prove that the sums do not alias the batch.
-            let (force, torques_of) = (output.force::<NUMBERS>(lane), output.torques::<L, NUMBERS>(lane));
+            let (force, torques_of) = (output.force::<NUMBERS>(lane), output.torques::<C, NUMBERS>(lane));
             add(&mut forces[first], force);
             if is_here {
                 subtract(&mut forces[second], force);
             }
-            if L::SPIN {
+            if C::SPIN {
                 add(&mut torques[first], torques_of[0]);
                 if is_here {
                     subtract(&mut torques[second], torques_of[1]);
                 }
             }
-            if L::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
+            if C::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
                 let drag = output.rolling_drag_torque.get(lane);
                 rolling[first] += drag;
                 if is_here {
@@ -204,25 +204,25 @@ impl<'a, V: Space> ForceAccumulation<'a, V> {
     }
 
     /// Adds the forces of a batch to the first particles (`SIDE` 0) or the second particles (`SIDE` 1) alone.
-    pub(crate) fn add_to_one<L: LawRequirements, const NUMBERS: usize, const SIDE: usize>(&mut self, batch: &Batch<V>) {
+    pub(crate) fn add_to_one<C: LawRequirements, const NUMBERS: usize, const SIDE: usize>(&mut self, batch: &Batch<V>) {
         let AccumulatorSlice { force, torque, rolling_drag, .. } = &mut self.slice;
         let (forces, torques) = (force.as_chunks_mut::<NUMBERS>().0, torque.as_chunks_mut::<NUMBERS>().0);
         let output = &batch.output;
         for lane in 0..batch.len.min(LANES) {
             let entry = batch.pairs[lane].both()[SIDE] - self.rows.start;
             let force = output.force::<NUMBERS>(lane);
-            let torque = output.torques::<L, NUMBERS>(lane)[SIDE];
+            let torque = output.torques::<C, NUMBERS>(lane)[SIDE];
             if SIDE == 0 {
                 add(&mut forces[entry], force);
             } else {
                 subtract(&mut forces[entry], force);
             }
-            if L::SPIN && SIDE == 0 {
+            if C::SPIN && SIDE == 0 {
                 add(&mut torques[entry], torque);
-            } else if L::SPIN {
+            } else if C::SPIN {
                 subtract(&mut torques[entry], torque);
             }
-            if L::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
+            if C::ROLLING && NUMBERS == TOTAL_AND_DISSIPATIVE {
                 let drag = output.rolling_drag_torque.get(lane);
                 rolling_drag[entry] += if SIDE == 0 { drag } else { -drag };
             }

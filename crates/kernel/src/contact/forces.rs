@@ -10,6 +10,7 @@ use serde::{Deserialize, Serialize};
 use crate::contact::history::History;
 use crate::contact::history::remembered::Remembered;
 use crate::contact::kernel::{Pass, ScratchPerThread};
+use crate::contact::needs::{BatchLaw, Class, Needs};
 use crate::contact::{AnyLaw, LawRequirements, PairLaw};
 use crate::gravity::Gravity;
 use crate::instructions::Instructions;
@@ -24,9 +25,9 @@ use crate::threads::Threads;
 use crate::walls::near::NearWalls;
 use crate::walls::surfaces::Surfaces;
 
-/// The contact law that the kernel is compiled for.
+/// The contact law of the run.
 #[derive(Resource)]
-pub struct Law<L>(pub Arc<L>);
+struct Law<V: Space>(Arc<dyn BatchLaw<V>>);
 
 /// The largest overlap of the run so far divided by the smaller radius of its pair, over grains and walls.
 #[derive(Resource, Default, Deserialize, Serialize)]
@@ -45,8 +46,8 @@ fn memory_step(clock: &Clock, lead: f64) -> f64 {
     if clock.is_step_zero() { lead } else { clock.dt }
 }
 
-fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
-    law: Res<Law<L>>,
+fn contact_forces<V: Space>(
+    law: Res<Law<V>>,
     (clock, gravity, mut search): (Res<Clock>, Res<Gravity<V>>, ResMut<Search<V>>),
     (threads, instructions, mut scratches): (Res<Threads>, Res<Instructions>, ResMut<ScratchPerThread<V>>),
     (mut walls, mut near): (ResMut<Surfaces<V>>, ResMut<NearWalls>),
@@ -59,8 +60,10 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
     if store.predicts() {
         search.list.mark_lone(&store.prediction);
     }
+    let needs = law.0.needs();
     let pass = Pass {
         law: &*law.0,
+        needs,
         list: &search.list,
         walls: &walls.all,
         near: near.of(&store, &walls, have_changed),
@@ -70,7 +73,8 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
         gravity: gravity.0,
         instructions: *instructions,
     };
-    store.stale.add(if L::SPIN { MirrorSet::FORCE.or(MirrorSet::TORQUE) } else { MirrorSet::FORCE });
+    let has_torques = needs.class != Class::Forces;
+    store.stale.add(if has_torques { MirrorSet::FORCE.or(MirrorSet::TORQUE) } else { MirrorSet::FORCE });
     let kept = (&mut scratches.0, !history.is_changed());
     let history = history.bypass_change_detection();
     largest.0 = pass.sum(&mut store, history, &threads, kept, largest.0);
@@ -81,8 +85,8 @@ fn contact_forces<V: Space, L: PairLaw<V> + LawRequirements>(
 }
 
 /// Moves memories to the new slots of their particles after a renumbering.
-fn move_memories<V: Space, L: LawRequirements>(store: Res<ParticleStore<V>>, mut history: ResMut<History<V>>) {
-    history.move_to_new_slots::<L>(&store);
+fn move_memories<V: Space>(law: Res<Law<V>>, store: Res<ParticleStore<V>>, mut history: ResMut<History<V>>) {
+    history.move_to_new_slots(&store, law.0.needs().memory.unwrap_or_default());
 }
 
 /// Memories of contacts that exist at the start of a run.
@@ -90,13 +94,14 @@ fn move_memories<V: Space, L: LawRequirements>(store: Res<ParticleStore<V>>, mut
 pub struct ContactsAtStart(pub Vec<Remembered>);
 
 /// Takes over the memories of contacts that exist at the start.
-fn recall_from_start<V: Space, L: LawRequirements>(
+fn recall_from_start<V: Space>(
+    law: Res<Law<V>>,
     store: Res<ParticleStore<V>>,
     start: Option<ResMut<ContactsAtStart>>,
     mut history: ResMut<History<V>>,
 ) {
     if let Some(mut start) = start {
-        history.replace::<L>(&store, &std::mem::take(&mut start.0));
+        history.replace(&store, &std::mem::take(&mut start.0), law.0.needs().memory.unwrap_or_default());
     }
 }
 
@@ -125,13 +130,21 @@ impl<L: PairLaw<Plane>> ContactPlugin<Plane, L> {
 
 impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
     fn build(&self, app: &mut App) {
+        app.insert_resource(AnyLaw::<V>(self.law.clone()));
+        Law::<V>(self.law.clone()).add_to(app);
+    }
+}
+
+impl<V: Space> Law<V> {
+    /// Adds the law and the systems of contacts.
+    fn add_to(self, app: &mut App) {
+        let Needs { class, memory, .. } = self.0.needs();
         // The law of a behaviour may need spins in a scene that has none.
-        if L::SPIN && !app.is_plugin_added::<SpinPlugin<V>>() {
+        if class != Class::Forces && !app.is_plugin_added::<SpinPlugin<V>>() {
             app.add_plugins(SpinPlugin::<V> { inertia: InertiaLaw::usual(V::DIMENSION), space: PhantomData });
         }
-        app.world_mut().resource_mut::<ParticleStore<V>>().prediction.sweeps |= L::MEMORY;
-        app.insert_resource(Law(self.law.clone()))
-            .insert_resource(AnyLaw::<V>(self.law.clone()))
+        app.world_mut().resource_mut::<ParticleStore<V>>().prediction.sweeps |= memory.is_some();
+        app.insert_resource(self)
             .init_resource::<History<V>>()
             .init_resource::<ScratchPerThread<V>>()
             .init_resource::<LargestOverlap>()
@@ -141,16 +154,16 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
             .persist::<LargestOverlap>()
             .derived::<ScratchPerThread<V>>()
             .derived::<NearWalls>()
-            .add_systems(Step, contact_forces::<V, L>.in_set(ForceStage::Contacts).in_set(ContactForces));
-        if L::MEMORY {
+            .add_systems(Step, contact_forces::<V>.in_set(ForceStage::Contacts).in_set(ContactForces));
+        if memory.is_some() {
             app.derived::<ContactsAtStart>().add_systems(
                 Step,
-                recall_from_start::<V, L>
+                recall_from_start::<V>
                     .in_set(Part::Engine(Phase::Neighbours))
                     .after(VelocitiesPredicted)
                     .run_if(is_step_zero),
             );
-            app.add_systems(Renumber, move_memories::<V, L>.in_set(AfterRenumbering));
+            app.add_systems(Renumber, move_memories::<V>.in_set(AfterRenumbering));
         }
     }
 }

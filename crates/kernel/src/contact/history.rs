@@ -20,7 +20,7 @@ use serde::{Deserialize, Serialize};
 
 pub use self::block::HistoryBlock;
 pub use self::cursor::HistoryCursor;
-use crate::contact::{LawRequirements, Memory};
+use crate::contact::{Memory, MemoryParts};
 use crate::neighbours::list::{BLOCK, Candidate};
 use crate::space::{Plane, Space};
 use crate::store::ParticleStore;
@@ -120,7 +120,7 @@ impl<V: Space> History<V> {
     }
 
     /// Moves memories to the slots that a renumbering of `store` has just assigned.
-    pub(super) fn move_to_new_slots<L: LawRequirements>(&mut self, store: &ParticleStore<V>) {
+    pub(super) fn move_to_new_slots(&mut self, store: &ParticleStore<V>, parts: MemoryParts) {
         if self.pair_blocks.iter().chain(&self.wall_blocks).all(HistoryBlock::is_empty) {
             return;
         }
@@ -147,8 +147,8 @@ impl<V: Space> History<V> {
                 Some((Candidate::new(new_slot(contact.first())?, wall), memory))
             })
             .collect();
-        rewrite::<V, L>(&mut self.pair_blocks, store, pairs);
-        rewrite::<V, L>(&mut self.wall_blocks, store, walls);
+        rewrite(&mut self.pair_blocks, store, pairs, parts);
+        rewrite(&mut self.wall_blocks, store, walls, parts);
     }
 }
 
@@ -182,17 +182,18 @@ fn resized<'p, V: Space>(blocks: &'p mut Vec<HistoryBlock<V>>, store: &ParticleS
 }
 
 /// Rewrites all blocks for the particles of `store`, with `contacts`.
-fn rewrite<V: Space, L: LawRequirements>(
+fn rewrite<V: Space>(
     blocks: &mut Vec<HistoryBlock<V>>,
     store: &ParticleStore<V>,
     mut contacts: Vec<(Candidate, Memory<V>)>,
+    parts: MemoryParts,
 ) {
     // Most contacts keep their order, and the stable sort is fast on sorted runs.
     contacts.sort_by_key(|(contact, _)| *contact);
     blocks.clear();
     let blocks = resized(blocks, store);
     for (contact, memory) in &contacts {
-        blocks[contact.first() / BLOCK].push::<L>(*contact, memory);
+        blocks[contact.first() / BLOCK].push(parts, *contact, memory);
     }
 }
 
@@ -202,11 +203,8 @@ pub(super) mod tests {
     use crate::particle::GrainId;
     use crate::store::Slot;
 
-    pub struct Springs;
-    impl LawRequirements for Springs {
-        const SPIN: bool = true;
-        const SPRING: bool = true;
-    }
+    /// The components of a memory of a tangential spring alone.
+    pub const SPRINGS: MemoryParts = MemoryParts { spring: true, rolling: false, twist: false, stiffness: false };
 
     /// Returns a store of grains with the ids `names`, after a renumbering from the ids `before`.
     pub fn store(names: &[u32], before: &[u32]) -> ParticleStore {
@@ -224,7 +222,7 @@ pub(super) mod tests {
     fn sequential_look_up_agrees_with_search() {
         let mut page = HistoryBlock::<Plane>::default();
         for (contact, spring) in [([0, 1], 0.1), ([0, 3], 0.2), ([1, 2], 0.3)] {
-            page.push::<Springs>(contact.into(), &memory(spring));
+            page.push(SPRINGS, contact.into(), &memory(spring));
         }
         let mut from = 0;
         for contact in [[0, 0], [0, 1], [0, 2], [1, 2], [1, 2], [1, 3], [7, 8]].map(Candidate::from) {
@@ -240,7 +238,7 @@ pub(super) mod tests {
         let block = |springs: &[([u32; 2], f64)]| {
             let mut page = HistoryBlock::<Plane>::default();
             for &(contact, spring) in springs {
-                page.push::<Springs>(contact.into(), &memory(spring));
+                page.push(SPRINGS, contact.into(), &memory(spring));
             }
             page
         };
@@ -251,7 +249,7 @@ pub(super) mod tests {
             (3, [([5, 1], 0.1), ([5, 2], 0.0), ([5, 3], 0.3)]),
         ] {
             let mut page = block(&[([5, 1], 0.1), ([5, 2], 0.0), ([5, 3], 0.3)]);
-            page.rename::<Springs>(0, [5, 1].into(), other);
+            page.rename(SPRINGS, 0, [5, 1].into(), other);
             assert_eq!(springs(&page), after);
         }
     }
@@ -261,16 +259,16 @@ pub(super) mod tests {
         let old: Vec<u32> = (0..3000).map(|n| 10 * n).collect();
         let before = store(&old, &[]);
         let mut history = History::default();
-        history.move_to_new_slots::<Springs>(&before);
+        history.move_to_new_slots(&before, SPRINGS);
         for (contact, spring) in [([0, 1], 0.1), ([1, 2999], 1.5), ([1023, 1024], 2.5), ([1500, 1501], 5.2)] {
-            history.blocks_mut(&before).0[contact[0] as usize / BLOCK].push::<Springs>(contact.into(), &memory(spring));
+            history.blocks_mut(&before).0[contact[0] as usize / BLOCK].push(SPRINGS, contact.into(), &memory(spring));
         }
-        history.blocks_mut(&before).1[1500 / BLOCK].push::<Springs>([1500, 2].into(), &memory(7.0));
+        history.blocks_mut(&before).1[1500 / BLOCK].push(SPRINGS, [1500, 2].into(), &memory(7.0));
         // Grain 0 leaves, two grains enter, and the order is reversed: the lower slot of each pair becomes the upper
         // one.
         let new: Vec<u32> = [5, 7].into_iter().chain(old[1..].iter().rev().copied()).collect();
         let after = store(&new, &old);
-        history.move_to_new_slots::<Springs>(&after);
+        history.move_to_new_slots(&after, SPRINGS);
         let slot = |name: u32| new.iter().position(|&other| other == name).unwrap();
         let spring = |a: u32, b: u32| history.of_pair(slot(a), slot(b)).map(|memory| memory.spring.x);
         assert_eq!(spring(10, 29990), Some(-1.5));

@@ -8,7 +8,7 @@
 //! 2. When the batch is full, evaluate the law in all lanes at once.
 //! 3. Add the forces one by one, in order.
 //!
-//! Code for data that a law does not require ([`LawRequirements`]) is not compiled.
+//! The lanes are compiled for each law, the other loops for three classes of laws ([`needs`](crate::contact::needs)).
 //!
 //! Each thread sums the forces of a range of rows. A pair across a border between two ranges is evaluated by both
 //! threads ([`PairList`]). So the order of every sum, and every bit of it, does not depend on the number of threads.
@@ -29,9 +29,10 @@ pub(super) use self::prefetch::touch;
 use self::thread_scratch::{HaloImport, exchange_halos, export_halo};
 pub use self::thread_scratch::{ScratchPerThread, ThreadScratch};
 use self::worker::Worker;
+use crate::contact::LawRequirements;
 use crate::contact::force_accumulation::{AccumulatorSlice, ForceAccumulation};
 use crate::contact::history::History;
-use crate::contact::{LawRequirements, PairLaw};
+use crate::contact::needs::{BatchLaw, Class, Forces, Needs, RollingTorques, Torques};
 use crate::instructions::Instructions;
 use crate::neighbours::list::{BLOCK, Candidate, PairList};
 use crate::space::{Linear, Space};
@@ -40,9 +41,11 @@ use crate::threads::Threads;
 use crate::walls::surfaces::SurfaceWall;
 
 /// The input of a contact pass besides the particle store.
-pub struct Pass<'a, V: Space, L> {
+pub struct Pass<'a, V: Space> {
     /// The contact law.
-    pub law: &'a L,
+    pub law: &'a dyn BatchLaw<V>,
+    /// What the law needs.
+    pub needs: Needs,
     /// Candidate pairs. With velocity prediction, pairs with a lone particle are marked.
     pub list: &'a PairList,
     /// The wall surfaces.
@@ -61,7 +64,7 @@ pub struct Pass<'a, V: Space, L> {
     pub instructions: Instructions,
 }
 
-impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
+impl<V: Space> Pass<'_, V> {
     /// Sets the loads of `store` to the sums of weight and all contact forces.
     ///
     /// `deepest` is the largest overlap so far divided by the smaller radius of its pair. Returns the same ratio after
@@ -72,20 +75,37 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
         store: &mut ParticleStore<V>,
         history: &mut History<V>,
         threads: &Threads,
+        scratches: (&mut Vec<ThreadScratch<V>>, bool),
+        deepest: f64,
+    ) -> f64 {
+        match self.needs.class {
+            Class::Forces => self.sum_as::<Forces>(store, history, threads, scratches, deepest),
+            Class::Torques => self.sum_as::<Torques>(store, history, threads, scratches, deepest),
+            Class::RollingTorques => self.sum_as::<RollingTorques>(store, history, threads, scratches, deepest),
+        }
+    }
+
+    /// As [`Self::sum`], compiled for the class `C`.
+    fn sum_as<C: LawRequirements>(
+        &self,
+        store: &mut ParticleStore<V>,
+        history: &mut History<V>,
+        threads: &Threads,
         (scratches, history_unchanged): (&mut Vec<ThreadScratch<V>>, bool),
         deepest: f64,
     ) -> f64 {
         let mut loads = std::mem::take(&mut store.loads);
         loads.contacts.resize(if self.counts { store.len() } else { 0 }, 0);
-        if L::ROLLING && store.tracks_energy {
+        if C::ROLLING && store.tracks_energy {
             loads.rolling_drag.resize(store.len(), V::Spin::ZERO);
         }
         let tasks = self.list.tasks();
         scratches.resize_with(tasks.len(), ThreadScratch::default);
         let (mut pair_histories, mut wall_histories) = history.blocks_mut(store);
-        let has_borders = L::MEMORY && tasks.len() > 1;
-        if has_borders {
-            exchange_halos::<V, L>(scratches, self.list, pair_histories, history_unchanged);
+        // The components of the memories, if memories cross a border between two tasks.
+        let over_borders = self.needs.memory.filter(|_| tasks.len() > 1);
+        if let Some(parts) = over_borders {
+            exchange_halos(scratches, self.list, (pair_histories, parts), history_unchanged);
         }
         let view = &*store;
         let (halo, places): (Vec<_>, Vec<_>) = scratches
@@ -108,11 +128,11 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Pass<'_, V, L> {
             let near = near.split_off(..own).unwrap_or_default();
             let halo = halo.clone();
             on_walls.clear();
-            let worker = Worker { pass: self, view, task, halo, sums, batch, largest: deepest, near, on_walls };
+            let worker = Worker::<V, C>::new(self, view, (task, halo, near), (sums, batch, on_walls), deepest);
             workers.push(move || {
                 let largest = worker.sum(pair_histories, wall_histories, spare);
-                if has_borders {
-                    export_halo::<V, L>(&task.rows, self.list, pair_histories, next_halo);
+                if let Some(parts) = over_borders {
+                    export_halo(&task.rows, self.list, (pair_histories, parts), next_halo);
                     *rows = task.rows.clone();
                 }
                 largest

@@ -31,6 +31,7 @@ pub mod kernel;
 pub(crate) mod lanes;
 pub mod linear;
 mod lone_grains;
+mod needs;
 mod prediction;
 pub mod rolling;
 pub(crate) mod root;
@@ -47,7 +48,8 @@ use bevy_ecs::prelude::*;
 
 pub use self::centred::VelocityPrediction;
 pub use self::config::Contact;
-pub use self::forces::{ContactForces, ContactPlugin, ContactsAtStart, LargestOverlap, Law};
+pub use self::forces::{ContactForces, ContactPlugin, ContactsAtStart, LargestOverlap};
+pub use self::needs::MemoryParts;
 use crate::particle::Species;
 use crate::space::{Plane, Space};
 
@@ -256,6 +258,11 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
         3.0
     }
 
+    /// Whether the law depends on the species of a pair. Asked only of a law that requires species.
+    fn depends_on_species(&self) -> bool {
+        true
+    }
+
     /// Calls `visitor` with the law of contacts between these species: with the law itself if it is the same for all species.
     #[inline]
     fn between<W: LawVisitor<V>>(&self, _species: [Species; 2], visitor: W) -> W::Output
@@ -354,8 +361,7 @@ pub struct Bounce {
     pub speed: f64,
 }
 
-/// Law requirements: the data that a law needs from the kernel. The kernel compiled for a law does not compute other
-/// data.
+/// Law requirements: the data that a law needs from the kernel. The kernel does not compute other data.
 pub trait LawRequirements {
     /// Spins and torques.
     const SPIN: bool = false;

@@ -56,8 +56,6 @@ impl Contacts<'_> {
     /// Passes the law of the scene to `visitor`. This is the only place that selects the law types of compiled kernels.
     pub fn visit<V: Space, R: LawVisitor<V>>(&self, visitor: R) -> R::Output {
         match self.usual {
-            // A single species needs no table.
-            Contact::Assignment { k, b } if self.species == 1 => visitor.take(Assignment::new(k, b)),
             Contact::Assignment { .. } => visitor.take(self.table(|a, b| self.assignment(a, b))),
             Contact::Linear { .. } if self.usual.is_general() => {
                 visitor.take(self.table(|a, b| self.general_linear(a, b)))
@@ -66,17 +64,11 @@ impl Contacts<'_> {
             Contact::Hertz { .. } if self.usual.is_general() => {
                 visitor.take(self.table(|a, b| self.general_hertz(a, b)))
             }
-            Contact::Linear { tangential: None, .. } if self.species == 1 => {
-                visitor.take(frictionless(self.linear(0, 0).normal))
-            }
             Contact::Linear { tangential: None, .. } => {
                 visitor.take(self.table(|a, b| frictionless(self.linear(a, b).normal)))
             }
             Contact::Linear { tangential: Some(Friction::Dashpot { .. }), .. } => {
                 visitor.take(self.table(|a, b| self.dashpot(a, b)))
-            }
-            Contact::Linear { rolling: None, .. } if self.species == 1 => {
-                visitor.take(self.spring_friction(0, 0, NoRolling))
             }
             Contact::Linear { rolling: None, .. } => {
                 visitor.take(self.table(|a, b| self.spring_friction(a, b, NoRolling)))
@@ -88,15 +80,15 @@ impl Contacts<'_> {
         }
     }
 
-    /// Returns the law as a trait object, for code that is not performance-critical.
+    /// Returns the law as a trait object, for estimates before a run, which are the same in both spaces.
     #[must_use]
-    pub fn any<V: Space>(&self) -> AnyLaw<V> {
+    pub fn any(&self) -> AnyLaw<Plane> {
         self.visit(Erase)
     }
 
-    /// Returns the law of a single species pair.
+    /// Returns the law of a single species pair, as [`Self::any`] does.
     #[must_use]
-    pub fn between<V: Space>(&self, a: u8, b: u8) -> AnyLaw<V> {
+    pub fn between(&self, a: u8, b: u8) -> AnyLaw<Plane> {
         Self { usual: self.contact_of(a, b), pairs: &[], species: 1, only: Some((a, b)), ..*self }.any()
     }
 
@@ -205,7 +197,7 @@ impl Contacts<'_> {
     /// Returns the largest range of a contact beyond touch at a reduced radius (m), m.
     #[must_use]
     pub fn range(&self, reduced_radius: f64) -> f64 {
-        self.any::<Plane>().0.range_at(reduced_radius)
+        self.any().0.range_at(reduced_radius)
     }
 
     /// Returns the materials of two species.

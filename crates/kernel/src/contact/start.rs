@@ -17,8 +17,8 @@ const WEIGHTS: [f64; 3] = [5.0 / 18.0, 8.0 / 18.0, 5.0 / 18.0];
 /// Returns the force on i averaged over the first half step of a run, `half` (s), or `None` if there is no contact in it. A
 /// grain that moves by more than `reach` (m), the sum of the radii, does not meet its partner but flies through it.
 #[inline(never)]
-pub(super) fn force_at_start<V: Space, L: PairLaw<V>>(
-    law: &L,
+pub(super) fn force_at_start<V: Space>(
+    law: &dyn PairLaw<V>,
     pair: &Pair<V>,
     memory: &mut Memory<V>,
     half: f64,
@@ -69,7 +69,7 @@ pub(super) fn force_at_start<V: Space, L: PairLaw<V>>(
 
 /// Returns the force of a contact that may exist beyond touch. It acts as it is if the bodies overlap. Otherwise it begins within
 /// the half step, and the force at touch acts in the share `lasts`.
-fn beyond_touch<V: Space, L: PairLaw<V>>(law: &L, pair: &Pair<V>, memory: &mut Memory<V>, lasts: f64) -> PairForce<V> {
+fn beyond_touch<V: Space>(law: &dyn PairLaw<V>, pair: &Pair<V>, memory: &mut Memory<V>, lasts: f64) -> PairForce<V> {
     if pair.overlap > 0.0 {
         return law.force(pair, memory);
     }

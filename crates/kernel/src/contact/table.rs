@@ -61,6 +61,10 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> PairLaw<V> for PairTable<L> {
         self.of(pair.species).centred(pair, memory)
     }
 
+    fn depends_on_species(&self) -> bool {
+        self.species > 1
+    }
+
     #[inline]
     fn between<W: LawVisitor<V>>(&self, species: [Species; 2], visitor: W) -> W::Output {
         visitor.visit(self.of(species))

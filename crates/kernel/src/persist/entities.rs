@@ -1,7 +1,5 @@
 //! Entities in saved state: each saved entity has a number, and a component is a column of values over these numbers.
 
-use std::ops::Range;
-
 use bevy_ecs::archetype::{Archetype, ArchetypeEntity};
 use bevy_ecs::component::ComponentId;
 use bevy_ecs::prelude::*;
@@ -60,9 +58,16 @@ impl SavedEntities {
         Ok(Self(world.spawn_batch((0..count).map(|_| ())).collect()))
     }
 
-    /// Returns the entities with these numbers; `None` if one does not exist.
-    fn in_range(&self, numbers: Range<u32>) -> Option<&[Entity]> {
-        self.0.get(numbers.start as usize..numbers.end as usize)
+    /// Returns the entities of a column, and the bytes of its values.
+    fn in_runs<'a>(&self, column: &'a [u8]) -> Result<(Vec<Entity>, &'a [u8]), Problem> {
+        let (runs, values) = postcard::take_from_bytes::<Vec<[u32; 2]>>(column).map_err(|error| error.to_string())?;
+        let (mut entities, mut end) = (Vec::new(), 0);
+        for [first, length] in runs {
+            let next = first.checked_add(length).filter(|_| first >= end).ok_or(NO_ENTITY)?;
+            entities.extend(self.0.get(first as usize..next as usize).ok_or(NO_ENTITY)?);
+            end = next;
+        }
+        Ok((entities, values))
     }
 
     /// Returns the entity with a number.
@@ -72,49 +77,55 @@ impl SavedEntities {
     }
 }
 
+/// Returns the column of a component: the first number and the length of each run of successive entities, then a value for each of
+/// these entities.
 pub(super) fn save_column<C: Component + Persistent>(
     world: &mut World,
     numbers: &EntityNumbers,
 ) -> Result<Vec<u8>, Problem> {
     let mut query = world.query::<(Entity, &C)>();
-    let mut rows: Vec<_> =
-        query.iter(world).filter_map(|(entity, value)| Some((numbers.get(entity)?, value))).collect();
-    rows.sort_unstable_by_key(|&(number, _)| number);
+    let (numbers, values): (Vec<u32>, Vec<&C>) =
+        query.iter(world).filter_map(|(entity, value)| Some((numbers.get(entity)?, value))).unzip();
+    let (order, runs) = in_runs(&numbers);
+    let bytes = encode(&runs)?;
+    order
+        .into_iter()
+        .try_fold(bytes, |bytes, place| postcard::to_extend(values[place], bytes))
+        .map_err(|error| error.to_string())
+}
+
+/// Returns the places of numbers in ascending order of the numbers, and the first number and the length of each run of successive
+/// numbers.
+fn in_runs(numbers: &[u32]) -> (Vec<usize>, Vec<[u32; 2]>) {
+    let mut order: Vec<usize> = (0..numbers.len()).collect();
+    order.sort_unstable_by_key(|&place| numbers[place]);
     let mut runs: Vec<[u32; 2]> = Vec::new();
-    for &(number, _) in &rows {
+    for number in order.iter().map(|&place| numbers[place]) {
         match runs.last_mut() {
             Some([first, length]) if *first + *length == number => *length += 1,
             _ => runs.push([number, 1]),
         }
     }
-    let bytes = encode(&runs)?;
-    rows.into_iter()
-        .try_fold(bytes, |bytes, (_, value)| postcard::to_extend(value, bytes))
-        .map_err(|error| error.to_string())
+    (order, runs)
 }
 
-/// Restores the column of a component: the first number and the length of each run of successive entities, then a value for
-/// each of these entities.
+/// Restores the column of a component, as [`save_column`] returns it.
 pub(super) fn restore_column<C: Component + Persistent>(
     world: &mut World,
     bytes: &[u8],
     entities: &SavedEntities,
 ) -> Result<(), Problem> {
-    let (runs, mut rest) = postcard::take_from_bytes::<Vec<[u32; 2]>>(bytes).map_err(|error| error.to_string())?;
-    let (mut column, mut end) = (Vec::new(), 0);
-    for [first, length] in runs {
-        let numbers = first..first.checked_add(length).filter(|_| first >= end).ok_or(NO_ENTITY)?;
-        end = numbers.end;
-        for entity in entities.in_range(numbers).ok_or(NO_ENTITY)? {
-            let (value, more) = postcard::take_from_bytes::<C>(rest).map_err(|error| error.to_string())?;
-            rest = more;
-            column.push((*entity, value));
-        }
+    let (entities, mut rest) = entities.in_runs(bytes)?;
+    let mut values = Vec::with_capacity(entities.len());
+    for _ in &entities {
+        let (value, more) = postcard::take_from_bytes::<C>(rest).map_err(|error| error.to_string())?;
+        rest = more;
+        values.push(value);
     }
     if !rest.is_empty() {
         return Err("there are more bytes than the column has".to_owned());
     }
-    world.insert_batch(column);
+    world.insert_batch(entities.into_iter().zip(values));
     Ok(())
 }
 

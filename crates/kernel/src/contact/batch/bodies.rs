@@ -3,9 +3,9 @@
 //! Stores dominate the run time here. So numbers are loaded, subtracted and stored in groups of four, one vector
 //! instruction each. When the batch is full, they are transposed into the lanes, four lanes at a time.
 
-use crate::contact::LawRequirements;
 use crate::contact::geometry::ContactLine;
 use crate::contact::lanes::{LANES, Lanes, Quads, Scalars, spread};
+use crate::contact::needs::BodyNumbers;
 use crate::instructions::Instructions;
 use crate::periodic::Metric;
 use crate::space::{COINCIDENT, PARTED, Space, quad};
@@ -18,7 +18,7 @@ pub struct Bodies<V: Space> {
     ///
     /// In the plane: separation and relative velocity; then radii and inverse masses. In solid space: separation and
     /// first component of the relative velocity; then its other components and the radii. The inverse masses do not fit
-    /// there and are kept apart. Laws without [`LawRequirements::INDIVIDUAL_BODIES`] get sums of radii and of inverse masses
+    /// there and are kept apart. With [`BodyNumbers::Sums`] there are sums of radii and of inverse masses
     /// instead; in the plane these two sums are stored alone.
     loaded: [Quads; 2],
     /// From j to i, m.
@@ -37,9 +37,9 @@ pub struct Bodies<V: Space> {
     pub inverse_reach: Scalars,
     /// Sum of the inverse masses, 1/kg.
     mobility: Scalars,
-    /// Radii of i and j, m; set with [`LawRequirements::INDIVIDUAL_BODIES`] only.
+    /// Radii of i and j, m; set unless there are only sums.
     pub radii: [Scalars; 2],
-    /// Inverse masses of i and j, 1/kg; set in the plane with [`LawRequirements::INDIVIDUAL_BODIES`] only.
+    /// Inverse masses of i and j, 1/kg; set in the plane unless there are only sums.
     inverse_masses: [Scalars; 2],
 }
 
@@ -53,7 +53,7 @@ pub(super) struct Approach {
 }
 
 impl<V: Space> Bodies<V> {
-    /// Loads two bodies into a lane. `INDIVIDUAL` is [`LawRequirements::INDIVIDUAL_BODIES`].
+    /// Loads two bodies into a lane. Without `INDIVIDUAL` only sums.
     #[inline(always)]
     pub(super) fn take<const INDIVIDUAL: bool>(
         &mut self,
@@ -98,11 +98,11 @@ impl<V: Space> Bodies<V> {
 
     /// Transposes the loaded numbers of the first `lanes` lanes.
     #[inline(always)]
-    fn spread<L: LawRequirements>(&mut self, lanes: usize) {
+    fn spread<const INDIVIDUAL: bool>(&mut self, lanes: usize) {
         let ([one, two], [m_i, m_j]) = (&self.loaded, self.inverse_masses.each_mut());
         let ([x, y, z], [vx, vy, vz]) = (self.separation.axes(), self.relative_velocity.axes());
         let ([r_i, r_j], reach, mobility) = (self.radii.each_mut(), &mut self.reach, &mut self.mobility);
-        match (V::COMPONENTS, L::INDIVIDUAL_BODIES) {
+        match (V::COMPONENTS, INDIVIDUAL) {
             (2, true) => {
                 spread(one, lanes, x, y, vx, vy);
                 spread(two, lanes, r_i, m_i, r_j, m_j);
@@ -122,7 +122,7 @@ impl<V: Space> Bodies<V> {
                 spread(two, lanes, vy, vz, reach, mobility);
             }
         }
-        if L::INDIVIDUAL_BODIES {
+        if INDIVIDUAL {
             for lane in 0..lanes.min(LANES) {
                 reach[lane] = r_i[lane] + r_j[lane];
                 if V::COMPONENTS == 2 {
@@ -132,9 +132,10 @@ impl<V: Space> Bodies<V> {
         }
     }
 
-    /// Computes the contact quantities from separations and masses. Returns the number of coincident centres.
+    /// Computes the contact quantities from separations and masses, with [`Self::inverse_reach`] if `RADII` is set. Returns the number of
+    /// coincident centres.
     #[inline(always)]
-    fn compute_lanes<L: LawRequirements>(&mut self, lanes: usize, root: bool) -> u32 {
+    fn compute_lanes<const RADII: bool>(&mut self, lanes: usize, root: bool) -> u32 {
         let mut coincident = 0;
         for lane in 0..lanes.min(LANES) {
             let separation = self.separation.get(lane);
@@ -142,7 +143,7 @@ impl<V: Space> Bodies<V> {
             self.normal.set(lane, line.normal);
             self.overlap[lane] = self.reach[lane] - line.distance;
             self.reduced_mass[lane] = line.reduced_mass;
-            if L::RADII {
+            if RADII {
                 // The division runs here, where no other instruction depends on it.
                 self.inverse_reach[lane] = 1.0 / self.reach[lane];
             }
@@ -158,12 +159,25 @@ impl<V: Space> Bodies<V> {
 
     /// Transposes the first `lanes` lanes and computes their contact quantities, with the root of the reduced mass if
     /// `root` is set. Returns whether any centres may coincide.
-    pub fn measure<L: LawRequirements>(&mut self, lanes: usize, root: bool, instructions: Instructions) -> bool {
+    pub fn measure(&mut self, lanes: usize, (numbers, root): (BodyNumbers, bool), instructions: Instructions) -> bool {
+        match numbers {
+            BodyNumbers::Sums => self.measure_by::<false, false>(lanes, root, instructions),
+            BodyNumbers::Each => self.measure_by::<true, false>(lanes, root, instructions),
+            BodyNumbers::EachWithRadii => self.measure_by::<true, true>(lanes, root, instructions),
+        }
+    }
+
+    fn measure_by<const INDIVIDUAL: bool, const RADII: bool>(
+        &mut self,
+        lanes: usize,
+        root: bool,
+        instructions: Instructions,
+    ) -> bool {
         let coincident = instructions.run(
             #[inline(always)]
             || {
-                self.spread::<L>(lanes);
-                self.compute_lanes::<L>(lanes, root)
+                self.spread::<INDIVIDUAL>(lanes);
+                self.compute_lanes::<RADII>(lanes, root)
             },
         );
         coincident > 0
@@ -172,13 +186,13 @@ impl<V: Space> Bodies<V> {
     /// Gives coincident centres the direction that `normal` returns for their lane. The separation along it is so small
     /// that the overlap does not change.
     #[cold]
-    pub fn part_coincident<L: LawRequirements>(&mut self, lanes: usize, normal: impl Fn(usize) -> V) {
+    pub fn part_coincident(&mut self, lanes: usize, normal: impl Fn(usize) -> V) {
         for lane in 0..lanes {
             if self.separation.get(lane).length_squared() < COINCIDENT {
                 self.separation.set(lane, normal(lane) * PARTED);
             }
         }
-        self.compute_lanes::<L>(lanes, false);
+        self.compute_lanes::<true>(lanes, false);
     }
 }
 
@@ -190,7 +204,7 @@ mod tests {
     use crate::space::{Plane, Solid};
 
     /// Loads bodies with distinct numbers and checks that every number arrives in its lane.
-    fn check_loading<V: Space, L: LawRequirements>() {
+    fn check_loading<V: Space>(numbers: BodyNumbers) {
         let body = |lane: usize, side: usize| {
             let number = |index: usize| f64::from(u32::try_from(1000 * side + 10 * lane + index).unwrap());
             let at = |from: usize| V::narrow(Solid::new(number(from), number(from + 1), -number(from + 2)));
@@ -208,14 +222,14 @@ mod tests {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;
                 let measured = Approach { squared: separation.length_squared(), reach: i.radius + j.radius };
-                let taken = if L::INDIVIDUAL_BODIES {
-                    bodies.take::<true>(lane, &Open, [&i, &j])
-                } else {
+                let taken = if numbers == BodyNumbers::Sums {
                     bodies.take::<false>(lane, &Open, [&i, &j])
+                } else {
+                    bodies.take::<true>(lane, &Open, [&i, &j])
                 };
                 assert_eq!(taken, measured);
             }
-            assert!(!bodies.measure::<L>(LANES, true, instructions));
+            assert!(!bodies.measure(LANES, (numbers, true), instructions));
             for lane in 0..LANES {
                 let [i, j] = [body(lane, 0), body(lane, 1)];
                 let separation = i.position - j.position;
@@ -228,30 +242,21 @@ mod tests {
                 assert!((bodies.root[lane] / reduced_mass.sqrt() - 1.0).abs() < error);
                 let overlap = i.radius + j.radius - separation.length();
                 assert!((bodies.overlap[lane] - overlap).abs() < error * separation.length());
-                if L::RADII {
+                if numbers == BodyNumbers::EachWithRadii {
                     assert!((bodies.inverse_reach[lane] * (i.radius + j.radius) - 1.0).abs() < error);
                 }
-                if L::INDIVIDUAL_BODIES {
+                if numbers != BodyNumbers::Sums {
                     assert_eq!(bodies.radii.map(|radii| radii[lane]), [i.radius, j.radius]);
                 }
             }
         }
     }
 
-    /// Law requirements: sums for the pair only (`Sums`), numbers of each particle (`Each`).
-    struct Sums;
-    struct Each;
-
-    impl LawRequirements for Sums {
-        const RADII: bool = false;
-    }
-    impl LawRequirements for Each {}
-
     #[test]
     fn loaded_numbers_arrive_in_their_lane() {
-        check_loading::<Plane, Sums>();
-        check_loading::<Solid, Sums>();
-        check_loading::<Plane, Each>();
-        check_loading::<Solid, Each>();
+        for numbers in [BodyNumbers::Sums, BodyNumbers::Each, BodyNumbers::EachWithRadii] {
+            check_loading::<Plane>(numbers);
+            check_loading::<Solid>(numbers);
+        }
     }
 }

@@ -5,12 +5,12 @@
 //! instructions with a law without memory, so these laws get all gaps below a margin that no pair of the store exceeds. Laws with
 //! memory get the gaps below the sum of the distances that both particles move in half a step.
 //!
-//! Of the law only [`LawRequirements`] matter here, so the loops are compiled for each space and not for each law.
+//! Of the law only its requirements matter here, so the loops are compiled for each space and not for each law.
 
-use crate::contact::LawRequirements;
 use crate::contact::batch::Batch;
 use crate::contact::batch::bodies::Approach;
 use crate::contact::lanes::LANES;
+use crate::contact::needs::{BodyNumbers, Needs};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
 use crate::periodic::{Metric, Open};
@@ -19,13 +19,14 @@ use crate::store::{ParticleStore, Prediction};
 
 impl<V: Space> Batch<V> {
     /// Adds candidates that count until the batch is full, and loads their bodies. Returns the candidates that are left.
-    pub fn select<'c, L: LawRequirements>(
+    pub fn select<'c>(
         &mut self,
         store: &ParticleStore<V>,
         candidates: &'c [Candidate],
+        needs: Needs,
         instructions: Instructions,
     ) -> &'c [Candidate] {
-        match (L::INDIVIDUAL_BODIES, L::MEMORY && store.predicts()) {
+        match (needs.bodies != BodyNumbers::Sums, needs.memory.is_some() && store.predicts()) {
             (false, false) => self.select_in_sides::<false, false>(store, candidates, instructions),
             (false, true) => self.select_in_sides::<false, true>(store, candidates, instructions),
             (true, false) => self.select_in_sides::<true, false>(store, candidates, instructions),
@@ -45,7 +46,7 @@ impl<V: Space> Batch<V> {
         }
     }
 
-    /// Selects with separations measured by `metric`. `INDIVIDUAL` is [`LawRequirements::INDIVIDUAL_BODIES`].
+    /// Selects with separations measured by `metric`. Without `INDIVIDUAL` only sums of the two bodies are loaded.
     fn select_by<'c, const INDIVIDUAL: bool, const SWEPT: bool>(
         &mut self,
         metric: impl Metric<V>,
@@ -84,22 +85,22 @@ impl<V: Space> Batch<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::needs::{Class, MemoryParts};
     use crate::space::{Plane, Solid};
     use crate::store::Body;
 
-    struct Plain;
-    struct WithMemory;
-
-    impl LawRequirements for Plain {
-        const RADII: bool = false;
-    }
-    impl LawRequirements for WithMemory {
-        const SPRING: bool = true;
-    }
+    /// A law without memory that needs sums, and one with memory that needs the numbers of each body.
+    const PLAIN: Needs =
+        Needs { class: Class::Forces, memory: None, bodies: BodyNumbers::Sums, species: false, reaches: false };
+    const WITH_MEMORY: Needs = Needs {
+        memory: Some(MemoryParts { spring: true, rolling: false, twist: false, stiffness: false }),
+        bodies: BodyNumbers::EachWithRadii,
+        ..PLAIN
+    };
 
     /// Selects among the pairs of body 0 and each other body, 1 cm in radius each. `others` has the gap to each and its own margin, m.
     /// Body 0 has a margin of 1 mm, and the margin of all pairs is 2 mm. Without `centred` there are no margins.
-    fn selected<V: Space, L: LawRequirements>(others: &[[f64; 2]], centred: bool) -> Vec<usize> {
+    fn selected<V: Space>(others: &[[f64; 2]], needs: Needs, centred: bool) -> Vec<usize> {
         let mut store = ParticleStore::<V>::default();
         let axis = V::narrow(Solid::new(0.6, 0.8, 0.0));
         let at = |distance: f64| Body {
@@ -122,7 +123,7 @@ mod tests {
         let all = Instructions::all().into_iter().map(|instructions| {
             let (mut batch, mut left, mut found) = (Batch::<V>::default(), &candidates[..], Vec::new());
             while !left.is_empty() {
-                left = batch.select::<L>(&store, left, instructions);
+                left = batch.select(&store, left, needs, instructions);
                 assert!(batch.len == LANES || left.is_empty());
                 found.extend(batch.pairs[..batch.len].iter().map(|pair| pair.second()));
                 batch.len = 0;
@@ -138,20 +139,20 @@ mod tests {
     const OTHERS: [[f64; 2]; 7] =
         [[-1e-3, 0.0], [0.9e-3, 0.0], [1.1e-3, 0.0], [1.9e-3, 1e-3], [2.1e-3, 1e-3], [f64::NAN, 1.0], [3e-3, 3e-3]];
 
-    fn check<V: Space, L: LawRequirements>(expected: &[usize]) {
-        assert_eq!(selected::<V, L>(&OTHERS, false), [1]);
-        assert_eq!(selected::<V, L>(&OTHERS, true), expected);
+    fn check<V: Space>(needs: Needs, expected: &[usize]) {
+        assert_eq!(selected::<V>(&OTHERS, needs, false), [1]);
+        assert_eq!(selected::<V>(&OTHERS, needs, true), expected);
         // More than a batch.
         let many: Vec<_> = OTHERS.iter().copied().cycle().take(7 * 40).collect();
         let expected: Vec<_> = (0..40).flat_map(|round| expected.iter().map(move |j| 7 * round + j)).collect();
-        assert_eq!(selected::<V, L>(&many, true), expected);
+        assert_eq!(selected::<V>(&many, needs, true), expected);
     }
 
     #[test]
     fn gaps_count_that_any_pair_closes_or_with_memory_those_that_the_pair_closes() {
-        check::<Plane, Plain>(&[1, 2, 3, 4]);
-        check::<Solid, Plain>(&[1, 2, 3, 4]);
-        check::<Plane, WithMemory>(&[1, 2, 4, 7]);
-        check::<Solid, WithMemory>(&[1, 2, 4, 7]);
+        check::<Plane>(PLAIN, &[1, 2, 3, 4]);
+        check::<Solid>(PLAIN, &[1, 2, 3, 4]);
+        check::<Plane>(WITH_MEMORY, &[1, 2, 4, 7]);
+        check::<Solid>(WITH_MEMORY, &[1, 2, 4, 7]);
     }
 }

@@ -9,10 +9,10 @@ use std::ops::Range;
 
 use crate::contact::batch::MemoryLanes;
 use crate::contact::history::ContactLosses;
-use crate::contact::lanes::LANES;
-use crate::contact::{LawRequirements, Memory};
+use crate::contact::lanes::{LANES, Lanes};
+use crate::contact::{Memory, MemoryParts};
 use crate::neighbours::list::Candidate;
-use crate::space::Space;
+use crate::space::{Linear, Space};
 
 /// Memories of the contacts of consecutive rows. Vectors that the law does not require stay empty.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -44,7 +44,7 @@ impl<V: Space> Default for HistoryBlock<V> {
 impl<V: Space> HistoryBlock<V> {
     /// Makes this block a copy of the first `first` contacts of `earlier`. Reserves space for slightly more contacts
     /// than `earlier` has: growth by doubling would take twice the memory.
-    pub(super) fn copy_front<L: LawRequirements>(&mut self, earlier: &Self, first: usize) {
+    pub(super) fn copy_front(&mut self, parts: MemoryParts, earlier: &Self, first: usize) {
         fn copy_front<T: Copy>(column: &mut Vec<T>, earlier: &[T], first: usize) {
             let expected = earlier.len();
             if column.capacity() < expected || column.capacity() > 2 * expected + LANES {
@@ -54,16 +54,16 @@ impl<V: Space> HistoryBlock<V> {
             column.extend_from_slice(&earlier[..first]);
         }
         copy_front(&mut self.contacts, &earlier.contacts, first);
-        if L::SPRING {
+        if parts.spring {
             copy_front(&mut self.spring, &earlier.spring, first);
         }
-        if L::ROLLING {
+        if parts.rolling {
             copy_front(&mut self.rolling, &earlier.rolling, first);
         }
-        if L::TWISTING {
+        if parts.twist {
             copy_front(&mut self.twist, &earlier.twist, first);
         }
-        if L::STIFFNESS {
+        if parts.stiffness {
             copy_front(&mut self.stiffness, &earlier.stiffness, first);
         }
     }
@@ -84,12 +84,12 @@ impl<V: Space> HistoryBlock<V> {
     }
 
     #[inline]
-    pub(super) fn memory<L: LawRequirements>(&self, at: usize) -> Memory<V> {
+    pub(super) fn memory(&self, parts: MemoryParts, at: usize) -> Memory<V> {
         Memory {
-            spring: if L::SPRING { self.spring[at] } else { V::ZERO },
-            rolling: if L::ROLLING { self.rolling[at] } else { V::ZERO },
-            twist: if L::TWISTING { self.twist[at] } else { 0.0 },
-            stiffness: if L::STIFFNESS { self.stiffness[at] } else { 0.0 },
+            spring: if parts.spring { self.spring[at] } else { V::ZERO },
+            rolling: if parts.rolling { self.rolling[at] } else { V::ZERO },
+            twist: if parts.twist { self.twist[at] } else { 0.0 },
+            stiffness: if parts.stiffness { self.stiffness[at] } else { 0.0 },
         }
     }
 
@@ -105,25 +105,25 @@ impl<V: Space> HistoryBlock<V> {
 
     /// Appends a contact, which must come after the last one in order.
     #[inline]
-    pub fn push<L: LawRequirements>(&mut self, contact: Candidate, memory: &Memory<V>) {
+    pub fn push(&mut self, parts: MemoryParts, contact: Candidate, memory: &Memory<V>) {
         self.contacts.push(contact);
-        if L::SPRING {
+        if parts.spring {
             self.spring.push(memory.spring);
         }
-        if L::ROLLING {
+        if parts.rolling {
             self.rolling.push(memory.rolling);
         }
-        if L::TWISTING {
+        if parts.twist {
             self.twist.push(memory.twist);
         }
-        if L::STIFFNESS {
+        if parts.stiffness {
             self.stiffness.push(memory.stiffness);
         }
     }
 
     /// Gives the memory of a contact to the contact of the same row with `other`, unless that has one that is not empty. The
     /// first `passed` contacts are left alone.
-    pub(super) fn rename<L: LawRequirements>(&mut self, passed: usize, contact: Candidate, other: usize) {
+    pub(super) fn rename(&mut self, parts: MemoryParts, passed: usize, contact: Candidate, other: usize) {
         fn move_entry<T>(column: &mut [T], from: usize, to: usize) {
             if from < to {
                 column[from..to].rotate_left(1);
@@ -147,16 +147,16 @@ impl<V: Space> HistoryBlock<V> {
         };
         self.contacts[from] = renamed;
         move_entry(&mut self.contacts, from, to);
-        if L::SPRING {
+        if parts.spring {
             move_entry(&mut self.spring, from, to);
         }
-        if L::ROLLING {
+        if parts.rolling {
             move_entry(&mut self.rolling, from, to);
         }
-        if L::TWISTING {
+        if parts.twist {
             move_entry(&mut self.twist, from, to);
         }
-        if L::STIFFNESS {
+        if parts.stiffness {
             move_entry(&mut self.stiffness, from, to);
         }
     }
@@ -175,62 +175,77 @@ impl<V: Space> HistoryBlock<V> {
     }
 
     /// Appends the contacts of `others` for which `is_wanted` returns true. They must come after the last one in order.
-    pub(in crate::contact) fn copy<L: LawRequirements>(
+    pub(in crate::contact) fn copy(
         &mut self,
+        parts: MemoryParts,
         others: &Self,
         is_wanted: impl Fn(Candidate) -> bool,
     ) {
         for (at, &contact) in others.contacts.iter().enumerate().filter(|&(_, &contact)| is_wanted(contact)) {
-            self.push::<L>(contact, &others.memory::<L>(at));
+            self.push(parts, contact, &others.memory(parts, at));
         }
     }
 
     /// Appends the contacts of a batch with their memories.
     #[inline]
-    pub(super) fn extend<L: LawRequirements>(&mut self, contacts: &[Candidate], memories: &MemoryLanes<V>) {
+    pub(super) fn extend(&mut self, parts: MemoryParts, contacts: &[Candidate], memories: &MemoryLanes<V>) {
         self.contacts.extend_from_slice(contacts);
         let lanes = 0..contacts.len().min(LANES);
-        if L::SPRING {
-            self.spring.extend(lanes.clone().map(|lane| memories.get::<L>(lane).spring));
+        if parts.spring {
+            self.spring.extend(lanes.clone().map(|lane| memories.spring.get(lane)));
         }
-        if L::ROLLING {
-            self.rolling.extend(lanes.clone().map(|lane| memories.get::<L>(lane).rolling));
+        if parts.rolling {
+            self.rolling.extend(lanes.clone().map(|lane| memories.rolling.get(lane)));
         }
-        if L::TWISTING {
-            self.twist.extend(lanes.clone().map(|lane| memories.get::<L>(lane).twist));
+        if parts.twist {
+            self.twist.extend_from_slice(&memories.twist[lanes.clone()]);
         }
-        if L::STIFFNESS {
-            self.stiffness.extend(lanes.map(|lane| memories.get::<L>(lane).stiffness));
-        }
-    }
-
-    /// Loads the memories of the given contacts into lanes.
-    #[inline]
-    pub(super) fn read<L: LawRequirements>(&self, contacts: Range<usize>, memories: &mut MemoryLanes<V>) {
-        for (lane, at) in contacts.enumerate().take(LANES) {
-            memories.set::<L>(lane, &self.memory::<L>(at));
+        if parts.stiffness {
+            self.stiffness.extend_from_slice(&memories.stiffness[lanes]);
         }
     }
 
-    /// Overwrites the memories of the given contacts from lanes.
+    /// Loads the memories of the given contacts, at most [`LANES`], into lanes.
     #[inline]
-    pub(super) fn write<L: LawRequirements>(&mut self, contacts: Range<usize>, memories: &MemoryLanes<V>) {
-        fn write<T>(column: &mut [T], memory: impl Fn(usize) -> T) {
-            for (lane, place) in column.iter_mut().enumerate().take(LANES) {
-                *place = memory(lane);
+    pub(super) fn read(&self, parts: MemoryParts, contacts: Range<usize>, memories: &mut MemoryLanes<V>) {
+        fn read<T: Linear>(column: &[T], lanes: &mut Lanes<T>) {
+            for (lane, memory) in column.iter().enumerate().take(LANES) {
+                lanes.set(lane, *memory);
             }
         }
-        if L::SPRING {
-            write(&mut self.spring[contacts.clone()], |lane| memories.get::<L>(lane).spring);
+        if parts.spring {
+            read(&self.spring[contacts.clone()], &mut memories.spring);
         }
-        if L::ROLLING {
-            write(&mut self.rolling[contacts.clone()], |lane| memories.get::<L>(lane).rolling);
+        if parts.rolling {
+            read(&self.rolling[contacts.clone()], &mut memories.rolling);
         }
-        if L::TWISTING {
-            write(&mut self.twist[contacts.clone()], |lane| memories.get::<L>(lane).twist);
+        if parts.twist {
+            memories.twist[..contacts.len()].copy_from_slice(&self.twist[contacts.clone()]);
         }
-        if L::STIFFNESS {
-            write(&mut self.stiffness[contacts], |lane| memories.get::<L>(lane).stiffness);
+        if parts.stiffness {
+            memories.stiffness[..contacts.len()].copy_from_slice(&self.stiffness[contacts]);
+        }
+    }
+
+    /// Overwrites the memories of the given contacts, at most [`LANES`], from lanes.
+    #[inline]
+    pub(super) fn write(&mut self, parts: MemoryParts, contacts: Range<usize>, memories: &MemoryLanes<V>) {
+        fn write<T: Linear>(column: &mut [T], lanes: &Lanes<T>) {
+            for (lane, place) in column.iter_mut().enumerate().take(LANES) {
+                *place = lanes.get(lane);
+            }
+        }
+        if parts.spring {
+            write(&mut self.spring[contacts.clone()], &memories.spring);
+        }
+        if parts.rolling {
+            write(&mut self.rolling[contacts.clone()], &memories.rolling);
+        }
+        if parts.twist {
+            self.twist[contacts.clone()].copy_from_slice(&memories.twist[..contacts.len()]);
+        }
+        if parts.stiffness {
+            self.stiffness[contacts.clone()].copy_from_slice(&memories.stiffness[..contacts.len()]);
         }
     }
 

@@ -6,7 +6,7 @@
 
 use crate::contact::batch::MemoryLanes;
 use crate::contact::history::{ContactLosses, EndLosses, HistoryBlock};
-use crate::contact::{LawRequirements, Memory};
+use crate::contact::{Memory, MemoryParts};
 use crate::neighbours::list::{Candidate, are_same};
 use crate::space::Space;
 
@@ -15,40 +15,37 @@ pub struct HistoryCursor<'a, V: Space> {
     block: &'a mut HistoryBlock<V>,
     /// The block of the previous pass, once the block is being rewritten.
     spare: &'a mut HistoryBlock<V>,
+    parts: MemoryParts,
     is_rewriting: bool,
     /// Number of contacts of the previous pass that have been visited.
     passed: usize,
 }
 
 impl<'a, V: Space> HistoryCursor<'a, V> {
-    /// Returns a cursor at the start of a block.
+    /// Returns a cursor at the start of a block of memories with the components `parts`.
     #[must_use]
-    pub fn new(block: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>) -> Self {
-        Self { block, spare, is_rewriting: false, passed: 0 }
+    pub fn new(block: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>, parts: MemoryParts) -> Self {
+        Self { block, spare, parts, is_rewriting: false, passed: 0 }
     }
 
     /// Starts to rewrite the block from the current position on.
     #[cold]
-    fn start_rewrite<L: LawRequirements>(&mut self) {
+    fn start_rewrite(&mut self) {
         self.is_rewriting = true;
         std::mem::swap(self.block, self.spare);
-        self.block.copy_front::<L>(self.spare, self.passed);
+        self.block.copy_front(self.parts, self.spare, self.passed);
     }
 
     /// Loads the memories of `contacts` if these are exactly the next contacts of the previous pass. Returns whether
     /// they are.
     #[inline]
-    pub(in crate::contact) fn recall_all<L: LawRequirements>(
-        &mut self,
-        contacts: &[Candidate],
-        memories: &mut MemoryLanes<V>,
-    ) -> bool {
+    pub(in crate::contact) fn recall_all(&mut self, contacts: &[Candidate], memories: &mut MemoryLanes<V>) -> bool {
         let before = if self.is_rewriting { &*self.spare } else { &*self.block };
         let next = self.passed..self.passed + contacts.len();
         let are_next = before.contacts.get(next.clone()).is_some_and(|known| are_same(known, contacts));
         if are_next {
             self.passed = next.end;
-            before.read::<L>(next, memories);
+            before.read(self.parts, next, memories);
         }
         are_next
     }
@@ -56,18 +53,14 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
     /// Returns the memory of a contact, or `None` if it is new. Contacts that are skipped have ended: `on_end` receives
     /// each of them with its memory.
     #[inline]
-    pub fn recall<L: LawRequirements>(
-        &mut self,
-        contact: Candidate,
-        mut on_end: impl FnMut(Candidate, &Memory<V>),
-    ) -> Option<Memory<V>> {
+    pub fn recall(&mut self, contact: Candidate, mut on_end: impl FnMut(Candidate, &Memory<V>)) -> Option<Memory<V>> {
         if !self.is_rewriting {
-            self.start_rewrite::<L>();
+            self.start_rewrite();
         }
         while let Some(&next) = self.spare.contacts.get(self.passed)
             && next <= contact
         {
-            let memory = self.spare.memory::<L>(self.passed);
+            let memory = self.spare.memory(self.parts, self.passed);
             self.passed += 1;
             if next == contact {
                 return Some(memory);
@@ -80,31 +73,27 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
     /// Gives the memory of a contact with a wall that has not been visited to the contact of the same row with the wall
     /// `other`, unless that contact has a memory of its own.
     #[cold]
-    pub(in crate::contact) fn rename<L: LawRequirements>(&mut self, contact: Candidate, other: usize) {
+    pub(in crate::contact) fn rename(&mut self, contact: Candidate, other: usize) {
         let before = if self.is_rewriting { &mut *self.spare } else { &mut *self.block };
-        before.rename::<L>(self.passed, contact, other);
+        before.rename(self.parts, self.passed, contact, other);
     }
 
     /// Stores the memories of `contacts`, which have just been recalled.
     #[inline]
-    pub(crate) fn remember_all<L: LawRequirements>(&mut self, contacts: &[Candidate], memories: &MemoryLanes<V>) {
+    pub(crate) fn remember_all(&mut self, contacts: &[Candidate], memories: &MemoryLanes<V>) {
         if self.is_rewriting {
-            self.block.extend::<L>(contacts, memories);
+            self.block.extend(self.parts, contacts, memories);
         } else {
-            self.block.write::<L>(self.passed - contacts.len()..self.passed, memories);
+            self.block.write(self.parts, self.passed - contacts.len()..self.passed, memories);
         }
     }
 
     /// Ends the block: the remaining contacts of the previous pass have ended. `lost` is the energy lost in these rows;
     /// `on_end` returns the energy lost with an ended contact, J.
-    pub fn end<L: LawRequirements>(
-        &mut self,
-        mut lost: ContactLosses,
-        mut on_end: impl FnMut(Candidate, &Memory<V>) -> EndLosses,
-    ) {
+    pub fn end(&mut self, mut lost: ContactLosses, mut on_end: impl FnMut(Candidate, &Memory<V>) -> EndLosses) {
         let before = if self.is_rewriting { &*self.spare } else { &*self.block };
         for at in self.passed..before.len() {
-            lost.add(on_end(before.contacts[at], &before.memory::<L>(at)));
+            lost.add(on_end(before.contacts[at], &before.memory(self.parts, at)));
         }
         if !self.is_rewriting {
             self.block.truncate(self.passed);
@@ -116,7 +105,7 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::history::tests::{Springs, memory};
+    use crate::contact::history::tests::{SPRINGS, memory};
     use crate::space::Plane;
 
     /// Returns losses by sliding and by rolling, J.
@@ -137,7 +126,7 @@ mod tests {
     fn block() -> HistoryBlock<Plane> {
         let mut block = HistoryBlock::default();
         for (contact, spring) in contacts().into_iter().zip([0.1, 0.2, 0.3, 0.4]) {
-            block.push::<Springs>(contact, &memory(spring));
+            block.push(SPRINGS, contact, &memory(spring));
         }
         block
     }
@@ -149,18 +138,18 @@ mod tests {
     #[test]
     fn lasting_contacts_are_overwritten_in_place() {
         let (mut block, mut spare) = (block(), HistoryBlock::default());
-        let mut cursor = HistoryCursor::new(&mut block, &mut spare);
+        let mut cursor = HistoryCursor::new(&mut block, &mut spare, SPRINGS);
         let all = contacts();
         for contacts in [&all[..3], &all[3..]] {
             let mut memories = MemoryLanes::default();
-            assert!(cursor.recall_all::<Springs>(contacts, &mut memories));
+            assert!(cursor.recall_all(contacts, &mut memories));
             for lane in 0..contacts.len() {
-                let Memory { spring, .. } = memories.get::<Springs>(lane);
-                memories.set::<Springs>(lane, &memory(2.0 * spring.x));
+                let Memory { spring, .. } = memories.get_all(lane);
+                memories.set_all(lane, &memory(2.0 * spring.x));
             }
-            cursor.remember_all::<Springs>(contacts, &memories);
+            cursor.remember_all(contacts, &memories);
         }
-        cursor.end::<Springs>(lost(1.0, 0.0), |_, _| panic!("no contact has ended"));
+        cursor.end(lost(1.0, 0.0), |_, _| panic!("no contact has ended"));
         assert_eq!(springs(&block), [([0, 1], 0.2), ([0, 3], 0.4), ([1, 2], 0.6), ([2, 3], 0.8)]);
         assert_eq!(block.lost, lost(1.0, 0.0));
         assert!(spare.is_empty());
@@ -169,25 +158,24 @@ mod tests {
     #[test]
     fn block_is_rewritten_from_the_first_change_on() {
         let (mut block, mut spare) = (block(), HistoryBlock::default());
-        let mut cursor = HistoryCursor::new(&mut block, &mut spare);
+        let mut cursor = HistoryCursor::new(&mut block, &mut spare, SPRINGS);
         let (mut memories, mut gone) = (MemoryLanes::default(), Vec::new());
-        assert!(cursor.recall_all::<Springs>(&contacts()[..1], &mut memories));
-        cursor.remember_all::<Springs>(&contacts()[..1], &memories);
+        assert!(cursor.recall_all(&contacts()[..1], &mut memories));
+        cursor.remember_all(&contacts()[..1], &memories);
         // One contact is new, one has ended, and one request goes beyond the end: each must be recalled one by one.
         for contacts in [&[[0, 2], [0, 3]][..], &[[1, 2]], &[[0, 3], [1, 2], [2, 3], [3, 4]]] {
             let contacts: Vec<_> = contacts.iter().copied().map(pair).collect();
-            assert!(!cursor.recall_all::<Springs>(&contacts, &mut memories));
+            assert!(!cursor.recall_all(&contacts, &mut memories));
         }
-        assert_eq!(cursor.recall::<Springs>(pair([0, 2]), |_, _| panic!("no contact has ended")), None);
-        let recalled =
-            cursor.recall::<Springs>(pair([1, 2]), |contact, memory| gone.push((contact.both(), memory.spring.x)));
+        assert_eq!(cursor.recall(pair([0, 2]), |_, _| panic!("no contact has ended")), None);
+        let recalled = cursor.recall(pair([1, 2]), |contact, memory| gone.push((contact.both(), memory.spring.x)));
         assert_eq!((recalled, &gone[..]), (Some(memory(0.3)), &[([0, 3], 0.2)][..]));
-        [5.0, 6.0].into_iter().enumerate().for_each(|(lane, spring)| memories.set::<Springs>(lane, &memory(spring)));
-        cursor.remember_all::<Springs>(&[[0, 2], [1, 2]].map(pair), &memories);
+        [5.0, 6.0].into_iter().enumerate().for_each(|(lane, spring)| memories.set_all(lane, &memory(spring)));
+        cursor.remember_all(&[[0, 2], [1, 2]].map(pair), &memories);
         // From here on a whole batch matches again.
-        assert!(cursor.recall_all::<Springs>(&contacts()[3..], &mut memories));
-        cursor.remember_all::<Springs>(&contacts()[3..], &memories);
-        cursor.end::<Springs>(ContactLosses::default(), |_, _| panic!("all contacts have been visited"));
+        assert!(cursor.recall_all(&contacts()[3..], &mut memories));
+        cursor.remember_all(&contacts()[3..], &memories);
+        cursor.end(ContactLosses::default(), |_, _| panic!("all contacts have been visited"));
         assert_eq!(springs(&block), [([0, 1], 0.1), ([0, 2], 5.0), ([1, 2], 6.0), ([2, 3], 0.4)]);
     }
 
@@ -195,14 +183,14 @@ mod tests {
     fn contacts_left_at_the_end_of_a_block_are_discarded() {
         for is_rewriting in [false, true] {
             let (mut block, mut spare) = (block(), HistoryBlock::default());
-            let mut cursor = HistoryCursor::new(&mut block, &mut spare);
+            let mut cursor = HistoryCursor::new(&mut block, &mut spare, SPRINGS);
             let mut memories = MemoryLanes::default();
             if is_rewriting {
-                assert!(cursor.recall::<Springs>(pair([0, 0]), |_, _| panic!("no contact has ended")).is_none());
+                assert!(cursor.recall(pair([0, 0]), |_, _| panic!("no contact has ended")).is_none());
             }
-            assert!(cursor.recall_all::<Springs>(&contacts()[..2], &mut memories));
-            cursor.remember_all::<Springs>(&contacts()[..2], &memories);
-            cursor.end::<Springs>(lost(1.0, 2.0), |_, memory| [memory.spring.x, 0.0, 0.0]);
+            assert!(cursor.recall_all(&contacts()[..2], &mut memories));
+            cursor.remember_all(&contacts()[..2], &memories);
+            cursor.end(lost(1.0, 2.0), |_, memory| [memory.spring.x, 0.0, 0.0]);
             assert_eq!(springs(&block), [([0, 1], 0.1), ([0, 3], 0.2)]);
             assert_eq!(block.lost, lost(1.0 + 0.3 + 0.4, 2.0));
         }

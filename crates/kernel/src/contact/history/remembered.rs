@@ -18,7 +18,7 @@ use std::io;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::history::{History, HistoryBlock, rewrite};
-use crate::contact::{LawRequirements, Memory};
+use crate::contact::{Memory, MemoryParts};
 use crate::neighbours::list::Candidate;
 use crate::particle::GrainId;
 use crate::space::{Solid, Space};
@@ -143,7 +143,7 @@ impl<V: Space> History<V> {
     }
 
     /// Replaces all memories. Rows of particles that the store does not have are left out.
-    pub(in crate::contact) fn replace<L: LawRequirements>(&mut self, store: &ParticleStore<V>, rows: &[Remembered]) {
+    pub(in crate::contact) fn replace(&mut self, store: &ParticleStore<V>, rows: &[Remembered], parts: MemoryParts) {
         let slots: HashMap<GrainId, u32> = store.id.iter().copied().zip(0..).collect();
         let slot = |id: Option<GrainId>| slots.get(&id?).copied();
         let (mut pairs, mut walls) = (Vec::new(), Vec::new());
@@ -167,7 +167,7 @@ impl<V: Space> History<V> {
             // A contact that occurs twice keeps its first row.
             contacts.sort_by_key(|(contact, _)| *contact);
             contacts.dedup_by_key(|(contact, _)| *contact);
-            rewrite::<V, L>(blocks, store, contacts);
+            rewrite(blocks, store, contacts, parts);
         }
     }
 }
@@ -175,7 +175,7 @@ impl<V: Space> History<V> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::history::tests::{Springs, memory, store};
+    use crate::contact::history::tests::{SPRINGS, memory, store};
 
     #[test]
     fn memories_pass_from_one_order_of_slots_to_another() {
@@ -184,9 +184,9 @@ mod tests {
         let mut history = History::default();
         for contact in [[0, 1], [3, 700], [1200, 1400]] {
             let block = &mut history.blocks_mut(&before).0[contact[0] as usize / 1024];
-            block.push::<Springs>(contact.into(), &memory(0.1 + f64::from(contact[0])));
+            block.push(SPRINGS, contact.into(), &memory(0.1 + f64::from(contact[0])));
         }
-        history.blocks_mut(&before).1[0].push::<Springs>([5, 2].into(), &memory(7.0));
+        history.blocks_mut(&before).1[0].push(SPRINGS, [5, 2].into(), &memory(7.0));
         let text = write(&history.remembered(&before)).unwrap();
         let rows = read(text.as_bytes()).unwrap();
         assert_eq!((rows.len(), &rows), (4, &history.remembered(&before)));
@@ -195,7 +195,7 @@ mod tests {
         let after = store(&reversed, &[]);
         let slot = |id: u32| reversed.iter().position(|&other| other == id).unwrap();
         let mut passed = History::default();
-        passed.replace::<Springs>(&after, &rows);
+        passed.replace(&after, &rows, SPRINGS);
         let spring = |a: u32, b: u32| passed.of_pair(slot(a), slot(b)).map(|memory| memory.spring.x);
         assert_eq!([spring(0, 1), spring(1200, 1400), spring(3, 4)], [Some(-0.1), Some(-1200.1), None]);
         assert_eq!(passed.of_wall(slot(5), 2).map(|memory| memory.spring.x), Some(7.0));

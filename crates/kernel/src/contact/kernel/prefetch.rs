@@ -8,8 +8,8 @@
 use std::hint::black_box;
 use std::ops::Range;
 
+use crate::contact::LawRequirements;
 use crate::contact::kernel::worker::Worker;
-use crate::contact::{LawRequirements, PairLaw};
 use crate::space::Space;
 
 /// Reads one number of each entry, which loads the entries into the cache.
@@ -17,7 +17,7 @@ pub(in crate::contact) fn touch<T>(entries: &[T], number: impl Fn(&T) -> f64) ->
     entries.iter().fold(0, |all, entry| all ^ number(entry).to_bits())
 }
 
-impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
+impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     /// Prefetches data of the partners of rows before `end`, starting at slot `start`. Returns the slot at which the
     /// next prefetch starts. Does nothing if the spatial order has no beams, because the data are then close by.
     pub(super) fn prefetch(&self, start: usize, end: usize) -> usize {

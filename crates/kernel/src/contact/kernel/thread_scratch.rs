@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 
 use crate::contact::batch::Batch;
 use crate::contact::history::HistoryBlock;
-use crate::contact::{LawRequirements, Memory};
+use crate::contact::{Memory, MemoryParts};
 use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{Candidate, PairList, Task};
 use crate::space::Space;
@@ -36,17 +36,17 @@ pub struct ScratchPerThread<V: Space>(pub Vec<ThreadScratch<V>>);
 
 /// Makes the exports of the last pass the imports of this pass. The exports are made again if the history has changed
 /// since (`history_unchanged` is false) or the rows of the tasks have changed.
-pub(super) fn exchange_halos<V: Space, L: LawRequirements>(
+pub(super) fn exchange_halos<V: Space>(
     scratches: &mut [ThreadScratch<V>],
     list: &PairList,
-    histories: &[HistoryBlock<V>],
+    (histories, parts): (&[HistoryBlock<V>], MemoryParts),
     history_unchanged: bool,
 ) {
     let tasks = list.tasks();
     if !history_unchanged || tasks.iter().zip(&*scratches).any(|(task, scratch)| task.rows != scratch.rows) {
         for (Task { rows, .. }, scratch) in tasks.iter().zip(&mut *scratches) {
             let own = &histories[rows.start / BLOCK..rows.end.div_ceil(BLOCK)];
-            export_halo::<V, L>(rows, list, own, &mut scratch.next_halo);
+            export_halo(rows, list, (own, parts), &mut scratch.next_halo);
         }
     }
     for scratch in scratches {
@@ -55,17 +55,17 @@ pub(super) fn exchange_halos<V: Space, L: LawRequirements>(
 }
 
 /// Copies the memories of contacts of `rows` with later rows from the history blocks of `rows` into `next_halo`.
-pub(super) fn export_halo<V: Space, L: LawRequirements>(
+pub(super) fn export_halo<V: Space>(
     rows: &Range<usize>,
     list: &PairList,
-    histories: &[HistoryBlock<V>],
+    (histories, parts): (&[HistoryBlock<V>], MemoryParts),
     next_halo: &mut HistoryBlock<V>,
 ) {
     next_halo.clear();
     for (history, first) in histories.iter().zip(rows.clone().step_by(BLOCK)) {
         // In most blocks no particle has a partner in later rows.
         if list.block(first / BLOCK).1 > rows.end {
-            next_halo.copy::<L>(history, |contact| contact.second() >= rows.end);
+            next_halo.copy(parts, history, |contact| contact.second() >= rows.end);
         }
     }
 }

@@ -7,20 +7,20 @@
 use crate::contact::geometry::{WallContacts, touching_wall};
 use crate::contact::kernel::worker::{Block, Worker};
 use crate::contact::lanes::LANES;
-use crate::contact::{LawRequirements, Pair, PairLaw};
+use crate::contact::{LawRequirements, Pair};
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::WallLoad;
 
-impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
+impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
     /// Sums the contacts between walls and the rows before `end` that have not been summed yet.
     pub(super) fn sum_walls(&mut self, end: usize, mut block: Block<'_, V>) {
         let pass = self.pass;
         let count = self.near.partition_point(|contact| contact.first() < end);
         let near = self.near.split_off(..count).unwrap_or_default();
         let (view, walls) = (self.view, pass.walls);
-        let limits = (pass.law.needs_mass_root(), view.prediction.lookahead);
+        let limits = (self.root, view.prediction.lookahead);
         let mut contacts = WallContacts::default();
         for row in near.chunk_by(|a, b| a.first() == b.first()) {
             let i = row[0].first();
@@ -32,8 +32,8 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             }
             // Memories follow the grain over a seam before any contact of the grain is recalled.
             let follow = |from: usize, to: usize| {
-                if L::MEMORY {
-                    block.cursor.rename::<L>(row[0].with_partner(from), to);
+                if pass.needs.memory.is_some() {
+                    block.cursor.rename(row[0].with_partner(from), to);
                 }
             };
             contacts.find(view, i, (walls, row.iter().map(|contact| contact.second())), limits.1, follow);
@@ -44,7 +44,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         if self.batch.len > 0 {
             self.flush_walls(&mut block);
         }
-        block.cursor.end::<L>(block.lost, |contact, memory| pass.on_wall_contact_end(self.view, contact, memory));
+        block.cursor.end(block.lost, |contact, memory| pass.on_wall_contact_end(self.view, contact, memory));
     }
 
     /// Adds a contact to the batch, and evaluates the batch if it is full.
@@ -54,7 +54,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         if view.predicts() {
             self.batch.lone |= u64::from(view.prediction.lone[contact.first()]) << self.batch.len;
         }
-        self.batch.push::<L>(contact, pair);
+        self.batch.push::<C>(contact, pair);
         if self.batch.len == LANES {
             self.flush_walls(block);
         }
@@ -63,9 +63,9 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// Evaluates the batch, adds its forces to grains and walls, and stores memories and losses.
     fn flush_walls(&mut self, block: &mut Block<'_, V>) {
         let (pass, view) = (self.pass, self.view);
-        if L::MEMORY {
+        if pass.needs.memory.is_some() {
             let Block { cursor, lost, .. } = block;
-            self.batch.recall::<L>(cursor, |contact, memory| lost.add(pass.on_wall_contact_end(view, contact, memory)));
+            self.batch.recall(cursor, |contact, memory| lost.add(pass.on_wall_contact_end(view, contact, memory)));
         }
         // For a wall contact the reach is the radius of the grain, so the share is 1.
         if self.evaluate_law(1.0, ParticleStore::predict_with_wall) {
@@ -85,7 +85,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// Adds the forces of the batch to grains and walls; `NUMBERS` per accumulator entry.
     fn add_to_walls<const NUMBERS: usize>(&mut self) {
         let Self { sums, batch, on_walls, pass, view, .. } = self;
-        sums.add_to_one::<L, NUMBERS, 0>(batch);
+        sums.add_to_one::<C, NUMBERS, 0>(batch);
         if pass.counts {
             sums.count::<true, false>(batch);
         }

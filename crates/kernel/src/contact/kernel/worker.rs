@@ -1,21 +1,23 @@
 //! The work of one thread in the contact pass.
 
-use crate::contact::batch::{Batch, EventStep, Predict};
+use std::marker::PhantomData;
+
+use crate::contact::batch::{Batch, Call, EventStep, Predict};
 use crate::contact::force_accumulation::ForceAccumulation;
 use crate::contact::geometry::coincident;
 use crate::contact::history::{ContactLosses, EndLosses, HistoryBlock, HistoryCursor};
 use crate::contact::kernel::{HaloImport, Pass};
 use crate::contact::lanes::LANES;
-use crate::contact::{LawRequirements, Memory, MemoryTimes, PairLaw};
+use crate::contact::{LawRequirements, Memory, MemoryParts, MemoryTimes};
 use crate::neighbours::list::BLOCK;
 use crate::neighbours::list::{self, Candidate, Task};
 use crate::space::Space;
 use crate::store::{ParticleStore, TOTAL, TOTAL_AND_DISSIPATIVE};
 use crate::walls::surfaces::WallLoad;
 
-/// The data that one thread reads and writes.
-pub(super) struct Worker<'a, V: Space, L> {
-    pub(super) pass: &'a Pass<'a, V, L>,
+/// The data that one thread reads and writes. `C` is the class of the law.
+pub(super) struct Worker<'a, V: Space, C> {
+    pub(super) pass: &'a Pass<'a, V>,
     pub(super) view: &'a ParticleStore<V>,
     pub(super) task: &'a Task,
     pub(super) halo: HaloImport<'a, V>,
@@ -26,9 +28,31 @@ pub(super) struct Worker<'a, V: Space, L> {
     pub(super) near: &'a [Candidate],
     /// Loads of contacts with walls, summed over consecutive contacts with one wall, each with the index of the wall.
     pub(super) on_walls: &'a mut Vec<(usize, WallLoad<V>)>,
+    /// Whether the law reads the root of the reduced mass.
+    pub(super) root: bool,
+    /// [`PairLaw::even_from`](crate::contact::PairLaw::even_from) times half a step, s.
+    even: f64,
+    class: PhantomData<fn() -> C>,
 }
 
-impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
+impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
+    pub(super) fn new(
+        pass: &'a Pass<'a, V>,
+        view: &'a ParticleStore<V>,
+        (task, halo, near): (&'a Task, HaloImport<'a, V>, &'a [Candidate]),
+        (sums, batch, on_walls): (ForceAccumulation<'a, V>, &'a mut Batch<V>, &'a mut Vec<(usize, WallLoad<V>)>),
+        largest: f64,
+    ) -> Self {
+        let even = pass.law.even_from() * view.prediction.lookahead;
+        let root = pass.law.needs_mass_root();
+        Self { pass, view, task, halo, sums, batch, largest, near, on_walls, root, even, class: PhantomData }
+    }
+
+    /// Returns the components of the memories that the law requires.
+    pub(super) fn parts(&self) -> MemoryParts {
+        self.pass.needs.memory.unwrap_or_default()
+    }
+
     /// Sums the forces on own rows, with the given history blocks. Returns the largest overlap so far divided by the
     /// smaller radius of its pair.
     pub(super) fn sum(
@@ -47,7 +71,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         let mut prefetched_end = self.task.rows.start;
         let blocks = pair_histories.iter_mut().zip(wall_histories).zip(self.task.rows.clone().step_by(BLOCK));
         for ((pair_history, wall_history), first) in blocks {
-            let mut block = Block::new(pair_history, spare);
+            let mut block = Block::new(pair_history, spare, self.parts());
             let (mut left, end) = self.pass.list.block(first / BLOCK);
             // Sums are initialised block by block, so that they are still in the cache when forces are added.
             self.sums.initialise(end, gravity, self.view);
@@ -56,10 +80,10 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
                 left = self.fill_batch(left);
                 self.flush(&mut block);
             }
-            block.cursor.end::<L>(block.lost, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
+            block.cursor.end(block.lost, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
             if !self.pass.walls.is_empty() {
                 self.sums.initialise(first + BLOCK, gravity, self.view);
-                self.sum_walls(first + BLOCK, Block::new(wall_history, spare));
+                self.sum_walls(first + BLOCK, Block::new(wall_history, spare, self.parts()));
             }
         }
         self.sums.initialise(self.task.rows.end, gravity, self.view);
@@ -68,7 +92,7 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
 
     /// Adds candidates to the batch until it is full. Returns the candidates that are left.
     fn fill_batch<'c>(&mut self, candidates: &'c [Candidate]) -> &'c [Candidate] {
-        self.batch.select::<L>(self.view, candidates, self.pass.instructions)
+        self.batch.select(self.view, candidates, self.pass.needs, self.pass.instructions)
     }
 
     /// Takes the marks of the pairs of the batch. With memory this comes before the history is read, which needs pairs without marks.
@@ -76,14 +100,15 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     #[inline]
     fn take_marks(&mut self) {
         if self.view.predicts() {
-            self.batch.take_marks::<L>(self.pass.instructions);
+            self.batch.take_marks(self.pass.needs.memory.is_some(), self.pass.instructions);
         }
     }
 
     /// Loads the data that the law requires besides bodies: species and spins.
     #[inline]
     fn load_requirements(&mut self) {
-        if !(L::SPECIES || L::SPIN) {
+        let needs_species = self.pass.needs.species;
+        if !(needs_species || C::SPIN) {
             return;
         }
         let (batch, view) = (&mut *self.batch, self.view);
@@ -92,16 +117,14 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         self.pass.instructions.run_narrow(
             #[inline(always)]
             || {
-                for lane in 0..batch.len.min(LANES) {
-                    let pair = batch.pairs[lane].both();
-                    if L::SPECIES {
-                        for (side, entry) in pair.into_iter().enumerate() {
-                            batch.species[side][lane] = species[entry];
-                        }
+                let lanes = batch.len.min(LANES);
+                for lane in 0..if needs_species { lanes } else { 0 } {
+                    for (side, entry) in batch.pairs[lane].both().into_iter().enumerate() {
+                        batch.species[side][lane] = species[entry];
                     }
-                    if L::SPIN {
-                        batch.spins.take(lane, pair.map(|entry| &rotations[entry]));
-                    }
+                }
+                for lane in 0..if C::SPIN { lanes } else { 0 } {
+                    batch.spins.take(lane, batch.pairs[lane].both().map(|entry| &rotations[entry]));
                 }
             },
         );
@@ -111,14 +134,13 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     #[inline]
     fn evaluate_batch(&mut self) {
         self.load_requirements();
-        let Pass { law, instructions, .. } = *self.pass;
         let lanes = self.batch.lanes();
-        if self.batch.bodies.measure::<L>(lanes, law.needs_mass_root(), instructions) {
+        if self.batch.bodies.measure(lanes, (self.pass.needs.bodies, self.root), self.pass.instructions) {
             let (id, pairs) = (&self.view.id, &self.batch.pairs);
             let normal = |lane: usize| coincident(id[pairs[lane].first()], id[pairs[lane].second()]);
-            self.batch.bodies.part_coincident::<L>(self.batch.len, normal);
+            self.batch.bodies.part_coincident(self.batch.len, normal);
         }
-        if !L::MEMORY {
+        if self.pass.needs.memory.is_none() {
             self.take_marks();
         }
         // A possible record is detected without division and without the two radii.
@@ -134,42 +156,40 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
     /// on the smaller radius of a pair divided by the sum of its radii.
     #[inline]
     pub(super) fn evaluate_law(&mut self, smallest_share: f64, predict: Predict<V>) -> bool {
-        let Pass { law, dt, starts, instructions, .. } = *self.pass;
+        let Pass { law, needs, dt, starts, instructions, .. } = *self.pass;
         let (view, lookahead) = (self.view, self.view.prediction.lookahead);
         // The last factor allows for rounding.
         let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
-        let even = law.even_from() * lookahead;
         let times = MemoryTimes { dt, lead: lookahead, spring_damping: view.prediction.spring_damping };
-        let (deeper, near) = if view.tracks_energy {
-            self.batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, times, instructions, [deepest, even])
-        } else {
-            self.batch.evaluate::<L, TOTAL>(law, times, instructions, [deepest, even])
-        };
+        let call = Call { times, instructions, limits: [deepest, self.even] };
+        let (deeper, near) = law.evaluate(self.batch, &call, view.tracks_energy);
         self.batch.output.clear_gaps();
-        self.batch.mark_gaps::<L>();
+        if needs.reaches {
+            self.batch.mark_gaps();
+        }
         // Without velocity prediction no contact is near an event.
         let near = std::mem::take(&mut self.batch.lone) | near & !(u64::MAX << self.batch.len);
         if near != 0 {
             let step = EventStep { store: view, predict, starts, instructions };
-            self.batch.evaluate_events::<L>(law, MemoryTimes { spring_damping: 0.0, ..times }, &step, near);
+            law.evaluate_events(self.batch, MemoryTimes { spring_damping: 0.0, ..times }, &step, near);
         }
         deeper > 0
     }
 
     /// Adds the forces of the batch to own particles; the first particles of these pairs belong to other threads.
     fn flush_incoming(&mut self) {
-        if L::MEMORY {
+        if self.pass.needs.memory.is_some() {
             self.take_marks();
-        }
-        for lane in 0..if L::MEMORY { self.batch.len } else { 0 } {
-            let memory = self.halo.next(self.batch.pairs[lane]).unwrap_or_default();
-            self.batch.memory.set::<L>(lane, &memory);
+            for lane in 0..self.batch.len {
+                let memory = self.halo.next(self.batch.pairs[lane]).unwrap_or_default();
+                self.batch.memory.set_all(lane, &memory);
+            }
         }
         self.evaluate_batch();
         if self.view.tracks_energy {
-            self.sums.add_to_one::<L, TOTAL_AND_DISSIPATIVE, 1>(self.batch);
+            self.sums.add_to_one::<C, TOTAL_AND_DISSIPATIVE, 1>(self.batch);
         } else {
-            self.sums.add_to_one::<L, TOTAL, 1>(self.batch);
+            self.sums.add_to_one::<C, TOTAL, 1>(self.batch);
         }
         if self.pass.counts {
             self.sums.count::<false, true>(self.batch);
@@ -179,11 +199,10 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
 
     /// Evaluates the batch, adds its forces to both particles, and stores memories and losses.
     fn flush(&mut self, block: &mut Block<'_, V>) {
-        if L::MEMORY {
+        if self.pass.needs.memory.is_some() {
             self.take_marks();
             let Block { cursor, lost, .. } = block;
-            self.batch
-                .recall::<L>(cursor, |contact, memory| lost.add(self.pass.on_contact_end(self.view, contact, memory)));
+            self.batch.recall(cursor, |contact, memory| lost.add(self.pass.on_contact_end(self.view, contact, memory)));
         }
         self.evaluate_batch();
         self.store_results(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
@@ -193,9 +212,9 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
             #[inline(always)]
             || {
                 if tracks_energy {
-                    sums.add_to_both::<L, TOTAL_AND_DISSIPATIVE>(batch);
+                    sums.add_to_both::<C, TOTAL_AND_DISSIPATIVE>(batch);
                 } else {
-                    sums.add_to_both::<L, TOTAL>(batch);
+                    sums.add_to_both::<C, TOTAL>(batch);
                 }
             },
         );
@@ -213,17 +232,17 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Worker<'_, V, L> {
         on_end: impl Fn(Candidate, &Memory<V>) -> EndLosses,
     ) {
         let batch = &mut *self.batch;
-        if L::SPIN && self.view.tracks_energy {
-            *lost += batch.lost::<L>();
+        if C::SPIN && self.view.tracks_energy {
+            *lost += batch.lost::<C>();
         }
-        if !L::MEMORY {
+        if self.pass.needs.memory.is_none() {
             return;
         }
         let contacts = &batch.pairs[..batch.len.min(LANES)];
-        cursor.remember_all::<L>(contacts, &batch.memory_after);
+        cursor.remember_all(contacts, &batch.memory_after);
         if self.view.tracks_energy {
             for lane in batch.output.gaps() {
-                lost.add(on_end(contacts[lane], &batch.memory.get::<L>(lane)));
+                lost.add(on_end(contacts[lane], &batch.memory.get_all(lane)));
             }
         }
     }
@@ -238,7 +257,7 @@ pub(super) struct Block<'a, V: Space> {
 }
 
 impl<'a, V: Space> Block<'a, V> {
-    pub(super) fn new(history: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>) -> Self {
-        Self { cursor: HistoryCursor::new(history, spare), lost: ContactLosses::default() }
+    pub(super) fn new(history: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>, parts: MemoryParts) -> Self {
+        Self { cursor: HistoryCursor::new(history, spare, parts), lost: ContactLosses::default() }
     }
 }
