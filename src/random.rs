@@ -4,12 +4,14 @@
 //! The numbers of a stream are keyed by a counter (for example the grain's number) instead of being drawn in sequence.
 //! The generator is ChaCha8, with seed and name as the key, and the counter as the stream.
 
+use rand::rngs::ChaCha8Rng;
 use rand::{Rng, SeedableRng};
-use rand_chacha::ChaCha8Rng;
 
 /// A named stream of random numbers of the scene's seed.
 #[derive(Clone, Debug)]
-pub struct Stream(ChaCha8Rng);
+pub struct Stream {
+    key: [u8; 32],
+}
 
 impl Stream {
     /// Returns the stream `name` of `seed`. Only the first 24 bytes of the name count.
@@ -20,29 +22,30 @@ impl Stream {
         for (to, from) in key[8..].iter_mut().zip(name.bytes()) {
             *to = from;
         }
-        Self(ChaCha8Rng::from_seed(key))
+        Self { key }
+    }
+
+    /// Returns the generator of `counter`.
+    fn generator(&self, counter: u64) -> ChaCha8Rng {
+        let mut generator = ChaCha8Rng::from_seed(self.key);
+        generator.set_stream(counter);
+        generator
     }
 
     /// Returns the `N` numbers of `counter`, each uniform in 0 <= u < 1 with 53 bits.
     #[must_use]
     pub fn uniform<const N: usize>(&self, counter: u64) -> [f64; N] {
-        let mut rng = self.0.clone();
-        rng.set_stream(counter);
-        rng.set_word_pos(0);
-        std::array::from_fn(|_| unit(rng.next_u64()))
+        let mut generator = self.generator(counter);
+        std::array::from_fn(|_| unit(generator.next_u64()))
     }
-}
 
-impl Stream {
     /// Returns the `N` numbers of `counter`, each Gaussian with mean 0 and variance 1, by the method of Box and Muller:
     /// sqrt(-2 ln(1 - u)) cos(2 pi v) (Ann. Math. Stat. 29, 610, 1958). None exceeds 8.6 in magnitude.
     #[must_use]
     pub fn gaussian<const N: usize>(&self, counter: u64) -> [f64; N] {
-        let mut rng = self.0.clone();
-        rng.set_stream(counter);
-        rng.set_word_pos(0);
+        let mut generator = self.generator(counter);
         std::array::from_fn(|_| {
-            let [u, v] = [unit(rng.next_u64()), unit(rng.next_u64())];
+            let [u, v] = [unit(generator.next_u64()), unit(generator.next_u64())];
             (-2.0 * (1.0 - u).ln()).sqrt() * (std::f64::consts::TAU * v).cos()
         })
     }
