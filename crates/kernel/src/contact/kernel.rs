@@ -8,7 +8,7 @@
 //! 2. When the batch is full, evaluate the law in all lanes at once.
 //! 3. Add the forces one by one, in order.
 //!
-//! The lanes are compiled for each law, the other loops for three classes of laws ([`needs`](crate::contact::needs)).
+//! The lanes are compiled for each law, the other loops for three classes of laws (module `needs`).
 //!
 //! Each thread sums the forces of a range of rows. A pair across a border between two ranges is evaluated by both
 //! threads ([`PairList`]). So the order of every sum, and every bit of it, does not depend on the number of threads.

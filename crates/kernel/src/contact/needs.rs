@@ -5,7 +5,8 @@
 //! [`Torques`] and [`RollingTorques`]. The remaining requirements are values ([`Needs`]), which the pass looks up once for a batch.
 
 use crate::contact::batch::{Batch, Call, EventStep};
-use crate::contact::{LawRequirements, MemoryTimes, PairLaw};
+use crate::contact::{LawRequirements, LawVisitor, MemoryTimes, PairLaw};
+use crate::particle::Species;
 use crate::space::Space;
 use crate::store::{TOTAL, TOTAL_AND_DISSIPATIVE};
 
@@ -109,7 +110,28 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> BatchLaw<V> for L {
     }
 
     fn evaluate_events(&self, batch: &mut Batch<V>, times: MemoryTimes, step: &EventStep<V>, near: u64) {
-        batch.evaluate_events(self, times, step, near);
+        let events = Events { batch, times, step, near };
+        if L::SPECIES && self.depends_on_species() {
+            events.visit(self);
+        } else {
+            self.between([Species(0); 2], events);
+        }
+    }
+}
+
+/// Arguments of [`Batch::evaluate_events`].
+struct Events<'a, V: Space> {
+    batch: &'a mut Batch<V>,
+    times: MemoryTimes,
+    step: &'a EventStep<'a, V>,
+    near: u64,
+}
+
+impl<V: Space> LawVisitor<V> for Events<'_, V> {
+    type Output = ();
+
+    fn visit<L: PairLaw<V> + LawRequirements>(self, law: &L) {
+        self.batch.evaluate_events(law, self.times, self.step, self.near);
     }
 }
 
