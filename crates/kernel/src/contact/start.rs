@@ -47,8 +47,10 @@ pub(super) fn force_at_start<V: Space>(
         let (least, share) = (least.max(0.0), (most / moved.abs()).min(1.0));
         let (mut drag, mut turning) = (V::ZERO, Turning { arms: force.turning.arms, ..Turning::default() });
         for (node, weight) in NODES.into_iter().zip(WEIGHTS) {
-            let at = law.force(&pair.at_overlap(least + (most - least) * node.powi(4)), &mut { empty });
-            let weight = share * weight * 4.0 * node.powi(3);
+            // Not `powi`: the compiler may evaluate it for a constant, and then rounds it in another way.
+            let square = node * node;
+            let at = law.force(&pair.at_overlap(least + (most - least) * (square * square)), &mut { empty });
+            let weight = share * weight * 4.0 * (node * square);
             drag += at.drag * weight;
             turning.friction += at.turning.friction * weight;
             turning.friction_drag += at.turning.friction_drag * weight;
