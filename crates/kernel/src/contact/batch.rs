@@ -131,8 +131,8 @@ impl<V: Space> Batch<V> {
         pair
     }
 
-    /// Takes the marks of the pairs into [`Self::lone`], with `unmark` out of the pairs. Only contact histories compare pairs, so marks stay
-    /// where there is no memory.
+    /// Takes the marks of the pairs into [`Self::lone`]. `unmark` removes the marks from the pairs. Only contact histories compare pairs, so
+    /// marks may stay where there is no memory.
     #[inline]
     pub fn take_marks(&mut self, unmark: bool, instructions: Instructions) {
         let pairs = &mut self.pairs;
@@ -375,7 +375,7 @@ mod tests {
     }
 
     #[test]
-    fn marks_become_bits() {
+    fn marks_become_bits_and_stay_unless_removed() {
         check_marks(false);
         check_marks(true);
     }

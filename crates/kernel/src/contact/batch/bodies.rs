@@ -37,9 +37,9 @@ pub struct Bodies<V: Space> {
     pub inverse_reach: Scalars,
     /// Sum of the inverse masses, 1/kg.
     mobility: Scalars,
-    /// Radii of i and j, m; set unless there are only sums.
+    /// Radii of i and j, m; not set with [`BodyNumbers::Sums`].
     pub radii: [Scalars; 2],
-    /// Inverse masses of i and j, 1/kg; set in the plane unless there are only sums.
+    /// Inverse masses of i and j, 1/kg; set in the plane alone, and not with [`BodyNumbers::Sums`].
     inverse_masses: [Scalars; 2],
 }
 
@@ -53,7 +53,7 @@ pub(super) struct Approach {
 }
 
 impl<V: Space> Bodies<V> {
-    /// Loads two bodies into a lane. Without `INDIVIDUAL` only sums.
+    /// Loads two bodies into a lane: numbers of each body if `INDIVIDUAL` is set, else sums.
     #[inline(always)]
     pub(super) fn take<const INDIVIDUAL: bool>(
         &mut self,

@@ -46,7 +46,7 @@ impl<V: Space> Batch<V> {
         }
     }
 
-    /// Selects with separations measured by `metric`. Without `INDIVIDUAL` only sums of the two bodies are loaded.
+    /// Selects with separations measured by `metric`. Numbers of each body are loaded if `INDIVIDUAL` is set, else sums.
     fn select_by<'c, const INDIVIDUAL: bool, const SWEPT: bool>(
         &mut self,
         metric: impl Metric<V>,
