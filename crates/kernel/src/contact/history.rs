@@ -249,7 +249,7 @@ pub(super) mod tests {
             (3, [([5, 1], 0.1), ([5, 2], 0.0), ([5, 3], 0.3)]),
         ] {
             let mut page = block(&[([5, 1], 0.1), ([5, 2], 0.0), ([5, 3], 0.3)]);
-            page.rename(SPRINGS, 0, [5, 1].into(), other);
+            page.rename(0, [5, 1].into(), other);
             assert_eq!(springs(&page), after);
         }
     }

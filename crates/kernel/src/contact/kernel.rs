@@ -44,7 +44,7 @@ use crate::walls::surfaces::SurfaceWall;
 pub struct Pass<'a, V: Space> {
     /// The contact law.
     pub law: &'a dyn BatchLaw<V>,
-    /// What the law needs.
+    /// The requirements of the law.
     pub needs: Needs,
     /// Candidate pairs. With velocity prediction, pairs with a lone particle are marked.
     pub list: &'a PairList,

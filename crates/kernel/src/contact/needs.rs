@@ -1,7 +1,7 @@
 //! Law requirements as values, and the classes of the contact pass.
 //!
 //! The contact pass calls the law once for a batch of contacts. So only the loop over the lanes of a batch is compiled for each law
-//! ([`BatchLaw`]). The other loops of a pass depend on what contacts exert, and are compiled for three classes of laws: [`Forces`],
+//! ([`BatchLaw`]). The other loops of a pass depend on the loads that contacts exert, and are compiled for three classes of laws: [`Forces`],
 //! [`Torques`] and [`RollingTorques`]. The remaining requirements are values ([`Needs`]), which the pass looks up once for a batch.
 
 use crate::contact::batch::{Batch, Call, EventStep};
@@ -43,7 +43,7 @@ pub enum BodyNumbers {
     EachWithRadii,
 }
 
-/// What contacts exert.
+/// The loads that contacts exert.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Class {
     /// Forces.
@@ -57,7 +57,7 @@ pub enum Class {
 /// [`LawRequirements`] as values.
 #[derive(Clone, Copy, Debug)]
 pub struct Needs {
-    /// What contacts exert.
+    /// The loads that contacts exert.
     pub class: Class,
     /// Components of the memory; `None` if contacts have none.
     pub memory: Option<MemoryParts>,

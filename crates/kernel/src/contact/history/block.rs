@@ -83,18 +83,9 @@ impl<V: Space> HistoryBlock<V> {
         self.stiffness.truncate(first);
     }
 
-    #[inline]
-    pub(super) fn memory(&self, parts: MemoryParts, at: usize) -> Memory<V> {
-        Memory {
-            spring: if parts.spring { self.spring[at] } else { V::ZERO },
-            rolling: if parts.rolling { self.rolling[at] } else { V::ZERO },
-            twist: if parts.twist { self.twist[at] } else { 0.0 },
-            stiffness: if parts.stiffness { self.stiffness[at] } else { 0.0 },
-        }
-    }
-
     /// Returns the memory at position `at`; components that are not stored are zero.
-    fn any_memory(&self, at: usize) -> Memory<V> {
+    #[inline]
+    pub(super) fn memory(&self, at: usize) -> Memory<V> {
         Memory {
             spring: self.spring.get(at).copied().unwrap_or_default(),
             rolling: self.rolling.get(at).copied().unwrap_or_default(),
@@ -123,8 +114,12 @@ impl<V: Space> HistoryBlock<V> {
 
     /// Gives the memory of a contact to the contact of the same row with `other`, unless that has one that is not empty. The
     /// first `passed` contacts are left alone.
-    pub(super) fn rename(&mut self, parts: MemoryParts, passed: usize, contact: Candidate, other: usize) {
+    pub(super) fn rename(&mut self, passed: usize, contact: Candidate, other: usize) {
         fn move_entry<T>(column: &mut [T], from: usize, to: usize) {
+            // Vectors that the law does not require are empty.
+            if column.is_empty() {
+                return;
+            }
             if from < to {
                 column[from..to].rotate_left(1);
             } else {
@@ -138,7 +133,7 @@ impl<V: Space> HistoryBlock<V> {
         let to = match left.binary_search(&renamed) {
             Ok(to) => {
                 let to = passed + to;
-                if self.any_memory(to).is_empty() {
+                if self.memory(to).is_empty() {
                     self.swap_memories(from, to);
                 }
                 return;
@@ -147,18 +142,10 @@ impl<V: Space> HistoryBlock<V> {
         };
         self.contacts[from] = renamed;
         move_entry(&mut self.contacts, from, to);
-        if parts.spring {
-            move_entry(&mut self.spring, from, to);
-        }
-        if parts.rolling {
-            move_entry(&mut self.rolling, from, to);
-        }
-        if parts.twist {
-            move_entry(&mut self.twist, from, to);
-        }
-        if parts.stiffness {
-            move_entry(&mut self.stiffness, from, to);
-        }
+        move_entry(&mut self.spring, from, to);
+        move_entry(&mut self.rolling, from, to);
+        move_entry(&mut self.twist, from, to);
+        move_entry(&mut self.stiffness, from, to);
     }
 
     fn swap_memories(&mut self, one: usize, two: usize) {
@@ -182,7 +169,7 @@ impl<V: Space> HistoryBlock<V> {
         is_wanted: impl Fn(Candidate) -> bool,
     ) {
         for (at, &contact) in others.contacts.iter().enumerate().filter(|&(_, &contact)| is_wanted(contact)) {
-            self.push(parts, contact, &others.memory(parts, at));
+            self.push(parts, contact, &others.memory(at));
         }
     }
 
@@ -264,7 +251,7 @@ impl<V: Space> HistoryBlock<V> {
     /// Returns the memory of a contact.
     #[must_use]
     pub fn look_up(&self, contact: Candidate) -> Option<Memory<V>> {
-        Some(self.any_memory(self.contacts.binary_search(&contact).ok()?))
+        Some(self.memory(self.contacts.binary_search(&contact).ok()?))
     }
 
     /// Returns the memory of a contact, for calls in ascending order of contacts. `from` is the position of the last
@@ -275,11 +262,11 @@ impl<V: Space> HistoryBlock<V> {
         while self.contacts.get(*from).is_some_and(|&before| before < contact) {
             *from += 1;
         }
-        (self.contacts.get(*from) == Some(&contact)).then(|| self.any_memory(*from))
+        (self.contacts.get(*from) == Some(&contact)).then(|| self.memory(*from))
     }
 
     /// Returns every contact with its memory.
     pub(super) fn all(&self) -> impl Iterator<Item = (Candidate, Memory<V>)> {
-        self.contacts.iter().enumerate().map(|(at, &contact)| (contact, self.any_memory(at)))
+        self.contacts.iter().enumerate().map(|(at, &contact)| (contact, self.memory(at)))
     }
 }

@@ -60,7 +60,7 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         while let Some(&next) = self.spare.contacts.get(self.passed)
             && next <= contact
         {
-            let memory = self.spare.memory(self.parts, self.passed);
+            let memory = self.spare.memory(self.passed);
             self.passed += 1;
             if next == contact {
                 return Some(memory);
@@ -75,7 +75,7 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
     #[cold]
     pub(in crate::contact) fn rename(&mut self, contact: Candidate, other: usize) {
         let before = if self.is_rewriting { &mut *self.spare } else { &mut *self.block };
-        before.rename(self.parts, self.passed, contact, other);
+        before.rename(self.passed, contact, other);
     }
 
     /// Stores the memories of `contacts`, which have just been recalled.
@@ -93,7 +93,7 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
     pub fn end(&mut self, mut lost: ContactLosses, mut on_end: impl FnMut(Candidate, &Memory<V>) -> EndLosses) {
         let before = if self.is_rewriting { &*self.spare } else { &*self.block };
         for at in self.passed..before.len() {
-            lost.add(on_end(before.contacts[at], &before.memory(self.parts, at)));
+            lost.add(on_end(before.contacts[at], &before.memory(at)));
         }
         if !self.is_rewriting {
             self.block.truncate(self.passed);
