@@ -22,6 +22,7 @@ use crate::ending::StopRequest;
 use crate::outcome::{End, Outcome};
 use crate::output::frame_data::writer::FrameDataWriter;
 use crate::output::run_directory::{checkpoint_name, checkpoints_in, hash_of_input, remove_incomplete_checkpoints};
+use crate::own_files;
 use crate::persist;
 use crate::persist::{CheckpointConfig, CheckpointFigures};
 use crate::step::Clock;
@@ -113,10 +114,7 @@ impl Checkpoints {
             time: clock.time(),
             is_final,
         };
-        match fs::create_dir(&self.directory) {
-            Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
-            _ => {}
-        }
+        own_files::make_directory(&self.directory)?;
         let path = self.directory.join(checkpoint_name(clock.steps));
         write_synced(&path, |out| file::write_each(out, &header, |keep| persist::save_each(world, keep)))?;
         self.remove_old(if is_final { 1 } else { self.keep })?;

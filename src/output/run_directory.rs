@@ -17,13 +17,15 @@
 
 mod examine;
 mod exchange;
+mod kinds;
 mod marker;
 pub(crate) mod names;
+mod part;
 mod path;
 mod results;
 mod stage;
 
-use std::fs::{self, File, OpenOptions};
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -31,17 +33,20 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use self::examine::{examine, refuse_content, resolve};
+pub use self::kinds::{Depth, refuse_odd};
 use self::marker::{Claim, Marker};
 pub(crate) use self::names::is_reserved;
 use self::names::{FRAMES, LOSSES, REPORT, SCENE, STATE, SUMMARY, copy_name, is_own};
 pub use self::names::{
-    checkpoint_name, checkpoints_directory, checkpoints_in, frame_data_of, hash_of_input, is_drawn, movie_of,
+    checkpoint_name, checkpoints_directory, checkpoints_in, frame_data_of, hash_of_input, is_drawn, is_run, movie_of,
     pictures_of, remove_incomplete_checkpoints, report_of, scene_of, summary_of, tables_of,
 };
+pub use self::part::PartDirectory;
 pub use self::path::RunPath;
 pub use self::results::{check_results, write_results};
 use self::stage::Stage;
 use crate::fault::Fault;
+use crate::own_files;
 use crate::source::Source;
 use crate::source::places;
 use crate::writers::frame_writer::Guard;
@@ -123,11 +128,12 @@ impl RunDirectory {
     /// Locks the directory of an earlier run, to continue it. Nothing but the marker is changed.
     ///
     /// # Errors
-    /// If there is no run at `path`, or another process uses it.
+    /// If there is no run at `path`, another process uses it, or something in it is not of the [kind](refuse_odd) that siloflow makes.
     pub fn reopen(path: &Path) -> Result<Self, Fault> {
         let target = resolve(path)?;
         let failed = |message: String| Fault::new("run::directory", message).help("give the directory of a run");
         let unreadable = |error: io::Error| failed(format!("could not use {}: {error}", path.display()));
+        refuse_odd(path, Depth::Whole)?;
         match Marker::claim(&target).map_err(unreadable)? {
             Claim::Unmarked => Err(failed(format!("{} holds no run", path.display()))),
             Claim::Held(holder) => Err(in_use(path, &holder)),
@@ -265,7 +271,7 @@ impl RunDirectory {
         let json = serde_json::to_string_pretty(summary).map_err(io::Error::other)? + "\n";
         let complete = self.now().join(SUMMARY);
         let part = part_of(&complete);
-        let mut file = OpenOptions::new().write(true).create(true).truncate(false).open(&part)?;
+        let mut file = own_files::create_or_change(&part)?;
         file.write_all(json.as_bytes())?;
         file.set_len(json.len() as u64)?;
         // The summary says that the run is over, so it gets its name only when it is on the disk.

@@ -14,6 +14,7 @@ use bevy_app::App;
 use bevy_ecs::prelude::*;
 
 use crate::outcome::{Failure, Outcome};
+use crate::own_files;
 use crate::persist::PersistApp as _;
 use crate::writers::svg::Picture;
 use crate::writers::{png, whole_file};
@@ -65,7 +66,7 @@ impl FrameWriter {
 
     /// Removes pictures whose number is not below the count.
     fn remove_later(&self) -> std::io::Result<()> {
-        for entry in std::fs::read_dir(&self.directory)? {
+        for entry in own_files::entries(&self.directory)? {
             let path = entry?.path();
             let is_picture = path.extension().is_some_and(|ending| ending == "svg" || ending == "png");
             let number = path.file_stem().and_then(|stem| stem.to_str()?.parse::<u32>().ok());

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use crate::outcome::{Failure, Outcome};
+use crate::own_files;
 use crate::persist::Problem;
 use crate::space::Linear;
 
@@ -57,11 +58,8 @@ impl Rows {
     /// # Errors
     /// If it is no regular file or cannot be written.
     pub fn reopen(path: &Path) -> std::io::Result<Self> {
-        if !std::fs::symlink_metadata(path)?.is_file() {
-            return Err(std::io::Error::other(format!("{} is no regular file", path.display())));
-        }
         let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let mut file = File::options().write(true).open(path)?;
+        let mut file = own_files::change(path)?;
         let length = file.seek(SeekFrom::End(0))?;
         Ok(Self { name, file, length, buffer: String::new() })
     }

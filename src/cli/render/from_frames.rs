@@ -20,7 +20,11 @@ use crate::output::frame_data::reader::FrameReader;
 use crate::output::frame_data::{Frame, Header};
 use crate::output::pictures;
 use crate::output::pictures::style::Style;
-use crate::output::run_directory::{frame_data_of, is_drawn, movie_of, pictures_of, scene_of};
+use crate::output::run_directory::names::PICTURES;
+use crate::output::run_directory::{
+    Depth, PartDirectory, frame_data_of, is_drawn, movie_of, pictures_of, refuse_odd, scene_of,
+};
+use crate::own_files;
 use crate::scene::load;
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::writers::movie::MovieWriter;
@@ -47,8 +51,9 @@ struct Plan {
 }
 
 pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<Verdict, Fault> {
+    refuse_odd(run, Depth::Top)?;
     let path = frame_data_of(run);
-    if !path.is_file() {
+    if !own_files::is_file(&path) {
         return Err(without_frames(run, ["render::missing", "render::no_run", "render::method", "render::no_frames"]));
     }
     let AnyScene::Grains(loaded) = load::any(&scene_of(run), &[])? else {
@@ -198,8 +203,12 @@ fn unwritten(path: &Path, target: &Path, error: &io::Error) -> Fault {
     if error.kind() == io::ErrorKind::InvalidData {
         return unreadable(path, error);
     }
-    Fault::new("render::write", format!("could not write {}: {error}", target.display()))
-        .help("nothing was written; is there space, and may you write there? Or give another place with --out")
+    let help = if error.kind() == io::ErrorKind::ResourceBusy {
+        "wait for its end, or give another place with --out"
+    } else {
+        "nothing was written; is there space, and may you write there? Or give another place with --out"
+    };
+    Fault::new("render::write", format!("could not write {}: {error}", target.display())).help(help)
 }
 
 fn movie(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Result<Verdict, Fault> {
@@ -251,19 +260,9 @@ fn several(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Re
         say(&format!("{}\n", target.display()));
         return Ok(Verdict::Done);
     }
-    let part = whole_file::part_of(target);
-    std::fs::create_dir(&part).map_err(fault)?;
-    let written = plan.each(draw, |time, bytes| std::fs::write(part.join(plan.name(time)), bytes));
-    let placed = written.and_then(|()| {
-        if target.symlink_metadata().is_ok() {
-            std::fs::remove_dir_all(target)?;
-        }
-        std::fs::rename(&part, target)
-    });
-    placed.map_err(|error| {
-        let _ = std::fs::remove_dir_all(&part);
-        fault(error)
-    })?;
+    let part = PartDirectory::create(target, PICTURES).map_err(fault)?;
+    plan.each(draw, |time, bytes| std::fs::write(part.path().join(plan.name(time)), bytes)).map_err(fault)?;
+    part.publish(true).map_err(fault)?;
     let names = plan.selected.iter().map(|&number| target.join(plan.name(plan.times[number])));
     for name in names {
         say(&format!("{}\n", name.display()));

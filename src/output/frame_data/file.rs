@@ -21,6 +21,7 @@ use std::path::Path;
 use lz4_flex::frame::{BlockMode, BlockSize, FrameEncoder, FrameInfo};
 
 use super::{Frame, Header, codec};
+use crate::own_files;
 use crate::persist::Problem;
 use crate::writers::fnv::Fnv;
 use crate::writers::rows::RowsPlace;
@@ -60,10 +61,7 @@ impl FrameFile {
     }
 
     fn reopen(path: &Path) -> io::Result<Self> {
-        if !std::fs::symlink_metadata(path)?.is_file() {
-            return Err(io::Error::other(format!("{} is no regular file", path.display())));
-        }
-        let mut file = File::options().write(true).open(path)?;
+        let mut file = own_files::change(path)?;
         let length = file.seek(SeekFrom::End(0))?;
         Ok(Self { name: name_of(path), file, length })
     }

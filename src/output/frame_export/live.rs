@@ -9,6 +9,7 @@ use std::path::Path;
 
 use super::{dump, vtk, xyz};
 use crate::output::frame_data::{Frame, Header};
+use crate::own_files;
 use crate::scene::outputs::Format;
 use crate::writers::frame_writer::Guard;
 
@@ -48,8 +49,7 @@ impl LiveFormats {
                 }
                 return vtk::Directory::open(&path).map(Live::Vtk);
             }
-            let mut file =
-                if is_continued { File::options().write(true).open(&path)? } else { File::create_new(&path)? };
+            let mut file = if is_continued { own_files::change(&path)? } else { File::create_new(&path)? };
             let length = file.seek(SeekFrom::End(0))?;
             Ok(Live::Text { format, file, length })
         };

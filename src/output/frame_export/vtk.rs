@@ -11,13 +11,14 @@
 //! of the partner.
 
 use std::collections::HashMap;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 
 use super::grain_columns;
 use super::vtp::PolyData;
 use crate::output::frame_data::{Column, Frame, Header, Table, Values};
+use crate::own_files;
 use crate::writers::whole_file;
 
 /// A directory of frames that grows.
@@ -37,12 +38,15 @@ impl Directory {
     /// Starts in an empty directory, or continues in one that has frames.
     ///
     /// # Errors
-    /// If a list cannot be opened.
+    /// If there is no such directory, or a list cannot be opened.
     pub fn open(path: &Path) -> io::Result<Self> {
+        if !own_files::is_directory(path) {
+            return Err(io::Error::from(io::ErrorKind::NotADirectory));
+        }
         let mut lists = [None, None, None];
         for (list, name) in lists.iter_mut().zip(NAMES) {
             let place = list_of(path, name);
-            *list = if place.exists() { Some(List::reopen(&place)?) } else { None };
+            *list = if place.symlink_metadata().is_ok() { Some(List::reopen(&place)?) } else { None };
         }
         Ok(Self { path: path.to_owned(), count: 0, lists })
     }
@@ -88,7 +92,7 @@ impl Directory {
                 }
             }
         }
-        for entry in fs::read_dir(&self.path)? {
+        for entry in own_files::entries(&self.path)? {
             let path = entry?.path();
             let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
             let number = stem.rsplit_once('-').and_then(|(_, number)| number.parse::<u64>().ok());
@@ -124,7 +128,7 @@ impl List {
     }
 
     fn reopen(path: &Path) -> io::Result<Self> {
-        let file = File::options().write(true).open(path)?;
+        let file = own_files::change(path)?;
         let length = file.metadata()?.len().saturating_sub(LIST_END.len() as u64);
         Ok(Self { file, length })
     }

@@ -41,6 +41,7 @@ use std::io;
 use std::path::Path;
 
 use crate::output::run_directory::frame_data_of;
+use crate::own_files;
 
 /// Most characters of the data of a run, unless the caller gives another number.
 pub const BUDGET: usize = 12_000_000;
@@ -95,8 +96,11 @@ impl Packed {
     /// As [`Packed::of`].
     pub fn within(run: &Path, characters: usize) -> io::Result<Option<Self>> {
         let path = frame_data_of(run);
-        let text =
-            if path.is_file() { packing::pack(&path, characters).map(Some) } else { pictures::pack(run, characters) };
+        let text = if own_files::is_file(&path) {
+            packing::pack(&path, characters).map(Some)
+        } else {
+            pictures::pack(run, characters)
+        };
         Ok(text?.map(|text| Self { text }))
     }
 
