@@ -14,6 +14,7 @@ use crate::output::frame_data::reader::FrameReader;
 use crate::output::frame_export::{self, Target};
 use crate::output::run_directory::{Depth, frame_data_of, refuse_odd, scene_of};
 use crate::own_files;
+use crate::scene::extent::{OF_UNKNOWN_SCENE, most_bytes};
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use crate::scene::outputs::Format;
@@ -90,7 +91,8 @@ pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<Verdict, Fault> {
         return Err(Fault::new("export::exists", format!("{} exists", target.display()))
             .help("remove it, or give another place with --out"));
     }
-    let reader = FrameReader::open(&path).map_err(|error| {
+    let most = load::any(&scene_of(&args.run), &[]).map_or(OF_UNKNOWN_SCENE, |scene| most_bytes(&scene));
+    let reader = FrameReader::open_within(&path, most).map_err(|error| {
         Fault::new("export::read", format!("could not read {}: {error}", path.display()))
             .help("is it a run of this version of siloflow? Else run its scene.ron again")
     })?;

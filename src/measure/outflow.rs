@@ -144,12 +144,21 @@ pub struct OutflowFigures {
     pub mass_flow_index: Option<MassFlowIndex>,
 }
 
+/// Numbers of both zones: momentum and mass of each.
+const ZONES: usize = 4;
+
 impl OutflowSums {
     /// Makes sums without grains, of species up to `largest`.
     #[must_use]
     pub fn new(largest: usize) -> Self {
         let block = Block { mass: vec![0.0; largest + 1], ..Block::default() };
-        Self { blocks: vec![block; BLOCKS], zones: Blocks::new(4) }
+        Self { blocks: vec![block; BLOCKS], zones: Blocks::new(ZONES) }
+    }
+
+    /// Whether restored sums have the blocks of every window, and species up to `largest`.
+    pub(crate) fn fit(&self, largest: usize) -> bool {
+        let has_species = self.blocks.iter().all(|block| block.mass.len() == largest + 1);
+        self.blocks.len() == BLOCKS && has_species && self.zones.fit(ZONES)
     }
 
     /// Adds a grain that left at `time`, s, after a stay of `stay`, s.

@@ -219,7 +219,7 @@ impl SweepDirectory {
         let summary = summary.ok().and_then(|text| serde_json::from_str::<Value>(&text).ok());
         Ok(match summary.filter(|summary| summary["status"].as_str().is_some_and(|status| status != "interrupted")) {
             Some(summary) => State::Over(Box::new(summary)),
-            None => State::Unfinished(find::latest(&run).is_ok_and(|checkpoint| !checkpoint.header.is_final)),
+            None => State::Unfinished(find::latest(&run).is_ok_and(|found| !found.header().is_final)),
         })
     }
 

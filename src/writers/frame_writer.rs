@@ -55,7 +55,7 @@ impl FrameWriter {
 
     /// Saves the number of pictures with each checkpoint. A restored run removes all later pictures.
     pub(crate) fn persist(app: &mut App) {
-        app.persist_part::<Self, _>(
+        app.persist_sound_part::<Self, _>(
             |writer| Ok(writer.count),
             |writer, count| {
                 writer.count = count;

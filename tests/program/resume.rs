@@ -114,14 +114,14 @@ impl Case {
     }
 }
 
-fn start_run(arguments: &[String]) -> Child {
+pub fn start_run(arguments: &[String]) -> Child {
     // A job in the background of a script ignores SIGINT, and so would the run.
     let mut command = Command::new("env");
     command.args(["--default-signal=HUP,INT,TERM", env!("CARGO_BIN_EXE_siloflow")]).args(arguments);
     command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-fn checkpoints(run: &Path) -> Vec<PathBuf> {
+pub fn checkpoints(run: &Path) -> Vec<PathBuf> {
     let mut all: Vec<_> = content(run).into_iter().map(|(path, _)| path).collect();
     all.retain(|path| path.extension().is_some_and(|ending| ending == "checkpoint"));
     all
@@ -290,7 +290,7 @@ fn a_damaged_or_foreign_checkpoint_is_refused() {
     let mut bytes = Vec::new();
     file::write(&mut bytes, &checkpoint.header, &checkpoint.sections).unwrap();
     fs::write(&newer, bytes).unwrap();
-    assert_refused(here.path(), &["siloflow 0.0.1 with format 6 wrote it", "the version that began it"]);
+    assert_refused(here.path(), &["siloflow 0.0.1 with format 7 wrote it", "the version that began it"]);
     // State that does not fit.
     checkpoint.header.version = env!("CARGO_PKG_VERSION").to_owned();
     checkpoint.sections.retain(|(name, _)| name != "entities");

@@ -25,6 +25,7 @@ use crate::output::run_directory::{
     Depth, PartDirectory, frame_data_of, is_drawn, movie_of, pictures_of, refuse_odd, scene_of,
 };
 use crate::own_files;
+use crate::scene::extent::most_bytes;
 use crate::scene::load;
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::writers::movie::MovieWriter;
@@ -42,6 +43,8 @@ const DELAY_MS: [f64; 2] = [20.0, 60_000.0];
 /// The frames to draw, and their style.
 struct Plan {
     path: PathBuf,
+    /// Most bytes of a frame.
+    most: u64,
     style: Style,
     selected: Vec<usize>,
     times: Vec<f64>,
@@ -56,13 +59,15 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<Verdi
     if !own_files::is_file(&path) {
         return Err(without_frames(run, ["render::missing", "render::no_run", "render::method", "render::no_frames"]));
     }
-    let AnyScene::Grains(loaded) = load::any(&scene_of(run), &[])? else {
+    let scene = load::any(&scene_of(run), &[])?;
+    let most = most_bytes(&scene);
+    let AnyScene::Grains(loaded) = scene else {
         return Err(Fault::new("render::method", "a lattice gas has no grains").help("its pictures are in frames/"));
     };
     let mut pictures = options::pictures(args, &loaded)?;
     let target = target(args, run)?;
     let read = |error: io::Error| unreadable(&path, &error);
-    let reader = FrameReader::open(&path).map_err(read)?;
+    let reader = FrameReader::open_within(&path, most).map_err(read)?;
     let header = reader.header.clone();
     let wanted = wanted(args.colour.as_ref(), &pictures.colour, &header);
     let survey = Survey::of(&header, reader, wanted.name()).map_err(read)?;
@@ -73,9 +78,9 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<Verdi
     }
     pictures.colour = wanted.colour(survey.range(&selected));
     let style = sized(Style::of(&loaded, &pictures), args, &header);
-    check(&path, &style, selected[0], &loaded)?;
+    check((&path, most), &style, selected[0], &loaded)?;
     let decimals = decimals(&survey.times, style.decimals);
-    let plan = Plan { path, style, selected, times: survey.times, decimals, quiet };
+    let plan = Plan { path, most, style, selected, times: survey.times, decimals, quiet };
     if args.movie { movie(args, &header, &plan, &target) } else { several(args, &header, &plan, &target) }
 }
 
@@ -110,8 +115,8 @@ fn sized(style: Style, args: &RenderArgs, header: &Header) -> Style {
 }
 
 /// Checks the style with the first frame that is drawn, before anything is written.
-fn check(path: &Path, style: &Style, first: usize, loaded: &Loaded) -> Result<(), Fault> {
-    let mut reader = FrameReader::open(path).map_err(|error| unreadable(path, &error))?;
+fn check((path, most): (&Path, u64), style: &Style, first: usize, loaded: &Loaded) -> Result<(), Fault> {
+    let mut reader = FrameReader::open_within(path, most).map_err(|error| unreadable(path, &error))?;
     if let Some(Ok(frame)) = reader.nth(first) {
         style.check(&frame).map_err(|message| {
             Fault::new("render::column", message).help("or give `species`, `speed` or `pressure`")
@@ -145,7 +150,7 @@ impl Plan {
         draw: impl Fn(&Frame) -> Result<T, String> + Sync,
         mut write: impl FnMut(f64, T) -> io::Result<()>,
     ) -> io::Result<()> {
-        let reader = FrameReader::open(&self.path)?;
+        let reader = FrameReader::open_within(&self.path, self.most)?;
         let mut wanted = self.selected.iter().peekable();
         let mut frames = reader.enumerate().filter_map(|(number, frame)| {
             let is_wanted = wanted.next_if(|next| **next == number).is_some();

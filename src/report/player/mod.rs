@@ -42,6 +42,7 @@ use std::path::Path;
 
 use crate::output::run_directory::frame_data_of;
 use crate::own_files;
+use crate::scene::extent::OF_UNKNOWN_SCENE;
 
 /// Most characters of the data of a run, unless the caller gives another number.
 pub const BUDGET: usize = 12_000_000;
@@ -95,9 +96,17 @@ impl Packed {
     /// # Errors
     /// As [`Packed::of`].
     pub fn within(run: &Path, characters: usize) -> io::Result<Option<Self>> {
+        Self::of_frames_within(run, characters, OF_UNKNOWN_SCENE)
+    }
+
+    /// As [`Packed::within`], for a run whose frames take at most `most` bytes each.
+    ///
+    /// # Errors
+    /// As [`Packed::of`].
+    pub fn of_frames_within(run: &Path, characters: usize, most: u64) -> io::Result<Option<Self>> {
         let path = frame_data_of(run);
         let text = if own_files::is_file(&path) {
-            packing::pack(&path, characters).map(Some)
+            packing::pack((&path, most), characters).map(Some)
         } else {
             pictures::pack(run, characters)
         };
