@@ -17,6 +17,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::measure::fields::Blocks;
+use crate::particle::GrainId;
 use crate::space::Space;
 use crate::values::{Finite, FiniteVector, NonNegative, Positive};
 
@@ -157,8 +158,8 @@ impl OutflowSums {
 
     /// Whether restored sums have the blocks of every window, and species up to `largest`.
     pub(crate) fn fit(&self, largest: usize) -> bool {
-        let has_species = self.blocks.iter().all(|block| block.mass.len() == largest + 1);
-        self.blocks.len() == BLOCKS && has_species && self.zones.fit(ZONES)
+        let is_block = |block: &Block| block.mass.len() == largest + 1 && block.grains <= GrainId::MAX_GRAIN;
+        self.blocks.len() == BLOCKS && self.blocks.iter().all(is_block) && self.zones.fit(ZONES)
     }
 
     /// Adds a grain that left at `time`, s, after a stay of `stay`, s.

@@ -26,8 +26,9 @@ use crate::fault::Fault;
 use crate::output::checkpoint::find;
 use crate::output::run_directory::{scene_of, summary_of};
 use crate::own_files;
+use crate::source::Source;
+use crate::source::files::{self, BoundedFile};
 use crate::source::keys::changes;
-use crate::source::{Source, files};
 use crate::sweep::figures::is_failure;
 use crate::sweep::{Sweep, Task};
 use crate::writers::fnv::Fnv;
@@ -268,7 +269,9 @@ fn differing_key(expected: &Source, found: &Source, run: &Path) -> Option<String
         let text = |value: &Option<String>| ron::from_str::<String>(value.as_deref()?).ok();
         let is_copy = match (text(&change.first), text(&change.second)) {
             (Some(from), Some(copy)) if copy.starts_with("input-") => {
-                hash(&expected.path_of(Path::new(&from))).is_some_and(|it| Some(it) == hash(&run.join(copy)))
+                let of_sweep = BoundedFile::open(&expected.path_of(Path::new(&from)), files::GRAIN_BYTES);
+                hash(of_sweep)
+                    .is_some_and(|it| Some(it) == hash(BoundedFile::open_own(&run.join(copy), files::GRAIN_BYTES)))
             }
             _ => false,
         };
@@ -277,8 +280,8 @@ fn differing_key(expected: &Source, found: &Source, run: &Path) -> Option<String
 }
 
 /// Returns the hash of a file; `None` if it cannot be read.
-fn hash(path: &Path) -> Option<u64> {
+fn hash(file: io::Result<BoundedFile>) -> Option<u64> {
     let mut hash = Fnv::default();
-    hash.update_from(files::BoundedFile::open(path, files::GRAIN_BYTES).ok()?).ok()?;
+    hash.update_from(file.ok()?).ok()?;
     Some(hash.value())
 }

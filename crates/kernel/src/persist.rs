@@ -300,6 +300,9 @@ pub fn save_each(world: &mut World, mut keep: impl FnMut(&str, Vec<u8>) -> Resul
 /// Name of the section with the number of entities.
 const ENTITIES: &str = "entities";
 
+/// Most entities that a checkpoint may have without bytes for them.
+const MOST_BARE_ENTITIES: usize = 1 << 20;
+
 /// Treatment of saved state that a world does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UnknownState {
@@ -325,8 +328,8 @@ pub fn restore(world: &mut World, sections: &[Section], unknown: UnknownState) -
             return Err(format!("it holds {name}, which this scene does not have"));
         }
         let count = decode(content(ENTITIES).ok_or("it does not say how many entities there are")?)?;
-        // Every entity has a component whose value takes a byte.
-        let most = sections.iter().map(|(_, bytes)| bytes.len()).sum();
+        // A particle takes more than 16 bytes. A behaviour may have entities with less.
+        let most = MOST_BARE_ENTITIES + sections.iter().map(|(_, bytes)| bytes.len()).sum::<usize>() / 16;
         // Entities that plugins have made are among the saved ones.
         let made: Vec<_> = EntityNumbers::of(world, &registered.components()).entities().collect();
         for entity in made {

@@ -103,6 +103,9 @@ impl LiveFormats {
 
     /// Removes all frames beyond those of [`LiveFormats::saved`].
     pub(crate) fn restore(&mut self, saved: &[Vec<u64>]) -> io::Result<()> {
+        if saved.len() != self.formats.len() {
+            return Err(io::Error::other("the checkpoint has other formats"));
+        }
         self.formats.iter_mut().zip(saved).try_for_each(|(live, saved)| match live {
             Live::Text { file, length, .. } => {
                 let before = saved.first().copied().unwrap_or(0);

@@ -81,7 +81,9 @@ impl Directory {
     /// # Errors
     /// If a file cannot be changed.
     pub fn restore(&mut self, saved: &[u64]) -> io::Result<()> {
-        let Some((&count, lengths)) = saved.split_first() else { return Ok(()) };
+        let (Some((&count, lengths)), true) = (saved.split_first(), saved.len() == 1 + NAMES.len()) else {
+            return Err(io::Error::other("the checkpoint has other lists of frames"));
+        };
         self.count = count;
         for ((list, name), &length) in self.lists.iter_mut().zip(NAMES).zip(lengths) {
             match list {
@@ -146,6 +148,9 @@ impl List {
     }
 
     fn cut(&mut self, length: u64) -> io::Result<()> {
+        if length > self.length {
+            return Err(io::Error::other("a list of frames is shorter than it was at the checkpoint"));
+        }
         self.length = length;
         self.write("")?;
         self.file.set_len(length + LIST_END.len() as u64)

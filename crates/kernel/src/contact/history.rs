@@ -101,7 +101,8 @@ impl<V: Space> History<V> {
                 let own = number * BLOCK..rows.min((number + 1) * BLOCK);
                 block.fits(own, partners, is_ordered, parts)
             };
-            blocks.len() <= rows.div_ceil(BLOCK) && blocks.iter().enumerate().all(block)
+            // Blocks beyond the rows are empty: they are removed by the next pass.
+            blocks.iter().enumerate().all(block)
         };
         if fit(&self.pair_blocks, rows, true) && fit(&self.wall_blocks, walls, false) {
             Ok(())
