@@ -12,13 +12,14 @@
 //! of K + 2 G C G = 4, G^2 = 1 + 2 R, which is the condition of `scene::check::crowd`. Springs along v_p do not count in K.
 
 use siloflow::energy::EnergyFlows;
+use siloflow::grains::file::GrainRow;
 use siloflow::measure::totals;
 use siloflow::scene::check::Estimates;
 use siloflow::scene::load;
 use siloflow::space::Solid;
 
 use crate::matrix::{Matrix, largest_eigenvalue, spectral_radius};
-use crate::{motion, simulation, sphere};
+use crate::{simulation, sphere};
 
 /// Displacements and rotations.
 const FREEDOMS: usize = 6;
@@ -123,7 +124,7 @@ fn growth(count: usize, law: &Law) -> f64 {
 }
 
 /// Damping ratios of a sweep. The steps of the test give (w dt)^2.
-const RATIOS: [f64; 5] = [0.0, 0.01, 0.1, 0.4, 1.5];
+const RATIOS: [f64; 4] = [0.0, 0.01, 0.2, 1.5];
 
 /// All laws of the sweep, with a normal stiffness of 1. The other parts have stiffnesses and dashpots in proportion to these.
 fn laws() -> impl Iterator<Item = Law> {
@@ -133,7 +134,9 @@ fn laws() -> impl Iterator<Item = Law> {
     let rest = [(0.0, 0.0), (0.2, 0.0), (0.2, 0.2)];
     all.flat_map(move |normal| tangents.clone().map(move |(share, zeta)| (normal, part(share * normal[0], zeta))))
         .flat_map(move |(normal, tangent)| {
-            rest.map(|(share, zeta)| [normal, tangent, part(share * normal[0], zeta), part(0.5 * share * normal[0], zeta)])
+            rest.map(|(share, zeta)| {
+                [normal, tangent, part(share * normal[0], zeta), part(0.5 * share * normal[0], zeta)]
+            })
         })
 }
 
@@ -169,14 +172,16 @@ fn nothing_grows_below_the_limit_with_any_number_of_contacts_and_any_dashpots() 
 }
 
 /// Mass, radius and stiffness of the sphere in simulations, kg, m, N/m: half a period of its normal contact takes pi seconds.
-const [M, R, K]: [f64; 3] = [1.0, 0.5, 1.0];
+const M: f64 = 1.0;
+const R: f64 = 0.5;
+const K: f64 = 1.0;
 /// How deep the surfaces press the sphere, m.
 const PRESSED: f64 = 1e-3;
 
 /// A sphere between half-spaces in siloflow, with a law in units of the step `dt` (s).
 struct Held {
     keys: String,
-    sphere: siloflow::grains::file::GrainRow,
+    sphere: GrainRow,
 }
 
 impl Held {
@@ -212,16 +217,22 @@ impl Held {
         Estimates::of(&loaded).unwrap()
     }
 
-    /// Returns the largest energy of motion of steps 20 to 200 and of the last 180 of `steps`, J.
-    fn energies(&self, steps: u64) -> [f64; 2] {
+    /// Energy of motion at the start, J.
+    fn energy(&self) -> f64 {
+        let GrainRow { velocity, spin, .. } = self.sphere;
+        0.5 * M * velocity.length_squared() + 0.5 * INERTIA * M * R * R * spin.length_squared()
+    }
+
+    /// Returns the largest energy, less that of the pressed surfaces, of steps 20 to 200 and of the last 180 of `steps`, J.
+    fn energies(&self, count: usize, steps: u64) -> [f64; 2] {
         let mut simulation = self.simulation();
         let mut most = |from: u64| {
             let energy = |step| {
                 simulation.run_steps(step);
-                let now = motion(&mut simulation)[0];
-                0.5 * M * now.velocity.length_squared() + 0.5 * INERTIA * M * R * R * now.spin.length_squared()
+                // Velocities alone do not show a motion that changes its sign in each step: they are zero at its ends.
+                totals::of_world(simulation.world()).energy() - 0.5 * K * count as f64 * PRESSED * PRESSED
             };
-            (from..from + 180).map(energy).fold(0.0, f64::max)
+            (from..from + 180).map(energy).fold(0.0, |most: f64, energy| most.max(energy.abs()))
         };
         [20, steps - 180].map(&mut most)
     }
@@ -251,13 +262,13 @@ fn a_held_sphere_of_siloflow_grows_beyond_the_limit_and_not_below() {
             let (below, _) = held(0.97);
             let stated = below.estimates().bed_limit;
             assert!(stated < 1.0001 * limit, "{count} contacts, {law:?}: {stated} s stated, the limit is {limit} s");
-            let [early, late] = below.energies(20_000);
+            let [early, late] = below.energies(count, 20_000);
             assert!(late < 1.5 * early, "{count} contacts, {law:?}: {early:e} J, then {late:e} J");
             let (above, scaled) = held(1.02);
             // The energy grows by the square of the eigenvalue in each step, from the rounding of a motion that may be absent at the start.
             let steps = 200 + (20.0 / growth(count, &scaled).ln()) as u64;
-            let [early, late] = above.energies(steps + 180);
-            assert!(late > 1e3 * early, "{count} contacts, {law:?}, beyond: {early:e} J, then {late:e} J");
+            let late = above.energies(count, steps + 180)[1];
+            assert!(late > 1e3 * above.energy(), "{count} contacts, {law:?}, beyond: {late:e} J");
         }
     }
 }

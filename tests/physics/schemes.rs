@@ -7,7 +7,6 @@ use crate::{grain, motion, rms, simulation, state};
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
-use siloflow::store::ParticleStore;
 
 const K: f64 = 1.0e5;
 const R: f64 = 0.04;

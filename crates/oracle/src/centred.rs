@@ -236,12 +236,7 @@ pub fn centred(
 /// Returns the action of a contact at the start of the run, averaged over the first half step `half` (s): the spring acts as
 /// it is, drag and friction with their mean over the part of the half step in which there is a contact.
 /// Springs are stored `lead` (s) ahead.
-pub fn start(
-    terms: &Terms,
-    pair_state: &PairState,
-    memory: &mut Memory,
-    [half, lead]: [f64; 2],
-) -> Option<Action> {
+pub fn start(terms: &Terms, pair_state: &PairState, memory: &mut Memory, [half, lead]: [f64; 2]) -> Option<Action> {
     let times = Times { dt: lead, lead, is_centred: true };
     let moved = -half * pair_state.velocity.dot(pair_state.normal);
     let (low, high) =

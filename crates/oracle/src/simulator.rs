@@ -249,9 +249,8 @@ impl Simulator {
             self.meet_centred(&terms, &pair_state, [a, b], &mut memory, dt)
         } else {
             let range = if memory.stiffness > 0.0 { terms.range(pair_state.reduced) } else { 0.0 };
-            (overlap + range > 0.0).then(|| {
-                plain(&terms, [&pair_state; 2], &mut memory, Times { dt, lead: 0.0, is_centred: false })
-            })
+            (overlap + range > 0.0)
+                .then(|| plain(&terms, [&pair_state; 2], &mut memory, Times { dt, lead: 0.0, is_centred: false }))
         };
         let Some(action) = action else { return };
         self.memories.insert(pair, memory);
