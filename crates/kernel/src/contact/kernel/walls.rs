@@ -54,6 +54,9 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
         if view.predicts() {
             self.batch.lone |= u64::from(view.prediction.lone[contact.first()]) << self.batch.len;
         }
+        if self.gathers() {
+            self.batch.gathered.take_wall(self.batch.len, (contact.first(), pair), view);
+        }
         self.batch.push::<C>(contact, pair);
         if self.batch.len == LANES {
             self.flush_walls(block);
