@@ -1,4 +1,5 @@
-//! Signals that end a run: SIGINT, SIGTERM and SIGHUP. The first one lets the run finish its step and write its results;
+//! Signals that end a run: SIGINT, SIGTERM and SIGHUP. While the input is read and checked, the first one ends the process at once, because nothing
+//! has been changed yet. Then the first one lets the run finish its step and write its results;
 //! one that comes a second or more after it ends the process at once. The exit status is 128 + the number of the signal.
 //!
 //! A signal often comes twice at once: `timeout` and batch systems send it to the process and to its group. Both mean one
@@ -8,7 +9,7 @@
 //! other than Unix have no such signals.
 
 use std::sync::Arc;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 #[cfg(unix)]
 use std::time::Duration;
 
@@ -16,14 +17,20 @@ use std::time::Duration;
 #[cfg(unix)]
 const GRACE_PERIOD: Duration = Duration::from_secs(1);
 
-/// The flag that the first signal sets to its number.
+/// What signals set and obey.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Signals(Arc<AtomicUsize>);
+pub(super) struct Signals {
+    /// The number of the first signal.
+    first: Arc<AtomicUsize>,
+    /// Whether the next signal ends the process at once.
+    ends_at_once: Arc<AtomicBool>,
+}
 
 impl Signals {
-    /// Catches the signals from now on.
+    /// Catches the signals from now on. Until [`Self::defer`] is called, a signal ends the process at once.
     pub(super) fn catch() -> Self {
         let signals = Self::default();
+        signals.ends_at_once.store(true, Ordering::Relaxed);
         if let Err(error) = signals.register() {
             tracing::warn!(
                 "could not catch all signals: {error}; a signal may end the run without a summary, and a later one may not end it \
@@ -33,14 +40,19 @@ impl Signals {
         signals
     }
 
+    /// From now on the first signal only sets the flag. To be called before anything is changed.
+    pub(super) fn defer(&self) {
+        self.ends_at_once.store(false, Ordering::Relaxed);
+    }
+
     /// Returns the number of the signal, if one has come.
     pub(super) fn received(&self) -> Option<u8> {
-        u8::try_from(self.0.load(Ordering::Relaxed)).ok().filter(|&signal| signal != 0)
+        u8::try_from(self.first.load(Ordering::Relaxed)).ok().filter(|&signal| signal != 0)
     }
 
     /// Returns the flag, which is zero until a signal comes.
     pub(super) fn flag(&self) -> Arc<AtomicUsize> {
-        self.0.clone()
+        self.first.clone()
     }
 
     #[cfg(unix)]
@@ -48,13 +60,12 @@ impl Signals {
         use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
         use signal_hook::flag;
         use signal_hook::iterator;
-        use std::sync::atomic::AtomicBool;
         use std::thread;
 
         let ignored = ignored_signals();
         let mut caught = vec![SIGINT, SIGTERM, SIGHUP];
         caught.retain(|signal| ignored >> (signal - 1) & 1 == 0);
-        let ends_at_once = Arc::new(AtomicBool::new(false));
+        let ends_at_once = self.ends_at_once.clone();
         for &signal in &caught {
             flag::register_conditional_shutdown(signal, 128 + signal, ends_at_once.clone())?;
             flag::register_usize(signal, self.flag(), usize::try_from(signal).unwrap_or(1))?;

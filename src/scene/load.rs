@@ -197,8 +197,7 @@ fn read_contacts(source: &mut Source, file: &Path) -> Result<Vec<Remembered>, Fa
     let rows = match source.text_for(key) {
         Some(text) => remembered::read(text.as_bytes()),
         None => remembered::read(
-            files::BoundedFile::open(&path, files::GRAIN_BYTES)
-                .map_err(|error| source.unreadable(key, &path, &error))?,
+            files::open_text(&path, files::GRAIN_BYTES).map_err(|error| source.unreadable(key, &path, &error))?,
         ),
     };
     rows.map_err(|problem| {
