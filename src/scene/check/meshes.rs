@@ -1,4 +1,5 @@
-//! Warnings about triangles of meshes: T-junctions, slivers and overlaps (`walls::mesh_faults`), and about
+//! Warnings about meshes whose size does not fit the grains, because files have no unit, about triangles of meshes: T-junctions, slivers and overlaps
+//! (`walls::mesh_faults`), and about
 //! flat walls of the scene that overlap in one plane.
 
 use crate::budget::Budget;
@@ -8,14 +9,34 @@ use crate::space::Solid;
 use crate::walls::config::Wall;
 use crate::walls::mesh_faults::{MOST_OVERLAPS, faults, overlaps};
 
+/// Diameters of the largest grain across which a mesh is suspiciously wide. A bed so wide would have more than 10^9 grains in a single layer; a mesh in mm that is
+/// read as m is a thousand times too wide.
+const VERY_WIDE: f64 = 3e4;
+
 /// Adds the warnings.
 pub(super) fn examine(loaded: &Loaded, budget: &Budget, warnings: &mut Vec<Warning>) {
     for (number, wall) in loaded.scene.walls.iter().enumerate() {
         if let Wall::Mesh { triangles, .. } = wall {
+            size(loaded, number, wall, warnings);
             budget.share(0.5, || of_mesh(number, triangles, budget, warnings));
         }
     }
     overlapping_walls(loaded, budget, warnings);
+}
+
+/// Meshes narrower than a grain, or very much wider.
+fn size(loaded: &Loaded, number: usize, wall: &Wall, warnings: &mut Vec<Warning>) {
+    let Some(((_, largest), [low, high])) = loaded.grain_radii().zip(wall.bounds()) else { return };
+    let (width, diameter) = ((high - low).max_element(), 2.0 * largest);
+    if width < diameter || width > VERY_WIDE * diameter {
+        warnings.push(Warning {
+            code: "check::mesh_size",
+            message: format!(
+                "the mesh of walls[{number}] is {width:.3e} m wide, and the largest grain {diameter:.3e} m"
+            ),
+            help: format!("is `walls[{number}].unit` the unit of the numbers in the file?"),
+        });
+    }
 }
 
 fn of_mesh(number: usize, triangles: &[[Solid; 3]], budget: &Budget, warnings: &mut Vec<Warning>) {

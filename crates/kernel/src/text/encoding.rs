@@ -247,7 +247,7 @@ mod tests {
             let message = both(bytes).unwrap_err();
             assert!(words.iter().all(|word| message.contains(word)) && message.contains("save the file"), "{message}");
         };
-        bad(b"1,2\n\xc3\xa4bc gr\xf6\xdfer\n", &["line 2, column 6", "0xf6", "`ö`", "Latin-1"]);
+        bad(b"1,2\n\xc3\xa4bc gr\xf6\xdfer\n", &["line 2, column 7", "0xf6", "`ö`", "Latin-1"]);
         bad(b"caf\xe9", &["line 1, column 4", "0xe9"]);
         bad(b"ok\n\x93quoted\x94", &["line 2, column 1", "0x93 is not UTF-8"]);
         bad(&utf16(TEXT, u16::to_le_bytes), &["UTF-16 without a byte order mark"]);

@@ -60,27 +60,34 @@ impl<const D: usize> BoxTree<D> {
         place
     }
 
-    /// Visits boxes until `visit` breaks. `rank` returns `None` for a branch to skip, by the bounds of its boxes; of the two parts of a branch the one
-    /// with the lower rank comes first.
+    /// Visits boxes until `visit` breaks. `enters` says of the bounds of a branch whether to look into it.
     pub(crate) fn search(
         &self,
-        mut rank: impl FnMut(&Bounds<D>) -> Option<f64>,
+        enters: impl FnMut(&Bounds<D>) -> bool,
+        visit: impl FnMut(usize) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.search_from(|_| 0.0, enters, visit)
+    }
+
+    /// Like [`Self::search`]. Of the two parts of a branch the one with the lower rank comes first.
+    pub(crate) fn search_from(
+        &self,
+        rank: impl Fn(&Bounds<D>) -> f64,
+        mut enters: impl FnMut(&Bounds<D>) -> bool,
         mut visit: impl FnMut(usize) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let mut open: Vec<usize> = if self.branches.is_empty() { Vec::new() } else { vec![0] };
         while let Some(place) = open.pop() {
             let branch = &self.branches[place];
-            // What was found meanwhile may have closed the branch.
-            if rank(&branch.bounds).is_none() {
+            if !enters(&branch.bounds) {
                 continue;
             }
             match branch.parts {
                 None => self.numbers[branch.numbers.clone()].iter().try_for_each(|&number| visit(number))?,
-                Some([a, b]) => match [a, b].map(|part| rank(&self.branches[part].bounds)) {
-                    [Some(of_a), Some(of_b)] if of_b < of_a => open.extend([a, b]),
-                    [Some(_), Some(_)] => open.extend([b, a]),
-                    [of_a, of_b] => open.extend(of_a.map(|_| a).into_iter().chain(of_b.map(|_| b))),
-                },
+                Some([a, b]) => {
+                    let [of_a, of_b] = [a, b].map(|part| rank(&self.branches[part].bounds));
+                    open.extend(if of_b < of_a { [a, b] } else { [b, a] });
+                }
             }
         }
         ControlFlow::Continue(())
@@ -119,7 +126,7 @@ mod tests {
             let meets = |[low, high]: &Bounds<3>| (0..3).all(|axis| low[axis] <= wanted[1][axis] && high[axis] >= wanted[0][axis]);
             let mut found = Vec::new();
             let whole = BoxTree::new(&boxes).search(
-                |bounds| meets(bounds).then_some(0.0),
+                meets,
                 |number| {
                     found.extend(meets(&boxes[number]).then_some(number));
                     ControlFlow::Continue(())
@@ -137,7 +144,7 @@ mod tests {
         let tree = BoxTree::new(&vec![[[1.0; 2]; 2]; 100_000]);
         let mut visited = 0;
         let found = tree.search(
-            |_| Some(0.0),
+            |_| true,
             |_| {
                 visited += 1;
                 if visited == 10 { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }

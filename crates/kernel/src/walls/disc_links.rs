@@ -81,14 +81,12 @@ impl Search {
         let centre = self.discs[a].centre;
         // With their distances from `a`.
         let found: std::cell::RefCell<Vec<(usize, f64)>> = std::cell::RefCell::default();
-        let rank = |bounds: &Bounds<3>| {
+        let enters = |bounds: &Bounds<3>| {
             let nearest = distance_of(bounds, centre);
             let closes = |&(c, apart): &(usize, f64)| {
                 nearest > apart * (1.0 + MARGIN) && is_beyond(bounds, centre, self.discs[c].centre)
             };
-            let is_open =
-                self.may_be_tight(a, nearest, bounds) && !found.borrow().iter().take(MOST_BLOCKERS).any(closes);
-            is_open.then_some(nearest)
+            self.may_be_tight(a, nearest, bounds) && !found.borrow().iter().take(MOST_BLOCKERS).any(closes)
         };
         let visit = |b: usize| {
             let apart = self.distance(a, b);
@@ -102,7 +100,7 @@ impl Search {
             }
             ControlFlow::Continue(())
         };
-        let _ = self.tree.search(rank, visit);
+        let _ = self.tree.search_from(|bounds| distance_of(bounds, centre), enters, visit);
         found.into_inner().into_iter().map(|(b, _)| b).collect()
     }
 
@@ -110,17 +108,17 @@ impl Search {
     fn is_bridged(&self, a: usize, b: usize) -> bool {
         let apart = self.distance(a, b);
         let ends = [a, b].map(|end| self.discs[end].centre);
-        let rank = |bounds: &Bounds<3>| {
-            let [from_a, from_b] = ends.map(|end| distance_of(bounds, end));
-            let may_be_between = !(from_a.max(from_b) > apart * (1.0 + MARGIN));
-            (may_be_between && self.may_be_tight(a, from_a, bounds)).then_some(from_a.max(from_b))
+        let farther = |bounds: &Bounds<3>| ends.map(|end| distance_of(bounds, end)).into_iter().fold(0.0, f64::max);
+        let enters = |bounds: &Bounds<3>| {
+            let may_be_between = !(farther(bounds) > apart * (1.0 + MARGIN));
+            may_be_between && self.may_be_tight(a, distance_of(bounds, ends[0]), bounds)
         };
         let visit = |c: usize| {
             let is_between =
                 c != a && c != b && self.is_tight(a, c) && self.distance(a, c) < apart && self.distance(c, b) < apart;
             if is_between { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        self.tree.search(rank, visit).is_break()
+        self.tree.search_from(farther, enters, visit).is_break()
     }
 }
 

@@ -182,11 +182,11 @@ mod tests {
         bad("a.ply", b"ply", ".stl or .obj");
         bad("a.stl", b"", "STL");
         bad("a.stl", b"solid nothing\nendsolid nothing\n", "no triangle");
-        bad("a.stl", ascii().replace("vertex 0 1 0", "vertex 2 0 0").as_bytes(), "triangle 1 has no area");
+        bad("a.stl", ascii().replace("vertex 0 1 0", "vertex 2 0 0").as_bytes(), "triangle 1, in line 2, has no area");
         bad("a.stl", ascii().replace("vertex 0 0 1", "vertex 0 0 nan").as_bytes(), "triangle 2");
         let twice = format!("{OBJ}f 3 2 1\n");
-        bad("a.obj", twice.as_bytes(), "triangle 5 comes twice");
-        bad("a.obj", b"v 0 0 0\nf 1 2 3\n", "OBJ");
+        bad("a.obj", twice.as_bytes(), "triangle 5, in line 9, comes twice");
+        bad("a.obj", b"v 0 0 0\nf 1 2 3\n", "line 2");
         let triangles = from("a.obj", OBJ.as_bytes()).unwrap();
         bad("a.stl", &binary(&triangles, b"")[..150], "triangle 2");
     }
