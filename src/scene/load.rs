@@ -99,7 +99,7 @@ fn read_meshes(loaded: &mut Loaded) -> Result<(), Fault> {
         let path = loaded.source.name_file(&key, file);
         let bytes = files::read_bytes(&path, files::MESH_BYTES)
             .map_err(|error| loaded.source.unreadable(&key, &path, &error))?;
-        let read = mesh::read(&path, bytes, *unit).map_err(|message| {
+        let read = mesh::read(&path, &bytes, *unit).map_err(|message| {
             let message = format!("{}: {message}", path.display());
             loaded.source.fault("scene::mesh", &key, message).help("give a mesh of triangles with an area, each once")
         })?;

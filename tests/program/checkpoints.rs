@@ -245,7 +245,8 @@ fn state_of_another_scene_is_refused() {
 }
 
 /// Places where state could hide from access lists, each with the reason why it may.
-const HIDDEN: [(&str, &str); 8] = [
+const HIDDEN: [(&str, &str); 9] = [
+    ("budget.rs", "the time of checks, which end before a run begins"),
     ("survey/pair_forces.rs", "Local<'s, Vec<V>>: emptied before each use"),
     ("store/renumbering.rs", "Local<u64>: decides about the order of table rows only"),
     ("writers/png.rs", "static: the fonts"),

@@ -54,8 +54,7 @@ pub fn way_out(loaded: &Loaded, budget: &Budget) -> Option<Vector> {
     // Discs also block points just outside of the box.
     let margin = discs.iter().map(|disc| disc.radius).fold(0.0, f64::max) + radius + 2.0 * spacing;
     let needed = points(high - low, margin) + blocked_by_discs + blocked_by_segments.sum::<f64>();
-    // A number that is none counts as too large.
-    if !(needed <= MOST_POINTS) {
+    if needed.is_nan() || needed > MOST_POINTS {
         budget.give_up(format!("gaps in the walls, of which the search needs a grid of {needed:.1e} points"));
         return None;
     }

@@ -143,7 +143,7 @@ impl<R: Read> TextReader<R> {
     /// Counts lines and characters of the text that was decoded last.
     fn count(&mut self) {
         let characters = |bytes: &[u8]| bytes.iter().filter(|&&byte| byte & 0xc0 != 0x80).count();
-        self.line += self.text.iter().filter(|&&byte| byte == b'\n').count();
+        self.line += self.text.split(|&byte| byte == b'\n').count() - 1;
         self.column = match self.text.iter().rposition(|&byte| byte == b'\n') {
             Some(last) => characters(&self.text[last + 1..]),
             None => self.column + characters(&self.text),

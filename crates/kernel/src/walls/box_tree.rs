@@ -63,27 +63,28 @@ impl<const D: usize> BoxTree<D> {
     /// Visits boxes until `visit` breaks. `enters` says of the bounds of a branch whether to look into it.
     pub(crate) fn search(
         &self,
-        enters: impl FnMut(&Bounds<D>) -> bool,
-        visit: impl FnMut(usize) -> ControlFlow<()>,
-    ) -> ControlFlow<()> {
-        self.search_from(|_| 0.0, enters, visit)
-    }
-
-    /// Like [`Self::search`]. Of the two parts of a branch the one with the lower rank comes first.
-    pub(crate) fn search_from(
-        &self,
-        rank: impl Fn(&Bounds<D>) -> f64,
         mut enters: impl FnMut(&Bounds<D>) -> bool,
         mut visit: impl FnMut(usize) -> ControlFlow<()>,
+    ) -> ControlFlow<()> {
+        self.search_with(&mut (), |_| 0.0, |(), bounds| enters(bounds), |(), number| visit(number))
+    }
+
+    /// Like [`Self::search`], with what was found so far. Of the two parts of a branch the one with the lower rank comes first.
+    pub(crate) fn search_with<F>(
+        &self,
+        found: &mut F,
+        rank: impl Fn(&Bounds<D>) -> f64,
+        mut enters: impl FnMut(&F, &Bounds<D>) -> bool,
+        mut visit: impl FnMut(&mut F, usize) -> ControlFlow<()>,
     ) -> ControlFlow<()> {
         let mut open: Vec<usize> = if self.branches.is_empty() { Vec::new() } else { vec![0] };
         while let Some(place) = open.pop() {
             let branch = &self.branches[place];
-            if !enters(&branch.bounds) {
+            if !enters(found, &branch.bounds) {
                 continue;
             }
             match branch.parts {
-                None => self.numbers[branch.numbers.clone()].iter().try_for_each(|&number| visit(number))?,
+                None => self.numbers[branch.numbers.clone()].iter().try_for_each(|&number| visit(found, number))?,
                 Some([a, b]) => {
                     let [of_a, of_b] = [a, b].map(|part| rank(&self.branches[part].bounds));
                     open.extend(if of_b < of_a { [a, b] } else { [b, a] });

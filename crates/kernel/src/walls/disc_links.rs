@@ -73,24 +73,21 @@ impl Search {
     /// Whether a disc at this distance from `a` may be tight with it, if its radius is at most that of the bounds.
     fn may_be_tight(&self, a: usize, distance: f64, bounds: &Bounds<3>) -> bool {
         let reach = self.discs[a].radius + bounds[1][2] + 2.0 * self.smallest;
-        !(distance > reach * (1.0 + MARGIN))
+        distance <= reach * (1.0 + MARGIN)
     }
 
     /// Returns the discs that are tight with `a`, but for some that have a disc between.
     fn candidates(&self, a: usize) -> Vec<usize> {
         let centre = self.discs[a].centre;
-        // With their distances from `a`.
-        let found: std::cell::RefCell<Vec<(usize, f64)>> = std::cell::RefCell::default();
-        let enters = |bounds: &Bounds<3>| {
+        let enters = |found: &Vec<(usize, f64)>, bounds: &Bounds<3>| {
             let nearest = distance_of(bounds, centre);
             let closes = |&(c, apart): &(usize, f64)| {
                 nearest > apart * (1.0 + MARGIN) && is_beyond(bounds, centre, self.discs[c].centre)
             };
-            self.may_be_tight(a, nearest, bounds) && !found.borrow().iter().take(MOST_BLOCKERS).any(closes)
+            self.may_be_tight(a, nearest, bounds) && !found.iter().take(MOST_BLOCKERS).any(closes)
         };
-        let visit = |b: usize| {
+        let visit = |found: &mut Vec<(usize, f64)>, b: usize| {
             let apart = self.distance(a, b);
-            let mut found = found.borrow_mut();
             let blocks = |&(c, its): &(usize, f64)| its < apart && self.distance(c, b) < apart;
             if b != a && self.is_tight(a, b) && !found.iter().take(MOST_BLOCKERS).any(blocks) {
                 if found.len() < MOST_BLOCKERS {
@@ -100,8 +97,10 @@ impl Search {
             }
             ControlFlow::Continue(())
         };
-        let _ = self.tree.search_from(|bounds| distance_of(bounds, centre), enters, visit);
-        found.into_inner().into_iter().map(|(b, _)| b).collect()
+        // With their distances from `a`.
+        let mut found: Vec<(usize, f64)> = Vec::new();
+        let _ = self.tree.search_with(&mut found, |bounds| distance_of(bounds, centre), enters, visit);
+        found.into_iter().map(|(b, _)| b).collect()
     }
 
     /// Whether a disc that is tight with `a` is nearer to both discs than they are to each other.
@@ -109,16 +108,16 @@ impl Search {
         let apart = self.distance(a, b);
         let ends = [a, b].map(|end| self.discs[end].centre);
         let farther = |bounds: &Bounds<3>| ends.map(|end| distance_of(bounds, end)).into_iter().fold(0.0, f64::max);
-        let enters = |bounds: &Bounds<3>| {
-            let may_be_between = !(farther(bounds) > apart * (1.0 + MARGIN));
+        let enters = |(): &(), bounds: &Bounds<3>| {
+            let may_be_between = farther(bounds) <= apart * (1.0 + MARGIN);
             may_be_between && self.may_be_tight(a, distance_of(bounds, ends[0]), bounds)
         };
-        let visit = |c: usize| {
+        let visit = |(): &mut (), c: usize| {
             let is_between =
                 c != a && c != b && self.is_tight(a, c) && self.distance(a, c) < apart && self.distance(c, b) < apart;
             if is_between { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
         };
-        self.tree.search_from(farther, enters, visit).is_break()
+        self.tree.search_with(&mut (), farther, enters, visit).is_break()
     }
 }
 
@@ -179,8 +178,8 @@ mod tests {
             smallest in prop::sample::select(vec![0.0, 0.2, 2.0]),
         ) {
             let mut discs: Vec<Disc> = Vec::new();
-            for (n, (x, y, r)) in places.into_iter().enumerate() {
-                let off = fraction * (7.3 * n as f64).sin();
+            for (n, (x, y, r)) in (0u32..).zip(places) {
+                let off = fraction * (7.3 * f64::from(n)).sin();
                 let centre = Vector::new(f64::from(x) + off, f64::from(y) - off * off);
                 if discs.iter().all(|disc| disc.centre != centre) {
                     discs.push(Disc { centre, radius: radius * f64::from(r) });
@@ -202,7 +201,7 @@ mod tests {
     /// Pair by pair, each of these takes minutes.
     #[test]
     fn many_discs_that_all_overlap_take_little_time() {
-        let n = 20_000;
+        let n = 20_000u32;
         let at = |place: &dyn Fn(f64) -> Vector| {
             (0..n).map(|k| Disc { centre: place(f64::from(k)), radius: 10.0 }).collect::<Vec<_>>()
         };

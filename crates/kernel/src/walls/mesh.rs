@@ -45,11 +45,11 @@ impl Found {
 ///
 /// # Errors
 /// In words, with the number of the triangle, from 1, and of the line.
-pub fn read(path: &Path, bytes: Vec<u8>, unit: LengthUnit) -> Result<Vec<[Solid; 3]>, String> {
+pub fn read(path: &Path, bytes: &[u8], unit: LengthUnit) -> Result<Vec<[Solid; 3]>, String> {
     let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
     let mut found = match ending.as_ref().and_then(|ending| ending.to_str()) {
         Some("stl") => stl::read(bytes)?,
-        Some("obj") => obj::read(&text(&bytes)?)?,
+        Some("obj") => obj::read(&text(bytes)?)?,
         _ => return Err("the name of a mesh ends with .stl or .obj".to_owned()),
     };
     if found.triangles.is_empty() {
@@ -136,7 +136,7 @@ mod tests {
     const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
 
     fn from(name: &str, bytes: &[u8]) -> Result<Vec<[Solid; 3]>, String> {
-        read(Path::new(name), bytes.to_vec(), LengthUnit::Centimetre)
+        read(Path::new(name), bytes, LengthUnit::Centimetre)
     }
 
     fn ascii() -> String {

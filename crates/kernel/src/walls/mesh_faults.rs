@@ -204,7 +204,7 @@ impl Flat {
         let [low, high] = [low, high].map(|corner| Solid::new(corner[0], corner[1], corner[2]));
         let (middle, half) = (0.5 * (low + high) - self.corners[0], 0.5 * (high - low));
         let reach = half.dot(self.normal.abs()) + ON * self.size;
-        !(middle.dot(self.normal).abs() > reach * (1.0 + 1e-12))
+        middle.dot(self.normal).abs() <= reach * (1.0 + 1e-12)
     }
 }
 
@@ -336,7 +336,7 @@ mod tests {
         let triangles: Vec<[Solid; 3]> = (0..200)
             .map(|n| {
                 let size = [1.0, 0.1, 0.003][n % 3];
-                let [plane, a] = [(n % 4) as f64, 0.0].map(|x| x);
+                let (plane, a) = ([0.0, 1.0, 2.0, 3.0][n % 4], 0.0);
                 let corner = point(plane, 0.0);
                 [corner, corner + size * (point(plane, a) - corner), corner + size * (point(plane, a) - corner)]
             })

@@ -64,7 +64,8 @@ pub(crate) fn of_face(points: &[Solid], flat: f64) -> Result<Vec<[Solid; 3]>, St
     };
     let size = points.iter().map(|x| x.distance(points[0])).fold(0.0, f64::max);
     let height = |x: &Solid| (*x - centre).dot(normal).abs();
-    if let Some(off) = points.iter().position(|x| !(height(x) <= flat * size)) {
+    let is_flat = |x: &Solid| height(x) <= flat * size;
+    if let Some(off) = points.iter().position(|x| !is_flat(x)) {
         let share = height(&points[off]) / size;
         return Err(format!(
             "corner {} is outside the plane of the others, by {share:.1e} of the size of the face; divide the face into triangles",
@@ -272,7 +273,9 @@ fn clip(points: Vec<Solid>, up: Solid, straight: Straight) -> Option<Vec<[Solid;
     }
     let judge_all = |ring: &mut Ring| {
         let left: Vec<_> = ring.all().collect();
-        left.into_iter().for_each(|at| ring.judge_ear(at));
+        for at in left {
+            ring.judge_ear(at);
+        }
     };
     judge_all(&mut ring);
     while ring.left >= 3 {
@@ -296,7 +299,7 @@ fn clip(points: Vec<Solid>, up: Solid, straight: Straight) -> Option<Vec<[Solid;
         for at in beside {
             let is_left = ring.left >= 3 && ring.after[ring.before[at]] == at;
             if is_left {
-                ring.judge_ear(at)
+                ring.judge_ear(at);
             } else {
                 ring.ears.remove(&at);
             }

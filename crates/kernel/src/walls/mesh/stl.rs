@@ -16,13 +16,13 @@ const HEADER: usize = 84;
 const TRIANGLE: usize = 50;
 
 /// Reads an STL file.
-pub(super) fn read(bytes: Vec<u8>) -> Result<Found, String> {
+pub(super) fn read(bytes: &[u8]) -> Result<Found, String> {
     let announced = bytes.get(80..HEADER).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes);
     let length = |count: u32| HEADER as u64 + TRIANGLE as u64 * u64::from(count);
     match announced {
-        Some(count) if length(count) == bytes.len() as u64 => read_binary(&bytes, count),
-        Some(count) if !is_text(&bytes) => read_binary(&bytes, count),
-        _ => read_ascii(&text(&bytes)?),
+        Some(count) if length(count) == bytes.len() as u64 => read_binary(bytes, count),
+        Some(count) if !is_text(bytes) => read_binary(bytes, count),
+        _ => read_ascii(&text(bytes)?),
     }
 }
 
@@ -64,7 +64,7 @@ fn read_binary(bytes: &[u8], count: u32) -> Result<Found, String> {
 /// The words of a text.
 struct Words<'a> {
     lines: std::iter::Enumerate<std::str::Lines<'a>>,
-    words: SplitWhitespace<'a>,
+    rest: SplitWhitespace<'a>,
     /// The number of the line of the last word, from 1.
     line: usize,
 }
@@ -72,16 +72,16 @@ struct Words<'a> {
 impl<'a> Words<'a> {
     fn next(&mut self) -> Option<&'a str> {
         loop {
-            if let Some(word) = self.words.next() {
+            if let Some(word) = self.rest.next() {
                 return Some(word);
             }
             let (number, line) = self.lines.next()?;
-            (self.line, self.words) = (number + 1, line.split_whitespace());
+            (self.line, self.rest) = (number + 1, line.split_whitespace());
         }
     }
 
     fn skip_line(&mut self) {
-        self.words = "".split_whitespace();
+        self.rest = "".split_whitespace();
     }
 
     /// Takes a word, or two words of which the first is `end`: both `endloop` and `end loop`.
@@ -103,7 +103,7 @@ impl<'a> Words<'a> {
 }
 
 fn read_ascii(text: &str) -> Result<Found, String> {
-    let mut words = Words { lines: text.lines().enumerate(), words: "".split_whitespace(), line: 1 };
+    let mut words = Words { lines: text.lines().enumerate(), rest: "".split_whitespace(), line: 1 };
     let mut found = Found::default();
     let mut is_inside = false;
     while let Some(word) = words.next() {
