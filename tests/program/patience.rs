@@ -14,7 +14,7 @@ use crate::command_line::{siloflow, text};
 
 /// Grains whose radius was meant in mm: each of them overlaps all others, and pairs of 40,000 grains take minutes.
 const ALL_OVERLAP: &str = "(space: Solid, gravity: (0.0, 0.0, -9.81), mass: Sphere(2500.0), step: Fixed(1.0e-5), until: 1.0,
-    contact: Hertz(young: 1.0e7, poisson: 0.3, restitution: 0.5, friction: 0.3),
+    contact: Hertz(restitution: 0.5, tangential: Mindlin(friction: 0.3)), materials: [(young: 1.0e7, poisson: 0.3)],
     walls: [HalfSpace(point: (0.0, 0.0, -9.0), normal: (0.0, 0.0, 1.0))],
     fill: [(low: (0.0, 0.0, 0.0), high: (0.4, 0.4, 0.25), spacing: 0.01, radius: Fixed(2.0))], pictures: None, checkpoint: None)";
 

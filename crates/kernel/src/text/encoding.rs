@@ -33,6 +33,8 @@ pub struct TextReader<R> {
     /// Lines, and characters in the last line, of the decoded text, from 0.
     line: usize,
     column: usize,
+    /// What is wrong with the text. Every later call says so again.
+    wrong: Option<String>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -63,12 +65,13 @@ impl<R: Read> TextReader<R> {
             is_at_end: false,
             line: 0,
             column: 0,
+            wrong: None,
         }
     }
 
     /// Reads and decodes until there is text to give out, or the source ends.
     fn fill(&mut self) -> io::Result<()> {
-        while self.given == self.text.len() && !(self.is_at_end && self.raw.is_empty()) {
+        while self.given == self.text.len() && self.wrong.is_none() && !(self.is_at_end && self.raw.is_empty()) {
             if !self.is_at_end {
                 let before = self.raw.len();
                 self.raw.resize(before + CHUNK, 0);
@@ -85,19 +88,29 @@ impl<R: Read> TextReader<R> {
             }
             self.text.clear();
             self.given = 0;
-            let encoding = match self.encoding {
-                Some(encoding) => encoding,
-                None => *self.encoding.insert(recognise(&mut self.raw)?),
-            };
-            match encoding {
-                Encoding::Utf8 => self.decode_utf8()?,
-                Encoding::Utf16(unit) => self.decode_utf16(unit)?,
+            if let Err(wrong) = self.decode() {
+                self.text.clear();
+                self.wrong = Some(wrong);
             }
         }
-        Ok(())
+        match &self.wrong {
+            Some(wrong) => Err(io::Error::new(io::ErrorKind::InvalidData, wrong.clone())),
+            None => Ok(()),
+        }
     }
 
-    fn decode_utf8(&mut self) -> io::Result<()> {
+    fn decode(&mut self) -> Result<(), String> {
+        let encoding = match self.encoding {
+            Some(encoding) => encoding,
+            None => *self.encoding.insert(recognise(&mut self.raw)?),
+        };
+        match encoding {
+            Encoding::Utf8 => self.decode_utf8(),
+            Encoding::Utf16(unit) => self.decode_utf16(unit),
+        }
+    }
+
+    fn decode_utf8(&mut self) -> Result<(), String> {
         let (valid, is_wrong) = match std::str::from_utf8(&self.raw) {
             Ok(text) => (text.len(), false),
             // The rest of a character may come with the next bytes.
@@ -116,7 +129,7 @@ impl<R: Read> TextReader<R> {
         }
     }
 
-    fn decode_utf16(&mut self, unit: fn([u8; 2]) -> u16) -> io::Result<()> {
+    fn decode_utf16(&mut self, unit: fn([u8; 2]) -> u16) -> Result<(), String> {
         let (pairs, rest) = self.raw.as_chunks::<2>();
         let mut units: Vec<u16> = pairs.iter().map(|pair| unit(*pair)).collect();
         let is_odd = !rest.is_empty();
@@ -150,11 +163,10 @@ impl<R: Read> TextReader<R> {
         };
     }
 
-    /// The error at the present place.
-    fn wrong(&self, what: &str) -> io::Error {
+    /// What is wrong, with the present place.
+    fn wrong(&self, what: &str) -> String {
         let (line, column) = (self.line + 1, self.column + 1);
-        let message = format!("line {line}, column {column}: {what}; save the file with the encoding UTF-8");
-        io::Error::new(io::ErrorKind::InvalidData, message)
+        format!("line {line}, column {column}: {what}; save the file with the encoding UTF-8")
     }
 }
 
@@ -170,10 +182,8 @@ impl<R: Read> Read for TextReader<R> {
 }
 
 /// Returns the encoding that the first bytes state, and removes the mark.
-fn recognise(bytes: &mut Vec<u8>) -> io::Result<Encoding> {
-    let refused = |what: &str| {
-        Err(io::Error::new(io::ErrorKind::InvalidData, format!("{what}; save the file with the encoding UTF-8")))
-    };
+fn recognise(bytes: &mut Vec<u8>) -> Result<Encoding, String> {
+    let refused = |what: &str| Err(format!("{what}; save the file with the encoding UTF-8"));
     match bytes[..] {
         [0xff, 0xfe, 0, 0, ..] | [0, 0, 0xfe, 0xff, ..] => refused("the file has the encoding UTF-32"),
         [0xff, 0xfe, ..] => {
@@ -218,6 +228,14 @@ mod tests {
             TextReader::new(Slow(bytes)).read_to_string(&mut text).map(|_| text).map_err(|error| error.to_string());
         assert_eq!(slow, decode(bytes));
         slow
+    }
+
+    #[test]
+    fn a_wrong_text_is_wrong_again_when_it_is_read_on() {
+        let mut reader = TextReader::new(&b"a,b\n1,\xf6\n"[..]);
+        for _ in 0..3 {
+            assert_eq!(reader.read(&mut [0; 8]).unwrap_err().kind(), io::ErrorKind::InvalidData);
+        }
     }
 
     fn utf16(text: &str, bytes: fn(u16) -> [u8; 2]) -> Vec<u8> {
