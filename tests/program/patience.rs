@@ -60,6 +60,9 @@ fn where_all_grains_overlap_the_checks_end_in_time_and_warn() {
     for code in ["check::overlaps_at_start", "check::unfinished"] {
         assert!(found.iter().any(|(found, _)| *found == code), "{found:?}");
     }
+    let counted =
+        |(code, message): &(&str, String)| *code == "check::overlaps_at_start" && message.starts_with("at least ");
+    assert!(found.iter().any(counted), "{found:?}");
     let (_, message) = found.last().unwrap();
     assert!(message.contains("0.5 s") && message.contains("of 40000 bodies"), "{message}");
 }

@@ -69,7 +69,11 @@ fn examine_in<V: Space>(loaded: &Loaded, estimates: Option<&Estimates>, budget: 
     };
     let pressed: Vec<_> = grains.iter().filter(|grain| pressed(grain)).map(|(body, _)| *body).collect();
     if let Some(first) = pressed.first() {
-        overlapping(pressed.len(), &format!("{} and a wall surface at {}", name(first), place(first.centre)), warnings);
+        overlapping(
+            &pressed.len().to_string(),
+            &format!("{} and a wall surface at {}", name(first), place(first.centre)),
+            warnings,
+        );
     }
     let is_deep = warnings[before..].iter().any(|warning| DEEP.contains(&warning.code));
     if let Some(estimates) = estimates.filter(|_| is_deep) {
@@ -121,9 +125,14 @@ fn distances<V: Space>(surfaces: &Surfaces<V>, numbers: impl Iterator<Item = usi
     })
 }
 
-/// Calls `visit` with pairs of bodies that touch, until the budget ends; it is told then what was not examined: `what`. A body is compared with
+/// Calls `visit` with pairs of bodies that touch, until the budget ends; it is told then what was not examined: `what`. Returns whether all were visited. A body is compared with
 /// those in its cell and in the cells around, and a cell is as wide as the largest body.
-fn touching<'a>(bodies: &'a [Body], what: &str, budget: &Budget, mut visit: impl FnMut(&'a Body, &'a Body, f64)) {
+fn touching<'a>(
+    bodies: &'a [Body],
+    what: &str,
+    budget: &Budget,
+    mut visit: impl FnMut(&'a Body, &'a Body, f64),
+) -> bool {
     let width = 2.0 * bodies.iter().map(|body| body.radius).fold(0.0, f64::max);
     #[expect(clippy::cast_possible_truncation, reason = "saturates far outside any scene")]
     let cell = |x: Solid| (x / width).floor().to_array().map(|number| number as i64);
@@ -138,8 +147,7 @@ fn touching<'a>(bodies: &'a [Body], what: &str, budget: &Budget, mut visit: impl
             ];
             for &other in cells.get(&key).into_iter().flatten() {
                 if budget.is_spent() {
-                    budget.give_up(format!("{what}, after {number} of {} bodies", bodies.len()));
-                    return;
+                    break;
                 }
                 let distance = body.centre.distance(bodies[other].centre);
                 if distance < body.radius + bodies[other].radius {
@@ -147,13 +155,18 @@ fn touching<'a>(bodies: &'a [Body], what: &str, budget: &Budget, mut visit: impl
                 }
             }
         }
+        if budget.is_spent() {
+            budget.give_up(format!("{what}, after {number} of {} bodies", bodies.len()));
+            return false;
+        }
         cells.entry([x, y, z]).or_default().push(number);
     }
+    true
 }
 
 fn pairs(bodies: &[Body], budget: &Budget, warnings: &mut Vec<Warning>) {
     let (mut deep, mut deepest, mut within, mut doubled) = (0, (0.0, String::new()), None, (0, String::new()));
-    touching(bodies, "overlaps at the start", budget, |a, b, distance| {
+    let are_all = touching(bodies, "overlaps at the start", budget, |a, b, distance| {
         let smaller = a.radius.min(b.radius);
         let share = (a.radius + b.radius - distance) / smaller;
         if a.grain.is_none() && b.grain.is_none() {
@@ -185,7 +198,8 @@ fn pairs(bodies: &[Body], budget: &Budget, warnings: &mut Vec<Warning>) {
     }
     inside(within, "inside a wall grain", warnings);
     if deep > 0 {
-        overlapping(deep, &deepest.1, warnings);
+        let count = if are_all { deep.to_string() } else { format!("at least {deep}") };
+        overlapping(&count, &deepest.1, warnings);
     }
 }
 
@@ -199,7 +213,7 @@ fn inside(first: Option<&Body>, what: &str, warnings: &mut Vec<Warning>) {
     }
 }
 
-fn overlapping(count: usize, example: &str, warnings: &mut Vec<Warning>) {
+fn overlapping(count: &str, example: &str, warnings: &mut Vec<Warning>) {
     warnings.push(Warning {
         code: "check::overlaps_at_start",
         message: format!("{count} contacts start with an overlap of more than {LARGE_OVERLAP} of the smaller radius, for example {example}"),

@@ -33,7 +33,7 @@ pub(super) fn examine<V: Space>(
             *rates.entry(id).or_default() += limit.powi(-2);
         }
     };
-    touching(bodies, "the stability limit of all overlaps at the start", budget, |a, b, distance| {
+    let _ = touching(bodies, "the stability limit of all overlaps at the start", budget, |a, b, distance| {
         // Wall grains come first, so the second body is the grain.
         if b.grain.is_some() {
             add(&[a, b], [b.partner(), a.partner()], a.radius + b.radius - distance);
