@@ -147,7 +147,7 @@ fn binary(header: &[u8], count: u32, triangles: &[[Solid; 3]]) -> Vec<u8> {
     bytes.extend(count.to_le_bytes());
     for triangle in triangles {
         bytes.extend(f32::NAN.to_le_bytes().repeat(3));
-        bytes.extend(triangle.iter().flat_map(|corner| corner.to_array()).flat_map(|x| (x as f32).to_le_bytes()));
+        bytes.extend(triangle.iter().flat_map(Solid::to_array).flat_map(|x| (x as f32).to_le_bytes()));
         bytes.extend([255, 255]);
     }
     bytes

@@ -30,7 +30,7 @@ fn warnings(scene: &str, budget: &Budget) -> Vec<(&'static str, String)> {
 
 #[test]
 fn checks_without_time_say_what_they_did_not_examine() {
-    let all = warnings(SMALL, &Budget::of(Duration::from_secs(60)));
+    let all = warnings(SMALL, &Budget::of(Duration::from_mins(1)));
     assert!(all.iter().any(|(code, _)| *code == "check::leaky_walls"), "{all:?}");
     assert!(all.iter().all(|(code, _)| *code != "check::unfinished"), "{all:?}");
     let none = warnings(SMALL, &Budget::of(Duration::ZERO));
