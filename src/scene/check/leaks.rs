@@ -3,7 +3,7 @@
 //! A flood fill runs over a square grid with a spacing of a quarter of the smallest grain's radius R. It starts where
 //! grains start. Grid points nearer than R + R_w to a wall grain, or R to a wall surface, are blocked. If the fill reaches
 //! the bounding box of the walls other than at its top, the walls leak. Limit: a gap whose free width is less than the
-//! diagonal of the grid, a third of the radius, may be overlooked. A search that would need more than [`MOST_POINTS`] points, or more time than the budget has, is
+//! diagonal of the grid, a third of the radius, may be overlooked. A search that would need more than 2e7 points, or more time than the budget has, is
 //! given up, and the budget is told.
 
 use crate::budget::Budget;

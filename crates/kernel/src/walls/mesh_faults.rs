@@ -8,7 +8,7 @@
 //!
 //! Tolerances are relative to the lengths of the edges.
 //!
-//! Searches go through trees ([`BoxTree`]), in which a corner far from the line of an edge, and a triangle far from the plane of another or in another
+//! Searches go through trees (`walls::box_tree`), in which a corner far from the line of an edge, and a triangle far from the plane of another or in another
 //! direction, are never looked at. So the time is about n log n also where all triangles have a corner in common or cross each other.
 
 use std::collections::BTreeSet;
