@@ -1,3 +1,5 @@
+use std::fs;
+
 use super::*;
 
 fn header(dimension: u8) -> Header {
