@@ -1,4 +1,5 @@
-//! The files that LAMMPS writes: forces of step 0, `series.csv` in the columns of siloflow, forces on walls, frames, restarts.
+//! The files that LAMMPS writes: forces of step 0, `series.csv` in the columns of siloflow, forces on walls, frames, restarts. Numbers have
+//! 17 digits, which read back to the same bits.
 
 use std::fmt::Write as _;
 
@@ -78,8 +79,8 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
     );
     let _ = write!(
         text,
-        "fix series all print {every} \"$(time:%.9f),$(v_released:%.0f),$(v_inside:%.0f),$(v_out:%.0f),$(v_culled:%.0f),\
-         $(v_out_kg:%.15g),$(v_kinetic:%.15g),$(v_rotational:%.15g),$(v_potential:%.15g),$(v_fastest:%.15g)\" &\n  \
+        "fix series all print {every} \"$(time:%.17g),$(v_released:%.0f),$(v_inside:%.0f),$(v_out:%.0f),$(v_culled:%.0f),\
+         $(v_out_kg:%.17g),$(v_kinetic:%.17g),$(v_rotational:%.17g),$(v_potential:%.17g),$(v_fastest:%.17g)\" &\n  \
          file series.csv screen no title \"time_s,released,inside,out,culled,out_kg,kinetic_j,rotational_j,potential_j,\
          largest_speed_m_per_s\"\n"
     );
@@ -97,7 +98,8 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
         let spins = if loaded.scene.contact.spins() { " omegax omegay omegaz" } else { "" };
         let _ = writeln!(
             text,
-            "dump frames all custom {every} frames.dump id type radius mass x y z vx vy vz fx fy fz{spins}\ndump_modify frames sort id"
+            "dump frames all custom {every} frames.dump id type radius mass x y z vx vy vz fx fy fz{spins}\n\
+             dump_modify frames sort id format float %.17g"
         );
     }
     let restarts = steps(loaded.scene.until.get() / 10.0, dt);
@@ -118,7 +120,7 @@ fn forces(name: &str, every: u64, walls: &[&(usize, Vec<String>)]) -> String {
         return String::new();
     }
     let mut text = String::new();
-    let (mut title, mut row) = ("time_s".to_owned(), "$(time:%.9f)".to_owned());
+    let (mut title, mut row) = ("time_s".to_owned(), "$(time:%.17g)".to_owned());
     for (number, fixes) in walls {
         for (column, axis) in [(2, "x"), (3, "y"), (4, "z")] {
             let sums = fixes.iter().map(|fix| {
@@ -128,7 +130,7 @@ fn forces(name: &str, every: u64, walls: &[&(usize, Vec<String>)]) -> String {
             let sum: String = sums.collect();
             let _ = writeln!(text, "variable load_{number}_{axis} equal 0{sum}");
             let _ = write!(title, ",wall_{number}_f{axis}_n");
-            let _ = write!(row, ",$(v_load_{number}_{axis}:%.15g)");
+            let _ = write!(row, ",$(v_load_{number}_{axis}:%.17g)");
         }
     }
     let _ = writeln!(text, "fix {name} all print {every} \"{row}\" &\n  file {name}.csv screen no title \"{title}\"");
