@@ -82,9 +82,9 @@ impl Report {
             let field = row.field.as_ref().map_or_else(
                 || ",".repeat(5),
                 |field| {
-                    let correlation = field.field_correlation.map_or_else(String::new, |r| format!("{r:.6}"));
+                    let correlation = field.field_correlation.map_or_else(String::new, |r| format!("{r:?}"));
                     format!(
-                        "{:.6},{correlation},{},{},{},{:e}",
+                        "{:?},{correlation},{},{},{},{:e}",
                         field.field_rms, field.common_cells, field.only_reference, field.only_run, field.mean_speed
                     )
                 },
@@ -92,7 +92,7 @@ impl Report {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "{name},{field},{:.6},{:e},{},{:.3},{:.6}",
+                "{name},{field},{:?},{:e},{},{:?},{:?}",
                 row.discharge_difference, row.unit_time, row.time_unit, row.wall_s, row.wall_ratio
             );
         }
