@@ -15,8 +15,8 @@ use crate::walls::surfaces::Surfaces;
 /// Number of steps that are summed after one in which many contacts have begun or ended.
 const AFTER_EVENT: u32 = 2;
 
-/// A contact that lasts counts as this share of one that begins or ends: its power changes over some tens of steps.
-const LASTING: f64 = 1.0 / 64.0;
+/// A contact that lasts counts as this share of one that begins or ends: its power changes little in a step.
+const LASTING: f64 = 1.0 / 256.0;
 
 /// Share of the velocity of a wall whose change in a step counts as a jump.
 const JUMP: f64 = 0.1;
@@ -117,7 +117,7 @@ mod tests {
         assert!(!is_event(&mut activity, [100; 4], 0));
         assert!(!is_event(&mut activity, [102, 98, 100, 100], 0));
         // 4 have changed, and 400 last.
-        assert!((activity.last - (4.0 + 400.0 / 64.0)).abs() < 1e-12, "{}", activity.last);
+        assert!((activity.last - (4.0 + 400.0 / 256.0)).abs() < 1e-12, "{}", activity.last);
         // A layer ends where another begins.
         assert!(is_event(&mut activity, [2, 98, 200, 100], 0));
         // Rows have other numbers.

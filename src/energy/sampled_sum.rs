@@ -3,7 +3,9 @@
 //! Between two samples P_l and P_r, g steps apart, the power is interpolated along the *activity*: P_k = P_l + (P_r - P_l) w_k, where w_k is
 //! the share of the activity from l to r that has passed at step k. The activity of a step grows with the number of contacts
 //! that begin or end in it. So a jump that many contacts make together is placed in its step, and without activity the
-//! interpolation is linear in time. Where activity and sign of a change are independent, the sum is right on average.
+//! interpolation is linear in time. Where activity and sign of a change are independent, the sum is right on average. Behind a jump that is
+//! placed within a step or so the power is not constant either. If the step after the sample is a sample too, their difference tells the slope,
+//! and the steps from the jump to the first sample are corrected by it.
 //!
 //! Error: a jump P_r - P_l that lies in step k with a probability proportional to its activity misplaces the integral by (P_r - P_l) times
 //! the time from step k to the mean place. The variance of an interval is therefore (P_r - P_l)^2 times the variance of the place, in the mean
@@ -24,6 +26,8 @@ pub(super) struct SampledSum {
     variance: f64,
     /// What a step without a sample adds, J.
     pending: f64,
+    /// Sum of the distances of the steps between a jump and the last sample from that sample, if the jump is known.
+    behind: f64,
     /// Change of a step's energy between the last samples over the root of their distance in steps, J. It decays over some ten samples, so
     /// that it tells of a jump also where the power is flat behind it.
     change: f64,
@@ -31,6 +35,9 @@ pub(super) struct SampledSum {
 
 /// What a sample keeps of its change in the next one.
 const KEPT: f64 = 0.9;
+
+/// Variance of the place of a jump, in squares of a step, below which the place is known.
+const SHARP: f64 = 0.5;
 
 /// Steps since a sample, and the activity of them: its sum, and the sums of its products with the age of the steps and with the
 /// square of the age.
@@ -88,11 +95,15 @@ impl SampledSum {
         };
         let (passed, last) = (std::mem::take(&mut self.since), std::mem::replace(&mut self.last, value));
         let (steps, change, (age, spread)) = (f64::from(passed.steps), dt * (value - last), passed.age());
+        let mut correction = 0.0;
         if passed.steps > 1 {
             self.variance += change * change * variance(steps, spread);
+            self.behind = if spread < SHARP { 0.5 * age * (age + 1.0) } else { 0.0 };
+        } else {
+            correction = -change * std::mem::take(&mut self.behind);
         }
         self.change = (KEPT * self.change).max(change.abs() / steps.sqrt());
-        dt * last + change * (age + share)
+        dt * last + change * (age + share) + correction
     }
 
     /// Returns the standard error of the sum, J, without the steps since the last sample.
@@ -200,11 +211,24 @@ mod tests {
     }
 
     #[test]
+    fn the_slope_behind_a_jump_is_taken_back_to_it() {
+        // The power jumps to 10 W in step 3 and falls by 1 W in each step. Samples are in steps 0, 5 and 6.
+        let power = |step: u32| if step < 3 { 0.0 } else { 13.0 - f64::from(step) };
+        let mut sum = SampledSum::default();
+        sum.integrate(Some(power(0)), 1.0, 0.0);
+        let total: f64 = (1..=6)
+            .map(|step| sum.integrate((step > 4).then(|| power(step)), 1.0, if step == 3 { 1600.0 } else { 0.0 }))
+            .sum();
+        let exact: f64 = (1..=6).map(|step| 0.5 * (power(step - 1) + power(step))).sum();
+        assert_eq!(total, exact);
+    }
+
+    #[test]
     fn steps_since_the_last_sample_are_pending_and_a_jump_is_remembered() {
         let mut power = SampledSum::default();
         power.integrate(Some(0.0), 0.5, 0.0);
         power.integrate(Some(4.0), 0.5, 0.0);
-        [None, None, None].map(|none| power.integrate(none, 0.5, 0.0));
+        (0..3).for_each(|_| assert_eq!(power.integrate(None, 0.5, 0.0), 2.0));
         assert_eq!(power.pending(), 6.0);
         assert_eq!(power.error_ahead(12.0), 2.0 * 12.0);
         power.integrate(Some(4.0), 0.5, 0.0);
