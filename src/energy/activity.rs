@@ -9,6 +9,7 @@
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use super::sampled_sum::Weight;
 use crate::space::{Linear, Space};
 use crate::walls::surfaces::Surfaces;
 
@@ -18,6 +19,10 @@ const AFTER_EVENT: u32 = 2;
 /// A contact that lasts counts as this share of one that begins or ends: its power changes little in a step.
 const LASTING: f64 = 1.0 / 256.0;
 
+/// Contacts per grain below which every step is summed: it costs little where there are few, and a layer that meets a floor is summed from its
+/// first step on.
+const DILUTE: f64 = 0.25;
+
 /// Share of the velocity of a wall whose change in a step counts as a jump.
 const JUMP: f64 = 0.1;
 
@@ -25,7 +30,11 @@ const JUMP: f64 = 0.1;
 #[derive(Resource, Clone, Debug, Default, Deserialize, Serialize)]
 pub(super) struct Activity {
     /// Contacts that have begun or ended in the last step, and a share of all others.
-    pub last: f64,
+    last: f64,
+    /// Number of contacts in the last step.
+    contacts: f64,
+    /// Whether contacts act in a part of their first step.
+    are_centred: bool,
     /// Number of contacts in each block of rows.
     counts: Vec<u32>,
     /// The renumbering of rows that the counts belong to.
@@ -46,6 +55,18 @@ impl Activity {
         self.counts.is_empty()
     }
 
+    /// Returns the weight of the last step among those between two samples.
+    pub fn weight(&self) -> Weight {
+        Weight { activity: self.last, missing: if self.are_centred { 0.5 } else { 0.0 } }
+    }
+
+    /// Whether so many grains have few contacts.
+    pub fn is_dilute(&self, grains: usize) -> bool {
+        #[expect(clippy::cast_precision_loss, reason = "a number of grains")]
+        let few = DILUTE * grains as f64;
+        self.contacts < few
+    }
+
     /// Returns whether the next step is to be summed on demand.
     pub fn take_demand(&mut self) -> bool {
         let is_demanded = self.demanded > 0;
@@ -55,7 +76,7 @@ impl Activity {
 
     /// Adds the number of contacts of a step in each block of rows. Contacts that begin and end in one block cancel, and those of a step after
     /// which rows were renumbered.
-    pub fn note(&mut self, counts: impl Iterator<Item = u32>, generation: u64) {
+    pub fn note(&mut self, counts: impl Iterator<Item = u32>, generation: u64, are_centred: bool) {
         let before = std::mem::replace(&mut self.counts, counts.collect());
         let total = |counts: &[u32]| counts.iter().map(|&count| f64::from(count)).sum::<f64>();
         let contacts = total(&self.counts);
@@ -66,7 +87,7 @@ impl Activity {
         } else {
             (contacts - total(&before)).abs()
         };
-        self.generation = generation;
+        (self.generation, self.contacts, self.are_centred) = (generation, contacts, are_centred);
         self.last = changed + if self.has_jumped { contacts } else { LASTING * contacts };
         // Numbers of independent events spread by their root: six standard deviations, and some more where they are few.
         if self.has_jumped || changed > self.usual + 6.0 * self.usual.sqrt() + 8.0 {
@@ -106,7 +127,7 @@ mod tests {
     /// Notes these counts of contacts in four blocks of rows, and returns whether they are an event.
     fn is_event(activity: &mut Activity, counts: [u32; 4], generation: u64) -> bool {
         activity.demanded = 0;
-        activity.note(counts.into_iter(), generation);
+        activity.note(counts.into_iter(), generation, false);
         activity.demanded > 0
     }
 

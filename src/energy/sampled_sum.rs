@@ -5,7 +5,8 @@
 //! that begin or end in it. So a jump that many contacts make together is placed in its step, and without activity the
 //! interpolation is linear in time. Where activity and sign of a change are independent, the sum is right on average. Behind a jump that is
 //! placed within a step or so the power is not constant either. If the step after the sample is a sample too, their difference tells the slope,
-//! and the steps from the jump to the first sample are corrected by it.
+//! and the steps from the jump to the first sample are corrected by it. A centred contact acts in a part of its first step, anything from
+//! nothing to all: the half is taken, and the standard deviation of the rest, 1/sqrt(12), added to the error.
 //!
 //! Error: a jump P_r - P_l that lies in step k with a probability proportional to its activity misplaces the integral by (P_r - P_l) times
 //! the time from step k to the mean place. The variance of an interval is therefore (P_r - P_l)^2 times the variance of the place, in the mean
@@ -26,11 +27,31 @@ pub(super) struct SampledSum {
     variance: f64,
     /// What a step without a sample adds, J.
     pending: f64,
-    /// Sum of the distances of the steps between a jump and the last sample from that sample, if the jump is known.
-    behind: f64,
+    /// The jump before the last sample, if its place is known.
+    jump: Option<Jump>,
     /// Change of a step's energy between the last samples over the root of their distance in steps, J. It decays over some ten samples, so
     /// that it tells of a jump also where the power is flat behind it.
     change: f64,
+}
+
+/// A jump whose place is known.
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+struct Jump {
+    /// Its size, J in a step.
+    size: f64,
+    /// Steps from it to the sample behind it.
+    age: f64,
+    /// The share of its first step in which it does not act, on average.
+    missing: f64,
+}
+
+/// The activity of contacts in a step.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Weight {
+    /// Contacts that have begun or ended, and a share of all others.
+    pub activity: f64,
+    /// The share of its first step in which a contact does not act, on average.
+    pub missing: f64,
 }
 
 /// What a sample keeps of its change in the next one.
@@ -69,13 +90,13 @@ impl Passed {
 
 impl SampledSum {
     /// Returns what a step of `dt` (s) with this activity adds to the integral of a power (W), by the trapezoidal rule, J.
-    pub(super) fn integrate(&mut self, power: Option<f64>, dt: f64, activity: f64) -> f64 {
-        self.add(power, dt, activity, 0.5, |_, place| place)
+    pub(super) fn integrate(&mut self, power: Option<f64>, dt: f64, weight: Weight) -> f64 {
+        self.add(power, dt, weight, 0.5, |_, place| place)
     }
 
     /// Returns what a step with this activity adds to a sum of losses, J.
-    pub(super) fn sum(&mut self, loss: Option<f64>, activity: f64) -> f64 {
-        self.add(loss, 1.0, activity, 1.0, |steps, _| 0.5 * steps * (steps - 1.0))
+    pub(super) fn sum(&mut self, loss: Option<f64>, weight: Weight) -> f64 {
+        self.add(loss, 1.0, weight, 1.0, |steps, _| 0.5 * steps * (steps - 1.0))
     }
 
     /// `share` is the part of a change that counts in the step of the sample. `variance` returns the variance of an interval over the square
@@ -84,7 +105,7 @@ impl SampledSum {
         &mut self,
         value: Option<f64>,
         dt: f64,
-        activity: f64,
+        Weight { activity, missing }: Weight,
         share: f64,
         variance: impl Fn(f64, f64) -> f64,
     ) -> f64 {
@@ -98,9 +119,13 @@ impl SampledSum {
         let mut correction = 0.0;
         if passed.steps > 1 {
             self.variance += change * change * variance(steps, spread);
-            self.behind = if spread < SHARP { 0.5 * age * (age + 1.0) } else { 0.0 };
-        } else {
-            correction = -change * std::mem::take(&mut self.behind);
+            // A jump in the step of the sample is summed as it is.
+            let is_known = spread < SHARP && age > 0.5;
+            self.jump = is_known.then_some(Jump { size: change, age, missing });
+        } else if let Some(Jump { size, age, missing }) = self.jump.take() {
+            let at_first = missing * (size - change * age);
+            correction = -0.5 * change * age * (age + 1.0) - at_first;
+            self.variance += at_first * at_first / 3.0;
         }
         self.change = (KEPT * self.change).max(change.abs() / steps.sqrt());
         dt * last + change * (age + share) + correction
@@ -131,6 +156,11 @@ mod tests {
     use super::*;
     use crate::random::Stream;
 
+    /// The weight of a step in which so many contacts begin or end.
+    fn weight(activity: f64) -> Weight {
+        Weight { activity, missing: 0.0 }
+    }
+
     /// Duration of an impact, steps.
     const DURATION: u32 = 20;
     /// Steps between two impacts: a multiple of every block here.
@@ -148,7 +178,7 @@ mod tests {
             let power = if is_on { (PI * time / f64::from(DURATION)).cos().powi(2) } else { 0.0 };
             let [uniform] = draws.uniform(u64::from(step / block));
             let is_due = f64::from(step % block) == (uniform * f64::from(block)).floor();
-            total += sum.integrate(is_due.then_some(power), 1.0, 0.0);
+            total += sum.integrate(is_due.then_some(power), 1.0, weight(0.0));
         }
         (total, sum)
     }
@@ -180,32 +210,33 @@ mod tests {
     #[test]
     fn a_skipped_step_counts_like_the_last_one_until_the_next_sample() {
         let mut power = SampledSum::default();
-        power.integrate(Some(2.0), 0.5, 0.0);
-        let steps = [None, None, Some(4.0), Some(4.0)].map(|sample| power.integrate(sample, 0.5, 0.0));
+        power.integrate(Some(2.0), 0.5, weight(0.0));
+        let steps = [None, None, Some(4.0), Some(4.0)].map(|sample| power.integrate(sample, 0.5, weight(0.0)));
         // Three steps with the mean power 3 W, of which two were counted with 2 W.
         assert_eq!(steps, [1.0, 1.0, 2.5, 2.0]);
         let mut losses = SampledSum::default();
         // Losses of 1 J, 2 J and 3 J, of which two were counted with 1 J.
-        assert_eq!([Some(1.0), None, Some(3.0)].map(|loss| losses.sum(loss, 0.0)), [1.0, 1.0, 4.0]);
+        assert_eq!([Some(1.0), None, Some(3.0)].map(|loss| losses.sum(loss, weight(0.0))), [1.0, 1.0, 4.0]);
     }
 
     #[test]
     fn a_jump_is_placed_where_the_contacts_change() {
         for place in 0..7 {
             let mut power = SampledSum::default();
-            power.integrate(Some(0.0), 1.0, 0.0);
+            power.integrate(Some(0.0), 1.0, weight(0.0));
             // The power jumps to 1 W in this step, and the next sample is the eighth.
             let total: f64 = (0..8)
                 .map(|step| {
                     let activity = if step == place { 1600.0 } else { 0.0 };
-                    power.integrate((step == 7).then_some(1.0), 1.0, activity)
+                    power.integrate((step == 7).then_some(1.0), 1.0, weight(activity))
                 })
                 .sum();
             assert_eq!((total, power.standard_error()), (f64::from(7 - place) + 0.5, 0.0), "place {place}");
             let mut losses = SampledSum::default();
-            losses.sum(Some(0.0), 0.0);
-            let total: f64 =
-                (0..8).map(|step| losses.sum((step == 7).then_some(1.0), if step == place { 1.0 } else { 0.0 })).sum();
+            losses.sum(Some(0.0), weight(0.0));
+            let total: f64 = (0..8)
+                .map(|step| losses.sum((step == 7).then_some(1.0), weight(if step == place { 1.0 } else { 0.0 })))
+                .sum();
             assert_eq!(total, f64::from(8 - place), "place {place}");
         }
     }
@@ -214,24 +245,31 @@ mod tests {
     fn the_slope_behind_a_jump_is_taken_back_to_it() {
         // The power jumps to 10 W in step 3 and falls by 1 W in each step. Samples are in steps 0, 5 and 6.
         let power = |step: u32| if step < 3 { 0.0 } else { 13.0 - f64::from(step) };
+        let at = |step: u32| weight(if step == 3 { 1600.0 } else { 0.0 });
         let mut sum = SampledSum::default();
-        sum.integrate(Some(power(0)), 1.0, 0.0);
-        let total: f64 = (1..=6)
-            .map(|step| sum.integrate((step > 4).then(|| power(step)), 1.0, if step == 3 { 1600.0 } else { 0.0 }))
-            .sum();
+        sum.integrate(Some(power(0)), 1.0, weight(0.0));
+        let total: f64 = (1..=6).map(|step| sum.integrate((step > 4).then(|| power(step)), 1.0, at(step))).sum();
         let exact: f64 = (1..=6).map(|step| 0.5 * (power(step - 1) + power(step))).sum();
         assert_eq!(total, exact);
+        // A centred contact: in step 3 it acts for a quarter of the step, and a half is taken.
+        let power = |step: u32| if step == 3 { 2.5 } else { power(step) };
+        let mut sum = SampledSum::default();
+        sum.integrate(Some(power(0)), 1.0, at(0));
+        let centred = |step: u32| Weight { missing: 0.5, ..at(step) };
+        let total: f64 = (1..=6).map(|step| sum.integrate((step > 4).then(|| power(step)), 1.0, centred(step))).sum();
+        let exact: f64 = (1..=6).map(|step| 0.5 * (power(step - 1) + power(step))).sum();
+        assert_eq!((total - exact, sum.standard_error()), (2.5, (25.0f64 / 3.0).sqrt()));
     }
 
     #[test]
     fn steps_since_the_last_sample_are_pending_and_a_jump_is_remembered() {
         let mut power = SampledSum::default();
-        power.integrate(Some(0.0), 0.5, 0.0);
-        power.integrate(Some(4.0), 0.5, 0.0);
-        (0..3).for_each(|_| assert_eq!(power.integrate(None, 0.5, 0.0), 2.0));
+        power.integrate(Some(0.0), 0.5, weight(0.0));
+        power.integrate(Some(4.0), 0.5, weight(0.0));
+        (0..3).for_each(|_| assert_eq!(power.integrate(None, 0.5, weight(0.0)), 2.0));
         assert_eq!(power.pending(), 6.0);
         assert_eq!(power.error_ahead(12.0), 2.0 * 12.0);
-        power.integrate(Some(4.0), 0.5, 0.0);
+        power.integrate(Some(4.0), 0.5, weight(0.0));
         assert_eq!((power.pending(), power.error_ahead(12.0)), (0.0, KEPT * 2.0 * 12.0));
     }
 }

@@ -12,6 +12,7 @@
 //!
 //! * the next steps, if many more contacts than usual have begun or ended in a step, as where a layer meets a floor, or a door opens
 //!   ([`activity`](super::activity)). The jump of the power is placed in that step;
+//! * every step, while there are few contacts: less than one for four grains;
 //! * a step in which a wall changes its velocity at once. Its contacts all change with it;
 //! * every step, while an interval of a block would add more than [`SHARE`] of the dissipated energy to the standard error, as in the
 //!   first impacts of a run and during an impact of many grains together.
@@ -126,7 +127,7 @@ pub(super) fn choose<V: Space>(
     let mut is_due = clock.is_step_zero() || sampling.is_due(clock.steps, store.movable_end);
     if block > 1 {
         let is_demanded = activity.take_demand();
-        is_due |= activity.compare(&walls) || is_demanded;
+        is_due |= activity.compare(&walls) || is_demanded || activity.is_dilute(store.movable_end);
         is_due |= error.ahead(f64::from(block)) > SHARE * flows.dissipated;
     }
     store.track_energy(is_due);
@@ -143,7 +144,7 @@ pub(super) fn note_contacts<V: Space>(
             *activity = Activity::default();
         }
     } else if let Some(history) = history {
-        activity.note(history.touching(), store.generation);
+        activity.note(history.touching(), store.generation, store.predicts());
     }
 }
 

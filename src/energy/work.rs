@@ -106,7 +106,7 @@ pub(super) fn add_contact_work<V: Space>(
     for (moving, load) in walls.with_loads() {
         wall -= load.force.dot(moving.velocity) + load.torque.dot(moving.spin);
     }
-    let dissipated = last.dissipation.integrate(dissipation(&store, &walls), clock.dt, activity.last);
+    let dissipated = last.dissipation.integrate(dissipation(&store, &walls), clock.dt, activity.weight());
     if !clock.is_step_zero() {
         flows.dissipated += dissipated;
         flows.wall_work += 0.5 * clock.dt * (last.wall + wall);
@@ -144,13 +144,13 @@ pub(super) fn add_friction_loss<V: Space>(
         [sliding, rolling, dashpots, breaking]
     });
     let [sliding, rolled, dashpots, breaking] =
-        array::from_fn(|channel| last.losses[channel].sum(losses.map(|losses| losses[channel]), activity.last));
+        array::from_fn(|channel| last.losses[channel].sum(losses.map(|losses| losses[channel]), activity.weight()));
     // Step zero counts too: a dashpot beyond the cap loads its spring there, and this energy must have a source.
     channels.tangential += sliding + dashpots;
     channels.rolling += rolled;
     flows.dissipated += sliding + rolled + breaking;
-    let turning = last.turning.integrate(powers.map(|[turning, _]| turning), clock.dt, activity.last);
-    let rolling = last.rolling.integrate(powers.map(|[_, rolling]| rolling), clock.dt, activity.last);
+    let turning = last.turning.integrate(powers.map(|[turning, _]| turning), clock.dt, activity.weight());
+    let rolling = last.rolling.integrate(powers.map(|[_, rolling]| rolling), clock.dt, activity.weight());
     if !clock.is_step_zero() {
         channels.rolling += rolling;
         flows.dissipated += turning + rolling;
