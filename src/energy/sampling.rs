@@ -2,22 +2,22 @@
 //!
 //! The power of dashpots and the losses by friction are sums over all contacts, and make a step up to a fifth longer.
 //! Scenes with many grains ([`block`]) therefore sum them in one step of each block of 4 or 8 steps, drawn at random. The powers in between
-//! are interpolated ([`sampled_sum`](super::sampled_sum)). On average over the draws that is the sum over all steps, also for motions with the
+//! are interpolated (`sampled_sum.rs`). On average over the draws that is the sum over all steps, also for motions with the
 //! period of the blocks.
 //!
 //! Error: where the power of a contact jumps by P, at the beginning and end of an impact, a block of b steps of dt makes
 //! an error with the standard deviation b P dt/sqrt(12) or slightly more. An impact of n steps so has an error of about
 //! 0.8 b/n of its dissipation if the drag is weak. These errors are independent if the impacts are, so that m impacts have 1/sqrt(m) of
-//! it. Where they are not, further steps are summed on demand ([`choose`]):
+//! it. Where they are not, further steps are summed on demand:
 //!
 //! * the next steps, if many more contacts than usual have begun or ended in a step, as where a layer meets a floor, or a door opens
-//!   ([`activity`](super::activity)). The jump of the power is placed in that step;
+//!   (`activity.rs`). The jump of the power is placed in that step;
 //! * every step, while there are few contacts: less than one for four grains;
 //! * a step in which a wall changes its velocity at once. Its contacts all change with it;
 //! * every step, while an interval of a block would add more than [`SHARE`] of the dissipated energy to the standard error, as in the
 //!   first impacts of a run and during an impact of many grains together.
 //!
-//! A step on demand is decided by earlier steps, so it makes no error on average. [`DissipationError`] has the standard error of the sum.
+//! A step on demand is decided by earlier steps, so it makes no error on average. `DissipationError` has the standard error of the sum.
 //!
 //! `energy_balance_every` bounds b: with 1, every step sums dissipation. It cannot raise b.
 //!
