@@ -58,7 +58,7 @@ pub(super) struct Weight {
 const KEPT: f64 = 0.9;
 
 /// Variance of the place of a jump, in squares of a step, below which the place is known.
-const SHARP: f64 = 0.5;
+const SHARP: f64 = 0.1;
 
 /// Steps since a sample, and the activity of them: its sum, and the sums of its products with the age of the steps and with the
 /// square of the age.
