@@ -88,7 +88,8 @@ impl Activity {
             (contacts - total(&before)).abs()
         };
         (self.generation, self.contacts, self.are_centred) = (generation, contacts, are_centred);
-        self.last = changed + if self.has_jumped { contacts } else { LASTING * contacts };
+        // A jump of a wall changes its contacts far more than they change in the steps before.
+        self.last = changed + contacts * if self.has_jumped { 1.0 / LASTING } else { LASTING };
         // Numbers of independent events spread by their root: six standard deviations, and some more where they are few.
         if self.has_jumped || changed > self.usual + 6.0 * self.usual.sqrt() + 8.0 {
             self.demanded = AFTER_EVENT;

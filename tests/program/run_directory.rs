@@ -287,9 +287,10 @@ fn the_limit_of_processor_time_ends_a_run_with_a_checkpoint() {
 fn a_limit_of_file_sizes_is_reported_like_a_full_disk() {
     let here = tempfile::tempdir().unwrap();
     let silo = path("silo1.ron");
-    let more = ["--set", "series=(interval: 0.0002)", "--set", "pictures=None", "--set", "data_frames=None"];
+    let more = ["--set", "series=(interval: 0.001)", "--set", "pictures=None", "--set", "data_frames=None"];
     let arguments = [&endless_run(&silo)[..], &more].concat();
-    let running = Running::start(here.path(), "ulimit -f 64;", &arguments, || Some(here.path().join("run/series.csv")));
+    let running =
+        Running::start(here.path(), "ulimit -f 256;", &arguments, || Some(here.path().join("run/series.csv")));
     assert_eq!(running.end().code(), Some(1));
     let run = here.path().join("run");
     let summary = summary(&run);
