@@ -1,5 +1,5 @@
-//! Warnings about triangles of meshes: T-junctions, slivers and overlaps (`walls::mesh_faults`), and about
-//! flat walls of the scene that overlap in one plane.
+//! Warnings about triangles of meshes: T-junctions, slivers and overlaps (`walls::mesh_faults`). Walls of the scene may overlap in one
+//! plane: a grain touches their union.
 
 use crate::fault::Warning;
 use crate::scene::loaded::Loaded;
@@ -14,7 +14,6 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
             of_mesh(number, triangles, warnings);
         }
     }
-    overlapping_walls(loaded, warnings);
 }
 
 fn of_mesh(number: usize, triangles: &[[Solid; 3]], warnings: &mut Vec<Warning>) {
@@ -49,34 +48,5 @@ fn of_mesh(number: usize, triangles: &[[Solid; 3]], warnings: &mut Vec<Warning>)
             format!("{count} pairs of triangles that overlap in one plane, first triangles {one} and {other}"),
             "remove the part that comes twice",
         );
-    }
-}
-
-/// Panels and polygons of the scene that cover a common area: a part of the wall comes twice.
-fn overlapping_walls(loaded: &Loaded, warnings: &mut Vec<Warning>) {
-    let mut triangles = Vec::new();
-    let mut owners = Vec::new();
-    for (number, wall) in loaded.scene.walls.iter().enumerate() {
-        let own = match wall {
-            Wall::Panel { corner, along, across, .. } => {
-                let (a, u, v) = (corner.padded(), along.padded(), across.padded());
-                vec![[a, a + u, a + u + v], [a, a + u + v, a + v]]
-            }
-            // The rules have refused polygons without triangles.
-            Wall::Polygon { .. } => wall.triangles().unwrap_or_default().to_vec(),
-            _ => continue,
-        };
-        owners.extend(own.iter().map(|_| number));
-        triangles.extend(own);
-    }
-    let pairs = faults(&triangles).overlaps.into_iter().map(|(one, other)| (owners[one - 1], owners[other - 1]));
-    let mut pairs: Vec<_> = pairs.filter(|(one, other)| one != other).collect();
-    pairs.dedup();
-    if let [(one, other), ..] = pairs[..] {
-        warnings.push(Warning {
-            code: "check::overlapping_walls",
-            message: format!("walls[{one}] and walls[{other}] overlap in one plane"),
-            help: "a grain touches the nearer one there; let one of them end where the other begins".to_owned(),
-        });
     }
 }

@@ -11,6 +11,7 @@
 //! * The door (`check/doors.rs`): without wall discs on both sides it has no orifice through which a grain could count as out.
 //! * The path (`check/tunnelling.rs`): a grain that moves farther than a wall is thick, or than a grain is wide, in one step may pass it undetected.
 //! * The start (`check/start.rs`) and the fall (`check/falling.rs`): overlaps, places inside and outside of walls, grains that fall for ever.
+//! * The heights (`check/heights.rs`): keys that read heights, while gravity points along another axis.
 //! * The output: a warning if the run would write more than [`MOST_BYTES`] up to `until`.
 
 pub mod automatic;
@@ -19,6 +20,7 @@ pub mod crowd;
 mod doors;
 mod estimates;
 mod falling;
+mod heights;
 pub mod leaks;
 mod meshes;
 mod softness;
@@ -38,9 +40,11 @@ use crate::writers::volume::{self, MOST_BYTES};
 #[must_use]
 pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
     let mut warnings = loaded.source.unused_parameters();
+    warnings.extend(loaded.notes.iter().cloned());
     renamed_keys(loaded, &mut warnings);
     sources::stop(loaded, &mut warnings);
     let estimates = Estimates::of(loaded);
+    heights::examine(loaded, &mut warnings);
     start::examine(loaded, estimates.as_ref(), &mut warnings);
     meshes::examine(loaded, &mut warnings);
     let Some(estimates) = estimates else { return warnings };
