@@ -95,7 +95,11 @@ fn memories_follow_the_triangles_of_a_mesh() {
     let corners = "v -1 -1 0\nv 1 -1 0\nv 1 1 0\nv -1 1 0\n";
     fs::write(here.path().join("a.obj"), format!("{corners}f 1 2 3\nf 1 3 4\n")).unwrap();
     fs::write(here.path().join("b.obj"), format!("{corners}f 2 4 1\nf 4 2 3\n")).unwrap();
-    fs::write(here.path().join("g.csv"), "id,radius,mass,x,y,z,vx,vy,vz\n1,0.05,1,0.3,0.2,0.0499,0.3,0,0\n2,0.05,1,-0.3,0.2,0.0499,0,0.2,0\n").unwrap();
+    fs::write(
+        here.path().join("g.csv"),
+        "id,radius,mass,x,y,z,vx,vy,vz\n1,0.05,1,0.3,0.2,0.0499,0.3,0,0\n2,0.05,1,-0.3,0.2,0.0499,0,0.2,0\n",
+    )
+    .unwrap();
     let scene = |mesh: &str, grains: &str| {
         format!(
             "(space: Solid, gravity: (1.0, 0.0, -9.81), contact: Linear(k: 1.0e5, damping: Restitution(0.5), tangential: Spring(k: 2.857e4, \
@@ -113,7 +117,10 @@ fn memories_follow_the_triangles_of_a_mesh() {
     }
     let numbers = |run: &str| {
         let mut reader = csv::Reader::from_path(here.path().join(run).join("state.csv")).unwrap();
-        reader.records().flat_map(|row| row.unwrap().iter().map(|cell| cell.parse::<f64>().unwrap()).collect::<Vec<_>>()).collect::<Vec<_>>()
+        reader
+            .records()
+            .flat_map(|row| row.unwrap().iter().map(|cell| cell.parse::<f64>().unwrap()).collect::<Vec<_>>())
+            .collect::<Vec<_>>()
     };
     // The triangles lie in one plane, so the motion is the same but for rounding.
     for (a, b) in numbers("a").into_iter().zip(numbers("b")) {
@@ -176,7 +183,10 @@ fn a_frictional_bed_starts_a_scene_without_friction() {
     fs::write(here.path().join("rough.ron"), bin(&[FLOOR, LEFT, RIGHT], fill)).unwrap();
     run(here.path(), &["rough.ron", "--until", "0.3", "--out", "rough"]);
     let smooth = ["--set", "contact=Linear(k: 1.0e5, damping: Restitution(0.3))"];
-    let said = run(here.path(), &[&["rough.ron", "--from", "rough", "--until", "0.01", "--out", "smooth"], &smooth[..]].concat());
+    let said = run(
+        here.path(),
+        &[&["rough.ron", "--from", "rough", "--until", "0.01", "--out", "smooth"], &smooth[..]].concat(),
+    );
     assert!(said.contains("the spins of 30 grains are left out"), "{said}");
     let grains = fs::read_to_string(here.path().join("smooth/grains.csv")).unwrap();
     assert!(!grains.lines().next().unwrap().contains("wz") && grains.lines().count() == 31, "{grains}");
