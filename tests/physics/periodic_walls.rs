@@ -11,6 +11,9 @@ const STEP: f64 = 2.0e-5;
 /// Side of the box, m.
 const BOX: f64 = 0.1;
 
+/// A key that stands for open sides.
+const OPEN: &str = "cull: (below: -1.0)";
+
 fn keys(space: &str, more: &str, walls: &str) -> String {
     let gravity = if space == "Solid" { "(0.0, 0.0, -9.81)" } else { "(0.0, -9.81)" };
     format!(
@@ -62,9 +65,9 @@ fn a_grain_that_passes_a_side_goes_on_as_in_open_space() {
         ),
     ] {
         let [mut periodic, mut open] =
-            [side, "periodic: ()"].map(|side| simulation(&keys("Solid", side, wall), vec![sphere(1, x, v, R, MASS)]));
+            [side, OPEN].map(|side| simulation(&keys("Solid", side, wall), vec![sphere(1, x, v, R, MASS)]));
         let mut slid = 0.0f64;
-        for _ in 0..40 {
+        for _ in 0..60 {
             [&mut periodic, &mut open].map(|run| run.run_steps(100));
             let [here, there] = [&mut periodic, &mut open].map(|run| motion(run)[0]);
             // Rounding of the passage, about 1e-17 m, and of contacts, which damp it.
@@ -81,8 +84,8 @@ fn a_disc_passes_a_side_on_a_segment() {
     let wall = "Segment(from: (0.06, 0.0), to: (0.15, 0.0))";
     let disc = || vec![grain(1, Vector::new(0.085, 0.00499), Vector::new(0.3, 0.0), R, MASS)];
     let [mut periodic, mut open] =
-        ["periodic: (x: (0.0, 0.1))", "periodic: ()"].map(|side| simulation(&keys("Plane", side, wall), disc()));
-    [&mut periodic, &mut open].map(|run| run.run_steps(4000));
+        ["periodic: (x: (0.0, 0.1))", OPEN].map(|side| simulation(&keys("Plane", side, wall), disc()));
+    [&mut periodic, &mut open].map(|run| run.run_steps(6000));
     let [here, there] = [&mut periodic, &mut open].map(|run| motion(run)[0]);
     let apart = apart(here, there, &[0]);
     assert!(there.position.x > 0.104 && apart[0] < 1e-11 && apart[1] < 1e-9, "{apart:?}");
@@ -98,8 +101,8 @@ fn a_wall_that_moves_carries_grains_on_its_images() {
         let wall =
             "Panel(corner: (0.06, 0.01, 0.0), along: (0.09, 0.0, 0.0), across: (0.0, 0.08, 0.0), name: \"table\")";
         let ball = || vec![sphere(1, Solid::new(0.092, 0.05, 0.00499), Solid::new(0.15, 0.0, 0.0), R, MASS)];
-        let [mut periodic, mut open] = ["x: (0.0, 0.1)", ""].map(|side| {
-            let more = format!("periodic: ({side}), motions: [(walls: \"table\", {motions})]");
+        let [mut periodic, mut open] = ["periodic: (x: (0.0, 0.1))", OPEN].map(|side| {
+            let more = format!("{side}, motions: [(walls: \"table\", {motions})]");
             simulation(&keys("Solid", &more, wall), ball())
         });
         [&mut periodic, &mut open].map(|run| run.run_steps(6000));

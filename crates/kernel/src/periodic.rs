@@ -116,9 +116,9 @@ impl<V: Space> Periodic<V> {
             let (x, length) = (position.axis(axis), self.length.axis(axis));
             let below = (x - self.low.axis(axis) <= distance).then_some(length);
             let above = (self.high.axis(axis) - x <= distance).then_some(-length);
+            let so_far = images.clone();
             for shift in below.into_iter().chain(above) {
-                let not_shifted: Vec<_> = images.iter().copied().filter(|image| image.axis(axis) == x).collect();
-                images.extend(not_shifted.into_iter().map(|image| image.with_axis(axis, x + shift)));
+                images.extend(so_far.iter().map(|image| image.with_axis(axis, x + shift)));
             }
         }
         images.remove(0);

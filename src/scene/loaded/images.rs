@@ -80,7 +80,7 @@ impl Loaded {
                     continue;
                 };
                 let bounds = way.swept(bounds.map(V::spread), axis);
-                let moves_along = way.shifts[0].to_array()[axis] != way.shifts[1].to_array()[axis];
+                let moves_along = (way.shifts[1] - way.shifts[0]).to_array()[axis] > 0.0;
                 let is_endless = !moves_along && way.keeps(axis) && runs_along(&surface.surface, axis);
                 if is_endless && bounds[0] <= side.0 + SIDE_GAP * largest && bounds[1] >= side.1 - SIDE_GAP * largest {
                     continue;
@@ -158,8 +158,8 @@ fn runs_along<V: Space>(surface: &Surface<V>, axis: usize) -> bool {
     match surface {
         Surface::Segment(segment) => is_along(segment.to - segment.from),
         Surface::Panel(panel) => is_along(panel.along) || is_along(panel.across),
-        #[expect(clippy::float_cmp, reason = "the radii of a cylinder are one number")]
-        Surface::Revolved(revolved) => revolved.from[0] == revolved.to[0] && is_along(revolved.axis),
+        // A cylinder; a cone differs from place to place.
+        Surface::Revolved(revolved) => (revolved.from[0] - revolved.to[0]).abs() <= 0.0 && is_along(revolved.axis),
         _ => false,
     }
 }

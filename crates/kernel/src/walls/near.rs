@@ -44,9 +44,8 @@ impl NearWalls {
             let always: Vec<_> = walls.movers.iter().flat_map(Mover::endless_that_turn).collect();
             let sides = store.periodic.filter(|_| walls.have_ends());
             for (i, body) in (0u32..).zip(grains) {
-                if let Some(beyond) =
-                    sides.map(|box_| box_.images_beyond(body.position, slack)).filter(|all| !all.is_empty())
-                {
+                let beyond = sides.map(|sides| sides.images_beyond(body.position, slack));
+                if let Some(beyond) = beyond.filter(|images| !images.is_empty()) {
                     let places = [&[body.position], &beyond[..]].concat();
                     self.add_at(i, (&places, body.radius + slack), (walls, &always));
                     continue;
@@ -71,16 +70,15 @@ impl NearWalls {
     /// Adds the pairs of a grain that may come to any of these places, with the walls nearer than `reach`, m.
     #[cold]
     fn add_at<V: Space>(&mut self, i: u32, (places, reach): (&[V], f64), (walls, always): (&Surfaces<V>, &[usize])) {
-        let start = self.pairs.len();
+        let mut own = Vec::new();
         for &x in places {
             let near = walls.near(x, reach);
             let near = near.iter().filter(|wall| walls.all[*wall].surface.distance(x) < reach || always.contains(wall));
-            self.pairs.extend(near.filter_map(|wall| Some(Candidate::new(i, u32::try_from(wall).ok()?))));
+            own.extend(near.filter_map(|wall| Some(Candidate::new(i, u32::try_from(wall).ok()?))));
         }
-        self.pairs[start..].sort_unstable();
-        let mut last = None;
-        let mut at = 0..;
-        self.pairs.retain(|&pair| at.next().is_some_and(|at| at < start) || last.replace(pair) != Some(pair));
+        own.sort_unstable();
+        own.dedup();
+        self.pairs.append(&mut own);
     }
 
     /// Whether a particle and a wall may have come nearer by the slack, or particles have new slots.

@@ -3,8 +3,8 @@
 //! A grain touches a surface at its nearest point p. If p lies on an edge and another wall passes through p, or lies between p and
 //! the centre, then p is no nearest point of the union, because beside p that other wall is nearer. So the contact at p is left out. Two
 //! walls whose nearest points lie in one direction from the centre, and on no edge, are one wall there, as where walls overlap in one
-//! plane: the nearer one has the contact. If two walls would leave out each other, because both end at p or both lie at p, one stays: the
-//! nearer one, or else the one that does not end there, or else the one that comes first in the scene.
+//! plane. If two walls would leave out each other, because both end at p or both lie at p, one stays: the nearer one, or if rounding
+//! alone parts them the one that comes first in the scene.
 //!
 //! So there is one contact on a flat seam, on an overlap and round a convex edge, and one for each wall in a concave corner.
 //!
@@ -36,6 +36,9 @@ const STEP: f64 = 1e-4;
 /// rounded to it differ by one unit, and sums of two or three of them by a few.
 const DIGITS: f64 = 8.0 * f32::EPSILON as f64;
 
+/// Distances of two walls that differ by less, in radii of the grain, are equal: above the rounding of positions.
+const ROUNDING: f64 = 1e-9;
+
 /// A wall that a grain touches.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Touch<V: Space> {
@@ -65,6 +68,7 @@ pub(crate) struct Seams<'a, V: Space> {
     x: V,
     gap: f64,
     step: f64,
+    rounding: f64,
 }
 
 impl<'a, V: Space> Seams<'a, V> {
@@ -72,7 +76,14 @@ impl<'a, V: Space> Seams<'a, V> {
     pub fn new(walls: &'a [SurfaceWall<V>], touches: &'a [Touch<V>], (x, radius): (V, f64)) -> Self {
         let largest = (0..V::COMPONENTS).fold(0.0, |largest: f64, axis| largest.max(x.axis(axis).abs()));
         let gap = GAP * radius;
-        Self { walls, touches, x, gap, step: (DIGITS * largest).max(STEP * radius).min(gap) }
+        Self {
+            walls,
+            touches,
+            x,
+            gap,
+            step: (DIGITS * largest).max(STEP * radius).min(gap),
+            rounding: ROUNDING * radius,
+        }
     }
 
     /// Returns, for each wall that the grain touches, the place in the list of the one that has its contact: its own, or that of the
@@ -106,14 +117,10 @@ impl<'a, V: Space> Seams<'a, V> {
         height <= self.step && (away - by.normal * height).length() <= self.gap
     }
 
-    /// Whether the wall at `place` keeps its contact, if each of the two covers the other.
+    /// Whether the wall at `place` keeps its contact, if each of the two covers the other. Both then end at their nearest points, or neither does.
     fn comes_first(&self, place: usize, other: usize) -> bool {
-        let (touch, by) = (&self.touches[place], &self.touches[other]);
-        let lead = by.distance - touch.distance;
-        if lead.abs() > self.step {
-            return lead > 0.0;
-        }
-        (touch.at_edge, touch.index) < (by.at_edge, by.index)
+        let lead = self.touches[other].distance - self.touches[place].distance;
+        if lead.abs() > self.rounding { lead > 0.0 } else { place < other }
     }
 
     /// Follows walls that continue each other to the one that counts. If they go round in a circle, the best of the circle counts, so that
