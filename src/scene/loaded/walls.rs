@@ -3,7 +3,7 @@
 use crate::door::DoorMotion;
 use crate::measure::wall_bands::BandSampler;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Solid, Space};
+use crate::space::{Dimension, Plane, Solid, Space};
 use crate::walls::config::Wall;
 use crate::walls::moving::{Drive, LeafState, Mover};
 use crate::walls::silo_file::Disc;
@@ -156,6 +156,14 @@ impl Loaded {
             BandSampler::new(bands.clone(), walls, &own)
         });
         samplers.collect()
+    }
+
+    /// Whether walls have images beyond periodic sides.
+    pub(crate) fn have_walls_images(&self) -> bool {
+        match self.scene.space {
+            Dimension::Plane => self.surfaces::<Plane>().len() > self.own_surfaces::<Plane>().len(),
+            Dimension::Solid => self.surfaces::<Solid>().len() > self.own_surfaces::<Solid>().len(),
+        }
     }
 
     /// Centres and radii of all fixed discs and spheres (m), in the order of their numbers: of the silo file, walls then door, of the
