@@ -67,9 +67,9 @@ fn a_grain_that_passes_a_side_goes_on_as_in_open_space() {
         let [mut periodic, mut open] =
             [side, OPEN].map(|side| simulation(&keys("Solid", side, wall), vec![sphere(1, x, v, R, MASS)]));
         let mut slid = 0.0f64;
-        for _ in 0..60 {
-            periodic.run_steps(100);
-            open.run_steps(100);
+        for sample in 1..=60 {
+            periodic.run_steps(100 * sample);
+            open.run_steps(100 * sample);
             let [here, there] = [&mut periodic, &mut open].map(|run| motion(run)[0]);
             // Rounding of the passage, about 1e-17 m, and of contacts, which damp it.
             let apart = apart(here, there, &[0, 1]);
@@ -177,6 +177,6 @@ fn walls_without_images_are_refused() {
         refused("periodic: (y: (0.0, 0.1))", "HalfSpace(point: (0.0, 0.0, 0.0), normal: (0.1, 0.0, 1.0))"),
         None
     );
-    let endless = "Panel(corner: (-1.0e6, 0.04, 0.0), along: (2.0e6, 0.0, 1.0), across: (0.0, 0.02, 0.0))";
+    let endless = "Panel(corner: (-1.0e6, 0.04, 0.0), along: (2.0e6, 0.0, 100.0), across: (0.0, 0.02, 0.0))";
     assert!(refused(side, endless).expect("refused").contains("images"));
 }

@@ -65,8 +65,8 @@ fn roll(walls: &str) -> [f64; 3] {
     ball.spin = Solid::new(0.0, SPEED / R, 0.0);
     let mut run = simulation(&keys("Solid", "(0.0, 0.0, -9.81)", walls), vec![ball]);
     let (mut slower, mut low, mut high) = (0.0f64, 0.0f64, 0.0f64);
-    for _ in 0..400 {
-        run.run_steps(10);
+    for sample in 1..=400 {
+        run.run_steps(10 * sample);
         let now = motion(&mut run)[0];
         slower = slower.max((now.velocity.x / SPEED - 1.0).abs());
         (low, high) = (low.min(now.position.z - rest), high.max(now.position.z - rest));

@@ -135,7 +135,7 @@ fn grains_that_can_fall_for_ever_are_found() {
     assert!(with(&plane("(1.0, 0.0)"), none) && with(&slope, none), "a wall and a slope do not");
     assert!(!with(&format!("{slope}, {}", plane("(-1.0, 1.0)")), none), "two slopes hold");
     assert!(with(&format!("{slope}, {}", plane("(-1.0, -1.1)")), none), "unless they are open below");
-    assert!(!with(&slope, "cull: (below: -1.0)") && !with(&slope, "periodic: (x: (-5.0, 5.0))"));
+    assert!(!with(&slope, "cull: (below: -1.0)") && !with(&plane("(1.0, 0.0)"), "periodic: (y: (-5.0, 5.0))"));
     let segments = "Segment(from: (-1.0, 0.0), to: (1.0, 0.0)), Segment(from: (-1.0, 0.0), to: (-1.0, 2.0)), \
                     Segment(from: (1.0, 0.0), to: (1.0, 2.0))";
     assert!(!with(segments, none));

@@ -74,9 +74,10 @@ fn friction_at_walls_carries_on_whatever_the_list_of_walls() {
         assert!(!said.contains("left out"), "{name}: {said}");
         let start = forces(&here.path().join(name), false);
         for side in ["left", "right"] {
-            // At rest the forces of the last step and of the first one differ by the dashpots and by half a step of sliding.
-            let off = (of(&start, side) / of(&end, side) - 1.0).abs();
-            assert!(off < 1e-2, "{name}, {side}: {start:?} {end:?}");
+            // At rest the forces of the last step and of the first one differ by the dashpots and by half a step of sliding. Without the
+            // memories friction would begin at zero.
+            let off = (of(&start, side) - of(&end, side)).abs();
+            assert!(off < 5e-3, "{name}, {side}: {start:?} {end:?}");
         }
         // The copy in the run directory starts in the same way.
         run(here.path(), &[&format!("{name}/scene.ron"), "--until", "0.01", "--out", "again", "--force"]);
@@ -188,7 +189,7 @@ fn a_frictional_bed_starts_a_scene_without_friction() {
         &[&["rough.ron", "--from", "rough", "--until", "0.01", "--out", "smooth"], &smooth[..]].concat(),
     );
     assert!(said.contains("spins_left_out"), "{said}");
-    let grains = fs::read_to_string(here.path().join("smooth/grains.csv")).unwrap();
+    let grains = fs::read_to_string(here.path().join("smooth/input-grains.csv")).unwrap();
     assert!(!grains.lines().next().unwrap().contains("wz") && grains.lines().count() == 31, "{grains}");
     run(here.path(), &["smooth/scene.ron", "--until", "0.01", "--out", "again"]);
 }
