@@ -54,7 +54,7 @@ impl Loaded {
                 occupied.add(centre.padded(), radius);
             }
         }
-        let walls = self.surfaces_for::<V>(largest);
+        let walls = Surfaces::<V>::new(self.surfaces_for(largest), largest);
         // A place beyond a periodic side counts as the one that it enters at.
         let periodic_box = Periodic::<V>::new(periodic);
         let is_clear = |x: Solid, radius: f64| {
