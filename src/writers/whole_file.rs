@@ -5,9 +5,11 @@
 //! symbolic link in place of the target is replaced, and its destination is not written. A process that is killed may
 //! leave the temporary file.
 
-use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+
+pub use crate::writers::disk::remove_if_there;
+use crate::writers::disk::{self, DiskFile};
 
 /// The name ending of temporary files.
 pub const PART: &str = "part";
@@ -34,11 +36,11 @@ pub fn write_with(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Resul
     let part = part_of(path);
     remove_if_there(&part)?;
     // `create_new` never follows a symbolic link.
-    let mut file = BufWriter::new(File::create_new(&part)?);
+    let mut file = BufWriter::new(DiskFile::create_new(&part)?);
     let written = content(&mut file).and_then(|()| file.flush());
     drop(file);
-    written.and_then(|()| fs::rename(&part, path)).inspect_err(|_| {
-        let _ = fs::remove_file(&part);
+    written.and_then(|()| disk::rename(&part, path)).inspect_err(|_| {
+        let _ = remove_if_there(&part);
     })
 }
 
@@ -49,30 +51,19 @@ pub fn write_with(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Resul
 pub fn write_synced(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let part = part_of(path);
     remove_if_there(&part)?;
-    let mut file = File::create_new(&part)?;
-    let written = content(&mut file).and_then(|()| file.sync_all());
+    let mut file = DiskFile::create_new(&part)?;
+    let written = content(&mut file).and_then(|()| file.sync());
     drop(file);
-    written.and_then(|()| fs::rename(&part, path)).inspect_err(|_| {
-        let _ = fs::remove_file(&part);
+    written.and_then(|()| disk::rename(&part, path)).inspect_err(|_| {
+        let _ = remove_if_there(&part);
     })?;
-    // Some systems cannot sync a directory.
-    let _ = path.parent().map(|directory| File::open(directory).and_then(|directory| directory.sync_all()));
-    Ok(())
-}
-
-/// Removes a file or a symbolic link, if there is one.
-///
-/// # Errors
-/// If it cannot be removed.
-pub fn remove_if_there(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
-    }
+    path.parent().map_or(Ok(()), disk::sync_directory)
 }
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::*;
 
     #[test]

@@ -17,11 +17,12 @@ use serde::{Deserialize, Serialize};
 
 use crate::persist::{Problem, Section, decode, encode};
 use crate::writers::fnv::Fnv;
+use crate::writers::run_files::Manifest;
 
 const MAGIC: &[u8; 8] = b"SILOFLOW";
 
 /// Version of the format.
-pub const FORMAT: u32 = 6;
+pub const FORMAT: u32 = 7;
 
 /// Facts about a checkpoint that are read before its state.
 #[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
@@ -42,6 +43,18 @@ pub struct Header {
     pub time: f64,
     /// Whether it is the state at the regular end of a run.
     pub is_final: bool,
+    /// The files of the run, all of them on the disk before the checkpoint.
+    pub files: Manifest,
+}
+
+/// Why a checkpoint cannot be read that is whole.
+#[derive(Debug, thiserror::Error)]
+#[error("siloflow {version} with format {format} wrote it; this program reads format {FORMAT}")]
+pub struct OtherFormat {
+    /// Its format.
+    pub format: u32,
+    /// Version of the program that wrote it.
+    pub version: String,
 }
 
 /// A checkpoint that has been read.
@@ -136,6 +149,11 @@ pub fn read_from(bytes: &[u8]) -> io::Result<Checkpoint> {
     FrameDecoder::new(frame).read_to_end(&mut content).map_err(|error| damaged(&error.to_string()))?;
     let mut parts = Parts(&content);
     let header = parts.next().ok_or_else(|| damaged("it has no header"))?;
+    if let Ok(((format, version), _)) = postcard::take_from_bytes::<(u32, String)>(header)
+        && format != FORMAT
+    {
+        return Err(io::Error::new(io::ErrorKind::InvalidData, OtherFormat { format, version }));
+    }
     let header: Header = decode(header).map_err(|problem| damaged(&format!("its header is unknown: {problem}")))?;
     let mut sections = Vec::new();
     while let Some(name) = parts.next() {
@@ -178,6 +196,7 @@ mod tests {
             steps: 3,
             time: 0.25,
             is_final: false,
+            files: Manifest::default(),
         };
         let mut bytes = Vec::new();
         let sections = [("a".to_owned(), vec![1, 2, 3]), ("b".to_owned(), Vec::new()), ("c".to_owned(), vec![0; 1000])];

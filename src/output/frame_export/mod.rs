@@ -27,6 +27,7 @@ use std::path::Path;
 
 use crate::output::frame_data::{Column, Frame, Header, Table, Values};
 use crate::scene::outputs::Format;
+use crate::writers::run_files::RunFiles;
 use crate::writers::whole_file;
 
 /// A format that frames are converted to.
@@ -85,7 +86,7 @@ pub fn export(
     let mut counted = frames.inspect(|_| count += 1);
     match format {
         Target::Live(Format::Vtk) => whole_directory(target, |part| {
-            let mut directory = vtk::Directory::open(part)?;
+            let mut directory = vtk::Directory::open(part, &RunFiles::default())?;
             counted.try_for_each(|frame| directory.add(header, &frame?))
         }),
         Target::Live(format) => {

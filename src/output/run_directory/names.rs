@@ -1,6 +1,7 @@
 //! Names in a run directory: of results, of copies of input, of checkpoints; and which files are siloflow's own, so that a later run
 //! in the same place removes them.
 
+use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -31,8 +32,11 @@ pub(crate) const LOSSES: &str = "losses.csv";
 pub(crate) const STATE: &str = "state.csv";
 pub(crate) const SUMMARY: &str = "summary.json";
 pub(crate) const REPORT: &str = "report.html";
+pub(crate) const HASHES: &str = "hashes.txt";
+/// Ending of what is left of a damaged file; `.damaged-2` and so on if there are several.
+pub(crate) const DAMAGED: &str = "damaged";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 16] = [
+const OWN_FILES: [&str; 17] = [
     MOVIE,
     SERIES,
     FRAME_DATA,
@@ -49,6 +53,7 @@ const OWN_FILES: [&str; 16] = [
     STATE,
     SUMMARY,
     REPORT,
+    HASHES,
 ];
 
 /// Names of the files that hold the input of a run, without those of meshes and motions.
@@ -261,10 +266,16 @@ fn is_exported_table(name: &Path, ending: &str) -> bool {
     name.extension().is_some_and(|found| found == ending) && (is_of_frames || is_of_run)
 }
 
+/// Whether siloflow adds this ending to names of its own: to incomplete and to damaged files.
+fn is_added(ending: &OsStr) -> bool {
+    let number = ending.to_str().and_then(|ending| ending.strip_prefix(DAMAGED)?.strip_prefix('-'));
+    ending == PART || ending == DAMAGED || number.is_some_and(|number| number.parse::<u32>().is_ok())
+}
+
 /// Whether siloflow writes a file or directory of this path in a run directory.
 pub(super) fn is_own(path: &Path) -> bool {
     let complete = path.with_extension("");
-    let complete = if path.extension().is_some_and(|ending| ending == PART) { &*complete } else { path };
+    let complete = if path.extension().is_some_and(is_added) { &*complete } else { path };
     match complete.strip_prefix(FRAMES) {
         Ok(picture) if picture == Path::new("") => complete == path,
         Ok(picture) => {
