@@ -260,7 +260,7 @@ impl<V: Space> Plugin for DoorPlugin<V> {
     fn build(&self, app: &mut App) {
         let progress = vec![Progress::default(); self.0.len()];
         app.insert_resource(DoorState { doors: self.0.clone(), progress, sliding: None });
-        app.persist_part::<DoorState, _>(
+        app.persist_sound_part::<DoorState, _>(
             |door| Ok((door.progress.clone(), door.sliding)),
             |door, (progress, sliding): (Vec<Progress>, _)| {
                 if progress.len() != door.doors.len() {

@@ -93,7 +93,7 @@ pub struct EndingPlugin {
 
 impl Plugin for EndingPlugin {
     fn build(&self, app: &mut App) {
-        app.insert_resource(Until(self.until)).init_resource::<EmptyTime>().persist::<EmptyTime>().add_systems(
+        app.insert_resource(Until(self.until)).init_resource::<EmptyTime>().persist_sound::<EmptyTime>().add_systems(
             Step,
             (end_when_empty, end_at_time.run_if(is_time_over))
                 .chain()

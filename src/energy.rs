@@ -105,8 +105,8 @@ impl<V: Space> Plugin for EnergyPlugin<V> {
         app.insert_resource(Sampling::new(self.every))
             .init_resource::<EnergyFlows>()
             .init_resource::<Powers>()
-            .persist::<EnergyFlows>()
-            .persist::<Powers>()
+            .persist_sound::<EnergyFlows>()
+            .persist_sound::<Powers>()
             .add_systems(
                 Renumber,
                 (add_removed_energy::<V>.in_set(BeforeRenumbering), add_released_energy::<V>.in_set(AfterRenumbering)),
@@ -124,8 +124,8 @@ impl<V: Space> Plugin for SpinEnergyPlugin<V> {
     fn build(&self, app: &mut App) {
         app.init_resource::<Channels>()
             .init_resource::<TurningPowers>()
-            .persist::<Channels>()
-            .persist::<TurningPowers>();
+            .persist_sound::<Channels>()
+            .persist_sound::<TurningPowers>();
         after_kicks(app, || add_friction_loss::<V>.in_set(EnergyBalanced).after(add_contact_work::<V>).into_configs());
         // The loss by rolling resistance depends on spins, and no kick sums it. It is empty in steps that do not sum
         // dissipation.

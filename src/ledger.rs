@@ -39,7 +39,7 @@ use crate::messages::{GrainLost, GrainOut};
 use crate::particle::{Grain, GrainId};
 use crate::particles::Particles;
 use crate::periodic::Periodic;
-use crate::persist::PersistApp as _;
+use crate::persist::{PersistApp as _, Problem};
 use crate::space::{Plane, Space};
 use crate::step::{Clock, Phase, Step};
 use crate::store::{AfterRenumbering, ParticleStore, Renumber};
@@ -226,6 +226,20 @@ fn nearest_fixed<V: Space>(x: V, particles: &Particles<V>) -> Option<GrainId> {
     distances.min_by(|a, b| a.partial_cmp(b).unwrap_or(std::cmp::Ordering::Equal)).map(|(_, id)| id)
 }
 
+/// Refuses restored states that are not those of the rows of the store.
+fn check_states<V: Space>(world: &mut World) -> Result<(), Problem> {
+    let (Some(states), Some(store)) =
+        (world.get_resource::<GrainStates<V>>(), world.get_resource::<ParticleStore<V>>())
+    else {
+        return Ok(());
+    };
+    if [states.states.len(), states.checked_positions.len()] == [store.len(); 2] {
+        Ok(())
+    } else {
+        Err("the watched paths belong to other particles".to_owned())
+    }
+}
+
 /// Checks the paths of grains in scenes with walls that they may cross.
 pub struct PathsPlugin<V: Space> {
     /// The walls.
@@ -238,7 +252,8 @@ impl<V: Space> Plugin for PathsPlugin<V> {
     fn build(&self, app: &mut App) {
         app.init_resource::<GrainStates<V>>()
             .init_resource::<PathTrigger>()
-            .persist::<GrainStates<V>>()
+            .persist_sound::<GrainStates<V>>()
+            .check_restored(check_states::<V>)
             .persist::<PathTrigger>()
             .insert_resource(Enclosure { paths: self.paths.clone(), smallest_radius: self.smallest_radius })
             .add_systems(Renumber, reorder_states::<V>.in_set(AfterRenumbering))

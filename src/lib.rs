@@ -53,6 +53,7 @@ pub mod lattice_study;
 pub mod ledger;
 pub mod measure;
 pub mod output;
+pub mod own_files;
 pub mod plugins;
 pub mod random;
 pub mod report;

@@ -94,7 +94,7 @@ pub struct RestPlugin<V: Space>(pub Rest, pub PhantomData<V>);
 
 impl<V: Space> Plugin for RestPlugin<V> {
     fn build(&self, app: &mut App) {
-        app.persist_part::<RestDetector, _>(
+        app.persist_sound_part::<RestDetector, _>(
             |detector| Ok((detector.quiet_since, detector.rest_time)),
             |detector, times| {
                 (detector.quiet_since, detector.rest_time) = times;

@@ -5,7 +5,9 @@ use std::path::{Path, PathBuf};
 use serde_json::Value;
 
 use crate::fault::Fault;
+use crate::output::run_directory::{Depth, refuse_odd};
 use crate::output::table::Table;
+use crate::own_files;
 use crate::source::files;
 use crate::writers::plot::Mark;
 
@@ -40,8 +42,9 @@ impl RunFiles {
                 format!("there is no run directory {shown}")
             }));
         }
+        refuse_odd(directory, Depth::Top)?;
         let series = directory.join("series.csv");
-        if !series.is_file() {
+        if !own_files::is_file(&series) {
             return Err(fault(format!("{shown} is no run directory: it has no series.csv")));
         }
         Ok(Self {
@@ -72,7 +75,7 @@ impl RunFiles {
     /// If the file cannot be read.
     pub fn table(&self, file: &str) -> Result<Option<Table>, Fault> {
         let path = self.directory.join(file);
-        if !path.is_file() {
+        if !own_files::is_file(&path) {
             return Ok(None);
         }
         Ok(Some(Table::read(&path, "may you read it?")?).filter(|table| !table.is_empty()))
@@ -129,11 +132,11 @@ fn name_of(directory: &Path) -> String {
 }
 
 fn summary(path: &Path) -> Result<Value, Fault> {
-    if !path.is_file() {
+    if !own_files::is_file(path) {
         return Ok(Value::Null);
     }
     let shown = path.display();
-    let text = files::read_text(path, files::RESULT_BYTES).map_err(|error| {
+    let text = files::read_own_text(path, files::RESULT_BYTES).map_err(|error| {
         Fault::new("results::unreadable", format!("could not read {shown}: {error}")).help("may you read it?")
     })?;
     serde_json::from_str(&text).map_err(|error| {

@@ -18,7 +18,8 @@ use crate::cli::say;
 use crate::divergence::{Divergence, Pair};
 use crate::fault::Fault;
 use crate::outcome::{End, Outcome};
-use crate::output::run_directory;
+use crate::output::run_directory::{self, Depth, refuse_odd};
+use crate::own_files;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use crate::simulation::Simulation;
@@ -105,8 +106,9 @@ fn open(path: &Path, until: Option<f64>) -> Result<AnyScene, Fault> {
     if !path.is_dir() {
         return load::any(path, &settings);
     }
+    refuse_odd(path, Depth::Top)?;
     let scene = run_directory::scene_of(path);
-    if !scene.is_file() {
+    if !own_files::is_file(&scene) {
         return Err(Fault::new("diff::no_run", format!("{} is no run directory: it has no scene.ron", path.display()))
             .help("`siloflow run SCENE --out DIR` makes one"));
     }

@@ -12,7 +12,9 @@ use crate::cli::{SceneArgs, say, setting};
 use crate::fault::Fault;
 use crate::output::frame_data::reader::FrameReader;
 use crate::output::frame_export::{self, Target};
-use crate::output::run_directory::{frame_data_of, scene_of};
+use crate::output::run_directory::{Depth, frame_data_of, refuse_odd, scene_of};
+use crate::own_files;
+use crate::scene::extent::{OF_UNKNOWN_SCENE, most_bytes};
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
 use crate::scene::outputs::Format;
@@ -76,8 +78,9 @@ pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<Verdict, Fault> {
         return Err(Fault::new("export::feature", format!("this siloflow was built without the format {}", args.to))
             .help("build it with `cargo build --release --features parquet`, or export `--to csv`"));
     }
+    refuse_odd(&args.run, Depth::Top)?;
     let path = frame_data_of(&args.run);
-    if !path.is_file() {
+    if !own_files::is_file(&path) {
         return Err(without_frames(
             &args.run,
             ["export::missing", "export::no_run", "export::method", "export::no_frames"],
@@ -88,7 +91,8 @@ pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<Verdict, Fault> {
         return Err(Fault::new("export::exists", format!("{} exists", target.display()))
             .help("remove it, or give another place with --out"));
     }
-    let reader = FrameReader::open(&path).map_err(|error| {
+    let most = load::any(&scene_of(&args.run), &[]).map_or(OF_UNKNOWN_SCENE, |scene| most_bytes(&scene));
+    let reader = FrameReader::open_within(&path, most).map_err(|error| {
         Fault::new("export::read", format!("could not read {}: {error}", path.display()))
             .help("is it a run of this version of siloflow? Else run its scene.ron again")
     })?;
@@ -98,8 +102,13 @@ pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<Verdict, Fault> {
             return Fault::new("export::read", format!("could not read {}: {error}", path.display()))
                 .help("nothing was written; the file has been changed since the run: run its scene.ron again");
         }
+        let help = if error.kind() == ErrorKind::ResourceBusy {
+            "wait for its end, or give another place with --out"
+        } else {
+            "nothing was written; is there space, and may you write there? Or give another place with --out"
+        };
         Fault::new("export::write", format!("could not export {} to {}: {error}", path.display(), target.display()))
-            .help("nothing was written; is there space, and may you write there? Or give another place with --out")
+            .help(help)
     })?;
     let shown = match format {
         Target::Live(Format::Vtk) => target.join("grains.pvd"),
@@ -119,7 +128,7 @@ pub(super) fn without_frames(run: &Path, codes: [&'static str; 4]) -> Fault {
             .help("give a run directory such as out/silo1, which `siloflow run` makes");
     }
     let scene = scene_of(run);
-    if !scene.is_file() {
+    if !own_files::is_file(&scene) {
         return Fault::new(codes[1], format!("{shown} is no run directory: it has no scene.ron"))
             .help("`siloflow run SCENE --out DIR` makes one");
     }

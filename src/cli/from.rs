@@ -42,8 +42,10 @@ impl Origin {
     /// * The run is one of the lattice gas, or needs a behaviour that is not registered.
     pub(super) fn of(path: &Path, registry: &Registry) -> Result<Self, Fault> {
         let directory = RunDirectory::reopen(path)?;
-        let checkpoint = find::latest(path)?;
-        let AnyScene::Grains(loaded) = load::named(&scene_of(path), &checkpoint.header.scene)? else {
+        let found = find::latest(path)?;
+        let scene = load::named(&scene_of(path), &found.header().scene)?;
+        let checkpoint = found.read(&scene)?;
+        let AnyScene::Grains(loaded) = scene else {
             let message = format!("{} is a run of the lattice gas, which has no grains", path.display());
             return Err(Fault::new("checkpoint::method", message).help("give the directory of a run of grains"));
         };

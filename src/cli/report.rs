@@ -1,7 +1,7 @@
 //! `siloflow report`: one HTML file about a run, or about several.
 
 use std::collections::HashSet;
-use std::fs::{self, File};
+use std::fs;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
@@ -11,6 +11,7 @@ use crate::cli::exit_status::Verdict;
 use crate::cli::say;
 use crate::fault::Fault;
 use crate::output::run_directory::report_of;
+use crate::own_files;
 use crate::report;
 use crate::writers::whole_file;
 
@@ -96,7 +97,7 @@ fn check_target(target: &Path, force: bool) -> Result<(), Fault> {
 /// Whether a file begins like a report.
 fn is_report(path: &Path) -> bool {
     let mut start = Vec::new();
-    let read = File::open(path).and_then(|file| file.take(4096).read_to_end(&mut start));
+    let read = own_files::read(path).and_then(|file| file.take(4096).read_to_end(&mut start));
     let start = String::from_utf8_lossy(&start);
     read.is_ok() && start.starts_with("<!DOCTYPE html>") && start.contains("content=\"siloflow ")
 }

@@ -93,14 +93,16 @@ pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Ve
 /// Continues the run in a directory from its latest checkpoint.
 pub(super) fn resume(path: &Path, accepts_damage: bool, call: &Call) -> Result<Report, Fault> {
     let directory = RunDirectory::reopen(path)?;
-    let checkpoint = find::latest(path)?;
-    if checkpoint.header.is_final {
+    let found = find::latest(path)?;
+    let header = found.header().clone();
+    if header.is_final {
         return Err(Fault::new("checkpoint::final", format!("the run in {} is over", path.display()))
             .help("start a new one from its state with `siloflow run SCENE --from DIR`"));
     }
-    directory.continue_from(checkpoint.header.files.clone(), checkpoint.header.steps, accepts_damage)?;
-    tracing::info!("continuing after step {}, t = {:.6}", checkpoint.header.steps, checkpoint.header.time);
-    let mut scene = load::named(&scene_of(path), &checkpoint.header.scene)?;
+    tracing::info!("continuing after step {}, t = {:.6}", header.steps, header.time);
+    let mut scene = load::named(&scene_of(path), &header.scene)?;
+    let checkpoint = found.read(&scene)?;
+    directory.continue_from(header.files, header.steps, accepts_damage)?;
     match &mut scene {
         AnyScene::Grains(loaded) => carry_on(&mut **loaded, &directory, &checkpoint, call),
         AnyScene::Lattice(loaded) => carry_on(&mut **loaded, &directory, &checkpoint, call),

@@ -14,6 +14,8 @@ use crate::cli::sweep::{Effort, available_cores, complete};
 use crate::cli::{picture_files, refused, say, show, unwritable};
 use crate::fault::Fault;
 use crate::output::run_directory::write_results;
+use crate::own_files;
+use crate::source::files;
 use crate::sweep::Sweep;
 use crate::sweep::fit::short;
 use crate::validation::cases::CASES;
@@ -179,11 +181,11 @@ fn run(
 /// Writes the scenes and sweep files of a case, if they are not there.
 fn write_inputs(out: &Path, directory: &Path, case: &Case) -> std::io::Result<()> {
     fs::create_dir_all(out)?;
-    fs::write(out.join(MARKER), "")?;
+    own_files::append(&out.join(MARKER))?;
     fs::create_dir_all(directory)?;
     for (name, content) in case.files {
         let path = directory.join(name);
-        if fs::read_to_string(&path).ok().as_deref() != Some(content) {
+        if files::read_own_text(&path, files::RESULT_BYTES).ok().as_deref() != Some(content) {
             whole_file::write(&path, content.as_bytes())?;
         }
     }

@@ -17,6 +17,7 @@ use crate::compare::discharge::Curve;
 use crate::compare::field::Field;
 use crate::fault::Fault;
 use crate::measure::flow::FlowMeans;
+use crate::output::run_directory::{Depth, refuse_odd};
 use crate::output::table::Table;
 use crate::scene::load;
 use crate::scene::loaded::AnyScene;
@@ -37,6 +38,7 @@ pub fn run(directory: &Path, name: &str) -> Result<Run, Fault> {
         return Err(Fault::new("compare::no_run", format!("there is no run directory {}", directory.display()))
             .help("give run directories such as out/silo2d, or scenes (.ron) to be run first"));
     }
+    refuse_odd(directory, Depth::Top)?;
     let summary = summary(&directory.join("summary.json"))?;
     let series = Table::read(&directory.join("series.csv"), "is it a run directory? `siloflow run` makes one")?;
     let (time_unit, times) = match series.finite("time_s")? {
@@ -77,7 +79,7 @@ fn outlines(scene: &AnyScene) -> (Vec<Disc>, Vec<(Vector, Vector)>) {
 }
 
 fn summary(path: &Path) -> Result<Value, Fault> {
-    let text = files::read_text(path, files::RESULT_BYTES).map_err(|error| {
+    let text = files::read_own_text(path, files::RESULT_BYTES).map_err(|error| {
         Fault::new("compare::no_summary", format!("could not read {}: {error}", path.display()))
             .help("a run writes it when it ends: has this one ended? `siloflow run` makes run directories")
     })?;

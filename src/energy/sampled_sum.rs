@@ -26,7 +26,7 @@ impl SampledSum {
     /// `mean` returns the mean over the steps since the last sample, from that sample and the new one.
     fn add(&mut self, value: Option<f64>, mean: impl Fn(f64, f64) -> f64, dt: f64) -> f64 {
         let Some(value) = value else {
-            self.skipped += 1;
+            self.skipped = self.skipped.saturating_add(1);
             return dt * self.last;
         };
         let skipped = f64::from(std::mem::take(&mut self.skipped));

@@ -25,12 +25,12 @@ use serde::{Deserialize, Serialize};
 use self::inlet::{Inlet, Progress, Released};
 use crate::grains::mass::MassLaw;
 use crate::grains::region::Region;
-use crate::grains::spawner::{Pending, RadiusLaw};
+use crate::grains::spawner::{Pending, RadiusLaw, SpawnerState};
 use crate::messages::GrainReleased;
 use crate::outcome::{Failure, Outcome};
-use crate::particle::{Grain, GrainBundle, Mass, Particle, Position, Radius, Velocity};
+use crate::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Velocity};
 use crate::particles::Particles;
-use crate::persist::PersistApp as _;
+use crate::persist::{PersistApp as _, Problem};
 use crate::space::Space;
 use crate::spin::InertiaLaw;
 use crate::step::{Clock, Phase, Step};
@@ -242,6 +242,22 @@ pub struct FeedPlugin<V: Space> {
     pub space: PhantomData<V>,
 }
 
+/// Refuses restored counts of grains to come that are not those of the spawner and the feeds.
+pub(super) fn check_restored<V: Space>(world: &mut World) -> Result<(), Problem> {
+    let of_spawner = world.get_resource::<SpawnerState<V>>().map_or(0, SpawnerState::left);
+    let inlets = world.get_resource::<Feeds<V>>().map_or(&[][..], |feeds| &feeds.inlets);
+    let of_feeds = inlets.iter().map(|inlet| u64::from(inlet.left.unwrap_or(1))).sum::<u64>();
+    let figures = world.get_resource::<FeedFigures>().map_or(&[][..], |figures| &figures.0);
+    let are_figures = figures.iter().all(|figure| figure.grains.max(figure.waited) <= GrainId::MAX_GRAIN);
+    let has_pending =
+        world.get_resource::<Pending>().is_some_and(|pending| u64::from(pending.0) == u64::from(of_spawner) + of_feeds);
+    if has_pending && figures.len() == inlets.len() && are_figures {
+        Ok(())
+    } else {
+        Err("its numbers of grains that are still to come differ".to_owned())
+    }
+}
+
 impl<V: Space> Plugin for FeedPlugin<V> {
     fn build(&self, app: &mut App) {
         let inlet = |(number, config): (usize, &Feed)| {
@@ -253,16 +269,16 @@ impl<V: Space> Plugin for FeedPlugin<V> {
         app.world_mut().resource_mut::<Pending>().0 += to_come.sum::<u32>();
         app.insert_resource(FeedFigures(vec![FeedFigure::default(); inlets.len()]))
             .insert_resource(Feeds { inlets, next_id: self.first_id })
-            .persist::<FeedFigures>()
-            .persist_part::<Feeds<V>, _>(
+            .persist_sound::<FeedFigures>()
+            .check_restored(check_restored::<V>)
+            .persist_sound_part::<Feeds<V>, _>(
                 |feeds| Ok((feeds.inlets.iter().map(Inlet::progress).collect::<Vec<Progress>>(), feeds.next_id)),
                 |feeds, (progress, next_id)| {
                     if progress.len() != feeds.inlets.len() {
                         return Err(format!("it has {} feeds, the scene {}", progress.len(), feeds.inlets.len()));
                     }
-                    feeds.inlets.iter_mut().zip(progress).for_each(|(inlet, progress)| inlet.restore(progress));
                     feeds.next_id = next_id;
-                    Ok(())
+                    feeds.inlets.iter_mut().zip(progress).try_for_each(|(inlet, progress)| inlet.restore(progress))
                 },
             )
             .add_systems(Step, feed::<V>.in_set(Phase::Spawn).in_set(PlainCommands).run_if(is_due::<V>));

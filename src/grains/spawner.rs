@@ -13,6 +13,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::grains::feed;
 use crate::grains::file::GrainRow;
 use crate::grains::mass::MassLaw;
 use crate::messages::GrainReleased;
@@ -20,7 +21,7 @@ use crate::outcome::{Failure, Outcome};
 use crate::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use crate::particles::Particles;
 use crate::periodic::Periodic;
-use crate::persist::PersistApp as _;
+use crate::persist::{PersistApp as _, Problem};
 use crate::random::Stream;
 use crate::space::{Solid, Space};
 use crate::step::{Clock, Phase, Step};
@@ -127,6 +128,11 @@ impl RadiusLaw {
     }
 }
 
+/// Whether restored numbers of grains that are left, by size, are such of a source with the quotas `of_scene` and at most `most` grains.
+pub(super) fn are_quotas(restored: &[u32], of_scene: &[u32], most: u32) -> bool {
+    restored.len() == of_scene.len() && restored.iter().map(|&quota| u64::from(quota)).sum::<u64>() <= u64::from(most)
+}
+
 /// Number of grains still to be released by any source. The rest detector and the end of a run depend on it.
 #[derive(Resource, Default, Debug, Deserialize, Serialize)]
 pub struct Pending(pub u32);
@@ -142,11 +148,13 @@ pub struct ReleaseDelays {
 
 /// State of the spawner.
 #[derive(Resource)]
-struct SpawnerState<V: Space> {
+pub(super) struct SpawnerState<V: Space> {
     config: Spawner,
     mass: MassLaw,
     random: Stream,
     quotas: Vec<u32>,
+    /// The id of its first grain.
+    first_id: u32,
     next_id: u32,
     /// Time at which the next grain is due, s.
     due: f64,
@@ -197,7 +205,26 @@ struct Candidate<V> {
     species: Species,
 }
 
+/// The part of the state that changes: quotas, the next id, when it is due (s), whether it is blocked, and the next grain.
+type Saved<V> = (Vec<u32>, u32, f64, bool, Option<Candidate<V>>);
+
 impl<V: Space> SpawnerState<V> {
+    fn restore(&mut self, (quotas, next_id, due, is_blocked, next): Saved<V>) -> Result<(), Problem> {
+        let count = self.config.count;
+        let is_next = |grain: &Candidate<V>| GrainId::grain(next_id) == Some(grain.id) && grain.radius > 0.0;
+        let released = next_id.checked_sub(self.first_id).filter(|released| *released <= count);
+        if released.is_none() || !are_quotas(&quotas, &self.quotas, count) || !next.iter().all(is_next) {
+            return Err("it has released other grains than the scene's spawner can".to_owned());
+        }
+        (self.quotas, self.next_id, self.due, self.is_blocked, self.next) = (quotas, next_id, due, is_blocked, next);
+        Ok(())
+    }
+
+    /// Number of grains still to be released.
+    pub(super) fn left(&self) -> u32 {
+        self.config.count.saturating_sub(self.next_id - self.first_id)
+    }
+
     /// Returns the next grain, and draws its random numbers if needed.
     fn candidate(&mut self, periodic: Option<&Periodic<V>>) -> Option<Candidate<V>> {
         if self.next.is_none() {
@@ -300,18 +327,18 @@ pub struct SpawnerPlugin<V: Space> {
 impl<V: Space> Plugin for SpawnerPlugin<V> {
     fn build(&self, app: &mut App) {
         app.world_mut().resource_mut::<Pending>().0 += self.config.count;
-        app.persist::<ReleaseDelays>().persist_part::<SpawnerState<V>, _>(
-            |state| Ok((state.quotas.clone(), state.next_id, state.due, state.is_blocked, state.next)),
-            |state, saved| {
-                (state.quotas, state.next_id, state.due, state.is_blocked, state.next) = saved;
-                Ok(())
-            },
-        );
+        app.persist_sound::<ReleaseDelays>()
+            .check_restored(feed::check_restored::<V>)
+            .persist_sound_part::<SpawnerState<V>, _>(
+                |state| Ok((state.quotas.clone(), state.next_id, state.due, state.is_blocked, state.next)),
+                SpawnerState::restore,
+            );
         app.init_resource::<ReleaseDelays>().insert_resource(SpawnerState::<V> {
             config: self.config.clone(),
             mass: self.mass,
             random: Spawner::stream(self.seed),
             quotas: self.config.radius.quotas(self.config.count),
+            first_id: self.first_id,
             next_id: self.first_id,
             due: 0.0,
             is_blocked: false,

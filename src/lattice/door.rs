@@ -4,7 +4,7 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
-use crate::lattice::rest::RestDetection;
+use crate::lattice::rest::{RestDetection, not_later_than_now};
 use crate::lattice::sites::Sites;
 use crate::messages::{CameToRest, DoorOpened};
 use crate::persist::PersistApp as _;
@@ -90,13 +90,17 @@ pub(super) struct DoorPlugin(pub Door);
 impl Plugin for DoorPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(DoorState { opens: self.0.opens, open_step: None });
-        app.persist_part::<DoorState, _>(
+        app.persist_sound_part::<DoorState, _>(
             |door| Ok(door.open_step),
             |door, open_step| {
                 door.open_step = open_step;
                 Ok(())
             },
         );
+        app.check_restored(|world| {
+            let opened = world.resource::<DoorState>().open_step.unwrap_or(0);
+            not_later_than_now(world, opened)
+        });
         if self.0.opens != DoorOpens::Never {
             app.add_systems(Step, open.in_set(Phase::Control).after(RestDetection).run_if(is_closed));
         }

@@ -47,7 +47,7 @@ impl Plugin for EndingPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(Until(self.until))
             .init_resource::<EmptyTime>()
-            .persist::<EmptyTime>()
+            .persist_sound::<EmptyTime>()
             .add_systems(Step, (end_when_empty, end_at_step).chain().in_set(Phase::Cull).run_if(time_moves));
         if self.stop_at_rest {
             app.add_systems(Step, end_at_rest.in_set(Phase::Cull).before(end_when_empty));

@@ -67,7 +67,17 @@ pub(crate) fn add_all(app: &mut Assembly, loaded: &LoadedLattice) {
     app.provide(sites.clone());
     app.provide(gas);
     app.add_with("always", |app| {
-        app.persist::<Gas>().persist::<Sites>();
+        app.persist_sound_part::<Gas, _>(|gas| Ok(gas.saved()), |gas, saved| Ok(gas.restore(saved)?));
+        // The sites follow from the scene and from whether the door is open.
+        app.persist_part::<Sites, bool>(
+            |sites| Ok(sites.is_open()),
+            |sites, is_open| {
+                if is_open {
+                    sites.open();
+                }
+                Ok(())
+            },
+        );
     });
 }
 

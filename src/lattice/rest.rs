@@ -14,7 +14,7 @@ use crate::lattice::gas::Gas;
 use crate::lattice::series::means;
 use crate::lattice::sites::Sites;
 use crate::messages::CameToRest;
-use crate::persist::PersistApp as _;
+use crate::persist::{PersistApp as _, Problem};
 use crate::step::{Clock, Phase, Step};
 use crate::values::Positive;
 
@@ -71,18 +71,28 @@ fn everything_has_entered(pending: Res<Pending>, detector: Res<RestDetector>) ->
     pending.0 == 0 && detector.rest_step.is_none()
 }
 
+/// Refuses a restored step that is still to come.
+pub(super) fn not_later_than_now(world: &World, step: u64) -> Result<(), Problem> {
+    let now = world.resource::<Clock>().steps;
+    if step <= now { Ok(()) } else { Err(format!("it names step {step}, and {now} steps are done")) }
+}
+
 /// Plugin that detects rest, once per run.
 pub(super) struct RestPlugin(pub Rest);
 
 impl Plugin for RestPlugin {
     fn build(&self, app: &mut App) {
-        app.persist_part::<RestDetector, _>(
+        app.persist_sound_part::<RestDetector, _>(
             |detector| Ok((detector.since, detector.rest_step)),
             |detector, state| {
                 (detector.since, detector.rest_step) = state;
                 Ok(())
             },
         );
+        app.check_restored(|world| {
+            let since = world.resource::<RestDetector>().since.map_or(0, |(since, _)| since);
+            not_later_than_now(world, since)
+        });
         app.insert_resource(RestDetector { config: self.0, since: None, rest_step: None })
             .add_systems(Step, detect.in_set(Phase::Control).in_set(RestDetection).run_if(everything_has_entered));
     }

@@ -102,7 +102,7 @@ fn write_row(
     }
     #[expect(clippy::cast_precision_loss, reason = "fewer than 2^53 particles and steps")]
     let outflow = match series.last.replace((step, out)) {
-        Some((before, out_before)) if step > before => (out - out_before) as f64 / (step - before) as f64,
+        Some((before, out_before)) if step > before => out.saturating_sub(out_before) as f64 / (step - before) as f64,
         _ => 0.0,
     };
     let Means { count, centre: x, velocity: v, at_rest } = now;
@@ -136,7 +136,7 @@ impl Plugin for SeriesPlugin {
         let Some(file) = self.file.open() else { return };
         observe_every::<Series>(app, f64::from(self.config.interval.get()));
         outputs::compute_series(app, due::<Series>);
-        app.persist_part::<SeriesFile, _>(
+        app.persist_sound_part::<SeriesFile, _>(
             |series| Ok((series.rows.saved()?, series.last)),
             |series, (length, last)| {
                 series.last = last;

@@ -59,6 +59,12 @@ impl Departures {
         self.count += 1;
     }
 
+    /// Whether restored times are as many as the count says.
+    pub(super) fn is_sound(&self) -> bool {
+        let kept = if self.stride.is_power_of_two() { self.count.div_ceil(self.stride) as usize } else { usize::MAX };
+        kept == self.kept.len() && kept <= CAPACITY
+    }
+
     /// Number of departures.
     #[must_use]
     pub fn count(&self) -> u32 {

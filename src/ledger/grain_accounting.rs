@@ -15,7 +15,7 @@ use crate::ledger::format_position;
 use crate::messages::{GrainLost, GrainOut, GrainReleased};
 use crate::outcome::{Failure, Outcome};
 use crate::particle::GrainId;
-use crate::persist::PersistApp as _;
+use crate::persist::{PersistApp as _, Problem};
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 use crate::store::{BeforeRenumbering, ParticleStore, Renumber};
@@ -164,6 +164,19 @@ pub(super) fn account_for_grains<V: Space>(
     }
 }
 
+/// Refuses restored counts that cannot be those of a run.
+fn check_ledger(world: &mut World) -> Result<(), Problem> {
+    let Some(ledger) = world.get_resource::<Ledger>() else { return Ok(()) };
+    let lost = u64::from(ledger.written_losses) + ledger.lost.len() as u64;
+    let gone = u64::from(ledger.out()) + lost;
+    let most = u64::from(GrainId::MAX_GRAIN);
+    // A behaviour may remove grains of the start, which were not released.
+    if u64::from(ledger.released).max(gone).max(ledger.culled.into()) > most || !ledger.departures.is_sound() {
+        return Err("its counts of grains cannot be those of a run".to_owned());
+    }
+    Ok(())
+}
+
 /// The scene key `on_loss` as a resource.
 #[derive(Resource)]
 pub(super) struct OnLossSetting(OnLoss);
@@ -180,7 +193,8 @@ impl<V: Space> Plugin for LedgerPlugin<V> {
         app.init_resource::<Ledger>()
             .insert_resource(OnLossSetting(self.0))
             .init_resource::<Culled>()
-            .persist::<Ledger>()
+            .persist_sound::<Ledger>()
+            .check_restored(check_ledger)
             .persist::<Culled>()
             .add_systems(Renumber, report_vanished_grains::<V>.in_set(BeforeRenumbering))
             .add_systems(

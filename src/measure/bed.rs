@@ -106,7 +106,7 @@ pub struct BedPlugin(pub Bed);
 impl Plugin for BedPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(Window(self.0))
-            .persist::<BedFigures>()
+            .persist_sound::<BedFigures>()
             .add_systems(Step, measure.in_set(ObserveStage::Measure).in_set(PlainCommands));
     }
 }

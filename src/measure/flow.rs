@@ -135,6 +135,18 @@ impl FlowField {
         self.samples += 1;
     }
 
+    /// Takes over the sums of a field with the same cells.
+    ///
+    /// # Errors
+    /// If the cells have another size.
+    pub(crate) fn restore(&mut self, saved: Self) -> Result<(), &'static str> {
+        if saved.cell.to_bits() != self.cell.to_bits() {
+            return Err("the cells of the flow field have another size");
+        }
+        *self = saved;
+        Ok(())
+    }
+
     /// Returns the number of complete samples.
     #[must_use]
     pub fn samples(&self) -> u64 {

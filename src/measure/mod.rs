@@ -75,7 +75,7 @@ pub fn due<T: Send + Sync + 'static>(every: Option<Res<Every<T>>>) -> bool {
 
 /// Registers the clock of the observer `T` with an interval in s.
 pub fn observe_every<T: Send + Sync + 'static>(app: &mut App, interval: f64) {
-    app.persist_part::<Every<T>, _>(
+    app.persist_sound_part::<Every<T>, _>(
         |every| Ok((every.next, every.is_due)),
         |every, state| {
             (every.next, every.is_due) = state;

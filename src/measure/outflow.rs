@@ -17,6 +17,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::measure::fields::Blocks;
+use crate::particle::GrainId;
 use crate::space::Space;
 use crate::values::{Finite, FiniteVector, NonNegative, Positive};
 
@@ -144,12 +145,21 @@ pub struct OutflowFigures {
     pub mass_flow_index: Option<MassFlowIndex>,
 }
 
+/// Numbers of both zones: momentum and mass of each.
+const ZONES: usize = 4;
+
 impl OutflowSums {
     /// Makes sums without grains, of species up to `largest`.
     #[must_use]
     pub fn new(largest: usize) -> Self {
         let block = Block { mass: vec![0.0; largest + 1], ..Block::default() };
-        Self { blocks: vec![block; BLOCKS], zones: Blocks::new(4) }
+        Self { blocks: vec![block; BLOCKS], zones: Blocks::new(ZONES) }
+    }
+
+    /// Whether restored sums have the blocks of every window, and species up to `largest`.
+    pub(crate) fn fit(&self, largest: usize) -> bool {
+        let is_block = |block: &Block| block.mass.len() == largest + 1 && block.grains <= GrainId::MAX_GRAIN;
+        self.blocks.len() == BLOCKS && self.blocks.iter().all(is_block) && self.zones.fit(ZONES)
     }
 
     /// Adds a grain that left at `time`, s, after a stay of `stay`, s.

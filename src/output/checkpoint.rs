@@ -25,6 +25,7 @@ use crate::output::frame_data::writer::FrameDataWriter;
 use crate::output::run_directory::{
     RunDirectory, checkpoint_name, checkpoints_in, hash_of_input, remove_incomplete_checkpoints,
 };
+use crate::own_files;
 use crate::persist;
 use crate::persist::{CheckpointConfig, CheckpointFigures};
 use crate::step::Clock;
@@ -107,9 +108,8 @@ impl Checkpoints {
             return Err(error);
         }
         (self.guard)()?;
-        match disk::create_directory(&self.directory) {
-            Err(error) if error.kind() != io::ErrorKind::AlreadyExists => return Err(error),
-            _ => {}
+        if !own_files::is_directory(&self.directory) {
+            disk::create_directory(&self.directory)?;
         }
         let run = self.directory.parent().unwrap_or(Path::new(""));
         self.files.sync(run)?;

@@ -49,7 +49,7 @@ pub struct CostPlugin;
 impl Plugin for CostPlugin {
     fn build(&self, app: &mut App) {
         app.insert_resource(RunCost { before_s: 0.0, since: Instant::now(), updates: 0 });
-        app.persist_part::<RunCost, _>(
+        app.persist_sound_part::<RunCost, _>(
             |cost| Ok((cost.wall_s(), cost.updates)),
             |cost, saved| {
                 (cost.before_s, cost.updates) = saved;

@@ -75,7 +75,7 @@ fn has_work<V: Space>(clock: Res<Clock>, fields: Res<Fields<V>>, outcome: Res<Ou
 impl<V: Space> Fields<V> {
     fn restore(&mut self, (length, averages): (u64, Vec<(Blocks, Progress)>)) -> Result<(), Problem> {
         let fits =
-            |(running, (blocks, _)): (&Running<V>, &(Blocks, Progress))| running.sampler.blocks.len() == blocks.len();
+            |(running, (blocks, _)): (&Running<V>, &(Blocks, Progress))| blocks.fit(running.sampler.blocks.len());
         if averages.len() != self.running.len() || !self.running.iter().zip(&averages).all(fits) {
             return Err("the number of fields or of their cells differs".to_owned());
         }
@@ -145,7 +145,7 @@ impl<V: Space> FieldsPlugin<V> {
 impl<V: Space> Plugin for FieldsPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some(fields) = self.0.open() else { return };
-        app.persist_part::<Fields<V>, _>(
+        app.persist_sound_part::<Fields<V>, _>(
             |fields| Ok((fields.file.saved()?, fields.running.iter().map(Running::saved).collect())),
             Fields::restore,
         );

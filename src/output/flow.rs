@@ -75,10 +75,10 @@ impl Plugin for FlowPlugin {
     fn build(&self, app: &mut App) {
         let Some(sampler) = self.sampler.open() else { return };
         observe_every::<Flow>(app, self.config.sample.get());
-        app.persist_part::<FlowSampler, _>(
+        app.persist_sound_part::<FlowSampler, _>(
             |sampler| Ok((sampler.file.saved()?, sampler.field.clone())),
             |sampler, (length, field)| {
-                sampler.field = field;
+                sampler.field.restore(field)?;
                 sampler.file.restore(length)
             },
         );

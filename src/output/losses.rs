@@ -103,7 +103,10 @@ impl Plugin for LossesPlugin {
         };
         // Before all observers, because these read the grain accounting.
         let stage = Part::Engine(Phase::Observe);
-        app.persist_part::<LossesFile, _>(|file| file.rows.as_ref().map(Rows::saved).transpose(), LossesFile::restore);
+        app.persist_sound_part::<LossesFile, _>(
+            |file| file.rows.as_ref().map(Rows::saved).transpose(),
+            LossesFile::restore,
+        );
         app.insert_resource(LossesFile { place: self.place.clone(), rows: None, header })
             .add_systems(Step, write_rows.in_set(stage).after(ClocksRead).run_if(due::<Series>));
     }

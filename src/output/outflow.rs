@@ -13,14 +13,14 @@ use crate::measure::outflow::{Outflow, OutflowFigures, OutflowSums, SAMPLES};
 use crate::messages::{GrainOut, GrainReleased};
 use crate::particle::GrainId;
 use crate::particles::Motion;
-use crate::persist::PersistApp as _;
+use crate::persist::{PersistApp as _, Problem};
 use crate::space::Space;
 use crate::step::{Clock, Phase, Step};
 use crate::store::register_predictable;
 
-/// The window of the scene.
+/// The window of the scene, and its largest species.
 #[derive(Resource)]
-pub(crate) struct OutflowWindow(Outflow);
+pub(crate) struct OutflowWindow(Outflow, usize);
 
 /// Observations so far.
 #[derive(Resource, Deserialize, Serialize)]
@@ -76,6 +76,15 @@ fn sample<V: Space>(window: Res<OutflowWindow>, motion: Motion<V>, mut state: Re
     state.sums.end_sample();
 }
 
+/// Refuses restored sums of other blocks or species than those of the scene.
+fn check_outflow(world: &mut World) -> Result<(), Problem> {
+    let (Some(state), Some(window)) = (world.get_resource::<OutflowState>(), world.get_resource::<OutflowWindow>())
+    else {
+        return Ok(());
+    };
+    if state.sums.fit(window.1) { Ok(()) } else { Err("the blocks or the species of the outflow differ".to_owned()) }
+}
+
 /// Observes the outflow of a scene.
 pub struct OutflowPlugin<V: Space> {
     /// The scene key.
@@ -89,7 +98,10 @@ pub struct OutflowPlugin<V: Space> {
 impl<V: Space> Plugin for OutflowPlugin<V> {
     fn build(&self, app: &mut App) {
         let state = OutflowState { sums: OutflowSums::new(self.species), entered: BTreeMap::new() };
-        app.insert_resource(OutflowWindow(self.window)).insert_resource(state).persist::<OutflowState>();
+        app.insert_resource(OutflowWindow(self.window, self.species))
+            .insert_resource(state)
+            .persist_sound::<OutflowState>()
+            .check_restored(check_outflow);
         register_predictable(app, sample_is_due, sample_is_due);
         app.add_systems(
             Step,

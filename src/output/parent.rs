@@ -39,7 +39,7 @@ pub struct ParentPlugin(pub Option<Parent>);
 
 impl Plugin for ParentPlugin {
     fn build(&self, app: &mut App) {
-        app.persist::<Parent>();
+        app.persist_sound::<Parent>();
         if let Some(parent) = &self.0 {
             app.insert_resource(parent.clone());
         }

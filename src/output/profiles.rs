@@ -186,8 +186,11 @@ impl<V: Space> ProfilesPlugin<V> {
 impl<V: Space> Plugin for ProfilesPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some((profiles, centres)) = self.0.open() else { return };
-        app.persist_part::<Centres, _>(|centres| centres.file.saved(), |centres, length| centres.file.restore(length));
-        app.persist_part::<Profiles<V>, _>(
+        app.persist_sound_part::<Centres, _>(
+            |centres| centres.file.saved(),
+            |centres, length| centres.file.restore(length),
+        );
+        app.persist_sound_part::<Profiles<V>, _>(
             |profiles| Ok((profiles.file.saved()?, profiles.running.iter().map(Running::saved).collect())),
             Profiles::restore,
         );

@@ -18,8 +18,10 @@
 mod examine;
 mod exchange;
 pub mod integrity;
+mod kinds;
 mod marker;
 pub(crate) mod names;
+mod part;
 mod path;
 mod results;
 mod resumed;
@@ -34,19 +36,22 @@ use std::sync::Arc;
 use serde::Serialize;
 
 use self::examine::{Content, examine, refuse_content, resolve};
+pub use self::kinds::{Depth, refuse_odd};
 pub(crate) use self::marker::MARKER;
 use self::marker::{Claim, Marker};
 pub(crate) use self::names::is_reserved;
 use self::names::{FRAMES, HASHES, LOSSES, REPORT, SCENE, STATE, SUMMARY, copy_name, is_own};
 pub use self::names::{
-    checkpoint_name, checkpoints_directory, checkpoints_in, frame_data_of, hash_of_input, is_drawn, movie_of,
+    checkpoint_name, checkpoints_directory, checkpoints_in, frame_data_of, hash_of_input, is_drawn, is_run, movie_of,
     pictures_of, remove_incomplete_checkpoints, report_of, scene_of, summary_of, tables_of,
 };
+pub use self::part::PartDirectory;
 pub use self::path::RunPath;
 pub use self::results::{check_results, write_results};
 use self::stage::Stage;
 pub use self::usage::{Use, holds_run, watch};
 use crate::fault::Fault;
+use crate::own_files;
 use crate::source::Source;
 use crate::source::places;
 use crate::writers::disk::{self, DiskFile, remove_if_there};
@@ -146,11 +151,12 @@ impl RunDirectory {
     /// Locks the directory of an earlier run, to continue it. Nothing but the marker is changed.
     ///
     /// # Errors
-    /// If there is no run at `path`, or another process uses it.
+    /// If there is no run at `path`, another process uses it, or something in it is not of the [kind](refuse_odd) that siloflow makes.
     pub fn reopen(path: &Path) -> Result<Self, Fault> {
         let target = resolve(path)?;
         let failed = |message: String| Fault::new("run::directory", message).help("give the directory of a run");
         let unreadable = |error: io::Error| failed(format!("could not use {}: {error}", path.display()));
+        refuse_odd(path, Depth::Whole)?;
         match Marker::claim(&target).map_err(unreadable)? {
             Claim::Unmarked => Err(failed(format!("{} holds no run", path.display()))),
             Claim::Held(holder) => Err(in_use(path, &holder)),
@@ -322,8 +328,7 @@ impl RunDirectory {
         let json = hashes::sealed(serde_json::to_string_pretty(summary).map_err(io::Error::other)? + "\n");
         let complete = self.now().join(SUMMARY);
         let part = part_of(&complete);
-        let mut file =
-            if part.symlink_metadata().is_ok() { DiskFile::reopen(&part) } else { DiskFile::create_new(&part) }?;
+        let mut file = if own_files::is_file(&part) { DiskFile::reopen(&part) } else { DiskFile::create_new(&part) }?;
         file.write_all(json.as_bytes())?;
         file.set_len(json.len() as u64)?;
         // The summary says that the run is over, so it gets its name only when it is on the disk.

@@ -114,7 +114,7 @@ impl<V: Space> Plugin for SeriesPlugin<V> {
         let Some(file) = self.file.open() else { return };
         observe_every::<Series>(app, self.config.interval.get());
         outputs::compute_series(app, due::<Series>);
-        app.persist_part::<SeriesFile, _>(
+        app.persist_sound_part::<SeriesFile, _>(
             |series| Ok((series.rows.saved()?, series.last)),
             |series, (length, last)| {
                 series.last = last;

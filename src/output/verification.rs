@@ -27,8 +27,8 @@ use crate::output::run_directory::names::{CHECKPOINTS, FRAME_DATA, HASHES, SUMMA
 use crate::output::run_directory::{
     MARKER, Use, checkpoints_directory, checkpoints_in, frame_data_of, holds_run, watch,
 };
+use crate::own_files;
 use crate::source::files::RESULT_BYTES;
-use crate::writers::disk;
 use crate::writers::hashes;
 use crate::writers::run_files::FileRecord;
 
@@ -152,11 +152,11 @@ impl Verification {
         let mut latest = None;
         for path in checkpoints_in(&directory)? {
             let name = format!("{CHECKPOINTS}/{}", path.file_name().unwrap_or_default().display());
-            match file::read(&path) {
-                Ok(checkpoint) => {
+            match file::open(&path) {
+                Ok(packed) => {
                     self.files += 1;
                     self.bytes += fs::metadata(&path).map_or(0, |found| found.len());
-                    latest.get_or_insert(checkpoint.header);
+                    latest.get_or_insert(packed.header);
                 }
                 // A run that goes on removes earlier ones.
                 Err(error) if is_running && error.kind() == ErrorKind::NotFound => {}
@@ -257,7 +257,7 @@ fn read_text(run: &Path, name: &str) -> io::Result<String> {
         return Err(io::Error::other("it is a symbolic link"));
     }
     let mut bytes = Vec::new();
-    disk::open_regular(&path)?.take(RESULT_BYTES).read_to_end(&mut bytes)?;
+    own_files::read(&path)?.take(RESULT_BYTES).read_to_end(&mut bytes)?;
     // A wrong byte shows in the hash.
     Ok(String::from_utf8_lossy(&bytes).into_owned())
 }

@@ -118,7 +118,7 @@ impl<V: Space> WallBandsPlugin<V> {
 impl<V: Space> Plugin for WallBandsPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some(bands) = self.0.open() else { return };
-        app.persist_part::<BandsFile, _>(
+        app.persist_sound_part::<BandsFile, _>(
             |bands| {
                 let of = |running: &Running| (running.sampler.saved(), running.averaging.saved());
                 Ok((bands.file.saved()?, bands.running.iter().map(of).collect()))

@@ -150,7 +150,7 @@ impl<V: Space> WallForcesPlugin<V> {
 impl<V: Space> Plugin for WallForcesPlugin<V> {
     fn build(&self, app: &mut App) {
         let Some(files) = self.0.open() else { return };
-        app.persist_part::<WallFiles<V>, _>(WallFiles::saved, WallFiles::restore);
+        app.persist_sound_part::<WallFiles<V>, _>(WallFiles::saved, WallFiles::restore);
         app.insert_resource(files);
         app.add_systems(Step, add_loads::<V>.in_set(Part::Engine(Phase::Observe)).after(KickAppliedAtEnd));
         app.add_systems(Step, write_rows::<V>.in_set(ObserveStage::Write).run_if(due::<Series>));

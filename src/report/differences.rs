@@ -72,7 +72,7 @@ fn values(run: &Run) -> BTreeMap<String, Written> {
     let entries = std::fs::read_dir(&run.files.directory).into_iter().flatten().filter_map(Result::ok);
     for name in entries.filter_map(|entry| entry.file_name().into_string().ok()) {
         let is_input = name.starts_with("input-");
-        if is_input && let Ok(bytes) = files::read_bytes(&run.files.directory.join(&name), files::GRAIN_BYTES) {
+        if is_input && let Ok(bytes) = files::read_own_bytes(&run.files.directory.join(&name), files::GRAIN_BYTES) {
             let mut hash = Fnv::default();
             hash.update(&bytes);
             let text = format!("content with the hash {:016x}", hash.value());

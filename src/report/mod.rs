@@ -32,6 +32,7 @@ use crate::fault::Fault;
 use crate::report::document::Contents;
 use crate::report::player::Packed;
 use crate::report::run::Run;
+use crate::scene::extent::{OF_UNKNOWN_SCENE, most_bytes};
 
 /// Most runs of one report.
 pub const MOST_RUNS: usize = 12;
@@ -62,7 +63,8 @@ fn figures(files: &[&RunFiles]) -> Vec<Figure> {
 
 /// The frames of a run, or why there are none, as HTML.
 fn frames(run: &Run, budget: usize) -> Result<Packed, String> {
-    match Packed::within(&run.files.directory, budget) {
+    let most = run.scene.as_ref().map_or(OF_UNKNOWN_SCENE, most_bytes);
+    match Packed::of_frames_within(&run.files.directory, budget, most) {
         Ok(Some(frames)) => Ok(frames),
         Ok(None) if run.is_lattice() => Err(
             "The lattice gas keeps no frames to play, and this run has no pictures: set the key <code>pictures</code>."

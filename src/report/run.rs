@@ -37,7 +37,7 @@ impl Run {
         }
         let scene = scene_of(path);
         Ok(Self {
-            scene_text: files::read_text(&scene, files::SCENE_BYTES).unwrap_or_default(),
+            scene_text: files::read_own_text(&scene, files::SCENE_BYTES).unwrap_or_default(),
             scene: load::named(&scene, &files.name).map_err(|fault| fault.to_string()),
             files,
         })

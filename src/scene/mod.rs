@@ -7,6 +7,7 @@
 pub mod camera;
 pub mod check;
 pub mod expected;
+pub mod extent;
 pub mod load;
 pub mod loaded;
 pub mod outputs;

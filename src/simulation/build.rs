@@ -30,7 +30,7 @@ use crate::space::{Dimension, Plane, Solid};
 use crate::step::{Clock, Part, Step};
 use crate::store;
 use crate::threads::Threads;
-use crate::walls::surfaces::{LeavingWalls, Surfaces, WallIndex};
+use crate::walls::surfaces::{self, LeavingWalls, Surfaces, WallIndex};
 
 impl Simulation {
     /// Completes the app of a scene of grains.
@@ -165,7 +165,8 @@ fn add_plugins<V: Engine>(
     assembly.add_with("walls", |app| {
         app.persist_component::<WallIndex>()
             .persist::<LeavingWalls>()
-            .persist_part::<Surfaces<V>, _>(|walls| Ok(walls.saved()), |walls, saved| Ok(walls.restore(saved)?));
+            .persist_sound_part::<Surfaces<V>, _>(|walls| Ok(walls.saved()), |walls, saved| Ok(walls.restore(saved)?))
+            .check_restored(surfaces::check_restored::<V>);
     });
     add_all::<V>(assembly, loaded, behaviours, paths);
 }

@@ -1,10 +1,13 @@
 //! Reads the files of a scene: regular files only, up to a stated number of bytes.
 //!
-//! A device or a pipe may have no end, and a pipe may wait for ever.
+//! A device or a pipe may have no end, and a pipe may wait for ever. A path that a user or a scene names may be a symbolic link. In
+//! siloflow's own directories none is followed ([`own_files`]): the functions for files there have `own` in their names.
 
 use std::fs::{self, File};
 use std::io::{self, Read};
 use std::path::Path;
+
+use crate::own_files;
 
 /// Most bytes of a scene. The values of such a text take at most about 300 MB.
 pub const SCENE_BYTES: u64 = 4 << 20;
@@ -40,7 +43,18 @@ impl BoundedFile {
     pub fn open(path: &Path, most: u64) -> io::Result<Self> {
         // Before opening, which waits if this is a pipe without a writer.
         check(&fs::metadata(path)?, most)?;
-        let file = File::open(path)?;
+        Self::of(File::open(path)?, most)
+    }
+
+    /// Opens the regular file at `path` in one of siloflow's own directories, as [`BoundedFile::open`]. A link is refused.
+    ///
+    /// # Errors
+    /// As [`BoundedFile::open`].
+    pub fn open_own(path: &Path, most: u64) -> io::Result<Self> {
+        Self::of(own_files::read(path)?, most)
+    }
+
+    fn of(file: File, most: u64) -> io::Result<Self> {
         check(&file.metadata()?, most)?;
         Ok(Self { file, most, left: most })
     }
@@ -72,6 +86,26 @@ pub fn read_bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     let mut text = String::new();
     BoundedFile::open(path, most)?.read_to_string(&mut text)?;
+    Ok(text)
+}
+
+/// As [`read_bytes`], for a file in one of siloflow's own directories.
+///
+/// # Errors
+/// As [`BoundedFile::open_own`].
+pub fn read_own_bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    BoundedFile::open_own(path, most)?.read_to_end(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// As [`read_text`], for a file in one of siloflow's own directories.
+///
+/// # Errors
+/// As [`BoundedFile::open_own`]; also if it is not UTF-8.
+pub fn read_own_text(path: &Path, most: u64) -> io::Result<String> {
+    let mut text = String::new();
+    BoundedFile::open_own(path, most)?.read_to_string(&mut text)?;
     Ok(text)
 }
 

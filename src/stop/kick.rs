@@ -18,7 +18,7 @@ use crate::ending::Endings;
 use crate::ledger::{GrainsAccounted, Ledger};
 use crate::particle::{Force, Grain, Mass, Position};
 use crate::particles::Particles;
-use crate::persist::PersistApp as _;
+use crate::persist::{PersistApp as _, Problem};
 use crate::space::{Solid, Space};
 use crate::step::{Clock, ForceStage, Phase, Step, time_moves};
 use crate::stop::clog::count_above;
@@ -107,6 +107,18 @@ fn push<V: Space>(jet: Res<Jet>, mut grains: Query<(&Position<V>, &Mass, &mut Fo
     }
 }
 
+/// Refuses restored avalanches of more grains than are out.
+fn check_avalanches(world: &mut World) -> Result<(), Problem> {
+    let (Some(avalanches), Some(ledger)) = (world.get_resource::<Avalanches>(), world.get_resource::<Ledger>()) else {
+        return Ok(());
+    };
+    if avalanches.out_before <= ledger.out() {
+        Ok(())
+    } else {
+        Err("more grains left before a kick than are out".into())
+    }
+}
+
 /// Kicks the grains near a clogged outlet.
 pub struct KickPlugin<V: Space> {
     /// The scene's key.
@@ -121,7 +133,8 @@ impl<V: Space> Plugin for KickPlugin<V> {
     fn build(&self, app: &mut App) {
         app.insert_resource(Jet { kick: self.kick, boxes: self.boxes.clone() })
             .init_resource::<Avalanches>()
-            .persist::<Avalanches>()
+            .persist_sound::<Avalanches>()
+            .check_restored(check_avalanches)
             .add_systems(Step, push::<V>.in_set(ForceStage::Added).run_if(is_under_way))
             .add_systems(
                 Step,

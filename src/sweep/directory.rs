@@ -16,7 +16,7 @@
 //!
 //! Limit: on a file system without locks two processes may do the same run twice. The results are the same.
 
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
@@ -25,8 +25,10 @@ use serde_json::Value;
 use crate::fault::Fault;
 use crate::output::checkpoint::find;
 use crate::output::run_directory::{scene_of, summary_of};
+use crate::own_files;
+use crate::source::Source;
+use crate::source::files::{self, BoundedFile};
 use crate::source::keys::changes;
-use crate::source::{Source, files};
 use crate::sweep::figures::is_failure;
 use crate::sweep::{Sweep, Task};
 use crate::writers::fnv::Fnv;
@@ -96,7 +98,7 @@ impl SweepDirectory {
         // The lock makes the marker, which comes before all other content.
         let _lock = directory.lock().map_err(unwritable)?;
         for name in [RUNS, LOGS] {
-            fs::create_dir_all(path.join(name)).map_err(unwritable)?;
+            own_files::make_directory(&path.join(name)).map_err(unwritable)?;
         }
         match directory.difference(sweep)? {
             Difference::None => {}
@@ -144,7 +146,7 @@ impl SweepDirectory {
 
     /// Compares the copy of the sweep file with a sweep. Comments and layout do not count.
     fn difference(&self, sweep: &Sweep) -> Result<Difference, Fault> {
-        match files::read_text(&self.path.join(PLAN), files::SCENE_BYTES) {
+        match files::read_own_text(&self.path.join(PLAN), files::SCENE_BYTES) {
             Ok(text) => {
                 let [ours, theirs] =
                     [text, sweep.text.clone()].map(|text| Source::new(PLAN, "sweep", Path::new(""), text));
@@ -162,7 +164,7 @@ impl SweepDirectory {
 
     /// Waits for the lock of the directory.
     fn lock(&self) -> io::Result<File> {
-        let marker = open_own(&self.path.join(MARKER))?;
+        let marker = own_files::append(&self.path.join(MARKER))?;
         if let Err(error) = marker.lock() {
             tracing::warn!("could not lock {}: {error}", self.path.display());
         }
@@ -193,7 +195,7 @@ impl SweepDirectory {
     /// If the log cannot be written.
     pub fn claim(&self, sweep: &Sweep, task: Task) -> io::Result<Option<Log>> {
         let path = self.log_path(sweep, task);
-        let log = open_own(&path)?;
+        let log = own_files::append(&path)?;
         match log.try_lock() {
             Err(TryLockError::WouldBlock) => return Ok(None),
             Err(TryLockError::Error(error)) => tracing::warn!("could not lock {}: {error}", path.display()),
@@ -208,17 +210,17 @@ impl SweepDirectory {
     /// If the settings of the run do not fit the scene.
     pub fn state(&self, sweep: &Sweep, task: Task) -> Result<State, Fault> {
         let run = self.run(sweep, task);
-        let Ok(text) = files::read_text(&scene_of(&run), files::SCENE_BYTES) else { return Ok(State::Missing) };
+        let Ok(text) = files::read_own_text(&scene_of(&run), files::SCENE_BYTES) else { return Ok(State::Missing) };
         let expected = sweep.expected(task)?;
         let found = Source::new(&scene_of(&run).display().to_string(), "scene", &run, text);
         if let Some(key) = differing_key(&expected, &found, &run) {
             return Ok(State::Foreign(key));
         }
-        let summary = files::read_text(&summary_of(&run), files::RESULT_BYTES);
+        let summary = files::read_own_text(&summary_of(&run), files::RESULT_BYTES);
         let summary = summary.ok().and_then(|text| serde_json::from_str::<Value>(&text).ok());
         Ok(match summary.filter(|summary| summary["status"].as_str().is_some_and(|status| status != "interrupted")) {
             Some(summary) => State::Over(Box::new(summary)),
-            None => State::Unfinished(find::latest(&run).is_ok_and(|checkpoint| !checkpoint.header.is_final)),
+            None => State::Unfinished(find::latest(&run).is_ok_and(|found| !found.header().is_final)),
         })
     }
 
@@ -230,8 +232,9 @@ impl SweepDirectory {
         let _lock = self.lock()?;
         for (name, content) in files {
             let path = self.path.join(name);
-            if let Some(parent) = path.parent() {
-                fs::create_dir_all(parent)?;
+            // The directory of the sweep itself may be a link that the user names.
+            if let Some(parent) = path.parent().filter(|parent| *parent != self.path) {
+                own_files::make_directory(parent)?;
             }
             whole_file::write(&path, content)?;
             #[cfg(feature = "parquet")]
@@ -260,21 +263,15 @@ fn other_sweep(path: &Path) -> Fault {
         .help("give another directory with --out, or keep the runs that both have in common with --force")
 }
 
-/// Opens a regular file to write, and creates it if needed.
-fn open_own(path: &Path) -> io::Result<File> {
-    if fs::symlink_metadata(path).is_ok_and(|found| !found.is_file()) {
-        return Err(io::Error::other(format!("{} is no regular file", path.display())));
-    }
-    OpenOptions::new().create(true).append(true).open(path)
-}
-
 /// Returns a key in which the scene of a run is not the expected one. A copy of a file counts as the file.
 fn differing_key(expected: &Source, found: &Source, run: &Path) -> Option<String> {
     changes(expected, found).into_iter().find_map(|change| {
         let text = |value: &Option<String>| ron::from_str::<String>(value.as_deref()?).ok();
         let is_copy = match (text(&change.first), text(&change.second)) {
             (Some(from), Some(copy)) if copy.starts_with("input-") => {
-                hash(&expected.path_of(Path::new(&from))).is_some_and(|it| Some(it) == hash(&run.join(copy)))
+                let of_sweep = BoundedFile::open(&expected.path_of(Path::new(&from)), files::GRAIN_BYTES);
+                hash(of_sweep)
+                    .is_some_and(|it| Some(it) == hash(BoundedFile::open_own(&run.join(copy), files::GRAIN_BYTES)))
             }
             _ => false,
         };
@@ -283,8 +280,8 @@ fn differing_key(expected: &Source, found: &Source, run: &Path) -> Option<String
 }
 
 /// Returns the hash of a file; `None` if it cannot be read.
-fn hash(path: &Path) -> Option<u64> {
+fn hash(file: io::Result<BoundedFile>) -> Option<u64> {
     let mut hash = Fnv::default();
-    hash.update_from(files::BoundedFile::open(path, files::GRAIN_BYTES).ok()?).ok()?;
+    hash.update_from(file.ok()?).ok()?;
     Some(hash.value())
 }

@@ -12,6 +12,8 @@ use std::path::Path;
 
 use crate::fault::Fault;
 use crate::output::table::Table;
+use crate::own_files;
+use crate::source::files;
 use crate::sweep::fit::short;
 use crate::validation::cases::CASES;
 use crate::validation::verdict::{Judgement, Picture, Verdict};
@@ -118,7 +120,7 @@ pub fn overview(directory: &Path) -> Result<String, Fault> {
     let mut sections = String::new();
     for case in CASES {
         let table = directory.join(format!("{}.csv", case.name));
-        if !table.is_file() {
+        if !own_files::is_file(&table) {
             let _ = writeln!(text, "| {} | not run | | | |", case.title);
             continue;
         }
@@ -129,7 +131,7 @@ pub fn overview(directory: &Path) -> Result<String, Fault> {
         let [pass, miss, reported] = [Verdict::Pass, Verdict::Miss, Verdict::Reported].map(count);
         let _ = writeln!(text, "| [{}](#{}) | {form} | {pass} | {miss} | {reported} |", case.title, anchor(case.title));
         let section = directory.join(format!("{}.md", case.name));
-        let read = std::fs::read_to_string(&section);
+        let read = files::read_own_text(&section, files::RESULT_BYTES);
         sections += "\n";
         sections += &read.map_err(|error| unreadable(&section, &error))?;
     }

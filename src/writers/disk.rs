@@ -9,6 +9,8 @@ use std::fs::{self, File};
 use std::io::{self, Seek, SeekFrom, Write};
 use std::path::Path;
 
+use crate::own_files;
+
 #[cfg(test)]
 #[cfg(target_os = "linux")]
 pub(crate) mod recorder;
@@ -34,11 +36,7 @@ impl DiskFile {
     /// # Errors
     /// If it is no regular file or cannot be written.
     pub fn reopen(path: &Path) -> io::Result<Self> {
-        let file = without_following(File::options().read(true).write(true)).open(path)?;
-        if !file.metadata()?.is_file() {
-            return Err(not_regular(path));
-        }
-        Ok(Self(file))
+        own_files::change(path).map(Self)
     }
 
     /// The file, to be read or locked.
@@ -111,39 +109,13 @@ impl Seek for DiskFile {
     }
 }
 
-/// Opens the file at `path` to read it, as [`DiskFile::reopen`] does to write it.
-///
-/// # Errors
-/// If it is no regular file or cannot be read.
-pub fn open_regular(path: &Path) -> io::Result<File> {
-    let file = without_following(File::options().read(true)).open(path)?;
-    if file.metadata()?.is_file() { Ok(file) } else { Err(not_regular(path)) }
-}
-
-fn not_regular(path: &Path) -> io::Error {
-    io::Error::other(format!("{} is no regular file", path.display()))
-}
-
-#[cfg(unix)]
-fn without_following(options: &mut fs::OpenOptions) -> &mut fs::OpenOptions {
-    use rustix::fs::OFlags;
-    use std::os::unix::fs::OpenOptionsExt as _;
-    // A FIFO would be waited for.
-    options.custom_flags((OFlags::NOFOLLOW | OFlags::NONBLOCK).bits().cast_signed())
-}
-
-#[cfg(not(unix))]
-fn without_following(options: &mut fs::OpenOptions) -> &mut fs::OpenOptions {
-    options
-}
-
 /// Returns once the content of the file at `path` is on the disk.
 ///
 /// # Errors
 /// If it is no regular file, or cannot be brought there.
 pub fn sync_file(path: &Path) -> io::Result<()> {
     // Some systems sync only what is open for writing.
-    if cfg!(unix) { DiskFile(open_regular(path)?).sync() } else { DiskFile::reopen(path)?.sync() }
+    if cfg!(unix) { DiskFile(own_files::read(path)?).sync() } else { DiskFile::reopen(path)?.sync() }
 }
 
 /// Returns once the names in a directory are on the disk. Where the system cannot do that for directories, it does nothing.

@@ -14,6 +14,7 @@ use bevy_app::App;
 use bevy_ecs::prelude::*;
 
 use crate::outcome::{Failure, Outcome};
+use crate::own_files;
 use crate::persist::PersistApp as _;
 use crate::writers::run_files::{Extent, RunFiles};
 use crate::writers::svg::Picture;
@@ -63,7 +64,7 @@ impl FrameWriter {
 
     /// Saves the number of pictures with each checkpoint. A restored run removes all later pictures.
     pub(crate) fn persist(app: &mut App) {
-        app.persist_part::<Self, _>(
+        app.persist_sound_part::<Self, _>(
             |writer| Ok(writer.count),
             |writer, count| {
                 writer.count = count;
@@ -74,7 +75,7 @@ impl FrameWriter {
 
     /// Removes pictures whose number is not below the count.
     fn remove_later(&self) -> std::io::Result<()> {
-        for entry in std::fs::read_dir(&self.directory)? {
+        for entry in own_files::entries(&self.directory)? {
             let path = entry?.path();
             let is_picture = path.extension().is_some_and(|ending| ending == "svg" || ending == "png");
             let number = path.file_stem().and_then(|stem| stem.to_str()?.parse::<u32>().ok());

@@ -7,6 +7,8 @@ use std::ffi::OsString;
 use std::io::{self, ErrorKind};
 use std::path::Path;
 
+use crate::own_files;
+
 /// Returns an entry of a directory that has content and none of the files `markers`; `None` also if there is no directory.
 ///
 /// # Errors
@@ -16,7 +18,7 @@ pub fn foreign_entry(directory: &Path, markers: &[&str]) -> io::Result<Option<Os
         Err(error) if error.kind() == ErrorKind::NotFound => None,
         entries => entries?.next().transpose()?.map(|entry| entry.file_name()),
     };
-    let is_marked = markers.iter().any(|marker| directory.join(marker).is_file());
+    let is_marked = markers.iter().any(|marker| own_files::is_file(&directory.join(marker)));
     Ok(entry.filter(|_| !is_marked))
 }
 

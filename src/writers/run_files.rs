@@ -20,6 +20,7 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use crate::own_files;
 use crate::writers::disk;
 use crate::writers::fnv::Fnv;
 
@@ -274,7 +275,7 @@ impl RunFiles {
         for file in &mut manifest.files {
             file.extent = match record.files.get(&file.name) {
                 Some(entry) => entry.extent.with(entry.end),
-                None => Extent::read(disk::open_regular(&run.join(&file.name))?, u64::MAX)?,
+                None => Extent::read(own_files::read(&run.join(&file.name))?, u64::MAX)?,
             };
         }
         Ok(manifest)

@@ -4,6 +4,7 @@ use std::num::NonZeroUsize;
 use std::path::Path;
 
 use bolero::TypeGenerator;
+use siloflow::fault::Fault;
 use siloflow::lattice::load::LoadedLattice;
 use siloflow::output::checkpoint::file::{self, FORMAT, Header};
 use siloflow::persist::Section;
@@ -50,30 +51,62 @@ pub enum Seed {
 
 const ONE: NonZeroUsize = NonZeroUsize::MIN;
 
-/// Returns the seeds: a frictional box in mid-release, and a gas.
+/// Shipped scenes with settings, and the steps after which their states are saved: in mid-release, a door that moves and one that is about
+/// to be removed, a mesh and a polygon with a hole, a feed that waits.
+const GRAINS: [(&str, &[(&str, &str)], u64); 5] = [
+    (
+        "silo1.ron",
+        &[
+            ("spawner.count", "20"),
+            (
+                "contact",
+                "Linear(k: 1.0e4, damping: Restitution(0.5), tangential: Spring(k: 3.0e3, damping: OfNormal(0.5), friction: 0.5))",
+            ),
+        ],
+        700,
+    ),
+    (
+        "gated-bin.ron",
+        &[
+            ("fill[0].count", "40"),
+            ("doors", "[(walls: \"gate\", opens: Schedule([(0.001, 0.004)]), how: Move(by: (0.2, 0.0), speed: 20.0))]"),
+        ],
+        60,
+    ),
+    ("hard/pressed-door.ron", &[("fill[0].count", "40"), ("door", "(opens: At(1.2e-3))")], 5),
+    ("hard/facets.ron", &[("fill[0].count", "20")], 20),
+    (
+        "fed-hopper.ron",
+        &[("feed[0].rate", "Mass(40.0)"), ("feed[0].radius", "Mixture([(0.004, 0.5), (0.003, 0.5)])")],
+        40,
+    ),
+];
+
+/// Returns the seeds: [`GRAINS`], and a gas before and after its door has opened.
 pub fn seeds() -> Vec<Seed> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes");
-    let settings = [
-        ("spawner.count", "20"),
-        (
-            "contact",
-            "Linear(k: 1.0e4, damping: Restitution(0.5), tangential: Spring(k: 3.0e3, damping: OfNormal(0.5), friction: 0.5))",
-        ),
-    ];
-    let settings = settings.map(|(key, value)| (key.to_owned(), value.to_owned()));
-    let grains = load::load(&root.join("silo1.ron"), &settings).unwrap();
-    let mut run = Simulation::new(&grains, &Registry::default(), ONE).unwrap();
-    run.run_steps(700);
-    let saved = run.save().unwrap();
-    let source = Source::read(&root.join("funnel-flow.ron")).unwrap();
-    let gas = LoadedLattice::new(source, &[]).unwrap();
-    let mut run = Simulation::of_lattice(&gas, &Registry::default(), ONE).unwrap();
-    run.run_steps(5);
-    let of_gas = run.save().unwrap();
-    vec![Seed::Grains(Box::new(grains), saved), Seed::Gas(Box::new(gas), of_gas)]
+    let owned = |settings: &[(&str, &str)]| -> Vec<(String, String)> {
+        settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect()
+    };
+    let grains = GRAINS.iter().map(|(scene, settings, steps)| {
+        let loaded = load::load(&root.join(scene), &owned(settings)).unwrap();
+        let mut run = Simulation::new(&loaded, &Registry::default(), ONE).unwrap();
+        assert_eq!(run.run_steps(*steps), None, "{scene}");
+        let saved = run.save().unwrap();
+        Seed::Grains(Box::new(loaded), saved)
+    });
+    let gases = ["AtRest", "At(2)"].into_iter().map(|opens| {
+        let source = Source::read(&root.join("funnel-flow.ron")).unwrap();
+        let gas = LoadedLattice::new(source, &owned(&[("door.opens", opens)])).unwrap();
+        let mut run = Simulation::of_lattice(&gas, &Registry::default(), ONE).unwrap();
+        run.run_steps(5);
+        let saved = run.save().unwrap();
+        Seed::Gas(Box::new(gas), saved)
+    });
+    grains.chain(gases).collect()
 }
 
-/// Restores a changed state, and reads a changed file. Both may be refused, and neither may panic.
+/// Restores a changed state and steps it, and reads a changed file. Both may be refused, and neither may panic.
 pub fn target(seed: &Seed, part: u8, changes: &[Change]) {
     let (Seed::Grains(_, sections) | Seed::Gas(_, sections)) = seed;
     let mut sections = sections.clone();
@@ -82,8 +115,8 @@ pub fn target(seed: &Seed, part: u8, changes: &[Change]) {
         changed(&mut sections[part].1, change);
     }
     match seed {
-        Seed::Grains(loaded, _) => drop(Simulation::restored(loaded, &Registry::default(), ONE, &sections)),
-        Seed::Gas(loaded, _) => drop(Simulation::restored_lattice(loaded, &Registry::default(), ONE, &sections)),
+        Seed::Grains(loaded, _) => step(Simulation::restored(loaded, &Registry::default(), ONE, &sections)),
+        Seed::Gas(loaded, _) => step(Simulation::restored_lattice(loaded, &Registry::default(), ONE, &sections)),
     }
     let header = Header {
         format: FORMAT,
@@ -104,4 +137,12 @@ pub fn target(seed: &Seed, part: u8, changes: &[Change]) {
         changed(&mut bytes, change);
     }
     assert!(bytes == whole || file::read_from(&bytes).is_err());
+}
+
+/// Does three steps with a state that was not refused.
+fn step(run: Result<Simulation, Fault>) {
+    if let Ok(mut run) = run {
+        let done = run.world().resource::<Clock>().steps;
+        run.run_steps(done + 3);
+    }
 }

@@ -8,7 +8,7 @@
 //! | `mesh` | a mesh: the text as an OBJ and as an STL file, and its characters as the bytes of an STL file; with an accepted one, spheres do three steps |
 //! | `setting` | the two sides of `--set PATH=VALUE` |
 //! | `picture` | an SVG document for `render` |
-//! | `checkpoint` | a saved state and the file of one, with bytes changed, cut or repeated; it has no corpus, because a checkpoint belongs to the version that wrote it |
+//! | `checkpoint` | a saved state and the file of one, with bytes changed, cut or repeated; a state that is not refused does three steps; it has no corpus, because a checkpoint belongs to the version that wrote it: its seeds are states of scenes with walls, doors, meshes and feeds, and of a gas |
 //!
 //! `corpus/TARGET` holds the inputs from which mutants are made, among them every input that once failed. A test runs all of
 //! them unchanged. bolero makes the mutants: under `cargo test` a short run of random ones, and as many as wanted by

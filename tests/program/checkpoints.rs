@@ -74,6 +74,69 @@ fn all_written_state_of_every_scene_is_registered() {
     }
 }
 
+/// Saves the state of a shipped scene after some steps.
+fn saved(scene: &str, settings: &[(&str, &str)], steps: u64) -> (AnyScene, Vec<persist::Section>) {
+    let settings: Vec<_> = settings.iter().map(|(key, value)| ((*key).to_owned(), (*value).to_owned())).collect();
+    let scene = siloflow::scene::load::any(&crate::scene(scene), &settings).unwrap();
+    let (registry, one) = (Registry::default(), NonZeroUsize::MIN);
+    let mut run = match &scene {
+        AnyScene::Grains(loaded) => Simulation::new(loaded, &registry, one),
+        AnyScene::Lattice(loaded) => Simulation::of_lattice(loaded, &registry, one),
+    }
+    .unwrap();
+    run.run_steps(steps);
+    let sections = run.save().unwrap();
+    (scene, sections)
+}
+
+/// Restores a state and does three steps.
+fn continued(scene: &AnyScene, sections: &[persist::Section]) -> Result<(), String> {
+    let (registry, one) = (Registry::default(), NonZeroUsize::MIN);
+    let run = match scene {
+        AnyScene::Grains(loaded) => Simulation::restored(loaded, &registry, one, sections),
+        AnyScene::Lattice(loaded) => Simulation::restored_lattice(loaded, &registry, one, sections),
+    };
+    let mut run = run.map_err(|fault| fault.to_string())?;
+    let done = run.world().resource::<Clock>().steps;
+    run.run_steps(done + 3);
+    Ok(())
+}
+
+#[test]
+fn a_state_that_no_run_of_the_scene_has_is_refused_with_its_part() {
+    let bed = saved("hard/pressed-door.ron", &[("fill[0].count", "40")], 5);
+    let fed = saved("fed-hopper.ron", &[("feed[0].rate", "Mass(40.0)")], 40);
+    let gas = saved("funnel-flow.ron", &[], 5);
+    let not_finite = f64::NAN.to_le_bytes();
+    // The part of the state, its new last bytes, and words of the message.
+    let cases: [(&(AnyScene, Vec<persist::Section>), &str, &[u8], &str); 9] = [
+        (&bed, "WallIndex", &[99], "wall surface 99"),
+        (&bed, "Position<", &not_finite, "not finite"),
+        (&bed, "Velocity<", &f64::INFINITY.to_le_bytes(), "not finite"),
+        (&bed, "particle::Radius", &0.0_f64.to_le_bytes(), "not positive"),
+        (&bed, "particle::GrainId", &[7], "particle"),
+        (&bed, "step::Clock", &[0], ""),
+        (&fed, "History<", &not_finite, "not finite"),
+        (&fed, "spawner::Pending", &[3], "still to come"),
+        (&gas, "gas::Gas", &[0xff, 0x7f], "no gas can have"),
+    ];
+    for ((scene, sections), part, bytes, word) in cases {
+        continued(scene, sections).unwrap();
+        let mut changed = sections.clone();
+        let place = changed.iter().position(|(name, _)| name.contains(part)).expect(part);
+        let state = &mut changed[place].1;
+        let end = state.len() - bytes.len();
+        state[end..].copy_from_slice(bytes);
+        // A clock before step zero is one that a run can have, and any state may go on without a panic.
+        let problem = continued(scene, &changed).err().unwrap_or_default();
+        assert!(problem.contains(word) && problem.is_empty() == word.is_empty(), "{part}: {problem}");
+        // State that is missing is no fresh start.
+        changed.remove(place);
+        let problem = continued(scene, &changed).unwrap_err();
+        assert!(problem.contains("it lacks") && problem.contains(part), "{part}: {problem}");
+    }
+}
+
 /// A behaviour with state of every kind.
 #[derive(Deserialize)]
 struct Ageing {

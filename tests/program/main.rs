@@ -60,6 +60,8 @@ mod scenes;
 mod searches;
 mod silo_file;
 mod stops;
+#[cfg(unix)]
+mod strange_runs;
 mod sweep;
 mod synchronisation;
 mod validate;

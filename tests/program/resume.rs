@@ -114,14 +114,14 @@ impl Case {
     }
 }
 
-fn start_run(arguments: &[String]) -> Child {
+pub fn start_run(arguments: &[String]) -> Child {
     // A job in the background of a script ignores SIGINT, and so would the run.
     let mut command = Command::new("env");
     command.args(["--default-signal=HUP,INT,TERM", env!("CARGO_BIN_EXE_siloflow")]).args(arguments);
     command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
 }
 
-fn checkpoints(run: &Path) -> Vec<PathBuf> {
+pub fn checkpoints(run: &Path) -> Vec<PathBuf> {
     let mut all: Vec<_> = content(run).into_iter().map(|(path, _)| path).collect();
     all.retain(|path| path.extension().is_some_and(|ending| ending == "checkpoint"));
     all

@@ -8,9 +8,10 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::sites::{Kind, Sites};
+use crate::velocities::STEPS;
 
 /// All particles of the lattice. The lists have an element for each stored site.
-#[derive(Resource, Clone, Debug, Deserialize, Serialize)]
+#[derive(Resource, Clone, Debug)]
 pub struct Gas {
     /// State of each site: bit i is set if there is a particle with velocity i. 0 at walls and sinks.
     pub(crate) states: Vec<u16>,
@@ -31,6 +32,17 @@ pub struct Gas {
 /// Value of [`Gas::resting`] at sites where no particle can rest.
 pub(crate) const CLOSED: u8 = 2;
 
+/// What is kept of a gas between two steps.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+pub struct SavedGas {
+    states: Vec<u16>,
+    entered: u64,
+    out: u64,
+}
+
+/// The bits that a state can have: of 13 velocities.
+const ALL_VELOCITIES: u16 = (1 << STEPS.len()) - 1;
+
 impl Gas {
     /// Creates a gas without particles.
     #[must_use]
@@ -47,6 +59,29 @@ impl Gas {
             entered: 0,
             out: 0,
         }
+    }
+
+    /// Returns what is kept between two steps.
+    #[must_use]
+    pub fn saved(&self) -> SavedGas {
+        SavedGas { states: self.states.clone(), entered: self.entered, out: self.out }
+    }
+
+    /// Takes over what [`Gas::saved`] returned, in a gas on the same sites.
+    ///
+    /// # Errors
+    /// If it is of other sites, or cannot be a gas.
+    pub fn restore(&mut self, saved: SavedGas) -> Result<(), &'static str> {
+        let SavedGas { states, entered, out } = saved;
+        if states.len() != self.states.len() {
+            return Err("the checkpoint has another number of sites");
+        }
+        let is_state = |(&state, &rest): (&u16, &u8)| state & !ALL_VELOCITIES == 0 && (rest != CLOSED || state == 0);
+        if !states.iter().zip(&self.resting).all(is_state) || out > entered {
+            return Err("a site has a state that no gas can have");
+        }
+        (self.states, self.entered, self.out) = (states, entered, out);
+        Ok(())
     }
 
     /// Returns the state of each stored site: bit i is set if there is a particle with velocity i.

@@ -15,7 +15,6 @@
 //! lid if one of its blocked directions leads above the highest fluid site.
 
 use bevy_ecs::prelude::*;
-use serde::{Deserialize, Serialize};
 
 use crate::outline::{Polygon, distance, nearest_tangent};
 use crate::reflection::{MirrorSet, Reflection};
@@ -23,7 +22,7 @@ use crate::velocities::{FLANKS, STEPS, directions, in_bonds};
 use siloflow_kernel::space::Vector;
 
 /// The kind of a site.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Kind {
     /// Holds particles.
     Fluid,
@@ -42,7 +41,7 @@ const MARGIN: usize = 6;
 const DOORWAY: f64 = 3.0;
 
 /// A run: consecutive fluid sites of a column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Run {
     /// Index of the lowest site.
     pub start: usize,
@@ -53,7 +52,7 @@ pub struct Run {
 }
 
 /// A fluid site with blocked directions.
-#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[derive(Clone, Copy, Debug)]
 pub struct Edge {
     /// Index of the site.
     pub site: usize,
@@ -66,7 +65,7 @@ pub struct Edge {
 }
 
 /// All sites of the lattice.
-#[derive(Resource, Clone, Debug, Deserialize, Serialize)]
+#[derive(Resource, Clone, Debug)]
 pub struct Sites {
     /// Distance between nearest neighbours, m.
     pub spacing: f64,
@@ -187,6 +186,12 @@ impl Sites {
             self.kinds[s] = Kind::Sink;
         }
         self.find_edges();
+    }
+
+    /// Whether the door has been opened.
+    #[must_use]
+    pub fn is_open(&self) -> bool {
+        self.doorway.iter().any(|&s| self.kinds[s] == Kind::Sink)
     }
 
     /// Returns the indices of all fluid sites, ascending.

@@ -22,6 +22,11 @@
 //! | a component, also one without data | [`persist_component`](PersistApp::persist_component) |
 //! | a cache that is rebuilt from other state | [`derived`](PersistApp::derived) |
 //!
+//! Each of the first three has a form for state whose floats are finite and whose whole numbers are below 2^53
+//! ([`persist_sound`](PersistApp::persist_sound) and so on): other numbers in a checkpoint are refused. State that fits only other state,
+//! an index for example, is checked once all is restored ([`check_restored`](PersistApp::check_restored)). A checkpoint can hold anything,
+//! because its hashes protect from accidents alone: what the checks let pass must not make a step panic.
+//!
 //! [`unregistered`] finds state that systems write and that no line registers, from the access that systems declare and from the
 //! components that entities have.
 //!
@@ -32,6 +37,7 @@
 
 mod config;
 mod entities;
+pub mod numbers;
 mod unregistered;
 
 use std::any::type_name;
@@ -56,6 +62,7 @@ pub type Problem = String;
 
 type Save = Box<dyn Fn(&mut World, &EntityNumbers) -> Result<Option<Vec<u8>>, Problem> + Send + Sync>;
 type Restore = Box<dyn Fn(&mut World, &[u8], &SavedEntities) -> Result<(), Problem> + Send + Sync>;
+type CheckRestored = fn(&mut World) -> Result<(), Problem>;
 
 /// One registered piece of state.
 struct Entry {
@@ -71,6 +78,7 @@ struct Entry {
 pub struct Registered {
     entries: Vec<Entry>,
     derived: Vec<ComponentId>,
+    checks: Vec<CheckRestored>,
 }
 
 /// One saved piece of state: its type name and its bytes.
@@ -90,6 +98,22 @@ pub trait PersistApp {
 
     /// Saves the component `C` of every entity that has it.
     fn persist_component<C: Component + Persistent>(&mut self) -> &mut Self;
+
+    /// As [`persist`](PersistApp::persist), and refuses saved numbers that are not [sound](numbers::check).
+    fn persist_sound<R: Resource + Persistent>(&mut self) -> &mut Self;
+
+    /// As [`persist_part`](PersistApp::persist_part), and refuses saved numbers that are not [sound](numbers::check).
+    fn persist_sound_part<R: Resource<Mutability = bevy_ecs::component::Mutable>, S: Persistent>(
+        &mut self,
+        save: fn(&R) -> Result<S, Problem>,
+        restore: fn(&mut R, S) -> Result<(), Problem>,
+    ) -> &mut Self;
+
+    /// As [`persist_component`](PersistApp::persist_component), and refuses saved numbers that are not [sound](numbers::check).
+    fn persist_sound_component<C: Component + Persistent>(&mut self) -> &mut Self;
+
+    /// Calls `check` after all state of a checkpoint is restored. A problem refuses the checkpoint.
+    fn check_restored(&mut self, check: fn(&mut World) -> Result<(), Problem>) -> &mut Self;
 
     /// States that the resource or component `T` is rebuilt from other state and need not be saved.
     fn derived<T: Component>(&mut self) -> &mut Self;
@@ -124,8 +148,47 @@ impl PersistApp for App {
         self.register::<C>(
             true,
             Box::new(|world, numbers| entities::save_column::<C>(world, numbers).map(Some)),
-            Box::new(entities::restore_column::<C>),
+            Box::new(|world, bytes, entities| entities::restore_column::<C>(world, bytes, entities, |_| Ok(()))),
         )
+    }
+
+    fn persist_sound<R: Resource + Persistent>(&mut self) -> &mut Self {
+        self.persist_with::<R, R>(
+            |world, _| world.get_resource::<R>().map(encode).transpose(),
+            |world, resource: R, _| {
+                numbers::check(&resource)?;
+                world.insert_resource(resource);
+                Ok(())
+            },
+        )
+    }
+
+    fn persist_sound_part<R: Resource<Mutability = bevy_ecs::component::Mutable>, S: Persistent>(
+        &mut self,
+        save: fn(&R) -> Result<S, Problem>,
+        restore: fn(&mut R, S) -> Result<(), Problem>,
+    ) -> &mut Self {
+        self.persist_with::<R, S>(
+            move |world, _| world.get_resource::<R>().map(|resource| encode(&save(resource)?)).transpose(),
+            move |world, part: S, _| {
+                numbers::check(&part)?;
+                let mut resource = world.get_resource_mut::<R>().ok_or("the scene does not have this state")?;
+                restore(&mut resource, part)
+            },
+        )
+    }
+
+    fn persist_sound_component<C: Component + Persistent>(&mut self) -> &mut Self {
+        self.register::<C>(
+            true,
+            Box::new(|world, numbers| entities::save_column::<C>(world, numbers).map(Some)),
+            Box::new(|world, bytes, entities| entities::restore_column::<C>(world, bytes, entities, numbers::check)),
+        )
+    }
+
+    fn check_restored(&mut self, check: fn(&mut World) -> Result<(), Problem>) -> &mut Self {
+        self.world_mut().get_resource_or_init::<Registered>().checks.push(check);
+        self
     }
 
     fn derived<T: Component>(&mut self) -> &mut Self {
@@ -237,6 +300,9 @@ pub fn save_each(world: &mut World, mut keep: impl FnMut(&str, Vec<u8>) -> Resul
 /// Name of the section with the number of entities.
 const ENTITIES: &str = "entities";
 
+/// Most entities that a checkpoint may have without bytes for them.
+const MOST_BARE_ENTITIES: usize = 1 << 20;
+
 /// Treatment of saved state that a world does not have.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum UnknownState {
@@ -250,7 +316,7 @@ pub enum UnknownState {
 /// what enters in resources.
 ///
 /// # Errors
-/// If a section cannot be decoded, or belongs to state that is not registered and `unknown` refuses it.
+/// If a section cannot be decoded, belongs to state that is not registered and `unknown` refuses it, or does not fit the rest.
 pub fn restore(world: &mut World, sections: &[Section], unknown: UnknownState) -> Result<(), Problem> {
     world.init_resource::<Registered>();
     world.resource_scope(|world, registered: Mut<Registered>| {
@@ -262,8 +328,8 @@ pub fn restore(world: &mut World, sections: &[Section], unknown: UnknownState) -
             return Err(format!("it holds {name}, which this scene does not have"));
         }
         let count = decode(content(ENTITIES).ok_or("it does not say how many entities there are")?)?;
-        // Every entity has a component whose value takes a byte.
-        let most = sections.iter().map(|(_, bytes)| bytes.len()).sum();
+        // A particle takes more than 16 bytes. A behaviour may have entities with less.
+        let most = MOST_BARE_ENTITIES + sections.iter().map(|(_, bytes)| bytes.len()).sum::<usize>() / 16;
         // Entities that plugins have made are among the saved ones.
         let made: Vec<_> = EntityNumbers::of(world, &registered.components()).entities().collect();
         for entity in made {
@@ -272,12 +338,14 @@ pub fn restore(world: &mut World, sections: &[Section], unknown: UnknownState) -
         let entities = SavedEntities::spawn(world, count, most)?;
         let mut in_order: Vec<_> = registered.entries.iter().collect();
         in_order.sort_by_key(|entry| !entry.is_component);
-        for Entry { name, restore, .. } in in_order {
-            if let Some(bytes) = content(name) {
-                restore(world, bytes, &entities).map_err(|problem| format!("{name}: {problem}"))?;
+        for Entry { name, id, is_component, restore, .. } in in_order {
+            match content(name) {
+                Some(bytes) => restore(world, bytes, &entities).map_err(|problem| format!("{name}: {problem}"))?,
+                None if *is_component || world.contains_resource_by_id(*id) => return Err(format!("it lacks {name}")),
+                None => {}
             }
         }
         world.flush();
-        Ok(())
+        registered.checks.iter().try_for_each(|check| check(world))
     })
 }

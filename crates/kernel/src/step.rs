@@ -6,7 +6,7 @@
 //! The first run of the schedule is *step zero*. Time does not advance, and [`Phase::Drift`] and [`Phase::Kick`] do not
 //! run. The other phases evaluate the forces (and so the accelerations) of the initial state and observe it.
 
-use crate::persist::PersistApp as _;
+use crate::persist::{PersistApp as _, Problem};
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use bevy_ecs::schedule::{LogLevel, ScheduleBuildSettings, ScheduleLabel, SingleThreadedExecutor};
@@ -153,6 +153,12 @@ fn advance(mut clock: ResMut<Clock>) {
     clock.steps += 1;
 }
 
+/// Refuses a restored clock whose time does not advance.
+fn check_clock(world: &mut World) -> Result<(), Problem> {
+    let is_wrong = world.get_resource::<Clock>().is_some_and(|clock| clock.dt <= 0.0);
+    if is_wrong { Err("its time step is not positive".to_owned()) } else { Ok(()) }
+}
+
 /// Adds the schedule, its phases and the clock.
 pub struct StepPlugin {
     /// The time step, s.
@@ -169,7 +175,10 @@ pub struct Drifted;
 
 impl Plugin for StepPlugin {
     fn build(&self, app: &mut App) {
-        app.add_schedule(serial(Step)).insert_resource(Clock::new(self.dt)).persist::<Clock>();
+        app.add_schedule(serial(Step))
+            .insert_resource(Clock::new(self.dt))
+            .persist_sound::<Clock>()
+            .check_restored(check_clock);
         app.edit_schedule(Step, |schedule| {
             let mut last = None;
             for phase in Phase::ALL {

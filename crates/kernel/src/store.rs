@@ -19,6 +19,7 @@
 
 mod accumulator;
 mod component_sync;
+mod consistent;
 mod declared_access;
 mod deferred_kick;
 mod load_components;

@@ -20,7 +20,12 @@ use crate::output::frame_data::reader::FrameReader;
 use crate::output::frame_data::{Frame, Header};
 use crate::output::pictures;
 use crate::output::pictures::style::Style;
-use crate::output::run_directory::{frame_data_of, is_drawn, movie_of, pictures_of, scene_of};
+use crate::output::run_directory::names::PICTURES;
+use crate::output::run_directory::{
+    Depth, PartDirectory, frame_data_of, is_drawn, movie_of, pictures_of, refuse_odd, scene_of,
+};
+use crate::own_files;
+use crate::scene::extent::most_bytes;
 use crate::scene::load;
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::writers::movie::MovieWriter;
@@ -38,6 +43,8 @@ const DELAY_MS: [f64; 2] = [20.0, 60_000.0];
 /// The frames to draw, and their style.
 struct Plan {
     path: PathBuf,
+    /// Most bytes of a frame.
+    most: u64,
     style: Style,
     selected: Vec<usize>,
     times: Vec<f64>,
@@ -47,17 +54,20 @@ struct Plan {
 }
 
 pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<Verdict, Fault> {
+    refuse_odd(run, Depth::Top)?;
     let path = frame_data_of(run);
-    if !path.is_file() {
+    if !own_files::is_file(&path) {
         return Err(without_frames(run, ["render::missing", "render::no_run", "render::method", "render::no_frames"]));
     }
-    let AnyScene::Grains(loaded) = load::any(&scene_of(run), &[])? else {
+    let scene = load::any(&scene_of(run), &[])?;
+    let most = most_bytes(&scene);
+    let AnyScene::Grains(loaded) = scene else {
         return Err(Fault::new("render::method", "a lattice gas has no grains").help("its pictures are in frames/"));
     };
     let mut pictures = options::pictures(args, &loaded)?;
     let target = target(args, run)?;
     let read = |error: io::Error| unreadable(&path, &error);
-    let reader = FrameReader::open(&path).map_err(read)?;
+    let reader = FrameReader::open_within(&path, most).map_err(read)?;
     let header = reader.header.clone();
     let wanted = wanted(args.colour.as_ref(), &pictures.colour, &header);
     let survey = Survey::of(&header, reader, wanted.name()).map_err(read)?;
@@ -68,9 +78,9 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<Verdi
     }
     pictures.colour = wanted.colour(survey.range(&selected));
     let style = sized(Style::of(&loaded, &pictures), args, &header);
-    check(&path, &style, selected[0], &loaded)?;
+    check((&path, most), &style, selected[0], &loaded)?;
     let decimals = decimals(&survey.times, style.decimals);
-    let plan = Plan { path, style, selected, times: survey.times, decimals, quiet };
+    let plan = Plan { path, most, style, selected, times: survey.times, decimals, quiet };
     if args.movie { movie(args, &header, &plan, &target) } else { several(args, &header, &plan, &target) }
 }
 
@@ -105,8 +115,8 @@ fn sized(style: Style, args: &RenderArgs, header: &Header) -> Style {
 }
 
 /// Checks the style with the first frame that is drawn, before anything is written.
-fn check(path: &Path, style: &Style, first: usize, loaded: &Loaded) -> Result<(), Fault> {
-    let mut reader = FrameReader::open(path).map_err(|error| unreadable(path, &error))?;
+fn check((path, most): (&Path, u64), style: &Style, first: usize, loaded: &Loaded) -> Result<(), Fault> {
+    let mut reader = FrameReader::open_within(path, most).map_err(|error| unreadable(path, &error))?;
     if let Some(Ok(frame)) = reader.nth(first) {
         style.check(&frame).map_err(|message| {
             Fault::new("render::column", message).help("or give `species`, `speed` or `pressure`")
@@ -140,7 +150,7 @@ impl Plan {
         draw: impl Fn(&Frame) -> Result<T, String> + Sync,
         mut write: impl FnMut(f64, T) -> io::Result<()>,
     ) -> io::Result<()> {
-        let reader = FrameReader::open(&self.path)?;
+        let reader = FrameReader::open_within(&self.path, self.most)?;
         let mut wanted = self.selected.iter().peekable();
         let mut frames = reader.enumerate().filter_map(|(number, frame)| {
             let is_wanted = wanted.next_if(|next| **next == number).is_some();
@@ -198,8 +208,12 @@ fn unwritten(path: &Path, target: &Path, error: &io::Error) -> Fault {
     if error.kind() == io::ErrorKind::InvalidData {
         return unreadable(path, error);
     }
-    Fault::new("render::write", format!("could not write {}: {error}", target.display()))
-        .help("nothing was written; is there space, and may you write there? Or give another place with --out")
+    let help = if error.kind() == io::ErrorKind::ResourceBusy {
+        "wait for its end, or give another place with --out"
+    } else {
+        "nothing was written; is there space, and may you write there? Or give another place with --out"
+    };
+    Fault::new("render::write", format!("could not write {}: {error}", target.display())).help(help)
 }
 
 fn movie(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Result<Verdict, Fault> {
@@ -251,19 +265,9 @@ fn several(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Re
         say(&format!("{}\n", target.display()));
         return Ok(Verdict::Done);
     }
-    let part = whole_file::part_of(target);
-    std::fs::create_dir(&part).map_err(fault)?;
-    let written = plan.each(draw, |time, bytes| std::fs::write(part.join(plan.name(time)), bytes));
-    let placed = written.and_then(|()| {
-        if target.symlink_metadata().is_ok() {
-            std::fs::remove_dir_all(target)?;
-        }
-        std::fs::rename(&part, target)
-    });
-    placed.map_err(|error| {
-        let _ = std::fs::remove_dir_all(&part);
-        fault(error)
-    })?;
+    let part = PartDirectory::create(target, PICTURES).map_err(fault)?;
+    plan.each(draw, |time, bytes| std::fs::write(part.path().join(plan.name(time)), bytes)).map_err(fault)?;
+    part.publish(true).map_err(fault)?;
     let names = plan.selected.iter().map(|&number| target.join(plan.name(plan.times[number])));
     for name in names {
         say(&format!("{}\n", name.display()));

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 use crate::cli::exit_status::Verdict;
 use crate::cli::{refused, say};
 use crate::fault::Fault;
+use crate::output::run_directory::{Depth, is_run, refuse_odd};
 use crate::writers::png;
 
 pub(super) fn render(paths: &[PathBuf]) -> Result<Verdict, Fault> {
@@ -26,6 +27,9 @@ fn pictures(path: &Path) -> Result<Vec<PathBuf>, Fault> {
         return Ok(vec![path.to_owned()]);
     }
     let frames = path.join("frames");
+    if is_run(path) {
+        refuse_odd(path, Depth::Top)?;
+    }
     let directory = if frames.is_dir() { frames } else { path.to_owned() };
     let fault = |message: String| {
         Fault::new("render::read", message).help(
@@ -34,7 +38,10 @@ fn pictures(path: &Path) -> Result<Vec<PathBuf>, Fault> {
     };
     let entries = std::fs::read_dir(&directory)
         .map_err(|error| fault(format!("could not read {}: {error}", directory.display())))?;
-    let mut files: Vec<_> = entries.filter_map(|entry| Some(entry.ok()?.path())).collect();
+    let entries = entries.filter_map(Result::ok);
+    // A link beside pictures may lead anywhere. A file that the user names may be one.
+    let own = entries.filter(|entry| entry.file_type().is_ok_and(|kind| kind.is_file()));
+    let mut files: Vec<_> = own.map(|entry| entry.path()).collect();
     files.retain(|file| file.extension().is_some_and(|ending| ending == "svg"));
     files.sort();
     if files.is_empty() {

@@ -4,9 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use super::{Feed, FeedFigure, Rate};
 use crate::grains::mass::MassLaw;
+use crate::grains::spawner::are_quotas;
 use crate::particle::{GrainId, Species};
 use crate::particles::Particles;
 use crate::periodic::Periodic;
+use crate::persist::Problem;
 use crate::random::Stream;
 use crate::space::{Solid, Space};
 use crate::spin::InertiaLaw;
@@ -94,8 +96,27 @@ impl<V: Space> Inlet<V> {
         Progress { quotas: self.quotas.clone(), left: self.left, fed: self.fed, next: self.next }
     }
 
-    pub(super) fn restore(&mut self, saved: Progress) {
-        Progress { quotas: self.quotas, left: self.left, fed: self.fed, next: self.next } = saved;
+    /// Takes over the part that changes.
+    ///
+    /// # Errors
+    /// If a feed of the scene cannot have it.
+    pub(super) fn restore(&mut self, saved: Progress) -> Result<(), Problem> {
+        let Progress { quotas, left, fed, next } = saved;
+        let can_be_left = match (left, self.left) {
+            (Some(left), Some(of_scene)) => left <= of_scene,
+            (left, of_scene) => left == of_scene,
+        };
+        let is_grain = |grain: &Candidate| !grain.id.is_wall() && grain.radius > 0.0;
+        let most = self.left.unwrap_or(BLOCK);
+        if !can_be_left
+            || fed < 0.0
+            || !are_quotas(&quotas, &self.quotas, most.max(BLOCK))
+            || !next.iter().all(is_grain)
+        {
+            return Err("a feed has released other grains than that of the scene can".to_owned());
+        }
+        (self.quotas, self.left, self.fed, self.next) = (quotas, left, fed, next);
+        Ok(())
     }
 
     fn rate(&self) -> f64 {

@@ -52,6 +52,13 @@ impl Blocks {
         self.present.is_empty()
     }
 
+    /// Whether restored blocks are such of `len` sums.
+    #[must_use]
+    pub fn fit(&self, len: usize) -> bool {
+        let has_lengths = self.present.len() == len && self.full.iter().all(|block| block.len() == len);
+        has_lengths && self.full.len() < MOST_BLOCKS && self.block.is_power_of_two() && self.filled < self.block
+    }
+
     /// The sums of the present sample, and of earlier samples of its block.
     pub fn present(&mut self) -> &mut [f64] {
         &mut self.present

@@ -6,15 +6,18 @@
 //! | an LZ4 frame | the [`Header`], then every [`Section`] of the state, each part with its length in front |
 //! | 8 bytes | the [`Fnv`] hash of everything before |
 //!
-//! Header and sections are encoded by postcard: little-endian, every bit of a float kept. A file is read whole before any of it
-//! is used, so a file that is cut short or has a wrong bit is refused.
+//! Header and sections are encoded by postcard: little-endian, every bit of a float kept. A file is hashed whole before any of it
+//! is used, so a file that is cut short or has a wrong bit is refused. The hash protects from accidents, not from somebody who wrote the
+//! file on purpose: its parts are unpacked one after the other, up to the bytes that the scene can need.
 
-use std::io::{self, BufWriter, Read as _, Write};
+use std::fs::File;
+use std::io::{self, BufReader, BufWriter, Cursor, Read, Seek, SeekFrom, Write};
 use std::path::Path;
 
 use lz4_flex::frame::{BlockMode, BlockSize, FrameDecoder, FrameEncoder, FrameInfo};
 use serde::{Deserialize, Serialize};
 
+use crate::own_files;
 use crate::persist::{Problem, Section, decode, encode};
 use crate::writers::fnv::Fnv;
 use crate::writers::run_files::Manifest;
@@ -124,61 +127,134 @@ impl<W: Write> Write for Hashing<W> {
     }
 }
 
-/// Reads the checkpoint at `path`.
+fn damaged(what: impl Into<String>) -> io::Error {
+    io::Error::new(io::ErrorKind::InvalidData, what.into())
+}
+
+/// Most bytes of a header, which names every file of the run.
+const MOST_HEADER: u64 = 1 << 26;
+
+/// Most bytes of the name of a section.
+const MOST_NAME: u64 = 1 << 20;
+
+/// A checkpoint whose hash is right and whose header has been read, but not its state.
+#[derive(Debug)]
+pub struct Packed<R = File> {
+    /// Facts about it.
+    pub header: Header,
+    /// Bytes of the file.
+    pub length: u64,
+    file: R,
+}
+
+/// Opens the checkpoint at `path`, which may be no link.
 ///
 /// # Errors
 /// If it cannot be read, is cut short, or has a wrong bit.
-pub fn read(path: &Path) -> io::Result<Checkpoint> {
-    read_from(&std::fs::read(path)?)
+pub fn open(path: &Path) -> io::Result<Packed> {
+    Packed::of(own_files::read(path)?)
 }
 
-/// Reads a checkpoint from its bytes.
+/// Reads a checkpoint from its bytes, however much memory its state takes.
 ///
 /// # Errors
-/// As [`read`].
+/// As [`open`].
 pub fn read_from(bytes: &[u8]) -> io::Result<Checkpoint> {
-    let damaged = |what: &str| io::Error::new(io::ErrorKind::InvalidData, what.to_owned());
-    let (before, expected) = bytes.split_last_chunk::<8>().ok_or_else(|| damaged("it is cut short"))?;
-    let frame = before.strip_prefix(MAGIC).ok_or_else(|| damaged("it is no checkpoint"))?;
-    let mut hash = Fnv::default();
-    hash.update(before);
-    if hash.value() != u64::from_le_bytes(*expected) {
-        return Err(damaged("it is cut short, or a part of it has changed"));
+    Packed::of(Cursor::new(bytes))?.unpack(u64::MAX)
+}
+
+impl<R: Read + Seek> Packed<R> {
+    /// Checks the hash of a file, and reads the header.
+    ///
+    /// # Errors
+    /// As [`open`].
+    pub fn of(mut file: R) -> io::Result<Self> {
+        let cut = || damaged("it is cut short");
+        let length = file.seek(SeekFrom::End(0))?;
+        let before = length.checked_sub(8).ok_or_else(cut)?;
+        file.rewind()?;
+        let (mut magic, mut expected) = ([0; MAGIC.len()], [0; 8]);
+        file.read_exact(&mut magic).map_err(|_| cut())?;
+        if magic != *MAGIC || before < MAGIC.len() as u64 {
+            return Err(damaged("it is no checkpoint"));
+        }
+        let mut hash = Fnv::default();
+        hash.update(&magic);
+        hash.update_from(file.by_ref().take(before - MAGIC.len() as u64))?;
+        file.read_exact(&mut expected)?;
+        if hash.value() != u64::from_le_bytes(expected) {
+            return Err(damaged("it is cut short, or a part of it has changed"));
+        }
+        let mut packed = Parts::of(&mut file, length, u64::MAX)?;
+        let header = packed.next(MOST_HEADER)?.ok_or_else(|| damaged("it has no header"))?;
+        if let Ok(((format, version), _)) = postcard::take_from_bytes::<(u32, String)>(&header)
+            && format != FORMAT
+        {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, OtherFormat { format, version }));
+        }
+        let header = decode(&header).map_err(|problem| damaged(format!("its header is unknown: {problem}")))?;
+        Ok(Self { header, length, file })
     }
-    let mut content = Vec::new();
-    FrameDecoder::new(frame).read_to_end(&mut content).map_err(|error| damaged(&error.to_string()))?;
-    let mut parts = Parts(&content);
-    let header = parts.next().ok_or_else(|| damaged("it has no header"))?;
-    if let Ok(((format, version), _)) = postcard::take_from_bytes::<(u32, String)>(header)
-        && format != FORMAT
-    {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, OtherFormat { format, version }));
+
+    /// Unpacks the state, which may take `most` bytes.
+    ///
+    /// # Errors
+    /// If it takes more, or is none.
+    pub fn unpack(mut self, most: u64) -> io::Result<Checkpoint> {
+        let mut parts = Parts::of(&mut self.file, self.length, most)?;
+        parts.next(MOST_HEADER)?;
+        let mut sections = Vec::new();
+        while let Some(name) = parts.next(MOST_NAME)? {
+            let name = String::from_utf8(name).map_err(|_| damaged("the name of a part is no text"))?;
+            let bytes = parts.next(u64::MAX)?.ok_or_else(|| damaged("its last part is cut short"))?;
+            sections.push((name, bytes));
+        }
+        Ok(Checkpoint { header: self.header, sections })
     }
-    let header: Header = decode(header).map_err(|problem| damaged(&format!("its header is unknown: {problem}")))?;
-    let mut sections = Vec::new();
-    while let Some(name) = parts.next() {
-        let name = std::str::from_utf8(name).map_err(|_| damaged("the name of a part is no text"))?;
-        let bytes = parts.next().ok_or_else(|| damaged("its last part is cut short"))?;
-        sections.push((name.to_owned(), bytes.to_vec()));
-    }
-    if !parts.0.is_empty() {
-        return Err(damaged("its last part is cut short"));
-    }
-    Ok(Checkpoint { header, sections })
 }
 
 /// The parts of the content.
-struct Parts<'a>(&'a [u8]);
+struct Parts<R: Read> {
+    content: FrameDecoder<BufReader<R>>,
+    most: u64,
+    /// Bytes that may still be unpacked.
+    left: u64,
+}
 
-impl<'a> Iterator for Parts<'a> {
-    type Item = &'a [u8];
+impl<'a, R: Read + Seek> Parts<io::Take<&'a mut R>> {
+    /// Starts with the first part of a file of `length` bytes.
+    fn of(file: &'a mut R, length: u64, most: u64) -> io::Result<Self> {
+        file.seek(SeekFrom::Start(MAGIC.len() as u64))?;
+        let frame = file.take(length.saturating_sub(8 + MAGIC.len() as u64));
+        Ok(Self { content: FrameDecoder::new(BufReader::new(frame)), most, left: most })
+    }
+}
 
-    fn next(&mut self) -> Option<&'a [u8]> {
-        let (length, rest) = self.0.split_first_chunk::<8>()?;
-        let length = usize::try_from(u64::from_le_bytes(*length)).ok()?;
-        let (part, rest) = rest.split_at_checked(length)?;
-        self.0 = rest;
-        Some(part)
+impl<R: Read> Parts<R> {
+    /// Returns the next part; `None` at the end. Its length is compared with the limits before memory is taken for it.
+    fn next(&mut self, longest: u64) -> io::Result<Option<Vec<u8>>> {
+        let length = self.take(8)?;
+        if length.is_empty() {
+            return Ok(None);
+        }
+        let length = length.try_into().map(u64::from_le_bytes).map_err(|_| damaged("its last part is cut short"))?;
+        if length > longest {
+            return Err(damaged(format!(
+                "a part of {length} bytes is longer than {longest} bytes, the most of its kind"
+            )));
+        }
+        self.left = self.left.checked_sub(length).ok_or_else(|| {
+            damaged(format!("its state is larger than the {} bytes that its scene can need", self.most))
+        })?;
+        let part = self.take(length)?;
+        if part.len() as u64 == length { Ok(Some(part)) } else { Err(damaged("its last part is cut short")) }
+    }
+
+    /// Unpacks the next `length` bytes, or those that are left. Memory grows with what is there, not with what is declared.
+    fn take(&mut self, length: u64) -> io::Result<Vec<u8>> {
+        let mut bytes = Vec::new();
+        self.content.by_ref().take(length).read_to_end(&mut bytes).map_err(|error| damaged(error.to_string()))?;
+        Ok(bytes)
     }
 }
 
@@ -212,6 +288,19 @@ mod tests {
             sections.iter().map(|(name, bytes)| (name.as_str(), bytes.len())).collect::<Vec<_>>(),
             [("a", 3), ("b", 0), ("c", 1000)]
         );
+    }
+
+    #[test]
+    fn a_state_that_is_larger_than_its_scene_can_need_is_refused_before_it_is_unpacked() {
+        let header = read_from(&example()).unwrap().header;
+        let mut bytes = Vec::new();
+        write(&mut bytes, &header, &[("a".to_owned(), vec![0; 1 << 24])]).unwrap();
+        assert!(bytes.len() < 1 << 18, "{}", bytes.len());
+        let unpack = |most: u64| Packed::of(Cursor::new(&bytes)).unwrap().unpack(most);
+        assert!(unpack(1 << 25).is_ok());
+        let problem = unpack(1 << 20).unwrap_err().to_string();
+        assert!(problem.contains("larger than the 1048576 bytes"), "{problem}");
+        assert_eq!(Packed::of(Cursor::new(&bytes)).unwrap().header, header);
     }
 
     #[test]

@@ -8,8 +8,10 @@
 //!
 //! Numbers of a column are alike in sign, exponent and high bytes. Bytes of equal place together are therefore shorter after
 //! compression. Whole numbers and floats are little-endian, and every bit of a float is kept.
+//!
+//! A frame is read part by part. The sizes that its head declares are compared with a limit before anything is allocated for them.
 
-use std::io;
+use std::io::{self, Read};
 
 use serde::{Deserialize, Serialize};
 
@@ -109,29 +111,74 @@ fn column_head(column: &Column) -> ColumnHead {
     ColumnHead { name: column.name.clone(), unit: column.unit.clone(), components: column.components, kind }
 }
 
-pub(super) fn decode_frame(bytes: &[u8]) -> io::Result<Frame> {
-    let cut = || damaged("a frame is cut short");
-    let (length, rest) = bytes.split_first_chunk::<4>().ok_or_else(cut)?;
-    let (head, mut rest) = rest.split_at_checked(u32::from_le_bytes(*length) as usize).ok_or_else(cut)?;
-    let head: Head = decode(head).map_err(|problem| damaged(format!("the head of a frame is unknown: {problem}")))?;
+fn cut() -> io::Error {
+    damaged("a frame is cut short")
+}
+
+/// The error of content that is larger than `most` bytes.
+pub(super) fn too_large(what: &str, most: u64) -> io::Error {
+    damaged(format!("{what} is larger than the {most} bytes that its scene can need"))
+}
+
+/// Reads the next `length` bytes. Memory grows with what is there, not with what is declared.
+fn take(content: &mut impl Read, length: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    content.take(length).read_to_end(&mut bytes).map_err(|error| damaged(error.to_string()))?;
+    if bytes.len() as u64 == length { Ok(bytes) } else { Err(cut()) }
+}
+
+impl Kind {
+    /// Bytes of a number.
+    fn size(self) -> u64 {
+        match self {
+            Self::F64 => 8,
+            Self::I32 | Self::U32 => 4,
+            Self::U16 => 2,
+            Self::U8 => 1,
+        }
+    }
+}
+
+/// Bytes of all columns; `None` if there is no such number.
+fn declared(head: &Head) -> Option<u64> {
+    let columns = head.tables.iter().flat_map(|table| table.columns.iter().map(|column| (table.rows, column)));
+    columns
+        .map(|(rows, column)| rows.checked_mul(column.components.into())?.checked_mul(column.kind.size()))
+        .try_fold(0_u64, |sum, bytes| sum.checked_add(bytes?))
+}
+
+/// Reads a frame of at most `most` bytes.
+pub(super) fn decode_frame(mut content: impl Read, most: u64) -> io::Result<Frame> {
+    let length = take(&mut content, 4)?.try_into().map(u32::from_le_bytes).map_err(|_| cut())?;
+    if u64::from(length) > most {
+        return Err(too_large("a frame", most));
+    }
+    let head = take(&mut content, length.into())?;
+    let head: Head = decode(&head).map_err(|problem| damaged(format!("the head of a frame is unknown: {problem}")))?;
+    if declared(&head).is_none_or(|bytes| bytes > most) {
+        return Err(too_large("a frame", most));
+    }
     let mut tables = Vec::new();
     for TableHead { name, rows, columns: heads } in head.tables {
         let mut columns = Vec::new();
         for ColumnHead { name, unit, components, kind } in heads {
-            let count = rows.checked_mul(components.into()).and_then(|count| usize::try_from(count).ok());
-            let count = count.ok_or_else(cut)?;
+            let count = rows.checked_mul(components.into()).ok_or_else(cut)?;
+            let planes = take(&mut content, count.checked_mul(kind.size()).ok_or_else(cut)?)?;
+            let count = usize::try_from(count).map_err(|_| cut())?;
             let values = match kind {
-                Kind::F64 => Values::F64(unshuffle(&mut rest, count, f64::from_le_bytes).ok_or_else(cut)?),
-                Kind::I32 => Values::I32(unshuffle(&mut rest, count, i32::from_le_bytes).ok_or_else(cut)?),
-                Kind::U32 => Values::U32(unshuffle(&mut rest, count, u32::from_le_bytes).ok_or_else(cut)?),
-                Kind::U16 => Values::U16(unshuffle(&mut rest, count, u16::from_le_bytes).ok_or_else(cut)?),
-                Kind::U8 => Values::U8(unshuffle(&mut rest, count, u8::from_le_bytes).ok_or_else(cut)?),
+                Kind::F64 => Values::F64(unshuffle(&planes, count, f64::from_le_bytes)),
+                Kind::I32 => Values::I32(unshuffle(&planes, count, i32::from_le_bytes)),
+                Kind::U32 => Values::U32(unshuffle(&planes, count, u32::from_le_bytes)),
+                Kind::U16 => Values::U16(unshuffle(&planes, count, u16::from_le_bytes)),
+                Kind::U8 => Values::U8(planes),
             };
             columns.push(Column { name, unit, components, values });
         }
         tables.push(Table { name, rows: usize::try_from(rows).map_err(|_| cut())?, columns });
     }
-    if !rest.is_empty() {
+    let mut more = Vec::new();
+    content.take(1).read_to_end(&mut more).map_err(|error| damaged(error.to_string()))?;
+    if !more.is_empty() {
         return Err(damaged("a frame has more bytes than columns"));
     }
     let Head { step, time, counts, changed_walls, .. } = head;
@@ -150,11 +197,9 @@ fn shuffle<T: Copy, const N: usize>(bytes: &mut Vec<u8>, numbers: &[T], to_bytes
     }
 }
 
-/// Takes `count` numbers from the front of `bytes`; `None` if there are not so many.
-fn unshuffle<T, const N: usize>(bytes: &mut &[u8], count: usize, from_bytes: fn([u8; N]) -> T) -> Option<Vec<T>> {
-    let (planes, rest) = bytes.split_at_checked(count.checked_mul(N)?)?;
-    *bytes = rest;
-    Some((0..count).map(|row| from_bytes(std::array::from_fn(|place| planes[place * count + row]))).collect())
+/// Returns `count` numbers from their bytes, which are N times as many.
+fn unshuffle<T, const N: usize>(planes: &[u8], count: usize, from_bytes: fn([u8; N]) -> T) -> Vec<T> {
+    (0..count).map(|row| from_bytes(std::array::from_fn(|place| planes[place * count + row]))).collect()
 }
 
 #[cfg(test)]
@@ -162,6 +207,36 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+
+    const MOST: u64 = 1 << 20;
+
+    #[test]
+    fn a_frame_that_declares_more_than_its_scene_can_need_is_refused_before_it_is_unpacked() {
+        let bytes = encode_frame(&frame(&[1.0, 2.0], &[3])).unwrap();
+        let head = Head {
+            step: 0,
+            time: 0.0,
+            counts: [0; 4],
+            changed_walls: Vec::new(),
+            tables: vec![TableHead {
+                name: "grains".to_owned(),
+                rows: 1 << 40,
+                columns: vec![ColumnHead {
+                    name: "radius".to_owned(),
+                    unit: String::new(),
+                    components: 1,
+                    kind: Kind::F64,
+                }],
+            }],
+        };
+        let head = encode(&head).unwrap();
+        let length = u32::try_from(head.len()).unwrap().to_le_bytes();
+        // A reader without an end stands for content that would be unpacked.
+        let endless = (&length[..]).chain(&head[..]).chain(std::io::repeat(0));
+        assert!(decode_frame(endless, MOST).unwrap_err().to_string().contains("1048576 bytes"));
+        assert!(decode_frame(std::io::repeat(0xff), MOST).unwrap_err().to_string().contains("larger"));
+        assert!(decode_frame(&bytes[..], 20).unwrap_err().to_string().contains("larger"));
+    }
 
     fn frame(numbers: &[f64], ids: &[u32]) -> Frame {
         let column =
@@ -193,7 +268,7 @@ mod tests {
             let ids: Vec<u32> = rows.iter().map(|row| row.2).collect();
             let written = frame(&numbers, &ids);
             let bytes = encode_frame(&written).unwrap();
-            let read = decode_frame(&bytes).unwrap();
+            let read = decode_frame(&bytes[..], MOST).unwrap();
             let bits = |frame: &Frame| {
                 let floats = frame.tables[0].floats("position").unwrap();
                 floats.iter().map(|number| number.to_bits()).collect::<Vec<_>>()
@@ -207,11 +282,11 @@ mod tests {
 
         #[test]
         fn other_bytes_are_an_error_and_no_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200), place in 0_usize..200) {
-            let _ = decode_frame(&bytes);
+            let _ = decode_frame(&bytes[..], MOST);
             let mut near = encode_frame(&frame(&[1.0, 2.0], &[3])).unwrap();
             let place = place % near.len();
             near[place] ^= bytes.first().copied().unwrap_or(1);
-            let _ = decode_frame(&near);
+            let _ = decode_frame(&near[..], MOST);
         }
     }
 
@@ -219,8 +294,8 @@ mod tests {
     fn every_cut_is_refused() {
         let whole = encode_frame(&frame(&[1.0, 2.0, 3.0, 4.0], &[5, 6])).unwrap();
         for length in 0..whole.len() {
-            assert!(decode_frame(&whole[..length]).is_err(), "cut to {length} of {} bytes", whole.len());
+            assert!(decode_frame(&whole[..length], MOST).is_err(), "cut to {length} of {} bytes", whole.len());
         }
-        assert!(decode_frame(&[&whole[..], b"more"].concat()).is_err());
+        assert!(decode_frame(&[&whole[..], b"more"].concat()[..], MOST).is_err());
     }
 }

@@ -17,7 +17,7 @@
 //!
 //! | part | content |
 //! |---|---|
-//! | `codec.rs` | the bytes of a record |
+//! | `codec.rs`, `check.rs` | the bytes of a record, and whether they make one |
 //! | `reader.rs`, `file.rs` | reading, and adding records |
 //! | `writer.rs` | the thread that writes during a run |
 //! | `recording.rs` | what a frame of a run holds |
@@ -26,6 +26,7 @@
 //!
 //! Units are SI. Numbers of vectors are x, y, and in solid space z; a planar spin is one number.
 
+mod check;
 mod codec;
 pub mod file;
 pub mod geometry;

@@ -8,12 +8,17 @@ use lz4_flex::frame::FrameDecoder;
 
 use super::codec::damaged;
 use super::file::MAGIC;
-use super::{Frame, Header, codec};
+use super::{Frame, Header, check, codec};
+use crate::own_files;
 use crate::writers::fnv::Fnv;
 
-/// Most bytes of content over the bytes of their compressed form: what LZ4 can reach, and the size of a small record.
-const LARGEST_RATIO: u64 = 256;
-const SMALL: u64 = 1 << 16;
+/// Most bytes of a record that [`FrameReader::open`] unpacks: a frame of the largest scene.
+const LARGEST: u64 = 8 << 30;
+
+/// Most bytes that LZ4 adds to content that it cannot compress: a 255th of it, and those of a frame.
+const fn packed(most: u64) -> u64 {
+    most.saturating_add(most / 255).saturating_add(1 << 16)
+}
 
 /// An iterator over the frames of a file.
 #[derive(Debug)]
@@ -23,22 +28,31 @@ pub struct FrameReader<R = BufReader<File>> {
     file: R,
     /// Bytes that have not been read.
     left: u64,
+    /// Most bytes of an unpacked record.
+    most: u64,
     /// Whether there is nothing more to read.
     is_over: bool,
 }
 
 impl FrameReader {
-    /// Opens the file at `path` and reads its header.
+    /// Opens the file at `path` and reads its header. A link is refused. A record may take any memory up to 8 GiB, however short the file
+    /// is; [`FrameReader::open_within`] is for files from elsewhere.
     ///
     /// # Errors
     /// If the file cannot be read, is no file of frames, or is of a later format.
     pub fn open(path: &Path) -> io::Result<Self> {
-        let file = File::open(path)?;
-        let found = file.metadata()?;
-        if !found.is_file() {
-            return Err(io::Error::other("it is no regular file"));
-        }
-        Self::new(BufReader::new(file), found.len())
+        Self::open_within(path, LARGEST)
+    }
+
+    /// As [`FrameReader::open`], and refuses a record that would take more than `most` bytes
+    /// ([`extent`](crate::scene::extent) says how much a scene can need).
+    ///
+    /// # Errors
+    /// As [`FrameReader::open`].
+    pub fn open_within(path: &Path, most: u64) -> io::Result<Self> {
+        let file = own_files::read(path)?;
+        let length = file.metadata()?.len();
+        Self::within(BufReader::new(file), length, most)
     }
 }
 
@@ -47,16 +61,31 @@ impl<R: Read> FrameReader<R> {
     ///
     /// # Errors
     /// As [`FrameReader::open`].
-    pub fn new(mut file: R, length: u64) -> io::Result<Self> {
+    pub fn new(file: R, length: u64) -> io::Result<Self> {
+        Self::within(file, length, LARGEST)
+    }
+
+    /// As [`FrameReader::new`], and refuses a record that would take more than `most` bytes.
+    ///
+    /// # Errors
+    /// As [`FrameReader::open`].
+    pub fn within(mut file: R, length: u64, most: u64) -> io::Result<Self> {
         let mut magic = [0; MAGIC.len()];
         let is_frames = file.read_exact(&mut magic).is_ok() && magic == *MAGIC;
         if !is_frames {
             return Err(damaged("it is no file of frames"));
         }
         let mut left = length.saturating_sub(MAGIC.len() as u64);
-        let content = record(&mut file, &mut left)?.ok_or_else(|| damaged("its header is cut short"))?;
+        let packed = record(&mut file, &mut left, most)?.ok_or_else(|| damaged("its header is cut short"))?;
+        let mut content = Vec::new();
+        let unpacked = FrameDecoder::new(&packed[..]).take(most.saturating_add(1)).read_to_end(&mut content);
+        unpacked.map_err(|error| damaged(error.to_string()))?;
+        if content.len() as u64 > most {
+            return Err(codec::too_large("its header", most));
+        }
         let header = codec::decode_header(&content)?;
-        Ok(Self { header, file, left, is_over: false })
+        check::header(&header)?;
+        Ok(Self { header, file, left, most, is_over: false })
     }
 }
 
@@ -67,22 +96,30 @@ impl<R: Read> Iterator for FrameReader<R> {
         if self.is_over {
             return None;
         }
-        let frame = record(&mut self.file, &mut self.left)
-            .and_then(|content| content.map(|content| codec::decode_frame(&content)).transpose())
-            .transpose();
+        let most = self.most;
+        let decode = |packed: Vec<u8>| {
+            let frame = codec::decode_frame(FrameDecoder::new(&packed[..]), most)?;
+            check::frame(&self.header, &frame).map(|()| frame)
+        };
+        let frame =
+            record(&mut self.file, &mut self.left, most).and_then(|packed| packed.map(decode).transpose()).transpose();
         self.is_over = !matches!(frame, Some(Ok(_)));
         frame
     }
 }
 
-/// Reads the content of the next record from a file with `left` bytes; `None` at its end, or if the record is not whole.
-fn record(file: &mut impl Read, left: &mut u64) -> io::Result<Option<Vec<u8>>> {
+/// Reads the compressed content of the next record, which unpacks to at most `most` bytes, from a file with `left` bytes; `None` at its end,
+/// or if the record is not whole.
+fn record(file: &mut impl Read, left: &mut u64, most: u64) -> io::Result<Option<Vec<u8>>> {
     let Some(rest) = left.checked_sub(16) else { return Ok(None) };
     let mut number = [0; 8];
     file.read_exact(&mut number)?;
     let length = u64::from_le_bytes(number);
     let Some(rest) = rest.checked_sub(length) else { return Ok(None) };
     *left = rest;
+    if length > self::packed(most) {
+        return Err(codec::too_large("a record", most));
+    }
     let mut packed = Vec::new();
     file.by_ref().take(length).read_to_end(&mut packed)?;
     file.read_exact(&mut number)?;
@@ -91,14 +128,7 @@ fn record(file: &mut impl Read, left: &mut u64) -> io::Result<Option<Vec<u8>>> {
     if hash.value() != u64::from_le_bytes(number) {
         return Err(damaged("a part of it has changed"));
     }
-    let most = length.saturating_mul(LARGEST_RATIO).saturating_add(SMALL);
-    let mut content = Vec::new();
-    let unpacked = FrameDecoder::new(&packed[..]).take(most + 1).read_to_end(&mut content);
-    unpacked.map_err(|error| damaged(error.to_string()))?;
-    if content.len() as u64 > most {
-        return Err(damaged("a record is too large"));
-    }
-    Ok(Some(content))
+    Ok(Some(packed))
 }
 
 #[cfg(test)]

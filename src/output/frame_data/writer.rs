@@ -51,7 +51,7 @@ impl FrameDataWriter {
 
     /// Saves the lengths of the files with each checkpoint. A restored run removes all later frames.
     pub(crate) fn persist(app: &mut App) {
-        app.persist_part::<Self, (u64, SavedFormats)>(
+        app.persist_sound_part::<Self, (u64, SavedFormats)>(
             |writer| {
                 let files = writer.files.as_ref().ok_or("frames are still being written")?;
                 Ok((files.frames.file.length(), files.formats.saved()))

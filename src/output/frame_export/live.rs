@@ -8,6 +8,7 @@ use std::path::Path;
 
 use super::{dump, vtk, xyz};
 use crate::output::frame_data::{Frame, Header};
+use crate::own_files;
 use crate::persist::Problem;
 use crate::scene::outputs::Format;
 use crate::writers::disk;
@@ -43,7 +44,7 @@ impl LiveFormats {
             let name = format.file_name();
             let path = frames.path.with_file_name(name);
             if format == Format::Vtk {
-                if !(frames.is_continued && path.is_dir()) {
+                if !(frames.is_continued && own_files::is_directory(&path)) {
                     disk::create_directory(&path)?;
                 }
                 return vtk::Directory::open(&path, &frames.files).map(Live::Vtk);
@@ -94,6 +95,9 @@ impl LiveFormats {
 
     /// Removes all frames beyond those of [`LiveFormats::saved`].
     pub(crate) fn restore(&mut self, saved: &[Vec<u64>]) -> Result<(), Problem> {
+        if saved.len() != self.formats.len() {
+            return Err("the checkpoint has other formats".to_owned());
+        }
         self.formats.iter_mut().zip(saved).try_for_each(|(live, saved)| match live {
             Live::Text { file, .. } => file.restore(saved.first().copied().unwrap_or(0)),
             Live::Vtk(directory) => {

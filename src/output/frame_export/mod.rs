@@ -21,11 +21,11 @@ pub mod vtk;
 pub mod vtp;
 pub mod xyz;
 
-use std::fs;
 use std::io;
 use std::path::Path;
 
 use crate::output::frame_data::{Column, Frame, Header, Table, Values};
+use crate::output::run_directory::PartDirectory;
 use crate::scene::outputs::Format;
 use crate::writers::run_files::RunFiles;
 use crate::writers::whole_file;
@@ -85,7 +85,7 @@ pub fn export(
     let mut count = 0;
     let mut counted = frames.inspect(|_| count += 1);
     match format {
-        Target::Live(Format::Vtk) => whole_directory(target, |part| {
+        Target::Live(Format::Vtk) => whole_directory(format, target, |part| {
             let mut directory = vtk::Directory::open(part, &RunFiles::default())?;
             counted.try_for_each(|frame| directory.add(header, &frame?))
         }),
@@ -95,9 +95,9 @@ pub fn export(
                 counted.try_for_each(|frame| file.write_all(text(header, &frame?).as_bytes()))
             })
         }
-        Target::Csv => whole_directory(target, |part| csv::write(header, counted, part)),
+        Target::Csv => whole_directory(format, target, |part| csv::write(header, counted, part)),
         #[cfg(feature = "parquet")]
-        Target::Parquet => whole_directory(target, |part| parquet::write(header, counted, run, part)),
+        Target::Parquet => whole_directory(format, target, |part| parquet::write(header, counted, run, part)),
         #[cfg(not(feature = "parquet"))]
         Target::Parquet => {
             let _ = run;
@@ -108,12 +108,10 @@ pub fn export(
 }
 
 /// Makes a directory with the files that `write` writes: all of them or none.
-fn whole_directory(target: &Path, write: impl FnOnce(&Path) -> io::Result<()>) -> io::Result<()> {
-    let part = whole_file::part_of(target);
-    fs::create_dir(&part)?;
-    write(&part).and_then(|()| fs::rename(&part, target)).inspect_err(|_| {
-        let _ = fs::remove_dir_all(&part);
-    })
+fn whole_directory(format: Target, target: &Path, write: impl FnOnce(&Path) -> io::Result<()>) -> io::Result<()> {
+    let part = PartDirectory::create(target, format.file_name())?;
+    write(part.path())?;
+    part.publish(false)
 }
 
 /// Returns the columns of the grains of a frame with their kinetic energy.

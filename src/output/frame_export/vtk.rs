@@ -11,13 +11,13 @@
 //! of the partner.
 
 use std::collections::HashMap;
-use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
 use super::grain_columns;
 use super::vtp::PolyData;
 use crate::output::frame_data::{Column, Frame, Header, Table, Values};
+use crate::own_files;
 use crate::scene::outputs::Format;
 use crate::writers::growing::Growing;
 use crate::writers::run_files::{Extent, RunFile, RunFiles};
@@ -42,12 +42,16 @@ impl Directory {
     /// Starts in an empty directory, or continues in one that has frames.
     ///
     /// # Errors
-    /// If a list cannot be opened.
+    /// If there is no such directory, or a list cannot be opened.
     pub fn open(path: &Path, files: &RunFiles) -> io::Result<Self> {
+        if !own_files::is_directory(path) {
+            return Err(io::Error::from(io::ErrorKind::NotADirectory));
+        }
         let mut lists = [None, None, None];
         for (list, name) in lists.iter_mut().zip(NAMES) {
             let place = list_of(path, name);
-            *list = if place.exists() { Some(List::reopen(&place, in_record(files, &place))?) } else { None };
+            let is_there = place.symlink_metadata().is_ok();
+            *list = if is_there { Some(List::reopen(&place, in_record(files, &place))?) } else { None };
         }
         Ok(Self { path: path.to_owned(), count: 0, lists, files: files.clone() })
     }
@@ -87,7 +91,9 @@ impl Directory {
     /// # Errors
     /// If a file cannot be changed.
     pub fn restore(&mut self, saved: &[u64]) -> io::Result<()> {
-        let Some((&count, lengths)) = saved.split_first() else { return Ok(()) };
+        let (Some((&count, lengths)), true) = (saved.split_first(), saved.len() == 1 + NAMES.len()) else {
+            return Err(io::Error::other("the checkpoint has other lists of frames"));
+        };
         self.count = count;
         for ((list, name), &length) in self.lists.iter_mut().zip(NAMES).zip(lengths) {
             match list {
@@ -100,7 +106,7 @@ impl Directory {
                 }
             }
         }
-        for entry in fs::read_dir(&self.path)? {
+        for entry in own_files::entries(&self.path)? {
             let path = entry?.path();
             let stem = path.file_stem().and_then(|stem| stem.to_str()).unwrap_or_default();
             let number = stem.rsplit_once('-').and_then(|(_, number)| number.parse::<u64>().ok());

@@ -8,8 +8,10 @@ use std::path::{Path, PathBuf};
 
 use crate::fault::Fault;
 use crate::output::run_directory::in_use;
-use crate::output::run_directory::marker::{Claim, MARKER, Marker};
-use crate::output::run_directory::names::{FRAMES, SCENE, SERIES, SUMMARY, is_directory, is_own};
+use crate::output::run_directory::kinds::is_odd;
+use crate::output::run_directory::marker::{Claim, Marker};
+use crate::output::run_directory::names::{FRAMES, SCENE, SERIES, SUMMARY, is_directory};
+use crate::output::run_directory::part::writer_of;
 
 /// Content of the place where a run directory shall be.
 #[derive(Debug)]
@@ -20,6 +22,8 @@ pub(super) enum Content {
     Run {
         /// Whether it has a summary.
         is_finished: bool,
+        /// A process that writes pictures or tables of the run into it, in words.
+        writer: Option<String>,
         /// The lock on it, if it has a marker.
         #[expect(dead_code, reason = "holding it is its purpose")]
         lock: Option<Marker>,
@@ -68,13 +72,14 @@ pub(super) fn examine(shown: &Path, target: &Path) -> Result<Content, Fault> {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Content::Empty),
         entries => entries.map_err(failed)?,
     };
-    let (mut names, mut odd) = (Vec::new(), None);
+    let (mut names, mut odd, mut writer) = (Vec::new(), None, None);
     for entry in entries {
         let entry = entry.map_err(failed)?;
         let (name, kind) = (entry.file_name(), entry.file_type().map_err(failed)?);
-        let is_expected = if is_directory(Path::new(&name)) { kind.is_dir() } else { kind.is_file() };
-        if (is_own(Path::new(&name)) || name == MARKER) && !is_expected {
+        if is_odd(&name, kind) {
             odd = Some(name.clone());
+        } else if is_directory(Path::new(&name)) && writer.is_none() {
+            writer = writer_of(&entry.path()).map_err(failed)?;
         }
         names.push(name);
     }
@@ -90,13 +95,13 @@ pub(super) fn examine(shown: &Path, target: &Path) -> Result<Content, Fault> {
         (_, None) => Content::Empty,
         (Some(odd), _) => Content::Foreign(odd),
         (None, Some(first)) if !is_run => Content::Foreign(first.clone()),
-        _ => Content::Run { is_finished: has(SUMMARY), lock },
+        _ => Content::Run { is_finished: has(SUMMARY), writer, lock },
     })
 }
 
 /// Refuses a place that may not be used. `replace` allows that a run is replaced.
 pub(super) fn refuse_content(shown: &Path, content: &Content, replace: bool) -> Result<(), Fault> {
-    let shown = shown.display();
+    let (path, shown) = (shown, shown.display());
     match content {
         Content::Run { is_finished, .. } if !replace => {
             let what = if *is_finished { "a finished run" } else { "a run that was killed" };
@@ -109,6 +114,7 @@ pub(super) fn refuse_content(shown: &Path, content: &Content, replace: bool) -> 
             };
             Err(Fault::new("run::exists", format!("{shown} holds {what}")).help(help))
         }
+        Content::Run { writer: Some(writer), .. } => Err(in_use(path, writer)),
         Content::Foreign(entry) => {
             let message = format!(
                 "{shown} is not empty and holds no earlier run: siloflow did not make {}",

@@ -5,7 +5,7 @@ use std::io::ErrorKind;
 use std::path::{Component, Path};
 
 use crate::output::run_directory::names::is_own;
-use crate::writers::disk;
+use crate::own_files;
 use crate::writers::run_files::{Extent, FileRecord, Kind};
 
 /// The moment of a record.
@@ -55,7 +55,7 @@ fn problem_of_content(path: &Path, length: u64, file: &FileRecord, moment: Momen
         _ if length != expected => return Some(format!("has {length} bytes, and {expected} had been written")),
         _ => {}
     }
-    match disk::open_regular(path).and_then(|file| Extent::read(file, expected)) {
+    match own_files::read(path).and_then(|file| Extent::read(file, expected)) {
         Err(error) => Some(format!("could not be read: {error}")),
         Ok(found) if found != file.extent => Some("has changed: its bytes are not those that were written".to_owned()),
         Ok(_) => None,

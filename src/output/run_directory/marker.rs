@@ -8,23 +8,26 @@
 //! Limit: on a file system without locks (some network file systems) a warning is logged and nothing prevents two runs
 //! from using one directory.
 
-use std::fs::{self, File, OpenOptions, TryLockError};
+use std::fs::{self, File, TryLockError};
 use std::io::{self, ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
+use crate::own_files::{self, file_number};
+use crate::source::files;
 use crate::writers::disk::DiskFile;
 
 /// Name of the marker.
 pub(crate) const MARKER: &str = ".siloflow";
+
+/// Most bytes of a marker that is read.
+const MOST_BYTES: u64 = 1 << 20;
 
 /// Start of the line of a declared file.
 const DECLARED: &str = "file ";
 
 /// Returns the names of the files that the marker of a directory declares; none if it cannot be read.
 pub(super) fn declared_in(directory: &Path) -> Vec<String> {
-    let path = directory.join(MARKER);
-    let is_file = fs::symlink_metadata(&path).is_ok_and(|found| found.is_file());
-    let text = if is_file { fs::read_to_string(path).unwrap_or_default() } else { String::new() };
+    let text = files::read_own_text(&directory.join(MARKER), MOST_BYTES).unwrap_or_default();
     let names = text.lines().filter_map(|line| line.strip_prefix(DECLARED));
     // The file may have been changed: only names at the top of the directory count.
     let is_name = |name: &&str| !name.is_empty() && !name.starts_with('.') && !name.contains(['/', '\\', '\0']);
@@ -72,7 +75,7 @@ impl Marker {
             Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
             _ => return Ok(Claim::Unmarked),
         }
-        let file = match OpenOptions::new().read(true).write(true).open(&path) {
+        let file = match own_files::change(&path) {
             Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Claim::Unmarked),
             opened => opened?,
         };
@@ -118,23 +121,10 @@ impl MarkerPlace {
     }
 }
 
-/// Device and number of a file, which together identify it.
-#[cfg(unix)]
-pub(super) fn file_number(file: &fs::Metadata) -> (u64, u64) {
-    use std::os::unix::fs::MetadataExt as _;
-    (file.dev(), file.ino())
-}
-
-/// Elsewhere files are not identified: all have one number.
-#[cfg(not(unix))]
-pub(super) fn file_number(_: &fs::Metadata) -> (u64, u64) {
-    (0, 0)
-}
-
 /// The process that a marker names, in words.
-pub(super) fn holder(mut marker: File) -> String {
+pub(super) fn holder(marker: File) -> String {
     let mut text = String::new();
-    let _ = marker.read_to_string(&mut text);
+    let _ = marker.take(MOST_BYTES).read_to_string(&mut text);
     let number = text
         .lines()
         .next()

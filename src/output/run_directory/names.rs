@@ -2,10 +2,12 @@
 //! in the same place removes them.
 
 use std::ffi::OsStr;
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use crate::output::run_directory::marker::MARKER;
+use crate::own_files;
 use crate::writers::fnv::Fnv;
 use crate::writers::whole_file::{PART, remove_if_there};
 
@@ -100,6 +102,12 @@ pub fn scene_of(run: &Path) -> PathBuf {
     run.join(SCENE)
 }
 
+/// Whether a directory looks like one of a run: it has a scene, or what only a run makes.
+#[must_use]
+pub fn is_run(directory: &Path) -> bool {
+    [SCENE, SERIES, MARKER].iter().any(|name| directory.join(name).symlink_metadata().is_ok())
+}
+
 /// Returns the path of the summary in a run directory.
 #[must_use]
 pub fn summary_of(run: &Path) -> PathBuf {
@@ -119,9 +127,14 @@ pub fn hash_of_input(run: &Path) -> io::Result<u64> {
     let mut hash = Fnv::default();
     for name in names {
         hash.update(name.as_bytes());
-        hash.update_from(File::open(run.join(name))?)?;
+        let failed = |error| with_name(&name, &error);
+        hash.update_from(own_files::read(&run.join(&name)).map_err(failed)?).map_err(failed)?;
     }
     Ok(hash.value())
+}
+
+fn with_name(name: &str, error: &io::Error) -> io::Error {
+    io::Error::new(error.kind(), format!("{name}: {error}"))
 }
 
 /// Returns the path of the frames of data in a run directory.
@@ -140,7 +153,7 @@ pub fn report_of(run: &Path) -> PathBuf {
 #[must_use]
 pub fn tables_of(run: &Path) -> Vec<(&'static str, PathBuf)> {
     let names = OWN_FILES.iter().filter_map(|name| Some((name.strip_suffix(".csv")?, run.join(name))));
-    names.filter(|(_, path)| path.is_file()).collect()
+    names.filter(|(_, path)| own_files::is_file(path)).collect()
 }
 
 /// Returns the directory of the checkpoints in a run directory.
@@ -168,7 +181,7 @@ pub(super) fn is_checkpoint(name: &Path) -> bool {
 /// # Errors
 /// If the directory cannot be read; a missing one is empty.
 pub fn checkpoints_in(directory: &Path) -> io::Result<Vec<PathBuf>> {
-    let entries = match fs::read_dir(directory) {
+    let entries = match own_files::entries(directory) {
         Err(error) if error.kind() == io::ErrorKind::NotFound => return Ok(Vec::new()),
         entries => entries?,
     };
@@ -188,7 +201,7 @@ pub fn checkpoints_in(directory: &Path) -> io::Result<Vec<PathBuf>> {
 /// # Errors
 /// If the directory cannot be read, or a file cannot be removed.
 pub fn remove_incomplete_checkpoints(directory: &Path) -> io::Result<()> {
-    for entry in fs::read_dir(directory)? {
+    for entry in own_files::entries(directory)? {
         let path = entry?.path();
         let is_part = path.extension().is_some_and(|ending| ending == PART);
         if is_part && is_checkpoint(Path::new(path.file_stem().unwrap_or_default())) {
@@ -240,7 +253,9 @@ pub fn is_drawn(path: &Path) -> bool {
         return is_picture && !path.is_dir();
     };
     let mut entries = entries;
-    entries.all(|entry| entry.is_ok_and(|entry| is_picture(Path::new(&entry.file_name()))))
+    // A process that was killed may leave the marker in a whole directory.
+    entries
+        .all(|entry| entry.is_ok_and(|entry| is_picture(Path::new(&entry.file_name())) || entry.file_name() == MARKER))
 }
 
 /// Directories of results whose files have names of one pattern.
@@ -253,9 +268,32 @@ const DIRECTORIES: [(&str, fn(&Path) -> bool); 6] = [
     ("parquet", |name| is_exported_table(name, "parquet")),
 ];
 
+/// Directories that are filled as `NAME.part` before they get their names.
+const FILLED_AS_PART: [&str; 4] = [VTK, PICTURES, "csv", "parquet"];
+
+/// The start of names of directories in which `siloflow plot` prepares its figures, before they become [`PLOTS`].
+const PLOTS_STAGE: &str = ".plots.siloflow-";
+
+/// Returns which files siloflow makes in its directory `directory` at the top of a run directory, complete or not; `None` if it makes no
+/// such directory. `frames` is another matter.
+pub(super) fn content_of(directory: &str) -> Option<fn(&Path) -> bool> {
+    let of_part = directory.strip_suffix(PART).and_then(|name| name.strip_suffix('.'));
+    let complete = match of_part.filter(|name| FILLED_AS_PART.contains(name)) {
+        Some(complete) => complete,
+        None if directory.starts_with(PLOTS_STAGE) => PLOTS,
+        None => directory,
+    };
+    DIRECTORIES.iter().find_map(|(own, is_file)| (*own == complete).then_some(*is_file))
+}
+
 /// Whether siloflow makes a directory of this name, and no file, at the top of a run directory.
 pub(super) fn is_directory(name: &Path) -> bool {
-    name == Path::new(FRAMES) || DIRECTORIES.iter().any(|(own, _)| name == Path::new(own))
+    name == Path::new(FRAMES) || name.to_str().is_some_and(|name| content_of(name).is_some())
+}
+
+/// Returns a name without the ending of temporary or damaged files.
+pub(super) fn completed(name: &Path) -> &Path {
+    if name.extension().is_some_and(is_added) { Path::new(name.file_stem().unwrap_or_default()) } else { name }
 }
 
 /// Whether `siloflow export` writes a table of this name, with this ending.
@@ -274,28 +312,27 @@ fn is_added(ending: &OsStr) -> bool {
 
 /// Whether siloflow writes a file or directory of this path in a run directory.
 pub(super) fn is_own(path: &Path) -> bool {
-    let complete = path.with_extension("");
-    let complete = if path.extension().is_some_and(is_added) { &*complete } else { path };
-    match complete.strip_prefix(FRAMES) {
-        Ok(picture) if picture == Path::new("") => complete == path,
-        Ok(picture) => {
-            let number = picture.file_stem().unwrap_or_default().as_encoded_bytes();
-            let is_picture = picture.extension().is_some_and(|ending| ending == "svg" || ending == "png");
-            is_picture
-                && picture.components().count() == 1
-                && number.len() >= 5
-                && number.iter().all(u8::is_ascii_digit)
+    let mut parts = path.components().map(|part| Path::new(part.as_os_str()));
+    match (parts.next(), parts.next(), parts.next()) {
+        (Some(top), None, _) => {
+            let is_file = |name: &str| OWN_FILES.contains(&name) || is_input(name);
+            is_directory(top) || completed(top).to_str().is_some_and(is_file)
         }
-        Err(_) => {
-            let inside =
-                DIRECTORIES.iter().find_map(|(name, is_file)| Some((complete.strip_prefix(name).ok()?, is_file)));
-            match inside {
-                Some((inside, _)) if inside == Path::new("") => complete == path,
-                Some((inside, is_file)) => inside.components().count() == 1 && is_file(inside),
-                None => complete.to_str().is_some_and(|name| OWN_FILES.contains(&name) || is_input(name)),
-            }
+        (Some(top), Some(inside), None) if top == Path::new(FRAMES) => is_frame(completed(inside)),
+        (Some(top), Some(inside), None) => {
+            let is_file = top.to_str().and_then(content_of);
+            // A process that was killed may leave the marker in a directory that it filled.
+            is_file.is_some_and(|is_file| is_file(completed(inside)) || inside == Path::new(MARKER))
         }
+        _ => false,
     }
+}
+
+/// Whether a file of this name in `frames` is a picture of a run.
+fn is_frame(name: &Path) -> bool {
+    let number = name.file_stem().unwrap_or_default().as_encoded_bytes();
+    let is_picture = name.extension().is_some_and(|ending| ending == "svg" || ending == "png");
+    is_picture && number.len() >= 5 && number.iter().all(u8::is_ascii_digit)
 }
 
 /// Whether a behaviour may not have a file of this name at the top of a run directory.

@@ -15,9 +15,9 @@ use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use crate::output::run_directory::exchange::{exchange, recover};
-#[cfg(unix)]
-use crate::output::run_directory::marker::file_number;
 use crate::output::run_directory::marker::{Claim, MARKER, Marker, declared_in};
+#[cfg(unix)]
+use crate::own_files::file_number;
 use crate::writers::disk::{self, remove_if_there};
 use crate::writers::whole_file::PART;
 

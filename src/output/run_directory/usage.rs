@@ -6,7 +6,7 @@ use std::path::Path;
 
 use super::marker::{MARKER, holder};
 use super::names::{FRAMES, HASHES, SCENE, SERIES, SUMMARY};
-use crate::writers::disk;
+use crate::own_files;
 
 /// The use of a run directory.
 #[derive(Debug)]
@@ -23,7 +23,7 @@ pub enum Use {
 /// # Errors
 /// If the marker cannot be read.
 pub fn watch(run: &Path) -> io::Result<Use> {
-    let marker = match disk::open_regular(&run.join(MARKER)) {
+    let marker = match own_files::read(&run.join(MARKER)) {
         Err(error) if error.kind() == ErrorKind::NotFound => return Ok(Use::Free(None)),
         opened => opened?,
     };

@@ -41,6 +41,8 @@ use std::io;
 use std::path::Path;
 
 use crate::output::run_directory::frame_data_of;
+use crate::own_files;
+use crate::scene::extent::OF_UNKNOWN_SCENE;
 
 /// Most characters of the data of a run, unless the caller gives another number.
 pub const BUDGET: usize = 12_000_000;
@@ -94,9 +96,20 @@ impl Packed {
     /// # Errors
     /// As [`Packed::of`].
     pub fn within(run: &Path, characters: usize) -> io::Result<Option<Self>> {
+        Self::of_frames_within(run, characters, OF_UNKNOWN_SCENE)
+    }
+
+    /// As [`Packed::within`], for a run whose frames take at most `most` bytes each.
+    ///
+    /// # Errors
+    /// As [`Packed::of`].
+    pub fn of_frames_within(run: &Path, characters: usize, most: u64) -> io::Result<Option<Self>> {
         let path = frame_data_of(run);
-        let text =
-            if path.is_file() { packing::pack(&path, characters).map(Some) } else { pictures::pack(run, characters) };
+        let text = if own_files::is_file(&path) {
+            packing::pack((&path, most), characters).map(Some)
+        } else {
+            pictures::pack(run, characters)
+        };
         Ok(text?.map(|text| Self { text }))
     }
 

@@ -45,19 +45,19 @@ struct FrameColumns {
     lengths: Vec<u32>,
 }
 
-/// Packs the frames of the file at `path` into at most `most` characters, if two frames fit into them.
+/// Packs the frames of the file at `path`, each of at most `of_frame` bytes, into at most `most` characters, if two frames fit into them.
 ///
 /// # Errors
 /// If the file cannot be read, or is damaged.
-pub(super) fn pack(path: &Path, most: usize) -> io::Result<String> {
-    let reader = FrameReader::open(path)?;
+pub(super) fn pack((path, of_frame): (&Path, u64), most: usize) -> io::Result<String> {
+    let reader = FrameReader::open_within(path, of_frame)?;
     let header = reader.header.clone();
     let facts = Facts::of(&header, reader)?;
     let mut plan = Plan::new(&header, facts);
     // Base64 has four characters for three bytes.
     let most = most / 4 * 3;
     loop {
-        let (bytes, columns, is_whole) = pack_frames(path, &header, &plan, most)?;
+        let (bytes, columns, is_whole) = pack_frames((path, of_frame), &header, &plan, most)?;
         if is_whole || !plan.thinning.thin(bytes.len(), columns.times.len(), most) {
             let first = first_part(&header, &plan, &columns)?;
             return Ok(join(&first, &bytes));
@@ -66,12 +66,17 @@ pub(super) fn pack(path: &Path, most: usize) -> io::Result<String> {
 }
 
 /// Returns the compressed frames, facts about them, and whether these are all: packing ends at `most` bytes unless there are only two.
-fn pack_frames(path: &Path, header: &Header, plan: &Plan, most: usize) -> io::Result<(Vec<u8>, FrameColumns, bool)> {
+fn pack_frames(
+    (path, of_frame): (&Path, u64),
+    header: &Header,
+    plan: &Plan,
+    most: usize,
+) -> io::Result<(Vec<u8>, FrameColumns, bool)> {
     let (mut packer, _) = FramePacker::new(header, plan);
     let mut encoder = ZlibEncoder::new(Vec::new(), compression());
     let mut columns = FrameColumns::default();
     // A run that goes on has more frames now.
-    for (number, frame) in FrameReader::open(path)?.enumerate().take(plan.facts.frames) {
+    for (number, frame) in FrameReader::open_within(path, of_frame)?.enumerate().take(plan.facts.frames) {
         let frame = frame?;
         if !plan.thinning.takes(number) {
             continue;

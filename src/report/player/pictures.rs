@@ -7,7 +7,6 @@
 //!
 //! The step is read from the header of a picture. Only `frames/NNNNN.svg` are read.
 
-use std::fs;
 use std::io::{self, Write as _};
 use std::path::{Path, PathBuf};
 
@@ -18,6 +17,8 @@ use super::bytes::length;
 use super::grains::damaged;
 use super::packing::{compression, join};
 use super::thinning::Thinning;
+use crate::own_files;
+use crate::source::files;
 
 /// Largest picture that is read, bytes.
 const LARGEST: u64 = 32 << 20;
@@ -38,7 +39,7 @@ struct Description {
 pub(super) fn pack(run: &Path, most: usize) -> io::Result<Option<String>> {
     let Some((files, content)) = files(&run.join("frames"))? else { return Ok(None) };
     // The header of a picture of grains has a time.
-    if step_of(&fs::read_to_string(&files[0])?).is_none() {
+    if step_of(&files::read_own_text(&files[0], LARGEST)?).is_none() {
         return Ok(None);
     }
     let mut thinning = Thinning::new(files.len(), content);
@@ -67,11 +68,11 @@ pub(super) fn pack(run: &Path, most: usize) -> io::Result<Option<String>> {
 
 /// Returns the pictures of a directory in order, and the number of their bytes; `None` without any.
 fn files(directory: &Path) -> io::Result<Option<(Vec<PathBuf>, u64)>> {
-    if !directory.is_dir() {
+    if !own_files::is_directory(directory) {
         return Ok(None);
     }
     let (mut files, mut content) = (Vec::new(), 0_u64);
-    for entry in fs::read_dir(directory)? {
+    for entry in own_files::entries(directory)? {
         let entry = entry?;
         let path = entry.path();
         let found = entry.metadata()?;
@@ -91,7 +92,7 @@ fn pack_files(files: &[PathBuf], thinning: Thinning) -> io::Result<(Vec<u8>, Vec
     let mut encoder = ZlibEncoder::new(Vec::new(), compression());
     let (mut steps, mut lengths) = (Vec::new(), Vec::new());
     for (_, path) in files.iter().enumerate().filter(|(number, _)| thinning.takes(*number)) {
-        let text = fs::read_to_string(path)?;
+        let text = files::read_own_text(path, LARGEST)?;
         let step = step_of(&text);
         steps.push(step.ok_or_else(|| damaged(&format!("the picture {} has no step in its header", path.display())))?);
         lengths.push(length(text.len()));

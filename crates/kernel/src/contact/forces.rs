@@ -16,7 +16,7 @@ use crate::gravity::Gravity;
 use crate::instructions::Instructions;
 use crate::integrate::rotation::SpinPlugin;
 use crate::neighbours::Search;
-use crate::persist::PersistApp as _;
+use crate::persist::{PersistApp as _, Problem};
 use crate::space::{Plane, Space};
 use crate::spin::InertiaLaw;
 use crate::step::{Clock, ForceStage, Part, Phase, Step, is_step_zero};
@@ -135,6 +135,17 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> Plugin for ContactPlugin<V, L> {
     }
 }
 
+/// Refuses restored memories that do not fit the restored particles, the walls or the law.
+fn check_history<V: Space>(world: &mut World) -> Result<(), Problem> {
+    let (Some(history), Some(store)) = (world.get_resource::<History<V>>(), world.get_resource::<ParticleStore<V>>())
+    else {
+        return Ok(());
+    };
+    let walls = world.get_resource::<Surfaces<V>>().map_or(0, |walls| walls.all.len());
+    let parts = world.get_resource::<Law<V>>().and_then(|law| law.0.needs().memory);
+    history.check(store.len(), walls, parts)
+}
+
 impl<V: Space> Law<V> {
     /// Adds the law and the systems of contacts.
     fn add_to(self, app: &mut App) {
@@ -150,8 +161,9 @@ impl<V: Space> Law<V> {
             .init_resource::<LargestOverlap>()
             .init_resource::<NearWalls>()
             .init_resource::<Instructions>()
-            .persist::<History<V>>()
-            .persist::<LargestOverlap>()
+            .persist_sound::<History<V>>()
+            .persist_sound::<LargestOverlap>()
+            .check_restored(check_history::<V>)
             .derived::<ScratchPerThread<V>>()
             .derived::<NearWalls>()
             .add_systems(Step, contact_forces::<V>.in_set(ForceStage::Contacts).in_set(ContactForces));

@@ -22,6 +22,7 @@ pub use self::block::HistoryBlock;
 pub use self::cursor::HistoryCursor;
 use crate::contact::{Memory, MemoryParts};
 use crate::neighbours::list::{BLOCK, Candidate};
+use crate::persist::Problem;
 use crate::space::{Plane, Space};
 use crate::store::ParticleStore;
 
@@ -91,6 +92,23 @@ impl<V: Space> History<V> {
     #[must_use]
     pub fn of_wall(&self, i: usize, wall: usize) -> Option<Memory<V>> {
         self.wall_blocks.get(i / BLOCK)?.look_up(Candidate::new(u32::try_from(i).ok()?, u32::try_from(wall).ok()?))
+    }
+
+    /// Refuses memories that do not fit `rows` particles, `walls` wall surfaces, and a law that keeps `parts`.
+    pub(super) fn check(&self, rows: usize, walls: usize, parts: Option<MemoryParts>) -> Result<(), Problem> {
+        let fit = |blocks: &[HistoryBlock<V>], partners: usize, is_ordered: bool| {
+            let block = |(number, block): (usize, &HistoryBlock<V>)| {
+                let own = number * BLOCK..rows.min((number + 1) * BLOCK);
+                block.fits(own, partners, is_ordered, parts)
+            };
+            // Blocks beyond the rows are empty: they are removed by the next pass.
+            blocks.iter().enumerate().all(block)
+        };
+        if fit(&self.pair_blocks, rows, true) && fit(&self.wall_blocks, walls, false) {
+            Ok(())
+        } else {
+            Err("the memories of contacts belong to other particles, walls or laws".to_owned())
+        }
     }
 
     /// Returns a reader of contacts between particles, for look-ups in ascending order.

@@ -140,9 +140,9 @@ pub struct SpinPlugin<V: Space> {
 impl<V: Space> Plugin for SpinPlugin<V> {
     fn build(&self, app: &mut App) {
         app.world_mut().resource_mut::<ParticleStore<V>>().inertia = Some(self.inertia);
-        app.persist_component::<Spin<V::Spin>>()
-            .persist_component::<Torque<V::Spin>>()
-            .persist_component::<Inertia>()
+        app.persist_sound_component::<Spin<V::Spin>>()
+            .persist_sound_component::<Torque<V::Spin>>()
+            .persist_sound_component::<Inertia>()
             .derived::<OwnObserver>();
         app.world_mut().spawn((Observer::new(add_rotation_components::<V>), OwnObserver));
         app.add_systems(Step, first_kick::<V>.in_set(Part::Engine(Phase::Drift)).in_set(SpinsDrifted).after(Drifted));

@@ -191,7 +191,7 @@ impl<V: Space> Plugin for NeighboursPlugin<V> {
         app.insert_resource(Search::new(self.kind, self.periodic, self.largest_radius))
             .init_resource::<Rebuilds>()
             .derived::<Search<V>>()
-            .persist::<Rebuilds>()
+            .persist_sound::<Rebuilds>()
             .add_systems(Step, update_search::<V>.in_set(Part::Engine(Phase::Neighbours)).after(VelocitiesPredicted));
     }
 }

@@ -109,16 +109,18 @@ fn in_runs(numbers: &[u32]) -> (Vec<usize>, Vec<[u32; 2]>) {
     (order, runs)
 }
 
-/// Restores the column of a component, as [`save_column`] returns it.
+/// Restores the column of a component, as [`save_column`] returns it. `check` refuses values.
 pub(super) fn restore_column<C: Component + Persistent>(
     world: &mut World,
     bytes: &[u8],
     entities: &SavedEntities,
+    check: impl Fn(&C) -> Result<(), Problem>,
 ) -> Result<(), Problem> {
     let (entities, mut rest) = entities.in_runs(bytes)?;
     let mut values = Vec::with_capacity(entities.len());
     for _ in &entities {
         let (value, more) = postcard::take_from_bytes::<C>(rest).map_err(|error| error.to_string())?;
+        check(&value)?;
         rest = more;
         values.push(value);
     }

@@ -74,6 +74,11 @@ impl<T: Linear> Accumulator<T> {
         self.numbers.len() / self.per_entry
     }
 
+    /// Whether there is an entry for each of `particles`, of a length that force passes know.
+    pub(super) fn fits(&self, particles: usize) -> bool {
+        [TOTAL, TOTAL_AND_DISSIPATIVE].contains(&self.per_entry) && self.numbers.len() == particles * self.per_entry
+    }
+
     /// Whether there are no entries: the scene does not need these sums.
     #[must_use]
     pub fn is_empty(&self) -> bool {

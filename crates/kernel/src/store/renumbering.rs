@@ -101,7 +101,7 @@ pub struct FirstRenumbering;
 
 /// Adds the renumbering to the step.
 pub(super) fn add<V: Space>(app: &mut App) {
-    app.init_resource::<Renumberings>().persist::<Renumberings>().add_schedule(serial(Renumber));
+    app.init_resource::<Renumberings>().persist_sound::<Renumberings>().add_schedule(serial(Renumber));
     app.edit_schedule(Renumber, |schedule| {
         schedule.configure_sets((KicksApplied, BeforeRenumbering, AfterRenumbering).chain());
     });

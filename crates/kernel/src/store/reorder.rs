@@ -128,9 +128,7 @@ impl<V: Space> ParticleStore<V> {
             }
         }
         self.vacated.clear();
-        let radii = || self.body.iter().map(|body| body.radius);
-        let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
-        self.smallest_share = smallest / (smallest + largest);
+        self.smallest_share = smallest_share(&self.body);
         self.generation += 1;
     }
 
@@ -248,6 +246,13 @@ impl<V: Space> ParticleStore<V> {
             self.loads.torque.set(i, entering.torque.copied().unwrap_or_default().0);
         }
     }
+}
+
+/// Returns r_min/(r_min + r_max) over all bodies.
+pub(super) fn smallest_share<V: Space>(bodies: &[Body<V>]) -> f64 {
+    let radii = || bodies.iter().map(|body| body.radius);
+    let (smallest, largest) = (radii().fold(f64::INFINITY, f64::min), radii().fold(0.0, f64::max));
+    smallest / (smallest + largest)
 }
 
 /// Resizes a column to `size`. The first entries take the values of their former slots; the others are blank.

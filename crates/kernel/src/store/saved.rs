@@ -2,17 +2,20 @@
 //!
 //! Slots are saved as they are, because they fix the order of sums and depend on the positions at the last renumbering. Two
 //! kinds of numbers are not saved: those that the scene decides (inertia and periodic sides), and those that
-//! exist within a step alone (velocities in its middle).
+//! exist within a step alone (velocities in its middle). The smallest share of a radius is computed anew.
+//!
+//! What is restored is checked ([`consistent`]): rows and components that do not fit would end in a panic of a later step.
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::particle::{GrainId, Slot, Species};
-use crate::persist::{EntityNumbers, PersistWith as _, Problem, SavedEntities, encode};
+use crate::persist::{EntityNumbers, PersistApp as _, PersistWith as _, Problem, SavedEntities, encode, numbers};
 use crate::space::Space;
 use crate::store::population::Population;
-use crate::store::{Body, Loads, MirrorSet, ParticleStore, Rotation, SpatialOrder};
+use crate::store::reorder::smallest_share;
+use crate::store::{Body, Loads, MirrorSet, ParticleStore, Rotation, SpatialOrder, consistent};
 
 /// A body without its velocity in the middle of the step.
 #[derive(Clone, Copy, Deserialize, Serialize)]
@@ -50,7 +53,6 @@ struct SavedStore<V: Space> {
     added_power: Option<f64>,
     lifted: f64,
     is_suspect: bool,
-    smallest_share: f64,
     movable_end: usize,
     generation: u64,
     travel: f64,
@@ -66,8 +68,12 @@ type SavedPopulation = (Vec<u32>, bool);
 pub(super) fn register<V: Space>(app: &mut App) {
     app.persist_with::<ParticleStore<V>, SavedStore<V>>(
         |world, numbers| encode(&world.resource::<ParticleStore<V>>().to_saved(numbers)).map(Some),
-        |world, saved, entities| world.resource_mut::<ParticleStore<V>>().restore(saved, entities),
+        |world, saved: SavedStore<V>, entities| {
+            numbers::check(&saved)?;
+            world.resource_mut::<ParticleStore<V>>().restore(saved, entities)
+        },
     );
+    app.check_restored(consistent::check::<V>);
     app.persist_with::<Population, SavedPopulation>(
         |world, numbers| encode(&world.resource::<Population>().to_saved(numbers)).map(Some),
         |world, saved, entities| {
@@ -102,7 +108,6 @@ impl<V: Space> ParticleStore<V> {
             added_power: self.added_power,
             lifted: self.lifted,
             is_suspect: self.is_suspect,
-            smallest_share: self.smallest_share,
             movable_end: self.movable_end,
             generation: self.generation,
             travel: self.travel,
@@ -118,9 +123,14 @@ impl<V: Space> ParticleStore<V> {
         let has_all = [saved.entity.len(), saved.body.len(), saved.mass.len(), saved.species.len()] == [rows; 4]
             && saved.rotation.len() == spins
             && saved.movable_end <= rows;
-        if !has_all {
+        let loads = &saved.loads;
+        // The other lists get their lengths with the next force pass.
+        let has_loads = loads.force.fits(rows) && (loads.torque.fits(spins) || loads.torque.is_empty());
+        let has_lone = saved.prediction.lone.is_empty() || saved.prediction.lone.len() == rows;
+        if !has_all || !has_loads || !has_lone {
             return Err("its columns differ in length".to_owned());
         }
+        saved.order.check()?;
         let entity = |number: Option<u32>| match number {
             Some(number) => entities.get(number).ok_or("an entity does not exist"),
             None => Ok(Entity::PLACEHOLDER),
@@ -149,7 +159,8 @@ impl<V: Space> ParticleStore<V> {
         }
         (self.half_step, self.lifted, self.is_suspect) = (saved.half_step, saved.lifted, saved.is_suspect);
         (self.added, self.added_power) = (saved.added, saved.added_power);
-        (self.smallest_share, self.movable_end) = (saved.smallest_share, saved.movable_end);
+        self.movable_end = saved.movable_end;
+        self.smallest_share = smallest_share(&self.body);
         (self.generation, self.travel, self.order) = (saved.generation, saved.travel, saved.order);
         (self.kick_sum, self.spin_kick_sum) = (saved.kick_sum, saved.spin_kick_sum);
         self.stale = MirrorSet::ALL;

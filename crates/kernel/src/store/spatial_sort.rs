@@ -12,6 +12,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use crate::persist::Problem;
 use crate::space::Space;
 
 /// Grains of a slice that fit easily into the cache, about one per cell. A step needs about 200 B per grain, so two
@@ -59,6 +60,13 @@ impl SpatialOrder {
         #[expect(clippy::cast_possible_truncation, reason = "at least MIN_BEAM_WIDTH, at most GRAINS_PER_SLICE")]
         let beam = (wide > 2.0 * width).then_some(width as i32);
         Self { cell, axes, beam }
+    }
+
+    /// Refuses a restored order in which grains have no place.
+    pub(super) fn check(&self) -> Result<(), Problem> {
+        let has_axes = (0..3).all(|axis| self.axes.contains(&axis));
+        let has_beam = self.beam.is_none_or(|width| width > 0);
+        if has_axes && has_beam && self.cell > 0.0 { Ok(()) } else { Err("its spatial order is none".to_owned()) }
     }
 
     /// With beams: the distance, in slots, between a grain and its contact partners in the next slice, which is two

@@ -17,6 +17,7 @@ use bevy_ecs::world::DeferredWorld;
 use serde::{Deserialize, Serialize};
 
 use crate::particle::Species;
+use crate::persist::Problem;
 use crate::space::{Linear, Plane, Space};
 use crate::step::{Part, Phase, Step};
 use crate::store::AfterDeferredKick;
@@ -335,7 +336,9 @@ impl<V: Space> Surfaces<V> {
     /// If it has another number of surfaces.
     pub fn restore(&mut self, saved: SavedWalls<V>) -> Result<(), &'static str> {
         let sizes = (saved.are_present.len(), saved.loads.len(), saved.leaves.len());
-        if sizes != (self.all.len(), self.loads.len(), self.movers.len()) {
+        let have_leaves =
+            saved.leaves.iter().zip(&self.movers).all(|(leaf, mover)| leaf.is_some() == mover.leaf().is_some());
+        if sizes != (self.all.len(), self.loads.len(), self.movers.len()) || !have_leaves {
             return Err("the checkpoint has another number of walls");
         }
         self.all.iter_mut().zip(saved.are_present).for_each(|(wall, is_present)| wall.is_present = is_present);
@@ -357,6 +360,21 @@ pub struct WallIndex(pub usize);
 /// Walls whose entities have been despawned since the last step.
 #[derive(Resource, Clone, Debug, Default, Deserialize, Serialize)]
 pub struct LeavingWalls(pub Vec<usize>);
+
+/// Refuses restored indices of walls that the scene does not have.
+///
+/// # Errors
+/// It names the index.
+pub fn check_restored<V: Space>(world: &mut World) -> Result<(), Problem> {
+    let mut marked = world.query::<&WallIndex>();
+    let count = world.get_resource::<Surfaces<V>>().map_or(0, |walls| walls.all.len());
+    let leaving = world.get_resource::<LeavingWalls>().into_iter().flat_map(|leaving| &leaving.0).copied();
+    let mut indices = marked.iter(world).map(|wall| wall.0).chain(leaving);
+    match indices.find(|index| *index >= count) {
+        Some(index) => Err(format!("it names wall surface {index}, and the scene has {count}")),
+        None => Ok(()),
+    }
+}
 
 /// Records a wall whose entity is despawned.
 fn record_leaving_wall(mut world: DeferredWorld, context: HookContext) {

@@ -68,6 +68,24 @@ impl<V: Space> HistoryBlock<V> {
         }
     }
 
+    /// Whether the contacts are those of the rows `own`, each once and ascending, with partners below `partners`, in pairs after the
+    /// row itself; and whether they have the `parts` of a law, which may keep none.
+    pub(super) fn fits(&self, own: Range<usize>, partners: usize, are_pairs: bool, parts: Option<MemoryParts>) -> bool {
+        let fits = |contact: &Candidate| {
+            let [row, partner] = contact.both();
+            own.contains(&row) && partner < partners && !(are_pairs && partner <= row)
+        };
+        let length = |is_kept: bool| if is_kept { self.contacts.len() } else { 0 };
+        let has_parts = match parts {
+            Some(MemoryParts { spring, rolling, twist, stiffness }) => {
+                [self.spring.len(), self.rolling.len(), self.twist.len(), self.stiffness.len()]
+                    == [spring, rolling, twist, stiffness].map(length)
+            }
+            None => self.contacts.is_empty(),
+        };
+        has_parts && self.contacts.iter().all(fits) && self.contacts.is_sorted_by(|one, next| one < next)
+    }
+
     /// Removes all contacts.
     pub fn clear(&mut self) {
         self.truncate(0);
