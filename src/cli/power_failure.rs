@@ -41,12 +41,12 @@ const GRAINS: &str = r#"(
     until: 0.006,
     checkpoint: (every: 0.0, keep: 2),
     series: (interval: 0.002),
-    pictures: (interval: 0.003, width: 40),
+    pictures: (interval: 0.003, width: 50),
     data_frames: (interval: 0.003, format: [Vtk, ExtXyz, LammpsDump]),
     profiles: [(axis: Y, low: 0.0, high: 1.0, bins: 2, sample: 0.001, average: 0.002, section: 2.0)],
     wall_bands: [(walls: "floor", low: -0.1, high: 0.1, bins: 1, sample: 0.001, average: 0.002)],
     fields: [(grid: XY(low: (-1.0, 0.0), high: (1.0, 1.0), cells: (1, 2)), sample: 0.001, average: 0.002)],
-    flow: (cell: 0.5, sample: 0.001),
+    flow: (cell: 0.5, sample: 0.001, from: 0.0),
     behaviours: {"diary": ()},
 )"#;
 
@@ -54,11 +54,12 @@ const LATTICE: &str = r#"(
     method: LatticeGas(spacing: 0.1, p: 0.2, q: 0.2, b: 0.05, k: 0.05, g: 0.2, h: 0.05),
     outline: [(-0.5, 0.0), (0.5, 0.0), (0.5, 1.0), (-0.5, 1.0)],
     door: (from: (-0.1, 0.0), to: (0.1, 0.0), opens: AtRest),
+    rest: (hold: 2),
     fill: (per_site: 6.0),
     until: 6,
     checkpoint: (every: 0.0, keep: 2),
     series: (interval: 2),
-    pictures: (interval: 3, width: 40.0),
+    pictures: (interval: 3, width: 50.0),
     flow: (cell: 0.5, sample: 1),
 )"#;
 
