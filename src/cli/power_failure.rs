@@ -41,26 +41,27 @@ const GRAINS: &str = r#"(
     until: 0.006,
     checkpoint: (every: 0.0, keep: 2),
     series: (interval: 0.002),
-    pictures: (interval: 0.003, width: 40),
+    pictures: (interval: 0.003, width: 50),
     data_frames: (interval: 0.003, format: [Vtk, ExtXyz, LammpsDump]),
     profiles: [(axis: Y, low: 0.0, high: 1.0, bins: 2, sample: 0.001, average: 0.002, section: 2.0)],
     wall_bands: [(walls: "floor", low: -0.1, high: 0.1, bins: 1, sample: 0.001, average: 0.002)],
     fields: [(grid: XY(low: (-1.0, 0.0), high: (1.0, 1.0), cells: (1, 2)), sample: 0.001, average: 0.002)],
-    flow: (cell: 0.5, sample: 0.001),
+    flow: (cell: 0.5, sample: 0.001, from: 0.0),
     behaviours: {"diary": ()},
 )"#;
 
-const LATTICE: &str = r#"(
+const LATTICE: &str = "(
     method: LatticeGas(spacing: 0.1, p: 0.2, q: 0.2, b: 0.05, k: 0.05, g: 0.2, h: 0.05),
     outline: [(-0.5, 0.0), (0.5, 0.0), (0.5, 1.0), (-0.5, 1.0)],
     door: (from: (-0.1, 0.0), to: (0.1, 0.0), opens: AtRest),
+    rest: (hold: 2),
     fill: (per_site: 6.0),
     until: 6,
     checkpoint: (every: 0.0, keep: 2),
     series: (interval: 2),
-    pictures: (interval: 3, width: 40.0),
+    pictures: (interval: 3, width: 50.0),
     flow: (cell: 0.5, sample: 1),
-)"#;
+)";
 
 /// Writes two files: rows, and the number of the latest step. A run that is not resumed may be interrupted after a step.
 #[derive(Deserialize)]
@@ -107,7 +108,8 @@ impl Behaviour for Diary {
         app.insert_resource(DiaryRows { rows: None, saved: None, interrupt: self.interrupt })
             .add_systems(Step, write_diary.in_set(Phase::Observe));
         app.persist_part::<DiaryRows, Option<u64>>(
-            |diary| diary.rows.as_ref().map(Rows::saved).transpose(),
+            // The rows are opened with the first step after a restore.
+            |diary| Ok(diary.rows.as_ref().map(Rows::saved).transpose()?.or(diary.saved)),
             |diary, saved| {
                 diary.saved = saved;
                 Ok(())
@@ -181,7 +183,9 @@ fn results(run: &Tree) -> Tree {
     if let Some(Some(summary)) = results.get_mut(Path::new("summary.json")) {
         let mut json: Value = serde_json::from_slice(summary).unwrap();
         let keys = json.as_object_mut().unwrap();
-        ["performance", "checkpoints", "provenance", "files"].iter().for_each(|key| drop(keys.remove(*key)));
+        for key in ["performance", "checkpoints", "provenance", "files"] {
+            keys.remove(key);
+        }
         *summary = json.to_string().into_bytes();
     }
     results

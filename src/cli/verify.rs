@@ -46,7 +46,8 @@ pub(super) fn verify(args: &VerifyArgs, quiet: bool) -> Result<Verdict, Fault> {
     for run in &args.runs {
         let found = verification::verify(run)?;
         let verified = Verified { run: run.display().to_string(), is_sound: found.damage.is_empty(), found };
-        if !args.json && !(quiet && verified.is_sound) {
+        let is_silent = args.json || quiet && verified.is_sound;
+        if !is_silent {
             say(&words(&verified));
         }
         all.push(verified);

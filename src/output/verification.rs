@@ -240,8 +240,8 @@ impl Verification {
 
     /// Reads all frames of a run without a record.
     fn frames(&mut self, run: &Path) {
-        let read =
-            FrameReader::open(&frame_data_of(run)).and_then(|frames| frames.map(|frame| frame.map(|_| ())).collect());
+        let read = FrameReader::open(&frame_data_of(run))
+            .and_then(|mut frames| frames.try_for_each(|frame| frame.map(|_| ())));
         match read {
             Err(error) if error.kind() == ErrorKind::NotFound => {}
             Err(error) => self.damaged(FRAME_DATA, error.to_string()),

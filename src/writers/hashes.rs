@@ -4,6 +4,8 @@
 //! directory. The summary has the hash of `hashes.txt`. Its own hash, the seal, is that of its text with zeros in place of the
 //! seal.
 
+use std::fmt::Write as _;
+
 use serde::Serialize;
 
 use crate::writers::fnv::Fnv;
@@ -50,7 +52,8 @@ pub fn hash_of(text: &str) -> String {
 pub fn text(manifest: &Manifest) -> String {
     let mut text = "# FNV-1a hash, bytes, file\n".to_owned();
     for FileRecord { name, extent: Extent { length, hash }, .. } in &manifest.files {
-        text += &format!("{hash:016x} {length} {name}\n");
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "{hash:016x} {length} {name}");
     }
     text
 }

@@ -15,20 +15,20 @@ use crate::run_directory::content;
 /// A run of grains with every kind of output, or one of the lattice gas.
 const GRAINS: &[&str] = &[
     "drum.ron",
-    "--until",
-    "0.03",
     "--png",
     "--set",
     "pictures=(interval: 0.01, width: 60)",
     "--set",
     "data_frames=(interval: 0.01, format: [Vtk, ExtXyz, LammpsDump])",
 ];
-const LATTICE: &[&str] = &["funnel-flow.ron", "--until", "20", "--set", "pictures=(interval: 10, width: 60.0)"];
+const LATTICE: &[&str] = &["funnel-flow.ron", "--set", "pictures=(interval: 10, width: 60.0)"];
 
 /// Runs a scene into `run`, with more arguments.
 fn run(here: &Path, scene: &[&str], more: &[&str]) {
     let path = crate::scene(scene[0]).display().to_string();
-    let done = siloflow(here, &[&["run", &path, "--quiet", "--out", "run"], &scene[1..], more].concat());
+    let until = if scene == LATTICE { "20" } else { "0.03" };
+    let done =
+        siloflow(here, &[&["run", &path, "--quiet", "--out", "run", "--until", until], &scene[1..], more].concat());
     assert!(done.status.success(), "{}", text(&done.stderr));
 }
 

@@ -27,7 +27,7 @@ pub struct LiveFormats {
 #[derive(Debug)]
 enum Live {
     Text { format: Format, file: Growing },
-    Vtk(vtk::Directory),
+    Vtk(Box<vtk::Directory>),
 }
 
 /// State of each format in a checkpoint.
@@ -47,7 +47,7 @@ impl LiveFormats {
                 if !(frames.is_continued && own_files::is_directory(&path)) {
                     disk::create_directory(&path)?;
                 }
-                return vtk::Directory::open(&path, &frames.files).map(Live::Vtk);
+                return vtk::Directory::open(&path, &frames.files).map(|directory| Live::Vtk(Box::new(directory)));
             }
             let file = Growing::at(&path, frames.files.file(name), b"", frames.is_continued)?;
             Ok(Live::Text { format, file })

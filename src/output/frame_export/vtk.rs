@@ -67,12 +67,11 @@ impl Directory {
             let (path, bytes) = (self.path.join(&file), content.bytes());
             whole_file::write(&path, &bytes)?;
             in_record(&self.files, &path).is_written(Extent::default().with(&bytes));
-            let list = match list {
-                Some(list) => list,
-                None => {
-                    let path = list_of(&self.path, name);
-                    list.insert(List::create(&path, in_record(&self.files, &path))?)
-                }
+            let list = if let Some(list) = list {
+                list
+            } else {
+                let path = list_of(&self.path, name);
+                list.insert(List::create(&path, in_record(&self.files, &path))?)
             };
             list.add(content.time, &file)?;
         }

@@ -331,7 +331,9 @@ fn add(nodes: &[Node], node: usize, path: &Path, all: &mut Tree, of: &mut dyn Fn
             if node != 0 {
                 all.insert(path.to_owned(), None);
             }
-            now.iter().for_each(|(name, &node)| add(nodes, node, &path.join(name), all, of));
+            for (name, &node) in now {
+                add(nodes, node, &path.join(name), all, of);
+            }
         }
     }
 }
