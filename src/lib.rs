@@ -69,8 +69,8 @@ pub mod writers;
 
 #[doc(inline)]
 pub use siloflow_kernel::{
-    contact, displacement_trigger, fault, gravity, instructions, integrate, messages, neighbours, outcome, particle,
-    particles, periodic, persist, space, spin, step, store, survey, text, threads, values, walls,
+    budget, contact, displacement_trigger, fault, gravity, instructions, integrate, messages, neighbours, outcome,
+    particle, particles, periodic, persist, space, spin, step, store, survey, text, threads, values, walls,
 };
 use siloflow_kernel::{engine, table_sort};
 

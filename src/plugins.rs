@@ -122,9 +122,9 @@ pub(crate) fn add_all<V: Engine>(
     }
     if !own_contacts {
         if loaded.is_centred() {
-            let (damping_rates, spring_damping) = Estimates::of(loaded)
-                .map_or(([0.0; 2], 0.0), |estimates| (estimates.damping_rates, estimates.spring_damping));
-            let prediction = VelocityPredictionPlugin { damping_rates, spring_damping, space };
+            let (damping_rates, springs_exact) = Estimates::of(loaded)
+                .map_or(([0.0; 2], true), |e| (e.damping_rates, e.relaxation.is_finite() && e.dt > e.relaxation));
+            let prediction = VelocityPredictionPlugin { damping_rates, springs_exact, space };
             app.add_with("integrator", |app| V::add_velocity_prediction(app, prediction));
         }
         app.add_with("contact", |app| V::add_contacts(app, &loaded.contacts()));

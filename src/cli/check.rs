@@ -1,11 +1,14 @@
 //! `siloflow check`: finds bad input, an unstable step and leaky walls before a run.
 
 use std::fmt::Write as _;
+use std::time::Duration;
 
 use clap::Args;
 
 use crate::behaviour::Registry;
+use crate::budget::{self, Budget};
 use crate::cli::exit_status::Verdict;
+use crate::cli::signals::Signals;
 use crate::cli::{ONE_THREAD, SceneArgs, say};
 use crate::fault::Fault;
 use crate::lattice;
@@ -17,6 +20,7 @@ use crate::scene::check::{self, Estimates};
 use crate::scene::expected::{self, BYTES_PER_GRAIN};
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::Simulation;
+use crate::values::NonNegative;
 use crate::walls::config::Wall;
 use crate::walls::mesh::open_and_crowded_edges;
 use crate::walls::mesh_faults;
@@ -27,16 +31,27 @@ use crate::writers::volume::{self, Output, Volume};
 pub(super) struct CheckArgs {
     #[command(flatten)]
     scene: SceneArgs,
+    /// Time for the checks, s. What they do not reach is named.
+    #[arg(long, value_name = "SECONDS", default_value_t = budget::USUAL.as_secs_f64(), value_parser = seconds)]
+    patience: f64,
+}
+
+fn seconds(text: &str) -> Result<f64, String> {
+    let number: f64 = text.parse().map_err(|_| "expected a number of seconds, for example 60")?;
+    NonNegative::try_from(number).map(NonNegative::get)
 }
 
 pub(super) fn check(args: &CheckArgs, registry: &Registry) -> Result<Verdict, Fault> {
+    // A signal ends the command at once: there is nothing to finish.
+    let _signals = Signals::catch();
     let scene = args.scene.load()?;
+    let budget = Budget::of(Duration::try_from_secs_f64(args.patience).unwrap_or(Duration::MAX));
     let mut text = format!("{}: the input is valid\n", scene.source().name);
     let warnings = match &scene {
         AnyScene::Grains(loaded) => {
             Simulation::new(loaded, registry, ONE_THREAD)?;
             describe(loaded, &mut text);
-            check::warnings(loaded)
+            check::warnings_within(loaded, &budget)
         }
         AnyScene::Lattice(loaded) => {
             Simulation::of_lattice(loaded, registry, ONE_THREAD)?;
@@ -67,7 +82,7 @@ fn describe_meshes(loaded: &Loaded, text: &mut String) {
         let Wall::Mesh { triangles, .. } = wall else { continue };
         let [open, crowded] = open_and_crowded_edges(triangles);
         let count = triangles.len();
-        let reversed = mesh_faults::faults(triangles).reversed;
+        let reversed = mesh_faults::reversed(triangles);
         let _ = writeln!(
             text,
             "mesh of walls[{number}]  {count} triangles; {open} edges of one triangle alone, {crowded} of more than two, {reversed} \

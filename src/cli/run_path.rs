@@ -103,6 +103,7 @@ pub(super) struct Report {
 /// summary.
 pub(super) fn carry_out(method: &mut impl Method, path: &Path, call: &Call) -> Result<Report, Fault> {
     method.check(call.registry)?;
+    call.signals.defer();
     let mut directory = RunDirectory::create(path, method.source(), call.force)?;
     let mut simulation = method.build(call, &directory, None)?;
     let config = checkpoint_config(method, &mut simulation, call)?;
@@ -126,6 +127,7 @@ pub(super) fn carry_on(
     checkpoint: &Checkpoint,
     call: &Call,
 ) -> Result<Report, Fault> {
+    call.signals.defer();
     let mut simulation = method.build(call, directory, Some(&checkpoint.sections))?;
     let config = checkpoint_config(method, &mut simulation, call)?;
     simulation.stop_on(call.signals.flag());

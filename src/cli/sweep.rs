@@ -137,6 +137,7 @@ pub(super) fn complete(
     // Before the directory is made: an error of a scene changes nothing.
     let found = todo(effort, sweep, known.as_ref(), tasks)?;
     check(sweep, &found, registry, quiet)?;
+    signals.defer();
     let directory = SweepDirectory::prepare(path, sweep, force)?;
     let todo = match known {
         Some(_) => found,

@@ -99,7 +99,7 @@ fn read_meshes(loaded: &mut Loaded) -> Result<(), Fault> {
         let path = loaded.source.name_file(&key, file);
         let bytes = files::read_bytes(&path, files::MESH_BYTES)
             .map_err(|error| loaded.source.unreadable(&key, &path, &error))?;
-        let read = mesh::read(&path, bytes, *unit).map_err(|message| {
+        let read = mesh::read(&path, &bytes, *unit).map_err(|message| {
             let message = format!("{}: {message}", path.display());
             loaded.source.fault("scene::mesh", &key, message).help("give a mesh of triangles with an area, each once")
         })?;
@@ -197,8 +197,7 @@ fn read_contacts(source: &mut Source, file: &Path) -> Result<Vec<Remembered>, Fa
     let rows = match source.text_for(key) {
         Some(text) => remembered::read(text.as_bytes()),
         None => remembered::read(
-            files::BoundedFile::open(&path, files::GRAIN_BYTES)
-                .map_err(|error| source.unreadable(key, &path, &error))?,
+            files::open_text(&path, files::GRAIN_BYTES).map_err(|error| source.unreadable(key, &path, &error))?,
         ),
     };
     rows.map_err(|problem| {

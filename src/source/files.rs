@@ -8,6 +8,7 @@ use std::io::{self, Read};
 use std::path::Path;
 
 use crate::own_files;
+use crate::text::encoding::TextReader;
 
 /// Most bytes of a scene. The values of such a text take at most about 300 MB.
 pub const SCENE_BYTES: u64 = 4 << 20;
@@ -79,13 +80,21 @@ pub fn read_bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
     Ok(bytes)
 }
 
+/// Opens the regular file at `path`, of at most `most` bytes, as a text in one of the known [encodings](crate::text::encoding).
+///
+/// # Errors
+/// As [`BoundedFile::open`]. Reading fails if the text is in another encoding.
+pub fn open_text(path: &Path, most: u64) -> io::Result<TextReader<BoundedFile>> {
+    BoundedFile::open(path, most).map(TextReader::new)
+}
+
 /// Reads the regular file at `path` as text of at most `most` bytes.
 ///
 /// # Errors
-/// As [`BoundedFile::open`]; also if it is not UTF-8.
+/// As [`open_text`].
 pub fn read_text(path: &Path, most: u64) -> io::Result<String> {
     let mut text = String::new();
-    BoundedFile::open(path, most)?.read_to_string(&mut text)?;
+    open_text(path, most)?.read_to_string(&mut text)?;
     Ok(text)
 }
 
@@ -102,11 +111,22 @@ pub fn read_own_bytes(path: &Path, most: u64) -> io::Result<Vec<u8>> {
 /// As [`read_text`], for a file in one of siloflow's own directories.
 ///
 /// # Errors
-/// As [`BoundedFile::open_own`]; also if it is not UTF-8.
+/// As [`BoundedFile::open_own`]; also if the text is in another encoding.
 pub fn read_own_text(path: &Path, most: u64) -> io::Result<String> {
     let mut text = String::new();
-    BoundedFile::open_own(path, most)?.read_to_string(&mut text)?;
+    TextReader::new(BoundedFile::open_own(path, most)?).read_to_string(&mut text)?;
     Ok(text)
+}
+
+/// Returns what to do about a file that could not be read: `usual`, unless its encoding is the cause.
+#[must_use]
+pub fn remedy<'a>(error: &io::Error, usual: &'a str) -> &'a str {
+    match error.kind() {
+        io::ErrorKind::InvalidData => {
+            "texts are UTF-8, or UTF-16 with a byte order mark; editors offer the encoding when they save"
+        }
+        _ => usual,
+    }
 }
 
 fn check(file: &fs::Metadata, most: u64) -> io::Result<()> {
@@ -135,6 +155,11 @@ mod tests {
         assert_eq!(read_text(&path, 5).unwrap(), "12345");
         assert!(read_text(&path, 4).unwrap_err().to_string().contains("larger than the limit"));
         assert!(read_text(here.path(), 5).unwrap_err().to_string().contains("directory"));
+        fs::write(&path, b"\xef\xbb\xbfa\xf6").unwrap();
+        let error = read_text(&path, 5).unwrap_err();
+        assert!(error.to_string().contains("line 1, column 2") && remedy(&error, "find it").contains("UTF-8"));
+        assert_eq!(remedy(&read_text(Path::new("nothing"), 5).unwrap_err(), "find it"), "find it");
+        fs::write(&path, "12345").unwrap();
         let mut growing = BoundedFile { file: File::open(&path).unwrap(), most: 4, left: 4 };
         assert_eq!(growing.read_to_string(&mut String::new()).unwrap_err().kind(), io::ErrorKind::FileTooLarge);
     }

@@ -18,6 +18,7 @@ use crate::fault::{Fault, Warning};
 use crate::source::parameters::Resolved;
 use crate::source::parse::Texts;
 use crate::source::places::{Place, Places};
+use crate::text::encoding::MARK;
 
 /// A scene's text, with `--set` applied.
 #[derive(Debug)]
@@ -45,7 +46,7 @@ impl Source {
     pub fn read(path: &Path) -> Result<Self, Fault> {
         let text = files::read_text(path, files::SCENE_BYTES).map_err(|error| {
             Fault::new("scene::unreadable", format!("could not read {}: {error}", path.display()))
-                .help("give the path of a scene, a RON file such as scenes/silo1.ron")
+                .help(files::remedy(&error, "give the path of a scene, a RON file such as scenes/silo1.ron"))
         })?;
         let directory = path.parent().unwrap_or(Path::new(""));
         let name = path.file_stem().map_or_else(|| "scene".to_owned(), |stem| stem.to_string_lossy().into_owned());
@@ -54,7 +55,11 @@ impl Source {
 
     /// Takes a text. Messages show `path`; relative file names in the text start from `directory`.
     #[must_use]
-    pub fn new(path: &str, name: &str, directory: &Path, text: String) -> Self {
+    pub fn new(path: &str, name: &str, directory: &Path, mut text: String) -> Self {
+        // Files are read without a byte order mark; a text may come from elsewhere.
+        if text.starts_with(MARK) {
+            text.remove(0);
+        }
         let places = Places::scan(&text);
         Self {
             name: name.to_owned(),
@@ -177,6 +182,6 @@ impl Source {
     #[must_use]
     pub fn unreadable(&self, key: &str, path: &Path, error: &io::Error) -> Fault {
         self.fault("scene::unreadable_file", key, format!("could not read {}: {error}", path.display()))
-            .help("the path counts from the directory of the scene file")
+            .help(files::remedy(error, "the path counts from the directory of the scene file"))
     }
 }

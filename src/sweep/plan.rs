@@ -184,12 +184,12 @@ impl Axis {
 pub(super) fn read_source(path: &Path) -> Result<Source, Fault> {
     let text = files::read_text(path, files::SCENE_BYTES).map_err(|error| {
         Fault::new("sweep::unreadable", format!("could not read {}: {error}", path.display()))
-            .help("give the path of a sweep file, a RON file such as scenes/sweeps/beverloo.ron")
+            .help(files::remedy(&error, "give the path of a sweep file, a RON file such as scenes/sweeps/beverloo.ron"))
     })?;
     let name = path.file_stem().map_or_else(|| "sweep".to_owned(), |stem| stem.to_string_lossy().into_owned());
     let source = Source::new(&path.display().to_string(), &name, Path::new(""), text);
     let is_scene = source.value_of("until").is_some() && source.value_of("axes").is_none();
-    let begins_well = source.text.trim_start_matches('\u{feff}').trim_start().starts_with(['(', '#', '/']);
+    let begins_well = source.text.trim_start().starts_with(['(', '#', '/']);
     if is_scene || !begins_well {
         let what = if is_scene { "a scene" } else { "no RON text that begins with `(`" };
         return Err(Fault::new("sweep::not_a_sweep", format!("{} is no sweep file: it is {what}", path.display()))

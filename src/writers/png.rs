@@ -198,7 +198,7 @@ pub fn render_file(path: &Path) -> Result<PathBuf, Fault> {
     let path_text = path.display();
     let svg = files::read_text(path, files::RESULT_BYTES).map_err(|error| {
         Fault::new("render::read", format!("could not read {path_text}: {error}"))
-            .help("give SVG files, or run directories")
+            .help(files::remedy(&error, "give SVG files, or run directories"))
     })?;
     let png = encode_within(svg, LONGEST_DRAWING).map_err(|error| {
         Fault::new("render::svg", format!("could not draw {path_text}: {error}"))

@@ -3,9 +3,9 @@
 //! | target | input |
 //! |---|---|
 //! | `scene` | a scene of either method; an accepted one that is small does three steps |
-//! | `silo` | a silo file |
+//! | `silo` | a silo file: the text, and its characters as bytes of a text in any encoding |
 //! | `grains` | a grain file |
-//! | `mesh` | a mesh: the text as an OBJ and as an STL file, and its characters as the bytes of an STL file; with an accepted one, spheres do three steps |
+//! | `mesh` | a mesh: the text as an OBJ and as an STL file, and its characters as the bytes of both; with an accepted one, spheres do three steps |
 //! | `setting` | the two sides of `--set PATH=VALUE` |
 //! | `picture` | an SVG document for `render` |
 //! | `checkpoint` | a saved state and the file of one, with bytes changed, cut or repeated; a state that is not refused does three steps; it has no corpus, because a checkpoint belongs to the version that wrote it: its seeds are states of scenes with walls, doors, meshes and feeds, and of a gas |

@@ -9,6 +9,7 @@ use siloflow::lattice::load::LoadedLattice;
 use siloflow::prelude::*;
 use siloflow::scene::check;
 use siloflow::source::Source;
+use siloflow::text::encoding::decode;
 use siloflow::walls::silo_file::{self, LengthUnit};
 use siloflow::writers::png;
 
@@ -54,6 +55,10 @@ fn with_settings(text: &str, settings: &[(String, String)]) {
 
 pub fn silo(text: &str) {
     show(silo_file::parse("mutant.dat", text, LengthUnit::Centimetre));
+    let bytes: Vec<u8> = text.chars().map(|character| character as u8).collect();
+    if let Ok(decoded) = decode(&bytes) {
+        show(silo_file::parse("mutant.dat", &decoded, LengthUnit::Centimetre));
+    }
 }
 
 pub fn grains(text: &str) {
@@ -71,7 +76,8 @@ const IN_MESH: &str = "(space: Solid, gravity: (0.0, 0.0, -9.81), mass: Sphere(2
 pub fn mesh(text: &str) {
     let directory = tempfile::tempdir().unwrap();
     let as_bytes: Vec<u8> = text.chars().map(|character| character as u8).collect();
-    for (format, bytes) in [("obj", text.as_bytes()), ("stl", text.as_bytes()), ("stl", &as_bytes)] {
+    let forms = ["obj", "stl"].into_iter().flat_map(|format| [(format, text.as_bytes()), (format, &as_bytes)]);
+    for (format, bytes) in forms {
         std::fs::write(directory.path().join("mesh").with_extension(format), bytes).unwrap();
         let scene = IN_MESH.replace("FORMAT", format);
         let Some(loaded) = show(load::from_text("mutant.ron", "mutant", directory.path(), scene, &[])) else {

@@ -7,7 +7,6 @@ use crate::{grain, motion, rms, simulation, state};
 use siloflow::energy::EnergyFlows;
 use siloflow::measure::totals;
 use siloflow::prelude::*;
-use siloflow::store::ParticleStore;
 
 const K: f64 = 1.0e5;
 const R: f64 = 0.04;
@@ -354,47 +353,6 @@ fn automatic_step(keys: &str) -> f64 {
     let mut loaded = load::from_text("test.ron", "test", std::path::Path::new(""), text, &[]).unwrap();
     loaded.grains = grains;
     loaded.step()
-}
-
-/// Turns a disc between two walls that press it, without any dashpot, and returns the energy after `steps` steps of
-/// w dt = 0.2 divided by that at the start. `keeps_damping` keeps the numerical damping.
-fn energy_of_turning(keeps_damping: bool, steps: u64) -> f64 {
-    // Both contacts resist the spin: w^2 = 2 k_t R^2/I = 4 k_t/m for a disc.
-    let stiffness = 0.25 * K;
-    let dt = 0.2 / (4.0 * stiffness / M).sqrt();
-    let keys = format!(
-        "gravity: (0.0, 0.0), contact: Linear(k: {K:?}, damping: Restitution(1.0), attraction: Allowed, \
-         tangential: Spring(k: {stiffness:?}, damping: PerMass(0.0), friction: 1.0e3)), integrator: Centred, \
-         walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0)), \
-         HalfPlane(point: (0.0, {:?}), normal: (0.0, -1.0))], step: Fixed({dt:?}), until: 1.0e9",
-        1.9 * R
-    );
-    let mut disc = grain(1, Vector::new(0.0, 0.95 * R), Vector::ZERO, R, M);
-    disc.spin.z = 0.1;
-    let mut simulation = simulation(&keys, vec![disc]);
-    simulation.step();
-    if !keeps_damping {
-        simulation.world_mut().resource_mut::<ParticleStore>().prediction.spring_damping = 0.0;
-    }
-    let mut energy = |steps| {
-        simulation.run_steps(steps);
-        // Without the energy of the walls' pressure.
-        totals::of_world(simulation.world()).energy() - K * (0.05 * R).powi(2)
-    };
-    energy(1);
-    let before = energy(20);
-    energy(steps) / before
-}
-
-#[test]
-fn springs_without_dashpots_gain_no_energy() {
-    // The amplitude grows by (w dt)^4/8 = 2e-4 in each step, the energy by twice that. The next order is (w dt)^2 = 0.04 of
-    // the exponent. Within a period the energy differs from its mean by up to (w dt)^2/2.
-    let steps = 5000;
-    let grown = energy_of_turning(false, steps).ln();
-    let expected = 2.0 * 0.2f64.powi(4) / 8.0 * steps as f64;
-    assert!((grown - expected).abs() < 0.04 * expected + 0.04, "grew by e^{grown}, not e^{expected}");
-    assert!(energy_of_turning(true, steps) < 1.0);
 }
 
 /// Returns the error of the final velocities of a disc that hits the floor within the first half step, rms over 48 phases.

@@ -181,6 +181,27 @@ fn walls_that_overlap_in_one_plane_are_found() {
 }
 
 #[test]
+fn a_mesh_in_another_unit_than_stated_is_found() {
+    let here = tempfile::tempdir().unwrap();
+    // A floor of 0.5 m, with grains of 5 mm, in a file in mm and one in m.
+    for (size, unit, is_right) in
+        [(500.0, "Millimetre", true), (500.0, "Metre", false), (0.5, "Metre", true), (0.5, "Millimetre", false)]
+    {
+        let mesh = format!("v 0 0 0\nv {size} 0 0\nv {size} {size} 0\nv 0 {size} 0\nf 1 2 3 4\n");
+        std::fs::write(here.path().join("a.obj"), mesh).unwrap();
+        let walls = format!("Mesh(file: \"a.obj\", unit: {unit})");
+        let fill = "mass: Sphere(2500.0), cull: (below: -1.0), fill: [(low: (0.1, 0.1, 0.1), high: (0.2, 0.2, 0.2), spacing: 0.05, radius: Fixed(0.0025))]";
+        let text = format!(
+            "(space: Solid, gravity: (0.0, 0.0, -9.81), contact: Linear(k: 1.0e4, damping: Restitution(0.5)), step: Fixed(1.0e-6), until: 1.0,
+            walls: [{walls}], {fill})"
+        );
+        let loaded = load::from_text("a.ron", "a", here.path(), text, &[]).unwrap();
+        let is_warned = check::warnings(&loaded).iter().any(|warning| warning.code == "check::mesh_size");
+        assert_eq!(is_warned, !is_right, "{size} {unit}");
+    }
+}
+
+#[test]
 fn faults_of_meshes_are_found() {
     let here = tempfile::tempdir().unwrap();
     let mesh = |text: &str| {

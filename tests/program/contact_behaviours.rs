@@ -344,7 +344,7 @@ impl Behaviour for OwnDashpot {
             let damping_rates = [20.0 / (2.0 * 0.08), 0.0];
             app.add_plugins(VelocityPredictionPlugin::<Plane> {
                 damping_rates,
-                spring_damping: 0.0,
+                springs_exact: true,
                 space: PhantomData,
             });
         }

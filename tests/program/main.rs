@@ -23,6 +23,7 @@ mod command_line;
 mod compare;
 mod contact_behaviours;
 mod diff;
+mod digits;
 mod divergence;
 #[cfg(unix)]
 mod docs;
@@ -43,9 +44,12 @@ mod instructions;
 mod lammps;
 mod lattice;
 mod long_runs;
+mod meshes;
 mod new;
 mod outflow;
 mod parameters;
+#[cfg(unix)]
+mod patience;
 mod periodic;
 mod pins;
 mod plots;
@@ -64,6 +68,7 @@ mod stops;
 mod strange_runs;
 mod sweep;
 mod synchronisation;
+mod texts;
 mod validate;
 mod validate_flows;
 mod validate_impacts;
@@ -71,6 +76,7 @@ mod validate_rates;
 #[cfg(unix)]
 mod verify;
 mod wall_loads;
+mod watchdog;
 mod without_energy_balance;
 
 use std::num::NonZeroUsize;

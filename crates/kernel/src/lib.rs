@@ -3,6 +3,7 @@
 //!
 //! The core is a separate crate, because it takes a third of the compiler's time: an edit of `siloflow` does not compile the core again.
 
+pub mod budget;
 pub mod contact;
 pub mod displacement_trigger;
 pub mod engine;

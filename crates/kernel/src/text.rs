@@ -5,6 +5,10 @@
 //! | terminal | control characters and characters that change the direction of writing are written as `\u{1b}` |
 //! | message | a quotation is cut at [`LONGEST_QUOTATION`] characters, a message at [`LONGEST_MESSAGE`] |
 //! | SVG | markup is escaped; characters that XML forbids are replaced by U+FFFD |
+//!
+//! [`encoding`] reads texts.
+
+pub mod encoding;
 
 use std::borrow::Cow;
 

@@ -21,7 +21,7 @@
 //!   only before this moment (`Unloading`).
 
 use crate::law::{Normal, Rolling, RollingKind, Terms};
-use crate::plain::{Action, Memory, PairState, UP, adapt, mean_of, plain};
+use crate::plain::{Action, Memory, PairState, Times, UP, adapt, mean_of, plain};
 use crate::vector::V;
 
 /// Velocity change of both particles in half a step by the forces of its beginning, and their mobilities.
@@ -120,6 +120,8 @@ struct NormalLoad {
     /// Time during which springs accumulate displacement, s.
     accumulation_time: f64,
     dt: f64,
+    /// Time by which springs are stored ahead of the evaluation, s.
+    lead: f64,
 }
 
 /// The end of the normal force in the step centred on now.
@@ -154,7 +156,7 @@ pub fn centred(
     pair_state: &PairState,
     ahead: &VelocityPrediction,
     memory: &mut Memory,
-    dt: f64,
+    [dt, lead]: [f64; 2],
 ) -> Option<Action> {
     let closing = -pair_state.velocity.dot(pair_state.normal);
     let half_width = 0.5 * dt * closing.abs();
@@ -205,6 +207,7 @@ pub fn centred(
         unloading: None,
         accumulation_time: if overlap > 0.0 { dt } else { 0.0 },
         dt,
+        lead,
     };
     let at_before = normal_motion.at(normal_motion.overlaps[1]);
     let earlier = spring_before + terms.drag(pair_state.reduced, at_before) * (closing - gained);
@@ -232,7 +235,9 @@ pub fn centred(
 
 /// Returns the action of a contact at the start of the run, averaged over the first half step `half` (s): the spring acts as
 /// it is, drag and friction with their mean over the part of the half step in which there is a contact.
-pub fn start(terms: &Terms, pair_state: &PairState, memory: &mut Memory, half: f64) -> Option<Action> {
+/// Springs are stored `lead` (s) ahead.
+pub fn start(terms: &Terms, pair_state: &PairState, memory: &mut Memory, [half, lead]: [f64; 2]) -> Option<Action> {
+    let times = Times { dt: lead, lead, is_centred: true };
     let moved = -half * pair_state.velocity.dot(pair_state.normal);
     let (low, high) =
         (pair_state.overlap.min(pair_state.overlap + moved), pair_state.overlap.max(pair_state.overlap + moved));
@@ -243,14 +248,14 @@ pub fn start(terms: &Terms, pair_state: &PairState, memory: &mut Memory, half: f
     if terms.reaches() {
         // The force at touch acts in the share of the half step after it.
         return Some(if pair_state.overlap > 0.0 {
-            plain(terms, pair_state, memory, [half, half, 0.0])
+            plain(terms, [pair_state; 2], memory, times)
         } else {
             let share = (high / moved.abs()).min(1.0);
-            let touching = plain(terms, &begin, &mut Memory::default(), [half, half, 0.0]);
+            let touching = plain(terms, [&begin; 2], &mut Memory::default(), times);
             Action { force: touching.force * share, torques: touching.torques.map(|torque| torque * share) }
         });
     }
-    let mut action = plain(terms, &begin, memory, [half, half, 0.0]);
+    let mut action = plain(terms, [&begin; 2], memory, times);
     if moved != 0.0 {
         let normal = pair_state.normal;
         let pull = |overlap: f64| terms.pull(pair_state.reduced, overlap, 1.0);
@@ -263,7 +268,7 @@ pub fn start(terms: &Terms, pair_state: &PairState, memory: &mut Memory, half: f
         for (node, weight) in [(0.5 - 0.5 * root, 5.0), (0.5, 8.0), (0.5 + 0.5 * root, 5.0)] {
             let at = PairState { overlap: low + (high - low) * node.powi(4), ..*pair_state };
             let part = share * weight / 18.0 * 4.0 * node.powi(3);
-            let now = plain(terms, &at, &mut Memory::default(), [half, half, 0.0]);
+            let now = plain(terms, [&at; 2], &mut Memory::default(), times);
             action.force += (now.force - spring(at.overlap)) * part;
             // The lever is that of the beginning.
             let moment = normal.cross(now.force.across(normal));
@@ -372,7 +377,7 @@ fn turn(
         if !terms.stiffness_varies() {
             tangential_stiffness[0] = stiffness;
         }
-        memory.spring = at_start(memory.spring, &motion, load.dt);
+        memory.spring = at_start(memory.spring, &motion, load.lead);
         motion.pulled = memory.spring * -stiffness;
         let mut load = *load;
         if terms.stiffness_varies() {
@@ -403,7 +408,7 @@ fn turn(
             unloaded: [k, c],
         };
         let mut load = *load;
-        memory.rolling = at_start(memory.rolling, &motion, load.dt);
+        memory.rolling = at_start(memory.rolling, &motion, load.lead);
         motion.pulled = memory.rolling * -k_before;
         if kind == RollingKind::Elastic && terms.stiffness_varies() {
             load.accumulation_time *= mean_of(terms, k_before, k);
@@ -432,15 +437,15 @@ fn turn(
         spring_shares: load.shares,
         unloaded: [k, c],
     };
-    memory.twist = at_start(memory.twist, &motion, load.dt);
+    memory.twist = at_start(memory.twist, &motion, load.lead);
     motion.pulled = memory.twist * -k;
     let force = slide(&mut memory.twist, [k, c, mu], &motion, load, UP);
     pair_state.twist(action, force)
 }
 
-/// Returns the stretch of a spring at the beginning of the step. Springs are stored half a step ahead; a new one is empty.
-fn at_start(stored: V, motion: &Motion, dt: f64) -> V {
-    if stored == V::default() { stored } else { stored - (motion.middle - motion.gained) * (0.5 * dt) }
+/// Returns the stretch of a spring at the beginning of the step. Springs are stored `lead` (s) ahead; a new one is empty.
+fn at_start(stored: V, motion: &Motion, lead: f64) -> V {
+    if stored == V::default() { stored } else { stored - (motion.middle - motion.gained) * lead }
 }
 
 /// Advances a slider and returns its averaged force.
@@ -492,9 +497,9 @@ fn slide(spring: &mut V, [k, c, mu]: [f64; 3], motion: &Motion, load: &NormalLoa
             force = stuck * (1.0 - size / (4.0 * cap)) + whole * rest;
         }
     }
-    // Stored half a step ahead, with the velocity of the step's end that this force gives.
+    // Stored ahead, with the velocity of the step's end that this force gives.
     if load.accumulation_time > 0.0 {
-        after += (middle + gained + (force - earlier) * half_lone) * (0.5 * load.dt);
+        after += (middle + gained + (force - earlier) * half_lone) * load.lead;
     }
     *spring = after;
     force

@@ -89,19 +89,34 @@ impl PairState {
     }
 }
 
-/// Advances a slider by `dt` and returns its force. The spring is stored `lead` (s) ahead of the evaluation.
-fn slide(spring: &mut V, [k, c, cap]: [f64; 3], velocity: V, normal: V, [dt, lead]: [f64; 2]) -> V {
-    let moved = (*spring + velocity * dt).across(normal);
+/// The times of springs.
+#[derive(Clone, Copy, Debug)]
+pub struct Times {
+    /// Time by which springs advance, s.
+    pub dt: f64,
+    /// Time by which they are stored ahead of the evaluation, s.
+    pub lead: f64,
+    /// Whether displacement that a stiffening spring gathers counts with the mean stiffness of the step.
+    pub is_centred: bool,
+}
+
+/// Advances a slider by `dt` with the second velocity and returns its force, with the dashpot at the first. The spring is stored `lead` (s)
+/// ahead of the evaluation.
+fn slide(spring: &mut V, [k, c, cap]: [f64; 3], [velocity, gathered]: [V; 2], normal: V, [dt, lead]: [f64; 2]) -> V {
+    let moved = (*spring + gathered * dt).across(normal);
     let stretched = moved - velocity * lead;
     let (force, is_beyond) = (stretched * -k - velocity * c).cut(cap);
     *spring = if is_beyond { (force + velocity * c) * (-1.0 / k) + velocity * lead } else { moved };
     force
 }
 
-/// Returns the action of a contact and advances its memory by `dt`. Springs are stored `lead` (s) ahead of the evaluation;
-/// then displacement that a stiffening spring gathers counts with the mean stiffness of the step. `damping_time` (s) times
-/// its stiffness is added to the dashpot of each spring.
-pub fn plain(terms: &Terms, pair_state: &PairState, memory: &mut Memory, [dt, lead, damping_time]: [f64; 3]) -> Action {
+/// Returns the action of a contact and advances its memory, with the velocities of `gathering`.
+pub fn plain(
+    terms: &Terms,
+    [pair_state, gathering]: [&PairState; 2],
+    memory: &mut Memory,
+    Times { dt, lead, is_centred }: Times,
+) -> Action {
     let PairState { normal, overlap, velocity, reduced, spins, .. } = *pair_state;
     let spring = terms.spring(reduced, overlap);
     if let Normal::Assignment { b, .. } = terms.law.normal {
@@ -114,11 +129,12 @@ pub fn plain(terms: &Terms, pair_state: &PairState, memory: &mut Memory, [dt, le
     let mut stiffnesses = [0.0; 2];
     if let Some([stiffness, damping, mu]) = terms.tangential(reduced, overlap, drag) {
         let sliding = pair_state.sliding(velocity, spins, levers);
-        let mut gathering = dt;
+        let gathered = pair_state.sliding(gathering.velocity, gathering.spins, levers);
+        let mut time = dt;
         stiffnesses = [if terms.stiffness_varies() { memory.stiffness } else { stiffness }, stiffness];
         if terms.stiffness_varies() {
-            if lead > 0.0 {
-                gathering *= mean_of(terms, memory.stiffness, stiffness);
+            if is_centred {
+                time *= mean_of(terms, memory.stiffness, stiffness);
             }
             // Only the stretch at the evaluation follows the stiffness, not the part that the spring is ahead.
             memory.spring = memory.spring - sliding * lead;
@@ -126,8 +142,8 @@ pub fn plain(terms: &Terms, pair_state: &PairState, memory: &mut Memory, [dt, le
             memory.spring += sliding * lead;
         }
         friction = if terms.has_spring() {
-            let damping = damping + stiffness * damping_time;
-            slide(&mut memory.spring, [stiffness, damping, mu * total.abs()], sliding, normal, [gathering, lead])
+            let numbers = [stiffness, damping, mu * total.abs()];
+            slide(&mut memory.spring, numbers, [sliding, gathered], normal, [time, lead])
         } else {
             (sliding * -damping).cut(mu * total.abs()).0
         };
@@ -145,19 +161,21 @@ pub fn plain(terms: &Terms, pair_state: &PairState, memory: &mut Memory, [dt, le
             rolling = if size > cap { velocity.unit() * -cap } else { force };
         } else {
             let ahead = velocity * lead;
-            let gathering = if lead > 0.0 { dt * mean_of(terms, before, k) } else { dt };
+            let time = if is_centred { dt * mean_of(terms, before, k) } else { dt };
+            let velocities = [velocity, pair_state.rolling(gathering.spins)];
             let mut stretch = memory.rolling - ahead;
             if k > before {
                 stretch = stretch * (before / k);
             }
             memory.rolling = stretch + ahead;
-            rolling = slide(&mut memory.rolling, [k, c + k * damping_time, cap], velocity, normal, [gathering, lead]);
+            rolling = slide(&mut memory.rolling, [k, c, cap], velocities, normal, [time, lead]);
         }
     }
     let action = pair_state.act(total - terms.pull(reduced, overlap, 1.0), friction, levers, rolling);
     let Some(Rolling { k, damping, mu, .. }) = terms.law.twisting else { return action };
-    let numbers = [k, damping.drag(reduced.mass, 0.0) + k * damping_time, mu * total.abs()];
-    let force = slide(&mut memory.twist, numbers, pair_state.twisting(spins), UP, [dt, lead]);
+    let numbers = [k, damping.drag(reduced.mass, 0.0), mu * total.abs()];
+    let velocities = [spins, gathering.spins].map(|spins| pair_state.twisting(spins));
+    let force = slide(&mut memory.twist, numbers, velocities, UP, [dt, lead]);
     pair_state.twist(action, force)
 }
 

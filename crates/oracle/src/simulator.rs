@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 
 use crate::centred::{VelocityPrediction, centred, start};
 use crate::law::{Reduced, Terms};
-use crate::plain::{Action, Memory, PairState, plain};
+use crate::plain::{Action, Memory, PairState, Times, plain};
 use crate::vector::V;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -84,8 +84,10 @@ pub struct Simulator {
     pub laws: Vec<Vec<Terms>>,
     pub scheme: Scheme,
     pub dt: f64,
-    /// beta of the centred scheme for velocities and for spins, and the numerical damping of its springs, s.
-    pub prediction: [f64; 3],
+    /// beta of the centred scheme for velocities and for spins.
+    pub prediction: [f64; 2],
+    /// Whether springs of the centred scheme advance with the velocities in the middle of the step.
+    pub springs_exact: bool,
     /// Grains that enter later, each with its number of steps.
     pub releases: Vec<(u64, Body)>,
     pub steps: u64,
@@ -247,7 +249,8 @@ impl Simulator {
             self.meet_centred(&terms, &pair_state, [a, b], &mut memory, dt)
         } else {
             let range = if memory.stiffness > 0.0 { terms.range(pair_state.reduced) } else { 0.0 };
-            (overlap + range > 0.0).then(|| plain(&terms, &pair_state, &mut memory, [dt, 0.0, 0.0]))
+            (overlap + range > 0.0)
+                .then(|| plain(&terms, [&pair_state; 2], &mut memory, Times { dt, lead: 0.0, is_centred: false }))
         };
         let Some(action) = action else { return };
         self.memories.insert(pair, memory);
@@ -271,7 +274,8 @@ impl Simulator {
         memory: &mut Memory,
         dt: f64,
     ) -> Option<Action> {
-        let (half, [beta, beta_of_spins, damping_time]) = (0.5 * self.dt, self.prediction);
+        let (half, [beta, beta_of_spins]) = (0.5 * self.dt, self.prediction);
+        let lead = if self.springs_exact { 0.0 } else { half };
         let gains =
             if dt == 0.0 { VelocityPrediction::default() } else { ahead(both, both.map(Body::inverse_mass), dt) };
         let predicted = PairState {
@@ -303,14 +307,15 @@ impl Simulator {
         }
         if dt == 0.0 && is_even {
             // At the start springs are empty, and stored ahead.
-            Some(plain(terms, pair_state, memory, [half, half, damping_time]))
+            Some(plain(terms, [pair_state; 2], memory, Times { dt: lead, lead, is_centred: true }))
         } else if dt == 0.0 {
-            start(terms, pair_state, memory, half)
+            start(terms, pair_state, memory, [half, lead])
         } else if is_even && !both[0].is_lone && !both[1].is_lone {
-            Some(plain(terms, &predicted, memory, [dt, half, damping_time]))
+            let gathering = if self.springs_exact { pair_state } else { &predicted };
+            Some(plain(terms, [&predicted, gathering], memory, Times { dt, lead, is_centred: true }))
         } else {
             let is_far = overlap + 1.25 * half * predicted.velocity.dot(predicted.normal).abs() < 0.0;
-            if is_far { None } else { centred(terms, pair_state, &gains, memory, dt) }
+            if is_far { None } else { centred(terms, pair_state, &gains, memory, [dt, lead]) }
         }
     }
 }

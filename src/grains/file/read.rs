@@ -11,14 +11,16 @@ use crate::fault::Fault;
 use crate::grains::MOST_GRAINS;
 use crate::grains::file::{ALWAYS, GrainRow, Kind, SOLID, SPIN};
 use crate::particle::{GrainId, Species};
-use crate::source::files::{BoundedFile, GRAIN_BYTES};
+use crate::source::files::{GRAIN_BYTES, open_text};
 use crate::space::Solid;
+use crate::text::encoding::MARK;
 
 /// Parses the text of a grain file. `name` is the file's name in messages.
 ///
 /// # Errors
 /// If a column is missing or unknown, or a value is out of range. The fault points at line and column.
 pub fn parse(name: &str, text: &str, kind: Kind) -> Result<Vec<GrainRow>, Fault> {
+    let text = text.strip_prefix(MARK).unwrap_or(text);
     rows(text.as_bytes(), kind).map_err(|defect| defect.fault(name, text))
 }
 
@@ -27,13 +29,19 @@ pub fn parse(name: &str, text: &str, kind: Kind) -> Result<Vec<GrainRow>, Fault>
 /// # Errors
 /// The outer error if the file cannot be read, the inner one as for [`parse`].
 pub fn read(name: &str, path: &Path, kind: Kind) -> io::Result<Result<Vec<GrainRow>, Fault>> {
-    match rows(BoundedFile::open(path, GRAIN_BYTES)?, kind) {
+    match rows(open_text(path, GRAIN_BYTES)?, kind) {
         Ok(rows) => Ok(Ok(rows)),
         Err(Defect { at: Place::Unreadable(error), .. }) => Err(error),
         // The file is read again, up to the defect and a little beyond, to show the place.
         Err(defect) => {
             let mut bytes = Vec::new();
-            BoundedFile::open(path, GRAIN_BYTES)?.take(defect.shown_bytes()).read_to_end(&mut bytes)?;
+            let shown = open_text(path, GRAIN_BYTES)?.take(defect.shown_bytes()).read_to_end(&mut bytes);
+            // Behind the defect the text may have another one.
+            if let Err(error) = shown
+                && error.kind() != io::ErrorKind::InvalidData
+            {
+                return Err(error);
+            }
             Ok(Err(defect.fault(name, &String::from_utf8_lossy(&bytes))))
         }
     }

@@ -1,14 +1,15 @@
 //! Stability limits of the time step in a crowd, where several contacts take part in one motion.
 //!
-//! A motion of mass m has the springs K_n of its normals, the springs K_t of its tangents (or of rolling), and the drag C of both,
-//! each summed over the contacts with their weights. With k_n = K_n dt^2/m, k_t = K_t dt^2/m and c = C dt/m:
+//! A motion of mass m has the springs K_n of its normals, the springs K_t of its tangents (or of rolling and twisting), and the drag C of
+//! all, each summed over the contacts with their weights. With k_n = K_n dt^2/m, k_t = K_t dt^2/m and c = C dt/m:
 //!
 //! * **Lagged drag** (`Verlet`, `SymplecticEuler`): the motion is that of one contact with these sums. It becomes unstable at
 //!   lambda = -1, where k_n + k_t + 2 c = 4.
 //! * **`Centred`**: forces see the velocity v_p(n+1) = v_h + r dt a_n with r = beta/2, beta = (1 - q)/(1 + q), q = b dt
 //!   ([`crate::integrate::centred`]). b is the damping rate of one contact, along the normal for straight motions and along the tangent
-//!   or in rolling for turns. The drag of other contacts lags, so the prediction is not implicit for them. Normal springs follow the positions; tangential
-//!   springs follow v_p by the trapezoidal rule, s_(n+1) - s_n = dt (v_p(n+1) + v_p(n))/2. The motion x_n = lambda^n has
+//!   or in rolling for turns. The drag of other contacts lags, so the prediction is not implicit for them. Normal springs follow the
+//!   positions. The others follow the positions too, k_n then being the sum of all springs and k_t = 0, or the predicted velocities by
+//!   the trapezoidal rule, s_(n+1) - s_n = dt (v_p(n+1) + v_p(n))/2: see [`crate::integrate::centred`]. The motion x_n = lambda^n has
 //!
 //!   lambda (lambda - 1)^2 + k_n lambda^2 + (k_t (lambda + 1)/2 + c (lambda - 1)) ((1 + r) lambda - r) = 0.
 //!
@@ -17,8 +18,9 @@
 //!
 //!   k_n + 2 c (1 + 2 r) < 4 (from lambda = -1) and 1 - a_0^2 > |a_0 a_2 - a_1|.
 //!
-//!   The tangential spring does not appear in the first: it does not resist a motion that changes its sign in each step. The second
-//!   bounds the springs, and needs a dashpot: c includes the numerical damping of springs without one.
+//!   Where the first holds, the second does too: always if k_t = 0, and for springs that follow predicted velocities if c >= k_t, the
+//!   condition under which they are used. `tests/physics/growth.rs` shows this by the eigenvalues of grains that move and turn between
+//!   one to twelve others.
 //!
 //! So with strong drag `Centred` needs shorter steps than `Verlet` in a crowd, down to half where drag decides. For a single contact
 //! it allows longer steps, because it then includes the change of the spring force.
@@ -54,10 +56,9 @@ pub struct Motion<'a> {
 }
 
 impl Motion<'_> {
-    /// Returns the largest stable step, s. `spring_damping` is the numerical damping of gathering springs for a step (s), as a
-    /// function of that step.
+    /// Returns the largest stable step, s. In steps longer than `exact_from`, s, all springs follow the positions.
     #[must_use]
-    pub fn limit(&self, scheme: Integrator, spring_damping: impl Fn(f64) -> f64) -> f64 {
+    pub fn limit(&self, scheme: Integrator, exact_from: f64) -> f64 {
         let total = |figure: fn(&Pull) -> f64| self.pulls.iter().map(|pull| pull.weight * figure(pull)).sum::<f64>();
         let [springs, drags] = [total(|pull| pull.k), total(|pull| pull.c)];
         if scheme != Integrator::Centred {
@@ -68,9 +69,10 @@ impl Motion<'_> {
             return f64::INFINITY;
         }
         let gathering = total(|pull| if pull.gathers { pull.k } else { 0.0 });
-        let sums = [springs - gathering, gathering, drags];
-        let numerical = |dt: f64| if gathering > 0.0 { spring_damping(dt) } else { 0.0 };
-        let is_stable = |dt: f64| self.is_stable_centred(sums, dt, numerical(dt));
+        let is_stable = |dt: f64| {
+            let springs = if dt > exact_from { [springs, 0.0] } else { [springs - gathering, gathering] };
+            self.is_stable_centred(springs, drags, dt)
+        };
         // Every motion is stable at first, and unstable where a spring alone changes the velocity by four times itself.
         let (mut low, mut high) = (0.0, 0.05 / fastest);
         while is_stable(high) {
@@ -84,13 +86,13 @@ impl Motion<'_> {
     }
 
     /// Jury's conditions with the sums K_n, K_t (N/m) and C (N s/m).
-    fn is_stable_centred(&self, [normal, gathering, drags]: [f64; 3], dt: f64, spring_damping: f64) -> bool {
-        let [kn, kt] = [normal, gathering].map(|k| k * dt * dt / self.mass);
-        let c = (drags + gathering * spring_damping) * dt / self.mass;
+    fn is_stable_centred(&self, springs: [f64; 2], drags: f64, dt: f64) -> bool {
+        let [kn, kt] = springs.map(|k| k * dt * dt / self.mass);
+        let c = drags * dt / self.mass;
         let r = 0.5 * prediction_share(self.rate, dt);
         let [a, b] = [0.5 * kt + c, 0.5 * kt - c];
         let [a2, a1, a0] = [kn - 2.0 + a * (1.0 + r), 1.0 + b * (1.0 + r) - a * r, -b * r];
-        // Without drag a normal motion keeps its amplitude, which rounding must not make unstable.
+        // Without drag a motion keeps its amplitude, which rounding must not make unstable.
         kn + 2.0 * c * (1.0 + 2.0 * r) < 4.0 && 1.0 - a0 * a0 > (a0 * a2 - a1).abs() - 1e-12
     }
 }
@@ -108,19 +110,22 @@ mod tests {
         m: f64,
         kt: f64,
         ct: f64,
+        /// Whether tangential springs follow the positions.
+        exact: bool,
     }
 
     impl Crowd {
         fn limit(self, scheme: Integrator) -> f64 {
-            let Self { n, zeta, m, kt, ct } = self;
+            let Self { n, zeta, m, kt, ct, exact } = self;
             let normal = Pull { weight: n, k: 1.0, c: 2.0 * zeta, mobility: 1.0, gathers: false };
             let tangential = Pull { weight: m, k: kt, c: ct, mobility: 1.0, gathers: true };
-            Motion { pulls: &[normal, tangential], mass: 1.0, rate: zeta }.limit(scheme, |_| 0.0)
+            let exact_from = if exact { 0.0 } else { f64::INFINITY };
+            Motion { pulls: &[normal, tangential], mass: 1.0, rate: zeta }.limit(scheme, exact_from)
         }
 
         /// Growth of the motion per step, by simulation of the scheme itself, rescaled on the way.
         fn growth(self, dt: f64) -> f64 {
-            let Self { n, zeta, m, kt, ct } = self;
+            let Self { n, zeta, m, kt, ct, exact } = self;
             let beta = (1.0 - zeta * dt) / (1.0 + zeta * dt);
             let [mut x, mut s, mut v, mut a, mut predicted] = [1.0f64, -0.7, 0.4, 0.1, 0.2];
             let (mut log, steps) = (0.0, 40_000);
@@ -129,7 +134,8 @@ mod tests {
                 x += dt * v;
                 s += 0.5 * dt * (now + predicted);
                 predicted = now;
-                a = -(n * (x + 2.0 * zeta * now) + m * (kt * s + ct * now));
+                let stretch = if exact { x } else { s };
+                a = -(n * (x + 2.0 * zeta * now) + m * (kt * stretch + ct * now));
                 v += dt * a;
                 let size = [x, s, v, a, predicted].iter().fold(0.0f64, |size, y| size.max(y.abs()));
                 [x, s, v, a, predicted] = [x, s, v, a, predicted].map(|y| y / size);
@@ -143,14 +149,20 @@ mod tests {
     fn at_the_limit_of_centred_the_motion_begins_to_grow() {
         for zeta in [0.01, 0.1, 0.3, 0.5, 1.0, 3.0] {
             // Normals alone; normals and tangents; the same with little tangential drag; tangents alone.
-            for (n, m, kt, share) in [
+            for crowd in [
                 (1.0, 0.0, 0.0, 0.0),
                 (3.0, 0.0, 0.0, 0.0),
                 (3.0, 3.0, 0.3, 0.5),
                 (2.0, 4.0, 1.0, 0.1),
                 (0.0, 12.0, 0.3, 0.5),
-            ] {
-                let crowd = Crowd { n, zeta, m, kt, ct: 2.0 * zeta * share };
+                (3.0, 3.0, 0.3, 0.0),
+            ]
+            .into_iter()
+            .flat_map(|case| [(case, true), (case, false)])
+            // Springs follow predicted velocities only with a dashpot.
+            .filter(|((.., share), exact)| *exact || *share > 0.0)
+            .map(|((n, m, kt, share), exact)| Crowd { n, zeta, m, kt, ct: 2.0 * zeta * share, exact })
+            {
                 let limit = crowd.limit(Integrator::Centred);
                 let [below, above] = [0.99, 1.01].map(|share| crowd.growth(share * limit));
                 // The start alone changes the mean by 1/40,000.
@@ -163,7 +175,7 @@ mod tests {
     fn with_normals_alone_the_limit_is_the_closed_form() {
         for n in [1.0, 2.0, 3.0, 6.0] {
             for zeta in [0.01, 0.1, 0.5, 1.0, 3.0] {
-                let crowd = Crowd { n, zeta, m: 0.0, kt: 0.0, ct: 0.0 };
+                let crowd = Crowd { n, zeta, m: 0.0, kt: 0.0, ct: 0.0, exact: false };
                 let x = crowd.limit(Integrator::Centred);
                 let load = n * (x * x + 8.0 * zeta * x / (1.0 + zeta * x));
                 assert!((load - 4.0).abs() < 1e-9, "{n} contacts, zeta {zeta}: {load}");
@@ -171,21 +183,23 @@ mod tests {
             }
         }
         // Without drag both keep their amplitude up to 2/w.
-        let springs = Crowd { n: 4.0, zeta: 0.0, m: 0.0, kt: 0.0, ct: 0.0 };
+        let springs = Crowd { n: 1.0, zeta: 0.0, m: 3.0, kt: 1.0, ct: 0.0, exact: true };
         for scheme in [Integrator::Centred, Integrator::Verlet] {
             assert!((springs.limit(scheme) - 1.0).abs() < 1e-9);
         }
     }
 
     #[test]
-    fn a_spring_that_gathers_velocities_needs_a_dashpot() {
-        let of = |ct: f64| Crowd { n: 0.0, zeta: 0.0, m: 1.0, kt: 1.0, ct };
+    fn a_spring_that_follows_predicted_velocities_needs_a_dashpot() {
+        let of = |ct: f64, exact: bool| Crowd { n: 0.0, zeta: 0.0, m: 1.0, kt: 1.0, ct, exact };
         // The amplitude grows by x^4/8 in each step, and a dashpot c takes c x/2 of it.
         for x in [0.1f64, 0.2] {
-            let limit = of(0.25 * x.powi(3)).limit(Integrator::Centred);
+            let limit = of(0.25 * x.powi(3), false).limit(Integrator::Centred);
             assert!((limit / x - 1.0).abs() < x * x, "{x}: {limit}");
+            // A spring that follows the positions needs none.
+            assert!((of(0.0, true).limit(Integrator::Centred) - 2.0).abs() < 1e-9);
         }
-        assert!(Crowd { m: 0.0, ..of(1.0) }.limit(Integrator::Centred).is_infinite());
-        assert!(Crowd { m: 0.0, ..of(1.0) }.limit(Integrator::Verlet).is_infinite());
+        assert!(Crowd { m: 0.0, ..of(1.0, false) }.limit(Integrator::Centred).is_infinite());
+        assert!(Crowd { m: 0.0, ..of(1.0, false) }.limit(Integrator::Verlet).is_infinite());
     }
 }

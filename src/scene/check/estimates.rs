@@ -36,8 +36,8 @@ pub struct Estimates {
     pub bed_limit: f64,
     /// Largest damping rates of any contact: c/(2 m) along the normal, and of sliding or rolling, 1/s.
     pub damping_rates: [f64; 2],
-    /// Numerical damping that tangential and rolling springs need so that a bed without dashpots gains no energy, s.
-    pub spring_damping: f64,
+    /// The shortest relaxation time c/k of tangential, rolling and twisting springs, s; infinite without such springs.
+    pub relaxation: f64,
     /// Speed of a grain after a fall to the lowest point of the scene, m/s.
     pub impact_speed: f64,
     /// Overlap over radius in an undamped impact of two smallest grains at that speed.
@@ -81,6 +81,7 @@ impl Estimates {
         let bounce = Bounce { reduced_mass, reduced_radius: 0.5 * radius, speed };
         let least = |of: &dyn Fn(&SpeciesPair) -> f64| pairs.iter().map(of).fold(f64::INFINITY, f64::min);
         let shortest = least(&|pair| pair.law.0.contact_duration(&pair.bounce));
+        let relaxation = least(&SpeciesPair::relaxation);
         let mut estimates = Self {
             dt: f64::NAN,
             scheme,
@@ -92,9 +93,9 @@ impl Estimates {
             restitution: law.restitution(&bounce),
             lowest_restitution: least(&|pair| pair.law.0.restitution(&pair.bounce)).min(1.0),
             pair_limit: least(&|pair| pair.lone_limit(scheme)),
-            bed_limit: least(&|pair| pair.bed_limit(scheme, scene.space)),
+            bed_limit: least(&|pair| pair.bed_limit(scheme, scene.space, relaxation)),
             damping_rates: [0, 1].map(|way| pairs.iter().map(|pair| pair.damping_rates()[way]).fold(0.0, f64::max)),
-            spring_damping: f64::NAN,
+            relaxation,
             impact_speed,
             impact_overlap: law.deepest(&Bounce { speed: impact_speed, ..bounce }) / radius,
             static_overlap: carried_at_the_bottom(loaded, radius) / law.stiffness(&bounce) / radius,
@@ -106,8 +107,6 @@ impl Estimates {
             TimeStep::Fixed(dt) => dt.get(),
             TimeStep::Auto { error } => automatic::automatic(&estimates, error.get()).dt,
         };
-        let damping = |pair: &SpeciesPair| pair.spring_damping(estimates.dt);
-        estimates.spring_damping = pairs.iter().map(damping).fold(0.0, f64::max);
         Some(estimates)
     }
 }

@@ -7,7 +7,6 @@
 //! to have grains in free flight.
 
 use crate::fault::Warning;
-use crate::scene::check::leaks;
 use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Solid};
 use crate::walls::config::Wall;
@@ -15,8 +14,8 @@ use crate::walls::config::Wall;
 /// Most half-planes whose lines are examined.
 const MOST_HALF_PLANES: usize = 100;
 
-/// Adds the warning.
-pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+/// Adds the warning. `leak` tells whether discs and segments leave a way out.
+pub(super) fn examine(loaded: &Loaded, leak: impl Fn() -> bool, warnings: &mut Vec<Warning>) {
     let scene = &loaded.scene;
     let has_walls = !scene.walls.is_empty() || !loaded.silo.wall.is_empty() || !loaded.fixed.is_empty();
     if scene.cull.is_some() || !has_walls || !can_slide(loaded) {
@@ -29,7 +28,7 @@ pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
     let is_closed = has_thin_walls
         && !has_door
         && match scene.space {
-            Dimension::Plane => leaks::way_out(loaded).is_none() && !starts_beside(loaded),
+            Dimension::Plane => !leak() && !starts_beside(loaded),
             Dimension::Solid => true,
         };
     if !is_closed {

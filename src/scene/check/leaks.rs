@@ -3,8 +3,10 @@
 //! A flood fill runs over a square grid with a spacing of a quarter of the smallest grain's radius R. It starts where
 //! grains start. Grid points nearer than R + R_w to a wall grain, or R to a wall surface, are blocked. If the fill reaches
 //! the bounding box of the walls other than at its top, the walls leak. Limit: a gap whose free width is less than the
-//! diagonal of the grid, a third of the radius, may be overlooked.
+//! diagonal of the grid, a third of the radius, may be overlooked. A search that would need more than 2e7 points, or more time than the budget has, is
+//! given up, and the budget is told.
 
+use crate::budget::Budget;
 use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Vector};
 use crate::walls::outline::Outline;
@@ -13,12 +15,12 @@ use crate::walls::shapes::segment::Segment;
 use crate::walls::silo_file::Disc;
 use crate::walls::surfaces::Surface;
 
-/// Largest number of grid points; more would take several seconds.
-const PATIENCE: f64 = 2e7;
+/// Largest number of grid points. Each takes a byte, and more would take several seconds.
+const MOST_POINTS: f64 = 2e7;
 
-/// The point where a grain gets out, m; `None` if no grain does, or without walls or grains, or with too many points.
+/// The point where a grain gets out, m; `None` if no grain does, or without walls or grains, or if the search was given up.
 #[must_use]
-pub fn way_out(loaded: &Loaded) -> Option<Vector> {
+pub fn way_out(loaded: &Loaded, budget: &Budget) -> Option<Vector> {
     // In solid space the grid would have too many points. In a periodic box every path leaves the bounding box.
     if loaded.scene.space != Dimension::Plane || !loaded.scene.periodic.is_open() {
         return None;
@@ -49,16 +51,19 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
         | Surface::Ball(_)
         | Surface::Trimmed(_) => 0.0,
     });
-    if points(high - low, radius) + blocked_by_discs + blocked_by_segments.sum::<f64>() > PATIENCE {
-        return None;
-    }
     // Discs also block points just outside of the box.
     let margin = discs.iter().map(|disc| disc.radius).fold(0.0, f64::max) + radius + 2.0 * spacing;
+    let needed = points(high - low, margin) + blocked_by_discs + blocked_by_segments.sum::<f64>();
+    if needed.is_nan() || needed > MOST_POINTS {
+        budget.give_up(format!("gaps in the walls, of which the search needs a grid of {needed:.1e} points"));
+        return None;
+    }
     let mut field = Field::new(low - Vector::splat(margin), high + Vector::splat(margin), spacing);
-    for disc in &discs {
+    let give_up = || budget.give_up("gaps in the walls");
+    for disc in discs.iter().take_while(|_| !budget.is_spent()) {
         field.block(disc.centre, disc.centre, disc.radius + radius, |x| x.distance(disc.centre));
     }
-    for surface in &surfaces {
+    for surface in surfaces.iter().take_while(|_| !budget.is_spent()) {
         if let Surface::Segment(Segment { from, to }) = *surface {
             field.block(from, to, radius, |x| surface.distance(x));
         }
@@ -73,6 +78,11 @@ pub fn way_out(loaded: &Loaded) -> Option<Vector> {
         field.see(point);
     }
     while let Some((i, j)) = stack.pop() {
+        // Walls may be missing in the field then.
+        if budget.is_spent() {
+            give_up();
+            return None;
+        }
         let x = place((i, j), spacing);
         if x.y >= high.y || field.is_blocked((i, j)) || behind(x) {
             continue;
@@ -175,7 +185,8 @@ mod tests {
               radius: Fixed(0.05)))",
             walls.join(", ")
         );
-        way_out(&from_text("box.ron", "box", std::path::Path::new("."), text, &[]).unwrap())
+        let loaded = from_text("box.ron", "box", std::path::Path::new("."), text, &[]).unwrap();
+        way_out(&loaded, &Budget::usual())
     }
 
     #[test]

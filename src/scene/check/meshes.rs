@@ -1,24 +1,46 @@
-//! Warnings about triangles of meshes: T-junctions, slivers and overlaps (`walls::mesh_faults`), and about
+//! Warnings about meshes whose size does not fit the grains, because files have no unit, about triangles of meshes: T-junctions, slivers and overlaps
+//! (`walls::mesh_faults`), and about
 //! flat walls of the scene that overlap in one plane.
 
+use crate::budget::Budget;
 use crate::fault::Warning;
 use crate::scene::loaded::Loaded;
 use crate::space::Solid;
 use crate::walls::config::Wall;
-use crate::walls::mesh_faults::faults;
+use crate::walls::mesh_faults::{MOST_OVERLAPS, faults, overlaps};
+
+/// Diameters of the largest grain across which a mesh is suspiciously wide. A bed so wide would have more than 10^9 grains in a single layer; a mesh in mm that is
+/// read as m is a thousand times too wide.
+const VERY_WIDE: f64 = 3e4;
 
 /// Adds the warnings.
-pub(super) fn examine(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+pub(super) fn examine(loaded: &Loaded, budget: &Budget, warnings: &mut Vec<Warning>) {
     for (number, wall) in loaded.scene.walls.iter().enumerate() {
         if let Wall::Mesh { triangles, .. } = wall {
-            of_mesh(number, triangles, warnings);
+            size(loaded, number, wall, warnings);
+            budget.share(0.5, || of_mesh(number, triangles, budget, warnings));
         }
     }
-    overlapping_walls(loaded, warnings);
+    overlapping_walls(loaded, budget, warnings);
 }
 
-fn of_mesh(number: usize, triangles: &[[Solid; 3]], warnings: &mut Vec<Warning>) {
-    let found = faults(triangles);
+/// Meshes narrower than a grain, or very much wider.
+fn size(loaded: &Loaded, number: usize, wall: &Wall, warnings: &mut Vec<Warning>) {
+    let Some(((_, largest), [low, high])) = loaded.grain_radii().zip(wall.bounds()) else { return };
+    let (width, diameter) = ((high - low).max_element(), 2.0 * largest);
+    if width < diameter || width > VERY_WIDE * diameter {
+        warnings.push(Warning {
+            code: "check::mesh_size",
+            message: format!(
+                "the mesh of walls[{number}] is {width:.3e} m wide, and the largest grain {diameter:.3e} m"
+            ),
+            help: format!("is `walls[{number}].unit` the unit of the numbers in the file?"),
+        });
+    }
+}
+
+fn of_mesh(number: usize, triangles: &[[Solid; 3]], budget: &Budget, warnings: &mut Vec<Warning>) {
+    let found = faults(triangles, &format!("of the mesh of walls[{number}]"), budget);
     let mut warn = |code, what: String, help: &str| {
         warnings.push(Warning {
             code,
@@ -44,6 +66,7 @@ fn of_mesh(number: usize, triangles: &[[Solid; 3]], warnings: &mut Vec<Warning>)
     }
     if let [(one, other), ..] = found.overlaps[..] {
         let count = found.overlaps.len();
+        let count = if count < MOST_OVERLAPS { count.to_string() } else { format!("{count} or more") };
         warn(
             "check::overlapping_triangles",
             format!("{count} pairs of triangles that overlap in one plane, first triangles {one} and {other}"),
@@ -53,7 +76,7 @@ fn of_mesh(number: usize, triangles: &[[Solid; 3]], warnings: &mut Vec<Warning>)
 }
 
 /// Panels and polygons of the scene that cover a common area: a part of the wall comes twice.
-fn overlapping_walls(loaded: &Loaded, warnings: &mut Vec<Warning>) {
+fn overlapping_walls(loaded: &Loaded, budget: &Budget, warnings: &mut Vec<Warning>) {
     let mut triangles = Vec::new();
     let mut owners = Vec::new();
     for (number, wall) in loaded.scene.walls.iter().enumerate() {
@@ -69,7 +92,8 @@ fn overlapping_walls(loaded: &Loaded, warnings: &mut Vec<Warning>) {
         owners.extend(own.iter().map(|_| number));
         triangles.extend(own);
     }
-    let pairs = faults(&triangles).overlaps.into_iter().map(|(one, other)| (owners[one - 1], owners[other - 1]));
+    let pairs = overlaps(&triangles, "of panels and polygons", budget).into_iter();
+    let pairs = pairs.map(|(one, other)| (owners[one - 1], owners[other - 1]));
     let mut pairs: Vec<_> = pairs.filter(|(one, other)| one != other).collect();
     pairs.dedup();
     if let [(one, other), ..] = pairs[..] {

@@ -12,6 +12,9 @@
 //! * The path (`check/tunnelling.rs`): a grain that moves farther than a wall is thick, or than a grain is wide, in one step may pass it undetected.
 //! * The start (`check/start.rs`) and the fall (`check/falling.rs`): overlaps, places inside and outside of walls, grains that fall for ever.
 //! * The output: a warning if the run would write more than [`MOST_BYTES`] up to `until`.
+//!
+//! All checks of a scene together have a [`Budget`] of time. One that needs more ends, and a last warning says what was not examined. No result of a
+//! run depends on a check, so none depends on the budget.
 
 pub mod automatic;
 mod bed;
@@ -29,28 +32,59 @@ pub mod step;
 mod tunnelling;
 
 pub use self::estimates::{Estimates, hardest};
+use std::cell::LazyCell;
+use std::fmt::Write as _;
+
+use crate::budget::Budget;
 use crate::fault::Warning;
 use crate::scene::expected;
 use crate::scene::loaded::Loaded;
 use crate::writers::volume::{self, MOST_BYTES};
 
-/// Warnings about effects that the author of the scene may not want.
+/// Warnings about effects that the author of the scene may not want, within the usual budget of time.
 #[must_use]
 pub fn warnings(loaded: &Loaded) -> Vec<Warning> {
+    warnings_within(loaded, &Budget::usual())
+}
+
+/// Like [`warnings`], with another budget.
+#[must_use]
+pub fn warnings_within(loaded: &Loaded, budget: &Budget) -> Vec<Warning> {
+    let mut warnings = examined(loaded, budget);
+    let unfinished = budget.take_unfinished();
+    if !unfinished.is_empty() {
+        let mut message =
+            format!("the checks gave up, for they have {} s in all; not examined:", budget.time().as_secs_f64());
+        for (number, what) in unfinished.iter().enumerate() {
+            // Writing to a string cannot fail.
+            let _ = write!(message, "{} {what}", if number == 0 { "" } else { ";" });
+        }
+        warnings.push(Warning {
+            code: "check::unfinished",
+            message,
+            help: "what was not examined may have faults without a warning; `siloflow check SCENE --patience SECONDS` takes more time"
+                .to_owned(),
+        });
+    }
+    warnings
+}
+
+fn examined(loaded: &Loaded, budget: &Budget) -> Vec<Warning> {
     let mut warnings = loaded.source.unused_parameters();
     renamed_keys(loaded, &mut warnings);
     sources::stop(loaded, &mut warnings);
     let estimates = Estimates::of(loaded);
-    start::examine(loaded, estimates.as_ref(), &mut warnings);
-    meshes::examine(loaded, &mut warnings);
+    budget.share(0.5, || start::examine(loaded, estimates.as_ref(), budget, &mut warnings));
+    budget.share(0.5, || meshes::examine(loaded, budget, &mut warnings));
     let Some(estimates) = estimates else { return warnings };
     step(&estimates, &mut warnings);
     sources::examine(loaded, estimates.dt, &mut warnings);
     softness::examine(loaded, &estimates, &mut warnings);
     tunnelling::examine(loaded, &estimates, &mut warnings);
-    falling::examine(loaded, &mut warnings);
+    let way_out = LazyCell::new(|| leaks::way_out(loaded, budget));
+    falling::examine(loaded, || way_out.is_some(), &mut warnings);
     output(loaded, &estimates, &mut warnings);
-    if let Some(place) = leaks::way_out(loaded) {
+    if let Some(place) = *way_out {
         warnings.push(Warning {
             code: "check::leaky_walls",
             message: format!(

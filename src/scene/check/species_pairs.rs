@@ -1,15 +1,16 @@
 //! All pairs of species that can meet: two grains, or a grain and a wall. The lightest grains of a species represent it.
 //!
 //! A pair has a law, a reduced mass m and, with I = q m R^2, three mobilities (acceleration of the contact per unit force):
-//! 1/m along the normal, (1 + 1/q)/m along the tangent, and R_eff^2 (1/I_i + 1/I_j) in rolling. The last is 1/(4 q m) for
+//! 1/m along the normal, (1 + 1/q)/m along the tangent, and R_eff^2 (1/I_i + 1/I_j) in rolling and twisting. The last is 1/(4 q m) for
 //! equal grains and 1/(q m) on a wall surface. Its step limits ([`step`]):
 //!
-//! * Single contact: each of the three motions by itself.
+//! * Single contact: each of the four motions by itself.
 //! * Dense bed: a grain has z = 6 equal neighbours, in solid space 12. Since (a - b)^2 <= 2 a^2 + 2 b^2 for the motion of two
 //!   grains at their contact, the worst motion has every grain move against its neighbours. In d dimensions the contacts
 //!   then count with the weights z/d (normal, from sum n n = z/d) and z (d - 1)/d (tangent). If all grains turn alike, the
-//!   tangent counts with z/q, in solid space 2/3 of that; if neighbours turn against each other, rolling counts as much. The
-//!   hexagonal lattice has such motions, so these bounds are reached. A grain between walls has two opposite ones.
+//!   tangent counts with z/q, in solid space 2/3 of that; if neighbours turn against each other, rolling counts as much and twisting
+//!   with the other third. The hexagonal lattice has such motions, so these bounds are reached. A grain may also be held by z walls
+//!   alone. Then tangents, rolling and twisting take part in the same turn.
 //!
 //! Masses are taken from the grains at the start, and from the radii that the spawner will choose.
 
@@ -49,7 +50,7 @@ pub struct SpeciesPair {
     /// m R_eff^2 (1/I_i + 1/I_j).
     rolling: f64,
     /// The law's [`modes`](crate::contact::PairLaw::modes) in the impact.
-    modes: [[f64; 2]; 3],
+    modes: [[f64; 2]; 4],
 }
 
 impl SpeciesPair {
@@ -93,9 +94,9 @@ impl SpeciesPair {
         self.law.0.deepest(&Bounce { speed: 0.0, ..self.bounce }) / (2.0 * self.bounce.reduced_radius)
     }
 
-    /// The three ways to move with the weights of a single contact: normal, tangential, rolling.
-    fn motions(&self) -> [Pull; 3] {
-        let mobilities = [1.0, 1.0 + 1.0 / self.inertia, self.rolling];
+    /// The four ways to move with the weights of a single contact: normal, tangential, rolling, twisting.
+    fn motions(&self) -> [Pull; 4] {
+        let mobilities = [1.0, 1.0 + 1.0 / self.inertia, self.rolling, self.rolling];
         std::array::from_fn(|way| {
             let ([k, c], weight) = (self.modes[way], mobilities[way]);
             Pull { weight, k, c, mobility: weight / self.bounce.reduced_mass, gathers: way > 0 }
@@ -127,62 +128,54 @@ impl SpeciesPair {
         step::limit(scheme, weight * k, weight * c, self.bounce.reduced_mass)
     }
 
-    /// Damping rates of this contact alone: c/(2 m) along the normal, and the same of sliding and rolling with their
+    /// Damping rates of this contact alone: c/(2 m) along the normal, and the same of sliding, rolling and twisting with their
     /// effective masses, whichever is larger, 1/s.
     #[must_use]
     pub fn damping_rates(&self) -> [f64; 2] {
-        let [normal, sliding, rolling] = self.motions().map(|Pull { c, mobility, .. }| 0.5 * c * mobility);
-        [normal, sliding.max(rolling)]
+        let [normal, sliding, rolling, twisting] = self.motions().map(|Pull { c, mobility, .. }| 0.5 * c * mobility);
+        [normal, sliding.max(rolling).max(twisting)]
     }
 
-    /// Numerical damping that tangential and rolling springs need in steps of `dt` (s) so that a bed without dashpots gains
-    /// no energy, s: see [`crate::integrate::centred`].
+    /// The shortest relaxation time c/k of the springs along the tangent, in rolling and in twisting, s; infinite without such
+    /// springs. `Centred` lets springs follow the positions in steps longer than that ([`crate::integrate::centred`]).
     #[must_use]
-    pub fn spring_damping(&self, dt: f64) -> f64 {
-        // The bound of solid space serves both spaces, so that coplanar spheres move like discs.
-        let ([_, tangential, rolling], weights) = (self.motions(), self.bed_weights(Dimension::Solid));
-        let missing = |Pull { k, c, .. }: Pull, weight: f64| {
-            // A dashpot takes more energy than the springs of a coarse step give.
-            if k > 0.0 { 0.25 * weight * k * dt.powi(3) / self.bounce.reduced_mass - c / k } else { 0.0 }
-        };
-        let tangential = missing(tangential, weights.sliding.max(weights.turning));
-        // Not `clamp`, which panics if the step is not a number.
-        tangential.max(missing(rolling, weights.rolling)).min(0.5 * dt).max(0.0)
+    pub fn relaxation(&self) -> f64 {
+        let springs = self.motions().into_iter().filter(|way| way.gathers && way.k > 0.0);
+        springs.map(|way| way.c / way.k).fold(f64::INFINITY, f64::min)
     }
 
-    /// Largest stable step of a grain surrounded by contacts of this kind, s.
+    /// Largest stable step of a grain surrounded by contacts of this kind, s. `relaxation` is the shortest of all pairs of the scene.
     #[must_use]
-    pub fn bed_limit(&self, scheme: Integrator, space: Dimension) -> f64 {
-        let ([normal, tangential, rolling], weights) = (self.motions(), self.bed_weights(space));
+    pub fn bed_limit(&self, scheme: Integrator, space: Dimension, relaxation: f64) -> f64 {
+        let ([normal, tangential, rolling, twisting], weights) = (self.motions(), self.bed_weights(space));
         let [straight, turning] = self.damping_rates();
         let limit = |pulls: &[(f64, Pull)], rate: f64| {
             let pulls: Vec<_> = pulls.iter().map(|&(weight, pull)| Pull { weight, ..pull }).collect();
-            let motion = Motion { pulls: &pulls, mass: self.bounce.reduced_mass, rate };
-            motion.limit(scheme, |dt| self.spring_damping(dt))
+            Motion { pulls: &pulls, mass: self.bounce.reduced_mass, rate }.limit(scheme, relaxation)
         };
-        let (normal, sliding) = ((weights.normal, normal), (weights.sliding, tangential));
-        let translation = if self.is_wall {
-            limit(&[normal], straight).min(limit(&[sliding], straight))
+        let sliding = (weights.turning, tangential);
+        let resisted = [(weights.rolling, rolling), (weights.twisting, twisting)];
+        let turning = if self.is_wall {
+            limit(&[sliding, resisted[0], resisted[1]], turning)
         } else {
-            limit(&[normal, sliding], straight)
+            limit(&[sliding], turning).min(limit(&resisted, turning))
         };
-        let turning =
-            limit(&[(weights.turning, tangential)], turning).min(limit(&[(weights.rolling, rolling)], turning));
-        translation.min(turning)
+        limit(&[(weights.normal, normal), (weights.sliding, tangential)], straight).min(turning)
     }
 
     /// Weights of the contacts of a grain surrounded by contacts of this kind, in the worst motions.
     fn bed_weights(&self, space: Dimension) -> BedWeights {
-        let (z, d) = match space {
-            Dimension::Plane => (6.0, 2.0),
-            Dimension::Solid => (12.0, 3.0),
+        // Of the z contacts, their share in turning and in twisting: the means of 1 - (n.e)^2 and (n.e)^2 over directions n, for an axis e.
+        let (z, d, turning, twisting) = match space {
+            Dimension::Plane => (6.0, 2.0, 6.0, 0.0),
+            Dimension::Solid => (12.0, 3.0, 8.0, 4.0),
         };
-        let around = if self.is_wall { 2.0 } else { z / if space == Dimension::Solid { 1.5 } else { 1.0 } };
         BedWeights {
-            normal: if self.is_wall { 2.0 } else { z / d },
-            sliding: if self.is_wall { 2.0 } else { z * (d - 1.0) / d },
-            turning: around / self.inertia,
-            rolling: around * self.rolling,
+            normal: z / d,
+            sliding: z * (d - 1.0) / d,
+            turning: turning / self.inertia,
+            rolling: turning * self.rolling,
+            twisting: twisting * self.rolling,
         }
     }
 }
@@ -200,13 +193,14 @@ fn speed_to_reach(overlap: f64, deepest: impl Fn(f64) -> f64) -> f64 {
     high
 }
 
-/// Weights of the contacts around a grain: along normals and tangents if neighbours move, along tangents and in rolling if
-/// they turn.
+/// Weights of the contacts around a grain: along normals and tangents if neighbours move, along tangents, in rolling and in twisting
+/// if they turn.
 struct BedWeights {
     normal: f64,
     sliding: f64,
     turning: f64,
     rolling: f64,
+    twisting: f64,
 }
 
 /// All pairs of the lightest bodies, meeting at this speed (m/s).
@@ -376,7 +370,7 @@ mod tests {
     }
 
     #[test]
-    fn damping_rate_and_numerical_damping_agree_with_closed_forms() {
+    fn damping_rates_and_relaxation_times_agree_with_closed_forms() {
         // Two grains of 1 kg, so a reduced mass of 0.5 kg; k = 1e4 N/m, c = 2 N s/m.
         let scene = |tangential: &str| {
             let keys = "contact: Linear(k: 1.0e4, damping: B(2.0), tangential: Spring(k: 4.0e3, friction: 0.5, ";
@@ -387,12 +381,30 @@ mod tests {
         assert!((pair("B(0.0)").damping_rates()[0] - 2.0).abs() < 1e-14);
         // A disc turns with I = m R^2/2, so the contact slides with a third of the mass.
         assert!((pair("B(1.0)").damping_rates()[1] - 3.0).abs() < 1e-14);
-        // The stiffest motion is turning: weight 8/(1/2), so (w dt)^2 = 16 k_t dt^2/m. A quarter of a step of that is missing.
-        let (dt, whole) = (1e-3, 0.25 * 16.0 * 4.0e3 * 1e-9 / 0.5);
-        assert!((pair("B(0.0)").spring_damping(dt) - whole).abs() < 1e-15);
-        // A dashpot of 0.1 N s/m counts as 0.1/k_t, and a strong one leaves nothing to add.
-        assert!((pair("B(0.1)").spring_damping(dt) - (whole - 0.1 / 4.0e3)).abs() < 1e-15);
-        assert!(pair("B(1.0)").spring_damping(dt).abs() < f64::MIN_POSITIVE);
+        // c/k: springs with a shorter relaxation time than a step follow the positions.
+        assert!((pair("B(1.0)").relaxation() - 1.0 / 4.0e3).abs() < 1e-18 && pair("B(0.0)").relaxation() == 0.0);
+    }
+
+    #[test]
+    fn a_grain_between_walls_has_the_limit_of_its_normals_and_tangents() {
+        // A sphere of 1 kg: z = 12 walls press it with 4 k along each axis, and hold it with 8 k_t; 8 k_t/(2/5) resist its turn.
+        let keys = |kt: f64| {
+            format!(
+                "contact: Linear(k: 1.0e4, damping: B(0.0), tangential: Spring(k: {kt:?}, friction: 0.5, damping: B(0.0))), \
+                 step: Fixed(1.0e-4), inertia: Sphere, space: Solid, gravity: (0.0, 0.0, 0.0), \
+                 walls: [HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0))]"
+            )
+        };
+        for (kt, motion) in [(1.0e3, 4.0e4 + 8.0e3), (1.0e4, 20.0e4)] {
+            let text = format!("(until: 1.0, pictures: None, {})", keys(kt));
+            let mut loaded = load::from_text("test.ron", "test", std::path::Path::new(""), text, &[]).unwrap();
+            loaded.grains = vec![grain(1, 0, 0.1, 1.0)];
+            let pair = all(&loaded, 1.0).remove(0);
+            for scheme in [Integrator::Centred, Integrator::Verlet] {
+                let limit = pair.bed_limit(scheme, Dimension::Solid, pair.relaxation());
+                assert!((limit / (2.0 / f64::sqrt(motion)) - 1.0).abs() < 1e-9, "{scheme:?}: {limit}");
+            }
+        }
     }
 
     #[test]
@@ -421,8 +433,8 @@ mod tests {
         // Discs of m = 0.16 kg, so m_eff = 0.08 kg; z = 6 neighbours: springs count 3 times, drag 6 times.
         let keys = "contact: Assignment(k: 1.0e4, b: 5.0), mass: ArealSquare(100.0), step: Fixed(1.0e-4)";
         let pair = all(&scene(&format!("{keys}, {}", spawner(2, "Fixed(0.04)"))).unwrap(), 1.0).remove(0);
-        let [verlet, centred] =
-            [Integrator::Verlet, Integrator::Centred].map(|scheme| pair.bed_limit(scheme, Dimension::Plane));
+        let [verlet, centred] = [Integrator::Verlet, Integrator::Centred]
+            .map(|scheme| pair.bed_limit(scheme, Dimension::Plane, f64::INFINITY));
         assert!((3.0e4 * verlet * verlet + 60.0 * verlet - 0.32).abs() < 1e-12, "{verlet}");
         let drag = 120.0 * centred / (1.0 + 5.0 * centred / 0.16);
         assert!((3.0e4 * centred * centred + drag - 0.32).abs() < 1e-9, "{centred}");

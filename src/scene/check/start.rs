@@ -1,13 +1,14 @@
 //! Examines the start of a run: deep overlaps, grains inside walls, wall grains at one place, and the release point.
 //!
 //! An overlap counts from [`LARGE_OVERLAP`] of the smaller radius on, because a bed at rest has small ones. Pairs that meet
-//! through a periodic side are not examined, nor more than [`PATIENCE`] bodies.
+//! through a periodic side are not examined. Where all bodies overlap, all pairs touch; the budget ends the search then, and warnings count what was found.
 
 mod release;
 mod stability;
 
 use rustc_hash::FxHashMap;
 
+use crate::budget::Budget;
 use crate::fault::Warning;
 use crate::scene::check::Estimates;
 use crate::scene::check::species_pairs;
@@ -16,9 +17,6 @@ use crate::space::{Dimension, Plane, Solid, Space};
 use crate::walls::config::Wall;
 use crate::walls::surfaces::{Surface, Surfaces};
 use crate::watchdog::LARGE_OVERLAP;
-
-/// Most bodies that are examined, and most pairs of them. More would take seconds.
-const PATIENCE: [usize; 2] = [2_000_000, 50_000_000];
 
 /// Warnings of deep overlaps.
 const DEEP: [&str; 2] = ["check::overlaps_at_start", "check::starts_in_wall"];
@@ -41,35 +39,45 @@ impl Body {
 }
 
 /// Adds the warnings about the start. A scene without estimates has no grains.
-pub(super) fn examine(loaded: &Loaded, estimates: Option<&Estimates>, warnings: &mut Vec<Warning>) {
+pub(super) fn examine(loaded: &Loaded, estimates: Option<&Estimates>, budget: &Budget, warnings: &mut Vec<Warning>) {
     match loaded.scene.space {
-        Dimension::Plane => examine_in::<Plane>(loaded, estimates, warnings),
-        Dimension::Solid => examine_in::<Solid>(loaded, estimates, warnings),
+        Dimension::Plane => examine_in::<Plane>(loaded, estimates, budget, warnings),
+        Dimension::Solid => examine_in::<Solid>(loaded, estimates, budget, warnings),
     }
 }
 
-fn examine_in<V: Space>(loaded: &Loaded, estimates: Option<&Estimates>, warnings: &mut Vec<Warning>) {
+fn examine_in<V: Space>(loaded: &Loaded, estimates: Option<&Estimates>, budget: &Budget, warnings: &mut Vec<Warning>) {
     let bodies = bodies(loaded);
     let before = warnings.len();
-    if bodies.len() <= PATIENCE[0] {
-        pairs(&bodies, warnings);
-    }
+    budget.share(0.5, || pairs(&bodies, budget, warnings));
     let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
     let surfaces = Surfaces::<V>::new(loaded.surfaces(), largest);
     let grains = bodies.iter().filter(|body| body.grain.is_some());
-    let grains: Vec<_> = grains.map(|body| (body, distances_within(&surfaces, body))).collect();
+    let grains = budget.share(0.5, || {
+        let examined = grains.map_while(|body| Some((body, distances_within(&surfaces, body, budget)?)));
+        let examined: Vec<_> = examined.collect();
+        let all = loaded.grains.len();
+        if examined.len() < all {
+            budget.give_up(format!("grains in walls at the start, after {} of {all} grains", examined.len()));
+        }
+        examined
+    });
     let behind = grains.iter().filter(|(_, [half, _])| *half <= 0.0).map(|(body, _)| *body);
-    inside(behind.collect(), "behind a half-plane", warnings);
+    inside(behind.take(1).next(), "behind a half-plane", warnings);
     let pressed = |(body, [half, thin]): &(&Body, [f64; 2])| {
         *half > 0.0 && body.radius - half.min(*thin) > LARGE_OVERLAP * body.radius
     };
     let pressed: Vec<_> = grains.iter().filter(|grain| pressed(grain)).map(|(body, _)| *body).collect();
     if let Some(first) = pressed.first() {
-        overlapping(pressed.len(), &format!("{} and a wall surface at {}", name(first), place(first.centre)), warnings);
+        overlapping(
+            &pressed.len().to_string(),
+            &format!("{} and a wall surface at {}", name(first), place(first.centre)),
+            warnings,
+        );
     }
     let is_deep = warnings[before..].iter().any(|warning| DEEP.contains(&warning.code));
     if let Some(estimates) = estimates.filter(|_| is_deep) {
-        stability::examine(loaded, estimates, &bodies, &surfaces, warnings);
+        stability::examine(loaded, estimates, &bodies, &surfaces, budget, warnings);
     }
     let all = 0..surfaces.all.len();
     release::examine(loaded, &bodies, |x| distances(&surfaces, all.clone(), x), warnings);
@@ -99,9 +107,11 @@ fn place(x: Solid) -> String {
     format!("({}, {}, {}) m", x.x, x.y, x.z)
 }
 
-/// Least distance (m) to a solid wall, negative inside it, and to a thin wall, of the walls that the body may touch.
-fn distances_within<V: Space>(surfaces: &Surfaces<V>, body: &Body) -> [f64; 2] {
-    distances(surfaces, surfaces.near(V::narrow(body.centre), body.radius).iter(), body.centre)
+/// Least distance (m) to a solid wall, negative inside it, and to a thin wall, of the walls that the body may touch. `None` if the budget ended.
+fn distances_within<V: Space>(surfaces: &Surfaces<V>, body: &Body, budget: &Budget) -> Option<[f64; 2]> {
+    let near = surfaces.near(V::narrow(body.centre), body.radius);
+    let found = distances(surfaces, near.iter().take_while(|_| !budget.is_spent()), body.centre);
+    (!budget.is_spent()).then_some(found)
 }
 
 /// Least distance (m) to a solid wall, negative inside it, and to a thin wall, of those with these numbers.
@@ -115,14 +125,18 @@ fn distances<V: Space>(surfaces: &Surfaces<V>, numbers: impl Iterator<Item = usi
     })
 }
 
-/// Calls `visit` with pairs of bodies that touch, until there are too many pairs. A body is compared with those in its cell and
-/// in the cells around, and a cell is as wide as the largest body.
-fn touching<'a>(bodies: &'a [Body], mut visit: impl FnMut(&'a Body, &'a Body, f64)) {
+/// Calls `visit` with pairs of bodies that touch, until the budget ends; it is told then what was not examined: `what`. Returns whether all were visited. A body is compared with
+/// those in its cell and in the cells around, and a cell is as wide as the largest body.
+fn touching<'a>(
+    bodies: &'a [Body],
+    what: &str,
+    budget: &Budget,
+    mut visit: impl FnMut(&'a Body, &'a Body, f64),
+) -> bool {
     let width = 2.0 * bodies.iter().map(|body| body.radius).fold(0.0, f64::max);
     #[expect(clippy::cast_possible_truncation, reason = "saturates far outside any scene")]
     let cell = |x: Solid| (x / width).floor().to_array().map(|number| number as i64);
     let mut cells: FxHashMap<[i64; 3], Vec<usize>> = FxHashMap::default();
-    let mut left = PATIENCE[1];
     for (number, body) in bodies.iter().enumerate() {
         let [x, y, z] = cell(body.centre);
         for around in 0..27 {
@@ -132,9 +146,8 @@ fn touching<'a>(bodies: &'a [Body], mut visit: impl FnMut(&'a Body, &'a Body, f6
                 z.saturating_add(around / 9 - 1),
             ];
             for &other in cells.get(&key).into_iter().flatten() {
-                left -= 1;
-                if left == 0 {
-                    return;
+                if budget.is_spent() {
+                    break;
                 }
                 let distance = body.centre.distance(bodies[other].centre);
                 if distance < body.radius + bodies[other].radius {
@@ -142,23 +155,30 @@ fn touching<'a>(bodies: &'a [Body], mut visit: impl FnMut(&'a Body, &'a Body, f6
                 }
             }
         }
+        if budget.is_spent() {
+            budget.give_up(format!("{what}, after {number} of {} bodies", bodies.len()));
+            return false;
+        }
         cells.entry([x, y, z]).or_default().push(number);
     }
+    true
 }
 
-fn pairs(bodies: &[Body], warnings: &mut Vec<Warning>) {
-    let (mut deep, mut deepest, mut within, mut doubled) = (0, (0.0, String::new()), Vec::new(), (0, String::new()));
-    touching(bodies, |a, b, distance| {
+fn pairs(bodies: &[Body], budget: &Budget, warnings: &mut Vec<Warning>) {
+    let (mut deep, mut deepest, mut within, mut doubled) = (0, (0.0, String::new()), None, (0, String::new()));
+    let are_all = touching(bodies, "overlaps at the start", budget, |a, b, distance| {
         let smaller = a.radius.min(b.radius);
         let share = (a.radius + b.radius - distance) / smaller;
         if a.grain.is_none() && b.grain.is_none() {
             if distance <= 1e-6 * smaller {
                 doubled.0 += 1;
-                doubled.1 = place(a.centre);
+                if doubled.0 == 1 {
+                    doubled.1 = place(a.centre);
+                }
             }
         } else if a.grain.is_none() && distance < a.radius {
             // Wall grains come first, so the second body is the grain.
-            within.push(b);
+            within = within.or(Some(b));
         } else if share > LARGE_OVERLAP {
             deep += 1;
             if share > deepest.0 {
@@ -178,12 +198,13 @@ fn pairs(bodies: &[Body], warnings: &mut Vec<Warning>) {
     }
     inside(within, "inside a wall grain", warnings);
     if deep > 0 {
-        overlapping(deep, &deepest.1, warnings);
+        let count = if are_all { deep.to_string() } else { format!("at least {deep}") };
+        overlapping(&count, &deepest.1, warnings);
     }
 }
 
-fn inside(grains: Vec<&Body>, what: &str, warnings: &mut Vec<Warning>) {
-    if let Some(first) = grains.first() {
+fn inside(first: Option<&Body>, what: &str, warnings: &mut Vec<Warning>) {
+    if let Some(first) = first {
         warnings.push(Warning {
             code: "check::starts_in_wall",
             message: format!("the centre of {} starts {what}, at {}", name(first), place(first.centre)),
@@ -192,7 +213,7 @@ fn inside(grains: Vec<&Body>, what: &str, warnings: &mut Vec<Warning>) {
     }
 }
 
-fn overlapping(count: usize, example: &str, warnings: &mut Vec<Warning>) {
+fn overlapping(count: &str, example: &str, warnings: &mut Vec<Warning>) {
     warnings.push(Warning {
         code: "check::overlaps_at_start",
         message: format!("{count} contacts start with an overlap of more than {LARGE_OVERLAP} of the smaller radius, for example {example}"),

@@ -8,6 +8,7 @@ use crate::periodic::Periodic;
 use crate::scene::Scene;
 use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Plane, Solid, Space};
+use crate::walls::surfaces::Surfaces;
 
 impl Loaded {
     /// Creates the grains of `fill`.
@@ -53,12 +54,12 @@ impl Loaded {
                 occupied.add(centre.padded(), radius);
             }
         }
-        let walls = self.surfaces::<V>();
+        let walls = Surfaces::<V>::new(self.surfaces(), largest);
         // Walls have no images, so a place beyond a periodic side counts as the one that it enters at.
         let periodic_box = Periodic::<V>::new(periodic);
         let is_clear = |x: Solid, radius: f64| {
             let x = periodic_box.map_or(V::narrow(x), |periodic| periodic.wrapped(V::narrow(x)));
-            walls.iter().all(|wall| wall.surface.distance(x) >= radius)
+            walls.near(x, radius).iter().all(|number| walls.all[number].surface.distance(x) >= radius)
         };
         let first_id = self.first_free_id();
         let rows = fill.random_grains(*space, *mass, (*seed, number), first_id, &mut occupied, is_clear);

@@ -212,6 +212,7 @@ impl Scene {
             _ => self.laws[0],
         };
         let terms = |pair: [usize; 2]| Terms::new(law(pair), pair.map(|species| self.materials[species]));
+        let (prediction, springs_exact) = self.prediction();
         Simulator {
             bodies: self.bodies.clone(),
             walls: self.walls.clone(),
@@ -222,7 +223,8 @@ impl Scene {
             laws: (0..species).map(|a| (0..species).map(|b| terms([a, b])).collect()).collect(),
             scheme: self.scheme,
             dt: DT,
-            prediction: self.prediction(),
+            prediction,
+            springs_exact,
             releases: (0..RELEASES)
                 .filter_map(|number| Some((number * RELEASE_EVERY, self.entering_grain()?)))
                 .collect(),

@@ -86,8 +86,9 @@ impl Scene {
         )
     }
 
-    /// Returns the parameters of the centred scheme that siloflow derives from the scene. Unit tests check them.
-    pub fn prediction(&self) -> [f64; 3] {
+    /// Returns the parameters of the centred scheme that siloflow derives from the scene: beta of velocities and of spins, and whether springs
+    /// advance with the velocities in the middle of the step. Unit tests check them.
+    pub fn prediction(&self) -> ([f64; 2], bool) {
         let mut simulation = self.simulation("VerletList(skin: 0.01)", 1, false);
         simulation.step();
         match Dimension::of_world(simulation.world()) {
@@ -117,8 +118,8 @@ impl Scene {
     }
 }
 
-fn parameters<S: Space>(simulation: &Simulation) -> [f64; 3] {
-    let Prediction { share, spin_share, spring_damping, .. } =
+fn parameters<S: Space>(simulation: &Simulation) -> ([f64; 2], bool) {
+    let Prediction { share, spin_share, springs_exact, .. } =
         simulation.world().resource::<ParticleStore<S>>().prediction.clone();
-    [share, spin_share, spring_damping]
+    ([share, spin_share], springs_exact)
 }

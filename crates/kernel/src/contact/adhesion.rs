@@ -204,7 +204,7 @@ fn head_on(bounce: &Bounce, overlap: f64, closing: f64) -> Pair {
         species: [Species(0); 2],
         dt: 0.0,
         lead: 0.0,
-        spring_damping: 0.0,
+        gathered: None,
         ahead: VelocityPrediction::default(),
     }
 }

@@ -72,9 +72,9 @@ impl<V: Space> PairLaw<V> for Assignment {
         self.b
     }
 
-    fn modes(&self, _: &Bounce) -> [[f64; 2]; 3] {
+    fn modes(&self, _: &Bounce) -> [[f64; 2]; 4] {
         // The drag acts along the tangent too, where there is no spring.
-        [[self.k, self.b], [0.0, self.b], [0.0; 2]]
+        [[self.k, self.b], [0.0, self.b], [0.0; 2], [0.0; 2]]
     }
 
     fn contact_duration(&self, bounce: &Bounce) -> f64 {

@@ -8,12 +8,14 @@ mod bodies;
 mod contact_output;
 mod events;
 mod filter;
+mod gathered;
 mod memories;
 mod spins;
 
 pub use self::bodies::Bodies;
 pub use self::contact_output::ContactOutput;
 pub use self::events::{EventStep, Predict};
+pub use self::gathered::GatheredLanes;
 pub use self::memories::MemoryLanes;
 pub use self::spins::Spins;
 use crate::contact::centred::VelocityPrediction;
@@ -68,6 +70,7 @@ pub struct Batch<V: Space> {
     pub pairs: PerLane<Candidate>,
     pub bodies: Bodies<V>,
     pub spins: Spins<V>,
+    pub gathered: GatheredLanes<V>,
     pub species: [PerLane<Species>; 2],
     pub memory: MemoryLanes<V>,
     pub output: ContactOutput<V>,
@@ -102,7 +105,7 @@ impl<V: Space> Batch<V> {
     /// Returns the contact in a lane as the input of the law.
     #[inline(always)]
     pub fn pair<L: LawRequirements>(&self, lane: usize, times: MemoryTimes) -> Pair<V> {
-        let MemoryTimes { dt, lead, spring_damping } = times;
+        let MemoryTimes { dt, lead } = times;
         let mut pair = Pair {
             normal: self.bodies.normal.get(lane),
             overlap: self.bodies.overlap[lane],
@@ -115,7 +118,7 @@ impl<V: Space> Batch<V> {
             species: [Species(0); 2],
             dt,
             lead,
-            spring_damping,
+            gathered: None,
             ahead: VelocityPrediction::default(),
         };
         if L::RADII {
@@ -159,6 +162,12 @@ impl<V: Space> Batch<V> {
         self.output.lost::<C>(self.len.min(LANES))
     }
 
+    /// Returns the number of lanes whose particles touch.
+    #[inline]
+    pub fn touching(&self) -> u32 {
+        (self.output.contacts() & !(u64::MAX << self.len)).count_ones()
+    }
+
     /// Returns the number of lanes to compute: whole vectors.
     #[inline(always)]
     pub fn lanes(&self) -> usize {
@@ -167,9 +176,14 @@ impl<V: Space> Batch<V> {
 
     /// Evaluates `law` in all lanes. Returns the number of contacts that overlap by more than `deepest` times the sum of the
     /// radii, and the bits of the lanes near an event: see the function `near_event`, also for `even`, s. Both include
-    /// lanes beyond the last contact.
+    /// lanes beyond the last contact. `CENTRED`: velocities are predicted. `GATHERED`: springs advance with those in the middle of the step.
     #[inline(always)]
-    fn evaluate_lanes<L: PairLaw<V> + LawRequirements, const NUMBERS: usize, const CENTRED: bool>(
+    fn evaluate_lanes<
+        L: PairLaw<V> + LawRequirements,
+        const NUMBERS: usize,
+        const CENTRED: bool,
+        const GATHERED: bool,
+    >(
         &mut self,
         law: &L,
         times: MemoryTimes,
@@ -178,16 +192,16 @@ impl<V: Space> Batch<V> {
         let (mut deeper, mut near) = (0, 0);
         // So the compiler can tell whether the lead is zero: plain contacts do not pay for centred ones, and the loop of
         // centred ones has no branch on the lead.
-        let times = if CENTRED {
-            MemoryTimes { lead: times.lead.max(f64::MIN_POSITIVE), ..times }
-        } else {
-            MemoryTimes { dt: times.dt, ..MemoryTimes::default() }
-        };
+        let lead = if CENTRED && !GATHERED { times.lead.max(f64::MIN_POSITIVE) } else { 0.0 };
+        let times = MemoryTimes { lead, ..times };
         if L::SPIN {
             self.spins.spread(self.lanes());
         }
         for lane in 0..self.lanes() {
-            let pair = self.pair::<L>(lane, times);
+            let mut pair = self.pair::<L>(lane, times);
+            if GATHERED {
+                pair.gathered = Some(self.gathered.get::<L>(lane));
+            }
             let mut memory = self.memory.get::<L>(lane);
             let range = if CENTRED && L::REACHES { law.range(&pair, &memory) } else { 0.0 };
             let force = law.force(&pair, &mut memory);
@@ -222,10 +236,13 @@ impl<V: Space> Batch<V> {
         law: &L,
         call: &Call,
     ) -> (u64, u64) {
-        if call.times.lead > 0.0 {
-            Lanes::<V, NUMBERS, true> { batch: self, call }.evaluate(law)
-        } else {
-            Lanes::<V, NUMBERS, false> { batch: self, call }.evaluate(law)
+        match call.velocities {
+            Velocities::Middle => Lanes::<V, NUMBERS, false, false> { batch: self, call }.evaluate(law),
+            // Springs exist only where there is memory.
+            Velocities::PredictedAndMiddle if L::MEMORY => {
+                Lanes::<V, NUMBERS, true, true> { batch: self, call }.evaluate(law)
+            }
+            _ => Lanes::<V, NUMBERS, true, false> { batch: self, call }.evaluate(law),
         }
     }
 
@@ -239,9 +256,22 @@ impl<V: Space> Batch<V> {
     }
 }
 
+/// The velocities that a law gets.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Velocities {
+    /// Those in the middle of the step.
+    Middle,
+    /// Those predicted for its end ([`centred`](crate::contact::centred)).
+    Predicted,
+    /// Predicted ones, and those in the middle of the step for springs.
+    PredictedAndMiddle,
+}
+
 /// Arguments of [`Batch::evaluate`].
 #[derive(Clone, Copy, Debug)]
 pub struct Call {
+    /// The velocities in the lanes.
+    pub velocities: Velocities,
     /// The times of memories.
     pub times: MemoryTimes,
     /// Instruction set of the loop over the lanes.
@@ -252,12 +282,14 @@ pub struct Call {
 
 /// Evaluates all lanes of a batch. Two pointers, so that a function gets it in registers: numbers that are copied through memory in
 /// pieces of another size make their reader wait.
-struct Lanes<'a, V: Space, const NUMBERS: usize, const CENTRED: bool> {
+struct Lanes<'a, V: Space, const NUMBERS: usize, const CENTRED: bool, const GATHERED: bool> {
     batch: &'a mut Batch<V>,
     call: &'a Call,
 }
 
-impl<V: Space, const NUMBERS: usize, const CENTRED: bool> Lanes<'_, V, NUMBERS, CENTRED> {
+impl<V: Space, const NUMBERS: usize, const CENTRED: bool, const GATHERED: bool>
+    Lanes<'_, V, NUMBERS, CENTRED, GATHERED>
+{
     /// Evaluates all lanes with one law if all contacts are between the same two species, as in most batches of a silo: contacts of grains of one kind, or
     /// of such grains with walls. Otherwise the law of each contact is looked up, which the compiler does not vectorise.
     #[inline]
@@ -266,12 +298,17 @@ impl<V: Space, const NUMBERS: usize, const CENTRED: bool> Lanes<'_, V, NUMBERS, 
         let only = if depends { self.batch.only_species() } else { Some([Species(0); 2]) };
         match only {
             Some(species) => law.between(species, self),
-            None => self.batch.evaluate_lanes::<L, NUMBERS, CENTRED>(law, self.call.times, self.call.limits),
+            None => {
+                let Self { batch, call } = self;
+                batch.evaluate_lanes::<L, NUMBERS, CENTRED, GATHERED>(law, call.times, call.limits)
+            }
         }
     }
 }
 
-impl<V: Space, const NUMBERS: usize, const CENTRED: bool> LawVisitor<V> for Lanes<'_, V, NUMBERS, CENTRED> {
+impl<V: Space, const NUMBERS: usize, const CENTRED: bool, const GATHERED: bool> LawVisitor<V>
+    for Lanes<'_, V, NUMBERS, CENTRED, GATHERED>
+{
     type Output = (u64, u64);
 
     /// A function of its own: compiled once for a law and for its table of pairs of species.
@@ -279,7 +316,7 @@ impl<V: Space, const NUMBERS: usize, const CENTRED: bool> LawVisitor<V> for Lane
         let Self { batch, call } = self;
         call.instructions.run(
             #[inline(always)]
-            || batch.evaluate_lanes::<L, NUMBERS, CENTRED>(law, call.times, call.limits),
+            || batch.evaluate_lanes::<L, NUMBERS, CENTRED, GATHERED>(law, call.times, call.limits),
         )
     }
 }
@@ -316,7 +353,7 @@ mod tests {
             species: [Species(0), Species(1)],
             dt: 1e-5,
             lead: 0.0,
-            spring_damping: 0.0,
+            gathered: None,
             ahead: VelocityPrediction {
                 velocity: along(0.0, -1e-4, 2e-4),
                 spins: [V::narrow_spin(Solid::new(0.1 * part, 0.2, 0.3)), V::Spin::ZERO],
@@ -327,7 +364,7 @@ mod tests {
         }
     }
 
-    const TIMES: MemoryTimes = MemoryTimes { dt: 1e-5, lead: 0.0, spring_damping: 0.0 };
+    const TIMES: MemoryTimes = MemoryTimes { dt: 1e-5, lead: 0.0 };
 
     fn check_batch<V: Space, L: PairLaw<V> + LawRequirements>(law: &L, species: fn(u32) -> u8) {
         let contacts = 33;
@@ -337,7 +374,8 @@ mod tests {
             for number in 0..contacts {
                 batch.push::<L>(Candidate::new(number, 1), &on_wall(number));
             }
-            let call = |deepest| Call { times: TIMES, instructions, limits: [deepest, 0.0] };
+            let velocities = Velocities::Middle;
+            let call = |deepest| Call { velocities, times: TIMES, instructions, limits: [deepest, 0.0] };
             let (deeper, _) = batch.evaluate::<L, TOTAL_AND_DISSIPATIVE>(law, &call(0.0));
             assert!(deeper >= u64::from(contacts));
             for (lane, number) in (0..contacts).enumerate() {

@@ -296,9 +296,10 @@ impl<V: Space, N: Normal, T: Tangential, R: Rolling> PairLaw<V> for Composite<N,
         self.normal.restitution(bounce)
     }
 
-    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
+    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 4] {
         let normal = [self.normal.stiffness(bounce), self.normal.damping(bounce)];
         let tangential = self.tangential.mode(bounce, normal[1]);
-        [normal, tangential, self.rolling.mode(bounce, tangential[0])]
+        let [rolling, twisting] = self.rolling.modes(bounce, tangential[0]);
+        [normal, tangential, rolling, twisting]
     }
 }

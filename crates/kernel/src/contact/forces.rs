@@ -67,7 +67,7 @@ fn contact_forces<V: Space>(
         list: &search.list,
         walls: &walls.all,
         near: near.of(&store, &walls, have_changed),
-        dt: memory_step(&clock, store.prediction.lookahead),
+        dt: memory_step(&clock, store.spring_lead()),
         starts: clock.is_step_zero(),
         counts: store.predicts() && clock.steps.is_multiple_of(COUNT_INTERVAL),
         gravity: gravity.0,

@@ -131,7 +131,7 @@ impl Jkr {
     /// Returns the energy lost where a contact breaks in a step (J). `overlap` (m) is that of the step's end.
     pub(super) fn lost_at_break<V: Space>(&self, pair: &Pair<V>) -> f64 {
         let (radius, tension) = (pair.reduced_radius(), self.tension);
-        if pair.lead > 0.0 {
+        if pair.is_predicted() {
             // The averaged force acts until the contact breaks.
             return Self::stored([Y_BREAK, self.touching_radius(radius)], tension);
         }

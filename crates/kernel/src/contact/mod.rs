@@ -78,12 +78,11 @@ pub struct Pair<V: Space = Plane> {
     /// Time by which the law advances the memory in this evaluation, s: the step, or 0 if the evaluation must not
     /// advance it.
     pub dt: f64,
-    /// Time by which the springs of the memory are ahead of the evaluation, s: half a step with [`centred`] contacts, else
-    /// 0.
+    /// Time by which the springs of the memory are ahead of the evaluation, s: half a step with [`centred`] contacts whose springs
+    /// advance with predicted velocities, else 0.
     pub lead: f64,
-    /// Numerical damping of tangential and rolling springs, s: a dashpot of this time times the stiffness is added, so that
-    /// [`centred`] contacts without a dashpot gain no energy.
-    pub spring_damping: f64,
+    /// The velocities with which springs advance, if they differ from those of the pair.
+    pub gathered: Option<Gathered<V>>,
     /// Velocity changes until the end of the step, for [`PairLaw::centred`]; else zero.
     pub ahead: VelocityPrediction<V>,
 }
@@ -95,8 +94,15 @@ pub struct MemoryTimes {
     pub dt: f64,
     /// [`Pair::lead`].
     pub lead: f64,
-    /// [`Pair::spring_damping`].
-    pub spring_damping: f64,
+}
+
+/// Velocities of a pair in the middle of the step. Springs that advance with them have exactly the stretch that positions have.
+#[derive(Clone, Copy, Debug)]
+pub struct Gathered<V: Space = Plane> {
+    /// v_i - v_j of the centres, m/s.
+    pub relative_velocity: V,
+    /// Spins of i and j, rad/s.
+    pub spins: [V::Spin; 2],
 }
 
 impl<V: Space> Pair<V> {
@@ -110,9 +116,30 @@ impl<V: Space> Pair<V> {
             radii: swapped(self.radii),
             spins: [self.spins[1], self.spins[0]],
             species: [self.species[1], self.species[0]],
+            gathered: self.gathered.map(|Gathered { relative_velocity, spins: [i, j] }| Gathered {
+                relative_velocity: -relative_velocity,
+                spins: [j, i],
+            }),
             ahead: VelocityPrediction::default(),
             ..*self
         }
+    }
+
+    /// Returns the pair with the velocities with which springs advance.
+    #[inline(always)]
+    #[must_use]
+    pub fn gathering(&self) -> Self {
+        match self.gathered {
+            Some(Gathered { relative_velocity, spins }) => Self { relative_velocity, spins, ..*self },
+            None => *self,
+        }
+    }
+
+    /// Returns whether velocities are predicted for the end of the step ([`centred`]).
+    #[inline(always)]
+    #[must_use]
+    pub fn is_predicted(&self) -> bool {
+        self.lead > 0.0 || self.gathered.is_some()
     }
 
     /// Returns R_i R_j/(R_i + R_j), m; R_i/(1 + R_i H) against a wall surface of mean curvature H.
@@ -332,11 +359,11 @@ pub trait PairLaw<V: Space = Plane>: Send + Sync + 'static {
     /// Returns the restitution of a head-on bounce, for reports.
     fn restitution(&self, bounce: &Bounce) -> f64;
 
-    /// Returns stiffness (N/m) and drag coefficient (N s/m) of the three modes in which a contact can oscillate: along
-    /// the normal, along the tangent, in rolling. The effective masses of the last two depend on the pair and are not
+    /// Returns stiffness (N/m) and drag coefficient (N s/m) of the four modes in which a contact can oscillate: along
+    /// the normal, along the tangent, in rolling, in twisting. The effective masses of the last three depend on the pair and are not
     /// included.
-    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
-        [[self.stiffness(bounce), self.damping(bounce)], [0.0; 2], [0.0; 2]]
+    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 4] {
+        [[self.stiffness(bounce), self.damping(bounce)], [0.0; 2], [0.0; 2], [0.0; 2]]
     }
 
     /// Returns w0 = sqrt(k/m_eff), 1/s.
@@ -412,7 +439,7 @@ pub(crate) mod tests {
             species: [Species(0); 2],
             dt: 1e-4,
             lead: 0.0,
-            spring_damping: 0.0,
+            gathered: None,
             ahead: VelocityPrediction::default(),
         }
     }

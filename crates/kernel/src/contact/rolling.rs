@@ -74,8 +74,8 @@ pub trait Rolling: Copy + Send + Sync + 'static {
     /// Returns the stored energy, J.
     fn energy<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64;
 
-    /// Returns stiffness (N/m) and drag coefficient (N s/m). `tangential` is the stiffness of friction, N/m.
-    fn mode(&self, bounce: &Bounce, tangential: f64) -> [f64; 2];
+    /// Returns stiffness (N/m) and drag coefficient (N s/m) of rolling and of twisting. `tangential` is the stiffness of friction, N/m.
+    fn modes(&self, bounce: &Bounce, tangential: f64) -> [[f64; 2]; 2];
 
     /// Returns the energy lost at the end of a contact, J; see
     /// [`PairLaw::on_contact_end`](crate::contact::PairLaw::on_contact_end).
@@ -122,8 +122,8 @@ impl Rolling for NoRolling {
         0.0
     }
 
-    fn mode(&self, _: &Bounce, _: f64) -> [f64; 2] {
-        [0.0, 0.0]
+    fn modes(&self, _: &Bounce, _: f64) -> [[f64; 2]; 2] {
+        [[0.0; 2]; 2]
     }
 
     fn on_contact_end<V: Space>(&self, _: &Pair<V>, _: &Memory<V>) -> f64 {
@@ -136,10 +136,10 @@ impl Rolling for RollingResistance {
 
     #[inline(always)]
     fn add<V: Space>(&self, pair: &Pair<V>, normal_force: f64, memory: &mut Memory<V>, turning: &mut Turning<V>) {
-        let velocity = rolling_velocity(pair);
-        let drag = self.damping.of(pair.reduced_mass) + self.k.get() * pair.spring_damping;
+        let velocities = [pair, &pair.gathering()].map(rolling_velocity);
+        let drag = self.damping.of(pair.reduced_mass);
         let slider = Slider { stiffness: self.k.get(), drag, cap: self.friction.get() * normal_force.abs() };
-        let pull = slider.pull(&mut memory.rolling, velocity, pair.normal, [pair.dt, pair.lead]);
+        let pull = slider.pull(&mut memory.rolling, velocities, pair.normal, [pair.dt, pair.lead]);
         set_torques(pair, &pull, turning);
     }
 
@@ -170,12 +170,12 @@ impl Rolling for RollingResistance {
         0.5 * self.k.get() * (memory.rolling - rolling_velocity(pair) * pair.lead).length_squared()
     }
 
-    fn mode(&self, bounce: &Bounce, _: f64) -> [f64; 2] {
-        [self.k.get(), self.damping.of(bounce.reduced_mass)]
+    fn modes(&self, bounce: &Bounce, _: f64) -> [[f64; 2]; 2] {
+        [[self.k.get(), self.damping.of(bounce.reduced_mass)], [0.0; 2]]
     }
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        let velocity = rolling_velocity(pair);
+        let velocity = rolling_velocity(&pair.gathering());
         lost_at_contact_end(self.k.get(), memory.rolling - velocity * pair.lead, velocity, pair.dt)
     }
 }

@@ -46,13 +46,19 @@ pub struct SliderForce<V> {
 }
 
 impl Slider {
-    /// Advances `spring` (m) by `velocity` (m/s) for `dt` (s) and returns the force. `spring` is `lead` (s) ahead of the
-    /// evaluation. `normal` is the normal of the tangent plane.
+    /// Advances `spring` (m) by the velocity `gathered` (m/s) for `dt` (s) and returns the force, with the dashpot at `velocity`
+    /// (m/s). `spring` is `lead` (s) ahead of the evaluation, by `velocity`. `normal` is the normal of the tangent plane.
     #[inline(always)]
     #[must_use]
-    pub fn pull<V: Space>(&self, spring: &mut V, velocity: V, normal: V, [dt, lead]: [f64; 2]) -> SliderForce<V> {
+    pub fn pull<V: Space>(
+        &self,
+        spring: &mut V,
+        [velocity, gathered]: [V; 2],
+        normal: V,
+        [dt, lead]: [f64; 2],
+    ) -> SliderForce<V> {
         let before = *spring;
-        let moved = before + velocity * dt;
+        let moved = before + gathered * dt;
         let mut after = moved - normal * moved.dot(normal);
         // The force beside that of the stored spring, which is ahead: -k (S - v lead) - c v = -k S + (k lead - c) v.
         let beside = velocity * (self.stiffness * lead - self.drag);
@@ -91,10 +97,10 @@ mod tests {
     #[test]
     fn slider_sticks_below_the_cap_and_slides_at_it() {
         let mut spring = Solid::ZERO;
-        let stuck = SLIDER.pull(&mut spring, Solid::X * 0.1, Solid::Z, [1e-3, 0.0]);
+        let stuck = SLIDER.pull(&mut spring, [Solid::X * 0.1; 2], Solid::Z, [1e-3, 0.0]);
         assert!(!stuck.is_sliding && spring.distance(Solid::X * 1e-4) < 1e-19);
         assert!(stuck.force.distance(Solid::X * -1.3) < 1e-15, "{}", stuck.force);
-        let slid = SLIDER.pull(&mut spring, Solid::X * 0.5, Solid::Z, [1e-3, 0.0]);
+        let slid = SLIDER.pull(&mut spring, [Solid::X * 0.5; 2], Solid::Z, [1e-3, 0.0]);
         assert!(slid.is_sliding && (slid.force + Solid::X * 2.0).length() < 1e-15);
         // The spring carries the part that the dashpot does not: 2.0 = 1e4 S + 3 x 0.5.
         assert!((spring.x - 5e-5).abs() < 1e-18, "{}", spring.x);
@@ -109,7 +115,7 @@ mod tests {
         for step in 0..400 {
             let angle = 0.02 * f64::from(step);
             let velocity = Solid::new(0.6 * angle.sin(), 0.2 * (2.0 * angle).cos(), 0.0);
-            let pull = SLIDER.pull(&mut spring, velocity, Solid::Z, [dt, 0.0]);
+            let pull = SLIDER.pull(&mut spring, [velocity; 2], Solid::Z, [dt, 0.0]);
             let elastic = pull.force - pull.drag;
             taken -= 0.5 * dt * (before + elastic).dot(velocity);
             before = elastic;
@@ -123,7 +129,7 @@ mod tests {
     #[test]
     fn the_spring_turns_with_the_plane() {
         let mut spring = Solid::new(1e-5, 1e-5, 0.0);
-        let _ = SLIDER.pull(&mut spring, Solid::ZERO, Solid::X, [1e-3, 0.0]);
+        let _ = SLIDER.pull(&mut spring, [Solid::ZERO; 2], Solid::X, [1e-3, 0.0]);
         assert_eq!(spring, Solid::new(0.0, 1e-5, 0.0));
     }
 }

@@ -131,11 +131,11 @@ impl<V: Space, L: PairLaw<V> + LawRequirements> PairLaw<V> for PairTable<L> {
         self.laws[0].restitution(bounce)
     }
 
-    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 3] {
-        let larger = |a: [[f64; 2]; 3], b: [[f64; 2]; 3]| {
+    fn modes(&self, bounce: &Bounce) -> [[f64; 2]; 4] {
+        let larger = |a: [[f64; 2]; 4], b: [[f64; 2]; 4]| {
             std::array::from_fn(|mode| std::array::from_fn(|figure| f64::max(a[mode][figure], b[mode][figure])))
         };
-        self.laws.iter().map(|law| law.modes(bounce)).fold([[f64::NEG_INFINITY; 2]; 3], larger)
+        self.laws.iter().map(|law| law.modes(bounce)).fold([[f64::NEG_INFINITY; 2]; 4], larger)
     }
 }
 

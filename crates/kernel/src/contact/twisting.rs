@@ -63,9 +63,10 @@ impl Twisting {
             return;
         }
         let mut spring = along(memory.twist);
-        let drag = self.damping.of(pair.reduced_mass) + self.k * pair.spring_damping;
+        let drag = self.damping.of(pair.reduced_mass);
         let slider = Slider { stiffness: self.k, drag, cap: self.friction * normal_force.abs() };
-        let pull = slider.pull(&mut spring, along(velocity(pair)), Plane::Y, [pair.dt, pair.lead]);
+        let velocities = [pair, &pair.gathering()].map(|pair| along(velocity(pair)));
+        let pull = slider.pull(&mut spring, velocities, Plane::Y, [pair.dt, pair.lead]);
         memory.twist = spring.x;
         add_torques(pair, &pull, turning);
     }
@@ -108,7 +109,7 @@ impl Twisting {
 
     /// Returns the energy lost at the end of a contact, J.
     pub(super) fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        let velocity = along(velocity(pair));
+        let velocity = along(velocity(&pair.gathering()));
         lost_at_contact_end(self.k, along(memory.twist) - velocity * pair.lead, velocity, pair.dt)
     }
 }

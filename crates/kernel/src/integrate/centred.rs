@@ -15,15 +15,18 @@
 //! share a motion along their normals are stable for n ((w0 dt)^2 + 8 zeta w0 dt/(1 + zeta w0 dt)) < 4. `scene::check::crowd` has
 //! the limit with friction.
 //!
-//! **Springs.** Tangential and rolling springs gather the predicted velocities, S <- S + dt v_p, and are stored half a step
-//! ahead: their stretch at the evaluation is S - dt/2 v_p. This is the trapezoidal rule. The gathered distance differs
-//! from the true one by at most (dt/2)^2 times the change of the acceleration, however long the contact lasts. A stiffness
-//! that grows with the root of the overlap counts with its exact mean over a step of constant speed.
+//! **Springs** along tangents, in rolling and in twisting have a memory of the way of the contact. They advance in one of two ways:
 //!
-//! **Numerical damping.** A stretch that follows the prediction lags a little. Without any dashpot a sticking contact of
-//! frequency w would gain energy: its amplitude grows by (w dt)^4/8 per step. A dashpot of k dt (w dt)^2/4 outweighs that. So
-//! [`Prediction::spring_damping`](crate::store::Prediction) adds what the dashpots of the scene lack, for the stiffest motion
-//! of a dense bed. It is of third order, and zero in scenes with the usual tangential damping.
+//! * *With the velocities in the middle of the step*, S <- S + dt v_h, as in `verlet`. The stretch then follows the positions, and springs
+//!   without dashpots keep their energy like all springs of velocity Verlet. Each contact loads two more velocities and spins.
+//! * *With the predicted velocities*, S <- S + dt v_p, where every spring has a dashpot c >= k dt. S is stored half a step ahead: the
+//!   stretch at the evaluation is S - dt/2 v_p. This is the trapezoidal rule. The stretch lags, so that a spring acts as if its dashpot
+//!   were weaker by (1 - beta)/2 k dt, and at beta = 1 by (w dt)^2/4 k dt for a motion of frequency w. A dashpot of k dt outweighs
+//!   that in every stable step. No more velocities are loaded than dashpots need.
+//!
+//! [`VelocityPredictionPlugin::springs_exact`] tells which. In both ways a motion grows in no step below the limit of
+//! `scene::check::crowd`, whatever the dashpots. A stiffness that grows with the root of the overlap counts with its exact mean over a step of
+//! constant speed.
 
 use std::marker::PhantomData;
 
@@ -64,8 +67,8 @@ fn prepare<V: Space>(clock: Res<Clock>, rates: Res<DampingRates>, mut store: Res
 pub struct VelocityPredictionPlugin<V: Space> {
     /// Largest damping rates of any contact: c/(2 m) along the normal, and of sliding or rolling, 1/s.
     pub damping_rates: [f64; 2],
-    /// Numerical damping of tangential and rolling springs, s.
-    pub spring_damping: f64,
+    /// Whether springs advance with the velocities in the middle of the step.
+    pub springs_exact: bool,
     /// The space.
     pub space: PhantomData<V>,
 }
@@ -73,7 +76,7 @@ pub struct VelocityPredictionPlugin<V: Space> {
 impl<V: Space> Plugin for VelocityPredictionPlugin<V> {
     fn build(&self, app: &mut App) {
         app.insert_resource(DampingRates(self.damping_rates));
-        app.world_mut().resource_mut::<ParticleStore<V>>().prediction.spring_damping = self.spring_damping;
+        app.world_mut().resource_mut::<ParticleStore<V>>().prediction.springs_exact = self.springs_exact;
         app.add_systems(Step, prepare::<V>.in_set(Part::Engine(Phase::Neighbours)).in_set(VelocitiesPredicted));
     }
 }

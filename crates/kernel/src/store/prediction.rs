@@ -10,15 +10,15 @@ use crate::store::ParticleStore;
 /// The state of the prediction. It is empty for other schemes.
 #[derive(Clone, Debug)]
 pub struct Prediction<V: Space = Plane> {
-    /// Time by which velocities are predicted, and by which the springs of contact memories are ahead of the evaluation, s:
-    /// half a step, or 0 for other schemes.
+    /// Time by which velocities are predicted, s: half a step, or 0 for other schemes.
     pub lookahead: f64,
     /// Share of the gain in half a step that predicted velocities contain.
     pub share: f64,
     /// Like `share`, of spins.
     pub spin_share: f64,
-    /// Numerical damping of tangential and rolling springs, s ([`Pair`](crate::contact::Pair)).
-    pub spring_damping: f64,
+    /// Whether springs advance with the velocities in the middle of the step, in place of predicted ones
+    /// ([`crate::integrate::centred`]).
+    pub springs_exact: bool,
     /// The largest gap that two particles can close in the time `lookahead`, m.
     pub margin: f64,
     /// Radii of the particles, each with the distance that the particle moves in the time `lookahead` and half of `range`, m.
@@ -47,7 +47,7 @@ impl<V: Space> Default for Prediction<V> {
             lookahead: 0.0,
             share: 0.0,
             spin_share: 0.0,
-            spring_damping: 0.0,
+            springs_exact: false,
             margin: 0.0,
             swept: Vec::new(),
             sweeps: false,
@@ -79,6 +79,13 @@ impl<V: Space> ParticleStore<V> {
         self.prediction.lookahead > 0.0
     }
 
+    /// Time by which the springs of contact memories are ahead of the evaluation, s.
+    #[inline]
+    #[must_use]
+    pub fn spring_lead(&self) -> f64 {
+        if self.prediction.springs_exact { 0.0 } else { self.prediction.lookahead }
+    }
+
     /// Whether the velocity of particle `i` is a predicted one now. Fixed particles gain no velocity.
     #[inline]
     fn is_ahead(&self, i: usize) -> bool {
@@ -94,6 +101,13 @@ impl<V: Space> ParticleStore<V> {
         } else {
             self.body[i].velocity
         }
+    }
+
+    /// Spin of particle `i` in the middle of the step, rad/s, between the drift and the kick. Particles must have spins.
+    #[inline]
+    #[must_use]
+    pub fn middle_spin(&self, i: usize) -> V::Spin {
+        if self.is_ahead(i) { self.prediction.middle_spin[i] } else { self.rotation[i].spin }
     }
 
     /// Sets the velocity of particle `i`, m/s, and shifts that in the middle of the step by the same difference. If

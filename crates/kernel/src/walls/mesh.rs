@@ -4,12 +4,16 @@
 //! equal, or differ by less than 1e-9 radii of a grain; otherwise a seam counts as an edge. Numbers of an STL file have
 //! single precision.
 
-use std::io::{BufReader, Cursor};
+mod obj;
+mod stl;
+
+use std::borrow::Cow;
 use std::path::Path;
 
 use rustc_hash::FxHashSet;
 
 use crate::space::Solid;
+use crate::text::encoding::decode;
 use crate::walls::silo_file::LengthUnit;
 
 /// Most triangles of a mesh.
@@ -18,86 +22,81 @@ pub(crate) const MOST_TRIANGLES: usize = 1_000_000;
 /// Least height of a triangle, in lengths of its longest edge.
 const LEAST_HEIGHT: f64 = 1e-6;
 
+/// The triangles of a file, in its unit.
+#[derive(Default)]
+struct Found {
+    triangles: Vec<[Solid; 3]>,
+    /// The line of each triangle, from 1; 0 in a file without lines.
+    lines: Vec<usize>,
+}
+
+impl Found {
+    fn add(&mut self, triangle: [Solid; 3], line: usize) -> Result<(), String> {
+        if self.triangles.len() == MOST_TRIANGLES {
+            return Err(too_many());
+        }
+        self.triangles.push(triangle);
+        self.lines.push(line);
+        Ok(())
+    }
+}
+
 /// Reads the triangles of a mesh, m. The ending of the file's name says which format it has.
 ///
 /// # Errors
-/// In words, with the number of the triangle, from 1.
-pub fn read(path: &Path, bytes: Vec<u8>, unit: LengthUnit) -> Result<Vec<[Solid; 3]>, String> {
+/// In words, with the number of the triangle, from 1, and of the line.
+pub fn read(path: &Path, bytes: &[u8], unit: LengthUnit) -> Result<Vec<[Solid; 3]>, String> {
     let ending = path.extension().map(std::ffi::OsStr::to_ascii_lowercase);
-    let mut triangles = match ending.as_ref().and_then(|ending| ending.to_str()) {
-        Some("stl") => read_stl(bytes)?,
-        Some("obj") => read_obj(&bytes)?,
+    let mut found = match ending.as_ref().and_then(|ending| ending.to_str()) {
+        Some("stl") => stl::read(bytes)?,
+        Some("obj") => obj::read(&text(bytes)?)?,
         _ => return Err("the name of a mesh ends with .stl or .obj".to_owned()),
     };
-    if triangles.is_empty() {
+    if found.triangles.is_empty() {
         return Err("the file has no triangle".to_owned());
     }
-    for corner in triangles.iter_mut().flatten() {
+    for corner in found.triangles.iter_mut().flatten() {
         *corner /= unit.per_metre();
     }
-    check(&triangles)?;
-    Ok(triangles)
+    check(&found)?;
+    Ok(found.triangles)
 }
 
 fn too_many() -> String {
     format!("the mesh has more than the limit of {MOST_TRIANGLES} triangles")
 }
 
-fn read_stl(mut bytes: Vec<u8>) -> Result<Vec<[Solid; 3]>, String> {
-    // A binary file may begin like an ASCII file, with `solid`. Its length tells them apart.
-    let count = bytes.get(80..84).and_then(|bytes| bytes.try_into().ok()).map(u32::from_le_bytes);
-    if count.is_some_and(|count| 84 + 50 * u64::from(count) == bytes.len() as u64) {
-        bytes[0] = b' ';
-    }
-    let mut cursor = Cursor::new(bytes);
-    let reader = stl_io::create_stl_reader(&mut cursor).map_err(|error| format!("not an STL file: {error}"))?;
-    let mut triangles = Vec::new();
-    for triangle in reader {
-        let triangle = triangle.map_err(|error| format!("triangle {}: {error}", triangles.len() + 1))?;
-        if triangles.len() == MOST_TRIANGLES {
-            return Err(too_many());
-        }
-        triangles.push(triangle.vertices.map(|corner| Solid::from_array(corner.0.map(f64::from))));
-    }
-    Ok(triangles)
+/// Returns the text of a file, whichever characters end its lines.
+fn text(bytes: &[u8]) -> Result<String, String> {
+    let text = decode(bytes)?;
+    Ok(if text.contains('\n') { text } else { text.replace('\r', "\n") })
 }
 
-fn read_obj(bytes: &[u8]) -> Result<Vec<[Solid; 3]>, String> {
-    let options = tobj::LoadOptions { triangulate: true, ..tobj::LoadOptions::default() };
-    let no_material = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
-    let (models, _) = tobj::load_obj_buf(&mut BufReader::new(bytes), &options, no_material)
-        .map_err(|error| format!("not an OBJ file: {error}"))?;
-    let mut triangles = Vec::new();
-    for mesh in models.iter().map(|model| &model.mesh) {
-        let (corners, _) = mesh.positions.as_chunks::<3>();
-        let corner = |index: u32| corners.get(index as usize).copied().map(Solid::from_array);
-        for &[a, b, c] in mesh.indices.as_chunks::<3>().0 {
-            let corners = corner(a).zip(corner(b)).zip(corner(c));
-            let Some(((a, b), c)) = corners else {
-                return Err(format!("triangle {} names a corner that does not exist", triangles.len() + 1));
-            };
-            triangles.push([a, b, c]);
-        }
-    }
-    if triangles.len() > MOST_TRIANGLES { Err(too_many()) } else { Ok(triangles) }
+/// Returns a number without the `D` with which Fortran marks an exponent.
+fn without_d(word: &str) -> Cow<'_, str> {
+    if word.contains(['d', 'D']) { Cow::Owned(word.replace(['d', 'D'], "e")) } else { Cow::Borrowed(word) }
 }
 
 /// Refuses triangles that are not finite, have no area, or come twice.
-fn check(triangles: &[[Solid; 3]]) -> Result<(), String> {
+fn check(Found { triangles, lines }: &Found) -> Result<(), String> {
     let mut known = FxHashSet::default();
-    for (number, triangle) in (1..).zip(triangles) {
+    for (index, triangle) in triangles.iter().enumerate() {
+        let bad = |what: &str| {
+            let line = if lines[index] == 0 { String::new() } else { format!(", in line {},", lines[index]) };
+            Err(format!("triangle {}{line} {what}", index + 1))
+        };
         let [a, b, c] = *triangle;
         if !triangle.iter().all(|corner| corner.is_finite()) {
-            return Err(format!("triangle {number} has a number that is not finite"));
+            return bad("has a number that is not finite");
         }
         let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
         if (b - a).cross(c - a).length() <= LEAST_HEIGHT * longest * longest {
-            return Err(format!("triangle {number} has no area: it is at {}", place(a)));
+            return bad(&format!("has no area: it is at {}", place(a)));
         }
         let mut corners = triangle.map(|corner| (corner + Solid::ZERO).to_array().map(f64::to_bits));
         corners.sort_unstable();
         if !known.insert(corners) {
-            return Err(format!("triangle {number} comes twice: it is at {}", place(a)));
+            return bad(&format!("comes twice: it is at {}", place(a)));
         }
     }
     Ok(())
@@ -137,7 +136,7 @@ mod tests {
     const OBJ: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 2 3\nf 1 2 4\nf 1 3 4\nf 2 3 4\n";
 
     fn from(name: &str, bytes: &[u8]) -> Result<Vec<[Solid; 3]>, String> {
-        read(Path::new(name), bytes.to_vec(), LengthUnit::Centimetre)
+        read(Path::new(name), bytes, LengthUnit::Centimetre)
     }
 
     fn ascii() -> String {
@@ -183,11 +182,11 @@ mod tests {
         bad("a.ply", b"ply", ".stl or .obj");
         bad("a.stl", b"", "STL");
         bad("a.stl", b"solid nothing\nendsolid nothing\n", "no triangle");
-        bad("a.stl", ascii().replace("vertex 0 1 0", "vertex 2 0 0").as_bytes(), "triangle 1 has no area");
+        bad("a.stl", ascii().replace("vertex 0 1 0", "vertex 2 0 0").as_bytes(), "triangle 1, in line 2, has no area");
         bad("a.stl", ascii().replace("vertex 0 0 1", "vertex 0 0 nan").as_bytes(), "triangle 2");
         let twice = format!("{OBJ}f 3 2 1\n");
-        bad("a.obj", twice.as_bytes(), "triangle 5 comes twice");
-        bad("a.obj", b"v 0 0 0\nf 1 2 3\n", "OBJ");
+        bad("a.obj", twice.as_bytes(), "triangle 5, in line 9, comes twice");
+        bad("a.obj", b"v 0 0 0\nf 1 2 3\n", "line 2");
         let triangles = from("a.obj", OBJ.as_bytes()).unwrap();
         bad("a.stl", &binary(&triangles, b"")[..150], "triangle 2");
     }

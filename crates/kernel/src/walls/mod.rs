@@ -2,9 +2,11 @@
 //! a way out.
 
 pub mod area;
+pub(crate) mod box_tree;
 pub mod clip;
 pub mod config;
 pub mod conveyor;
+mod disc_links;
 pub mod figure;
 pub mod mesh;
 pub mod mesh_faults;

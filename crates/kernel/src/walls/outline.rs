@@ -1,7 +1,7 @@
 //! Outline: the lines that no path of a grain may cross, and the line that is the orifice.
 //!
 //! * Two wall grains are linked if no grain fits between them and no third wall grain is closer to both than they are
-//!   to each other. This relative neighbourhood graph links neighbours, without chords across corners.
+//!   to each other (`disc_links`). This relative neighbourhood graph links neighbours, without chords across corners.
 //! * Segments of the scene are links themselves, unless they are doors or move. The region behind a half-plane is outside, and so is
 //!   the inside of a disc that is a wall surface.
 //! * The orifice is the line between the two wall grains that flank the door. They are nearest to the two ends of the
@@ -11,6 +11,7 @@ use rustc_hash::FxHashMap;
 
 use crate::neighbours::cells::floor;
 use crate::space::{Plane, Vector};
+use crate::walls::disc_links::disc_links;
 use crate::walls::paths::{Crossing, Paths};
 use crate::walls::shapes::Shape as _;
 use crate::walls::shapes::ball::Ball;
@@ -18,6 +19,9 @@ use crate::walls::shapes::half_plane::HalfPlane;
 use crate::walls::shapes::segment::Segment;
 use crate::walls::silo_file::Disc;
 use crate::walls::surfaces::{Surface, SurfaceWall};
+
+/// Most door grains that are compared pair by pair.
+const MANY: usize = 1000;
 
 /// A line that encloses grains.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -182,25 +186,6 @@ fn cells(from: Vector, to: Vector, cell: f64) -> impl Iterator<Item = [i64; 2]> 
     (low[1]..=high[1]).flat_map(move |y| (low[0]..=high[0]).map(move |x| [x, y]))
 }
 
-/// Links neighbouring wall discs between which no grain of radius `smallest` (m) fits.
-fn disc_links(discs: &[Disc], smallest: f64) -> Vec<Link> {
-    let distance = |a: usize, b: usize| discs[a].centre.distance(discs[b].centre);
-    let tight = |a: usize, b: usize| distance(a, b) < discs[a].radius + discs[b].radius + 2.0 * smallest;
-    let neighbours: Vec<Vec<usize>> =
-        (0..discs.len()).map(|a| (0..discs.len()).filter(|&b| a != b && tight(a, b)).collect()).collect();
-    let mut links = Vec::new();
-    for a in 0..discs.len() {
-        for &b in neighbours[a].iter().filter(|&&b| b > a) {
-            let apart = distance(a, b);
-            let bridged = neighbours[a].iter().any(|&c| c != b && distance(a, c) < apart && distance(c, b) < apart);
-            if !bridged {
-                links.push(Link { from: discs[a].centre, to: discs[b].centre });
-            }
-        }
-    }
-    links
-}
-
 /// Returns the line between the flanks of the door.
 fn orifice(walls: &[Disc], door: &[Disc]) -> Option<Link> {
     let (first, last) = farthest_pair(door)?;
@@ -216,8 +201,31 @@ fn orifice(walls: &[Disc], door: &[Disc]) -> Option<Link> {
 
 /// Returns the centres of the two door grains that are farthest apart.
 fn farthest_pair(door: &[Disc]) -> Option<(Vector, Vector)> {
-    let pairs = door.iter().flat_map(|a| door.iter().map(move |b| (a.centre, b.centre)));
+    let centres: Vec<_> = door.iter().map(|disc| disc.centre).collect();
+    let ends = if centres.len() > MANY { corners(centres) } else { centres };
+    let pairs = ends.iter().flat_map(|&a| ends.iter().map(move |&b| (a, b)));
     pairs.reduce(|best, pair| if pair.0.distance(pair.1) > best.0.distance(best.1) { pair } else { best })
+}
+
+/// Returns the corners of the convex hull of some points: those farthest apart are among them (Andrew, Inf. Process. Lett. 9, 216, 1979).
+fn corners(mut points: Vec<Vector>) -> Vec<Vector> {
+    points.sort_unstable_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+    points.dedup();
+    let chain = |points: &mut dyn Iterator<Item = Vector>| {
+        let mut chain: Vec<Vector> = Vec::new();
+        for point in points {
+            while let [.., a, b] = chain[..]
+                && (b - a).perp_dot(point - b) <= 0.0
+            {
+                chain.pop();
+            }
+            chain.push(point);
+        }
+        chain
+    };
+    let mut lower = chain(&mut points.iter().copied());
+    lower.extend(chain(&mut points.iter().rev().copied()));
+    lower
 }
 
 #[cfg(test)]
@@ -249,6 +257,19 @@ mod tests {
         let one = Outline::new(&discs(&[(-1.0, 0.0), (-3.0, 0.0), (1.5, 0.0)]), &discs(&[(0.0, 0.0)]), &[], 0.1);
         let orifice = one.orifice().unwrap();
         assert_eq!((orifice.from, orifice.to), (Vector::new(-1.0, 0.0), Vector::new(1.5, 0.0)));
+    }
+
+    #[test]
+    fn a_door_of_many_discs_has_the_same_ends() {
+        let on_a_bow = |n: u32| {
+            let x = f64::from(n * 7 % 1500) * 1e-3;
+            (x, 0.1 * (2.0 * x).sin())
+        };
+        let many: Vec<_> = (0..1500).map(on_a_bow).collect();
+        let (from, to) = farthest_pair(&discs(&many)).unwrap();
+        let pairs = many.iter().flat_map(|a| many.iter().map(move |b| (a.0 - b.0).hypot(a.1 - b.1)));
+        let longest = pairs.fold(0.0, f64::max);
+        assert!((from.distance(to) - longest).abs() < 1e-12, "{from} {to}");
     }
 
     #[test]

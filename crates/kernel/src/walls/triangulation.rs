@@ -1,31 +1,47 @@
 //! Triangulation of a planar polygon of solid space, with or without a hole.
 //!
 //! Ears are clipped: three consecutive corners that turn to the inside of the polygon and enclose no other corner are a
-//! triangle, and the middle corner is removed. A hole is first joined to the outline by a slit between the two nearest corners.
+//! triangle, and the middle corner is removed. A hole is first joined to the outline by a slit between the two nearest corners. After a corner was removed only its
+//! two neighbours are judged anew, so the time grows with the square of the number of corners.
+//!
+//! A corner on a straight edge of a wall of the scene is left out. In a face of a mesh it stays, because another face may have a corner there.
+
+use std::collections::BTreeSet;
+use std::ops::ControlFlow;
 
 use crate::space::Solid;
+use crate::walls::box_tree::BoxTree;
 
-/// Largest distance of a corner from the plane of the polygon, in lengths of its longest edge.
+/// Largest distance of a corner from the plane of a wall of the scene, in lengths of its longest edge.
 const FLAT: f64 = 1e-9;
+
+/// Most corners of a polygon. Twice as many take a second.
+const MOST_CORNERS: usize = 5_000;
+
+/// Sine of the largest angle that counts as straight.
+const STRAIGHT: f64 = 1e-12;
+
+const CROSSING: &str = "the edges of the polygon cross each other";
 
 /// Returns the triangles of a polygon.
 ///
 /// # Errors
 /// In words, if the corners are not in one plane or do not enclose an area without crossings.
 pub(crate) fn triangles(outline: &[Solid], hole: &[Solid]) -> Result<Vec<[Solid; 3]>, String> {
+    at_most(outline.len() + hole.len())?;
     let Some(normal) = normal(outline) else { return Err("the polygon encloses no area".to_owned()) };
     let all = || outline.iter().chain(hole);
     let size = all().map(|x| x.distance(outline[0])).fold(0.0, f64::max);
     if let Some(off) = all().find(|x| (**x - outline[0]).dot(normal).abs() > FLAT * size) {
         return Err(format!("the corner ({}, {}, {}) m is outside the plane of the polygon", off.x, off.y, off.z));
     }
+    if crosses_itself(outline, normal) {
+        return Err(CROSSING.to_owned());
+    }
     let ring = if hole.is_empty() { outline.to_vec() } else { with_slit(outline, hole, normal)? };
-    let reason = if hole.is_empty() {
-        "the edges of the polygon cross each other"
-    } else {
-        "the hole is not inside the polygon, or edges cross each other"
-    };
-    let triangles = clip(ring, normal).ok_or(reason)?;
+    let reason =
+        if hole.is_empty() { CROSSING } else { "the hole is not inside the polygon, or edges cross each other" };
+    let triangles = clip(ring, normal, Straight::LeftOut).ok_or(reason)?;
     let area = |points: &[Solid]| area_vector(points).length();
     let expected = area(outline) - if hole.is_empty() { 0.0 } else { area(hole) };
     let sum: f64 = triangles.iter().map(|triangle| area(triangle)).sum();
@@ -33,6 +49,49 @@ pub(crate) fn triangles(outline: &[Solid], hole: &[Solid]) -> Result<Vec<[Solid;
         return Err(reason.to_owned());
     }
     Ok(triangles)
+}
+
+/// Returns the triangles of a face of a mesh, whose corners are at most `flat` sizes of the face away from its plane: those at the first corner if
+/// the face is convex.
+///
+/// # Errors
+/// As [`triangles`].
+pub(crate) fn of_face(points: &[Solid], flat: f64) -> Result<Vec<[Solid; 3]>, String> {
+    at_most(points.len())?;
+    let centre = points.iter().sum::<Solid>() / f64::from(u32::try_from(points.len()).unwrap_or(1));
+    let Some(normal) = normal(points) else {
+        return Err("they enclose no area, or its edges cross each other".to_owned());
+    };
+    let size = points.iter().map(|x| x.distance(points[0])).fold(0.0, f64::max);
+    let height = |x: &Solid| (*x - centre).dot(normal).abs();
+    let is_flat = |x: &Solid| height(x) <= flat * size;
+    if let Some(off) = points.iter().position(|x| !is_flat(x)) {
+        let share = height(&points[off]) / size;
+        return Err(format!(
+            "corner {} is outside the plane of the others, by {share:.1e} of the size of the face; divide the face into triangles",
+            off + 1
+        ));
+    }
+    let fan: Vec<_> = points[1..].windows(2).map(|pair| [points[0], pair[0], pair[1]]).collect();
+    let corners = points.iter().zip(points.iter().cycle().skip(1)).zip(points.iter().cycle().skip(2));
+    let is_left = |[a, b, c]: [Solid; 3]| {
+        let area = (b - a).cross(c - b).dot(normal);
+        area > STRAIGHT * (b - a).length() * (c - b).length()
+    };
+    if fan.iter().copied().chain(corners.map(|((a, b), c)| [*a, *b, *c])).all(is_left) {
+        return Ok(fan);
+    }
+    if crosses_itself(points, normal) {
+        return Err("its edges cross each other".to_owned());
+    }
+    clip(points.to_vec(), normal, Straight::Kept).ok_or_else(|| "its edges touch or cross each other".to_owned())
+}
+
+fn at_most(corners: usize) -> Result<(), String> {
+    if corners <= MOST_CORNERS {
+        return Ok(());
+    }
+    Err(format!("it has {corners} corners, more than the limit of {MOST_CORNERS}; divide it"))
 }
 
 /// Returns half the sum of the cross products of neighbouring corners: the normal, as long as the area.
@@ -67,29 +126,184 @@ fn with_slit(outline: &[Solid], hole: &[Solid], up: Solid) -> Result<Vec<Solid>,
     Ok(ring)
 }
 
-/// Clips ears until a triangle is left; `None` if no corner is an ear.
-fn clip(mut ring: Vec<Solid>, up: Solid) -> Option<Vec<[Solid; 3]>> {
-    let mut triangles = Vec::with_capacity(ring.len());
-    while ring.len() >= 3 {
-        let n = ring.len();
-        let corner = |at: usize| [ring[(at + n - 1) % n], ring[at], ring[(at + 1) % n]];
-        let turn = |[a, b, c]: [Solid; 3]| (b - a).cross(c - b).dot(up);
-        let flat = |at: usize| {
-            let [a, b, c] = corner(at);
-            turn(corner(at)).abs() <= 1e-12 * (b - a).length() * (c - b).length()
+/// Whether two edges cross at points inside both. Corners that touch an edge, and edges that lie on each other, as those of a slit do, do not count.
+fn crosses_itself(points: &[Solid], up: Solid) -> bool {
+    let along = up.any_orthonormal_vector();
+    let across = up.cross(along);
+    let flat: Vec<[f64; 2]> =
+        points.iter().map(|x| [(*x - points[0]).dot(along), (*x - points[0]).dot(across)]).collect();
+    let edges: Vec<[[f64; 2]; 2]> =
+        flat.iter().zip(flat.iter().cycle().skip(1)).map(|(from, to)| [*from, *to]).collect();
+    let boxes: Vec<_> =
+        edges.iter().map(|[a, b]| [[a[0].min(b[0]), a[1].min(b[1])], [a[0].max(b[0]), a[1].max(b[1])]]).collect();
+    let tree = BoxTree::new(&boxes);
+    // The side of a line on which a point is, or 0 within rounding.
+    let side = |[a, b]: [[f64; 2]; 2], x: [f64; 2]| {
+        let (way, to) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
+        let area = way[0] * to[1] - way[1] * to[0];
+        let rounding = STRAIGHT * way[0].hypot(way[1]) * to[0].hypot(to[1]);
+        if area.abs() <= rounding { 0.0 } else { area.signum() }
+    };
+    let parts = |line: [[f64; 2]; 2], [a, b]: [[f64; 2]; 2]| side(line, a) * side(line, b) < 0.0;
+    (0..edges.len()).any(|one| {
+        let [low, high] = boxes[one];
+        let meets = |[l, h]: &[[f64; 2]; 2]| (0..2).all(|axis| l[axis] <= high[axis] && h[axis] >= low[axis]);
+        let found = tree.search(meets, |other| {
+            let cross = parts(edges[one], edges[other]) && parts(edges[other], edges[one]);
+            if cross { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        });
+        found.is_break()
+    })
+}
+
+/// What becomes of a corner on a straight edge.
+#[derive(Clone, Copy, PartialEq)]
+enum Straight {
+    LeftOut,
+    Kept,
+}
+
+/// The corners that are left of a polygon.
+struct Ring {
+    points: Vec<Solid>,
+    before: Vec<usize>,
+    after: Vec<usize>,
+    /// A corner that is left.
+    some: usize,
+    left: usize,
+    up: Solid,
+    /// Sine of the angle within which a corner counts as lying on the edge of an ear.
+    rounding: f64,
+    straight: BTreeSet<usize>,
+    ears: BTreeSet<usize>,
+}
+
+impl Ring {
+    fn new(points: Vec<Solid>, up: Solid, straight: Straight) -> Self {
+        let n = points.len();
+        let neighbour = |by: usize| (0..n).map(|at| (at + by) % n.max(1)).collect();
+        let (before, after) = (neighbour(n.saturating_sub(1)), neighbour(1));
+        let rounding = if straight == Straight::Kept { STRAIGHT } else { 0.0 };
+        Self { points, before, after, some: 0, left: n, up, rounding, straight: BTreeSet::new(), ears: BTreeSet::new() }
+    }
+
+    fn corner(&self, at: usize) -> [Solid; 3] {
+        [self.points[self.before[at]], self.points[at], self.points[self.after[at]]]
+    }
+
+    fn turn(&self, [a, b, c]: [Solid; 3]) -> f64 {
+        (b - a).cross(c - b).dot(self.up)
+    }
+
+    fn all(&self) -> impl Iterator<Item = usize> {
+        std::iter::successors(Some(self.some), |&at| Some(self.after[at])).take(self.left)
+    }
+
+    fn is_straight(&self, at: usize) -> bool {
+        let [a, b, c] = self.corner(at);
+        self.turn([a, b, c]).abs() <= STRAIGHT * (b - a).length() * (c - b).length()
+    }
+
+    fn is_ear(&self, at: usize) -> bool {
+        let [a, b, c] = self.corner(at);
+        let encloses = |x: Solid| {
+            let is_inside = |[a, b, x]: [Solid; 3]| {
+                let rounding = self.rounding * (b - a).length() * (x - b).length();
+                self.turn([a, b, x]) >= -rounding
+            };
+            x != a && x != b && x != c && [[a, b, x], [b, c, x], [c, a, x]].into_iter().all(is_inside)
         };
-        // A corner on a straight edge encloses no area.
-        if let Some(at) = (0..n).find(|&at| flat(at)) {
-            ring.remove(at);
-            continue;
+        self.turn([a, b, c]) > 0.0 && !self.straight.contains(&at) && !self.all().any(|at| encloses(self.points[at]))
+    }
+
+    fn judge_straight(&mut self, at: usize) {
+        if self.is_straight(at) {
+            self.straight.insert(at)
+        } else {
+            self.straight.remove(&at)
+        };
+    }
+
+    fn judge_ear(&mut self, at: usize) {
+        if self.is_ear(at) {
+            self.ears.insert(at)
+        } else {
+            self.ears.remove(&at)
+        };
+    }
+
+    fn remove(&mut self, at: usize) {
+        let (before, after) = (self.before[at], self.after[at]);
+        (self.after[before], self.before[after]) = (after, before);
+        self.straight.remove(&at);
+        self.ears.remove(&at);
+        (self.some, self.left) = (after, self.left - 1);
+        self.judge_straight(before);
+        self.judge_straight(after);
+    }
+
+    /// Removes corners on straight edges, and returns the corners beside them.
+    fn remove_straight(&mut self) -> Vec<usize> {
+        let mut beside = Vec::new();
+        while self.left >= 3
+            && let Some(&at) = self.straight.first()
+        {
+            beside.extend([self.before[at], self.after[at]]);
+            self.remove(at);
         }
-        let encloses = |[a, b, c]: [Solid; 3], x: Solid| {
-            x != a && x != b && x != c && [[a, b, x], [b, c, x], [c, a, x]].into_iter().all(|side| turn(side) >= 0.0)
+        beside
+    }
+
+    /// Returns the ear to clip: the first one; if corners on straight edges stay, the first one beside such a corner, which is then a corner of the
+    /// triangle.
+    fn ear(&self) -> Option<usize> {
+        let is_beside = |at: &usize| [self.before[*at], self.after[*at]].iter().any(|at| self.straight.contains(at));
+        let beside = if self.straight.is_empty() { None } else { self.ears.iter().copied().find(is_beside) };
+        beside.or_else(|| self.ears.first().copied())
+    }
+}
+
+/// Clips ears until a triangle is left; `None` if no corner is an ear.
+fn clip(points: Vec<Solid>, up: Solid, straight: Straight) -> Option<Vec<[Solid; 3]>> {
+    let mut triangles = Vec::with_capacity(points.len());
+    let mut ring = Ring::new(points, up, straight);
+    (0..ring.left).for_each(|at| ring.judge_straight(at));
+    if straight == Straight::LeftOut {
+        ring.remove_straight();
+    }
+    let judge_all = |ring: &mut Ring| {
+        let left: Vec<_> = ring.all().collect();
+        for at in left {
+            ring.judge_ear(at);
+        }
+    };
+    judge_all(&mut ring);
+    while ring.left >= 3 {
+        let mut ear = ring.ear();
+        if ear.is_none() {
+            // A corner that has gone may have been the only one inside an ear.
+            judge_all(&mut ring);
+            ear = ring.ear();
+        }
+        let Some(at) = ear else {
+            // What is left encloses no area if every corner is on a straight edge.
+            let is_done = ring.straight.len() == ring.left;
+            return is_done.then_some(triangles);
         };
-        let is_ear = |&at: &usize| turn(corner(at)) > 0.0 && !ring.iter().any(|&x| encloses(corner(at), x));
-        let at = (0..n).find(is_ear)?;
-        triangles.push(corner(at));
+        triangles.push(ring.corner(at));
+        let mut beside = vec![ring.before[at], ring.after[at]];
         ring.remove(at);
+        if straight == Straight::LeftOut {
+            beside.extend(ring.remove_straight());
+        }
+        for at in beside {
+            let is_left = ring.left >= 3 && ring.after[ring.before[at]] == at;
+            if is_left {
+                ring.judge_ear(at);
+            } else {
+                ring.ears.remove(&at);
+            }
+        }
     }
     Some(triangles)
 }
@@ -137,6 +351,106 @@ mod tests {
         }
     }
 
+    /// The area that triangles cover, and the number of their corners that are not among the points.
+    fn area_of(triangles: &[[Solid; 3]]) -> f64 {
+        triangles.iter().map(|triangle| area_vector(triangle).length()).sum()
+    }
+
+    #[test]
+    fn faces_are_divided_whichever_corner_comes_first() {
+        // A floor with a slot, a comb, a spiral, and a plate whose hole is joined by a bridge that is passed twice.
+        let slot = vec![
+            (-10.0, -10.0),
+            (10.0, -10.0),
+            (10.0, 10.0),
+            (3.0, 10.0),
+            (3.0, -5.0),
+            (-3.0, -5.0),
+            (-3.0, 10.0),
+            (-10.0, 10.0),
+        ];
+        let comb: Vec<_> = (0..20)
+            .map(|n| (f64::from(n), if n % 2 == 0 { 1.0 } else { 9.0 }))
+            .chain([(19.0, 0.0), (0.0, 0.0)])
+            .rev()
+            .collect();
+        let turns = |r: f64, n: i32| {
+            (
+                (r + 0.1 * f64::from(n)) * (0.3 * f64::from(n)).cos(),
+                (r + 0.1 * f64::from(n)) * (0.3 * f64::from(n)).sin(),
+            )
+        };
+        let spiral: Vec<_> = (0..60).map(|n| turns(1.0, n)).chain((0..60).rev().map(|n| turns(0.5, n))).collect();
+        let bridge = vec![
+            (0.0, 0.0),
+            (4.0, 0.0),
+            (4.0, 4.0),
+            (0.0, 4.0),
+            (0.0, 0.0),
+            (1.0, 1.0),
+            (1.0, 3.0),
+            (3.0, 3.0),
+            (3.0, 1.0),
+            (1.0, 1.0),
+        ];
+        for shape in [slot, comb, spiral, bridge] {
+            let points = ring(&shape);
+            let expected = area_vector(&points).length();
+            for first in 0..points.len() {
+                let mut turned = points.clone();
+                turned.rotate_left(first);
+                for points in [turned.clone(), turned.into_iter().rev().collect()] {
+                    let triangles = of_face(&points, 1e-3).unwrap();
+                    assert_eq!(triangles.len(), points.len() - 2, "{points:?}: {triangles:?}");
+                    assert!((area_of(&triangles) / expected - 1.0).abs() < 1e-12, "{shape:?}");
+                    assert!(triangles.iter().flatten().all(|corner| points.contains(corner)));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn convex_faces_are_divided_at_their_first_corner_and_corners_on_straight_edges_stay() {
+        let points = ring(&[(0.0, 0.0), (2.0, 0.0), (3.0, 1.0), (2.0, 3.0), (0.0, 2.0)]);
+        let fan: Vec<_> = (1..4).map(|n| [points[0], points[n], points[n + 1]]).collect();
+        assert_eq!(of_face(&points, 1e-3).unwrap(), fan);
+        // Wherever the straight corners are, each is a corner of triangles and no edge passes it.
+        for straight in 1..16u32 {
+            let mut shape = Vec::new();
+            for (n, corner) in SQUARE.iter().enumerate() {
+                let next = SQUARE[(n + 1) % 4];
+                shape.push(*corner);
+                if straight & 1 << n != 0 {
+                    shape.push((0.5 * (corner.0 + next.0), 0.5 * (corner.1 + next.1)));
+                }
+            }
+            let points = ring(&shape);
+            let triangles = of_face(&points, 1e-3).unwrap();
+            assert_eq!(triangles.len(), points.len() - 2, "{shape:?}");
+            assert!((area_of(&triangles) - 16.0).abs() < 1e-12);
+            assert!(triangles.iter().all(|triangle| area_vector(triangle).length() > 0.1), "{shape:?}");
+        }
+    }
+
+    #[test]
+    fn bad_faces_are_refused() {
+        let bad = |points: &[Solid], words: &str| {
+            let message = of_face(points, 1e-3).unwrap_err();
+            assert!(message.contains(words), "{message}");
+        };
+        // A bow-tie, unequal so that it has an area, and a star that winds round its centre twice.
+        bad(&ring(&[(0.0, 0.0), (4.0, 0.0), (0.0, 4.0), (3.0, 5.0)]), "cross");
+        bad(&ring(&[(0.0, 0.0), (4.0, 4.0), (4.0, 0.0), (0.0, 4.0)]), "cross");
+        let star: Vec<_> = (0..5).map(|n| (0.8 * std::f64::consts::PI * f64::from(n)).sin_cos()).collect();
+        bad(&ring(&star), "cross");
+        let mut bent = ring(&SQUARE);
+        bent[2].z += 0.1;
+        bad(&bent, "corner");
+        bent[2].z -= 0.0999;
+        assert_eq!(of_face(&bent, 1e-3).unwrap().len(), 2);
+        bad(&vec![Solid::X; MOST_CORNERS + 1], "limit");
+    }
+
     #[test]
     fn bad_polygons_are_refused() {
         let bad = |outline: &[Solid], hole: &[Solid], words: &str| {
@@ -149,6 +463,8 @@ mod tests {
         bent[2].z += 0.1;
         bad(&bent, &[], "outside the plane");
         bad(&ring(&[(0.0, 0.0), (4.0, 0.0), (0.0, 4.0), (3.0, 5.0)]), &[], "cross");
+        let star: Vec<_> = (0..5).map(|n| (0.8 * std::f64::consts::PI * f64::from(n)).sin_cos()).collect();
+        bad(&ring(&star), &[], "cross");
         bad(&ring(&SQUARE), &ring(&[(5.0, 1.0), (6.0, 1.0), (6.0, 2.0)]), "not inside");
     }
 }

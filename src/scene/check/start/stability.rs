@@ -7,6 +7,7 @@
 
 use rustc_hash::FxHashMap;
 
+use crate::budget::Budget;
 use crate::fault::Warning;
 use crate::scene::check::Estimates;
 use crate::scene::check::species_pairs::{self, SpeciesPair};
@@ -21,6 +22,7 @@ pub(super) fn examine<V: Space>(
     estimates: &Estimates,
     bodies: &[Body],
     surfaces: &Surfaces<V>,
+    budget: &Budget,
     warnings: &mut Vec<Warning>,
 ) {
     // 1/L^2 of each grain, 1/s^2.
@@ -31,15 +33,16 @@ pub(super) fn examine<V: Space>(
             *rates.entry(id).or_default() += limit.powi(-2);
         }
     };
-    touching(bodies, |a, b, distance| {
+    let _ = touching(bodies, "the stability limit of all overlaps at the start", budget, |a, b, distance| {
         // Wall grains come first, so the second body is the grain.
         if b.grain.is_some() {
             add(&[a, b], [b.partner(), a.partner()], a.radius + b.radius - distance);
         }
     });
-    for body in bodies.iter().filter(|body| body.grain.is_some()) {
+    for body in bodies.iter().filter(|body| body.grain.is_some()).take_while(|_| !budget.is_spent()) {
         let x = V::narrow(body.centre);
-        for wall in surfaces.near(x, body.radius).iter().map(|number| &surfaces.all[number]) {
+        let near = surfaces.near(x, body.radius);
+        for wall in near.iter().take_while(|_| !budget.is_spent()).map(|number| &surfaces.all[number]) {
             let overlap = body.radius - wall.surface.distance(x);
             let flat = species_pairs::Body { mass: f64::INFINITY, radius: f64::INFINITY };
             if overlap > 0.0 {

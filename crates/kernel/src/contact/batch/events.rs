@@ -4,7 +4,7 @@
 use crate::contact::batch::{Batch, Bodies};
 use crate::contact::centred::Window;
 use crate::contact::start::force_at_start;
-use crate::contact::{LawRequirements, Memory, MemoryTimes, Pair, PairForce, PairLaw};
+use crate::contact::{Gathered, LawRequirements, Memory, MemoryTimes, Pair, PairForce, PairLaw};
 use crate::instructions::Instructions;
 use crate::neighbours::list::Candidate;
 use crate::space::Space;
@@ -114,6 +114,9 @@ impl<V: Space> EventStep<'_, V> {
     ) -> Option<PairForce<V>> {
         let overlap = if L::REACHES { pair.overlap + law.range(pair, memory) } else { pair.overlap };
         (self.predict)(self.store, contact, pair);
+        if self.store.prediction.springs_exact {
+            pair.gathered = Some(Gathered { relative_velocity: pair.relative_velocity, spins: pair.spins });
+        }
         Window::of(pair).touches(overlap).then(|| law.centred(pair, memory))
     }
 }

@@ -96,8 +96,10 @@ impl Remembered {
 /// # Errors
 /// The reason, with the line.
 pub fn read(file: impl io::Read) -> Result<Vec<Remembered>, String> {
-    let mut rows = Vec::new();
-    for row in csv::Reader::from_reader(file).into_deserialize() {
+    let (mut reader, mut rows) = (csv::Reader::from_reader(file), Vec::new());
+    // Rows would be read as if there were none if the header cannot be read.
+    reader.headers().map_err(|error| error.to_string())?;
+    for row in reader.into_deserialize() {
         let row: Remembered = row.map_err(|error| error.to_string())?;
         if !row.is_finite() {
             return Err(format!("row {}: every number must be finite", rows.len() + 1));
@@ -176,6 +178,7 @@ impl<V: Space> History<V> {
 mod tests {
     use super::*;
     use crate::contact::history::tests::{SPRINGS, memory, store};
+    use crate::text::encoding::TextReader;
 
     #[test]
     fn memories_pass_from_one_order_of_slots_to_another() {
@@ -214,5 +217,7 @@ mod tests {
             assert!(problem.contains(word), "{problem}");
         }
         assert!(read("grain,with\n1,grain\n".as_bytes()).is_err());
+        let latin_1 = [header.as_bytes(), b"1,gr\xe4in,2\n"].concat();
+        assert!(read(TextReader::new(&latin_1[..])).unwrap_err().contains("line 2, column 5"));
     }
 }

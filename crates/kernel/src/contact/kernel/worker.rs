@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use crate::contact::batch::{Batch, Call, EventStep, Predict};
+use crate::contact::batch::{Batch, Call, EventStep, Predict, Velocities};
 use crate::contact::force_accumulation::ForceAccumulation;
 use crate::contact::geometry::coincident;
 use crate::contact::history::{ContactLosses, EndLosses, HistoryBlock, HistoryCursor};
@@ -80,7 +80,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
                 left = self.fill_batch(left);
                 self.flush(&mut block);
             }
-            block.cursor.end(block.lost, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
+            block.end(|contact, memory| self.pass.on_contact_end(self.view, contact, memory));
             if !self.pass.walls.is_empty() {
                 self.sums.initialise(first + BLOCK, gravity, self.view);
                 self.sum_walls(first + BLOCK, Block::new(wall_history, spare, self.parts()));
@@ -95,6 +95,12 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         self.batch.select(self.view, candidates, self.pass.needs, self.pass.instructions)
     }
 
+    /// Whether springs advance with velocities of their own.
+    #[inline]
+    pub(super) fn gathers(&self) -> bool {
+        C::SPIN && self.view.prediction.springs_exact
+    }
+
     /// Takes the marks of the pairs of the batch. With memory this comes before the history is read, which needs pairs without marks.
     /// Without memory it comes later, because a vector load waits for numbers that the filter has just written one by one.
     #[inline]
@@ -107,7 +113,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     /// Loads the data that the law requires besides bodies: species and spins.
     #[inline]
     fn load_requirements(&mut self) {
-        let needs_species = self.pass.needs.species;
+        let (needs_species, gathers) = (self.pass.needs.species, self.gathers());
         if !(needs_species || C::SPIN) {
             return;
         }
@@ -125,6 +131,9 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
                 }
                 for lane in 0..if C::SPIN { lanes } else { 0 } {
                     batch.spins.take(lane, batch.pairs[lane].both().map(|entry| &rotations[entry]));
+                }
+                for lane in 0..if gathers { lanes } else { 0 } {
+                    batch.gathered.take(lane, batch.pairs[lane], view);
                 }
             },
         );
@@ -157,11 +166,16 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     #[inline]
     pub(super) fn evaluate_law(&mut self, smallest_share: f64, predict: Predict<V>) -> bool {
         let Pass { law, needs, dt, starts, instructions, .. } = *self.pass;
-        let (view, lookahead) = (self.view, self.view.prediction.lookahead);
+        let view = self.view;
         // The last factor allows for rounding.
         let deepest = self.largest * smallest_share * (1.0 - 8.0 * f64::EPSILON);
-        let times = MemoryTimes { dt, lead: lookahead, spring_damping: view.prediction.spring_damping };
-        let call = Call { times, instructions, limits: [deepest, self.even] };
+        let times = MemoryTimes { dt, lead: view.spring_lead() };
+        let velocities = match (view.predicts(), view.prediction.springs_exact) {
+            (false, _) => Velocities::Middle,
+            (true, false) => Velocities::Predicted,
+            (true, true) => Velocities::PredictedAndMiddle,
+        };
+        let call = Call { velocities, times, instructions, limits: [deepest, self.even] };
         let (deeper, near) = law.evaluate(self.batch, &call, view.tracks_energy);
         self.batch.output.clear_gaps();
         if needs.reaches {
@@ -171,7 +185,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
         let near = std::mem::take(&mut self.batch.lone) | near & !(u64::MAX << self.batch.len);
         if near != 0 {
             let step = EventStep { store: view, predict, starts, instructions };
-            law.evaluate_events(self.batch, MemoryTimes { spring_damping: 0.0, ..times }, &step, near);
+            law.evaluate_events(self.batch, times, &step, near);
         }
         deeper > 0
     }
@@ -205,6 +219,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
             self.batch.recall(cursor, |contact, memory| lost.add(self.pass.on_contact_end(self.view, contact, memory)));
         }
         self.evaluate_batch();
+        block.touching += self.batch.touching();
         self.store_results(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
         let tracks_energy = self.view.tracks_energy;
         let (sums, batch) = (&mut self.sums, &*self.batch);
@@ -254,10 +269,18 @@ pub(super) struct Block<'a, V: Space> {
     /// Losses of contacts, including the energy stored in ended ones. Both are added in a fixed order, independent of
     /// how contacts are batched.
     pub(super) lost: ContactLosses,
+    /// Number of contacts so far, without gaps.
+    pub(super) touching: u32,
 }
 
 impl<'a, V: Space> Block<'a, V> {
     pub(super) fn new(history: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>, parts: MemoryParts) -> Self {
-        Self { cursor: HistoryCursor::new(history, spare, parts), lost: ContactLosses::default() }
+        Self { cursor: HistoryCursor::new(history, spare, parts), lost: ContactLosses::default(), touching: 0 }
+    }
+
+    /// Ends the block. `on_end` returns the energy that an ended contact loses, J.
+    pub(super) fn end(mut self, on_end: impl FnMut(Candidate, &Memory<V>) -> EndLosses) {
+        self.cursor.end(self.lost, on_end);
+        self.cursor.set_touching(self.touching);
     }
 }

@@ -148,15 +148,16 @@ impl Rolling for AnyRolling {
         let cap = self.friction * normal_force.abs();
         let (mut rolling, mut dt) = (memory.rolling, pair.dt);
         let ahead = velocity * pair.lead;
-        if pair.lead > 0.0 {
+        if pair.is_predicted() {
             dt *= mean_of(self.fades, before, k);
         }
         rolling -= ahead;
         let lost = Self::adapt(&mut rolling, [before, k]);
         rolling += ahead;
-        let drag = self.damping.of(pair.reduced_mass) + k * pair.spring_damping;
+        let drag = self.damping.of(pair.reduced_mass);
         let slider = Slider { stiffness: k, drag, cap };
-        let mut pull = slider.pull(&mut rolling, velocity, pair.normal, [dt, pair.lead]);
+        let mut pull =
+            slider.pull(&mut rolling, [velocity, rolling_velocity(&pair.gathering())], pair.normal, [dt, pair.lead]);
         pull.lost += lost;
         let torque = Self::torque(pair, velocity, cap);
         (memory.rolling, pull) = if self.is_torque { (V::ZERO, torque) } else { (rolling, pull) };
@@ -211,18 +212,15 @@ impl Rolling for AnyRolling {
         0.5 * k * spring.length_squared() + self.twisting.energy(pair, memory)
     }
 
-    /// The stiffer and the more damped one of rolling and twisting, which have the same mobility.
-    fn mode(&self, bounce: &Bounce, tangential: f64) -> [f64; 2] {
-        let [twist_k, twist_drag] = self.twisting.mode(bounce.reduced_mass);
+    fn modes(&self, bounce: &Bounce, tangential: f64) -> [[f64; 2]; 2] {
         // The drag of a constant torque follows the step.
-        if self.is_torque || self.friction <= 0.0 {
-            return [twist_k, twist_drag];
-        }
-        [self.stiffness(tangential).max(twist_k), self.damping.of(bounce.reduced_mass).max(twist_drag)]
+        let resists = !self.is_torque && self.friction > 0.0;
+        let rolling = [self.stiffness(tangential), self.damping.of(bounce.reduced_mass)];
+        [if resists { rolling } else { [0.0; 2] }, self.twisting.mode(bounce.reduced_mass)]
     }
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        let velocity = rolling_velocity(pair);
+        let velocity = rolling_velocity(&pair.gathering());
         let spring = memory.rolling - velocity * pair.lead;
         let k = if self.is_torque { 0.0 } else { self.stiffness(memory.stiffness) };
         lost_at_contact_end(k, spring, velocity, pair.dt) + self.twisting.on_contact_end(pair, memory)

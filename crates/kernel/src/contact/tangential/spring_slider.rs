@@ -121,9 +121,10 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
         let (stiffness, drag) = self.modulus.of(pair, normal_drag);
         turning.arms = self.lever.arms(pair);
         let velocity = pair.sliding_velocity(turning.arms);
+        let gathered = pair.gathering().sliding_velocity(turning.arms);
         let mut dt = pair.dt;
         if M::VARIES {
-            if pair.lead > 0.0 {
+            if pair.is_predicted() {
                 dt *= mean_of(M::FADES, memory.stiffness, stiffness);
             }
             turning.stiffness_before = memory.stiffness;
@@ -132,9 +133,8 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
             turning.lost_by_sliding = Self::adapt(stiffness, memory);
             memory.spring += ahead;
         }
-        let drag = if pair.lead > 0.0 { drag + stiffness * pair.spring_damping } else { drag };
         let slider = Slider { stiffness, drag, cap: self.friction * normal_force.abs() };
-        let pull = slider.pull(&mut memory.spring, velocity, pair.normal, [dt, pair.lead]);
+        let pull = slider.pull(&mut memory.spring, [velocity, gathered], pair.normal, [dt, pair.lead]);
         turning.friction = pull.force;
         turning.friction_drag = pull.drag;
         turning.lost_by_sliding += pull.lost;
@@ -186,7 +186,7 @@ impl<M: Modulus> Tangential for SpringSlider<M> {
     }
 
     fn on_contact_end<V: Space>(&self, pair: &Pair<V>, memory: &Memory<V>) -> f64 {
-        let velocity = pair.sliding_velocity(self.lever.arms(pair));
+        let velocity = pair.gathering().sliding_velocity(self.lever.arms(pair));
         let spring = memory.spring - velocity * pair.lead;
         lost_at_contact_end(self.modulus.remembered(memory.stiffness), spring, velocity, pair.dt)
     }

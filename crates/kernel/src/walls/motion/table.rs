@@ -26,7 +26,7 @@ impl Curve {
         if !header.starts_with("time_s") {
             return Err(format!("line 1: expected a header that begins with `time_s`, found {header:?}"));
         }
-        let mut curve = Self::default();
+        let (mut curve, mut lines_of_rows) = (Self::default(), Vec::new());
         for (line, text) in lines.filter(|(_, text)| !text.is_empty() && !text.starts_with('#')) {
             let numbers: Result<Vec<f64>, _> = text.split(',').map(|cell| cell.trim().parse()).collect();
             let numbers = numbers.map_err(|error| format!("line {line}: {error}"))?;
@@ -42,13 +42,34 @@ impl Curve {
             let mut row = [0.0; 3];
             row[..count].copy_from_slice(&numbers[1..]);
             curve.times.push(numbers[0]);
+            lines_of_rows.push(line);
             curve.values.push(row);
         }
         if curve.times.len() < 2 {
             return Err("expected at least two rows below the header".to_owned());
         }
         curve.rates = rates(&curve.times, &curve.values);
+        if let Some(row) = curve.first_overflow() {
+            return Err(format!(
+                "line {}: the change since the row before is too fast for a number",
+                lines_of_rows[row]
+            ));
+        }
         Ok(curve)
+    }
+
+    /// Returns the first row before which the curve, or its rate, is not finite: a slope may be larger than any number.
+    fn first_overflow(&self) -> Option<usize> {
+        let is_finite = |&row: &usize| {
+            let length = self.times[row] - self.times[row - 1];
+            let is_finite = |(values, rates): ([f64; 3], [f64; 3])| values.iter().chain(&rates).all(|x| x.is_finite());
+            let slope = |axis: usize| (self.values[row][axis] - self.values[row - 1][axis]) / length;
+            // Three times the slope is the largest rate, and its square is a part of speeds.
+            let is_slow = length.is_finite() && (0..3).all(|axis| (3.0 * slope(axis)).powi(2).is_finite());
+            let times = [0.0, 0.25, 0.5, 0.75].map(|share| self.times[row - 1] + share * length);
+            is_slow && times.into_iter().all(|time| is_finite(self.at(time)))
+        };
+        (1..self.times.len()).find(|row| !is_finite(row))
     }
 
     /// Returns the values at a time (s) and their rates (1/s).
@@ -144,6 +165,10 @@ mod tests {
             ("time_s,x\n0,0\n1,nan\n", "line 3"),
             ("time_s,x\n0,0\n1,1,1\n", "line 3"),
             ("time_s,x\n0,zero\n", "line 2"),
+            ("time_s,x\n0,0\n1e-308,10\n", "line 3"),
+            ("time_s,x\n-1,0\n0,0\n\n1e-300,1e300\n", "line 5"),
+            ("time_s,x\n0,-1e308\n1,1e308\n", "line 3"),
+            ("time_s,x\n-1e308,0\n1e308,1\n", "line 3"),
         ] {
             let error = Curve::parse(text, 1).unwrap_err();
             assert!(error.contains(words), "{text:?}: {error}");
