@@ -151,7 +151,7 @@ fn rare_work(criterion: &mut Criterion) {
 fn outputs(criterion: &mut Criterion) {
     let bed = Crystal::of(false, 10_000);
     let directory = tempfile::tempdir().expect("a directory for outputs");
-    let series = RowsPlace { path: directory.path().join("series.csv"), is_continued: false };
+    let series = RowsPlace { path: directory.path().join("series.csv"), ..RowsPlace::default() };
     let mut group = group(criterion, "outputs, discs, 10000", bed.grains);
     for (name, pictures) in [
         ("a row of series.csv", "None"),

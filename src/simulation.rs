@@ -214,7 +214,7 @@ impl Simulation {
             directory.current().clone_into(&mut run.now);
         }
         if let Some(mut losses) = world.get_resource_mut::<LossesFile>() {
-            losses.path = directory.losses();
+            losses.place = directory.losses();
         }
         if let Some(mut frames) = world.get_resource_mut::<FrameDataWriter>() {
             frames.continue_in(directory.current(), directory.guard())?;

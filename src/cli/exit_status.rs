@@ -6,7 +6,7 @@ pub const EXIT_STATUSES: [(&str, &str); 9] = [
     (
         "1",
         "the simulation failed (unstable, grains lost, release blocked), a file could not be written after the start, \
-         `diff` found a difference, or `validate` a figure that misses its rule",
+         `diff` found a difference, `verify` damage, or `validate` a figure that misses its rule",
     ),
     ("2", "the input or the call was wrong, and nothing was changed"),
     ("129", "interrupted by SIGHUP"),
@@ -23,7 +23,7 @@ pub(super) enum Verdict {
     Done,
     /// The simulation failed, or a file could not be written after the start.
     Failed,
-    /// `diff` found a difference, or `validate` a figure that misses its rule.
+    /// `diff` found a difference, `verify` damage, or `validate` a figure that misses its rule.
     Different,
     /// A signal of this number came.
     Interrupted(u8),

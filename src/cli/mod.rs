@@ -12,6 +12,9 @@ mod export_scene;
 mod from;
 mod new;
 mod plot;
+#[cfg(test)]
+#[cfg(target_os = "linux")]
+mod power_failure;
 mod progress;
 mod render;
 mod report;
@@ -25,6 +28,7 @@ mod signals;
 mod study;
 mod sweep;
 mod validate;
+mod verify;
 
 use std::ffi::OsString;
 use std::io::IsTerminal as _;
@@ -84,6 +88,8 @@ enum Command {
     Sweep(sweep::SweepArgs),
     /// Hold siloflow against silos and impacts that others have measured, and write a page with a figure and verdicts.
     Validate(validate::ValidateArgs),
+    /// Check the files of runs against the hashes that the runs have recorded.
+    Verify(verify::VerifyArgs),
     /// Compare flow patterns and costs of runs or scenes with a reference.
     Compare(compare::CompareArgs),
     /// Run two scenes together and report the first step, grain and quantity in which they differ.
@@ -187,6 +193,7 @@ pub fn status_of(registry: &Registry, arguments: impl IntoIterator<Item = OsStri
         Command::Study(args) => study::study(args, cli.quiet),
         Command::Sweep(args) => sweep::sweep(args, registry, cli.quiet),
         Command::Validate(args) => validate::validate(args, registry, cli.quiet),
+        Command::Verify(args) => verify::verify(args, cli.quiet),
         Command::Compare(args) => compare::compare(args, registry, cli.quiet),
         Command::Diff(args) => diff::diff(args, registry, cli.quiet),
         Command::Accuracy(args) => accuracy::accuracy(args, registry, cli.quiet),

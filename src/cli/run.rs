@@ -29,6 +29,9 @@ pub(super) struct RunArgs {
     /// interruption.
     #[arg(long, value_name = "DIR", conflicts_with_all = ["set", "seed", "from", "out", "force", "until", "png"])]
     resume: Option<PathBuf>,
+    /// With --resume: go on although files of the run are missing or have changed. What is left of them is kept as NAME.damaged.
+    #[arg(long, requires = "resume")]
+    accept_damage: bool,
     /// Start with the grains and contacts of the run in this directory, instead of the scene's own grains at the start.
     #[arg(long, value_name = "DIR")]
     from: Option<PathBuf>,
@@ -70,7 +73,7 @@ pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Ve
     let parent = origin.as_ref().map(|origin| origin.parent.clone());
     let call = Call { registry, threads, quiet, force, signals: &signals, checkpoint_every, parent, report };
     let result = match (&args.resume, &args.scene) {
-        (Some(directory), _) => resume(directory, &call)?,
+        (Some(directory), _) => resume(directory, args.accept_damage, &call)?,
         (None, Some(scene)) => {
             let mut scene = args.load(scene, origin)?;
             let path = args.out.clone().map_or_else(|| default_directory(&scene), Ok)?;
@@ -88,7 +91,7 @@ pub(super) fn run(args: &RunArgs, registry: &Registry, quiet: bool) -> Result<Ve
 }
 
 /// Continues the run in a directory from its latest checkpoint.
-fn resume(path: &Path, call: &Call) -> Result<Report, Fault> {
+pub(super) fn resume(path: &Path, accepts_damage: bool, call: &Call) -> Result<Report, Fault> {
     let directory = RunDirectory::reopen(path)?;
     let found = find::latest(path)?;
     let header = found.header().clone();
@@ -99,6 +102,7 @@ fn resume(path: &Path, call: &Call) -> Result<Report, Fault> {
     tracing::info!("continuing after step {}, t = {:.6}", header.steps, header.time);
     let mut scene = load::named(&scene_of(path), &header.scene)?;
     let checkpoint = found.read(&scene)?;
+    directory.continue_from(header.files, header.steps, accepts_damage)?;
     match &mut scene {
         AnyScene::Grains(loaded) => carry_on(&mut **loaded, &directory, &checkpoint, call),
         AnyScene::Lattice(loaded) => carry_on(&mut **loaded, &directory, &checkpoint, call),

@@ -40,7 +40,9 @@ use crate::space::{Dimension, Plane, Solid, Space};
 use crate::step::Clock;
 use crate::store::ParticleStore;
 use crate::walls::config::Wall;
+use crate::writers::hashes::SummaryFiles;
 use crate::writers::provenance::Provenance;
+use crate::writers::run_files::Damage;
 
 impl Method for Loaded {
     type Summary = Summary;
@@ -108,6 +110,10 @@ impl Outline for Summary {
         self.provenance = Some(provenance);
     }
 
+    fn record_files(&mut self, files: SummaryFiles, damaged: Vec<Damage>) {
+        (self.files, self.damaged) = (Some(files), damaged);
+    }
+
     fn is_done(&self) -> bool {
         Self::is_done(self)
     }
@@ -129,10 +135,11 @@ fn build_in<V: Space>(
         let outputs = outputs.map_err(|error| directory.unwritable(&error))?;
         declare_files(app.world(), directory)?;
         app.provide(directory.resource());
+        app.provide(directory.files().clone());
         app.add("always", CostPlugin);
         app.add("always", ParentPlugin(call.parent.clone()));
         app.add("series", outputs.series);
-        app.add("on_loss", LossesPlugin { path: directory.losses(), space: V::DIMENSION });
+        app.add("on_loss", LossesPlugin { place: directory.losses(), space: V::DIMENSION });
         if let Some(walls) = outputs.walls {
             app.add("walls", walls);
         }

@@ -28,7 +28,9 @@ use crate::persist::{CheckpointConfig, Section, UnknownState};
 use crate::simulation::Simulation;
 use crate::source::Source;
 use crate::step::Clock;
+use crate::writers::hashes::SummaryFiles;
 use crate::writers::provenance::Provenance;
+use crate::writers::run_files::Damage;
 
 impl Method for LoadedLattice {
     type Summary = Summary;
@@ -56,6 +58,7 @@ impl Method for LoadedLattice {
             let (series, flow) = outputs(app.world()).map_err(|error| directory.unwritable(&error))?;
             declare_files(app.world(), directory)?;
             app.provide(directory.resource());
+            app.provide(directory.files().clone());
             app.add("always", CostPlugin);
             app.add("series", series);
             if let Some(flow) = flow {
@@ -108,6 +111,10 @@ impl Outline for Summary {
 
     fn record(&mut self, provenance: Provenance) {
         self.provenance = Some(provenance);
+    }
+
+    fn record_files(&mut self, files: SummaryFiles, damaged: Vec<Damage>) {
+        (self.files, self.damaged) = (Some(files), damaged);
     }
 
     fn is_done(&self) -> bool {

@@ -35,7 +35,9 @@ use crate::report;
 use crate::simulation::Simulation;
 use crate::source::Source;
 use crate::values::NonNegative;
+use crate::writers::hashes::{self, SummaryFiles};
 use crate::writers::provenance::Provenance;
+use crate::writers::run_files::Damage;
 use crate::writers::whole_file;
 
 /// Settings of a run that do not change its result.
@@ -80,6 +82,8 @@ pub(super) trait Outline: Serialize {
     fn fail(&mut self, reason: String);
     /// Records the origin of the summary.
     fn record(&mut self, provenance: Provenance);
+    /// Records the files of the run, and those without which it was continued.
+    fn record_files(&mut self, files: SummaryFiles, damaged: Vec<Damage>);
     /// Whether the run succeeded: no failure, and no lost grain.
     fn is_done(&self) -> bool;
     /// Returns the summary in words.
@@ -144,8 +148,7 @@ fn run_on<M: Method>(
     if let Some(config) = config {
         let scene = method.source().name.clone();
         let is_chosen = call.checkpoint_every.is_some() || method.source().value_of("checkpoint.every").is_some();
-        let (place, guard) = (directory.checkpoints(), directory.guard());
-        simulation.take_checkpoints(Checkpoints::new(place, guard, scene, config, is_chosen));
+        simulation.take_checkpoints(Checkpoints::new(directory, scene, config, is_chosen));
     }
     let (end, cost) = step_to_the_end(method, &mut simulation, call.quiet);
     finish(method, &mut simulation, directory, &end, cost, call)
@@ -192,6 +195,13 @@ fn finish<M: Method>(
     if let Err(error) = directory.write_state(|file| method.write_state(world, file)) {
         summary.fail(format!("could not write state.csv: {error}"));
     }
+    if let Err(failure) = checkpoint::close_writers(world) {
+        summary.fail(failure.to_string());
+    }
+    match directory.write_hashes() {
+        Ok(files) => summary.record_files(files, directory.files().damage()),
+        Err(error) => summary.fail(format!("could not write hashes.txt: {error}")),
+    }
     if let Err(error) = directory.write_summary(&summary) {
         summary.fail(format!("could not write summary.json: {error}"));
         // The error may be a passing one. If it is not, the error message is all that remains.
@@ -219,14 +229,15 @@ fn finish<M: Method>(
             if verdict == Verdict::Done { Verdict::Failed } else { verdict }
         }
     };
-    Report { words, json: serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n", verdict }
+    Report { words, json: hashes::sealed(serde_json::to_string_pretty(&summary).unwrap_or_default() + "\n"), verdict }
 }
 
 /// Writes the report of a run that is over, and returns its path.
 fn write_report(directory: &RunDirectory) -> Result<PathBuf, Fault> {
     let path = report_of(directory.path());
     let page = report::page(&[directory.path()])?;
-    let written = directory.guard()().and_then(|()| whole_file::write(&path, page.as_bytes()));
+    let written =
+        directory.guard()().and_then(|()| whole_file::write_synced(&path, |file| file.write_all(page.as_bytes())));
     written.map(|()| path.clone()).map_err(|error| {
         Fault::new("report::write", format!("could not write {}: {error}", path.display()))
             .help("the run itself is complete; `siloflow report` writes the report later")

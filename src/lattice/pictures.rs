@@ -24,6 +24,7 @@ use crate::step::{Clock, Step};
 use crate::values::Positive;
 use crate::writers::colour::{self, Rgb};
 use crate::writers::frame_writer::FrameWriter;
+use crate::writers::run_files::RunFiles;
 use crate::writers::svg::{Legend, Picture};
 
 /// The scene's key `pictures`.
@@ -162,8 +163,10 @@ impl Plugin for PicturesPlugin {
     fn build(&self, app: &mut App) {
         observe_every::<Pictures>(app, f64::from(self.0.pictures.interval.get()));
         FrameWriter::persist(app);
+        let writer = FrameWriter::new(self.1.clone(), self.0.pictures.png);
+        let writer = writer.recorded_in(app.world().get_resource::<RunFiles>());
         app.insert_resource(self.0.clone())
-            .insert_resource(FrameWriter::new(self.1.clone(), self.0.pictures.png))
+            .insert_resource(writer)
             .add_systems(Step, write_picture.in_set(ObserveStage::Write).run_if(due::<Pictures>));
     }
 }

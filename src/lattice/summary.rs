@@ -23,8 +23,10 @@ use crate::step::Clock;
 use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
 use crate::writers::fnv::Fnv;
+use crate::writers::hashes::SummaryFiles;
 use crate::writers::memory::peak_memory;
 use crate::writers::provenance::Provenance;
+use crate::writers::run_files::Damage;
 
 /// The content of `summary.json`.
 #[derive(Debug, Serialize)]
@@ -66,6 +68,11 @@ pub struct Summary {
     pub checkpoints: Option<CheckpointFigures>,
     /// Hash of the final state ([`state_hash`]), as 16 hexadecimal digits.
     pub state_hash: String,
+    /// Damaged files without which the run was continued. The key is absent without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub damaged: Vec<Damage>,
+    /// The files of the run; `null` unless `siloflow run` wrote the summary.
+    pub files: Option<SummaryFiles>,
 }
 
 /// Numbers of particles: entered = inside + out.
@@ -158,6 +165,8 @@ impl Summary {
                 rules: loaded.rules,
             },
             provenance: None,
+            damaged: Vec::new(),
+            files: None,
             checkpoints: world.get_resource().copied(),
             state_hash: format!("{:016x}", state_hash(sites, gas)),
         }

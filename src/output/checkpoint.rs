@@ -1,7 +1,8 @@
 //! Checkpoints: the whole state of a run, from which it can be resumed to the same bits.
 //!
 //! They are taken between two steps: every `checkpoint.every` minutes of wall-clock time, before the last step after a signal,
-//! and at the regular end. A checkpoint is written beside its name, synced and renamed, after all rows and pictures up to it.
+//! and at the regular end. First everything that the run has written is brought to the disk. Then the checkpoint is written beside its
+//! name, with the hashes of all these files, synced and renamed.
 //! The latest `checkpoint.keep` are kept; at the regular end only the final one.
 //!
 //! Unless the user has chosen the time between checkpoints, they cost at most a hundredth of the run: if writing takes long, the
@@ -19,16 +20,20 @@ use bevy_ecs::prelude::*;
 
 use self::file::{FORMAT, Header};
 use crate::ending::StopRequest;
-use crate::outcome::{End, Outcome};
+use crate::outcome::{End, Failure, Outcome};
 use crate::output::frame_data::writer::FrameDataWriter;
-use crate::output::run_directory::{checkpoint_name, checkpoints_in, hash_of_input, remove_incomplete_checkpoints};
+use crate::output::run_directory::{
+    RunDirectory, checkpoint_name, checkpoints_in, hash_of_input, remove_incomplete_checkpoints,
+};
 use crate::own_files;
 use crate::persist;
 use crate::persist::{CheckpointConfig, CheckpointFigures};
 use crate::step::Clock;
 use crate::store;
+use crate::writers::disk;
 use crate::writers::fnv::Fnv;
 use crate::writers::frame_writer::{FrameWriter, Guard};
+use crate::writers::run_files::RunFiles;
 use crate::writers::whole_file::{remove_if_there, write_synced};
 
 /// Largest share of the wall-clock time that checkpoints take by default.
@@ -43,6 +48,7 @@ const RARE: Duration = Duration::from_secs(1);
 pub struct Checkpoints {
     directory: PathBuf,
     guard: Guard,
+    files: RunFiles,
     scene: String,
     /// Hashes of the input and of the program; known from the first checkpoint on.
     identity: Option<[u64; 2]>,
@@ -54,21 +60,22 @@ pub struct Checkpoints {
 }
 
 impl Checkpoints {
-    /// Takes checkpoints of the scene named `scene` into `directory`, which is in the run directory. `guard` is called before
-    /// each one. `is_chosen` states that the user has chosen the time between them.
+    /// Takes checkpoints of the scene named `scene` into the run directory. `is_chosen` states that the user has chosen the time between them.
     #[must_use]
-    pub fn new(directory: PathBuf, guard: Guard, scene: String, config: CheckpointConfig, is_chosen: bool) -> Self {
+    pub fn new(run: &RunDirectory, scene: String, config: CheckpointConfig, is_chosen: bool) -> Self {
         // A century and more is never.
         let every = Duration::try_from_secs_f64((60.0 * config.every.get()).min(1e10)).unwrap_or(Duration::MAX);
         Self {
-            directory,
-            guard,
+            directory: run.checkpoints(),
+            guard: run.guard(),
+            files: run.files().clone(),
             scene,
             identity: None,
             every,
             largest_share: if is_chosen { f64::INFINITY } else { LARGEST_SHARE },
             keep: config.keep.get().into(),
-            next: Instant::now() + every,
+            // A run that has set damaged files aside soon has a checkpoint without them.
+            next: if run.files().has_damage() { Instant::now() } else { Instant::now() + every },
         }
     }
 
@@ -95,14 +102,17 @@ impl Checkpoints {
         let [input, program] = self.identity(is_final)?;
         let start = Instant::now();
         store::refresh_world(world);
-        let drawn = world.get_resource_mut::<FrameWriter>().map_or(Ok(()), |mut writer| writer.close());
-        let kept = world.get_resource_mut::<FrameDataWriter>().map_or(Ok(()), |mut writer| writer.close());
-        if let Err(failure) = drawn.and(kept) {
+        if let Err(failure) = close_writers(world) {
             let error = io::Error::other(failure.to_string());
             world.resource_mut::<Outcome>().fail(failure);
             return Err(error);
         }
         (self.guard)()?;
+        if !own_files::is_directory(&self.directory) {
+            disk::create_directory(&self.directory)?;
+        }
+        let run = self.directory.parent().unwrap_or(Path::new(""));
+        self.files.sync(run)?;
         let clock = world.resource::<Clock>();
         let header = Header {
             format: FORMAT,
@@ -113,8 +123,8 @@ impl Checkpoints {
             steps: clock.steps,
             time: clock.time(),
             is_final,
+            files: self.files.manifest(run),
         };
-        own_files::make_directory(&self.directory)?;
         let path = self.directory.join(checkpoint_name(clock.steps));
         write_synced(&path, |out| file::write_each(out, &header, |keep| persist::save_each(world, keep)))?;
         self.remove_old(if is_final { 1 } else { self.keep })?;
@@ -132,6 +142,16 @@ impl Checkpoints {
         remove_incomplete_checkpoints(&self.directory)?;
         checkpoints_in(&self.directory)?.iter().skip(keep).try_for_each(|path| remove_if_there(path))
     }
+}
+
+/// Blocks until all pictures and frames are written.
+///
+/// # Errors
+/// If one could not be written.
+pub(crate) fn close_writers(world: &mut World) -> Result<(), Failure> {
+    let drawn = world.get_resource_mut::<FrameWriter>().map_or(Ok(()), |mut writer| writer.close());
+    let kept = world.get_resource_mut::<FrameDataWriter>().map_or(Ok(()), |mut writer| writer.close());
+    drawn.and(kept)
 }
 
 /// Takes a checkpoint, if one is due before the next step or a signal ends the run after it.
@@ -168,6 +188,10 @@ fn take(world: &mut World, is_final: bool) {
 #[must_use]
 pub fn hash_of_program() -> u64 {
     let mut hash = Fnv::default();
+    if cfg!(test) {
+        // The program of the unit tests is large, and they resume hundreds of runs.
+        return 1;
+    }
     let read = std::env::current_exe().and_then(File::open).and_then(|file| hash.update_from(file));
     read.map_or(0, |()| hash.value())
 }

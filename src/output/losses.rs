@@ -11,11 +11,9 @@
 //! Rows are written together with the rows of `series.csv`. The file is made when the first rows are due, so that a run
 //! without losses has no file.
 
-use std::fmt::Write as _;
-use std::path::PathBuf;
-
 use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
+use std::fmt::Write as _;
 
 use crate::ledger::{Ledger, LossRecord};
 use crate::measure::{ClocksRead, due};
@@ -25,7 +23,7 @@ use crate::persist::Problem;
 use crate::scene::outputs::Series;
 use crate::space::Dimension;
 use crate::step::{Part, Phase, Step};
-use crate::writers::rows::Rows;
+use crate::writers::rows::{Rows, RowsPlace};
 use crate::writers::whole_file::remove_if_there;
 
 /// Largest number of lost grains that the summary lists.
@@ -34,8 +32,8 @@ pub const IN_SUMMARY: usize = 100;
 /// The file of lost grains.
 #[derive(Resource)]
 pub(crate) struct LossesFile {
-    /// The path at which the file will be made.
-    pub(crate) path: PathBuf,
+    /// The place at which the file will be made.
+    pub(crate) place: RowsPlace,
     rows: Option<Rows>,
     header: &'static str,
 }
@@ -43,10 +41,15 @@ pub(crate) struct LossesFile {
 impl LossesFile {
     /// Continues the file with the first `length` bytes, or removes it if there was none.
     fn restore(&mut self, length: Option<u64>) -> Result<(), Problem> {
-        let failed = |error: std::io::Error| format!("could not continue {}: {error}", self.path.display());
+        let failed = |error: std::io::Error| format!("could not continue {}: {error}", self.place.path.display());
         match length {
-            Some(length) => self.rows.insert(Rows::reopen(&self.path).map_err(failed)?).restore(length),
-            None => remove_if_there(&self.path).map_err(failed),
+            // A file that is not there takes no part: the caller has accepted that, and the next loss begins a new one.
+            Some(_) if self.place.path.symlink_metadata().is_err() => Ok(()),
+            Some(length) => self.rows.insert(Rows::at(&self.place, self.header).map_err(failed)?).restore(length),
+            None => {
+                self.place.record().is_removed();
+                remove_if_there(&self.place.path).map_err(failed)
+            }
         }
     }
 }
@@ -56,16 +59,16 @@ fn write_rows(mut ledger: ResMut<Ledger>, mut file: ResMut<LossesFile>, mut outc
         return;
     }
     let mut text = String::new();
-    let LossesFile { path, rows, header } = &mut *file;
+    let LossesFile { place, rows, header } = &mut *file;
     let rows = match rows {
         Some(rows) => rows,
-        None => match Rows::create(path, header) {
+        None => match Rows::at(&RowsPlace { is_continued: false, ..place.clone() }, header) {
             Ok(created) => {
                 ledger.lost[..IN_SUMMARY].iter().for_each(|loss| add(&mut text, loss));
                 rows.insert(created)
             }
             Err(error) => {
-                let path = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let path = place.path.file_name().unwrap_or_default().to_string_lossy().into_owned();
                 return outcome.fail(Failure::Output { path, reason: error.to_string() });
             }
         },
@@ -86,8 +89,8 @@ fn add(text: &mut String, loss: &LossRecord) {
 
 /// Writes `losses.csv`.
 pub struct LossesPlugin {
-    /// Path of the file.
-    pub path: PathBuf,
+    /// Place of the file.
+    pub place: RowsPlace,
     /// The space of the scene.
     pub space: Dimension,
 }
@@ -104,7 +107,7 @@ impl Plugin for LossesPlugin {
             |file| file.rows.as_ref().map(Rows::saved).transpose(),
             LossesFile::restore,
         );
-        app.insert_resource(LossesFile { path: self.path.clone(), rows: None, header })
+        app.insert_resource(LossesFile { place: self.place.clone(), rows: None, header })
             .add_systems(Step, write_rows.in_set(stage).after(ClocksRead).run_if(due::<Series>));
     }
 }

@@ -16,5 +16,6 @@ pub mod series;
 pub mod state_hash;
 pub mod summary;
 pub mod table;
+pub mod verification;
 pub mod wall_bands;
 pub mod walls;

@@ -17,26 +17,30 @@
 
 mod examine;
 mod exchange;
+pub mod integrity;
 mod kinds;
 mod marker;
 pub(crate) mod names;
 mod part;
 mod path;
 mod results;
+mod resumed;
 mod stage;
+mod usage;
 
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use serde::Serialize;
 
-use self::examine::{examine, refuse_content, resolve};
+use self::examine::{Content, examine, refuse_content, resolve};
 pub use self::kinds::{Depth, refuse_odd};
+pub(crate) use self::marker::MARKER;
 use self::marker::{Claim, Marker};
 pub(crate) use self::names::is_reserved;
-use self::names::{FRAMES, LOSSES, REPORT, SCENE, STATE, SUMMARY, copy_name, is_own};
+use self::names::{FRAMES, HASHES, LOSSES, REPORT, SCENE, STATE, SUMMARY, copy_name, is_own};
 pub use self::names::{
     checkpoint_name, checkpoints_directory, checkpoints_in, frame_data_of, hash_of_input, is_drawn, is_run, movie_of,
     pictures_of, remove_incomplete_checkpoints, report_of, scene_of, summary_of, tables_of,
@@ -45,13 +49,17 @@ pub use self::part::PartDirectory;
 pub use self::path::RunPath;
 pub use self::results::{check_results, write_results};
 use self::stage::Stage;
+pub use self::usage::{Use, holds_run, watch};
 use crate::fault::Fault;
 use crate::own_files;
 use crate::source::Source;
 use crate::source::places;
+use crate::writers::disk::{self, DiskFile, remove_if_there};
 use crate::writers::frame_writer::Guard;
+use crate::writers::hashes::{self, SummaryFiles};
 use crate::writers::rows::RowsPlace;
-use crate::writers::whole_file::{part_of, remove_if_there, write_with};
+use crate::writers::run_files::{Counted, RunFiles};
+use crate::writers::whole_file::{part_of, write_synced, write_with};
 
 /// A run directory that this process has locked.
 #[derive(Debug)]
@@ -62,6 +70,7 @@ pub struct RunDirectory {
     target: PathBuf,
     replace: bool,
     place: Place,
+    files: RunFiles,
 }
 
 /// Where a run directory is.
@@ -91,13 +100,20 @@ impl RunDirectory {
     pub fn create(path: &Path, source: &Source, replace: bool) -> Result<Self, Fault> {
         let target = Self::check(path, replace)?;
         let stage = Stage::create(&target, &is_own).map_err(|error| could_not_prepare(path, &error))?;
-        let directory = Self { shown: path.to_owned(), target, replace, place: Place::Staged(stage) };
+        let files = RunFiles::default();
+        files.placed_in(stage.above());
+        let directory = Self::new(path, target, replace, Place::Staged(stage), files);
         let mut text = source.text.clone();
         for (key, from) in &source.files {
             text = places::set(&text, key, &format!("{:?}", copy_name(key, from)))?;
         }
         directory.fill(&text, source).map_err(|error| directory.unwritable(&error))?;
         Ok(directory)
+    }
+
+    fn new(shown: &Path, target: PathBuf, replace: bool, place: Place, files: RunFiles) -> Self {
+        files.sync_also(MARKER);
+        Self { shown: shown.to_owned(), target, replace, place, files }
     }
 
     /// Checks whether a run at `path` may begin, and returns its absolute path. Nothing is changed.
@@ -113,16 +129,23 @@ impl RunDirectory {
     /// Writes the files that exist before the first step.
     fn fill(&self, scene: &str, source: &Source) -> io::Result<()> {
         let now = self.now();
-        fs::create_dir(now.join(FRAMES))?;
+        disk::create_directory(&now.join(FRAMES))?;
         for (key, from) in &source.files {
-            let mut copy = File::create_new(now.join(copy_name(key, from)))?;
-            match source.text_for(key) {
-                Some(text) => copy.write_all(text.as_bytes())?,
-                None => io::copy(&mut File::open(from)?, &mut copy).map(|_| ())?,
-            }
+            self.write_input(&copy_name(key, from), |copy| match source.text_for(key) {
+                Some(text) => copy.write_all(text.as_bytes()),
+                None => io::copy(&mut File::open(from)?, copy).map(|_| ()),
+            })?;
         }
-        fs::write(now.join(SCENE), scene)?;
+        self.write_input(SCENE, |file| file.write_all(scene.as_bytes()))?;
         self.reserve_summary()
+    }
+
+    fn write_input(&self, name: &str, content: impl FnOnce(&mut Counted) -> io::Result<()>) -> io::Result<()> {
+        let mut file = DiskFile::create_new(&self.now().join(name))?;
+        let mut counted = Counted::new(&mut file);
+        content(&mut counted)?;
+        self.files.file(name).is_written(counted.extent);
+        Ok(())
     }
 
     /// Locks the directory of an earlier run, to continue it. Nothing but the marker is changed.
@@ -139,7 +162,7 @@ impl RunDirectory {
             Claim::Held(holder) => Err(in_use(path, &holder)),
             Claim::Locked(marker) => {
                 marker.sign(&marker::declared_in(&target)).map_err(unreadable)?;
-                Ok(Self { shown: path.to_owned(), target, replace: false, place: Place::Published(marker) })
+                Ok(Self::new(path, target, false, Place::Published(marker), RunFiles::default()))
             }
         }
     }
@@ -156,6 +179,10 @@ impl RunDirectory {
         // It may have changed since the preparation began. The lock of an old run is held until that run is gone.
         let old = examine(&self.shown, &self.target)?;
         refuse_content(&self.shown, &old, self.replace)?;
+        if !matches!(old, Content::Empty) {
+            // The old run goes only once the new one is on the disk.
+            self.files.sync(self.now()).map_err(|error| self.unwritable(&error))?;
+        }
         let Place::Staged(stage) = std::mem::replace(&mut self.place, Place::Gone) else { return Ok(()) };
         let marker = stage.publish(&is_own).map_err(|error| {
             let message = format!("could not move the run directory to {}: {error}", self.shown.display());
@@ -166,14 +193,15 @@ impl RunDirectory {
         Ok(())
     }
 
-    /// Removes `state.csv`, `summary.json` and `report.html` of the part that has run so far, before a reopened run continues.
+    /// Removes `summary.json`, `hashes.txt`, `state.csv` and `report.html` of the part that has run so far, before a reopened run continues.
     ///
     /// # Errors
     /// If a file cannot be removed, or there is no space for a summary.
     pub fn remove_results(&self) -> io::Result<()> {
         remove_if_there(&self.now().join(SUMMARY))?;
-        remove_if_there(&self.now().join(STATE))?;
-        remove_if_there(&self.now().join(REPORT))?;
+        // Without this a power failure could bring back the summary without what it speaks of.
+        disk::sync_directory(self.now())?;
+        [HASHES, STATE, REPORT].iter().try_for_each(|name| remove_if_there(&self.now().join(name)))?;
         self.reserve_summary()
     }
 
@@ -181,7 +209,7 @@ impl RunDirectory {
     fn reserve_summary(&self) -> io::Result<()> {
         let part = part_of(&self.now().join(SUMMARY));
         remove_if_there(&part)?;
-        File::create_new(part)?.write_all(&vec![b'\n'; SUMMARY_RESERVE])
+        DiskFile::create_new(&part)?.write_all(&vec![b'\n'; SUMMARY_RESERVE])
     }
 
     /// Returns the path of the directory, absolute and without symbolic links.
@@ -232,25 +260,36 @@ impl RunDirectory {
             Place::Published(marker) => marker,
             Place::Gone => return Ok(()),
         };
+        self.files.declare(files);
         if files.is_empty() { Ok(()) } else { marker.sign(files) }
+    }
+
+    /// The record of the files of the run.
+    #[must_use]
+    pub fn files(&self) -> &RunFiles {
+        &self.files
     }
 
     /// Returns the resource that tells behaviours where the directory is now.
     #[must_use]
     pub fn resource(&self) -> RunPath {
-        RunPath { now: self.now().to_owned(), is_resumed: matches!(self.place, Place::Published(_)) }
+        RunPath {
+            now: self.now().to_owned(),
+            is_resumed: matches!(self.place, Place::Published(_)),
+            files: self.files.clone(),
+        }
     }
 
     /// Returns the place of a file of rows, for example `series.csv`. It changes when the directory is published.
     #[must_use]
     pub fn rows(&self, name: &str) -> RowsPlace {
-        RowsPlace { path: self.now().join(name), is_continued: matches!(self.place, Place::Published(_)) }
+        self.resource().rows(name)
     }
 
-    /// Returns the path of `losses.csv`. It changes when the directory is published.
+    /// Returns the place of `losses.csv`. It changes when the directory is published.
     #[must_use]
-    pub fn losses(&self) -> PathBuf {
-        self.now().join(LOSSES)
+    pub fn losses(&self) -> RowsPlace {
+        self.rows(LOSSES)
     }
 
     /// Writes `state.csv` by calling `write_state`.
@@ -259,24 +298,43 @@ impl RunDirectory {
     /// If the file cannot be written, or if this is no longer the directory of the run.
     pub fn write_state(&self, write_state: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
         self.guard()()?;
-        write_with(&self.now().join(STATE), write_state)
+        write_with(&self.now().join(STATE), |file| {
+            let mut counted = Counted::new(file);
+            write_state(&mut counted)?;
+            self.files.file(STATE).is_written(counted.extent);
+            Ok(())
+        })
     }
 
-    /// Writes `summary.json`, into the space that is reserved for it.
+    /// Brings all files of the run to the disk, and then `hashes.txt`, which has their hashes. Returns what the summary says about
+    /// them.
+    ///
+    /// # Errors
+    /// If a file cannot be brought there, or if this is no longer the directory of the run.
+    pub fn write_hashes(&self) -> io::Result<SummaryFiles> {
+        self.guard()()?;
+        self.files.sync(self.now())?;
+        let manifest = self.files.complete(self.now())?;
+        write_synced(&self.now().join(HASHES), |file| file.write_all(hashes::text(&manifest).as_bytes()))?;
+        Ok(SummaryFiles::of(&manifest))
+    }
+
+    /// Writes `summary.json`, into the space that is reserved for it. The directory and everything in the record are on the disk.
     ///
     /// # Errors
     /// If the file cannot be written, or if this is no longer the directory of the run.
     pub fn write_summary(&self, summary: &impl Serialize) -> io::Result<()> {
         self.guard()()?;
-        let json = serde_json::to_string_pretty(summary).map_err(io::Error::other)? + "\n";
+        let json = hashes::sealed(serde_json::to_string_pretty(summary).map_err(io::Error::other)? + "\n");
         let complete = self.now().join(SUMMARY);
         let part = part_of(&complete);
-        let mut file = own_files::create_or_change(&part)?;
+        let mut file = if own_files::is_file(&part) { DiskFile::reopen(&part) } else { DiskFile::create_new(&part) }?;
         file.write_all(json.as_bytes())?;
         file.set_len(json.len() as u64)?;
         // The summary says that the run is over, so it gets its name only when it is on the disk.
-        file.sync_all()?;
-        fs::rename(part, complete)
+        file.sync()?;
+        disk::rename(&part, &complete)?;
+        disk::sync_directory(self.now())
     }
 
     /// The fault of a directory that cannot be written before it is published.

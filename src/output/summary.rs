@@ -37,8 +37,10 @@ use crate::stop::kick::{Avalanche, Avalanches};
 use crate::store::ParticleStore;
 use crate::threads::Threads;
 use crate::writers::SUMMARY_FORMAT;
+use crate::writers::hashes::SummaryFiles;
 use crate::writers::memory::peak_memory;
 use crate::writers::provenance::Provenance;
+use crate::writers::run_files::Damage;
 
 /// Content of `summary.json`.
 #[derive(Debug, Serialize)]
@@ -108,6 +110,11 @@ pub struct Summary {
     pub state_hash: String,
     /// Records of the first hundred lost grains.
     pub losses: Vec<LossRecord>,
+    /// Damaged files without which the run was continued. The key is absent without any.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub damaged: Vec<Damage>,
+    /// The files of the run; `null` unless `siloflow run` wrote the summary.
+    pub files: Option<SummaryFiles>,
 }
 
 /// Grain accounting: released = inside + out + lost.
@@ -304,6 +311,8 @@ impl Summary {
             checkpoints: world.get_resource().copied(),
             state_hash,
             losses: ledger.lost.iter().take(IN_SUMMARY).cloned().collect(),
+            damaged: Vec::new(),
+            files: None,
         }
     }
 

@@ -12,6 +12,12 @@ impl Default for Fnv {
 }
 
 impl Fnv {
+    /// Returns a hash that continues after bytes whose hash is `value`.
+    #[must_use]
+    pub fn continued(value: u64) -> Self {
+        Self(value)
+    }
+
     /// Returns the hash of all bytes so far.
     #[must_use]
     pub fn value(&self) -> u64 {

@@ -16,6 +16,7 @@ use bevy_ecs::prelude::*;
 use crate::outcome::{Failure, Outcome};
 use crate::own_files;
 use crate::persist::PersistApp as _;
+use crate::writers::run_files::{Extent, RunFiles};
 use crate::writers::svg::Picture;
 use crate::writers::{png, whole_file};
 
@@ -30,6 +31,7 @@ pub const MAX_WAITING_PICTURES: usize = 4;
 pub struct FrameWriter {
     directory: PathBuf,
     guard: Option<Guard>,
+    files: RunFiles,
     png: bool,
     /// Number of pictures so far.
     count: u32,
@@ -50,7 +52,14 @@ impl FrameWriter {
     /// Returns a frame writer for `directory` that has written no picture; with `png` it also writes PNGs.
     #[must_use]
     pub fn new(directory: PathBuf, png: bool) -> Self {
-        Self { directory, guard: None, png, count: 0, drawing_thread: None }
+        Self { directory, guard: None, files: RunFiles::default(), png, count: 0, drawing_thread: None }
+    }
+
+    /// Records the pictures among the files of the run, if there is a record.
+    #[must_use]
+    pub fn recorded_in(mut self, files: Option<&RunFiles>) -> Self {
+        self.files = files.cloned().unwrap_or_default();
+        self
     }
 
     /// Saves the number of pictures with each checkpoint. A restored run removes all later pictures.
@@ -93,7 +102,8 @@ impl FrameWriter {
         self.count += 1;
         let drawing_thread = match self.drawing_thread.take() {
             Some(drawing_thread) => drawing_thread,
-            None => DrawingThread::start(self.png, self.guard.clone()).map_err(|error| failed(&path, &error))?,
+            None => DrawingThread::start(self.png, self.guard.clone(), self.files.clone())
+                .map_err(|error| failed(&path, &error))?,
         };
         // Sending fails only if the drawing thread has ended with an error, which `close` returns.
         let is_sent = drawing_thread.queue.send((path, make)).is_ok();
@@ -135,27 +145,43 @@ impl Drop for FrameWriter {
 }
 
 impl DrawingThread {
-    fn start(png: bool, guard: Option<Guard>) -> std::io::Result<Self> {
+    fn start(png: bool, guard: Option<Guard>, files: RunFiles) -> std::io::Result<Self> {
         let (queue, pictures) = sync_channel(MAX_WAITING_PICTURES);
-        let draw = move || draw_all(&pictures, png, guard.as_ref());
+        let draw = move || draw_all(&pictures, png, guard.as_ref(), &files);
         let thread = std::thread::Builder::new().name("pictures".to_owned()).spawn(draw)?;
         Ok(Self { queue, thread })
     }
 }
 
 /// Draws and writes pictures until the queue is closed.
-fn draw_all(pictures: &Receiver<(PathBuf, MakePicture)>, png: bool, guard: Option<&Guard>) -> Result<(), Failure> {
+fn draw_all(
+    pictures: &Receiver<(PathBuf, MakePicture)>,
+    png: bool,
+    guard: Option<&Guard>,
+    files: &RunFiles,
+) -> Result<(), Failure> {
+    let write = |path: &Path, bytes: &[u8]| {
+        whole_file::write(path, bytes).map_err(|error| failed(path, &error))?;
+        files.file(name_in_run(path)).is_written(Extent::default().with(bytes));
+        Ok(())
+    };
     pictures.iter().try_for_each(|(path, make)| {
         guard.map_or(Ok(()), |guard| guard()).map_err(|error| failed(&path, &error))?;
         let svg = make().to_svg();
-        whole_file::write(&path, svg.as_bytes()).map_err(|error| failed(&path, &error))?;
+        write(&path, svg.as_bytes())?;
         if png {
             let path = path.with_extension("png");
             let bytes = png::encode(&svg).map_err(|reason| failed(&path, &reason))?;
-            whole_file::write(&path, &bytes).map_err(|error| failed(&path, &error))?;
+            write(&path, &bytes)?;
         }
         Ok(())
     })
+}
+
+/// Path of a picture in the run directory, which holds its directory.
+fn name_in_run(path: &Path) -> String {
+    let part = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    format!("{}/{}", path.parent().map_or_else(String::new, part), part(path))
 }
 
 fn failed(path: &Path, reason: &impl ToString) -> Failure {

@@ -1,9 +1,12 @@
-//! Writers for files of any content: CSV rows that survive a crash of the run, SVG and PNG drawings, plots, and a
-//! thread that writes pictures during a run. This module contains no physics.
+//! Writers for files of any content: CSV rows that survive a crash of the run, SVG and PNG drawings, plots, a
+//! thread that writes pictures during a run, and the record of what a run has written. This module contains no physics.
 
 pub mod colour;
+pub mod disk;
 pub mod fnv;
 pub mod frame_writer;
+pub mod growing;
+pub mod hashes;
 pub mod marked;
 pub mod memory;
 pub mod movie;
@@ -11,6 +14,7 @@ pub mod plot;
 pub mod png;
 pub mod provenance;
 pub mod rows;
+pub mod run_files;
 pub mod svg;
 pub mod volume;
 pub mod whole_file;

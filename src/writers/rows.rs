@@ -6,43 +6,48 @@
 //! `0.30000000000000004`), equal in all files of a run, so that rows of several files can be joined by it.
 
 use std::fmt::{self, Write as _};
-use std::fs::File;
-use std::io::{Seek as _, SeekFrom, Write as _};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 
 use crate::outcome::{Failure, Outcome};
-use crate::own_files;
 use crate::persist::Problem;
 use crate::space::Linear;
+use crate::writers::growing::Growing;
+use crate::writers::run_files::{RunFile, RunFiles};
 
 /// The path of a CSV file.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct RowsPlace {
     /// The path.
     pub path: PathBuf,
     /// Whether the file belongs to a run that is continued, and so exists.
     pub is_continued: bool,
+    /// The record of the run's files; an empty one for a file outside a run.
+    pub files: RunFiles,
+}
+
+impl RowsPlace {
+    /// The place of the file in the record. The file is at the top of the run directory.
+    #[must_use]
+    pub fn record(&self) -> RunFile {
+        self.files.file(self.path.file_name().unwrap_or_default().to_string_lossy())
+    }
 }
 
 /// An open CSV file.
 #[derive(Debug)]
 pub struct Rows {
-    /// Name of the file in the run directory, for messages. The directory may be moved during a run.
-    name: String,
-    file: File,
-    /// Bytes of complete rows.
-    length: u64,
+    file: Growing,
     buffer: String,
 }
 
 impl Rows {
-    /// Creates the file at `path` with its header, or opens it if the run is continued.
+    /// Creates the file at `place` with its header, or opens it if the run is continued.
     ///
     /// # Errors
     /// If the file cannot be written, or a new one exists.
     pub fn at(place: &RowsPlace, header: &str) -> std::io::Result<Self> {
-        if place.is_continued { Self::reopen(&place.path) } else { Self::create(&place.path, header) }
+        Self::started(Growing::at(&place.path, place.record(), b"", place.is_continued)?, header)
     }
 
     /// Creates the file at `path` with its header.
@@ -50,11 +55,7 @@ impl Rows {
     /// # Errors
     /// If the file exists or cannot be written.
     pub fn create(path: &Path, header: &str) -> std::io::Result<Self> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        // `create_new` never follows a symbolic link.
-        let mut rows = Self { name, file: File::create_new(path)?, length: 0, buffer: String::new() };
-        rows.write(format_args!("{header}\n"))?;
-        Ok(rows)
+        Self::at(&RowsPlace { path: path.to_owned(), ..RowsPlace::default() }, header)
     }
 
     /// Opens the file at `path`, to continue it. [`Rows::restore`] says from where.
@@ -62,39 +63,39 @@ impl Rows {
     /// # Errors
     /// If it is no regular file or cannot be written.
     pub fn reopen(path: &Path) -> std::io::Result<Self> {
-        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let mut file = own_files::change(path)?;
-        let length = file.seek(SeekFrom::End(0))?;
-        Ok(Self { name, file, length, buffer: String::new() })
+        Ok(Self { file: Growing::reopen(path, RunFile::default(), b"")?, buffer: String::new() })
     }
 
-    /// Returns the bytes of all rows so far, once they are on the disk.
+    /// Writes the header of a new file.
+    fn started(file: Growing, header: &str) -> std::io::Result<Self> {
+        let mut rows = Self { file, buffer: String::new() };
+        if rows.file.is_new() {
+            rows.write(format_args!("{header}\n"))?;
+        }
+        Ok(rows)
+    }
+
+    /// Returns the bytes of all rows so far. A checkpoint brings the files of the run to the disk before it saves this number.
     ///
     /// # Errors
-    /// If they cannot be brought there.
+    /// None; the result fits [`persist_part`](crate::persist::PersistApp::persist_part).
     pub fn saved(&self) -> Result<u64, Problem> {
-        self.file.sync_data().map_err(|error| format!("could not sync {}: {error}", self.name))?;
-        Ok(self.length)
+        Ok(self.file.length())
     }
 
-    /// Removes all rows beyond the first `length` bytes.
+    /// Removes all rows beyond the first `length` bytes. A file that this process has made keeps its rows: it takes the place of a
+    /// damaged one.
     ///
     /// # Errors
     /// If the file is shorter, or cannot be cut.
     pub fn restore(&mut self, length: u64) -> Result<(), Problem> {
-        if length > self.length {
-            return Err(format!("{} has {} bytes, but {length} had been written", self.name, self.length));
-        }
-        let cut = self.file.set_len(length).and_then(|()| self.file.seek(SeekFrom::Start(length)));
-        cut.map_err(|error| format!("could not cut {}: {error}", self.name))?;
-        self.length = length;
-        Ok(())
+        self.file.restore(length)
     }
 
     /// Adds rows, each with its line break. A write error makes the run fail.
     pub fn append(&mut self, rows: fmt::Arguments<'_>, outcome: &mut Outcome) {
         if let Err(error) = self.write(rows) {
-            outcome.fail(Failure::Output { path: self.name.clone(), reason: error.to_string() });
+            outcome.fail(Failure::Output { path: self.file.name().to_owned(), reason: error.to_string() });
         }
     }
 
@@ -102,15 +103,7 @@ impl Rows {
         self.buffer.clear();
         // Writing to a string cannot fail.
         let _ = self.buffer.write_fmt(rows);
-        let written = self.file.write_all(self.buffer.as_bytes());
-        if written.is_ok() {
-            self.length += self.buffer.len() as u64;
-        } else {
-            // A part of the rows may have been written. The run reports the first error.
-            let _ = self.file.set_len(self.length);
-            let _ = self.file.seek(SeekFrom::Start(self.length));
-        }
-        written
+        self.file.append(self.buffer.as_bytes())
     }
 }
 

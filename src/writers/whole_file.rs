@@ -10,6 +10,8 @@ use std::io::{self, BufWriter, ErrorKind, Write};
 use std::path::{Path, PathBuf};
 
 use crate::own_files::{self, file_number};
+pub use crate::writers::disk::remove_if_there;
+use crate::writers::disk::{self, DiskFile};
 
 /// The name ending of temporary files.
 pub const PART: &str = "part";
@@ -36,8 +38,8 @@ pub fn write_with(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Resul
     let part = part_of(path);
     let mut file = BufWriter::new(create_part(&part)?);
     let written = content(&mut file).and_then(|()| file.flush());
-    written.and_then(|()| fs::rename(&part, path)).inspect_err(|_| {
-        let _ = fs::remove_file(&part);
+    written.and_then(|()| disk::rename(&part, path)).inspect_err(|_| {
+        let _ = remove_if_there(&part);
     })
 }
 
@@ -48,13 +50,11 @@ pub fn write_with(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Resul
 pub fn write_synced(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let part = part_of(path);
     let mut file = create_part(&part)?;
-    let written = content(&mut file).and_then(|()| file.sync_all());
-    written.and_then(|()| fs::rename(&part, path)).inspect_err(|_| {
-        let _ = fs::remove_file(&part);
+    let written = content(&mut file).and_then(|()| file.sync());
+    written.and_then(|()| disk::rename(&part, path)).inspect_err(|_| {
+        let _ = remove_if_there(&part);
     })?;
-    // Some systems cannot sync a directory.
-    let _ = path.parent().map(|directory| File::open(directory).and_then(|directory| directory.sync_all()));
-    Ok(())
+    path.parent().map_or(Ok(()), disk::sync_directory)
 }
 
 /// How many times a temporary file is tried if other processes remove it before it is locked.
@@ -65,13 +65,15 @@ const ATTEMPTS: u32 = 100;
 ///
 /// # Errors
 /// If another process writes it ([`ErrorKind::ResourceBusy`]), or it cannot be created.
-fn create_part(part: &Path) -> io::Result<File> {
+fn create_part(part: &Path) -> io::Result<DiskFile> {
     let busy = || io::Error::new(ErrorKind::ResourceBusy, format!("another process is writing {}", part.display()));
     for _ in 0..ATTEMPTS {
         // `create_new` never follows a symbolic link.
-        match File::create_new(part) {
+        match DiskFile::create_new(part) {
             // A file system without locks has no processes that hold one.
-            Ok(file) if !matches!(file.try_lock(), Err(TryLockError::WouldBlock)) && is_at(&file, part) => {
+            Ok(file)
+                if !matches!(file.file().try_lock(), Err(TryLockError::WouldBlock)) && is_at(file.file(), part) =>
+            {
                 return Ok(file);
             }
             Err(error) if error.kind() != ErrorKind::AlreadyExists => return Err(error),
@@ -93,17 +95,6 @@ fn create_part(part: &Path) -> io::Result<File> {
 fn is_at(file: &File, path: &Path) -> bool {
     let (open, named) = (file.metadata(), fs::symlink_metadata(path));
     open.is_ok_and(|open| named.is_ok_and(|named| file_number(&open) == file_number(&named)))
-}
-
-/// Removes a file or a symbolic link, if there is one.
-///
-/// # Errors
-/// If it cannot be removed.
-pub fn remove_if_there(path: &Path) -> io::Result<()> {
-    match fs::remove_file(path) {
-        Err(error) if error.kind() != io::ErrorKind::NotFound => Err(error),
-        _ => Ok(()),
-    }
 }
 
 #[cfg(test)]

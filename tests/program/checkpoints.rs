@@ -245,11 +245,12 @@ fn state_of_another_scene_is_refused() {
 }
 
 /// Places where state could hide from access lists, each with the reason why it may.
-const HIDDEN: [(&str, &str); 9] = [
+const HIDDEN: [(&str, &str); 10] = [
     ("budget.rs", "the time of checks, which end before a run begins"),
     ("survey/pair_forces.rs", "Local<'s, Vec<V>>: emptied before each use"),
     ("store/renumbering.rs", "Local<u64>: decides about the order of table rows only"),
     ("writers/png.rs", "static: the fonts"),
+    ("writers/disk/recorder.rs", "static: the operations that a unit test records"),
     ("collisions.rs", "static: the collision table"),
     ("threads.rs", "atomic counters of one job"),
     ("ending.rs", "the flag of signals"),

@@ -55,6 +55,7 @@ fn run_directory_is_complete_and_can_be_run_again() {
             "checkpoints",
             "frames",
             "frames.bin",
+            "hashes.txt",
             "input-silo.dat",
             "scene.ron",
             "series.csv",

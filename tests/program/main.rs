@@ -74,6 +74,8 @@ mod validate;
 mod validate_flows;
 mod validate_impacts;
 mod validate_rates;
+#[cfg(unix)]
+mod verify;
 mod wall_loads;
 mod watchdog;
 mod without_energy_balance;

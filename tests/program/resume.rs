@@ -145,6 +145,8 @@ fn results(run: &Path) -> Vec<(PathBuf, Vec<u8>)> {
             keys.remove("performance").unwrap();
             keys.remove("checkpoints").unwrap();
             keys.remove("provenance").unwrap();
+            // It has the hash of the summary.
+            keys.remove("files").unwrap();
             summary.to_string().into_bytes()
         } else {
             bytes
@@ -307,11 +309,14 @@ fn a_damaged_or_foreign_checkpoint_is_refused() {
         assert_refused(here.path(), &["has changed since", "--from DIR"]);
         fs::write(&path, text).unwrap();
     }
-    // Rows that are gone cannot be continued.
-    let rows = fs::read(out.join("series.csv")).unwrap();
-    fs::write(out.join("series.csv"), &rows[..100]).unwrap();
-    assert_refused(here.path(), &["series.csv has 100 bytes"]);
-    fs::write(out.join("series.csv"), rows).unwrap();
+    // Another format.
+    let mut checkpoint = file::read_from(&new).unwrap();
+    checkpoint.header.format = 6;
+    let mut bytes = Vec::new();
+    file::write(&mut bytes, &checkpoint.header, &checkpoint.sections).unwrap();
+    fs::write(&newer, bytes).unwrap();
+    assert_refused(here.path(), &["cannot be used", "with format 6 wrote it"]);
+    fs::write(&newer, &new).unwrap();
     // With one whole checkpoint the run goes on.
     fs::write(&older, &old).unwrap();
     fs::write(&newer, &new[..50]).unwrap();
@@ -322,6 +327,39 @@ fn a_damaged_or_foreign_checkpoint_is_refused() {
     assert!(done.status.success() && text(&done.stderr).contains("an earlier checkpoint is used"), "{done:?}");
     assert_eq!(checkpoints(&out).len(), 1);
     assert!(!incomplete.exists());
+}
+
+#[test]
+fn files_that_were_damaged_before_the_checkpoint_are_named_and_nothing_is_changed() {
+    let here = tempfile::tempdir().unwrap();
+    let out = interrupted_run(here.path());
+    for name in ["series.csv", "frames.bin", "frames/00000.svg"] {
+        let path = out.join(name);
+        let bytes = fs::read(&path).unwrap();
+        let mut flipped = bytes.clone();
+        flipped[10] ^= 1;
+        for (changed, what) in [
+            (bytes[..100].to_vec(), "has 100 bytes"),
+            (Vec::new(), "has 0 bytes"),
+            (vec![0; bytes.len()], "has changed"),
+            (flipped, "has changed"),
+        ] {
+            fs::write(&path, changed).unwrap();
+            assert_refused(here.path(), &[&format!("{name} {what}"), "--accept-damage"]);
+        }
+        fs::remove_file(&path).unwrap();
+        assert_refused(here.path(), &[&format!("{name} is missing"), "--accept-damage"]);
+        fs::write(&path, bytes).unwrap();
+    }
+    fs::rename(out.join("frames"), here.path().join("frames")).unwrap();
+    assert_refused(here.path(), &["frames/00000.svg is missing: there is no directory frames"]);
+    fs::rename(here.path().join("frames"), out.join("frames")).unwrap();
+    // Rows and pictures after the checkpoint are made again.
+    let rows = fs::read(out.join("series.csv")).unwrap();
+    fs::write(out.join("series.csv"), [&rows[..], b"half a r"].concat()).unwrap();
+    fs::write(out.join("frames/00900.svg"), "").unwrap();
+    assert!(resume(here.path(), &[]).status.success());
+    assert!(!out.join("frames/00900.svg").exists());
 }
 
 #[test]

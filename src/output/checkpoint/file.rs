@@ -20,6 +20,7 @@ use serde::{Deserialize, Serialize};
 use crate::own_files;
 use crate::persist::{Problem, Section, decode, encode};
 use crate::writers::fnv::Fnv;
+use crate::writers::run_files::Manifest;
 
 const MAGIC: &[u8; 8] = b"SILOFLOW";
 
@@ -45,6 +46,18 @@ pub struct Header {
     pub time: f64,
     /// Whether it is the state at the regular end of a run.
     pub is_final: bool,
+    /// The files of the run, all of them on the disk before the checkpoint.
+    pub files: Manifest,
+}
+
+/// Why a checkpoint cannot be read that is whole.
+#[derive(Debug, thiserror::Error)]
+#[error("siloflow {version} with format {format} wrote it; this program reads format {FORMAT}")]
+pub struct OtherFormat {
+    /// Its format.
+    pub format: u32,
+    /// Version of the program that wrote it.
+    pub version: String,
 }
 
 /// A checkpoint that has been read.
@@ -118,8 +131,11 @@ fn damaged(what: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, what.into())
 }
 
-/// Most bytes of a header, and of the name of a section.
-const MOST_HEADER: u64 = 1 << 20;
+/// Most bytes of a header, which names every file of the run.
+const MOST_HEADER: u64 = 1 << 26;
+
+/// Most bytes of the name of a section.
+const MOST_NAME: u64 = 1 << 20;
 
 /// A checkpoint whose hash is right and whose header has been read, but not its state.
 #[derive(Debug)]
@@ -171,6 +187,11 @@ impl<R: Read + Seek> Packed<R> {
         }
         let mut packed = Parts::of(&mut file, length, u64::MAX)?;
         let header = packed.next(MOST_HEADER)?.ok_or_else(|| damaged("it has no header"))?;
+        if let Ok(((format, version), _)) = postcard::take_from_bytes::<(u32, String)>(&header)
+            && format != FORMAT
+        {
+            return Err(io::Error::new(io::ErrorKind::InvalidData, OtherFormat { format, version }));
+        }
         let header = decode(&header).map_err(|problem| damaged(format!("its header is unknown: {problem}")))?;
         Ok(Self { header, length, file })
     }
@@ -183,7 +204,7 @@ impl<R: Read + Seek> Packed<R> {
         let mut parts = Parts::of(&mut self.file, self.length, most)?;
         parts.next(MOST_HEADER)?;
         let mut sections = Vec::new();
-        while let Some(name) = parts.next(MOST_HEADER)? {
+        while let Some(name) = parts.next(MOST_NAME)? {
             let name = String::from_utf8(name).map_err(|_| damaged("the name of a part is no text"))?;
             let bytes = parts.next(u64::MAX)?.ok_or_else(|| damaged("its last part is cut short"))?;
             sections.push((name, bytes));
@@ -251,6 +272,7 @@ mod tests {
             steps: 3,
             time: 0.25,
             is_final: false,
+            files: Manifest::default(),
         };
         let mut bytes = Vec::new();
         let sections = [("a".to_owned(), vec![1, 2, 3]), ("b".to_owned(), Vec::new()), ("c".to_owned(), vec![0; 1000])];

@@ -10,7 +10,6 @@
 //! [`survey::view`](crate::survey::view). The pressure of a particle is the sum of its elastic contact forces over its circumference, or in solid space over its surface.
 
 use std::marker::PhantomData;
-use std::path::Path;
 use std::sync::Arc;
 
 use bevy_app::{App, Plugin};
@@ -288,8 +287,7 @@ impl<V: Space> FrameDataPlugin<V> {
         let Some((config, interval)) = loaded.scene.data_frames() else { return Ok(None) };
         let header = Header::of::<V>(loaded, config, world);
         let frames = FrameFile::at(place, &header)?;
-        let run = place.path.parent().unwrap_or(Path::new(""));
-        let formats = LiveFormats::open(&config.format, header.clone(), run, place.is_continued)?;
+        let formats = LiveFormats::open(&config.format, header.clone(), place)?;
         let writer = TakenOnce::new(FrameDataWriter::new(frames, formats));
         let content = Content::new(&header, config.contacts, config.walls, true);
         let recording = Recording { content, latest: None };

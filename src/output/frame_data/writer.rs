@@ -54,13 +54,12 @@ impl FrameDataWriter {
         app.persist_sound_part::<Self, (u64, SavedFormats)>(
             |writer| {
                 let files = writer.files.as_ref().ok_or("frames are still being written")?;
-                let formats = files.formats.saved().map_err(|error| format!("could not sync frames: {error}"))?;
-                Ok((files.frames.saved()?, formats))
+                Ok((files.frames.file.length(), files.formats.saved()))
             },
             |writer, (length, formats)| {
                 let Some(files) = &mut writer.files else { return Ok(()) };
-                files.frames.restore(length)?;
-                files.formats.restore(&formats).map_err(|error| format!("could not remove later frames: {error}"))
+                files.frames.file.restore(length)?;
+                files.formats.restore(&formats)
             },
         );
     }
@@ -124,7 +123,7 @@ impl Drop for FrameDataWriter {
 impl WriterThread {
     fn start(files: Files) -> Result<Self, Failure> {
         let (queue, frames) = sync_channel(MAX_WAITING_FRAMES);
-        let name = files.frames.name.clone();
+        let name = files.frames.file.name().to_owned();
         let thread = std::thread::Builder::new().name("frames".to_owned()).spawn(move || write_all(files, &frames));
         let thread = thread.map_err(|error| failed(name, &error))?;
         Ok(Self { queue, thread })
@@ -135,7 +134,7 @@ impl WriterThread {
 fn write_all(mut files: Files, frames: &Receiver<Arc<Frame>>) -> (Files, Result<(), Failure>) {
     let result = frames.iter().try_for_each(|frame| {
         let Files { frames, formats } = &mut files;
-        frames.add(&frame).map_err(|error| failed(frames.name.clone(), &error))?;
+        frames.add(&frame).map_err(|error| failed(frames.file.name().to_owned(), &error))?;
         formats.add(&frame).map_err(|(name, error)| failed(name.to_owned(), &error))
     });
     (files, result)
@@ -150,18 +149,20 @@ mod tests {
     use super::super::reader::tests::header;
     use super::*;
     use crate::outcome::End;
+    use crate::writers::growing::Growing;
+    use crate::writers::rows::RowsPlace;
 
     #[test]
     fn a_full_disk_ends_the_run() {
         let full = std::fs::File::options().write(true).open("/dev/full").unwrap();
-        let file = FrameFile { name: "frames.bin".to_owned(), file: full, length: 0 };
-        let formats = LiveFormats::open(&[], header(), Path::new(""), false).unwrap();
+        let file = FrameFile { file: Growing::of(full, "frames.bin") };
+        let formats = LiveFormats::open(&[], header(), &RowsPlace::default()).unwrap();
         let (mut writer, mut outcome) = (FrameDataWriter::new(file, formats), Outcome::default());
         writer.add(Arc::default(), &mut outcome);
         outcome.finish(End::Empty);
         writer.add(Arc::default(), &mut outcome);
         let Some(End::Failed(Failure::Output { path, reason })) = outcome.end() else { panic!("{outcome:?}") };
         assert!(path == "frames.bin" && reason.contains("space"), "{reason}");
-        assert_eq!(writer.files.as_ref().map(|files| files.frames.length), Some(0));
+        assert_eq!(writer.files.as_ref().map(|files| files.frames.file.length()), Some(0));
     }
 }

@@ -3,15 +3,18 @@
 //! A text file grows as `frames.bin` does, and a directory of VTK files gets new files. Both are cut to the frames of a checkpoint
 //! when a run is resumed.
 
-use std::fs::{self, File};
-use std::io::{self, Seek as _, SeekFrom, Write as _};
+use std::io;
 use std::path::Path;
 
 use super::{dump, vtk, xyz};
 use crate::output::frame_data::{Frame, Header};
 use crate::own_files;
+use crate::persist::Problem;
 use crate::scene::outputs::Format;
+use crate::writers::disk;
 use crate::writers::frame_writer::Guard;
+use crate::writers::growing::Growing;
+use crate::writers::rows::RowsPlace;
 
 /// The formats of a run.
 pub struct LiveFormats {
@@ -23,35 +26,31 @@ pub struct LiveFormats {
 
 #[derive(Debug)]
 enum Live {
-    Text {
-        format: Format,
-        file: File,
-        /// Bytes of whole frames.
-        length: u64,
-    },
-    Vtk(vtk::Directory),
+    Text { format: Format, file: Growing },
+    Vtk(Box<vtk::Directory>),
 }
 
 /// State of each format in a checkpoint.
 pub(crate) type SavedFormats = Vec<Vec<u64>>;
 
 impl LiveFormats {
-    /// Creates the files of these formats in a run directory, or opens them if the run is continued.
+    /// Creates the files of these formats in the run directory that holds `frames`, the place of `frames.bin`, or opens them if the
+    /// run is continued.
     ///
     /// # Errors
     /// If a file cannot be written, or a new one exists.
-    pub fn open(formats: &[Format], header: Header, run: &Path, is_continued: bool) -> io::Result<Self> {
+    pub fn open(formats: &[Format], header: Header, frames: &RowsPlace) -> io::Result<Self> {
         let open = |&format: &Format| {
-            let path = run.join(format.file_name());
+            let name = format.file_name();
+            let path = frames.path.with_file_name(name);
             if format == Format::Vtk {
-                if !is_continued {
-                    fs::create_dir(&path)?;
+                if !(frames.is_continued && own_files::is_directory(&path)) {
+                    disk::create_directory(&path)?;
                 }
-                return vtk::Directory::open(&path).map(Live::Vtk);
+                return vtk::Directory::open(&path, &frames.files).map(|directory| Live::Vtk(Box::new(directory)));
             }
-            let mut file = if is_continued { own_files::change(&path)? } else { File::create_new(&path)? };
-            let length = file.seek(SeekFrom::End(0))?;
-            Ok(Live::Text { format, file, length })
+            let file = Growing::at(&path, frames.files.file(name), b"", frames.is_continued)?;
+            Ok(Live::Text { format, file })
         };
         let formats = formats.iter().map(open).collect::<io::Result<_>>()?;
         Ok(Self { header, formats, guard: None })
@@ -63,16 +62,9 @@ impl LiveFormats {
     /// The name of the file, and why it could not be written. A text file then ends with the frame before.
     pub fn add(&mut self, frame: &Frame) -> Result<(), (&'static str, io::Error)> {
         self.formats.iter_mut().try_for_each(|live| match live {
-            Live::Text { format, file, length } => {
+            Live::Text { format, file } => {
                 let text = if *format == Format::ExtXyz { xyz::text } else { dump::text }(&self.header, frame);
-                let written = file.write_all(text.as_bytes());
-                if written.is_ok() {
-                    *length += text.len() as u64;
-                } else {
-                    // A part of the frame may have been written. The run reports the first error.
-                    let _ = file.set_len(*length).and_then(|()| file.seek(SeekFrom::Start(*length)));
-                }
-                written.map_err(|error| (format.file_name(), error))
+                file.append(text.as_bytes()).map_err(|error| (format.file_name(), error))
             }
             Live::Vtk(directory) => {
                 let is_there = self.guard.as_ref().map_or(Ok(()), |guard| guard());
@@ -93,31 +85,24 @@ impl LiveFormats {
     }
 
     /// Returns the extent of each format.
-    pub(crate) fn saved(&self) -> io::Result<SavedFormats> {
+    pub(crate) fn saved(&self) -> SavedFormats {
         let saved = |live: &Live| match live {
-            Live::Text { file, length, .. } => file.sync_data().map(|()| vec![*length]),
-            Live::Vtk(directory) => Ok(directory.saved()),
+            Live::Text { file, .. } => vec![file.length()],
+            Live::Vtk(directory) => directory.saved(),
         };
         self.formats.iter().map(saved).collect()
     }
 
     /// Removes all frames beyond those of [`LiveFormats::saved`].
-    pub(crate) fn restore(&mut self, saved: &[Vec<u64>]) -> io::Result<()> {
+    pub(crate) fn restore(&mut self, saved: &[Vec<u64>]) -> Result<(), Problem> {
         if saved.len() != self.formats.len() {
-            return Err(io::Error::other("the checkpoint has other formats"));
+            return Err("the checkpoint has other formats".to_owned());
         }
         self.formats.iter_mut().zip(saved).try_for_each(|(live, saved)| match live {
-            Live::Text { file, length, .. } => {
-                let before = saved.first().copied().unwrap_or(0);
-                if before > *length {
-                    return Err(io::Error::other("a file of frames is shorter than it was at the checkpoint"));
-                }
-                file.set_len(before)?;
-                file.seek(SeekFrom::Start(before))?;
-                *length = before;
-                Ok(())
+            Live::Text { file, .. } => file.restore(saved.first().copied().unwrap_or(0)),
+            Live::Vtk(directory) => {
+                directory.restore(saved).map_err(|error| format!("could not remove later frames: {error}"))
             }
-            Live::Vtk(directory) => directory.restore(saved),
         })
     }
 }

@@ -29,6 +29,7 @@ use crate::output::frame_data::columns::Columns;
 use crate::output::frame_data::{Column, Frame, Header, Table, Values};
 use crate::output::run_directory::PartDirectory;
 use crate::scene::outputs::Format;
+use crate::writers::run_files::RunFiles;
 use crate::writers::whole_file;
 
 /// A format that frames are converted to.
@@ -89,7 +90,7 @@ pub fn export(
     let mut counted = frames.inspect(|_| count += 1).map(|frame| columns.complete(frame?));
     match format {
         Target::Live(Format::Vtk) => whole_directory(format, target, |part| {
-            let mut directory = vtk::Directory::open(part)?;
+            let mut directory = vtk::Directory::open(part, &RunFiles::default())?;
             counted.try_for_each(|frame| directory.add(header, &frame?))
         }),
         Target::Live(format) => {

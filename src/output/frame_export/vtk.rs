@@ -11,14 +11,16 @@
 //! of the partner.
 
 use std::collections::HashMap;
-use std::fs::File;
-use std::io::{self, Seek as _, SeekFrom, Write as _};
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::grain_columns;
 use super::vtp::PolyData;
 use crate::output::frame_data::{Column, Frame, Header, Table, Values};
 use crate::own_files;
+use crate::scene::outputs::Format;
+use crate::writers::growing::Growing;
+use crate::writers::run_files::{Extent, RunFile, RunFiles};
 use crate::writers::whole_file;
 
 /// A directory of frames that grows.
@@ -29,6 +31,8 @@ pub(super) struct Directory {
     count: u64,
     /// Lists of times: of grains, contacts and walls.
     lists: [Option<List>; 3],
+    /// The record of the run's files.
+    files: RunFiles,
 }
 
 /// Names of the files of a frame, without their numbers.
@@ -39,16 +43,17 @@ impl Directory {
     ///
     /// # Errors
     /// If there is no such directory, or a list cannot be opened.
-    pub fn open(path: &Path) -> io::Result<Self> {
+    pub fn open(path: &Path, files: &RunFiles) -> io::Result<Self> {
         if !own_files::is_directory(path) {
             return Err(io::Error::from(io::ErrorKind::NotADirectory));
         }
         let mut lists = [None, None, None];
         for (list, name) in lists.iter_mut().zip(NAMES) {
             let place = list_of(path, name);
-            *list = if place.symlink_metadata().is_ok() { Some(List::reopen(&place)?) } else { None };
+            let is_there = place.symlink_metadata().is_ok();
+            *list = if is_there { Some(List::reopen(&place, in_record(files, &place))?) } else { None };
         }
-        Ok(Self { path: path.to_owned(), count: 0, lists })
+        Ok(Self { path: path.to_owned(), count: 0, lists, files: files.clone() })
     }
 
     /// Adds a frame.
@@ -59,10 +64,14 @@ impl Directory {
         for ((list, name), content) in self.lists.iter_mut().zip(NAMES).zip(files(header, frame)) {
             let Some(content) = content else { continue };
             let file = format!("{name}-{:05}.vtp", self.count);
-            whole_file::write(&self.path.join(&file), &content.bytes())?;
-            let list = match list {
-                Some(list) => list,
-                None => list.insert(List::create(&list_of(&self.path, name))?),
+            let (path, bytes) = (self.path.join(&file), content.bytes());
+            whole_file::write(&path, &bytes)?;
+            in_record(&self.files, &path).is_written(Extent::default().with(&bytes));
+            let list = if let Some(list) = list {
+                list
+            } else {
+                let path = list_of(&self.path, name);
+                list.insert(List::create(&path, in_record(&self.files, &path))?)
             };
             list.add(content.time, &file)?;
         }
@@ -72,7 +81,7 @@ impl Directory {
 
     /// Returns the number of frames, and the length of each list; 0 for one that is not there.
     pub fn saved(&self) -> Vec<u64> {
-        let lengths = self.lists.iter().map(|list| list.as_ref().map_or(0, |list| list.length));
+        let lengths = self.lists.iter().map(|list| list.as_ref().map_or(0, |list| list.0.length()));
         std::iter::once(self.count).chain(lengths).collect()
     }
 
@@ -87,10 +96,12 @@ impl Directory {
         self.count = count;
         for ((list, name), &length) in self.lists.iter_mut().zip(NAMES).zip(lengths) {
             match list {
-                Some(list) if length > 0 => list.cut(length)?,
+                Some(list) if length > 0 => list.0.restore(length).map_err(io::Error::other)?,
                 _ => {
                     *list = None;
-                    whole_file::remove_if_there(&list_of(&self.path, name))?;
+                    let path = list_of(&self.path, name);
+                    whole_file::remove_if_there(&path)?;
+                    in_record(&self.files, &path).is_removed();
                 }
             }
         }
@@ -110,50 +121,32 @@ fn list_of(directory: &Path, name: &str) -> PathBuf {
     directory.join(format!("{name}.pvd"))
 }
 
-/// A list of times and files.
-#[derive(Debug)]
-struct List {
-    file: File,
-    /// Bytes before the end of the list.
-    length: u64,
+/// The place in the record of a file in the directory.
+fn in_record(files: &RunFiles, path: &Path) -> RunFile {
+    files.file(format!("{}/{}", Format::Vtk.file_name(), path.file_name().unwrap_or_default().to_string_lossy()))
 }
+
+/// A list of times and files. Each row is written over the end of the list, and the end behind it.
+#[derive(Debug)]
+struct List(Growing);
 
 const LIST_START: &str = "<?xml version=\"1.0\"?>\n\
     <VTKFile type=\"Collection\" version=\"1.0\" byte_order=\"LittleEndian\">\n<Collection>\n";
-const LIST_END: &str = "</Collection>\n</VTKFile>\n";
+const LIST_END: &[u8] = b"</Collection>\n</VTKFile>\n";
 
 impl List {
-    fn create(path: &Path) -> io::Result<Self> {
-        let mut list = Self { file: File::create_new(path)?, length: 0 };
-        list.write(LIST_START)?;
+    fn create(path: &Path, record: RunFile) -> io::Result<Self> {
+        let mut list = Self(Growing::create(path, record, LIST_END)?);
+        list.0.append(LIST_START.as_bytes())?;
         Ok(list)
     }
 
-    fn reopen(path: &Path) -> io::Result<Self> {
-        let file = own_files::change(path)?;
-        let length = file.metadata()?.len().saturating_sub(LIST_END.len() as u64);
-        Ok(Self { file, length })
+    fn reopen(path: &Path, record: RunFile) -> io::Result<Self> {
+        Growing::reopen(path, record, LIST_END).map(Self)
     }
 
     fn add(&mut self, time: f64, name: &str) -> io::Result<()> {
-        self.write(&format!("<DataSet timestep=\"{time:e}\" file=\"{name}\"/>\n"))
-    }
-
-    /// Writes a row over the end of the list, and the end behind it.
-    fn write(&mut self, row: &str) -> io::Result<()> {
-        self.file.seek(SeekFrom::Start(self.length))?;
-        self.file.write_all(format!("{row}{LIST_END}").as_bytes())?;
-        self.length += row.len() as u64;
-        Ok(())
-    }
-
-    fn cut(&mut self, length: u64) -> io::Result<()> {
-        if length > self.length {
-            return Err(io::Error::other("a list of frames is shorter than it was at the checkpoint"));
-        }
-        self.length = length;
-        self.write("")?;
-        self.file.set_len(length + LIST_END.len() as u64)
+        self.0.append(format!("<DataSet timestep=\"{time:e}\" file=\"{name}\"/>\n").as_bytes())
     }
 }
 

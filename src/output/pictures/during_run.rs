@@ -23,6 +23,7 @@ use crate::scene::outputs::{Colour, DataFrames, Pictures};
 use crate::space::Space;
 use crate::step::Step;
 use crate::writers::frame_writer::FrameWriter;
+use crate::writers::run_files::RunFiles;
 
 /// Draws the pictures of a run.
 pub struct PicturesPlugin<V: Space> {
@@ -109,9 +110,11 @@ impl<V: Space> Plugin for PicturesPlugin<V> {
             outputs::compute_grain_columns(app, due::<Pictures>);
         }
         FrameWriter::persist(app);
+        let writer = FrameWriter::new(self.directory.clone(), self.pictures.png);
+        let writer = writer.recorded_in(app.world().get_resource::<RunFiles>());
         let draw = draw_frame::<V>.in_set(ObserveStage::Write).after(FramesRecorded);
         app.insert_resource(self.drawing.clone())
-            .insert_resource(FrameWriter::new(self.directory.clone(), self.pictures.png))
+            .insert_resource(writer)
             .add_systems(Step, draw.run_if(due::<Pictures>));
     }
 }

@@ -9,14 +9,15 @@
 //! from using one directory.
 
 use std::fs::{self, File, TryLockError};
-use std::io::{self, ErrorKind, Read as _, Seek as _, Write as _};
+use std::io::{self, ErrorKind, Read as _};
 use std::path::{Path, PathBuf};
 
 use crate::own_files::{self, file_number};
 use crate::source::files;
+use crate::writers::disk::DiskFile;
 
 /// Name of the marker.
-pub(super) const MARKER: &str = ".siloflow";
+pub(crate) const MARKER: &str = ".siloflow";
 
 /// Most bytes of a marker that is read.
 const MOST_BYTES: u64 = 1 << 20;
@@ -35,7 +36,7 @@ pub(super) fn declared_in(directory: &Path) -> Vec<String> {
 
 /// The locked marker of a directory.
 #[derive(Debug)]
-pub(super) struct Marker(File);
+pub(super) struct Marker(DiskFile);
 
 /// The result of an attempt to lock the marker of a directory.
 #[derive(Debug)]
@@ -52,8 +53,8 @@ impl Marker {
     /// Marks and locks a directory that has no marker.
     pub(super) fn create(directory: &Path) -> io::Result<Self> {
         let path = directory.join(MARKER);
-        let marker = Self(File::create_new(&path)?);
-        match marker.0.try_lock() {
+        let marker = Self(DiskFile::create_new(&path)?);
+        match marker.0.file().try_lock() {
             Err(TryLockError::WouldBlock) => return Err(ErrorKind::NotFound.into()),
             Err(TryLockError::Error(error)) => warn_of_no_locks(directory, &error),
             Ok(()) => {}
@@ -83,7 +84,7 @@ impl Marker {
             Err(TryLockError::Error(error)) => warn_of_no_locks(directory, &error),
             Ok(()) => {}
         }
-        let marker = Self(file);
+        let marker = Self(file.into());
         // Another process may have replaced the directory before the lock was taken.
         Ok(if marker.is_in(directory) { Claim::Locked(marker) } else { Claim::Held("another process".to_owned()) })
     }
@@ -92,15 +93,12 @@ impl Marker {
     pub(super) fn sign(&self, files: &[String]) -> io::Result<()> {
         let mut text = format!("siloflow keeps its results here; process {}\n", std::process::id());
         text.extend(files.iter().flat_map(|name| [DECLARED, name, "\n"]));
-        let mut file = &self.0;
-        file.set_len(0)?;
-        file.rewind()?;
-        file.write_all(text.as_bytes())
+        self.0.rewrite(text.as_bytes())
     }
 
     /// Returns the place of the marker, which is in `directory`.
     pub(super) fn place(&self, directory: &Path) -> Option<MarkerPlace> {
-        Some(MarkerPlace { path: directory.join(MARKER), file: file_number(&self.0.metadata().ok()?) })
+        Some(MarkerPlace { path: directory.join(MARKER), file: file_number(&self.0.file().metadata().ok()?) })
     }
 
     /// Whether `directory` has this marker.
@@ -124,7 +122,7 @@ impl MarkerPlace {
 }
 
 /// The process that a marker names, in words.
-fn holder(marker: File) -> String {
+pub(super) fn holder(marker: File) -> String {
     let mut text = String::new();
     let _ = marker.take(MOST_BYTES).read_to_string(&mut text);
     let number = text

@@ -1,6 +1,7 @@
 //! Names in a run directory: of results, of copies of input, of checkpoints; and which files are siloflow's own, so that a later run
 //! in the same place removes them.
 
+use std::ffi::OsStr;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -33,8 +34,11 @@ pub(crate) const LOSSES: &str = "losses.csv";
 pub(crate) const STATE: &str = "state.csv";
 pub(crate) const SUMMARY: &str = "summary.json";
 pub(crate) const REPORT: &str = "report.html";
+pub(crate) const HASHES: &str = "hashes.txt";
+/// Ending of what is left of a damaged file; `.damaged-2` and so on if there are several.
+pub(crate) const DAMAGED: &str = "damaged";
 /// Names of all files that a run writes at the top of its directory.
-const OWN_FILES: [&str; 16] = [
+const OWN_FILES: [&str; 17] = [
     MOVIE,
     SERIES,
     FRAME_DATA,
@@ -51,6 +55,7 @@ const OWN_FILES: [&str; 16] = [
     STATE,
     SUMMARY,
     REPORT,
+    HASHES,
 ];
 
 /// Names of the files that hold the input of a run, without those of meshes and motions.
@@ -286,10 +291,9 @@ pub(super) fn is_directory(name: &Path) -> bool {
     name == Path::new(FRAMES) || name.to_str().is_some_and(|name| content_of(name).is_some())
 }
 
-/// Returns a name without the ending of temporary files.
+/// Returns a name without the ending of temporary or damaged files.
 pub(super) fn completed(name: &Path) -> &Path {
-    let is_part = name.extension().is_some_and(|ending| ending == PART);
-    if is_part { Path::new(name.file_stem().unwrap_or_default()) } else { name }
+    if name.extension().is_some_and(is_added) { Path::new(name.file_stem().unwrap_or_default()) } else { name }
 }
 
 /// Whether `siloflow export` writes a table of this name, with this ending.
@@ -298,6 +302,12 @@ fn is_exported_table(name: &Path, ending: &str) -> bool {
     let is_of_frames = ["grains", "contacts", "wall_contacts"].contains(&stem);
     let is_of_run = ending == "parquet" && OWN_FILES.iter().any(|own| own.strip_suffix(".csv") == Some(stem));
     name.extension().is_some_and(|found| found == ending) && (is_of_frames || is_of_run)
+}
+
+/// Whether siloflow adds this ending to names of its own: to incomplete and to damaged files.
+fn is_added(ending: &OsStr) -> bool {
+    let number = ending.to_str().and_then(|ending| ending.strip_prefix(DAMAGED)?.strip_prefix('-'));
+    ending == PART || ending == DAMAGED || number.is_some_and(|number| number.parse::<u32>().is_ok())
 }
 
 /// Whether siloflow writes a file or directory of this path in a run directory.

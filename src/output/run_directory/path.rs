@@ -4,6 +4,9 @@ use std::path::{Path, PathBuf};
 
 use bevy_ecs::prelude::*;
 
+use crate::writers::rows::RowsPlace;
+use crate::writers::run_files::RunFiles;
+
 /// The run directory of a run of the command line. A simulation that a program builds by itself has none.
 ///
 /// A behaviour declares its files with [`run_file`](crate::measure::outputs::OutputApp::run_file), so that a later run in the
@@ -28,12 +31,14 @@ use bevy_ecs::prelude::*;
 ///
 /// The path changes once, after step zero: ask for it each time. An open file stays valid. A run that is resumed finds the file as
 /// the interrupted run left it, which may be later than the checkpoint: [`Rows`](crate::writers::rows::Rows) has `saved` and
-/// `restore` for files that grow.
+/// `restore` for files that grow, and [`RunPath::rows`] is their place. A checkpoint and the summary bring all declared files to the
+/// disk before they get their names.
 #[derive(Resource, Clone, Debug)]
 pub struct RunPath {
     pub(crate) now: PathBuf,
     /// Whether an interrupted run is continued, so that its files exist.
     pub is_resumed: bool,
+    pub(crate) files: RunFiles,
 }
 
 impl RunPath {
@@ -41,6 +46,13 @@ impl RunPath {
     #[must_use]
     pub fn path(&self) -> &Path {
         &self.now
+    }
+
+    /// The place of a file of [`Rows`](crate::writers::rows::Rows) in the directory. Its rows are hashed as they are written, so that a
+    /// resume and `siloflow verify` find out if they have changed.
+    #[must_use]
+    pub fn rows(&self, name: &str) -> RowsPlace {
+        RowsPlace { path: self.file(name), is_continued: self.is_resumed, files: self.files.clone() }
     }
 
     /// The path of a file in the directory.

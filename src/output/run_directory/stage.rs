@@ -18,7 +18,8 @@ use crate::output::run_directory::exchange::{exchange, recover};
 use crate::output::run_directory::marker::{Claim, MARKER, Marker, declared_in};
 #[cfg(unix)]
 use crate::own_files::file_number;
-use crate::writers::whole_file::{PART, remove_if_there};
+use crate::writers::disk::{self, remove_if_there};
+use crate::writers::whole_file::PART;
 
 /// Whether siloflow writes a file or directory of this path in a directory. The path counts from the directory.
 pub(super) type IsOwn<'a> = &'a (dyn Fn(&Path) -> bool + Send + Sync);
@@ -45,13 +46,13 @@ impl Stage {
             return Err(io::Error::other("it has no parent directory"));
         };
         let created: Vec<_> = parent.ancestors().take_while(|path| !path.exists()).map(Path::to_owned).collect();
-        fs::create_dir_all(parent)?;
+        created.iter().rev().try_for_each(|path| make_directory(path))?;
         remove_stale(parent, target, is_own)?;
         let mut attempt = 0;
         loop {
             attempt += 1;
             let path = parent.join(stage_name(name, &format!("{}-{attempt}", std::process::id())));
-            match fs::create_dir(&path).and_then(|()| Marker::create(&path)) {
+            match disk::create_directory(&path).and_then(|()| Marker::create(&path)) {
                 Ok(marker) => return Ok(Self { path, marker, target: target.to_owned(), created }),
                 // Another process took the new directory for a remainder.
                 Err(error)
@@ -59,12 +60,18 @@ impl Stage {
                 }
                 Err(error) => {
                     let _ = remove_if_there(&path.join(MARKER));
-                    let _ = fs::remove_dir(&path);
+                    let _ = disk::remove_directory(&path);
                     remove_empty(&created);
                     return Err(error);
                 }
             }
         }
+    }
+
+    /// Returns the directories that have got a new name, that of the run directory or of one above it.
+    pub(super) fn above(&self) -> Vec<PathBuf> {
+        let new = std::iter::once(&self.target).chain(&self.created);
+        new.filter_map(|path| path.parent().map(Path::to_owned)).collect()
     }
 
     /// Moves the directory into place and deletes siloflow's own files of the directory that was there before. The caller
@@ -76,12 +83,12 @@ impl Stage {
 
     fn move_into_place(&self, is_own: IsOwn) -> io::Result<()> {
         match fs::symlink_metadata(&self.target) {
-            Err(error) if error.kind() == ErrorKind::NotFound => return fs::rename(&self.path, &self.target),
+            Err(error) if error.kind() == ErrorKind::NotFound => return disk::rename(&self.path, &self.target),
             found => fs::set_permissions(&self.path, found?.permissions())?,
         }
         if fs::read_dir(&self.target)?.next().is_none() {
             // The rename replaces an empty directory, and fails if the directory is no longer empty.
-            return fs::rename(&self.path, &self.target);
+            return disk::rename(&self.path, &self.target);
         }
         self.replace(is_own)
     }
@@ -95,11 +102,14 @@ impl Stage {
             let is_file = fs::symlink_metadata(&old)?.is_file();
             if is_file && !is_own(Path::new(&name)) && !declared.contains(&name) && name != MARKER {
                 // Without hard links the file is moved after the exchange.
-                let _ = fs::hard_link(old, new);
+                let _ = disk::link(&old, &new);
             }
         }
         exchange(&self.path, &self.target, &aside(&self.path))?;
-        if let Err(error) = remove(&self.path, &self.target, is_own) {
+        // The old files go only once the exchange is on the disk.
+        let parent = self.target.parent().unwrap_or(Path::new("/"));
+        let removed = disk::sync_directory(parent).and_then(|()| remove(&self.path, &self.target, is_own));
+        if let Err(error) = removed {
             tracing::warn!("could not remove all of the earlier run, now in {}: {error}", self.path.display());
         }
         Ok(())
@@ -111,6 +121,14 @@ impl Stage {
             tracing::warn!("could not remove {}: {error}", self.path.display());
         }
         remove_empty(&self.created);
+    }
+}
+
+/// Makes a directory, unless another process has made it.
+fn make_directory(path: &Path) -> io::Result<()> {
+    match disk::create_directory(path) {
+        Err(error) if error.kind() == ErrorKind::AlreadyExists && path.is_dir() => Ok(()),
+        made => made,
     }
 }
 
@@ -142,7 +160,7 @@ fn remove_stale(parent: &Path, target: &Path, is_own: IsOwn) -> io::Result<()> {
         let removed = match claim {
             Claim::Held(_) => Ok(()),
             Claim::Unmarked => {
-                let _ = fs::remove_dir(&path);
+                let _ = disk::remove_directory(&path);
                 Ok(())
             }
             Claim::Locked(_) if path.extension().is_some_and(|ending| ending == "old") && !target.exists() => {
@@ -165,7 +183,7 @@ fn remove(old: &Path, new: &Path, is_own: IsOwn) -> io::Result<()> {
         return Err(io::Error::other("it holds files that siloflow did not write"));
     }
     remove_if_there(&old.join(MARKER))?;
-    fs::remove_dir(old)
+    disk::remove_directory(old)
 }
 
 /// Returns the names of the files that the behaviours of runs in these directories have declared, and of their temporary files.
@@ -188,13 +206,13 @@ fn empty(old: &Path, new: &Path, inside: &Path, own: (IsOwn, &HashSet<OsString>)
         if kind.is_dir() && is_own(&path) {
             empty(old, new, &path, own)?;
             // A directory that still holds other files stays.
-            let _ = fs::remove_dir(old.join(&path));
+            let _ = disk::remove_directory(&old.join(&path));
         } else if kind.is_file() && (is_own_file || is_same_file(&old.join(&path), &new.join(&path))) {
             remove_if_there(&old.join(&path))?;
         } else if new.is_dir() && fs::symlink_metadata(new.join(&path)).is_err() {
             // The new run may have no directory of this name.
             fs::create_dir_all(new.join(inside))?;
-            fs::rename(old.join(&path), new.join(&path))?;
+            disk::rename(&old.join(&path), &new.join(&path))?;
         }
     }
     Ok(())
@@ -213,5 +231,5 @@ fn is_same_file(_: &Path, _: &Path) -> bool {
 
 /// Removes these directories, the innermost first, up to one that is not empty.
 fn remove_empty(directories: &[PathBuf]) {
-    let _ = directories.iter().try_for_each(fs::remove_dir);
+    let _ = directories.iter().try_for_each(|path| disk::remove_directory(path));
 }
