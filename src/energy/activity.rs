@@ -103,12 +103,9 @@ impl Activity {
             let numbers = (0..V::COUNT).map(|axis| wall.velocity.component(axis));
             numbers.chain((0..V::Spin::COUNT).map(|axis| wall.spin.component(axis)))
         });
-        let mut place = 0;
         let mut has_jumped = false;
-        for now in moving {
-            let known = self.walls.get_mut(place);
-            place += 1;
-            match known {
+        for (place, now) in moving.enumerate() {
+            match self.walls.get_mut(place) {
                 Some(before) => {
                     let largest = now.abs().max(before.abs());
                     has_jumped |= (now - std::mem::replace(before, now)).abs() > JUMP * largest;

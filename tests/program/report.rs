@@ -328,7 +328,7 @@ fn a_killed_run_is_reported_as_far_as_its_files_go() {
     assert_sound(&page);
     assert!(page.contains("There is no summary"), "the status");
     let last: Vec<_> = lines[6].split(',').collect();
-    assert_eq!(last[0], "0.250000000");
+    assert_eq!(last[0], "0.25");
     assert_eq!(row(&page, "Grains released"), [format!("{} grains", last[1])]);
     // Nothing but the scene and the header of the series.
     fs::write(directory.join("series.csv"), format!("{}\n", lines[0])).unwrap();
