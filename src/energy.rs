@@ -26,6 +26,7 @@
 //! Limit: if a behaviour fixes or frees a grain, the grain's kinetic energy leaves or enters the balance and appears as
 //! error. The work of a fixed grain that spins appears as error too.
 
+mod activity;
 mod energy_flows;
 mod sampled_sum;
 pub mod sampling;
@@ -38,10 +39,11 @@ use bevy_app::{App, Plugin};
 use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
+use self::activity::Activity;
 use self::energy_flows::{
     add_initial_overlap_energy, add_leaving_wall_energy, add_released_energy, add_removed_energy,
 };
-use self::sampling::{Sampling, choose};
+use self::sampling::{Sampling, choose, note_contacts};
 use self::work::{Powers, TurningPowers, add_behaviour_work, add_contact_work, add_friction_loss, add_lifted_energy};
 use crate::integrate::wrap::Wrapped;
 use crate::persist::PersistApp as _;
@@ -105,14 +107,22 @@ impl<V: Space> Plugin for EnergyPlugin<V> {
         app.insert_resource(Sampling::new(self.every))
             .init_resource::<EnergyFlows>()
             .init_resource::<Powers>()
+            .init_resource::<Activity>()
             .persist_sound::<EnergyFlows>()
             .persist_sound::<Powers>()
+            .persist_sound::<Activity>()
             .add_systems(
                 Renumber,
                 (add_removed_energy::<V>.in_set(BeforeRenumbering), add_released_energy::<V>.in_set(AfterRenumbering)),
             )
             .add_systems(Step, add_initial_overlap_energy::<V>.in_set(Part::Engine(Phase::Cull)).run_if(is_step_zero));
-        app.add_systems(Step, choose::<V>.in_set(Part::Engine(Phase::Forces)).before(ForceStage::Contacts));
+        app.add_systems(
+            Step,
+            (
+                choose::<V>.in_set(Part::Engine(Phase::Forces)).before(ForceStage::Contacts),
+                note_contacts::<V>.in_set(Part::Engine(Phase::Forces)).after(ForceStage::Contacts),
+            ),
+        );
         after_kicks(app, || add_contact_work::<V>.in_set(EnergyBalanced).into_configs());
     }
 }

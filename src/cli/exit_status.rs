@@ -1,7 +1,7 @@
 //! Exit statuses of all commands.
 
-/// Every exit status with its meaning, as `--help` and the documentation state them.
-pub const EXIT_STATUSES: [(&str, &str); 6] = [
+/// Every exit status with its meaning, as `--help` and the documentation state them. The numbers of signals are those of Linux.
+pub const EXIT_STATUSES: [(&str, &str); 9] = [
     ("0", "done"),
     (
         "1",
@@ -11,7 +11,10 @@ pub const EXIT_STATUSES: [(&str, &str); 6] = [
     ("2", "the input or the call was wrong, and nothing was changed"),
     ("129", "interrupted by SIGHUP"),
     ("130", "interrupted by SIGINT (Ctrl-C)"),
+    ("138", "interrupted by SIGUSR1"),
+    ("140", "interrupted by SIGUSR2"),
     ("143", "interrupted by SIGTERM"),
+    ("152", "interrupted by SIGXCPU, at the limit of processor time"),
 ];
 
 /// The result of a command that could be carried out.

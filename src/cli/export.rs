@@ -1,6 +1,6 @@
 //! `siloflow export`: converts the frames of a run to formats of other programs.
 
-use std::io::ErrorKind;
+use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
 use clap::Args;
@@ -10,6 +10,7 @@ use crate::cli::exit_status::Verdict;
 use crate::cli::export_scene::{self, LAMMPS};
 use crate::cli::{SceneArgs, say, setting};
 use crate::fault::Fault;
+use crate::output::frame_data::columns::Columns;
 use crate::output::frame_data::reader::FrameReader;
 use crate::output::frame_export::{self, Target};
 use crate::output::run_directory::{Depth, frame_data_of, refuse_odd, scene_of};
@@ -92,12 +93,15 @@ pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<Verdict, Fault> {
             .help("remove it, or give another place with --out"));
     }
     let most = load::any(&scene_of(&args.run), &[]).map_or(OF_UNKNOWN_SCENE, |scene| most_bytes(&scene));
-    let reader = FrameReader::open_within(&path, most).map_err(|error| {
+    let unreadable = |error: io::Error| {
         Fault::new("export::read", format!("could not read {}: {error}", path.display()))
             .help("is it a run of this version of siloflow? Else run its scene.ron again")
-    })?;
+    };
+    // The file is read twice: for the columns of all frames, then for the frames. A run that goes on may add frames in between.
+    let columns = FrameReader::open_within(&path, most).and_then(Columns::of).map_err(unreadable)?;
+    let reader = FrameReader::open_within(&path, most).map_err(unreadable)?;
     let header = reader.header.clone();
-    let count = frame_export::export(format, &header, reader, &args.run, &target).map_err(|error| {
+    let count = frame_export::export(format, &header, &columns, reader, &args.run, &target).map_err(|error| {
         if error.kind() == ErrorKind::InvalidData {
             return Fault::new("export::read", format!("could not read {}: {error}", path.display()))
                 .help("nothing was written; the file has been changed since the run: run its scene.ron again");

@@ -177,6 +177,7 @@ pub fn status_of(registry: &Registry, arguments: impl IntoIterator<Item = OsStri
         }
     };
     start_log(&cli);
+    signals::survive_file_limits();
     let result = match &cli.command {
         Command::Run(args) => run::run(args, registry, cli.quiet),
         Command::New(args) => new::new(args),

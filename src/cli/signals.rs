@@ -1,6 +1,12 @@
-//! Signals that end a run: SIGINT, SIGTERM and SIGHUP. While the input is read and checked, the first one ends the process at once, because nothing
-//! has been changed yet. Then the first one lets the run finish its step and write its results;
-//! one that comes a second or more after it ends the process at once. The exit status is 128 + the number of the signal.
+//! Signals that end a run: SIGINT, SIGTERM and SIGHUP, and those of batch systems before they kill a job: SIGXCPU at the limit of
+//! processor time, SIGUSR1 and SIGUSR2. While the input is read and checked, the first one ends the process at once, because nothing
+//! has been changed yet. Then the first one lets the run finish its step and write its results; one that comes a second or more
+//! after it ends the process at once. The exit status is 128 + the number of the signal.
+//!
+//! SIGXCPU comes again in every further second of processor time, so it never ends the process at once. The system does, at its hard limit.
+//!
+//! SIGXFSZ says that a file would become longer than its limit (`ulimit -f`). It ends no command: the write fails, and is reported as on a
+//! full disk.
 //!
 //! A signal often comes twice at once: `timeout` and batch systems send it to the process and to its group. Both mean one
 //! request.
@@ -57,17 +63,19 @@ impl Signals {
 
     #[cfg(unix)]
     fn register(&self) -> std::io::Result<()> {
-        use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+        use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU};
         use signal_hook::flag;
         use signal_hook::iterator;
         use std::thread;
 
         let ignored = ignored_signals();
-        let mut caught = vec![SIGINT, SIGTERM, SIGHUP];
+        let mut caught = vec![SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2];
         caught.retain(|signal| ignored >> (signal - 1) & 1 == 0);
         let ends_at_once = self.ends_at_once.clone();
         for &signal in &caught {
-            flag::register_conditional_shutdown(signal, 128 + signal, ends_at_once.clone())?;
+            if signal != SIGXCPU {
+                flag::register_conditional_shutdown(signal, 128 + signal, ends_at_once.clone())?;
+            }
             flag::register_usize(signal, self.flag(), usize::try_from(signal).unwrap_or(1))?;
         }
         // A handler cannot wait, so a thread does.
@@ -85,6 +93,20 @@ impl Signals {
     #[expect(clippy::unused_self, clippy::unnecessary_wraps, reason = "the signature of Unix")]
     fn register(&self) -> std::io::Result<()> {
         Ok(())
+    }
+}
+
+/// Lets a write beyond the limit of file sizes fail, from now on. Without it the process would end there.
+pub(super) fn survive_file_limits() {
+    #[cfg(unix)]
+    {
+        use signal_hook::{consts::SIGXFSZ, flag};
+        // A handler, whatever it does, lets the write return its error. Programs that are started do not inherit it.
+        if let Err(error) = flag::register(SIGXFSZ, Arc::default()) {
+            tracing::warn!(
+                "could not catch SIGXFSZ: {error}; a limit of file sizes may end the command without a message"
+            );
+        }
     }
 }
 

@@ -1,23 +1,47 @@
 //! Steps that sum dissipation.
 //!
 //! The power of dashpots and the losses by friction are sums over all contacts, and make a step up to a fifth longer.
-//! Scenes with many grains ([`block`]) therefore sum them in one step of each block of 4 or 8 steps, drawn at random. The powers in between follow from the trapezoidal rule, as between all steps. On average over the draws that
-//! is the sum over all steps, also for motions with the period of the blocks.
+//! Scenes with many grains ([`block`]) therefore sum them in one step of each block of 4 or 8 steps, drawn at random. The powers in between
+//! are interpolated (`sampled_sum.rs`). On average over the draws that is the sum over all steps, also for motions with the
+//! period of the blocks.
 //!
 //! Error: where the power of a contact jumps by P, at the beginning and end of an impact, a block of b steps of dt makes
 //! an error with the standard deviation b P dt/sqrt(12) or slightly more. An impact of n steps so has an error of about
-//! 0.8 b/n of its dissipation if the drag is weak. These errors are independent, so that m impacts have 1/sqrt(m) of it.
-//! `energy_balance_every` bounds b: with 1, every step sums dissipation. It cannot raise b, because the watchdog takes the
-//! error of few impacts for energy without a source.
+//! 0.8 b/n of its dissipation if the drag is weak. These errors are independent if the impacts are, so that m impacts have 1/sqrt(m) of
+//! it. Where they are not, further steps are summed on demand:
+//!
+//! * the next steps, if many more contacts than usual have begun or ended in a step, as where a layer meets a floor, or a door opens
+//!   (`activity.rs`). The jump of the power is placed in that step;
+//! * every step, while there are few contacts: less than one for four grains;
+//! * a step in which a wall changes its velocity at once. Its contacts all change with it;
+//! * every step, while an interval of a block would add more than [`SHARE`] of the dissipated energy to the standard error, as in the
+//!   first impacts of a run and during an impact of many grains together.
+//!
+//! A step on demand is decided by earlier steps, so it makes no error on average. `DissipationError` has the standard error of the sum.
+//!
+//! `energy_balance_every` bounds b: with 1, every step sums dissipation. It cannot raise b.
+//!
+//! Limit: what many contacts lose in the one step in which they break together, such as an adhesive layer that comes off, is known only if that
+//! step is summed. The sum stays right on average, and its standard error has it.
 
 use std::num::NonZeroU32;
 
 use bevy_ecs::prelude::*;
+use bevy_ecs::system::SystemParam;
 
+use super::EnergyFlows;
+use super::activity::Activity;
+use super::sampled_sum::SampledSum;
+use super::work::{Powers, TurningPowers};
+use crate::contact::history::History;
 use crate::random::Stream;
 use crate::space::Space;
 use crate::step::Clock;
 use crate::store::ParticleStore;
+use crate::walls::surfaces::Surfaces;
+
+/// Share of the dissipated energy that one interval between samples may add to the standard error.
+pub const SHARE: f64 = 2e-3;
 
 /// Returns the number of steps of which one sums dissipation, for a number of grains.
 #[must_use]
@@ -43,9 +67,14 @@ impl Sampling {
         Self { most: every.map_or(u32::MAX, NonZeroU32::get), draws: Stream::new(0, "dissipation") }
     }
 
+    /// Returns the block for a number of grains.
+    fn block(&self, grains: usize) -> u32 {
+        block(grains).min(self.most)
+    }
+
     /// Whether the step `step` sums dissipation, in a scene that now has `grains` grains.
     fn is_due(&self, step: u64, grains: usize) -> bool {
-        let block = u64::from(block(grains).min(self.most));
+        let block = u64::from(self.block(grains));
         if block == 1 {
             return true;
         }
@@ -58,10 +87,65 @@ impl Sampling {
     }
 }
 
+/// What is known of the energy dissipated so far.
+#[derive(SystemParam)]
+pub(crate) struct DissipationError<'w> {
+    powers: Option<Res<'w, Powers>>,
+    turning: Option<Res<'w, TurningPowers>>,
+}
+
+impl DissipationError<'_> {
+    /// Returns the standard error of [`EnergyFlows::dissipated`], J, as if the errors of its parts had one cause.
+    pub(crate) fn standard(&self) -> f64 {
+        self.sums().map(SampledSum::standard_error).sum()
+    }
+
+    /// Returns what steps without a sample have added since the last sample, J.
+    pub(crate) fn pending(&self) -> f64 {
+        self.sums().map(SampledSum::pending).sum()
+    }
+
+    /// Returns the standard error that an interval of `steps` steps is likely to add, J.
+    fn ahead(&self, steps: f64) -> f64 {
+        self.sums().map(|sum| sum.error_ahead(steps)).sum()
+    }
+
+    fn sums(&self) -> impl Iterator<Item = &SampledSum> {
+        let powers = self.powers.iter().flat_map(|powers| powers.sampled());
+        powers.chain(self.turning.iter().flat_map(|powers| powers.sampled()))
+    }
+}
+
 /// Sets whether the force pass of this step sums dissipation. The first pass of a run does.
-pub(super) fn choose<V: Space>(clock: Res<Clock>, sampling: Res<Sampling>, mut store: ResMut<ParticleStore<V>>) {
-    let is_due = clock.is_step_zero() || sampling.is_due(clock.steps, store.movable_end);
+pub(super) fn choose<V: Space>(
+    (clock, sampling, flows): (Res<Clock>, Res<Sampling>, Res<EnergyFlows>),
+    (walls, error): (Res<Surfaces<V>>, DissipationError),
+    mut activity: ResMut<Activity>,
+    mut store: ResMut<ParticleStore<V>>,
+) {
+    let block = sampling.block(store.movable_end);
+    let mut is_due = clock.is_step_zero() || sampling.is_due(clock.steps, store.movable_end);
+    if block > 1 {
+        let is_demanded = activity.take_demand();
+        is_due |= activity.compare(&walls) || is_demanded || activity.is_dilute(store.movable_end);
+        is_due |= error.ahead(f64::from(block)) > SHARE * flows.dissipated;
+    }
     store.track_energy(is_due);
+}
+
+/// Notes how much contacts have changed in this step.
+pub(super) fn note_contacts<V: Space>(
+    sampling: Res<Sampling>,
+    (store, history): (Res<ParticleStore<V>>, Option<Res<History<V>>>),
+    mut activity: ResMut<Activity>,
+) {
+    if sampling.block(store.movable_end) == 1 {
+        if !activity.is_empty() {
+            *activity = Activity::default();
+        }
+    } else if let Some(history) = history {
+        activity.note(history.touching(), store.generation, store.predicts());
+    }
 }
 
 #[cfg(test)]

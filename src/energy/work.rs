@@ -10,6 +10,7 @@ use bevy_ecs::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use crate::contact::history::{ContactLosses, History};
+use crate::energy::activity::Activity;
 use crate::energy::sampled_sum::SampledSum;
 use crate::energy::{Channels, EnergyFlows};
 use crate::space::{Linear, Space};
@@ -25,6 +26,13 @@ pub(super) struct Powers {
     dissipation: SampledSum,
 }
 
+impl Powers {
+    /// Returns the sums that have samples in some steps only.
+    pub(super) fn sampled(&self) -> impl Iterator<Item = &SampledSum> {
+        std::iter::once(&self.dissipation)
+    }
+}
+
 /// Powers of the torques of tangential and rolling dashpots, W, and losses of contacts, J: by sliding, by rolling, by
 /// tangential dashpots, and where contacts break.
 #[derive(Resource, Clone, Copy, Debug, Default, Deserialize, Serialize)]
@@ -32,6 +40,15 @@ pub(super) struct TurningPowers {
     turning: SampledSum,
     rolling: SampledSum,
     losses: [SampledSum; 4],
+}
+
+impl TurningPowers {
+    /// Returns the sums that have samples in some steps only, of the parts of the dissipated energy.
+    pub(super) fn sampled(&self) -> impl Iterator<Item = &SampledSum> {
+        // The losses by tangential dashpots are in the powers.
+        let [sliding, rolling, _, breaking] = &self.losses;
+        [&self.turning, &self.rolling, sliding, rolling, breaking].into_iter()
+    }
 }
 
 /// Returns the sum of scalar products, given by component. It runs in ascending order of slots, separately for each
@@ -74,7 +91,7 @@ fn dissipation<V: Space>(store: &ParticleStore<V>, walls: &Surfaces<V>) -> Optio
 
 /// Adds the work of normal and tangential dashpots and of moving walls.
 pub(super) fn add_contact_work<V: Space>(
-    clock: Res<Clock>,
+    (clock, activity): (Res<Clock>, Res<Activity>),
     store: Res<ParticleStore<V>>,
     walls: Res<Surfaces<V>>,
     mut flows: ResMut<EnergyFlows>,
@@ -89,7 +106,7 @@ pub(super) fn add_contact_work<V: Space>(
     for (moving, load) in walls.with_loads() {
         wall -= load.force.dot(moving.velocity) + load.torque.dot(moving.spin);
     }
-    let dissipated = last.dissipation.integrate(dissipation(&store, &walls), clock.dt);
+    let dissipated = last.dissipation.integrate(dissipation(&store, &walls), clock.dt, activity.weight());
     if !clock.is_step_zero() {
         flows.dissipated += dissipated;
         flows.wall_work += 0.5 * clock.dt * (last.wall + wall);
@@ -114,7 +131,7 @@ fn turning_powers<V: Space>(store: &ParticleStore<V>) -> Option<[f64; 2]> {
 
 /// Adds the losses of friction and rolling resistance.
 pub(super) fn add_friction_loss<V: Space>(
-    clock: Res<Clock>,
+    (clock, activity): (Res<Clock>, Res<Activity>),
     store: Res<ParticleStore<V>>,
     history: Res<History<V>>,
     mut flows: ResMut<EnergyFlows>,
@@ -127,13 +144,13 @@ pub(super) fn add_friction_loss<V: Space>(
         [sliding, rolling, dashpots, breaking]
     });
     let [sliding, rolled, dashpots, breaking] =
-        array::from_fn(|channel| last.losses[channel].sum(losses.map(|losses| losses[channel])));
+        array::from_fn(|channel| last.losses[channel].sum(losses.map(|losses| losses[channel]), activity.weight()));
     // Step zero counts too: a dashpot beyond the cap loads its spring there, and this energy must have a source.
     channels.tangential += sliding + dashpots;
     channels.rolling += rolled;
     flows.dissipated += sliding + rolled + breaking;
-    let turning = last.turning.integrate(powers.map(|[turning, _]| turning), clock.dt);
-    let rolling = last.rolling.integrate(powers.map(|[_, rolling]| rolling), clock.dt);
+    let turning = last.turning.integrate(powers.map(|[turning, _]| turning), clock.dt, activity.weight());
+    let rolling = last.rolling.integrate(powers.map(|[_, rolling]| rolling), clock.dt, activity.weight());
     if !clock.is_step_zero() {
         channels.rolling += rolling;
         flows.dissipated += turning + rolling;

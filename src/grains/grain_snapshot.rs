@@ -6,6 +6,7 @@ use bevy_ecs::prelude::*;
 use crate::particle::{Grain, GrainId, Mass, Position, Radius, Species, Velocity};
 use crate::space::Space;
 use crate::spin::Spin;
+use crate::store::ParticleStore;
 
 /// State of one grain, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,9 +21,10 @@ pub(crate) struct GrainSnapshot<V: Space> {
     pub(crate) spin: Option<V::Spin>,
 }
 
-/// Returns whether any grain can spin.
+/// Returns whether grains of the world spin, also if it has no grain.
 pub(crate) fn has_spins<V: Space>(world: &mut World) -> bool {
-    world.query_filtered::<(), (With<Grain>, With<Spin<V::Spin>>)>().iter(world).next().is_some()
+    world.get_resource::<ParticleStore<V>>().is_some_and(ParticleStore::has_spins)
+        || world.query_filtered::<(), (With<Grain>, With<Spin<V::Spin>>)>().iter(world).next().is_some()
 }
 
 /// Calls `visit` with each grain, until a call fails.

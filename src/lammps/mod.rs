@@ -52,6 +52,8 @@ pub fn export(loaded: &Loaded) -> Result<Export, Fault> {
     let laws = laws::laws(loaded)?;
     let walls = walls::walls(loaded, &laws)?;
     let particles = Particles::of(loaded);
+    let grains = releases::all_grains(loaded).count();
+    check_identifiers(loaded, particles.next_id() + grains - loaded.grains.len() - 1)?;
     let mut differences = differences(loaded, &laws, &walls);
     let course = stages::course(loaded, &walls, &particles)?;
     differences.extend(course.differences.iter().cloned());
@@ -63,7 +65,6 @@ pub fn export(loaded: &Loaded) -> Result<Export, Fault> {
     script.push_str(&outputs::step_zero(loaded));
     script.push_str(&outputs::series(loaded, &particles, &walls));
     script.push_str(&course.script);
-    let grains = releases::all_grains(loaded).count();
     Ok(Export { script, data: particles.data(loaded), differences, grains })
 }
 
@@ -104,6 +105,10 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
     if releases::all_grains(loaded).next().is_none() {
         return refuse("fill", "there are no grains", "give `grains`, `fill` or `spawner`");
     }
+    if releases::all_grains(loaded).any(|grain| grain.id.number() == 0) {
+        let reason = "a grain has the id 0, and the identifiers of LAMMPS begin at 1";
+        return refuse("grains.file", reason, "give it another id in the file of grains");
+    }
     for (number, fill) in scene.fill.iter().enumerate() {
         if fill.fixed && (fill.velocity.is_some() || fill.agitation.is_some()) {
             let reason = "fixed grains that move are not written";
@@ -125,6 +130,17 @@ fn refuse_unmapped(loaded: &Loaded) -> Result<(), Fault> {
         return refuse(&format!("{key}.opens"), &reason, "export with doors that open together");
     }
     Ok(())
+}
+
+/// Refuses identifiers that LAMMPS does not have. Fixed grains and those of the spawner follow the largest of the grains.
+fn check_identifiers(loaded: &Loaded, last: usize) -> Result<(), Fault> {
+    // The default build has identifiers of 4 bytes with a sign.
+    const LARGEST: usize = 0x7fff_ffff;
+    if last <= LARGEST {
+        return Ok(());
+    }
+    let reason = format!("the last id would be {last}, and the largest identifier of LAMMPS is {LARGEST}");
+    Err(refused(loaded, "grains.file", &reason).help("give the grains lower ids in the file of grains"))
 }
 
 /// Returns the differences of the run in LAMMPS from that in siloflow.

@@ -1,4 +1,5 @@
-//! The files that LAMMPS writes: forces of step 0, `series.csv` in the columns of siloflow, forces on walls, frames, restarts.
+//! The files that LAMMPS writes: forces of step 0, `series.csv` in the columns of siloflow, forces on walls, frames, restarts. Numbers have
+//! 17 digits, which read back to the same bits.
 
 use std::fmt::Write as _;
 
@@ -67,19 +68,18 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
          variable rotational equal {turning}*c_turning\n\
          variable lift atom -mass*({}*x+{}*y+{}*z)\n\
          compute lifted grains reduce sum v_lift\n\
-         variable potential equal c_lifted\n\
          variable speed_of atom sqrt(vx*vx+vy*vy+vz*vz)\n\
-         compute fastest grains reduce max v_speed_of\n\
-         variable fastest equal c_fastest\n",
+         compute fastest grains reduce max v_speed_of\n",
         number(total),
         number(gravity.x),
         number(gravity.y),
         number(gravity.z),
     );
+    // A variable of LAMMPS that names another one takes 15 digits of it.
     let _ = write!(
         text,
-        "fix series all print {every} \"$(time:%.9f),$(v_released:%.0f),$(v_inside:%.0f),$(v_out:%.0f),$(v_culled:%.0f),\
-         $(v_out_kg:%.15g),$(v_kinetic:%.15g),$(v_rotational:%.15g),$(v_potential:%.15g),$(v_fastest:%.15g)\" &\n  \
+        "fix series all print {every} \"$(time:%.17g),$(v_released:%.0f),$(v_inside:%.0f),$(v_out:%.0f),$(v_culled:%.0f),\
+         $(v_out_kg:%.17g),$(c_moving:%.17g),$({turning}*c_turning:%.17g),$(c_lifted:%.17g),$(c_fastest:%.17g)\" &\n  \
          file series.csv screen no title \"time_s,released,inside,out,culled,out_kg,kinetic_j,rotational_j,potential_j,\
          largest_speed_m_per_s\"\n"
     );
@@ -97,7 +97,8 @@ pub(super) fn series(loaded: &Loaded, particles: &Particles, walls: &Walls) -> S
         let spins = if loaded.scene.contact.spins() { " omegax omegay omegaz" } else { "" };
         let _ = writeln!(
             text,
-            "dump frames all custom {every} frames.dump id type radius mass x y z vx vy vz fx fy fz{spins}\ndump_modify frames sort id"
+            "dump frames all custom {every} frames.dump id type radius mass x y z vx vy vz fx fy fz{spins}\n\
+             dump_modify frames sort id format float %.17g"
         );
     }
     let restarts = steps(loaded.scene.until.get() / 10.0, dt);
@@ -118,7 +119,7 @@ fn forces(name: &str, every: u64, walls: &[&(usize, Vec<String>)]) -> String {
         return String::new();
     }
     let mut text = String::new();
-    let (mut title, mut row) = ("time_s".to_owned(), "$(time:%.9f)".to_owned());
+    let (mut title, mut row) = ("time_s".to_owned(), "$(time:%.17g)".to_owned());
     for (number, fixes) in walls {
         for (column, axis) in [(2, "x"), (3, "y"), (4, "z")] {
             let sums = fixes.iter().map(|fix| {
@@ -126,9 +127,8 @@ fn forces(name: &str, every: u64, walls: &[&(usize, Vec<String>)]) -> String {
                 format!("-c_load_{fix}_{axis}")
             });
             let sum: String = sums.collect();
-            let _ = writeln!(text, "variable load_{number}_{axis} equal 0{sum}");
             let _ = write!(title, ",wall_{number}_f{axis}_n");
-            let _ = write!(row, ",$(v_load_{number}_{axis}:%.15g)");
+            let _ = write!(row, ",$(0{sum}:%.17g)");
         }
     }
     let _ = writeln!(text, "fix {name} all print {every} \"{row}\" &\n  file {name}.csv screen no title \"{title}\"");

@@ -55,7 +55,7 @@ pub(super) fn course(loaded: &Loaded, walls: &Walls, particles: &Particles) -> R
         differences.push(format!("rest is tested every {every} steps; siloflow tests it in every step"));
         let _ = writeln!(script, "run {last} upto\n{CLOCK}unfix at_rest\nunfix loud");
         let _ =
-            writeln!(script, "if \"$(step) >= {last}\" then \"jump SELF end\"\nvariable rest_time equal $(time:%.9f)");
+            writeln!(script, "if \"$(step) >= {last}\" then \"jump SELF end\"\nvariable rest_time equal $(time:%.17g)");
         if stop.contains(&StopCondition::AtRest) {
             script.push_str("jump SELF end\n");
         }
@@ -134,7 +134,7 @@ fn open(loaded: &Loaded, walls: &Walls) -> String {
     if !loaded.silo.door.is_empty() && opens(0) {
         text.push_str("delete_atoms group door compress no\n");
     }
-    text.push_str("variable open_time equal $(time:%.9f)\n");
+    text.push_str("variable open_time equal $(time:%.17g)\n");
     text
 }
 
@@ -175,11 +175,11 @@ fn discharge(loaded: &Loaded, stop: &[StopCondition], opens: bool, script: &mut 
 
 /// Commands that write the figures of the run in the words of `summary.json`.
 const SUMMARY: &str = "\n# Figures of the run: null is a time that never came.\n\
-     variable rest string ${rest_time}\nvariable opened string ${open_time}\n\
+     variable rest string $(v_rest_time:%.17g)\nvariable opened string $(v_open_time:%.17g)\n\
      if \"${rest_time} < 0\" then \"variable rest delete\" \"variable rest string null\"\n\
      if \"${open_time} < 0\" then \"variable opened delete\" \"variable opened string null\"\n\
      run 0 post no\n\
-     print '{\"program\": \"LAMMPS\", \"rest_time_s\": ${rest}, \"door_open_time_s\": ${opened}, \"end_time_s\": $(time:%.9f), \
+     print '{\"program\": \"LAMMPS\", \"rest_time_s\": ${rest}, \"door_open_time_s\": ${opened}, \"end_time_s\": $(time:%.17g), \
      \"grains\": {\"released\": $(v_released:%.0f), \"inside\": $(v_inside:%.0f), \"out\": $(v_out:%.0f)}, \
      \"performance\": {\"wall_s\": $(v_wall_s:%.3f)}}' file summary.json\n\
      write_data final.data nocoeff\n";

@@ -110,7 +110,7 @@ fn write_row(
     let registered = outputs::cells(registered);
     series.rows.append(
         format_args!(
-            "{step},{entered},{count},{out},{outflow:.6},{:.9},{:.9},{:e},{:e},{at_rest:.6}{registered}\n",
+            "{step},{entered},{count},{out},{outflow:?},{:?},{:?},{:e},{:e},{at_rest:?}{registered}\n",
             x.x, x.y, v.x, v.y
         ),
         &mut outcome,

@@ -115,7 +115,7 @@ pub fn write_state(sites: &Sites, gas: &Gas, file: &mut dyn Write) -> io::Result
     writeln!(file, "x_m,y_m,state")?;
     for s in sites.fluid().filter(|&s| gas.states()[s] != 0) {
         let x = sites.position(s);
-        writeln!(file, "{:.9},{:.9},{}", x.x, x.y, gas.states()[s])?;
+        writeln!(file, "{:?},{:?},{}", x.x, x.y, gas.states()[s])?;
     }
     Ok(())
 }

@@ -58,7 +58,7 @@ pub fn values(results: &Results) -> String {
     for replica in &results.0 {
         let _ = write!(text, "{},\"{}\",{}", replica.case.silo, replica.case.variant, replica.case.seed);
         for quantity in &QUANTITIES {
-            let value = (quantity.value)(&replica.observables).map_or_else(String::new, |value| format!("{value:.6}"));
+            let value = (quantity.value)(&replica.observables).map_or_else(String::new, |value| format!("{value:?}"));
             let _ = write!(text, ",{value}");
         }
         text.push('\n');

@@ -101,7 +101,7 @@ impl FlowField {
     pub(crate) fn rows(&self) -> String {
         self.means().iter().fold(String::new(), |mut text, cell| {
             let FlowMeans { x, y, samples, count, vx, vy } = cell;
-            let _ = writeln!(text, "{x:.9},{y:.9},{samples},{count:.6},{vx:e},{vy:e}");
+            let _ = writeln!(text, "{x:?},{y:?},{samples},{count:?},{vx:e},{vy:e}");
             text
         })
     }

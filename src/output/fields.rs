@@ -101,9 +101,9 @@ impl<V: Space> Running<V> {
         let number = self.number;
         let mut text = String::new();
         for cell in 0..grid.len() {
-            let _ = write!(text, "{number},{from:.9},{to:.9},{samples},{block}");
+            let _ = write!(text, "{number},{from:?},{to:?},{samples},{block:?}");
             for place in grid.place(cell) {
-                text.push_str(&place.map_or_else(|| ",".to_owned(), |place| format!(",{place:.9}")));
+                text.push_str(&place.map_or_else(|| ",".to_owned(), |place| format!(",{place:?}")));
             }
             let sums = cell * layout.sums()..(cell + 1) * layout.sums();
             for (mean, error) in blocks.estimate(sums, |sums| layout.means_of(sums)) {

@@ -81,7 +81,7 @@ fn add(text: &mut String, loss: &LossRecord) {
     let nearest = nearest_wall_grain.map_or_else(String::new, |number| number.to_string());
     let way = way.replace('"', "\"\"");
     // Writing to a string cannot fail.
-    let _ = writeln!(text, "{grain},{step},{time_s:.9},{position},{nearest},\"{way}\"");
+    let _ = writeln!(text, "{grain},{step},{time_s:?},{position},{nearest},\"{way}\"");
 }
 
 /// Writes `losses.csv`.

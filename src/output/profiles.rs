@@ -114,7 +114,7 @@ impl<V: Space> Running<V> {
             // Writing to a string cannot fail.
             let _ = writeln!(
                 text,
-                "{number},{from:.9},{to:.9},{samples},{:.9},{species},{:.6},{:.8},{},{:e}",
+                "{number},{from:?},{to:?},{samples},{:?},{species},{:?},{:?},{},{:e}",
                 bin.place,
                 bin.count,
                 bin.packing_fraction,
@@ -142,7 +142,7 @@ fn write_centres<V: Space>(
         }
         if count > 0 {
             let (x, v) = (numbers(moment / mass), numbers(momentum / mass));
-            centres.file.append(format_args!("{:.9},{species},{count},{mass:e},{x},{v}\n", clock.time()), &mut outcome);
+            centres.file.append(format_args!("{:?},{species},{count},{mass:e},{x},{v}\n", clock.time()), &mut outcome);
         }
     }
 }

@@ -72,7 +72,7 @@ fn write_row<V: Space>(
     });
     let registered = outputs::cells(registered);
     let row = format_args!(
-        "{time:.9},{},{},{out},{},{},{outflow:.6},{:e},{:e},{:e},{:e},{:e}{balance},{:e},{:e},{:.6}{registered}\n",
+        "{time:?},{},{},{out},{},{},{outflow:?},{:e},{:e},{:e},{:e},{:e}{balance},{:e},{:e},{:?}{registered}\n",
         ledger.released,
         ledger.inside(),
         ledger.lost(),

@@ -63,7 +63,7 @@ fn take_rows(
         // Writing to a string cannot fail.
         let _ = writeln!(
             text,
-            "{number},{from:.9},{to:.9},{samples},{low:.9},{high:.9},{:e},{:.6},{:e},{:e}",
+            "{number},{from:?},{to:?},{samples},{low:?},{high:?},{:e},{:?},{:e},{:e}",
             bin.area, bin.contacts, bin.pressure, bin.downward_traction
         );
     }

@@ -105,12 +105,12 @@ fn write_rows<V: Space>(clock: Res<Clock>, mut files: ResMut<WallFiles<V>>, mut 
         format!("{},{}", numbers(force * share), numbers(torque * share))
     };
     for (number, sums) in (1..).zip(sums) {
-        walls.append(format_args!("{:.9},{number},{}\n", clock.time(), means(sums)), &mut outcome);
+        walls.append(format_args!("{:?},{number},{}\n", clock.time(), means(sums)), &mut outcome);
     }
     if let Some(file) = groups_file {
         for group in groups {
             let means = means(&mut group.sums);
-            file.append(format_args!("{:.9},{},{means}\n", clock.time(), group.name), &mut outcome);
+            file.append(format_args!("{:?},{},{means}\n", clock.time(), group.name), &mut outcome);
         }
     }
     *steps = 0;

@@ -1,5 +1,9 @@
 //! A CSV file that grows by rows. All rows of a call are written at once, so that they survive a crash of the run. If the
 //! disk is full, the file is cut to its last complete rows.
+//!
+//! A number is written in the shortest form that reads back to the same bits: `{:e}`, or for times, places and means of counts
+//! `{:?}`, which has an exponent only below 1e-5 and from 1e16 on. The time of a row is the product of steps and step (0.3 s may be
+//! `0.30000000000000004`), equal in all files of a run, so that rows of several files can be joined by it.
 
 use std::fmt::{self, Write as _};
 use std::fs::File;

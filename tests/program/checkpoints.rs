@@ -108,25 +108,25 @@ fn a_state_that_no_run_of_the_scene_has_is_refused_with_its_part() {
     let fed = saved("fed-hopper.ron", &[("feed[0].rate", "Mass(40.0)")], 40);
     let gas = saved("funnel-flow.ron", &[], 5);
     let not_finite = f64::NAN.to_le_bytes();
-    // The part of the state, its new last bytes, and words of the message.
-    let cases: [(&(AnyScene, Vec<persist::Section>), &str, &[u8], &str); 9] = [
-        (&bed, "WallIndex", &[99], "wall surface 99"),
-        (&bed, "Position<", &not_finite, "not finite"),
-        (&bed, "Velocity<", &f64::INFINITY.to_le_bytes(), "not finite"),
-        (&bed, "particle::Radius", &0.0_f64.to_le_bytes(), "not positive"),
-        (&bed, "particle::GrainId", &[7], "particle"),
-        (&bed, "step::Clock", &[0], ""),
-        (&fed, "History<", &not_finite, "not finite"),
-        (&fed, "spawner::Pending", &[3], "still to come"),
-        (&gas, "gas::Gas", &[0xff, 0x7f], "no gas can have"),
+    // The part of the state, how many bytes at its end are replaced, by what, and words of the message.
+    let cases: [(&(AnyScene, Vec<persist::Section>), &str, usize, &[u8], &str); 9] = [
+        (&bed, "WallIndex", 1, &[99], "wall surface 99"),
+        (&bed, "Position<", 8, &not_finite, "not finite"),
+        (&bed, "Velocity<", 8, &f64::INFINITY.to_le_bytes(), "not finite"),
+        (&bed, "particle::Radius", 8, &0.0_f64.to_le_bytes(), "not positive"),
+        (&bed, "particle::GrainId", 1, &[7], "particle"),
+        (&bed, "step::Clock", 1, &[0], ""),
+        (&fed, "History<", 8, &not_finite, "not finite"),
+        (&fed, "spawner::Pending", 1, &[3], "still to come"),
+        (&gas, "gas::Gas", 1, &[0xff, 0xff, 0x7f], "no gas can have"),
     ];
-    for ((scene, sections), part, bytes, word) in cases {
+    for ((scene, sections), part, replaced, bytes, word) in cases {
         continued(scene, sections).unwrap();
         let mut changed = sections.clone();
         let place = changed.iter().position(|(name, _)| name.contains(part)).expect(part);
         let state = &mut changed[place].1;
-        let end = state.len() - bytes.len();
-        state[end..].copy_from_slice(bytes);
+        state.truncate(state.len() - replaced);
+        state.extend_from_slice(bytes);
         // A clock before step zero is one that a run can have, and any state may go on without a panic.
         let problem = continued(scene, &changed).err().unwrap_or_default();
         assert!(problem.contains(word) && problem.is_empty() == word.is_empty(), "{part}: {problem}");

@@ -5,6 +5,7 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
+use siloflow::output::frame_data::file::FrameFile;
 use siloflow::output::frame_data::reader::FrameReader;
 
 use crate::command_line::{siloflow, text};
@@ -143,4 +144,100 @@ fn what_cannot_be_exported_is_refused_with_a_remedy() {
     assert_refused(&["run", "--to", "vtk"], &["kept no frames", "data_frames=(interval: 0.1)"]);
     run(here.path(), "funnel-flow.ron", &["until=5"]);
     assert_refused(&["run", "--to", "vtk"], &["lattice gas"]);
+}
+
+/// Discs that spin and enter from 0.02 s on, so the first frames have no grain.
+const LATE_FEED: &str = "(
+    gravity: (0.0, -9.81), contact: Linear(k: 1.0e4, damping: Restitution(0.3), tangential: Spring(k: 2857.0, damping: OfNormal(0.5), friction: 0.4)),
+    mass: Disc(10.0), step: Fixed(2.0e-5), walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0))],
+    feed: [(
+        region: Box(low: (-0.02, 0.05), high: (0.02, 0.06)), rate: Grains(200.0), total: Grains(5),
+        radius: Fixed(0.002), velocity: (0.0, -0.5), from: 0.02,
+    )],
+    until: 0.05, pictures: None, checkpoint: None, data_frames: (interval: 0.01, format: [Vtk, ExtXyz, LammpsDump]),
+)";
+
+/// Returns the names of the columns in each frame of a text format, from the lines that have this word.
+fn names_in(path: &Path, word: &str) -> Vec<String> {
+    let text = fs::read_to_string(path).unwrap();
+    let lines = text.lines().filter_map(|line| Some(line.split_once(word)?.1.split(" Time=").next()?.to_owned()));
+    lines.collect()
+}
+
+/// Checks that all frames have the columns of the last one, and that the tables have as many cells in a row as in the header.
+fn assert_same_columns(run: &Path, dump: &Path, xyz: &Path, tables: &Path) {
+    for names in [names_in(dump, "ITEM: ATOMS"), names_in(xyz, "Properties=")] {
+        assert!(names.len() == 6 && names.iter().all(|own| *own == names[0]), "{names:?}");
+        assert!(names[0].contains("omegaz") || names[0].contains("spin:R:1"), "{names:?}");
+    }
+    for name in ["grains", "contacts", "wall_contacts"] {
+        // The reader refuses rows of different lengths.
+        let mut rows = csv::Reader::from_path(tables.join(format!("{name}.csv"))).unwrap();
+        let spin = rows.headers().unwrap().iter().position(|column| column == "spin_z");
+        assert_eq!(spin.is_some(), name == "grains");
+        let rows: Vec<_> = rows.records().map(Result::unwrap).collect();
+        assert!(name != "grains" || rows.len() > 5, "{} rows", rows.len());
+        if let Some(last) = rows.last().filter(|_| name == "grains") {
+            let frame = FrameReader::open(&run.join("frames.bin")).unwrap().last().unwrap().unwrap();
+            let expected = *frame.table("grains").unwrap().floats("spin").unwrap().last().unwrap();
+            assert_eq!(last[spin.unwrap()].parse::<f64>().unwrap().to_bits(), expected.to_bits());
+        }
+    }
+}
+
+#[test]
+fn a_frame_without_grains_has_the_columns_of_the_run() {
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("late.ron"), LATE_FEED).unwrap();
+    let done = |arguments: &[&str]| {
+        let output = siloflow(here.path(), arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    };
+    let run = here.path().join("out/late");
+    done(&["run", "late.ron", "--quiet"]);
+    done(&["export", "out/late", "--to", "csv"]);
+    assert_same_columns(&run, &run.join("frames.dump"), &run.join("frames.xyz"), &run.join("csv"));
+    let vtk = fs::read(run.join("vtk/grains-00000.vtp")).unwrap();
+    assert!(String::from_utf8_lossy(&vtk).contains("Name=\"spin\""), "VTK");
+    // A colour that the first frame has no number of.
+    done(&["render", "out/late", "--movie", "--colour", "spin", "--width", "200"]);
+    // A run that ends before any grain enters has the columns too.
+    done(&["run", "late.ron", "--quiet", "--set", "until=0.01", "--out", "none"]);
+    done(&["export", "none", "--to", "csv"]);
+    let header = |path: &str| fs::read_to_string(here.path().join(path)).unwrap().lines().next().unwrap().to_owned();
+    assert_eq!(header("none/csv/grains.csv"), header("out/late/csv/grains.csv"));
+    assert_eq!(header("none/state.csv"), header("out/late/state.csv"));
+}
+
+/// Earlier versions wrote frames without grains without the spin.
+#[test]
+fn the_columns_of_a_run_are_those_of_all_its_frames() {
+    let here = tempfile::tempdir().unwrap();
+    fs::write(here.path().join("late.ron"), LATE_FEED).unwrap();
+    assert!(siloflow(here.path(), &["run", "late.ron", "--quiet"]).status.success());
+    let run = here.path().join("out/late");
+    let reader = FrameReader::open(&run.join("frames.bin")).unwrap();
+    let header = reader.header.clone();
+    let frames: Vec<_> = reader.map(Result::unwrap).collect();
+    fs::remove_file(run.join("frames.bin")).unwrap();
+    let mut file = FrameFile::create(&run.join("frames.bin"), &header).unwrap();
+    for mut frame in frames {
+        let grains = &mut frame.tables[0];
+        if grains.rows == 0 {
+            grains.columns.retain(|column| column.name != "spin");
+        }
+        file.add(&frame).unwrap();
+    }
+    for (format, out) in [("dump", "a.dump"), ("extxyz", "a.xyz"), ("csv", "tables"), ("vtk", "vtk")] {
+        let output = siloflow(here.path(), &["export", "out/late", "--to", format, "--out", out]);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+    let [dump, xyz, tables] = ["a.dump", "a.xyz", "tables"].map(|name| here.path().join(name));
+    assert_same_columns(&run, &dump, &xyz, &tables);
+    for (name, own) in [("a.dump", "frames.dump"), ("a.xyz", "frames.xyz")] {
+        assert!(files(&here.path().join(name)) == files(&run.join(own)), "{name}");
+    }
+    assert!(files(&here.path().join("vtk")) == files(&run.join("vtk")));
+    let output = siloflow(here.path(), &["render", "out/late", "--movie", "--colour", "spin", "--width", "200"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
 }

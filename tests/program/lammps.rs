@@ -9,6 +9,7 @@ use std::process::{Command, Output};
 
 use serde_json::Value;
 use siloflow::grains::file::GrainRow;
+use siloflow::grains::fill::FixedGrain;
 use siloflow::lammps;
 use siloflow::prelude::*;
 use siloflow::walls::surfaces::SurfaceWall;
@@ -578,6 +579,80 @@ fn what_does_not_map_is_refused_with_its_key_and_nothing_is_written() {
     for case in cases {
         assert_export_refused(case);
     }
+}
+
+/// Two spheres on a floor at this height, m, with these ids.
+fn on_a_floor_at(height: f64, ids: [u32; 2], here: &Path) -> Loaded {
+    let [low, high] = [height + 0.0045, height + 0.0052];
+    let grains = format!(
+        "id,radius,mass,x,y,z,vx,vy,vz\n{},0.005,0.001,0.02,0.02,{high},0.3,0.1,-0.2\n{},0.004,0.0006,0.029,0.02,{low},0,0,0\n",
+        ids[0], ids[1]
+    );
+    fs::write(here.join("grains.csv"), grains).unwrap();
+    let scene = format!(
+        "(space: Solid, gravity: (0.0, 0.0, -9.81), integrator: Verlet, step: Fixed(1.0e-5),
+        contact: Linear(k: 1.0e4, damping: PerMass(300.0), tangential: Spring(k: 2857.0, damping: OfNormal(1.0), friction: 0.4)),
+        walls: [HalfPlane(point: (0.0, 0.0, {height}), normal: (0.0, 0.0, 1.0))],
+        grains: (file: \"grains.csv\"), until: 0.02, pictures: None, series: (interval: 0.003), data_frames: (interval: 0.02))"
+    );
+    load::from_text("floor.ron", "floor", here, scene, &[]).unwrap_or_else(|fault| panic!("{fault}"))
+}
+
+#[test]
+fn files_of_lammps_have_all_digits() {
+    let here = tempfile::tempdir().unwrap();
+    let loaded = on_a_floor_at(1000.0, [1, 2], here.path());
+    let script = lammps::export(&loaded).unwrap().script;
+    // The formats of whole numbers and of wall-clock time are the only others.
+    for (_, rest) in script.match_indices(":%").map(|(at, _)| script.split_at(at)) {
+        assert!([":%.17g)", ":%.0f)", ":%.3f)"].iter().any(|format| rest.starts_with(format)), "{}", &rest[..10]);
+    }
+    if !has_lammps() {
+        return;
+    }
+    write(&loaded, here.path());
+    lmp(here.path(), 1, &["-screen", "none"]);
+    let mut simulation = crate::simulation(&loaded, 1);
+    simulation.run();
+    let world = simulation.world_mut();
+    let ours: BTreeMap<u32, f64> = world
+        .query_filtered::<(&GrainId, &Position<siloflow::space::Solid>), With<Grain>>()
+        .iter(world)
+        .map(|(id, x)| (id.number(), x.0.z))
+        .collect();
+    let dump = fs::read_to_string(here.path().join("frames.dump")).unwrap();
+    let last = dump.rsplit("ITEM: ATOMS id type radius mass x y z").next().unwrap();
+    for row in last.lines().skip(1) {
+        let cells: Vec<&str> = row.split_whitespace().collect();
+        let (id, z): (u32, f64) = (cells[0].parse().unwrap(), cells[6].parse().unwrap());
+        // Round-off of places at 1000 m, 1e-13 m in each of 2000 steps. With six digits a place is known to 5 mm.
+        assert!((z - ours[&id]).abs() < 1e-9, "{row}: {}", ours[&id]);
+    }
+    // Times are multiples of the step.
+    let series = fs::read_to_string(here.path().join("series.csv")).unwrap();
+    let times: Vec<f64> = series.lines().skip(1).map(|row| row.split(',').next().unwrap().parse().unwrap()).collect();
+    assert!(
+        times.len() >= 7 && times.iter().all(|time| ((time / 1e-5).round() * 1e-5 - time).abs() < 1e-17),
+        "{times:?}"
+    );
+}
+
+#[test]
+fn identifiers_that_lammps_does_not_have_are_refused() {
+    let here = tempfile::tempdir().unwrap();
+    for (ids, word) in [([0, 2], "id 0"), ([7, GrainId::MAX_GRAIN], "")] {
+        let loaded = on_a_floor_at(0.0, ids, here.path());
+        match lammps::export(&loaded) {
+            Err(fault) => assert!(fault.to_string().contains(word), "{ids:?}: {fault}"),
+            Ok(_) => assert_ne!(ids[0], 0, "{ids:?}"),
+        }
+    }
+    // A fixed sphere would get the id after the largest.
+    let mut loaded = on_a_floor_at(0.0, [7, GrainId::MAX_GRAIN], here.path());
+    assert!(lammps::export(&loaded).is_ok());
+    let (centre, species) = (siloflow::space::Solid::ZERO, Species(0));
+    loaded.fixed = vec![FixedGrain { position: centre, radius: 0.001, velocity: centre, species }];
+    assert!(lammps::export(&loaded).unwrap_err().to_string().contains("last id"));
 }
 
 #[test]

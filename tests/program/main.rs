@@ -23,6 +23,7 @@ mod command_line;
 mod compare;
 mod contact_behaviours;
 mod diff;
+mod digits;
 mod divergence;
 #[cfg(unix)]
 mod docs;
@@ -73,6 +74,7 @@ mod validate_flows;
 mod validate_impacts;
 mod validate_rates;
 mod wall_loads;
+mod watchdog;
 mod without_energy_balance;
 
 use std::num::NonZeroUsize;

@@ -40,7 +40,12 @@ impl Running {
     fn start(directory: &Path, shell: &str, arguments: &[&str], sign: impl Fn() -> Option<PathBuf>) -> Self {
         // A job in the background of a script ignores SIGINT, and so would the run.
         let mut command = Command::new("env");
-        command.args(["--default-signal=HUP,INT,TERM", "sh", "-c", &format!("{shell} exec \"$@\"")]);
+        command.args([
+            "--default-signal=HUP,INT,TERM,USR1,USR2,XCPU,XFSZ",
+            "sh",
+            "-c",
+            &format!("{shell} exec \"$@\""),
+        ]);
         command.args(["sh", env!("CARGO_BIN_EXE_siloflow")]);
         command.args(arguments).current_dir(directory).stdout(Stdio::null()).stderr(Stdio::null());
         let mut run = Self(command.spawn().unwrap());
@@ -138,6 +143,10 @@ fn a_run_whose_directory_was_moved_away_touches_no_other_run() {
     assert!(!here.path().join("moved/summary.json").exists());
 }
 
+/// The signals that end a run, with the exit status.
+const ENDING: [(&str, i32); 6] =
+    [("INT", 130), ("TERM", 143), ("HUP", 129), ("XCPU", 152), ("USR1", 138), ("USR2", 140)];
+
 #[test]
 fn a_signal_ends_a_run_after_its_step_with_complete_results() {
     let silo = path("silo1.ron");
@@ -158,7 +167,7 @@ fn a_signal_ends_a_run_after_its_step_with_complete_results() {
         "run",
     ];
     for (arguments, column) in [(&grains[..], "time_s"), (&lattice[..], "steps")] {
-        for (signal, status) in [("INT", 130), ("TERM", 143), ("HUP", 129)] {
+        for (signal, status) in ENDING {
             let here = tempfile::tempdir().unwrap();
             let run = here.path().join("run");
             let running = Running::start(here.path(), "", arguments, || Some(run.join("series.csv")));
@@ -171,6 +180,7 @@ fn a_signal_ends_a_run_after_its_step_with_complete_results() {
             assert!((last - summary[column].as_f64().unwrap()).abs() < 1e-9, "{last}: {summary}");
             assert!(fs::metadata(run.join("state.csv")).unwrap().len() > 20);
             assert!(!run.join("summary.json.part").exists());
+            assert_eq!(fs::read_dir(run.join("checkpoints")).unwrap().count(), 1, "{signal}");
         }
     }
 }
@@ -255,6 +265,44 @@ fn two_signals_at_once_are_one_request() {
     let run = here.path().join("run");
     assert_eq!(summary(&run)["status"], "interrupted");
     assert_eq!(fs::read_dir(run.join("checkpoints")).unwrap().count(), 1);
+}
+
+/// At its limit of processor time a process gets the signal in every second.
+#[test]
+fn the_limit_of_processor_time_ends_a_run_with_a_checkpoint() {
+    let here = tempfile::tempdir().unwrap();
+    let mut running = start_slow_run(here.path());
+    while running.0.try_wait().unwrap().is_none() {
+        running.signal("XCPU");
+        sleep(Duration::from_millis(100));
+    }
+    assert_eq!(running.end().code(), Some(152));
+    let run = here.path().join("run");
+    assert_eq!(summary(&run)["status"], "interrupted");
+    assert_eq!(fs::read_dir(run.join("checkpoints")).unwrap().count(), 1);
+}
+
+/// The limit counts in units of 512 or 1024 bytes.
+#[test]
+fn a_limit_of_file_sizes_is_reported_like_a_full_disk() {
+    let here = tempfile::tempdir().unwrap();
+    let silo = path("silo1.ron");
+    let more = ["--set", "series=(interval: 0.001)", "--set", "pictures=None", "--set", "data_frames=None"];
+    let arguments = [&endless_run(&silo)[..], &more].concat();
+    let running =
+        Running::start(here.path(), "ulimit -f 256;", &arguments, || Some(here.path().join("run/series.csv")));
+    assert_eq!(running.end().code(), Some(1));
+    let run = here.path().join("run");
+    let summary = summary(&run);
+    assert_eq!(summary["status"], "failed");
+    assert!(summary["failure"].as_str().unwrap().contains("series.csv"), "{summary}");
+    // Whole rows alone.
+    assert!(fs::read_to_string(run.join("series.csv")).unwrap().ends_with('\n'));
+    // Other commands say so too, and leave nothing.
+    let call = format!("ulimit -f 0; exec '{}' new copy.ron", env!("CARGO_BIN_EXE_siloflow"));
+    let output = Command::new("sh").args(["-c", &call]).current_dir(here.path()).output().unwrap();
+    assert!(matches!(output.status.code(), Some(1 | 2)), "{output:?}");
+    assert!(String::from_utf8_lossy(&output.stderr).contains("copy.ron"), "{output:?}");
 }
 
 #[test]

@@ -175,7 +175,7 @@ fn short_files_of_a_run_do_not_take_gigabytes() {
     let path = checkpoints(&run).pop().unwrap();
     let whole = fs::read(&path).unwrap();
     let mut checkpoint = file::read_from(&whole).unwrap();
-    checkpoint.sections.push(("zeros".to_owned(), vec![0; 400 << 20]));
+    checkpoint.sections.push(("zeros".to_owned(), vec![0; 200 << 20]));
     let mut bytes = Vec::new();
     file::write(&mut bytes, &checkpoint.header, &checkpoint.sections).unwrap();
     assert!(bytes.len() < 10 << 20);
@@ -189,7 +189,7 @@ fn short_files_of_a_run_do_not_take_gigabytes() {
     // A frame of zeros.
     let header = FrameReader::open(&run.join("frames.bin")).unwrap().header;
     fs::remove_file(run.join("frames.bin")).unwrap();
-    let rows = 400 << 20;
+    let rows = 200 << 20;
     let column =
         Column { name: "kind".to_owned(), unit: String::new(), components: 1, values: Values::U8(vec![0; rows]) };
     let table = Table { name: "grains".to_owned(), rows, columns: vec![column] };

@@ -284,6 +284,12 @@ impl<V: Space> ParticleStore<V> {
         if self.is_fixed(i) { 0.0 } else { 0.5 * self.mass[i] * self.body[i].velocity.length_squared() }
     }
 
+    /// Whether grains of this run spin, also before there is a grain.
+    #[must_use]
+    pub fn has_spins(&self) -> bool {
+        self.inertia.is_some()
+    }
+
     /// Spin of the particle in slot `i`, rad/s; zero if nothing spins.
     #[must_use]
     #[inline]

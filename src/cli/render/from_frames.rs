@@ -16,6 +16,7 @@ use crate::cli::export::without_frames;
 use crate::cli::progress::Progress;
 use crate::cli::say;
 use crate::fault::Fault;
+use crate::output::frame_data::columns::Columns;
 use crate::output::frame_data::reader::FrameReader;
 use crate::output::frame_data::{Frame, Header};
 use crate::output::pictures;
@@ -48,6 +49,7 @@ struct Plan {
     style: Style,
     selected: Vec<usize>,
     times: Vec<f64>,
+    columns: Columns,
     /// Decimals of the times in file names.
     decimals: usize,
     quiet: bool,
@@ -78,9 +80,10 @@ pub(super) fn render(args: &RenderArgs, run: &Path, quiet: bool) -> Result<Verdi
     }
     pictures.colour = wanted.colour(survey.range(&selected));
     let style = sized(Style::of(&loaded, &pictures), args, &header);
-    check((&path, most), &style, selected[0], &loaded)?;
+    check(&style, &survey.columns, &loaded)?;
     let decimals = decimals(&survey.times, style.decimals);
-    let plan = Plan { path, most, style, selected, times: survey.times, decimals, quiet };
+    let Survey { times, columns, .. } = survey;
+    let plan = Plan { path, most, style, selected, times, columns, decimals, quiet };
     if args.movie { movie(args, &header, &plan, &target) } else { several(args, &header, &plan, &target) }
 }
 
@@ -114,17 +117,15 @@ fn sized(style: Style, args: &RenderArgs, header: &Header) -> Style {
     Style { width, ..style }
 }
 
-/// Checks the style with the first frame that is drawn, before anything is written.
-fn check((path, most): (&Path, u64), style: &Style, first: usize, loaded: &Loaded) -> Result<(), Fault> {
-    let mut reader = FrameReader::open_within(path, most).map_err(|error| unreadable(path, &error))?;
-    if let Some(Ok(frame)) = reader.nth(first) {
-        style.check(&frame).map_err(|message| {
-            Fault::new("render::column", message).help("or give `species`, `speed` or `pressure`")
-        })?;
-        if style.network.is_some() && frame.table("contacts").is_none() {
-            return Err(Fault::new("render::no_contacts", "the frames of this run hold no contacts")
-                .help("run its scene again with `data_frames: (contacts: true)`"));
-        }
+/// Checks the style with the columns of all frames, before anything is written.
+fn check(style: &Style, columns: &Columns, loaded: &Loaded) -> Result<(), Fault> {
+    let frame = columns.frame();
+    style
+        .check(&frame)
+        .map_err(|message| Fault::new("render::column", message).help("or give `species`, `speed` or `pressure`"))?;
+    if style.network.is_some() && frame.table("contacts").is_none() {
+        return Err(Fault::new("render::no_contacts", "the frames of this run hold no contacts")
+            .help("run its scene again with `data_frames: (contacts: true)`"));
     }
     let pixels = svg::pixels(style.width, style.view, loaded.largest_species().saturating_add(1).max(4));
     if pixels.is_nan() || pixels > png::MOST_PIXELS {
@@ -154,7 +155,7 @@ impl Plan {
         let mut wanted = self.selected.iter().peekable();
         let mut frames = reader.enumerate().filter_map(|(number, frame)| {
             let is_wanted = wanted.next_if(|next| **next == number).is_some();
-            if is_wanted || frame.is_err() { Some(frame) } else { None }
+            if is_wanted || frame.is_err() { Some(frame.and_then(|frame| self.columns.complete(frame))) } else { None }
         });
         let at_once = thread::available_parallelism().map_or(1, std::num::NonZeroUsize::get);
         let mut progress = Progress::new(self.quiet, 0.0, 0);
@@ -194,13 +195,16 @@ impl Plan {
     }
 }
 
+/// Decimals that distinguish the times of any run: steps are far longer than 1e-30 s.
+const MOST_DECIMALS: usize = 30;
+
 /// Returns how many decimals distinguish all times, at least `least`.
 fn decimals(times: &[f64], least: usize) -> usize {
     let are_distinct = |decimals: &usize| {
         let texts: Vec<_> = times.iter().map(|time| format!("{time:.decimals$}")).collect();
         texts.windows(2).all(|pair| pair[0] != pair[1])
     };
-    (least..12).find(are_distinct).unwrap_or(12)
+    (least..MOST_DECIMALS).find(are_distinct).unwrap_or(MOST_DECIMALS)
 }
 
 /// The fault of a result that could not be written. Nothing has changed.

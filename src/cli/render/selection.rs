@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::io;
 
 use super::RenderArgs;
+use crate::output::frame_data::columns::Columns;
 use crate::output::frame_data::{Frame, Header};
 use crate::output::pictures::style::speeds;
 
@@ -15,6 +16,8 @@ const MOVIE_FRAMES: usize = 200;
 pub(super) struct Survey {
     pub times: Vec<f64>,
     pub ranges: Vec<Option<(f64, f64)>>,
+    /// Columns of all frames.
+    pub columns: Columns,
 }
 
 impl Survey {
@@ -27,6 +30,7 @@ impl Survey {
         let mut survey = Self::default();
         for frame in frames {
             let frame = frame?;
+            survey.columns.add(&frame)?;
             survey.times.push(frame.time);
             survey.ranges.push(colour.and_then(|name| range(header, &frame, name)));
         }
@@ -113,7 +117,7 @@ mod tests {
     fn selected(times: Vec<f64>, options: &[&str]) -> Vec<usize> {
         let ranges = vec![None; times.len()];
         let call = Call::parse_from([&["render", "run"], options].concat());
-        Survey { times, ranges }.select(&call.args)
+        Survey { times, ranges, columns: Columns::default() }.select(&call.args)
     }
 
     #[test]

@@ -19,6 +19,7 @@
 //! |---|---|
 //! | `codec.rs`, `check.rs` | the bytes of a record, and whether they make one |
 //! | `reader.rs`, `file.rs` | reading, and adding records |
+//! | `columns.rs` | the columns of all frames of a run |
 //! | `writer.rs` | the thread that writes during a run |
 //! | `recording.rs` | what a frame of a run holds |
 //! | `pressure.rs`, `species.rs` | the pressure on a grain, names of species |
@@ -28,6 +29,7 @@
 
 mod check;
 mod codec;
+pub mod columns;
 pub mod file;
 pub mod geometry;
 mod pressure;

@@ -161,7 +161,8 @@ fn grains<V: Space>(survey: &Survey<V>, kinds: &Kinds, measured: bool) -> Table 
         column("position", "m", d, vectors(&|row| store.body[row].position)),
         column("velocity", "m/s", d, vectors(&|row| store.body[row].velocity)),
     ];
-    if !store.rotation.is_empty() {
+    // A property of the run: frames without grains have the column too.
+    if store.has_spins() {
         let spins = self::vectors(rows.iter().map(|&row| store.spin(row)));
         columns.push(column("spin", "rad/s", V::Spin::COUNT, spins));
     }

@@ -8,7 +8,8 @@
 //! | [`csv`] | `csv/` | grains and contacts, a number in each cell |
 //! | `parquet`, with the feature of this name | `parquet/` | as CSV, and all CSV files of the run |
 //!
-//! Every format has the columns of the table `grains`, also ones that it does not know, and `kinetic_energy`. Floats are written
+//! Every format has the columns of the table `grains`, also ones that it does not know, and `kinetic_energy`. They are the same in every
+//! frame of a run, also in one without grains. Floats are written
 //! so that reading them gives the same bits.
 
 pub mod csv;
@@ -24,6 +25,7 @@ pub mod xyz;
 use std::io;
 use std::path::Path;
 
+use crate::output::frame_data::columns::Columns;
 use crate::output::frame_data::{Column, Frame, Header, Table, Values};
 use crate::output::run_directory::PartDirectory;
 use crate::scene::outputs::Format;
@@ -71,18 +73,20 @@ impl Target {
 }
 
 /// Writes frames of the run in the directory `run` to `target`, which must not exist: all of them or none. Returns their number.
+/// Every frame gets all `columns` of the run.
 ///
 /// # Errors
 /// If a frame cannot be read, or the target cannot be written. Then there is no target.
 pub fn export(
     format: Target,
     header: &Header,
+    columns: &Columns,
     frames: impl Iterator<Item = io::Result<Frame>>,
     run: &Path,
     target: &Path,
 ) -> io::Result<usize> {
     let mut count = 0;
-    let mut counted = frames.inspect(|_| count += 1);
+    let mut counted = frames.inspect(|_| count += 1).map(|frame| columns.complete(frame?));
     match format {
         Target::Live(Format::Vtk) => whole_directory(format, target, |part| {
             let mut directory = vtk::Directory::open(part)?;

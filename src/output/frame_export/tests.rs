@@ -1,3 +1,5 @@
+use std::fs;
+
 use super::*;
 
 fn header(dimension: u8) -> Header {
@@ -34,6 +36,11 @@ fn frame() -> Frame {
     Frame { step: 9, time: 0.5, tables: vec![table], ..Frame::default() }
 }
 
+/// The columns of [`frame`].
+fn all() -> Columns {
+    Columns::of(std::iter::once(Ok(frame()))).unwrap()
+}
+
 #[test]
 fn xyz_has_every_column_with_all_digits() {
     let expected = "1\n\
@@ -58,10 +65,12 @@ fn an_export_that_fails_leaves_nothing() {
     let [here, run] = [(); 2].map(|()| tempfile::tempdir().unwrap());
     for (name, format) in Target::ALL.into_iter().filter(|(_, format)| format.is_available()) {
         let frames = [Ok(frame()), Err(io::Error::other("torn"))];
-        let error = export(format, &header(2), frames.into_iter(), run.path(), &here.path().join(name)).unwrap_err();
+        let error =
+            export(format, &header(2), &all(), frames.into_iter(), run.path(), &here.path().join(name)).unwrap_err();
         assert_eq!(error.to_string(), "torn", "{name}");
         let count =
-            export(format, &header(2), std::iter::once(Ok(frame())), run.path(), &here.path().join(name)).unwrap();
+            export(format, &header(2), &all(), std::iter::once(Ok(frame())), run.path(), &here.path().join(name))
+                .unwrap();
         assert_eq!(count, 1);
         assert!(here.path().join(name).exists());
     }
@@ -74,7 +83,7 @@ fn csv_has_a_row_for_each_grain_and_frame_with_all_digits() {
     let target = here.path().join("csv");
     let later = Frame { step: 10, time: 0.75, ..frame() };
     let frames = [frame(), later].into_iter().map(Ok);
-    assert_eq!(export(Target::Csv, &header(2), frames, run.path(), &target).unwrap(), 2);
+    assert_eq!(export(Target::Csv, &header(2), &all(), frames, run.path(), &target).unwrap(), 2);
     let row = "7,2,2.5e-1,4e0,1e-1,1e-30,3e0,-4e0,3.333333333333333e-1,8e0,5e1";
     let expected = format!(
         "time_s,step,id,species,radius,mass,position_x,position_y,velocity_x,velocity_y,heat flow_x,heat flow_y,kinetic_energy\n\

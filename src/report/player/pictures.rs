@@ -109,6 +109,8 @@ fn step_of(svg: &str) -> Option<f64> {
 
 #[cfg(test)]
 mod tests {
+    use std::fs;
+
     use super::super::Packed;
     use super::*;
 

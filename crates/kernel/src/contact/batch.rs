@@ -162,6 +162,12 @@ impl<V: Space> Batch<V> {
         self.output.lost::<C>(self.len.min(LANES))
     }
 
+    /// Returns the number of lanes whose particles touch.
+    #[inline]
+    pub fn touching(&self) -> u32 {
+        (self.output.contacts() & !(u64::MAX << self.len)).count_ones()
+    }
+
     /// Returns the number of lanes to compute: whole vectors.
     #[inline(always)]
     pub fn lanes(&self) -> usize {

@@ -131,6 +131,11 @@ impl<V: Space> History<V> {
         all
     }
 
+    /// Returns the number of contacts of the last pass in each block of rows: those between particles, then those with walls.
+    pub fn touching(&self) -> impl Iterator<Item = u32> {
+        self.pair_blocks.iter().chain(&self.wall_blocks).map(|block| block.touching)
+    }
+
     /// Returns the history blocks for the particles of `store`: of contacts between particles, and of contacts with
     /// wall surfaces.
     pub fn blocks_mut(&mut self, store: &ParticleStore<V>) -> (&mut [HistoryBlock<V>], &mut [HistoryBlock<V>]) {

@@ -209,6 +209,8 @@ impl ser::SerializeMap for Check {
 mod tests {
     use std::collections::BTreeMap;
 
+    use serde::Serialize;
+
     use super::*;
 
     #[derive(Serialize)]

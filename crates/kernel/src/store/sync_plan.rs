@@ -103,7 +103,6 @@ impl Plan {
         let searched_components = world.resource::<Self>().searched_components;
         let components = world.components();
         if components.len() != searched_components {
-            let is_foreign = |name: &str| path_in_siloflow(name).is_none() && !name.starts_with("bevy_");
             let foreign =
                 |(_, info): (_, &ComponentInfo)| has_hook(info.hooks()) && is_foreign(&info.name().to_string());
             let (count, has_hooks) = (components.len(), components.iter_registered().any(foreign));
@@ -201,10 +200,29 @@ fn has_hook(hooks: &ComponentHooks) -> bool {
         || copy.try_on_despawn(NOTHING).is_none()
 }
 
+/// The crates of siloflow.
+const OWN_CRATES: [&str; 3] = ["siloflow", "siloflow_kernel", "siloflow_automaton"];
+
+/// The crates of Bevy that siloflow depends on, also through others. Their hooks read no mirrored component. Other crates take names that
+/// begin with `bevy_` too.
+const CRATES_OF_BEVY: [&str; 7] =
+    ["bevy_app", "bevy_ecs", "bevy_platform", "bevy_ptr", "bevy_reflect", "bevy_tasks", "bevy_utils"];
+
 /// Returns the path of a type or function without the name of its crate, if it is one of siloflow's crates.
 #[must_use]
 pub fn path_in_siloflow(name: &str) -> Option<&str> {
-    ["siloflow::", "siloflow_kernel::"].iter().find_map(|own| name.strip_prefix(own))
+    path_in(&OWN_CRATES, name)
+}
+
+/// Returns the path of a type without the name of its crate, if it is one of `crates`.
+fn path_in<'a>(crates: &[&str], name: &'a str) -> Option<&'a str> {
+    let (of, path) = name.split_once("::")?;
+    crates.contains(&of).then_some(path)
+}
+
+/// Whether hooks of a component type of this name may read mirrored components. A name without a known crate counts.
+fn is_foreign(name: &str) -> bool {
+    path_in_siloflow(name).or_else(|| path_in(&CRATES_OF_BEVY, name)).is_none()
 }
 
 #[cfg(test)]
@@ -216,5 +234,28 @@ mod tests {
         let name = std::any::type_name::<crate::particle::Radius>();
         assert_eq!(path_in_siloflow(name), Some("particle::Radius"));
         assert_eq!(path_in_siloflow("siloflow_of_a_user::Heat"), None);
+        assert_eq!(path_in_siloflow("siloflow_automaton::sites::Sites"), Some("sites::Sites"));
+        assert_eq!(path_in_siloflow("siloflow::door::DoorPlugin"), Some("door::DoorPlugin"));
+        assert_eq!(path_in_siloflow("siloflow"), None);
+    }
+
+    #[test]
+    fn crates_that_only_look_like_those_of_bevy_are_foreign() {
+        let of_bevy = [std::any::type_name::<ChildOf>(), std::any::type_name::<Observer>()];
+        assert!(of_bevy.iter().all(|name| !is_foreign(name)), "{of_bevy:?}");
+        for name in ["bevy_heat::Warm", "bevy_ecs_tilemap::Tile", "bevy_ecs", "bevy::Heat", "&bevy_ecs::name::Name", ""]
+        {
+            assert!(is_foreign(name), "{name}");
+        }
+    }
+
+    #[test]
+    fn the_crates_of_bevy_are_those_that_siloflow_depends_on() {
+        let lock = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../Cargo.lock")).unwrap();
+        let names = lock.lines().filter_map(|line| line.strip_prefix("name = \"")?.strip_suffix('"'));
+        // Macros are not in a program.
+        let of_bevy =
+            names.filter(|name| name.starts_with("bevy_") && !name.contains("macro") && !name.contains("derive"));
+        assert_eq!(of_bevy.collect::<Vec<_>>(), CRATES_OF_BEVY);
     }
 }

@@ -26,6 +26,9 @@ pub struct HistoryBlock<V: Space> {
     stiffness: Vec<f64>,
     /// Energy lost in contacts of these rows in the last pass.
     pub lost: ContactLosses,
+    /// Number of contacts of these rows in the last pass, without gaps. Every pass sets it, also without memories.
+    #[serde(skip)]
+    pub(super) touching: u32,
 }
 
 impl<V: Space> Default for HistoryBlock<V> {
@@ -37,6 +40,7 @@ impl<V: Space> Default for HistoryBlock<V> {
             twist: Vec::new(),
             stiffness: Vec::new(),
             lost: ContactLosses::default(),
+            touching: 0,
         }
     }
 }

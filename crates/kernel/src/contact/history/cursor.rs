@@ -88,6 +88,11 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         }
     }
 
+    /// Records the number of contacts of these rows in this pass.
+    pub(in crate::contact) fn set_touching(&mut self, touching: u32) {
+        self.block.touching = touching;
+    }
+
     /// Ends the block: the remaining contacts of the previous pass have ended. `lost` is the energy lost in these rows;
     /// `on_end` returns the energy lost with an ended contact, J.
     pub fn end(&mut self, mut lost: ContactLosses, mut on_end: impl FnMut(Candidate, &Memory<V>) -> EndLosses) {

@@ -44,7 +44,7 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
         if self.batch.len > 0 {
             self.flush_walls(&mut block);
         }
-        block.cursor.end(block.lost, |contact, memory| pass.on_wall_contact_end(self.view, contact, memory));
+        block.end(|contact, memory| pass.on_wall_contact_end(self.view, contact, memory));
     }
 
     /// Adds a contact to the batch, and evaluates the batch if it is full.
@@ -76,6 +76,7 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
                 self.largest = self.largest.max(self.batch.bodies.overlap[lane] / self.batch.bodies.reach[lane]);
             }
         }
+        block.touching += self.batch.touching();
         self.store_results(block, |contact, memory| pass.on_wall_contact_end(view, contact, memory));
         if view.tracks_energy {
             self.add_to_walls::<TOTAL_AND_DISSIPATIVE>();

@@ -80,7 +80,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
                 left = self.fill_batch(left);
                 self.flush(&mut block);
             }
-            block.cursor.end(block.lost, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
+            block.end(|contact, memory| self.pass.on_contact_end(self.view, contact, memory));
             if !self.pass.walls.is_empty() {
                 self.sums.initialise(first + BLOCK, gravity, self.view);
                 self.sum_walls(first + BLOCK, Block::new(wall_history, spare, self.parts()));
@@ -219,6 +219,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
             self.batch.recall(cursor, |contact, memory| lost.add(self.pass.on_contact_end(self.view, contact, memory)));
         }
         self.evaluate_batch();
+        block.touching += self.batch.touching();
         self.store_results(block, |contact, memory| self.pass.on_contact_end(self.view, contact, memory));
         let tracks_energy = self.view.tracks_energy;
         let (sums, batch) = (&mut self.sums, &*self.batch);
@@ -268,10 +269,18 @@ pub(super) struct Block<'a, V: Space> {
     /// Losses of contacts, including the energy stored in ended ones. Both are added in a fixed order, independent of
     /// how contacts are batched.
     pub(super) lost: ContactLosses,
+    /// Number of contacts so far, without gaps.
+    pub(super) touching: u32,
 }
 
 impl<'a, V: Space> Block<'a, V> {
     pub(super) fn new(history: &'a mut HistoryBlock<V>, spare: &'a mut HistoryBlock<V>, parts: MemoryParts) -> Self {
-        Self { cursor: HistoryCursor::new(history, spare, parts), lost: ContactLosses::default() }
+        Self { cursor: HistoryCursor::new(history, spare, parts), lost: ContactLosses::default(), touching: 0 }
+    }
+
+    /// Ends the block. `on_end` returns the energy that an ended contact loses, J.
+    pub(super) fn end(mut self, on_end: impl FnMut(Candidate, &Memory<V>) -> EndLosses) {
+        self.cursor.end(self.lost, on_end);
+        self.cursor.set_touching(self.touching);
     }
 }
