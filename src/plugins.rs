@@ -224,7 +224,7 @@ pub(crate) fn planar_paths(app: &mut Assembly, loaded: &Loaded) {
 /// Adds the check of grain paths in solid space.
 pub(crate) fn solid_paths(app: &mut Assembly, loaded: &Loaded) {
     let smallest_radius = loaded.grain_radii().map_or(0.0, |(smallest, _)| smallest);
-    let walls = loaded.still_surfaces();
+    let walls = loaded.still_surfaces_and_images();
     if loaded.scene.walls.iter().any(Wall::is_surface) {
         app.add(
             "walls",

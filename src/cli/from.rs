@@ -7,7 +7,7 @@ use bevy_ecs::prelude::*;
 
 use crate::behaviour::Registry;
 use crate::contact::history::History;
-use crate::contact::history::remembered;
+use crate::contact::history::remembered::{self, PartnerKind};
 use crate::fault::Fault;
 use crate::grains::file;
 use crate::ledger::Ledger;
@@ -17,19 +17,18 @@ use crate::output::run_directory::{RunDirectory, scene_of};
 use crate::output::state_hash;
 use crate::particle::{Grain, GrainId};
 use crate::persist::UnknownState;
-use crate::scene::load;
+use crate::scene::load::{self, StartState};
 use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::{Caller, Simulation};
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::store::ParticleStore;
+use crate::walls::config::Wall;
+use crate::walls::surfaces::Surfaces;
 
 /// The state of a run from which another starts.
 pub(super) struct Origin {
     pub parent: Parent,
-    /// The grains as the text of a grain file.
-    pub grains: String,
-    /// The memories of contacts as the text of a file.
-    pub contacts: String,
+    state: StartState,
     /// The seed of the run.
     seed: u64,
 }
@@ -65,20 +64,19 @@ impl Origin {
             time_s: checkpoint.header.time,
             state_hash: format!("{:016x}", state_hash::of_world(run.world_mut())),
         };
-        let (grains, contacts) = match loaded.scene.space {
-            Dimension::Plane => texts::<Plane>(run.world_mut()),
-            Dimension::Solid => texts::<Solid>(run.world_mut()),
+        let state = match loaded.scene.space {
+            Dimension::Plane => state_of::<Plane>(run.world_mut(), &loaded),
+            Dimension::Solid => state_of::<Solid>(run.world_mut(), &loaded),
         }?;
-        Ok(Self { parent, grains, contacts, seed: loaded.scene.seed })
+        Ok(Self { parent, state, seed: loaded.scene.seed })
     }
 
     /// Loads the scene at `path` with the grains and contacts of this state.
     ///
     /// # Errors
     /// Like [`load::started_from`]; also if another seed would move fixed grains.
-    pub(super) fn load(&self, path: &Path, settings: &[(String, String)]) -> Result<Box<Loaded>, Fault> {
-        let (grains, contacts) = (self.grains.clone(), self.contacts.clone());
-        let loaded = load::started_from(path, settings, grains, contacts, &self.parent.note())?;
+    pub(super) fn load(self, path: &Path, settings: &[(String, String)]) -> Result<Box<Loaded>, Fault> {
+        let loaded = load::started_from(path, settings, self.state, &self.parent.note())?;
         let random = loaded.scene.fill.iter().position(|fill| fill.fixed && fill.is_random());
         if let Some(number) = random.filter(|_| loaded.scene.seed != self.seed) {
             let message = format!(
@@ -92,8 +90,8 @@ impl Origin {
     }
 }
 
-/// Returns the grains and the memories of contacts of a world.
-fn texts<V: Space>(world: &mut World) -> Result<(String, String), Fault> {
+/// Returns the grains and the memories of contacts of a world, which is that of a scene.
+fn state_of<V: Space>(world: &mut World, loaded: &Loaded) -> Result<StartState, Fault> {
     let grains: Vec<_> =
         world.query_filtered::<(Entity, &GrainId), With<Grain>>().iter(world).map(|(e, id)| (e, *id)).collect();
     let ledger = world.resource::<Ledger>();
@@ -102,10 +100,15 @@ fn texts<V: Space>(world: &mut World) -> Result<(String, String), Fault> {
         world.despawn(grain);
     }
     let grains = file::write::<V>(world);
-    let rows = match world.get_resource::<History<V>>() {
-        Some(history) => history.remembered(world.resource::<ParticleStore<V>>()),
+    let walls = &world.resource::<Surfaces<V>>().all;
+    let mut rows = match world.get_resource::<History<V>>() {
+        Some(history) => history.remembered(world.resource::<ParticleStore<V>>(), walls),
         None => Vec::new(),
     };
+    let names: Vec<_> = loaded.scene.walls.iter().filter(|wall| wall.is_surface()).map(Wall::name).collect();
+    for row in rows.iter_mut().filter(|row| row.with == PartnerKind::Wall) {
+        row.wall = names[walls[row.number as usize - 1].number].map(str::to_owned);
+    }
     let contacts = remembered::write(&rows).map_err(|problem| Fault::new("checkpoint::contacts", problem))?;
-    Ok((grains, contacts))
+    Ok(StartState { space: V::DIMENSION, grains, contacts })
 }

@@ -16,7 +16,7 @@ use std::path::PathBuf;
 use serde::{Deserialize, Serialize};
 
 pub use self::read::{parse, read};
-pub use self::write::{write, write_to};
+pub use self::write::{without_spin, write, write_to};
 use crate::particle::{Grain, GrainBundle, GrainId, Mass, Particle, Position, Radius, Species, Velocity};
 use crate::space::{Dimension, Solid, Space};
 

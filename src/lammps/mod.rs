@@ -186,6 +186,10 @@ fn differences(loaded: &Loaded, laws: &laws::Laws, walls: &walls::Walls) -> Vec<
         "where an edge of a wall continues in another wall, LAMMPS counts both contacts and siloflow one",
     );
     say(
+        loaded.have_walls_images(),
+        "LAMMPS does not repeat walls beyond periodic sides, so that grains pass through what siloflow puts there",
+    );
+    say(
         walls::have_another_radius(loaded),
         "on a cone LAMMPS takes the contact radius of a cylinder, and on the outer side of a cylinder that of a plane; siloflow takes that of the wall",
     );

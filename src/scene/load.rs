@@ -1,14 +1,16 @@
 //! Loads a scene: applies `--set` to its text, parses it, reads its files and checks its rules.
 
+mod contacts;
 mod fill;
+mod start_state;
 
 use std::path::Path;
 use std::sync::Arc;
 
+pub use self::start_state::{StartState, started_from};
 use crate::contact::history::remembered::{self, Remembered};
 use crate::fault::Fault;
 use crate::grains::file::{self, Kind};
-use crate::grains::fill::Fill;
 use crate::lattice::load::LoadedLattice;
 use crate::scene::check::{Estimates, automatic};
 use crate::scene::loaded::{AnyScene, Loaded};
@@ -27,39 +29,8 @@ pub fn any(path: &Path, settings: &[(String, String)]) -> Result<AnyScene, Fault
     any_from(Source::read(path)?, settings)
 }
 
-/// Loads a scene of grains that starts with the grains and contacts of another run, given as the texts of files. They replace
-/// the scene's own grains at the start; fixed grains of `fill` stay. `note` is a comment for the scene's text.
-///
-/// # Errors
-/// Like [`load`].
-pub fn started_from(
-    path: &Path,
-    settings: &[(String, String)],
-    grains: String,
-    contacts: String,
-    note: &str,
-) -> Result<Box<Loaded>, Fault> {
-    let AnyScene::Grains(loaded) = any(path, settings)? else {
-        return Err(Fault::new("scene::method", "a run of the lattice gas cannot start from grains")
-            .help("give a scene of grains"));
-    };
-    // Random numbers of a fill depend on its number, so that fills without grains hold the places of the others.
-    let count = loaded.scene.fill.iter().rposition(|fill| fill.fixed).map_or(0, |last| last + 1);
-    let keep = |fill: &Fill| if fill.fixed { fill.clone() } else { Fill { count: Some(0), ..fill.clone() } };
-    let fixed: Vec<_> = loaded.scene.fill[..count].iter().map(keep).collect();
-    let fill = ron::to_string(&fixed).map_err(|error| Fault::new("scene::fill", error.to_string()))?;
-    let mut more = settings.to_vec();
-    let files = "(file: \"grains.csv\", contacts: \"contacts.csv\")";
-    more.push(("grains".to_owned(), files.to_owned()));
-    if !loaded.scene.fill.is_empty() {
-        more.push(("fill".to_owned(), fill));
-    }
-    let mut source = Source::read(path)?;
-    source.texts = vec![("grains.file", grains), ("grains.contacts", contacts)];
-    let mut started = from_source(source, &more)?;
-    started.source.text.insert_str(0, &format!("// {note}\n"));
-    Ok(Box::new(started))
-}
+/// The key that names a file of contacts.
+const CONTACTS: &str = "grains.contacts";
 
 fn any_from(source: Source, settings: &[(String, String)]) -> Result<AnyScene, Fault> {
     if source.value_of("scene").is_some() && source.value_of("figures").is_some() {
@@ -144,7 +115,23 @@ pub fn from_text(
     from_source(Source::new(path, name, directory, text), settings)
 }
 
-fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Loaded, Fault> {
+fn from_source(source: Source, settings: &[(String, String)]) -> Result<Loaded, Fault> {
+    let mut loaded = read_all(source, settings)?;
+    if let [(row, stray), ..] = &loaded.find_partners()[..] {
+        let path =
+            loaded.source.files.iter().find(|(key, _)| key == CONTACTS).map(|(_, path)| path.display().to_string());
+        let message = format!("{}, row {row}: {}", path.unwrap_or_default(), stray.reason);
+        return Err(loaded.fault("scene::contacts", CONTACTS, message).help(
+            "a row needs a grain of the scene, and a grain, wall grain or wall that it touches; remove the row, or let \
+             `siloflow run SCENE --from DIR` leave out the contacts with walls that are gone",
+        ));
+    }
+    loaded.choose_scheme();
+    Ok(loaded)
+}
+
+/// Loads a scene from its text, without finding the partners of its contacts.
+fn read_all(mut source: Source, settings: &[(String, String)]) -> Result<Loaded, Fault> {
     let scene: Scene = source.parse(settings)?;
     if scene.method != Method::Grains {
         return Err(source
@@ -158,6 +145,7 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
         grains: Vec::new(),
         contacts_at_start: Vec::new(),
         fixed: Vec::new(),
+        notes: Vec::new(),
     };
     // Vectors have a checked number of components before any other code reads them.
     rules::space(&loaded)?;
@@ -186,13 +174,12 @@ fn from_source(mut source: Source, settings: &[(String, String)]) -> Result<Load
     rules::fill(&loaded)?;
     loaded.fill()?;
     rules::check(&loaded)?;
-    loaded.choose_scheme();
     Ok(loaded)
 }
 
 /// Reads the file that the key `grains.contacts` names.
 fn read_contacts(source: &mut Source, file: &Path) -> Result<Vec<Remembered>, Fault> {
-    let key = "grains.contacts";
+    let key = CONTACTS;
     let path = source.name_file(key, file);
     let rows = match source.text_for(key) {
         Some(text) => remembered::read(text.as_bytes()),

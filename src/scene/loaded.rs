@@ -1,11 +1,12 @@
 //! A loaded scene, and what follows from its keys: laws, step, radii, measurements.
 
+mod images;
 mod walls;
 
 use crate::contact::config::Contact;
 use crate::contact::history::remembered::Remembered;
 use crate::contact::selection::Contacts;
-use crate::fault::Fault;
+use crate::fault::{Fault, Warning};
 use crate::grains::file::GrainRow;
 use crate::grains::fill::FixedGrain;
 use crate::grains::spawner::RadiusLaw;
@@ -37,6 +38,8 @@ pub struct Loaded {
     pub contacts_at_start: Vec<Remembered>,
     /// Wall grains of `fill`.
     pub fixed: Vec<FixedGrain>,
+    /// What was left out of the state of another run from which the scene starts.
+    pub notes: Vec<Warning>,
 }
 
 /// A scene of either method that is ready to run.

@@ -54,7 +54,7 @@ fn corners_in<V: Space>(loaded: &Loaded, camera: &Camera) -> Vec<Vector> {
         }
     }
     let bounds = |surface: &Surface<V>| surface.bounds().unwrap_or([surface.reference(); 2]).map(V::spread);
-    let surfaces = loaded.surfaces::<V>();
+    let surfaces = loaded.own_surfaces::<V>();
     surfaces.iter().flat_map(|wall| corners_of(bounds(&wall.surface))).for_each(|corner| ball(corner, 0.0));
     if let (Some(cull), Some(low), Some(high)) =
         (loaded.scene.cull, ends.iter().copied().reduce(Solid::min), ends.iter().copied().reduce(Solid::max))

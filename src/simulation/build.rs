@@ -157,7 +157,9 @@ fn add_plugins<V: Engine>(
 ) {
     assembly.provide(Gravity(loaded.scene.gravity.get::<V>()));
     let largest = loaded.grain_radii().map_or(0.0, |(_, largest)| largest);
-    assembly.provide(Surfaces::new(loaded.surfaces_in_scene::<V>(), largest).with_movers(loaded.movers()));
+    let surfaces = loaded.surfaces_in_scene::<V>();
+    let movers = loaded.movers_of(&surfaces);
+    assembly.provide(Surfaces::new(surfaces, largest).with_movers(movers));
     assembly.provide(LeavingWalls::default());
     if !loaded.contacts_at_start.is_empty() {
         assembly.provide(ContactsAtStart(loaded.contacts_at_start.clone()));

@@ -745,6 +745,25 @@ fn grains_leave_through_holes_in_round_walls_and_none_is_lost() {
 }
 
 #[test]
+fn walls_that_cross_the_sides_of_a_periodic_box_hold_all_grains() {
+    for integrator in ["Verlet", "Centred"] {
+        let mut run = through("sides", &[("integrator", integrator)]);
+        assert_all_inside(&run, 200, integrator);
+        let grains = grains::<Solid>(&mut run);
+        // Grains stand on the floor, on its images and on the overlap, and none sinks into a gap or is thrown out.
+        let lowest = grains.iter().map(|(x, ..)| x.z).fold(f64::INFINITY, f64::min);
+        assert!((0.0038..0.0061).contains(&lowest), "{integrator}: {lowest}");
+        let walls = run.world().resource::<Surfaces<Solid>>();
+        assert!(walls.loads.len() == 4 && walls.all.len() > 8, "{} surfaces", walls.all.len());
+        // The lightest grain, and two contacts with it.
+        assert_energy_error_of_the_scheme(
+            &run,
+            (2.0 * 1e4 / (4.0 / 3.0 * PI * 2500.0 * 4e-3f64.powi(3))).sqrt() * 2e-5,
+        );
+    }
+}
+
+#[test]
 fn grains_leave_a_funnel_whose_plug_is_drawn_and_stay_in_a_box_that_rocks() {
     for integrator in ["Verlet", "Centred"] {
         let mut run = simulation(&load("hard/plug.ron", &[("integrator", integrator)]), 1);

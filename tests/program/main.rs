@@ -36,6 +36,7 @@ mod feeds;
 mod fields;
 mod frame_data;
 mod friction_scenes;
+mod from_other_walls;
 mod from_run;
 mod hard;
 #[cfg(unix)]

@@ -6,8 +6,7 @@
 //!
 //! Two grains interact by their nearest images: a separation longer than L/2 is shortened by L. This is unambiguous
 //! only if a grain cannot touch two images of another. L must therefore exceed twice the largest distance of centres in
-//! contact; a smaller box is refused. Walls are not repeated. They must be the same in every image, which `check`
-//! cannot verify.
+//! contact; a smaller box is refused. Walls are repeated as far as grains reach them ([`twins`](crate::walls::twins)).
 //!
 //! Down a periodic incline a grain falls for ever. Wrapping by L along an axis with gravity raises its potential
 //! energy, which the energy balance records as `lifted`.
@@ -103,6 +102,29 @@ impl<V: Space> Periodic<V> {
         separation
     }
 
+    /// Returns the images of a position that may pass through sides of the box if it moves by `distance`, m, without the position itself.
+    pub(crate) fn images_beyond(&self, position: V, distance: f64) -> Vec<V> {
+        let is_inner = |axis| {
+            let x = position.axis(axis);
+            x - self.low.axis(axis) > distance && self.high.axis(axis) - x > distance
+        };
+        if (0..V::COMPONENTS).all(is_inner) {
+            return Vec::new();
+        }
+        let mut images = vec![position];
+        for axis in 0..V::COMPONENTS {
+            let (x, length) = (position.axis(axis), self.length.axis(axis));
+            let below = (x - self.low.axis(axis) <= distance).then_some(length);
+            let above = (self.high.axis(axis) - x <= distance).then_some(-length);
+            let so_far = images.clone();
+            for shift in below.into_iter().chain(above) {
+                images.extend(so_far.iter().map(|image| image.with_axis(axis, x + shift)));
+            }
+        }
+        images.remove(0);
+        images
+    }
+
     /// Whether a position is in the box.
     #[inline]
     pub(crate) fn contains(&self, position: V) -> bool {
@@ -142,7 +164,7 @@ impl<V: Space> Periodic<V> {
 
     /// The shifts (m) that give the images of a short path that starts at `from` and ends in the box. They are no shift
     /// and, for each axis on which `from` lies outside the box, the shift that brings it back, in all combinations. A
-    /// wall stands in one image only, so a grain that crosses a side may pass the wall in any of these images.
+    /// wall of the scene stands in one image only, so a grain that crosses a side may pass the wall in any of these images.
     pub fn shifts_of_path(&self, from: V) -> impl Iterator<Item = V> {
         let back = self.wrapped(from) - from;
         let axes: Vec<_> = (0..V::COMPONENTS).filter(|&axis| back.axis(axis) != 0.0).collect();
@@ -206,6 +228,18 @@ mod tests {
         assert_eq!(strip_along_x().wrapped(Plane::new(0.5, 1e9)), Plane::new(0.5, 1e9));
         assert_eq!(strip_along_x().shortest(Plane::new(0.5, -1e9)), Plane::new(0.5, -1e9));
         assert_eq!(Periodic::<Solid>::new(&PeriodicSides::default()), None);
+    }
+
+    #[test]
+    fn a_position_near_sides_has_an_image_beyond_each() {
+        let sides = PeriodicSides { x: Some((-1.0, 2.0)), y: Some((0.0, 1.0)), z: None };
+        let images = |x, y| Periodic::<Plane>::new(&sides).unwrap().images_beyond(Plane::new(x, y), 0.1);
+        assert_eq!(images(0.5, 0.5), []);
+        assert_eq!(images(-0.95, 0.5), [Plane::new(2.05, 0.5)]);
+        let mut corner = images(1.95, 0.05);
+        corner.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)));
+        let expected = [Plane::new(-1.05, 0.05), Plane::new(-1.05, 1.05), Plane::new(1.95, 1.05)];
+        assert!(corner.iter().zip(expected).all(|(a, b)| a.distance(b) < 1e-12) && corner.len() == 3, "{corner:?}");
     }
 
     #[test]

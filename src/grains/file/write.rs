@@ -4,6 +4,8 @@ use std::io;
 
 use bevy_ecs::prelude::*;
 
+use crate::fault::Fault;
+use crate::grains::file::SPIN;
 use crate::grains::grain_snapshot;
 use crate::space::{Dimension, Linear, Solid, Space};
 
@@ -41,4 +43,25 @@ pub fn write_to<V: Space>(world: &mut World, out: &mut dyn io::Write) -> io::Res
         }
         writeln!(out)
     })
+}
+
+/// Returns the text of a grain file without its columns of spins, and the number of grains that spin.
+///
+/// # Errors
+/// If the text is not CSV.
+pub fn without_spin(text: &str) -> Result<(String, usize), Fault> {
+    let failed = |error: csv::Error| Fault::new("grain_file::syntax", format!("this is not CSV: {error}"));
+    let mut reader = csv::Reader::from_reader(text.as_bytes());
+    let of_spin: Vec<_> = reader.headers().map_err(failed)?.iter().map(|column| SPIN.contains(&column)).collect();
+    let is_spin = |column: usize| of_spin.get(column).copied().unwrap_or(false);
+    let (mut writer, mut spinning) = (csv::Writer::from_writer(Vec::new()), 0);
+    for (number, record) in std::iter::once(reader.headers().cloned()).chain(reader.records()).enumerate() {
+        let record = record.map_err(failed)?;
+        let turns = |(column, value): (usize, &str)| is_spin(column) && value.parse::<f64>() != Ok(0.0);
+        spinning += usize::from(number > 0 && record.iter().enumerate().any(turns));
+        let rest = record.iter().enumerate().filter(|&(column, _)| !is_spin(column)).map(|(_, value)| value);
+        writer.write_record(rest).map_err(failed)?;
+    }
+    let bytes = writer.into_inner().unwrap_or_default();
+    Ok((String::from_utf8(bytes).unwrap_or_default(), spinning))
 }

@@ -44,7 +44,7 @@ fn lowest_point(loaded: &Loaded) -> f64 {
 pub(super) fn carried_at_the_bottom(loaded: &Loaded, radius: f64) -> f64 {
     let ground: Option<f64> = match loaded.scene.space {
         Dimension::Plane => {
-            let outline = Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.surfaces(), 0.0);
+            let outline = Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.own_surfaces(), 0.0);
             outline.bounds().map(|[low, high]| high.x - low.x).or_else(|| extent(loaded, 0))
         }
         Dimension::Solid => extent(loaded, 0).zip(extent(loaded, 1)).map(|(x, y)| x * y),

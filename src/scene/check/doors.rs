@@ -56,7 +56,7 @@ fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
     let orifice = if loaded.silo.door.is_empty() {
         None
     } else {
-        Outline::new(&discs, &loaded.silo.door, &loaded.surfaces(), radius).orifice()
+        Outline::new(&discs, &loaded.silo.door, &loaded.own_surfaces(), radius).orifice()
     };
     let radius_at = |x| discs.iter().find(|disc| disc.centre == x).map_or(0.0, |disc| disc.radius);
     let between = orifice.map(|link| link.from.distance(link.to) - radius_at(link.from) - radius_at(link.to));
@@ -66,5 +66,5 @@ fn door_width(loaded: &Loaded, radius: f64) -> Option<f64> {
 /// Whether a door of discs is flanked by wall discs, or there is no such door.
 fn has_orifice(loaded: &Loaded, radius: f64) -> bool {
     loaded.silo.door.is_empty()
-        || Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.surfaces(), radius).orifice().is_some()
+        || Outline::new(&loaded.wall_discs(), &loaded.silo.door, &loaded.own_surfaces(), radius).orifice().is_some()
 }

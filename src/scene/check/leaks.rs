@@ -28,13 +28,13 @@ pub fn way_out(loaded: &Loaded, budget: &Budget) -> Option<Vector> {
     let (radius, _) = loaded.grain_radii()?;
     let mut discs = loaded.wall_discs();
     discs.extend(&loaded.silo.door);
-    let balls = loaded.surfaces().into_iter().filter_map(|wall| match wall.surface {
+    let balls = loaded.own_surfaces().into_iter().filter_map(|wall| match wall.surface {
         Surface::Ball(Ball { centre, radius }) => Some(Disc { centre, radius }),
         _ => None,
     });
     discs.extend(balls);
-    let surfaces: Vec<Surface> = loaded.surfaces().into_iter().map(|wall| wall.surface).collect();
-    let [low, high] = Outline::new(&discs, &[], &loaded.surfaces(), radius).bounds()?;
+    let surfaces: Vec<Surface> = loaded.own_surfaces().into_iter().map(|wall| wall.surface).collect();
+    let [low, high] = Outline::new(&discs, &[], &loaded.own_surfaces(), radius).bounds()?;
     let spacing = 0.25 * radius;
     let points = |extent: Vector, reach: f64| {
         let whole = extent.abs() + Vector::splat(2.0 * (reach + spacing));

@@ -1,13 +1,12 @@
-//! Warnings about meshes whose size does not fit the grains, because files have no unit, about triangles of meshes: T-junctions, slivers and overlaps
-//! (`walls::mesh_faults`), and about
-//! flat walls of the scene that overlap in one plane.
+//! Warnings about meshes whose size does not fit the grains, because files have no unit, and about triangles of meshes: T-junctions,
+//! slivers and overlaps (`walls::mesh_faults`). Walls of the scene may overlap in one plane: a grain touches their union.
 
 use crate::budget::Budget;
 use crate::fault::Warning;
 use crate::scene::loaded::Loaded;
 use crate::space::Solid;
 use crate::walls::config::Wall;
-use crate::walls::mesh_faults::{MOST_OVERLAPS, faults, overlaps};
+use crate::walls::mesh_faults::{MOST_OVERLAPS, faults};
 
 /// Diameters of the largest grain across which a mesh is suspiciously wide. A bed so wide would have more than 10^9 grains in a single layer; a mesh in mm that is
 /// read as m is a thousand times too wide.
@@ -21,7 +20,6 @@ pub(super) fn examine(loaded: &Loaded, budget: &Budget, warnings: &mut Vec<Warni
             budget.share(0.5, || of_mesh(number, triangles, budget, warnings));
         }
     }
-    overlapping_walls(loaded, budget, warnings);
 }
 
 /// Meshes narrower than a grain, or very much wider.
@@ -72,35 +70,5 @@ fn of_mesh(number: usize, triangles: &[[Solid; 3]], budget: &Budget, warnings: &
             format!("{count} pairs of triangles that overlap in one plane, first triangles {one} and {other}"),
             "remove the part that comes twice",
         );
-    }
-}
-
-/// Panels and polygons of the scene that cover a common area: a part of the wall comes twice.
-fn overlapping_walls(loaded: &Loaded, budget: &Budget, warnings: &mut Vec<Warning>) {
-    let mut triangles = Vec::new();
-    let mut owners = Vec::new();
-    for (number, wall) in loaded.scene.walls.iter().enumerate() {
-        let own = match wall {
-            Wall::Panel { corner, along, across, .. } => {
-                let (a, u, v) = (corner.padded(), along.padded(), across.padded());
-                vec![[a, a + u, a + u + v], [a, a + u + v, a + v]]
-            }
-            // The rules have refused polygons without triangles.
-            Wall::Polygon { .. } => wall.triangles().unwrap_or_default().to_vec(),
-            _ => continue,
-        };
-        owners.extend(own.iter().map(|_| number));
-        triangles.extend(own);
-    }
-    let pairs = overlaps(&triangles, "of panels and polygons", budget).into_iter();
-    let pairs = pairs.map(|(one, other)| (owners[one - 1], owners[other - 1]));
-    let mut pairs: Vec<_> = pairs.filter(|(one, other)| one != other).collect();
-    pairs.dedup();
-    if let [(one, other), ..] = pairs[..] {
-        warnings.push(Warning {
-            code: "check::overlapping_walls",
-            message: format!("walls[{one}] and walls[{other}] overlap in one plane"),
-            help: "a grain touches the nearer one there; let one of them end where the other begins".to_owned(),
-        });
     }
 }

@@ -11,6 +11,7 @@
 //! * The door (`check/doors.rs`): without wall discs on both sides it has no orifice through which a grain could count as out.
 //! * The path (`check/tunnelling.rs`): a grain that moves farther than a wall is thick, or than a grain is wide, in one step may pass it undetected.
 //! * The start (`check/start.rs`) and the fall (`check/falling.rs`): overlaps, places inside and outside of walls, grains that fall for ever.
+//! * The heights (`check/heights.rs`): keys that read heights, while gravity points along another axis.
 //! * The output: a warning if the run would write more than [`MOST_BYTES`] up to `until`.
 //!
 //! All checks of a scene together have a [`Budget`] of time. One that needs more ends, and a last warning says what was not examined. No result of a
@@ -22,6 +23,7 @@ pub mod crowd;
 mod doors;
 mod estimates;
 mod falling;
+mod heights;
 pub mod leaks;
 mod meshes;
 mod softness;
@@ -71,9 +73,11 @@ pub fn warnings_within(loaded: &Loaded, budget: &Budget) -> Vec<Warning> {
 
 fn examined(loaded: &Loaded, budget: &Budget) -> Vec<Warning> {
     let mut warnings = loaded.source.unused_parameters();
+    warnings.extend(loaded.notes.iter().cloned());
     renamed_keys(loaded, &mut warnings);
     sources::stop(loaded, &mut warnings);
     let estimates = Estimates::of(loaded);
+    heights::examine(loaded, &mut warnings);
     budget.share(0.5, || start::examine(loaded, estimates.as_ref(), budget, &mut warnings));
     budget.share(0.5, || meshes::examine(loaded, budget, &mut warnings));
     let Some(estimates) = estimates else { return warnings };

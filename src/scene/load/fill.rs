@@ -54,8 +54,8 @@ impl Loaded {
                 occupied.add(centre.padded(), radius);
             }
         }
-        let walls = Surfaces::<V>::new(self.surfaces(), largest);
-        // Walls have no images, so a place beyond a periodic side counts as the one that it enters at.
+        let walls = self.surfaces_for::<V>(largest);
+        // A place beyond a periodic side counts as the one that it enters at.
         let periodic_box = Periodic::<V>::new(periodic);
         let is_clear = |x: Solid, radius: f64| {
             let x = periodic_box.map_or(V::narrow(x), |periodic| periodic.wrapped(V::narrow(x)));

@@ -3,7 +3,7 @@
 use crate::door::DoorMotion;
 use crate::measure::wall_bands::BandSampler;
 use crate::scene::loaded::Loaded;
-use crate::space::{Dimension, Solid, Space};
+use crate::space::{Dimension, Plane, Solid, Space};
 use crate::walls::config::Wall;
 use crate::walls::moving::{Drive, LeafState, Mover};
 use crate::walls::silo_file::Disc;
@@ -49,37 +49,84 @@ impl Loaded {
         around.into_iter().chain(of_walls).collect()
     }
 
-    /// The wall surfaces at the start.
+    /// The wall surfaces at the start, with their images beyond periodic sides.
     #[must_use]
     pub fn surfaces<V: Space>(&self) -> Vec<SurfaceWall<V>> {
-        if self.scene.motions.is_empty() {
-            return self.surfaces_in_scene();
-        }
-        Surfaces::new(self.surfaces_in_scene(), 0.0).with_movers(self.movers()).all
+        self.placed(self.surfaces_in_scene())
     }
 
-    /// The wall surfaces at the places that the scene gives, from which motions start.
+    /// The wall surfaces at the start, without images.
+    #[must_use]
+    pub fn own_surfaces<V: Space>(&self) -> Vec<SurfaceWall<V>> {
+        self.placed(self.own_surfaces_in_scene())
+    }
+
+    fn placed<V: Space>(&self, surfaces: Vec<SurfaceWall<V>>) -> Vec<SurfaceWall<V>> {
+        if self.scene.motions.is_empty() {
+            return surfaces;
+        }
+        let movers = self.movers_of(&surfaces);
+        Surfaces::new(surfaces, 0.0).with_movers(movers).all
+    }
+
+    /// The wall surfaces at the places that the scene gives, from which motions start, with their images beyond periodic sides.
     #[must_use]
     pub fn surfaces_in_scene<V: Space>(&self) -> Vec<SurfaceWall<V>> {
-        let walls = self.scene.walls.iter().filter(|wall| wall.is_surface()).enumerate();
-        let surfaces = walls.flat_map(|(number, wall)| {
-            let door = self.scene.door_of(wall);
-            wall.surfaces(number).into_iter().map(move |surface| SurfaceWall { door, ..surface })
-        });
-        surfaces.collect()
+        self.surfaces_and_images(self.grain_radii().map_or(0.0, |(_, largest)| largest))
     }
 
-    /// The wall surfaces without those that a motion moves.
+    /// The wall surfaces at the start, with the images that grains of radius up to `largest` (m) reach.
+    pub(in crate::scene) fn surfaces_for<V: Space>(&self, largest: f64) -> Vec<SurfaceWall<V>> {
+        self.placed(self.surfaces_and_images(largest))
+    }
+
+    fn surfaces_and_images<V: Space>(&self, largest: f64) -> Vec<SurfaceWall<V>> {
+        self.each_wall(|wall, own| {
+            // The rules have refused walls that cannot be repeated.
+            let images = self.images(wall, &own, largest).unwrap_or_default();
+            own.into_iter().chain(images).collect()
+        })
+    }
+
+    fn own_surfaces_in_scene<V: Space>(&self) -> Vec<SurfaceWall<V>> {
+        self.each_wall(|_, own| own)
+    }
+
+    /// What `surfaces` makes of the surfaces of each wall, in the order of the scene.
+    fn each_wall<V: Space>(
+        &self,
+        surfaces: impl Fn(&Wall, Vec<SurfaceWall<V>>) -> Vec<SurfaceWall<V>>,
+    ) -> Vec<SurfaceWall<V>> {
+        let walls = self.scene.walls.iter().filter(|wall| wall.is_surface()).enumerate();
+        let of_walls = walls.flat_map(|(number, wall)| {
+            let door = self.scene.door_of(wall);
+            let own = wall.surfaces(number).into_iter().map(|surface| SurfaceWall { door, ..surface });
+            surfaces(wall, own.collect())
+        });
+        of_walls.collect()
+    }
+
+    /// The wall surfaces without those that a motion moves, and without images.
     #[must_use]
     pub fn still_surfaces<V: Space>(&self) -> Vec<SurfaceWall<V>> {
-        let walls: Vec<_> = self.scene.walls.iter().filter(|wall| wall.is_surface()).collect();
-        let moves = |number: usize| self.scene.motions.iter().any(|motion| walls[number].name() == Some(&motion.walls));
-        self.surfaces_in_scene().into_iter().filter(|surface| !moves(surface.number)).collect()
+        self.without_moving(self.own_surfaces_in_scene())
     }
 
-    /// Returns the moving walls: those of `motions`, and doors that move.
-    pub(crate) fn movers<V: Space>(&self) -> Vec<Mover<V>> {
-        let surfaces: Vec<_> = self.surfaces_in_scene::<V>().into_iter().enumerate().collect();
+    /// The wall surfaces without those that a motion moves, with their images beyond periodic sides.
+    #[must_use]
+    pub fn still_surfaces_and_images<V: Space>(&self) -> Vec<SurfaceWall<V>> {
+        self.without_moving(self.surfaces_in_scene())
+    }
+
+    fn without_moving<V: Space>(&self, surfaces: Vec<SurfaceWall<V>>) -> Vec<SurfaceWall<V>> {
+        let walls: Vec<_> = self.scene.walls.iter().filter(|wall| wall.is_surface()).collect();
+        let moves = |number: usize| self.scene.motions.iter().any(|motion| walls[number].name() == Some(&motion.walls));
+        surfaces.into_iter().filter(|surface| !moves(surface.number)).collect()
+    }
+
+    /// Returns the moving walls among the surfaces of the scene: those of `motions`, and doors that move.
+    pub(crate) fn movers_of<V: Space>(&self, surfaces: &[SurfaceWall<V>]) -> Vec<Mover<V>> {
+        let surfaces: Vec<_> = surfaces.iter().cloned().enumerate().collect();
         let walls: Vec<_> = self.scene.walls.iter().filter(|wall| wall.is_surface()).collect();
         let home = |belongs: &dyn Fn(&SurfaceWall<V>) -> bool| {
             surfaces.iter().filter(|(_, surface)| belongs(surface)).cloned().collect()
@@ -101,7 +148,7 @@ impl Loaded {
     #[must_use]
     pub fn wall_bands<V: Space>(&self) -> Vec<BandSampler> {
         let names: Vec<_> = self.scene.walls.iter().filter(|wall| wall.is_surface()).map(Wall::name).collect();
-        let surfaces = if self.scene.wall_bands.is_empty() { Vec::new() } else { self.surfaces::<V>() };
+        let surfaces = if self.scene.wall_bands.is_empty() { Vec::new() } else { self.own_surfaces::<V>() };
         let samplers = self.scene.wall_bands.iter().map(|bands| {
             let walls: Vec<_> = (0..names.len()).filter(|&number| names[number] == Some(&bands.walls)).collect();
             let own = surfaces.iter().filter(|wall| walls.contains(&wall.number)).map(|wall| wall.surface.clone());
@@ -111,10 +158,25 @@ impl Loaded {
         samplers.collect()
     }
 
+    /// Whether walls have images beyond periodic sides.
+    pub(crate) fn have_walls_images(&self) -> bool {
+        match self.scene.space {
+            Dimension::Plane => self.surfaces::<Plane>().len() > self.own_surfaces::<Plane>().len(),
+            Dimension::Solid => self.surfaces::<Solid>().len() > self.own_surfaces::<Solid>().len(),
+        }
+    }
+
+    /// Centres and radii of all fixed discs and spheres (m), in the order of their numbers: of the silo file, walls then door, of the
+    /// scene, and of `fill`.
+    pub(crate) fn wall_grains(&self) -> impl Iterator<Item = (Solid, f64)> {
+        let silo = self.silo.wall.iter().chain(&self.silo.door).map(|disc| (disc.centre.extend(0.0), disc.radius));
+        let own = self.scene.walls.iter().filter_map(Wall::wall_grain);
+        let own = own.map(|(centre, radius, _)| (centre.padded(), radius));
+        silo.chain(own).chain(self.fixed.iter().map(|grain| (grain.position, grain.radius)))
+    }
+
     /// Radii of all fixed discs and spheres, m.
     pub(crate) fn fixed_radii(&self) -> impl Iterator<Item = f64> {
-        let own = self.scene.walls.iter().filter_map(Wall::wall_grain).map(|(_, radius, _)| radius);
-        let silo = self.silo.wall.iter().chain(&self.silo.door).map(|disc| disc.radius);
-        own.chain(silo).chain(self.fixed.iter().map(|grain| grain.radius))
+        self.wall_grains().map(|(_, radius)| radius)
     }
 }

@@ -5,6 +5,7 @@ mod cuts;
 mod doors;
 mod fields;
 mod grains;
+mod images;
 mod motions;
 mod outflow;
 mod outputs;
@@ -43,6 +44,7 @@ pub fn check(loaded: &Loaded) -> Result<(), Fault> {
     feed(loaded)?;
     motions::motions(loaded)?;
     doors::doors(loaded)?;
+    images::images(loaded)?;
     rest(loaded)?;
     stop::stop(loaded)?;
     energy_balance(loaded)?;

@@ -66,6 +66,7 @@ fn contact_forces<V: Space>(
         needs,
         list: &search.list,
         walls: &walls.all,
+        twins: walls.twins(),
         near: near.of(&store, &walls, have_changed),
         dt: memory_step(&clock, store.spring_lead()),
         starts: clock.is_step_zero(),
@@ -96,12 +97,17 @@ pub struct ContactsAtStart(pub Vec<Remembered>);
 /// Takes over the memories of contacts that exist at the start.
 fn recall_from_start<V: Space>(
     law: Res<Law<V>>,
-    store: Res<ParticleStore<V>>,
+    (store, walls): (Res<ParticleStore<V>>, Res<Surfaces<V>>),
     start: Option<ResMut<ContactsAtStart>>,
     mut history: ResMut<History<V>>,
 ) {
     if let Some(mut start) = start {
-        history.replace(&store, &std::mem::take(&mut start.0), law.0.needs().memory.unwrap_or_default());
+        history.replace(
+            &store,
+            walls.all.len(),
+            &std::mem::take(&mut start.0),
+            law.0.needs().memory.unwrap_or_default(),
+        );
     }
 }
 

@@ -15,7 +15,7 @@ use crate::contact::{Gathered, Pair, VelocityPrediction};
 use crate::particle::GrainId;
 use crate::space::{COINCIDENT, Linear, PARTED, Space};
 use crate::store::{Body, ParticleStore};
-use crate::walls::seams::continued_by;
+use crate::walls::seams::{Seams, Touch};
 use crate::walls::shapes::{Nearest, Shape as _};
 use crate::walls::surfaces::{Surface, SurfaceWall};
 
@@ -48,8 +48,8 @@ pub(crate) struct WallLine<V> {
     line: ContactLine<V>,
     /// Mean curvature at the nearest point, 1/m.
     curvature: f64,
-    /// Vector from a nearest point on an edge to the centre, m.
-    edge: Option<V>,
+    /// Whether the nearest point lies on an edge.
+    at_edge: bool,
 }
 
 impl<V: Space> WallLine<V> {
@@ -68,11 +68,11 @@ impl<V: Space> WallLine<V> {
     fn of(body: &Body<V>, nearest: Nearest<V>) -> Self {
         match nearest {
             Nearest::Point { away, curvature, at_edge } => {
-                Self { line: ContactLine::new(away, body.inverse_mass), curvature, edge: at_edge.then_some(away) }
+                Self { line: ContactLine::new(away, body.inverse_mass), curvature, at_edge }
             }
             Nearest::OfSolid { normal, distance, curvature } => {
                 let line = ContactLine { normal, distance, reduced_mass: 1.0 / body.inverse_mass };
-                Self { line, curvature, edge: None }
+                Self { line, curvature, at_edge: false }
             }
         }
     }
@@ -221,7 +221,7 @@ impl<V: Space> WallContacts<V> {
         if walls_repeat(walls, &self.touching) {
             self.keep_nearest_facets(walls, &mut follow);
         }
-        if self.touching.iter().any(|(_, beside)| beside.edge.is_some()) {
+        if self.may_continue() {
             self.leave_out_continued(walls, (store.body[i].position, store.body[i].radius), &mut follow);
         }
     }
@@ -252,7 +252,25 @@ impl<V: Space> WallContacts<V> {
         self.touching.retain(|_| at.next().is_some_and(|at| !left_out(&at)));
     }
 
-    /// Leaves out contacts at the edge of a wall that another wall continues.
+    /// The walls as [`seams`](crate::walls::seams) sees them.
+    fn touches(&self) -> impl Iterator<Item = Touch<V>> {
+        self.touching.iter().map(|(index, WallLine { line, at_edge, .. })| Touch {
+            index: *index,
+            normal: line.normal,
+            distance: line.distance,
+            at_edge: *at_edge,
+        })
+    }
+
+    /// Whether a wall may continue another: if a nearest point is on an edge, or two lie in one direction.
+    fn may_continue(&self) -> bool {
+        let mut touches = self.touches();
+        touches.any(|touch| {
+            touch.at_edge || self.touches().any(|other| other.index > touch.index && touch.is_towards(&other))
+        })
+    }
+
+    /// Leaves out contacts with walls that another wall continues.
     #[cold]
     fn leave_out_continued(
         &mut self,
@@ -260,15 +278,14 @@ impl<V: Space> WallContacts<V> {
         grain: (V, f64),
         follow: &mut impl FnMut(usize, usize),
     ) {
-        let all = self.touching.iter().map(|(index, beside)| (*index, beside.line.distance, beside.edge.is_some()));
-        let all: Vec<_> = all.collect();
-        self.touching.retain(|(index, beside)| {
-            let other = beside.edge.and_then(|away| continued_by(walls, *index, all.iter().copied(), grain, away));
-            if let Some(other) = other {
-                follow(*index, other);
-            }
-            other.is_none()
-        });
+        let touches: Vec<_> = self.touches().collect();
+        let holders = Seams::new(walls, &touches, grain).holders();
+        let left_out = |at: usize| holders[at] != at;
+        (0..touches.len())
+            .filter(|&at| left_out(at))
+            .for_each(|at| follow(touches[at].index, touches[holders[at]].index));
+        let mut at = 0..;
+        self.touching.retain(|_| at.next().is_some_and(|at| !left_out(at)));
     }
 }
 

@@ -224,17 +224,25 @@ fn rewrite<V: Space>(
 pub(super) mod tests {
     use super::*;
     use crate::particle::GrainId;
-    use crate::store::Slot;
+    use crate::store::{Body, Slot};
 
     /// The components of a memory of a tangential spring alone.
     pub const SPRINGS: MemoryParts = MemoryParts { spring: true, rolling: false, twist: false, stiffness: false };
 
-    /// Returns a store of grains with the ids `names`, after a renumbering from the ids `before`.
+    /// Returns a store of grains of radius 0.5 m with the ids `names`, at x = id and y = 0.5 m, after a renumbering from the ids `before`.
     pub fn store(names: &[u32], before: &[u32]) -> ParticleStore {
         let id = names.iter().map(|&name| GrainId::grain(name).unwrap()).collect();
+        let body = |&name: &u32| Body {
+            position: Plane::new(f64::from(name), 0.5),
+            velocity: Plane::ZERO,
+            radius: 0.5,
+            inverse_mass: 1.0,
+            middle: Default::default(),
+        };
+        let body = names.iter().map(body).collect();
         let former = |name| before.iter().zip(0..).find(|(before, _)| *before == name).map(|(_, slot)| Slot::new(slot));
         let former = names.iter().map(|name| former(name).unwrap_or_default()).collect();
-        ParticleStore { id, former, ..ParticleStore::default() }
+        ParticleStore { id, body, former, ..ParticleStore::default() }
     }
 
     pub fn memory(x: f64) -> Memory {

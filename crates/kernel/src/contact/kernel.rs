@@ -39,6 +39,7 @@ use crate::space::{Linear, Space};
 use crate::store::ParticleStore;
 use crate::threads::Threads;
 use crate::walls::surfaces::SurfaceWall;
+use crate::walls::twins::Twins;
 
 /// The input of a contact pass besides the particle store.
 pub struct Pass<'a, V: Space> {
@@ -50,6 +51,8 @@ pub struct Pass<'a, V: Space> {
     pub list: &'a PairList,
     /// The wall surfaces.
     pub walls: &'a [SurfaceWall<V>],
+    /// Their images beyond periodic sides.
+    pub twins: &'a Twins,
     /// Pairs of a particle and a wall that may touch, ascending.
     pub near: &'a [Candidate],
     /// Time by which memories advance, s.

@@ -351,11 +351,11 @@ impl Wall {
             ) => V::narrow_spin(axis.spread() * spin.get()),
             _ => V::Spin::ZERO,
         };
-        let surface = |shape: Surface<V>| {
+        let surface = |(piece, shape): (u32, Surface<V>)| {
             let (spin, still) = (spin_of(&shape), SurfaceWall::still(shape, Species(self.species())));
-            SurfaceWall { number, reference, velocity, spin, ..still }
+            SurfaceWall { number, piece, reference, velocity, spin, ..still }
         };
-        shapes.into_iter().map(surface).collect()
+        (0..).zip(shapes).map(surface).collect()
     }
 
     /// Returns the lowest and the highest coordinates of a wall with ends, m; z is 0 in the plane.

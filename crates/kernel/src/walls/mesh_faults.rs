@@ -210,7 +210,7 @@ impl Flat {
 
 /// Returns the pairs of triangles in one plane that cover a common area, at most [`MOST_OVERLAPS`]. Where the budget ends, it is told so.
 #[must_use]
-pub fn overlaps(triangles: &[[Solid; 3]], what: &str, budget: &Budget) -> Vec<(usize, usize)> {
+fn overlaps(triangles: &[[Solid; 3]], what: &str, budget: &Budget) -> Vec<(usize, usize)> {
     let flat: Vec<_> = triangles.iter().map(Flat::new).collect();
     let bounds: Vec<_> = flat.iter().map(Flat::bounds).collect();
     let tree = BoxTree::new(&bounds);

@@ -22,3 +22,4 @@ pub mod silo_file;
 pub(crate) mod surface_index;
 pub mod surfaces;
 pub(crate) mod triangulation;
+pub mod twins;

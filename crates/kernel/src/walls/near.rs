@@ -2,7 +2,8 @@
 //!
 //! A grain is near a wall if the gap between their surfaces is less than a slack: the largest grain radius, and for meshes
 //! a part of it, because a grain is near many triangles. The list is valid until a grain and a wall may have come nearer by the
-//! slack, or a wall has changed. All grains are near a half-plane that turns.
+//! slack, or a wall has changed. All grains are near a half-plane that turns. A grain that may pass through a periodic side before the list
+//! expires is also near the walls that it meets beyond.
 
 use bevy_ecs::change_detection::Tick;
 use bevy_ecs::prelude::*;
@@ -41,7 +42,14 @@ impl NearWalls {
             self.pairs.clear();
             let mut candidates = walls.everywhere();
             let always: Vec<_> = walls.movers.iter().flat_map(Mover::endless_that_turn).collect();
+            let sides = store.periodic.filter(|_| walls.have_ends());
             for (i, body) in (0u32..).zip(grains) {
+                let beyond = sides.map(|sides| sides.images_beyond(body.position, slack));
+                if let Some(beyond) = beyond.filter(|images| !images.is_empty()) {
+                    let places = [&[body.position], &beyond[..]].concat();
+                    self.add_at(i, (&places, body.radius + slack), (walls, &always));
+                    continue;
+                }
                 if walls.are_many() {
                     walls.find_near(body.position, body.radius + slack, &mut candidates);
                 }
@@ -57,6 +65,20 @@ impl NearWalls {
             self.wall_travel = walls.travel();
         }
         &self.pairs
+    }
+
+    /// Adds the pairs of a grain that may come to any of these places, with the walls nearer than `reach`, m.
+    #[cold]
+    fn add_at<V: Space>(&mut self, i: u32, (places, reach): (&[V], f64), (walls, always): (&Surfaces<V>, &[usize])) {
+        let mut own = Vec::new();
+        for &x in places {
+            let near = walls.near(x, reach);
+            let near = near.iter().filter(|wall| walls.all[*wall].surface.distance(x) < reach || always.contains(wall));
+            own.extend(near.filter_map(|wall| Some(Candidate::new(i, u32::try_from(wall).ok()?))));
+        }
+        own.sort_unstable();
+        own.dedup();
+        self.pairs.append(&mut own);
     }
 
     /// Whether a particle and a wall may have come nearer by the slack, or particles have new slots.

@@ -33,6 +33,7 @@ use crate::walls::shapes::triangle::Triangle;
 use crate::walls::shapes::trimmed::Trimmed;
 use crate::walls::shapes::{Nearest, Shape, box_around};
 use crate::walls::surface_index::{Candidates, SurfaceIndex};
+use crate::walls::twins::Twins;
 
 /// The shape of a wall.
 #[derive(Clone, Debug, Deserialize, Serialize)]
@@ -90,6 +91,12 @@ impl<V: Space> Surface<V> {
     #[must_use]
     pub fn distance(&self, x: V) -> f64 {
         self.nearest(x).distance()
+    }
+
+    /// Returns the point of the surface that is nearest to `x`, m.
+    #[must_use]
+    pub fn nearest_point(&self, x: V) -> V {
+        x - self.nearest(x).away()
     }
 }
 
@@ -171,6 +178,8 @@ pub struct SurfaceWall<V: Space = Plane> {
     pub surface: Surface<V>,
     /// Number of the wall in the scene, from 0, without discs. The triangles of a polygon have one number.
     pub number: usize,
+    /// Number of the surface within its wall, from 0. Images of a surface beyond periodic sides have its numbers.
+    pub piece: u32,
     /// The point of the wall about which torques on it are measured, m; it moves with the wall. If the wall turns about its
     /// axis, the point is on the axis.
     pub reference: V,
@@ -192,6 +201,7 @@ impl<V: Space> SurfaceWall<V> {
     pub fn still(surface: Surface<V>, species: Species) -> Self {
         Self {
             number: 0,
+            piece: 0,
             reference: surface.reference(),
             surface,
             velocity: V::ZERO,
@@ -200,6 +210,13 @@ impl<V: Space> SurfaceWall<V> {
             door: None,
             is_present: true,
         }
+    }
+
+    /// Returns the image of the wall that is shifted by whole lengths of a periodic box, m.
+    #[must_use]
+    pub fn image(&self, shift: V) -> Self {
+        let surface = self.surface.placed(&Pose::shifted(shift));
+        Self { surface, reference: self.reference + shift, ..self.clone() }
     }
 
     /// Returns the velocity of the wall at one of its points, m/s.
@@ -229,6 +246,8 @@ pub struct Surfaces<V: Space = Plane> {
     /// The part of `travel` since the index was made, m.
     pub(super) drift: f64,
     pub(super) index: SurfaceIndex,
+    /// The images of each surface that has some.
+    twins: Twins,
     /// For each wall of the scene, its first surface.
     first: Vec<usize>,
     /// For each wall of the scene, the load of the grains on it in the last step.
@@ -260,6 +279,7 @@ impl<V: Space> Surfaces<V> {
         let loads = vec![WallLoad::default(); first.len()];
         Self {
             index: SurfaceIndex::new(&all, largest),
+            twins: Twins::of(&all),
             movers: Vec::new(),
             largest,
             placed_at: 0.0,
@@ -269,6 +289,17 @@ impl<V: Space> Surfaces<V> {
             first,
             loads,
         }
+    }
+
+    /// The images of surfaces beyond periodic sides.
+    #[must_use]
+    pub fn twins(&self) -> &Twins {
+        &self.twins
+    }
+
+    /// Whether a wall has ends.
+    pub(crate) fn have_ends(&self) -> bool {
+        self.all.iter().any(|wall| !matches!(wall.surface, Surface::HalfPlane(_)))
     }
 
     /// Returns the first surface of the wall of the scene with this number, from 0.

@@ -70,6 +70,12 @@ impl<'a, V: Space> HistoryCursor<'a, V> {
         None
     }
 
+    /// Whether a contact that has not been visited has an entry of the previous pass.
+    pub(in crate::contact) fn remembers(&self, contact: Candidate) -> bool {
+        let before = if self.is_rewriting { &*self.spare } else { &*self.block };
+        before.contacts[self.passed..].binary_search(&contact).is_ok()
+    }
+
     /// Gives the memory of a contact with a wall that has not been visited to the contact of the same row with the wall
     /// `other`, unless that contact has a memory of its own.
     #[cold]

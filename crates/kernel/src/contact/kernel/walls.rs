@@ -5,6 +5,7 @@
 //! gravity points down.
 
 use crate::contact::geometry::{WallContacts, touching_wall};
+use crate::contact::kernel::Pass;
 use crate::contact::kernel::worker::{Block, Worker};
 use crate::contact::lanes::LANES;
 use crate::contact::{LawRequirements, Pair};
@@ -22,8 +23,12 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
         let (view, walls) = (self.view, pass.walls);
         let limits = (self.root, view.prediction.lookahead);
         let mut contacts = WallContacts::default();
+        let has_images = pass.needs.memory.is_some() && !pass.twins.is_empty();
         for row in near.chunk_by(|a, b| a.first() == b.first()) {
             let i = row[0].first();
+            if has_images {
+                self.follow_through_sides(row, limits, &mut block);
+            }
             if let &[contact] = row {
                 if let Some(pair) = touching_wall(view, i, &walls[contact.second()], limits) {
                     self.push_wall(contact, &pair, &mut block);
@@ -45,6 +50,22 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
             self.flush_walls(&mut block);
         }
         block.end(|contact, memory| pass.on_wall_contact_end(self.view, contact, memory));
+    }
+
+    /// Gives the memories of a grain to the images that it touches after it has passed through a periodic side: those of surfaces that it
+    /// has left thereby.
+    #[cold]
+    fn follow_through_sides(&self, row: &[Candidate], limits: (bool, f64), block: &mut Block<'_, V>) {
+        let (view, Pass { walls, twins, .. }) = (self.view, self.pass);
+        let touches = |wall: usize| touching_wall(view, row[0].first(), &walls[wall], limits).is_some();
+        for contact in row {
+            for other in twins.of_surface(contact.second()) {
+                let former = contact.with_partner(other);
+                if block.cursor.remembers(former) && touches(contact.second()) && !touches(other) {
+                    block.cursor.rename(former, contact.second());
+                }
+            }
+        }
     }
 
     /// Adds a contact to the batch, and evaluates the batch if it is full.

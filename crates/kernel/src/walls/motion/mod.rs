@@ -118,6 +118,19 @@ impl<T: Values> Course<T> {
         }
     }
 
+    /// Returns the lowest and the highest values up to `tau`, s.
+    fn range(&self, tau: f64) -> [Solid; 2] {
+        let [one, other] = match self {
+            Self::Steady(rate) => [Solid::ZERO, rate.padded_values() * tau],
+            Self::Oscillate { amplitude, phase, .. } => {
+                let (amplitude, start) = (amplitude.padded_values(), phase.map_or(0.0, Finite::get).sin());
+                [amplitude * (-1.0 - start), amplitude * (1.0 - start)]
+            }
+            Self::Table { curve, .. } => curve.range().map(Solid::from),
+        };
+        [one.min(other), one.max(other)]
+    }
+
     /// Returns the largest rate, 1/s.
     fn fastest(&self) -> f64 {
         match self {
@@ -157,6 +170,14 @@ impl Motion {
             velocity: V::narrow(rate(velocity)),
             spin: V::narrow_spin(rate(axis * turning)),
         }
+    }
+
+    /// Returns the lowest and the highest components of the shift up to the time `end` (s), m.
+    #[must_use]
+    pub fn shifts(&self, end: f64) -> [Solid; 2] {
+        let from = self.from.map_or(0.0, NonNegative::get);
+        let tau = (self.until.map_or(end, |until| until.get().min(end)) - from).max(0.0);
+        self.translate.as_ref().map_or([Solid::ZERO; 2], |course| course.range(tau))
     }
 
     /// Returns the largest speed of a point at most `reach` (m) from the axis, m/s.
@@ -221,5 +242,7 @@ mod tests {
             let found = motion.at::<Plane>(time);
             assert_eq!((found.pose.shift.y, found.velocity.y), (height, velocity), "{time}");
         }
+        assert_eq!(motion.shifts(2.0), [Solid::new(0.0, -2.0, 0.0), Solid::ZERO]);
+        assert_eq!(motion.shifts(9.0), [Solid::new(0.0, -4.0, 0.0), Solid::ZERO]);
     }
 }

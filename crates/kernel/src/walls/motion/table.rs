@@ -97,6 +97,15 @@ impl Curve {
         found
     }
 
+    /// Returns the lowest and the highest values of the rows, which the curve never leaves.
+    #[must_use]
+    pub fn range(&self) -> [[f64; 3]; 2] {
+        let extreme = |axis: usize, pick: fn(f64, f64) -> f64| {
+            self.values.iter().map(|row| row[axis]).reduce(pick).unwrap_or_default()
+        };
+        [f64::min as fn(f64, f64) -> f64, f64::max].map(|pick| [0, 1, 2].map(|axis| extreme(axis, pick)))
+    }
+
     /// Returns the largest rate at the rows and half-way between them, by magnitude, 1/s.
     #[must_use]
     pub fn fastest(&self) -> f64 {
@@ -153,6 +162,12 @@ mod tests {
             // The second derivative is at most 6 |change| / length^2 = 600 per s^2, times half the step.
             assert!(curve.times.contains(&time) || (slope - rate).abs() < 1e-4, "{time}: {slope} {rate}");
         }
+    }
+
+    #[test]
+    fn the_range_holds_all_rows() {
+        let curve = Curve::parse("time_s,x,y\n0,1,-2\n1,3,0\n2,-1,5\n", 2).unwrap();
+        assert_eq!(curve.range(), [[-1.0, -2.0, 0.0], [3.0, 5.0, 0.0]]);
     }
 
     #[test]

@@ -59,6 +59,16 @@ impl<V: Space> Nearest<V> {
             Self::OfSolid { distance, .. } => *distance,
         }
     }
+
+    /// Returns the vector from the nearest point to the centre, m.
+    #[inline]
+    #[must_use]
+    pub fn away(&self) -> V {
+        match *self {
+            Self::Point { away, .. } => away,
+            Self::OfSolid { normal, distance, .. } => normal * distance,
+        }
+    }
 }
 
 /// Returns `away`, or a very short vector to one side if `away` is zero.
