@@ -296,13 +296,11 @@ impl<V: Space, const NUMBERS: usize, const CENTRED: bool, const GATHERED: bool>
     fn evaluate<L: PairLaw<V> + LawRequirements>(self, law: &L) -> (u64, u64) {
         let depends = L::SPECIES && law.depends_on_species();
         let only = if depends { self.batch.only_species() } else { Some([Species(0); 2]) };
-        match only {
-            Some(species) => law.between(species, self),
-            None => {
-                let Self { batch, call } = self;
-                batch.evaluate_lanes::<L, NUMBERS, CENTRED, GATHERED>(law, call.times, call.limits)
-            }
+        if let Some(species) = only {
+            return law.between(species, self);
         }
+        let Self { batch, call } = self;
+        batch.evaluate_lanes::<L, NUMBERS, CENTRED, GATHERED>(law, call.times, call.limits)
     }
 }
 
