@@ -95,10 +95,11 @@ fn growth(count: usize, law: &Law) -> f64 {
     let size = 4 * FREEDOMS + gathering;
     let unit = |place: usize| (0..size).map(|n| f64::from(u8::from(n == place))).collect::<Vec<f64>>();
     let plus = |a: &[f64], b: &[f64], by: f64| a.iter().zip(b).map(|(a, b)| a + by * b).collect::<Vec<f64>>();
-    let [q, v, a, p] = [0, 1, 2, 3].map(|part| (0..FREEDOMS).map(|i| unit(part * FREEDOMS + i)).collect::<Vec<_>>());
-    let velocity: Vec<_> = (0..FREEDOMS).map(|i| plus(&v[i], &a[i], 1.0)).collect();
-    let place: Vec<_> = (0..FREEDOMS).map(|i| plus(&q[i], &velocity[i], 1.0)).collect();
-    let predicted: Vec<_> = (0..FREEDOMS).map(|i| plus(&velocity[i], &a[i], 0.5 * shares[i / 3])).collect();
+    let [places, velocities, gains, predictions] =
+        [0, 1, 2, 3].map(|part| (0..FREEDOMS).map(|i| unit(part * FREEDOMS + i)).collect::<Vec<_>>());
+    let velocity: Vec<_> = (0..FREEDOMS).map(|i| plus(&velocities[i], &gains[i], 1.0)).collect();
+    let place: Vec<_> = (0..FREEDOMS).map(|i| plus(&places[i], &velocity[i], 1.0)).collect();
+    let predicted: Vec<_> = (0..FREEDOMS).map(|i| plus(&velocity[i], &gains[i], 0.5 * shares[i / 3])).collect();
     let along = |row: &[f64; FREEDOMS], of: &[Vec<f64>]| {
         (0..FREEDOMS).fold(vec![0.0; size], |sum, i| plus(&sum, &of[i], row[i]))
     };
@@ -111,7 +112,7 @@ fn growth(count: usize, law: &Law) -> f64 {
             along(row, &place)
         } else {
             let spring = unit(4 * FREEDOMS + springs.len());
-            springs.push(plus(&plus(&spring, &now, 0.5), &along(row, &p), 0.5));
+            springs.push(plus(&plus(&spring, &now, 0.5), &along(row, &predictions), 0.5));
             springs[springs.len() - 1].clone()
         };
         let force = plus(&now.iter().map(|x| c * x).collect::<Vec<_>>(), &stretch, k);
