@@ -327,7 +327,7 @@ fn random_fill(count: u32) -> String {
     format!(
         "(gravity: (0.0, -9.81), contact: Linear(k: 2.0e4, damping: Restitution(0.5)), mass: Disc(20.0), integrator: Verlet,
         step: Fixed(1.0e-4), until: 1.0, periodic: (x: (-0.5, 0.5)),
-        walls: [HalfPlane(point: (0.0, 0.0), normal: (0.1, 1.0)), Disc(centre: (0.1, 0.3), radius: 0.1)],
+        walls: [HalfPlane(point: (0.0, 0.0), normal: (0.0, 1.0)), Disc(centre: (0.1, 0.3), radius: 0.1)],
         fill: [
             (low: (-0.5, 0.5), high: (0.5, 0.6), spacing: 0.05, radius: Fixed(0.02)),
             (low: (-0.6, 0.0), high: (0.4, 1.0), place: Random, count: {count}, radius: Uniform(0.005, 0.02), agitation: (0.1, 0.0)),
@@ -341,12 +341,9 @@ fn a_random_fill_has_no_overlaps_and_follows_the_seed() {
     let all: Vec<_> = scene.grains.iter().map(|grain| (grain.position.truncate(), grain.radius)).collect();
     assert_eq!(all.len(), 40 + 300);
     assert!(smallest_gap(&all) >= 0.0, "{}", smallest_gap(&all));
-    let normal = Vector::new(0.1, 1.0).normalize();
     for &(x, r) in &all[40..] {
         assert!(x.x - r >= -0.6 && x.x + r <= 0.4 && x.y - r >= 0.0 && x.y + r <= 1.0, "{x}");
-        // The half-plane is met at the place where the grain enters the periodic box.
-        let inside = Vector::new(x.x - x.x.round(), x.y);
-        assert!(inside.dot(normal) >= r && x.distance(Vector::new(0.1, 0.3)) >= 0.1 + r, "{x}");
+        assert!(x.y >= r && x.distance(Vector::new(0.1, 0.3)) >= 0.1 + r, "{x}");
     }
     assert!(scene.grains[40..].iter().all(|grain| grain.velocity.x.abs() <= 0.1 && grain.velocity.y == 0.0));
     let again = |seed: &str| loaded(&random_fill(300).replacen('(', &format!("(seed: {seed}, "), 1)).unwrap().grains;

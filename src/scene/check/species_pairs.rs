@@ -9,8 +9,8 @@
 //!   grains at their contact, the worst motion has every grain move against its neighbours. In d dimensions the contacts
 //!   then count with the weights z/d (normal, from sum n n = z/d) and z (d - 1)/d (tangent). If all grains turn alike, the
 //!   tangent counts with z/q, in solid space 2/3 of that; if neighbours turn against each other, rolling counts as much and twisting
-//!   with the other third. The hexagonal lattice has such motions, so these bounds are reached. A grain may also be held by z walls
-//!   alone. Then tangents, rolling and twisting take part in the same turn.
+//!   with the other third. The hexagonal lattice has such motions, so these bounds are reached. A grain may also be held by walls
+//!   alone: by z of them, or by two opposite ones if the scene has no more. Then tangents, rolling and twisting take part in the same turn.
 //!
 //! Masses are taken from the grains at the start, and from the radii that the spawner will choose.
 
@@ -45,6 +45,8 @@ pub struct SpeciesPair {
     pub species: (u8, u8),
     /// Whether the second body is a wall.
     pub is_wall: bool,
+    /// Whether the scene has at most two walls, which can only hold a grain between them.
+    few_walls: bool,
     /// I/(m R^2).
     inertia: f64,
     /// m R_eff^2 (1/I_i + 1/I_j).
@@ -70,6 +72,7 @@ impl SpeciesPair {
             bounce,
             species: (a, b),
             is_wall: second.mass.is_infinite(),
+            few_walls: has_few_walls(loaded),
             inertia,
             rolling: (turning(first) + turning(second)) / inertia,
         }
@@ -160,19 +163,33 @@ impl SpeciesPair {
         } else {
             limit(&[sliding], turning).min(limit(&resisted, turning))
         };
-        limit(&[(weights.normal, normal), (weights.sliding, tangential)], straight).min(turning)
+        let [normal, sliding] = [(weights.normal, normal), (weights.sliding, tangential)];
+        let straight = if self.is_between_two() {
+            // The motion along the normals has no tangents.
+            limit(&[normal], straight).min(limit(&[sliding], straight))
+        } else {
+            limit(&[normal, sliding], straight)
+        };
+        straight.min(turning)
+    }
+
+    /// Whether a grain has at most two contacts of this kind, with opposite walls.
+    fn is_between_two(&self) -> bool {
+        self.is_wall && self.few_walls
     }
 
     /// Weights of the contacts of a grain surrounded by contacts of this kind, in the worst motions.
     fn bed_weights(&self, space: Dimension) -> BedWeights {
-        // Of the z contacts, their share in turning and in twisting: the means of 1 - (n.e)^2 and (n.e)^2 over directions n, for an axis e.
-        let (z, d, turning, twisting) = match space {
-            Dimension::Plane => (6.0, 2.0, 6.0, 0.0),
-            Dimension::Solid => (12.0, 3.0, 8.0, 4.0),
+        // Of the z contacts, their sums of (n.e)^2 and of 1 - (n.e)^2 for an axis e: along normals and tangents, in twisting and in turning.
+        let [normal, sliding, turning, twisting] = match (self.is_between_two(), space) {
+            (true, Dimension::Plane) => [2.0, 2.0, 2.0, 0.0],
+            (true, Dimension::Solid) => [2.0, 2.0, 2.0, 2.0],
+            (false, Dimension::Plane) => [3.0, 3.0, 6.0, 0.0],
+            (false, Dimension::Solid) => [4.0, 8.0, 8.0, 4.0],
         };
         BedWeights {
-            normal: z / d,
-            sliding: z * (d - 1.0) / d,
+            normal,
+            sliding,
             turning: turning / self.inertia,
             rolling: turning * self.rolling,
             twisting: twisting * self.rolling,
@@ -271,6 +288,13 @@ fn to_come(loaded: &Loaded) -> Vec<(u8, Body)> {
             drawn.collect()
         }
     }
+}
+
+/// Whether a grain touches at most two walls at once. It touches a mesh at many triangles.
+fn has_few_walls(loaded: &Loaded) -> bool {
+    let walls = &loaded.scene.walls;
+    let discs = loaded.silo.wall.len() + loaded.silo.door.len() + loaded.fixed.len();
+    walls.len() + discs <= 2 && !walls.iter().any(|wall| matches!(wall, Wall::Mesh { .. }))
 }
 
 /// The flattest wall of each species, which makes the stiffest contact.
@@ -387,16 +411,20 @@ mod tests {
 
     #[test]
     fn a_grain_between_walls_has_the_limit_of_its_normals_and_tangents() {
-        // A sphere of 1 kg: z = 12 walls press it with 4 k along each axis, and hold it with 8 k_t; 8 k_t/(2/5) resist its turn.
-        let keys = |kt: f64| {
+        let keys = |kt: f64, walls: usize| {
+            let wall = "HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0))";
+            let walls = [wall; 3][..walls].join(", ");
             format!(
                 "contact: Linear(k: 1.0e4, damping: B(0.0), tangential: Spring(k: {kt:?}, friction: 0.5, damping: B(0.0))), \
                  step: Fixed(1.0e-4), inertia: Sphere, space: Solid, gravity: (0.0, 0.0, 0.0), \
-                 walls: [HalfPlane(point: (0.0, 0.0, 0.0), normal: (0.0, 0.0, 1.0))]"
+                 walls: [{walls}]"
             )
         };
-        for (kt, motion) in [(1.0e3, 4.0e4 + 8.0e3), (1.0e4, 20.0e4)] {
-            let text = format!("(until: 1.0, pictures: None, {})", keys(kt));
+        // A sphere of 1 kg: z = 12 walls press it with 4 k along each axis, and hold it with 8 k_t; 8 k_t/(2/5) resist its turn. Two opposite
+        // walls press it with 2 k, and 2 k_t/(2/5) resist its turn.
+        for (kt, walls, motion) in [(1.0e3, 3, 4.0e4 + 8.0e3), (1.0e4, 3, 20.0e4), (1.0e3, 2, 2.0e4), (1.0e4, 2, 5.0e4)]
+        {
+            let text = format!("(until: 1.0, pictures: None, {})", keys(kt, walls));
             let mut loaded = load::from_text("test.ron", "test", std::path::Path::new(""), text, &[]).unwrap();
             loaded.grains = vec![grain(1, 0, 0.1, 1.0)];
             let pair = all(&loaded, 1.0).remove(0);
