@@ -6,7 +6,7 @@ use std::path::Path;
 use crate::command_line::{siloflow, text};
 
 const SCENE: &str = "(
-    gravity: (0.0, -9.81), mass: Disc(20.0), step: Fixed(2.0e-5), until: 0.01, pictures: None, checkpoint: None, title: \"Möhren\",
+    gravity: (0.0, -9.81), mass: Disc(20.0), step: Fixed(2.0e-5), until: 0.01, pictures: None, title: \"Möhren\",
     contact: Linear(k: 1.0e4, damping: Restitution(0.3), tangential: Spring(k: 3.0e3, damping: OfNormal(0.5), friction: 0.5)),
     walls: [Segment(from: (-0.1, 0.0), to: (0.1, 0.0), name: \"floor\")],
     motions: [(walls: \"floor\", translate: Table(file: \"shift.csv\"))],
