@@ -237,12 +237,12 @@ pub(super) mod tests {
             velocity: Plane::ZERO,
             radius: 0.5,
             inverse_mass: 1.0,
-            middle: Default::default(),
+            middle: Plane::default(),
         };
         let body = names.iter().map(body).collect();
         let former = |name| before.iter().zip(0..).find(|(before, _)| *before == name).map(|(_, slot)| Slot::new(slot));
         let former = names.iter().map(|name| former(name).unwrap_or_default()).collect();
-        ParticleStore { id, body, former, ..ParticleStore::default() }
+        ParticleStore { id, former, body, ..ParticleStore::default() }
     }
 
     pub fn memory(x: f64) -> Memory {

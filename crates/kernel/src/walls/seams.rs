@@ -13,9 +13,9 @@
 //! Coordinates of walls are rounded: by hand to a few digits, or to single precision in a binary STL file. For a grain of radius R
 //! whose centre has the largest coordinate c:
 //!
-//! * Along the walls p may be off by a gap of [`GAP`] R. In a gap of width w a grain sinks by w^2/(8 R), 1.3e-5 R at most,
+//! * Along the walls p may be off by a gap of `GAP` R. In a gap of width w a grain sinks by w^2/(8 R), 1.3e-5 R at most,
 //!   which is far less than an overlap.
-//! * Across them it may stand out by a step of [`STEP`] R, or of [`DIGITS`] c with the rounding of single precision, up to `GAP` R. Where
+//! * Across them it may stand out by a step of `STEP` R, or of `DIGITS` c with the rounding of single precision, up to `GAP` R. Where
 //!   the grain rolls over such a step its overlap changes by the height of the step at once. A higher step is an obstacle, and its edge pushes.
 //! * Two directions are one if they differ by less than `GAP` rad, which is the angle at which a grain sees a gap.
 //!
