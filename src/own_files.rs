@@ -80,7 +80,7 @@ pub fn is_directory(path: &Path) -> bool {
     fs::symlink_metadata(path).is_ok_and(|found| found.is_dir())
 }
 
-/// What something is, in words.
+/// Returns the kind of an entry of a directory, in words.
 #[must_use]
 pub fn in_words(kind: FileType) -> &'static str {
     if kind.is_symlink() {
@@ -109,7 +109,7 @@ pub fn file_number(_: &Metadata) -> (u64, u64) {
     (0, 0)
 }
 
-/// What has to be at a path.
+/// The kind of file that has to be at a path.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Expected {
     File,
@@ -133,7 +133,7 @@ fn open(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
         Err(error) if error.kind() != ErrorKind::NotFound => return Err(error),
         found => found.map_or(Ok(()), |found| refuse(&found, Expected::File))?,
     }
-    // What is there may have been exchanged since.
+    // Another file may have taken its place since.
     let file = without_following(options).open(path)?;
     refuse(&file.metadata()?, Expected::File)?;
     Ok(file)
@@ -193,7 +193,7 @@ mod tests {
                 let message = open(&path).unwrap_err().to_string();
                 assert!(message.contains("not a regular file") && message.ends_with(kind), "{way} {kind}: {message}");
             }
-            // What was exchanged after it was examined: the system refuses it.
+            // The system refuses a link that took the place of a file after the file was examined.
             if kind == "a symbolic link" {
                 assert!(without_following(OpenOptions::new().read(true)).open(&path).is_err());
             }

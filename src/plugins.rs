@@ -123,7 +123,7 @@ pub(crate) fn add_all<V: Engine>(
     if !own_contacts {
         if loaded.is_centred() {
             let (damping_rates, springs_exact) = Estimates::of(loaded)
-                .map_or(([0.0; 2], true), |e| (e.damping_rates, e.relaxation.is_finite() && e.dt > e.relaxation));
+                .map_or(([0.0; 2], scene.contact.spins()), |e| (e.damping_rates, e.has_exact_springs()));
             let prediction = VelocityPredictionPlugin { damping_rates, springs_exact, space };
             app.add_with("integrator", |app| V::add_velocity_prediction(app, prediction));
         }

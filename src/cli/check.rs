@@ -31,7 +31,7 @@ use crate::writers::volume::{self, Output, Volume};
 pub(super) struct CheckArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Time for the checks, s. What they do not reach is named.
+    /// Time for the checks, s. A check that needs more ends, and a warning names it.
     #[arg(long, value_name = "SECONDS", default_value_t = budget::USUAL.as_secs_f64(), value_parser = seconds)]
     patience: f64,
 }

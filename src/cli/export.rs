@@ -8,7 +8,7 @@ use clap::builder::PossibleValuesParser;
 
 use crate::cli::exit_status::Verdict;
 use crate::cli::export_scene::{self, LAMMPS};
-use crate::cli::{SceneArgs, say, setting};
+use crate::cli::{SceneArgs, help_to_write, say, setting};
 use crate::fault::Fault;
 use crate::output::frame_data::columns::Columns;
 use crate::output::frame_data::reader::FrameReader;
@@ -106,13 +106,8 @@ pub(super) fn export(args: &ExportArgs, quiet: bool) -> Result<Verdict, Fault> {
             return Fault::new("export::read", format!("could not read {}: {error}", path.display()))
                 .help("nothing was written; the file has been changed since the run: run its scene.ron again");
         }
-        let help = if error.kind() == ErrorKind::ResourceBusy {
-            "wait for its end, or give another place with --out"
-        } else {
-            "nothing was written; is there space, and may you write there? Or give another place with --out"
-        };
         Fault::new("export::write", format!("could not export {} to {}: {error}", path.display(), target.display()))
-            .help(help)
+            .help(help_to_write(&error))
     })?;
     let shown = match format {
         Target::Live(Format::Vtk) => target.join("grains.pvd"),

@@ -22,7 +22,6 @@ use crate::scene::loaded::{AnyScene, Loaded};
 use crate::simulation::{Caller, Simulation};
 use crate::space::{Dimension, Plane, Solid, Space};
 use crate::store::ParticleStore;
-use crate::walls::config::Wall;
 use crate::walls::surfaces::Surfaces;
 
 /// The state of a run from which another starts.
@@ -105,7 +104,7 @@ fn state_of<V: Space>(world: &mut World, loaded: &Loaded) -> Result<StartState, 
         Some(history) => history.remembered(world.resource::<ParticleStore<V>>(), walls),
         None => Vec::new(),
     };
-    let names: Vec<_> = loaded.scene.walls.iter().filter(|wall| wall.is_surface()).map(Wall::name).collect();
+    let names = loaded.wall_names();
     for row in rows.iter_mut().filter(|row| row.with == PartnerKind::Wall) {
         row.wall = names[walls[row.number as usize - 1].number].map(str::to_owned);
     }

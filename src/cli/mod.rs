@@ -31,7 +31,7 @@ mod validate;
 mod verify;
 
 use std::ffi::OsString;
-use std::io::IsTerminal as _;
+use std::io::{self, IsTerminal as _};
 use std::num::NonZeroUsize;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;
@@ -295,6 +295,15 @@ fn start_log(cli: &Cli) {
         // A closed pipe is not an error here either.
         .log_internal_errors(false)
         .try_init();
+}
+
+/// Returns what to do about results that could not be written to a place with a default.
+fn help_to_write(error: &io::Error) -> &'static str {
+    if error.kind() == io::ErrorKind::ResourceBusy {
+        "wait for its end, or give another place with --out"
+    } else {
+        "nothing was written; is there space, and may you write there? Or give another place with --out"
+    }
 }
 
 /// Writes a line to stderr: an error or progress. A closed pipe is not an error, so a run goes on without a reader.

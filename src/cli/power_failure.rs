@@ -1,6 +1,6 @@
 //! Runs whose disk forgets what was not synced: a power failure after every operation on a file.
 //!
-//! Whatever it leaves, a run with a summary is complete, and a run with a checkpoint continues to the results of a run without a
+//! After any power failure a run with a summary is complete, and a run with a checkpoint continues to the results of a run without a
 //! failure. Without either the run says that it cannot continue.
 
 use std::cell::Cell;
@@ -271,7 +271,7 @@ fn fail_everywhere(place: &Place, operations: &[Operation], mut disk: Disk, old:
         }
         operations.get(number).into_iter().for_each(|operation| disk.apply(operation));
     }
-    // Whatever bypasses the record would be missing here.
+    // A file that was written past the record would be missing here.
     let found = run_in(&disk.now()).unwrap();
     let names = |tree: &Tree| tree.keys().cloned().collect::<Vec<_>>();
     assert_eq!(names(&found), names(&expected));

@@ -23,7 +23,7 @@ use std::time::Duration;
 #[cfg(unix)]
 const GRACE_PERIOD: Duration = Duration::from_secs(1);
 
-/// What signals set and obey.
+/// The flags that signals set and obey.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Signals {
     /// The number of the first signal.

@@ -37,6 +37,9 @@ pub(super) struct Activity {
     are_centred: bool,
     /// Number of contacts in each block of rows.
     counts: Vec<u32>,
+    /// Those of the step before, kept for their memory.
+    #[serde(skip)]
+    before: Vec<u32>,
     /// The renumbering of rows that the counts belong to.
     generation: u64,
     /// Usual number of contacts that begin or end in a step.
@@ -77,7 +80,10 @@ impl Activity {
     /// Adds the number of contacts of a step in each block of rows. Contacts that begin and end in one block cancel, and those of a step after
     /// which rows were renumbered.
     pub fn note(&mut self, counts: impl Iterator<Item = u32>, generation: u64, are_centred: bool) {
-        let before = std::mem::replace(&mut self.counts, counts.collect());
+        std::mem::swap(&mut self.counts, &mut self.before);
+        self.counts.clear();
+        self.counts.extend(counts);
+        let before = &self.before;
         let total = |counts: &[u32]| counts.iter().map(|&count| f64::from(count)).sum::<f64>();
         let contacts = total(&self.counts);
         let changed = if before.is_empty() {
@@ -85,7 +91,7 @@ impl Activity {
         } else if (before.len(), self.generation) == (self.counts.len(), generation) {
             before.iter().zip(&self.counts).map(|(&before, &now)| f64::from(before.abs_diff(now))).sum()
         } else {
-            (contacts - total(&before)).abs()
+            (contacts - total(before)).abs()
         };
         (self.generation, self.contacts, self.are_centred) = (generation, contacts, are_centred);
         // A jump of a wall changes its contacts far more than they change in the steps before.
@@ -142,7 +148,7 @@ mod tests {
         // Rows have other numbers.
         assert!(!is_event(&mut activity, [200, 100, 2, 98], 1));
         assert!(is_event(&mut activity, [0; 4], 2));
-        // What happens in every step is no event.
+        // Changes that come in every step are no event.
         let steps = (0..200).map(|step| is_event(&mut activity, [if step % 2 == 0 { 100 } else { 0 }; 4], 2));
         assert!(!steps.skip(190).any(|is_event| is_event));
     }

@@ -25,7 +25,7 @@ pub(super) struct SampledSum {
     since: Passed,
     /// Sum of the variances of all intervals, J^2.
     variance: f64,
-    /// What a step without a sample adds, J.
+    /// Energy that a step without a sample adds, J.
     pending: f64,
     /// The jump before the last sample, if its place is known.
     jump: Option<Jump>,
@@ -54,7 +54,7 @@ pub(super) struct Weight {
     pub missing: f64,
 }
 
-/// What a sample keeps of its change in the next one.
+/// The part of a change that the next sample remembers.
 const KEPT: f64 = 0.9;
 
 /// Variance of the place of a jump, in squares of a step, below which the place is known.

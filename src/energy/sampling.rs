@@ -87,7 +87,7 @@ impl Sampling {
     }
 }
 
-/// What is known of the energy dissipated so far.
+/// The error of the energy dissipated so far.
 #[derive(SystemParam)]
 pub(crate) struct DissipationError<'w> {
     powers: Option<Res<'w, Powers>>,

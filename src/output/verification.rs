@@ -13,7 +13,7 @@
 //! a final checkpoint.
 
 use std::fs;
-use std::io::{self, ErrorKind, Read as _};
+use std::io::{self, ErrorKind};
 use std::path::Path;
 
 use serde::Serialize;
@@ -27,8 +27,7 @@ use crate::output::run_directory::names::{CHECKPOINTS, FRAME_DATA, HASHES, SUMMA
 use crate::output::run_directory::{
     MARKER, Use, checkpoints_directory, checkpoints_in, frame_data_of, holds_run, watch,
 };
-use crate::own_files;
-use crate::source::files::RESULT_BYTES;
+use crate::source::files::{RESULT_BYTES, read_own_bytes};
 use crate::writers::hashes;
 use crate::writers::run_files::FileRecord;
 
@@ -41,9 +40,9 @@ pub struct Verification {
     pub files: usize,
     /// Their bytes.
     pub bytes: u64,
-    /// What is wrong.
+    /// The damaged files.
     pub damage: Vec<Finding>,
-    /// What could not be checked, and other things to know.
+    /// Files that could not be checked, and other things to know.
     pub notes: Vec<String>,
 }
 
@@ -52,11 +51,11 @@ pub struct Verification {
 pub struct Finding {
     /// Path in the run directory.
     pub file: String,
-    /// What is wrong with it, in words.
+    /// The damage, in words.
     pub what: String,
 }
 
-/// What a summary says, as far as it can be read.
+/// The entries of a summary that are needed, as far as they can be read.
 #[derive(Default)]
 struct Told {
     /// Hash of `hashes.txt`.
@@ -252,12 +251,6 @@ impl Verification {
 
 /// Reads a text file of a run. Links are not followed.
 fn read_text(run: &Path, name: &str) -> io::Result<String> {
-    let path = run.join(name);
-    if path.symlink_metadata()?.is_symlink() {
-        return Err(io::Error::other("it is a symbolic link"));
-    }
-    let mut bytes = Vec::new();
-    own_files::read(&path)?.take(RESULT_BYTES).read_to_end(&mut bytes)?;
     // A wrong byte shows in the hash.
-    Ok(String::from_utf8_lossy(&bytes).into_owned())
+    read_own_bytes(&run.join(name), RESULT_BYTES).map(|bytes| String::from_utf8_lossy(&bytes).into_owned())
 }

@@ -38,7 +38,7 @@ pub struct Loaded {
     pub contacts_at_start: Vec<Remembered>,
     /// Wall grains of `fill`.
     pub fixed: Vec<FixedGrain>,
-    /// What was left out of the state of another run from which the scene starts.
+    /// Warnings about parts of the state of another run, from which the scene starts, that were left out.
     pub notes: Vec<Warning>,
 }
 

@@ -1,7 +1,7 @@
 //! The operations that change files and directories of a run. All writing into a run directory goes through this module, so that a
 //! test can record it and work out what a power failure at any moment leaves (`recorder`, which only tests have).
 //!
-//! What reaches the disk without a sync is up to the operating system: a file may be there without its content, and of two names
+//! Without a sync the operating system decides which changes reach the disk, and when: a file may be there without its content, and of two names
 //! the later one may survive. [`DiskFile::sync`] brings the content of a file to the disk, [`sync_directory`] the names in a
 //! directory.
 

@@ -11,7 +11,7 @@ use serde::Serialize;
 use crate::writers::fnv::Fnv;
 use crate::writers::run_files::{Extent, FileRecord, Kind, Manifest};
 
-/// What the summary says about the files of the run.
+/// The files of the run in the summary.
 #[derive(Clone, Debug, Serialize)]
 pub struct SummaryFiles {
     /// Number of files in `hashes.txt`.

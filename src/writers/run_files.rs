@@ -69,7 +69,7 @@ impl Extent {
 /// Hashes all bytes on their way to a file.
 pub struct Counted<'a> {
     file: &'a mut dyn Write,
-    /// What has been written.
+    /// Length and hash of the bytes so far.
     pub extent: Extent,
 }
 
@@ -110,7 +110,7 @@ pub struct FileRecord {
     pub name: String,
     /// How it changes.
     pub kind: Kind,
-    /// What the run had written.
+    /// Length and hash of the bytes that the run had written.
     pub extent: Extent,
 }
 
@@ -119,7 +119,7 @@ pub struct FileRecord {
 pub struct Damage {
     /// Path in the run directory.
     pub file: String,
-    /// What was wrong with it, in words.
+    /// The damage, in words.
     pub what: String,
     /// Number of steps after which the run was continued: what the file had from before is missing.
     pub steps: u64,

@@ -296,7 +296,7 @@ fn a_limit_of_file_sizes_is_reported_like_a_full_disk() {
     let summary = summary(&run);
     assert_eq!(summary["status"], "failed");
     assert!(summary["failure"].as_str().unwrap().contains("series.csv"), "{summary}");
-    // Whole rows alone.
+    // The file ends with a whole row.
     assert!(fs::read_to_string(run.join("series.csv")).unwrap().ends_with('\n'));
     // Other commands say so too, and leave nothing.
     let call = format!("ulimit -f 0; exec '{}' new copy.ron", env!("CARGO_BIN_EXE_siloflow"));

@@ -32,7 +32,7 @@ pub struct Gas {
 /// Value of [`Gas::resting`] at sites where no particle can rest.
 pub(crate) const CLOSED: u8 = 2;
 
-/// What is kept of a gas between two steps.
+/// The state of a gas between two steps.
 #[derive(Clone, Debug, Deserialize, Serialize)]
 pub struct SavedGas {
     states: Vec<u16>,

@@ -121,13 +121,7 @@ pub trait PersistApp {
 
 impl PersistApp for App {
     fn persist<R: Resource + Persistent>(&mut self) -> &mut Self {
-        self.persist_with::<R, R>(
-            |world, _| world.get_resource::<R>().map(encode).transpose(),
-            |world, resource: R, _| {
-                world.insert_resource(resource);
-                Ok(())
-            },
-        )
+        self.persist_resource::<R>(|_| Ok(()))
     }
 
     fn persist_part<R: Resource<Mutability = bevy_ecs::component::Mutable>, S: Persistent>(
@@ -135,32 +129,15 @@ impl PersistApp for App {
         save: fn(&R) -> Result<S, Problem>,
         restore: fn(&mut R, S) -> Result<(), Problem>,
     ) -> &mut Self {
-        self.persist_with::<R, S>(
-            move |world, _| world.get_resource::<R>().map(|resource| encode(&save(resource)?)).transpose(),
-            move |world, part: S, _| {
-                let mut resource = world.get_resource_mut::<R>().ok_or("the scene does not have this state")?;
-                restore(&mut resource, part)
-            },
-        )
+        self.persist_part_of(save, restore, |_| Ok(()))
     }
 
     fn persist_component<C: Component + Persistent>(&mut self) -> &mut Self {
-        self.register::<C>(
-            true,
-            Box::new(|world, numbers| entities::save_column::<C>(world, numbers).map(Some)),
-            Box::new(|world, bytes, entities| entities::restore_column::<C>(world, bytes, entities, |_| Ok(()))),
-        )
+        self.persist_column::<C>(|_| Ok(()))
     }
 
     fn persist_sound<R: Resource + Persistent>(&mut self) -> &mut Self {
-        self.persist_with::<R, R>(
-            |world, _| world.get_resource::<R>().map(encode).transpose(),
-            |world, resource: R, _| {
-                numbers::check(&resource)?;
-                world.insert_resource(resource);
-                Ok(())
-            },
-        )
+        self.persist_resource::<R>(numbers::check)
     }
 
     fn persist_sound_part<R: Resource<Mutability = bevy_ecs::component::Mutable>, S: Persistent>(
@@ -168,22 +145,11 @@ impl PersistApp for App {
         save: fn(&R) -> Result<S, Problem>,
         restore: fn(&mut R, S) -> Result<(), Problem>,
     ) -> &mut Self {
-        self.persist_with::<R, S>(
-            move |world, _| world.get_resource::<R>().map(|resource| encode(&save(resource)?)).transpose(),
-            move |world, part: S, _| {
-                numbers::check(&part)?;
-                let mut resource = world.get_resource_mut::<R>().ok_or("the scene does not have this state")?;
-                restore(&mut resource, part)
-            },
-        )
+        self.persist_part_of(save, restore, numbers::check)
     }
 
     fn persist_sound_component<C: Component + Persistent>(&mut self) -> &mut Self {
-        self.register::<C>(
-            true,
-            Box::new(|world, numbers| entities::save_column::<C>(world, numbers).map(Some)),
-            Box::new(|world, bytes, entities| entities::restore_column::<C>(world, bytes, entities, numbers::check)),
-        )
+        self.persist_column::<C>(numbers::check)
     }
 
     fn check_restored(&mut self, check: fn(&mut World) -> Result<(), Problem>) -> &mut Self {
@@ -198,8 +164,22 @@ impl PersistApp for App {
     }
 }
 
-/// Registration of state that refers to entities.
+/// Registration of state with a check of restored values, and of state that refers to entities.
 pub(crate) trait PersistWith {
+    /// Saves the resource `R`. `check` refuses restored ones.
+    fn persist_resource<R: Resource + Persistent>(&mut self, check: fn(&R) -> Result<(), Problem>) -> &mut Self;
+
+    /// Saves a part of the resource `R`. `check` refuses restored parts.
+    fn persist_part_of<R: Resource<Mutability = bevy_ecs::component::Mutable>, S: Persistent>(
+        &mut self,
+        save: fn(&R) -> Result<S, Problem>,
+        restore: fn(&mut R, S) -> Result<(), Problem>,
+        check: fn(&S) -> Result<(), Problem>,
+    ) -> &mut Self;
+
+    /// Saves the component `C` of every entity that has it. `check` refuses restored ones.
+    fn persist_column<C: Component + Persistent>(&mut self, check: fn(&C) -> Result<(), Problem>) -> &mut Self;
+
     /// Saves the resource `R` as `S`, with functions that translate entities.
     fn persist_with<R: Resource, S: Persistent>(
         &mut self,
@@ -211,6 +191,41 @@ pub(crate) trait PersistWith {
 }
 
 impl PersistWith for App {
+    fn persist_resource<R: Resource + Persistent>(&mut self, check: fn(&R) -> Result<(), Problem>) -> &mut Self {
+        self.persist_with::<R, R>(
+            |world, _| world.get_resource::<R>().map(encode).transpose(),
+            move |world, resource: R, _| {
+                check(&resource)?;
+                world.insert_resource(resource);
+                Ok(())
+            },
+        )
+    }
+
+    fn persist_part_of<R: Resource<Mutability = bevy_ecs::component::Mutable>, S: Persistent>(
+        &mut self,
+        save: fn(&R) -> Result<S, Problem>,
+        restore: fn(&mut R, S) -> Result<(), Problem>,
+        check: fn(&S) -> Result<(), Problem>,
+    ) -> &mut Self {
+        self.persist_with::<R, S>(
+            move |world, _| world.get_resource::<R>().map(|resource| encode(&save(resource)?)).transpose(),
+            move |world, part: S, _| {
+                check(&part)?;
+                let mut resource = world.get_resource_mut::<R>().ok_or("the scene does not have this state")?;
+                restore(&mut resource, part)
+            },
+        )
+    }
+
+    fn persist_column<C: Component + Persistent>(&mut self, check: fn(&C) -> Result<(), Problem>) -> &mut Self {
+        self.register::<C>(
+            true,
+            Box::new(|world, numbers| entities::save_column::<C>(world, numbers).map(Some)),
+            Box::new(move |world, bytes, entities| entities::restore_column::<C>(world, bytes, entities, check)),
+        )
+    }
+
     fn persist_with<R: Resource, S: Persistent>(
         &mut self,
         save: impl Fn(&World, &EntityNumbers) -> Result<Option<Vec<u8>>, Problem> + Send + Sync + 'static,

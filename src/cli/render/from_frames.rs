@@ -14,7 +14,7 @@ use super::selection::Survey;
 use crate::cli::exit_status::Verdict;
 use crate::cli::export::without_frames;
 use crate::cli::progress::Progress;
-use crate::cli::say;
+use crate::cli::{help_to_write, say};
 use crate::fault::Fault;
 use crate::output::frame_data::columns::Columns;
 use crate::output::frame_data::reader::FrameReader;
@@ -212,12 +212,7 @@ fn unwritten(path: &Path, target: &Path, error: &io::Error) -> Fault {
     if error.kind() == io::ErrorKind::InvalidData {
         return unreadable(path, error);
     }
-    let help = if error.kind() == io::ErrorKind::ResourceBusy {
-        "wait for its end, or give another place with --out"
-    } else {
-        "nothing was written; is there space, and may you write there? Or give another place with --out"
-    };
-    Fault::new("render::write", format!("could not write {}: {error}", target.display())).help(help)
+    Fault::new("render::write", format!("could not write {}: {error}", target.display())).help(help_to_write(error))
 }
 
 fn movie(args: &RenderArgs, header: &Header, plan: &Plan, target: &Path) -> Result<Verdict, Fault> {

@@ -164,7 +164,7 @@ mod tests {
         fs::write(part.path().join("grains-00000.vtp"), "new").unwrap();
         part.publish(false).unwrap();
         assert_eq!((names(here.path()), names(&target)), (vec!["vtk".to_owned()], vec!["grains-00000.vtp".to_owned()]));
-        // What is there is replaced only if the caller says so.
+        // A directory with the name of the target is replaced only if the caller says so.
         let again = PartDirectory::create(&target, "vtk").unwrap();
         assert!(again.publish(false).is_err());
         assert_eq!(names(here.path()), ["vtk"]);

@@ -34,7 +34,7 @@ pub struct Estimates {
     pub pair_limit: f64,
     /// Largest stable step in a dense bed, s.
     pub bed_limit: f64,
-    /// Largest damping rates of any contact: c/(2 m) along the normal, and of sliding or rolling, 1/s.
+    /// Largest damping rates of any contact: c/(2 m) along the normal, and of sliding, rolling or twisting, 1/s.
     pub damping_rates: [f64; 2],
     /// The shortest relaxation time c/k of tangential, rolling and twisting springs, s; infinite without such springs.
     pub relaxation: f64,
@@ -57,6 +57,12 @@ impl Estimates {
     #[must_use]
     pub fn of(loaded: &Loaded) -> Option<Self> {
         Self::with(loaded, loaded.scene.integrator)
+    }
+
+    /// Whether `Centred` lets springs follow the positions at this step ([`crate::integrate::centred`]).
+    #[must_use]
+    pub fn has_exact_springs(&self) -> bool {
+        self.relaxation.is_finite() && self.dt > self.relaxation
     }
 
     /// Estimates for a scene with another scheme; `None` if it has no grains.

@@ -46,7 +46,7 @@ fn direction(unit: Solid) -> String {
     )
 }
 
-/// What reads heights in a scene.
+/// Returns the keys and searches of a scene that read heights.
 fn users_of_heights(loaded: &Loaded) -> Vec<&'static str> {
     let scene = &loaded.scene;
     let is_planar = scene.space == Dimension::Plane;

@@ -28,13 +28,14 @@ pub fn way_out(loaded: &Loaded, budget: &Budget) -> Option<Vector> {
     let (radius, _) = loaded.grain_radii()?;
     let mut discs = loaded.wall_discs();
     discs.extend(&loaded.silo.door);
-    let balls = loaded.own_surfaces().into_iter().filter_map(|wall| match wall.surface {
+    let walls = loaded.own_surfaces();
+    let balls = walls.iter().filter_map(|wall| match wall.surface {
         Surface::Ball(Ball { centre, radius }) => Some(Disc { centre, radius }),
         _ => None,
     });
     discs.extend(balls);
-    let surfaces: Vec<Surface> = loaded.own_surfaces().into_iter().map(|wall| wall.surface).collect();
-    let [low, high] = Outline::new(&discs, &[], &loaded.own_surfaces(), radius).bounds()?;
+    let [low, high] = Outline::new(&discs, &[], &walls, radius).bounds()?;
+    let surfaces: Vec<Surface> = walls.into_iter().map(|wall| wall.surface).collect();
     let spacing = 0.25 * radius;
     let points = |extent: Vector, reach: f64| {
         let whole = extent.abs() + Vector::splat(2.0 * (reach + spacing));
@@ -59,7 +60,6 @@ pub fn way_out(loaded: &Loaded, budget: &Budget) -> Option<Vector> {
         return None;
     }
     let mut field = Field::new(low - Vector::splat(margin), high + Vector::splat(margin), spacing);
-    let give_up = || budget.give_up("gaps in the walls");
     for disc in discs.iter().take_while(|_| !budget.is_spent()) {
         field.block(disc.centre, disc.centre, disc.radius + radius, |x| x.distance(disc.centre));
     }
@@ -80,7 +80,7 @@ pub fn way_out(loaded: &Loaded, budget: &Budget) -> Option<Vector> {
     while let Some((i, j)) = stack.pop() {
         // Walls may be missing in the field then.
         if budget.is_spent() {
-            give_up();
+            budget.give_up("gaps in the walls");
             return None;
         }
         let x = place((i, j), spacing);

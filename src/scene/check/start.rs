@@ -62,8 +62,8 @@ fn examine_in<V: Space>(loaded: &Loaded, estimates: Option<&Estimates>, budget: 
         }
         examined
     });
-    let behind = grains.iter().filter(|(_, [half, _])| *half <= 0.0).map(|(body, _)| *body);
-    inside(behind.take(1).next(), "behind a half-plane", warnings);
+    let mut behind = grains.iter().filter(|(_, [half, _])| *half <= 0.0).map(|(body, _)| *body);
+    inside(behind.next(), "behind a half-plane", warnings);
     let pressed = |(body, [half, thin]): &(&Body, [f64; 2])| {
         *half > 0.0 && body.radius - half.min(*thin) > LARGE_OVERLAP * body.radius
     };

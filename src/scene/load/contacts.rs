@@ -12,7 +12,6 @@ use crate::grains::file::GrainRow;
 use crate::periodic::Periodic;
 use crate::scene::loaded::Loaded;
 use crate::space::{Dimension, Plane, Solid, Space};
-use crate::walls::config::Wall;
 use crate::walls::surfaces::{SurfaceWall, Surfaces};
 
 /// Two bodies are apart if the gap between them is more than this share of the grain's radius. The memory of a contact may be
@@ -23,9 +22,9 @@ const APART: f64 = 0.01;
 /// have moved or bent a little. Under another name only rounding may part them.
 const ONE_POINT: [f64; 2] = [0.1, 1e-3];
 
-/// Why a row has no place in a scene.
+/// A row that has no place in a scene.
 pub(super) struct Stray {
-    /// What does not exist, in words.
+    /// The missing grain, wall or contact, in words.
     pub reason: String,
     /// Whether it is a wall or a wall grain.
     pub is_wall: bool,
@@ -84,7 +83,7 @@ impl<'a, V: Space> Partners<'a, V> {
             grains: loaded.grains.iter().map(|grain| (grain.id.number(), grain)).collect(),
             wall_grains: wall_grains.collect(),
             surfaces: Surfaces::new(loaded.surfaces(), largest),
-            names: loaded.scene.walls.iter().filter(|wall| wall.is_surface()).map(Wall::name).collect(),
+            names: loaded.wall_names(),
         }
     }
 

@@ -92,7 +92,7 @@ impl Loaded {
         self.each_wall(|_, own| own)
     }
 
-    /// What `surfaces` makes of the surfaces of each wall, in the order of the scene.
+    /// Calls `surfaces` with the surfaces of each wall of the scene, and returns all its results in the order of the scene.
     fn each_wall<V: Space>(
         &self,
         surfaces: impl Fn(&Wall, Vec<SurfaceWall<V>>) -> Vec<SurfaceWall<V>>,
@@ -156,6 +156,11 @@ impl Loaded {
             BandSampler::new(bands.clone(), walls, &own)
         });
         samplers.collect()
+    }
+
+    /// For each wall of the scene that is a surface, its name: entry `n` is that of the surfaces with the number `n`.
+    pub(crate) fn wall_names(&self) -> Vec<Option<&str>> {
+        self.scene.walls.iter().filter(|wall| wall.is_surface()).map(Wall::name).collect()
     }
 
     /// Whether walls have images beyond periodic sides.

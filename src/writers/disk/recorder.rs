@@ -149,7 +149,7 @@ pub struct Disk {
     pending: Vec<Change>,
 }
 
-/// What becomes of an uncertain thing: a number below the argument.
+/// Chooses one of so many outcomes of an operation that is not synced: a number below the argument.
 pub type Choice<'a> = &'a mut dyn FnMut(usize) -> usize;
 
 impl Disk {

@@ -23,8 +23,7 @@ impl<V: Space> Pass<'_, V> {
         if !store.tracks_energy || memory.is_empty() {
             return [0.0; 3];
         }
-        let [i, j] = contact.both();
-        self.lost_at_end(&ended_pair(store, i, j, self.dt), memory)
+        self.lost_at_end(&ended_pair(store, contact, self.dt), memory)
     }
 
     /// Returns the energy lost when a contact with a wall ends, J. Returns 0 if the wall is a door that has been

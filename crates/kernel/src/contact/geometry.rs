@@ -11,7 +11,8 @@
 
 use crate::contact::facets::nearest_facets;
 use crate::contact::root::inverse_root;
-use crate::contact::{Gathered, Pair, VelocityPrediction};
+use crate::contact::{Pair, VelocityPrediction};
+use crate::neighbours::list::Candidate;
 use crate::particle::GrainId;
 use crate::space::{COINCIDENT, Linear, PARTED, Space};
 use crate::store::{Body, ParticleStore};
@@ -102,25 +103,11 @@ pub fn touching<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, root: bo
 }
 
 /// Returns the geometry of two particles whose contact has ended in this step.
-pub(super) fn ended_pair<V: Space>(store: &ParticleStore<V>, i: usize, j: usize, dt: f64) -> Pair<V> {
+pub(super) fn ended_pair<V: Space>(store: &ParticleStore<V>, contact: Candidate, dt: f64) -> Pair<V> {
+    let [i, j] = contact.both();
     let separation = store.separation(store.body[i].position, store.body[j].position);
-    let pair = pair_at(store, [i, j], separation, true, dt);
-    let ahead = [i, j].map(|i| store.body[i].velocity - store.middle_velocity(i));
-    Pair { gathered: gathered(store, &pair, ahead[0] - ahead[1], [i, j].map(Some)), ..pair }
-}
-
-/// Returns the velocities with which the springs of a pair have advanced in this step, if they have their own. Predicted velocities of
-/// the pair are `ahead` (m/s) of those in the middle of the step.
-fn gathered<V: Space>(
-    store: &ParticleStore<V>,
-    pair: &Pair<V>,
-    ahead: V,
-    particles: [Option<usize>; 2],
-) -> Option<Gathered<V>> {
-    let spin =
-        |i: Option<usize>| i.filter(|&i| i < store.rotation.len()).map_or(V::Spin::ZERO, |i| store.middle_spin(i));
-    let relative_velocity = pair.relative_velocity - ahead;
-    store.prediction.springs_exact.then(|| Gathered { relative_velocity, spins: particles.map(spin) })
+    let gathered = store.prediction.springs_exact.then(|| store.gathered(contact));
+    Pair { gathered, ..pair_at(store, [i, j], separation, true, dt) }
 }
 
 /// Returns the geometry of two particles that are `separation` (m) apart.
@@ -297,8 +284,7 @@ fn walls_repeat<V: Space>(walls: &[SurfaceWall<V>], beside: &[(usize, WallLine<V
 /// Returns the geometry of the movable particle in slot `i` and a wall that it has just left.
 pub(super) fn ended_wall_pair<V: Space>(store: &ParticleStore<V>, i: usize, wall: &SurfaceWall<V>, dt: f64) -> Pair<V> {
     let pair = wall_pair_at(store, i, wall, &WallLine::new(&store.body[i], wall), true, dt);
-    let ahead = store.body[i].velocity - store.middle_velocity(i);
-    Pair { gathered: gathered(store, &pair, ahead, [Some(i), None]), ..pair }
+    Pair { gathered: store.prediction.springs_exact.then(|| store.gathered_with_wall(i, &pair)), ..pair }
 }
 
 /// Returns the geometry of the movable particle in slot `i` and a wall beside it.

@@ -1,8 +1,8 @@
-//! Velocity predictions of single contacts, from the gains in the store.
+//! Velocities of single contacts in the middle of the step and at its end, from the gains in the store.
 
-use crate::contact::Pair;
+use crate::contact::{Gathered, Pair};
 use crate::neighbours::list::Candidate;
-use crate::space::Space;
+use crate::space::{Linear, Space};
 use crate::store::ParticleStore;
 
 impl<V: Space> ParticleStore<V> {
@@ -23,6 +23,23 @@ impl<V: Space> ParticleStore<V> {
         pair.relative_velocity -= self.body[i].velocity - self.middle_velocity(i);
         pair.ahead.velocity = self.gain(i);
         self.describe(i, 0, pair);
+    }
+
+    /// Returns the velocities of two particles in the middle of the step.
+    #[inline(always)]
+    pub(super) fn gathered(&self, contact: Candidate) -> Gathered<V> {
+        let [i, j] = contact.both();
+        Gathered {
+            relative_velocity: self.middle_velocity(i) - self.middle_velocity(j),
+            spins: [self.middle_spin(i), self.middle_spin(j)],
+        }
+    }
+
+    /// Like [`Self::gathered`], for a contact of particle `i` with a wall surface, which moves at a constant velocity during the step.
+    #[inline(always)]
+    pub(super) fn gathered_with_wall(&self, i: usize, pair: &Pair<V>) -> Gathered<V> {
+        let ahead = self.body[i].velocity - self.middle_velocity(i);
+        Gathered { relative_velocity: pair.relative_velocity - ahead, spins: [self.middle_spin(i), V::Spin::ZERO] }
     }
 
     /// Velocity gain of particle `i` in half a step by the forces at its beginning, m/s.

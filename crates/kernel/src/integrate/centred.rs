@@ -15,14 +15,15 @@
 //! share a motion along their normals are stable for n ((w0 dt)^2 + 8 zeta w0 dt/(1 + zeta w0 dt)) < 4. `scene::check::crowd` has
 //! the limit with friction.
 //!
-//! **Springs** along tangents, in rolling and in twisting have a memory of the way of the contact. They advance in one of two ways:
+//! **Springs** along tangents, in rolling and in twisting gather how far the surfaces move against each other while the contact lasts. They
+//! advance in one of two ways:
 //!
 //! * *With the velocities in the middle of the step*, S <- S + dt v_h, as in `verlet`. The stretch then follows the positions, and springs
-//!   without dashpots keep their energy like all springs of velocity Verlet. Each contact loads two more velocities and spins.
+//!   without dashpots keep their energy like all springs of velocity Verlet. Each contact also loads the velocities and spins in the middle of the step.
 //! * *With the predicted velocities*, S <- S + dt v_p, where every spring has a dashpot c >= k dt. S is stored half a step ahead: the
 //!   stretch at the evaluation is S - dt/2 v_p. This is the trapezoidal rule. The stretch lags, so that a spring acts as if its dashpot
 //!   were weaker by (1 - beta)/2 k dt, and at beta = 1 by (w dt)^2/4 k dt for a motion of frequency w. A dashpot of k dt outweighs
-//!   that in every stable step. No more velocities are loaded than dashpots need.
+//!   that in every stable step. A contact then loads the predicted velocities alone.
 //!
 //! [`VelocityPredictionPlugin::springs_exact`] tells which. In both ways a motion grows in no step below the limit of
 //! `scene::check::crowd`, whatever the dashpots. A stiffness that grows with the root of the overlap counts with its exact mean over a step of
@@ -65,7 +66,7 @@ fn prepare<V: Space>(clock: Res<Clock>, rates: Res<DampingRates>, mut store: Res
 
 /// Velocity prediction for centred contacts, in addition to the integrator.
 pub struct VelocityPredictionPlugin<V: Space> {
-    /// Largest damping rates of any contact: c/(2 m) along the normal, and of sliding or rolling, 1/s.
+    /// Largest damping rates of any contact: c/(2 m) along the normal, and of sliding, rolling or twisting, 1/s.
     pub damping_rates: [f64; 2],
     /// Whether springs advance with the velocities in the middle of the step.
     pub springs_exact: bool,

@@ -114,7 +114,7 @@ pub(super) fn restore_column<C: Component + Persistent>(
     world: &mut World,
     bytes: &[u8],
     entities: &SavedEntities,
-    check: impl Fn(&C) -> Result<(), Problem>,
+    check: fn(&C) -> Result<(), Problem>,
 ) -> Result<(), Problem> {
     let (entities, mut rest) = entities.in_runs(bytes)?;
     let mut values = Vec::with_capacity(entities.len());

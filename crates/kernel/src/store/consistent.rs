@@ -55,7 +55,7 @@ fn problem<V: Space>(world: &mut World) -> Option<&'static str> {
     (rows + store.vacated.len() != store.len()).then_some("a row has no particle")
 }
 
-/// What is wrong with the rows by themselves.
+/// Returns a fault of the rows by themselves, in words.
 fn problem_of_rows<V: Space>(store: &ParticleStore<V>) -> Option<&'static str> {
     let left: HashSet<usize> = store.vacated.iter().copied().collect();
     let are_left = store.vacated.iter().all(|&row| store.entity.get(row) == Some(&Entity::PLACEHOLDER));

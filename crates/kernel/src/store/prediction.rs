@@ -103,11 +103,11 @@ impl<V: Space> ParticleStore<V> {
         }
     }
 
-    /// Spin of particle `i` in the middle of the step, rad/s, between the drift and the kick. Particles must have spins.
+    /// Spin of particle `i` in the middle of the step, rad/s, between the drift and the kick; zero if particles do not spin.
     #[inline]
     #[must_use]
     pub fn middle_spin(&self, i: usize) -> V::Spin {
-        if self.is_ahead(i) { self.prediction.middle_spin[i] } else { self.rotation[i].spin }
+        if self.is_ahead(i) { self.prediction.middle_spin.get(i).copied().unwrap_or_default() } else { self.spin(i) }
     }
 
     /// Sets the velocity of particle `i`, m/s, and shifts that in the middle of the step by the same difference. If

@@ -4,7 +4,7 @@
 //! kinds of numbers are not saved: those that the scene decides (inertia and periodic sides), and those that
 //! exist within a step alone (velocities in its middle). The smallest share of a radius is computed anew.
 //!
-//! What is restored is checked ([`consistent`]): rows and components that do not fit would end in a panic of a later step.
+//! The restored state is checked ([`consistent`]): rows and components that do not fit would end in a panic of a later step.
 
 use bevy_app::App;
 use bevy_ecs::prelude::*;

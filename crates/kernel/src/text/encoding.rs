@@ -33,7 +33,7 @@ pub struct TextReader<R> {
     /// Lines, and characters in the last line, of the decoded text, from 0.
     line: usize,
     column: usize,
-    /// What is wrong with the text. Every later call says so again.
+    /// The fault of the text, in words. Every later call returns it again.
     wrong: Option<String>,
 }
 
@@ -163,7 +163,7 @@ impl<R: Read> TextReader<R> {
         };
     }
 
-    /// What is wrong, with the present place.
+    /// Returns a message about a fault at the present place.
     fn wrong(&self, what: &str) -> String {
         let (line, column) = (self.line + 1, self.column + 1);
         format!("line {line}, column {column}: {what}; save the file with the encoding UTF-8")

@@ -1,7 +1,7 @@
 //! Triangle meshes from STL files, ASCII or binary, and from OBJ files.
 //!
-//! Normals in the file are not used: a triangle pushes grains away on both sides. Corners that should be the same must be
-//! equal, or differ by less than 1e-9 radii of a grain; otherwise a seam counts as an edge. Numbers of an STL file have
+//! Normals in the file are not used: a triangle pushes grains away on both sides. Corners that should be the same may
+//! differ by rounding, as far as [`seams`](crate::walls::seams) allows; otherwise a seam counts as an edge. Numbers of an STL file have
 //! single precision.
 
 mod obj;

@@ -156,7 +156,7 @@ fn crosses_itself(points: &[Solid], up: Solid) -> bool {
     })
 }
 
-/// What becomes of a corner on a straight edge.
+/// Whether a corner on a straight edge stays.
 #[derive(Clone, Copy, PartialEq)]
 enum Straight {
     LeftOut,
@@ -286,7 +286,7 @@ fn clip(points: Vec<Solid>, up: Solid, straight: Straight) -> Option<Vec<[Solid;
             ear = ring.ear();
         }
         let Some(at) = ear else {
-            // What is left encloses no area if every corner is on a straight edge.
+            // The rest of the polygon encloses no area if every corner is on a straight edge.
             let is_done = ring.straight.len() == ring.left;
             return is_done.then_some(triangles);
         };

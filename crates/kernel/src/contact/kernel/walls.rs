@@ -76,7 +76,7 @@ impl<V: Space, C: LawRequirements> Worker<'_, V, C> {
             self.batch.lone |= u64::from(view.prediction.lone[contact.first()]) << self.batch.len;
         }
         if self.gathers() {
-            self.batch.gathered.take_wall(self.batch.len, (contact.first(), pair), view);
+            self.batch.gathered.set(self.batch.len, view.gathered_with_wall(contact.first(), pair));
         }
         self.batch.push::<C>(contact, pair);
         if self.batch.len == LANES {

@@ -98,7 +98,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     /// Whether springs advance with velocities of their own.
     #[inline]
     pub(super) fn gathers(&self) -> bool {
-        C::SPIN && self.view.prediction.springs_exact
+        self.pass.needs.memory.is_some() && self.view.prediction.springs_exact
     }
 
     /// Takes the marks of the pairs of the batch. With memory this comes before the history is read, which needs pairs without marks.
@@ -114,7 +114,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
     #[inline]
     fn load_requirements(&mut self) {
         let (needs_species, gathers) = (self.pass.needs.species, self.gathers());
-        if !(needs_species || C::SPIN) {
+        if !(needs_species || C::SPIN || gathers) {
             return;
         }
         let (batch, view) = (&mut *self.batch, self.view);
@@ -133,7 +133,7 @@ impl<'a, V: Space, C: LawRequirements> Worker<'a, V, C> {
                     batch.spins.take(lane, batch.pairs[lane].both().map(|entry| &rotations[entry]));
                 }
                 for lane in 0..if gathers { lanes } else { 0 } {
-                    batch.gathered.take(lane, batch.pairs[lane], view);
+                    batch.gathered.set(lane, view.gathered(batch.pairs[lane]));
                 }
             },
         );
